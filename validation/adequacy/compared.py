@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import NamedTuple
 
 import numpy as np
 
@@ -40,27 +39,17 @@ class Compared:
     uncertainties: Mapping[str, Array] = field(default_factory=dict)
 
 
-class ComparedStatics(NamedTuple):
-    """Compliances (p×6×6, SI) by all models and, last, by the alternatives of the reference.
-
-    `uncertainties` of the alternatives (p×7, relative), of meshes and of the file's digits.
-    """
-
-    compliances: Mapping[str, Array]
-    uncertainties: Mapping[str, Array]
-
-
 def compared_models(mechanism: Mechanism) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """The models that are compared in statics, and those that are in frequencies."""
-    judged = judged_models(mechanism)
-    static, dynamic = (
-        tuple(name for name in stack if name in judged) for stack in (_STATIC_STACK, _DYNAMIC_STACK)
-    )
-    return static, dynamic
+    return tuple(_stacked(mechanism, _STATIC_STACK)), tuple(_stacked(mechanism, _DYNAMIC_STACK))
 
 
-def compared_statics(robot: RobotOnPath) -> ComparedStatics:
-    """All models and the alternatives; raises InputError or ComputationError without reference."""
+def compared_statics(robot: RobotOnPath) -> tuple[dict[str, Array], dict[str, Array]]:
+    """Compliances (p×6×6, SI) by all models and, last, by the alternatives of the reference.
+
+    Then the uncertainties of the alternatives (p×7, relative), of meshes and of the file's digits.
+    Raises InputError or ComputationError without reference.
+    """
     found = {
         name: compliances(robot.postures, model, options)
         for name, (model, _, options) in _answering(robot, _STATIC_STACK).items()
@@ -72,15 +61,18 @@ def compared_statics(robot: RobotOnPath) -> ComparedStatics:
         if one.response.compliance is not None and one.static is not None:
             open_digits = 0.0 if one.digits is None else one.digits
             found[name], uncertainties[name] = one.response.compliance, one.static + open_digits
-    return ComparedStatics(found, uncertainties)
+    return found, uncertainties
 
 
-def compared_compliances(statics: ComparedStatics) -> Compared:
-    """Compliance (p×6, SI) along and about each axis, under its own force and moment."""
-    found = {
-        name: np.diagonal(values, axis1=1, axis2=2) for name, values in statics.compliances.items()
-    }
-    against = next(iter(statics.uncertainties))
+def compared_compliances(
+    compliances: Mapping[str, Array], uncertainties: Mapping[str, Array]
+) -> Compared:
+    """Compliance (p×6, SI) along and about each axis, under its own force and moment.
+
+    Arguments as `compared_statics` gives them.
+    """
+    found = {name: np.diagonal(one, axis1=1, axis2=2) for name, one in compliances.items()}
+    against = next(iter(uncertainties))
     reference = found[against]
     known = np.where(reference != 0.0, reference, np.nan)
     differences = {name: values / known - 1.0 for name, values in found.items() if name != against}
@@ -138,9 +130,10 @@ def compared_frequencies(robot: RobotOnPath) -> Compared:
 
 
 def _answering(robot: RobotOnPath, stack: tuple[str, ...]) -> dict[str, JudgedModel]:
-    judged = judged_models(robot.mechanism)
-    return {
-        name: judged[name]
-        for name in stack
-        if name in judged and not why_unable(robot.postures, judged[name])
-    }
+    models = _stacked(robot.mechanism, stack).items()
+    return {name: model for name, model in models if not why_unable(robot.postures, model)}
+
+
+def _stacked(mechanism: Mechanism, stack: tuple[str, ...]) -> dict[str, JudgedModel]:
+    judged = judged_models(mechanism)
+    return {name: judged[name] for name in stack if name in judged}

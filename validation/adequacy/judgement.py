@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from lumped.acceptance.requirement import ANY_FORCE, ORDER, STATIC_QUANTITIES, Requirement
 from lumped.arrays import Array
 from validation.adequacy.errors import Errors, Scale
-from validation.adequacy.matrix import Adequacy, Cause, Entry, Matrix, ModelNote
+from validation.adequacy.matrix import Adequacy, Cause, Entry, Matrix, ModelNote, worst_of
 from validation.adequacy.probability import Probability, UncertainInputs, probability
 from validation.adequacy.response import Candidate, Reference, Response, Step, Subject
 from validation.agreement.displacement import displacement
@@ -171,12 +171,6 @@ def _verdict(
     if low >= -limit and high <= limit:
         return "undecided" if unknown.any() else "adequate"
     return "inadequate" if low > limit or high < -limit else "undecided"
-
-
-def worst_of(verdicts: Sequence[Adequacy]) -> Adequacy:
-    """What holds over all poses: inadequate where it is so in any, adequate where in all."""
-    order: tuple[Adequacy, ...] = ("inadequate", "undecided", "adequate")
-    return min(verdicts, key=order.index)
 
 
 def _deciding(verdicts: Sequence[Adequacy], verdict: Adequacy, middle: Array) -> int:

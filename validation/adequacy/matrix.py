@@ -151,9 +151,7 @@ class Matrix:
 
     def verdict(self, model: str) -> Adequacy:
         """The worst verdict of a model, "undecided" better than "inadequate"."""
-        verdicts = {entry.verdict for entry in self.of_model(model)}
-        worst: tuple[Adequacy, ...] = ("inadequate", "undecided", "adequate")
-        return next((verdict for verdict in worst if verdict in verdicts), "undecided")
+        return worst_of([entry.verdict for entry in self.of_model(model)] or ["undecided"])
 
     def fails(self, rely: Sequence[str], *, strict: bool) -> tuple[str, ...]:
         """Models relied on that are inadequate, with `strict` also those that are undecided."""
@@ -175,6 +173,12 @@ class Assessment:
 
 
 VERDICTS: tuple[Adequacy, ...] = ("adequate", "inadequate", "undecided")
+
+
+def worst_of(verdicts: Sequence[Adequacy]) -> Adequacy:
+    """What holds of all: inadequate where it is so of any, adequate where of all."""
+    order: tuple[Adequacy, ...] = ("inadequate", "undecided", "adequate")
+    return min(verdicts, key=order.index)
 
 
 def named(matrix: Matrix, quantities: Collection[str]) -> str:

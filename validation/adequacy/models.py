@@ -1,12 +1,17 @@
 """The models that are judged, by the names that the matrix has them under."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from functools import partial
 from typing import NamedTuple
 
 from lumped.legs import GivenLeg
 from lumped.mechanism.mechanism import Mechanism, Posture
-from validation.adequacy.mechanism.path import why_not_serial
-from validation.models.options import ModelName, ModelOptions
+from validation.adequacy.mechanism.path import RobotOnPath, why_not_serial
+from validation.adequacy.mechanism.statics import compliances
+from validation.adequacy.mechanism.vibration import modes_by_model
+from validation.adequacy.response import Response, modes_of, statics_of
+from validation.models.options import STATIC, ModelName, ModelOptions
 from validation.models.parts import is_leg
 from validation.models.stepped_parts import why_not_stepped
 
@@ -64,3 +69,18 @@ def why_unable(postures: Sequence[Posture], model: JudgedModel) -> str:
     if model.options.parts == "stepped":
         return why_not_stepped(postures[0].mechanism)
     return why_not_serial(postures) if model.kind == "vjm" else ""
+
+
+def statics_by(robot: RobotOnPath, model: JudgedModel) -> Response:
+    """What a model answers to unit wrenches; nothing where it cannot answer."""
+    if why_unable(robot.postures, model):
+        return Response()
+    return statics_of(partial(compliances, robot.postures, model.kind, model.options))
+
+
+def with_modes(statics: Response, robot: RobotOnPath, model: JudgedModel) -> Response:
+    """The response with the model's modes, where it has any."""
+    if model.kind in STATIC or why_unable(robot.postures, model):
+        return statics
+    found = modes_of(partial(modes_by_model, robot, model.kind, model.options))
+    return replace(statics, vibration=found.vibration, unsolved_modes=found.unsolved_modes)

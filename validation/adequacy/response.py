@@ -122,6 +122,26 @@ class Step:
     remedy: str = ""
 
 
+def ladders(
+    models: Mapping[str, Sequence[str]],
+    texts: Mapping[str, tuple[str, str, str]],
+    responses: Mapping[str, Mapping[str, Response]],
+    **words: str,
+) -> dict[str, tuple[Step, ...]]:
+    """Steps by model: in the order that `models` name them, those that have `responses`.
+
+    `texts` are templates of `words`: cause, source and remedy of every step.
+    """
+    steps = {}
+    for name, found in responses.items():
+        cause, source, remedy = (text.format(**words) for text in texts[name])
+        steps[name] = Step(cause, source, found, remedy)
+    return {
+        model: tuple(steps[name] for name in names if name in steps)
+        for model, names in models.items()
+    }
+
+
 @dataclass(frozen=True, eq=False)
 class Candidate:
     """A model that a designer might use: what it answers and what leads from it to the truth.

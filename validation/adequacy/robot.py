@@ -6,7 +6,6 @@ What feet, joints and other legs hide, the leg alone shows: torsion of open sect
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import replace
-from functools import partial
 from typing import TypeAlias
 
 import numpy as np
@@ -35,18 +34,15 @@ from validation.adequacy.mechanism.path import (
     robot_at,
     robot_on_path,
 )
-from validation.adequacy.mechanism.statics import (
-    compliances,
-    static_ladders,
-    static_reference,
-)
-from validation.adequacy.mechanism.vibration import with_modes
+from validation.adequacy.mechanism.statics import static_ladders, static_reference
 from validation.adequacy.models import (
     JUDGED,
     LEGS_AS_GIVEN,
     JudgedModel,
     judged_models,
+    statics_by,
     why_unable,
+    with_modes,
 )
 from validation.adequacy.response import (
     UNSOLVED,
@@ -56,7 +52,6 @@ from validation.adequacy.response import (
     Step,
     Subject,
     no_reference,
-    statics_of,
 )
 from validation.agreement.accuracy import PATIENCE, refined
 from validation.context import PRESETS, Context, Preset
@@ -131,9 +126,7 @@ def robot_subject(context: Context) -> Subject:
     models = judged_models(robot.mechanism)
     statics = static_subject(robot, models)
     found = {
-        one.model: one.response if one.silent else with_modes(one.response, robot, kind, options)
-        for one in statics.candidates
-        for kind, _, options in [models[one.model]]
+        one.model: with_modes(one.response, robot, models[one.model]) for one in statics.candidates
     }
     try:
         reference = dynamic_reference(robot)
@@ -175,16 +168,14 @@ def static_subject(robot: RobotOnPath, models: Models) -> Subject:
         reference = no_reference(error)
     candidates = []
     for name, model in models.items():
-        unable = why_unable(robot.postures, model)
-        solve = partial(compliances, robot.postures, model.kind, model.options)
         candidates.append(
             Candidate(
                 model=name,
                 title=model.title,
-                response=Response() if unable else statics_of(solve),
+                response=statics_by(robot, model),
                 static_steps=ladders.get(name, ()),
                 rigid=_RIGID if name == "simplified" else "",
-                silent=unable,
+                silent=why_unable(robot.postures, model),
                 computed_by=(f"validation.models.mechanism.answers({model.kind!r})",),
             )
         )

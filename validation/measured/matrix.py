@@ -11,8 +11,7 @@ from lumped.mechanism.kinematics.postures import posture
 from lumped.mechanism.mechanism import Mechanism
 from lumped.models.bodies import legs_of
 from lumped.robot_file.load import UncertainInput
-from validation.adequacy.judgement import worst_of
-from validation.adequacy.matrix import Entry, Matrix, ModelNote
+from validation.adequacy.matrix import Entry, Matrix, ModelNote, worst_of
 from validation.adequacy.mechanism.path import coordinates, why_not_serial
 from validation.adequacy.models import judged_models
 from validation.adequacy.probability import COVERAGE, propagated

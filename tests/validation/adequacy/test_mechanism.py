@@ -13,6 +13,7 @@ from lumped.models.bodies import legs_of, tip_compliances
 from lumped.robot_file import load_robot
 from lumped.system.assembly import assembly
 from lumped.system.solution import modes, solved
+from validation.adequacy.mechanism.parts import assembled
 from validation.adequacy.mechanism.path import (
     MOST_POSES,
     holding,
@@ -20,7 +21,7 @@ from validation.adequacy.mechanism.path import (
     why_not_serial,
 )
 from validation.adequacy.mechanism.samples import samples_of
-from validation.adequacy.mechanism.statics import assembled, summed
+from validation.adequacy.mechanism.statics import summed
 from validation.adequacy.models import judged_models
 from validation.adequacy.robot import robot_adequacy
 from validation.catalogue import catalogue

@@ -16,11 +16,9 @@ from lumped.legs import GivenLeg
 from lumped.mechanism.body_model import BodyModel
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.models.bodies import legs_of, tip_compliances
-from lumped.models.links import links
 from lumped.system.assembly import assembly
-from lumped.system.solution import compliance, solved
 from validation.adequacy.mechanism.legs import Masses, by_shapes, shapes_inside
-from validation.adequacy.mechanism.parts import condensed_parts
+from validation.adequacy.mechanism.parts import assembled
 from validation.adequacy.mechanism.samples import samples_of
 from validation.adequacy.mechanism.vibration import vibration_of
 from validation.adequacy.response import Vibration
@@ -45,8 +43,12 @@ def left_by_digits(text: str, postures: Sequence[Posture]) -> Array:
     roundings = roundings_of(text, postures)
     if not roundings:
         return np.zeros((len(postures), len(STATIC_QUANTITIES)))
-    own = _compliances(postures)
-    changes = np.array(list(changes_by_digits(roundings, own, _compliances)))
+
+    def own_legs(at: Sequence[Posture]) -> Array:
+        return assembled(at, tip_compliances(at[0].mechanism))
+
+    own = own_legs(postures)
+    changes = np.array(list(changes_by_digits(roundings, own, own_legs)))
     draws = 2.0 * qmc.Sobol(len(changes), seed=0).random_base2(_POWER) - 1.0
     off = np.tensordot(draws, changes, axes=1).reshape(-1, 6, 6)
     found = sizes(off, np.tile(own, (len(draws), 1, 1))).reshape(len(draws), len(postures), -1)
@@ -98,11 +100,3 @@ def modes_by_digits(
 
     share = share_by_digits(roundings, postures, frequencies)
     return own, np.pad(share, ((0, 0), (0, count - known)))
-
-
-def _compliances(postures: Sequence[Posture]) -> Array:
-    """The robot (p×6×6, SI) of its legs as springs, 6×6 as given."""
-    mechanism = postures[0].mechanism
-    models = {**links(mechanism, tip_compliances(mechanism)), **condensed_parts(mechanism)}
-    prepared = assembly(mechanism, models)
-    return np.array([compliance(solved(prepared.at(posture))) for posture in postures])

@@ -21,8 +21,9 @@ from validation.adequacy.mechanism.legs import (
 )
 from validation.adequacy.mechanism.parts import (
     FINER_PARTS,
+    PART_STEPS,
     UNKNOWN,
-    part_steps,
+    part_answers,
     refinement_share,
 )
 from validation.adequacy.mechanism.path import Holds, RobotOnPath
@@ -41,6 +42,7 @@ from validation.adequacy.response import (
     Step,
     Vibration,
     finer_by,
+    ladders,
     modes_of,
 )
 from validation.context import Preset
@@ -56,7 +58,6 @@ _SAY_MASS = (
     "material in its place"
 )
 _SUPPOSED = "for every plausible distribution of the legs' mass"
-_RIGID = "legs rigid and without mass"
 
 
 def dynamic_reference(robot: RobotOnPath) -> Reference:
@@ -64,9 +65,7 @@ def dynamic_reference(robot: RobotOnPath) -> Reference:
     preset, holding, parts = robot.context.meshes, robot.holding, robot.mechanism.parts
     if reason := _why_unmeshed(robot.prisms, preset):
         return Reference("none", (), decides=reason)
-    masses: tuple[Masses | None, ...] = (None,)
-    if robot.given:
-        masses = plausible_masses(robot.given.values())
+    masses = plausible_masses(robot.given.values())
     left_by_parts = _part_uncertainty(robot, masses[0])
     alternatives = []
     for (name, hold), mass in product(holding.alternatives.items(), masses):
@@ -216,82 +215,74 @@ def dynamic_ladders(
     if not names:
         return {}
 
-    def same(modes: Response) -> dict[str, Response]:
-        return dict.fromkeys(names, modes)
-
     def answered(model: ModelName, options: ModelOptions) -> Response:
         return modes_of(partial(modes_by_model, robot, model, options), UNSOLVED)
-
-    # From beams of textbook constants upwards.
-    upper: tuple[Step, ...] = ()
-    if robot.prisms and not robot.given:
-        upper = _to_solids(robot, names)
-    of_parts = part_steps(
-        robot.mechanism, names, lambda kind: answered("beam", ModelOptions(parts=kind))
-    )
-    above = (*of_parts, *upper)
-    twice = 2 * ELEMENTS
-    beams = same(found["beam"])
-    segments = (
-        Step(
-            f"discretisation (n = {ELEMENTS})",
-            f"{twice} segments, then beam elements",
-            # Second order in 1/n: a quarter of the error is left.
-            same(answered("segments", ModelOptions(elements=twice))),
-            f"n = {twice}",
-        ),
-        Step(f"discretisation (n = {ELEMENTS})", "beam elements of the same constants", beams),
-    )
-    shear, remedy = "shear deformation and rotary inertia left out", "use Timoshenko"
-    return {
-        "simplified": (
-            Step(f"drives only: {_RIGID}", "beam elements", beams, "use beam"),
-            *above,
-        ),
-        "segments": (*segments, *above),
-        "beam": above,
-        "segments-euler-bernoulli": (
-            Step(shear, "Timoshenko segments", same(found["segments"]), remedy),
-            *segments,
-            *above,
-        ),
-        "beam-euler-bernoulli": (Step(shear, "Timoshenko beams", beams, remedy), *above),
-        "segments-stepped": (*of_parts[1:], *upper),
-        "segments-condensed": (
-            *((_inner_modes(robot, names),) if of_parts else ()),
-            *upper,
-        ),
-    }
-
-
-def _to_solids(robot: RobotOnPath, names: Sequence[str]) -> tuple[Step, ...]:
-    """From textbook constants to the sections' own, and to warping by alternative."""
 
     def own(ends: Holds | None) -> Response:
         return modes_of(partial(modes_of_own_beams, robot, ends), UNSOLVED)
 
-    return (
-        Step(
-            "textbook section constants",
-            "fem.sections.section_constants, beam elements",
-            dict.fromkeys(names, own(None)),
-            "take the section's constants from finite elements",
-        ),
-        Step(
-            "warping: held at the ends, and non-uniform torsion between them",
-            "beams with Reissner's torsion, the section's own Γ",
-            {name: own(ends) for name, ends in robot.holding.alternatives.items()},
-            "add the warping stiffness",
-        ),
-    )
+    alike = {
+        "drives": found["beam"],
+        "shear of segments": found["segments"],
+        "shear of beams": found["beam"],
+        # Second order in 1/n: a quarter of the error is left.
+        "twice as many": answered("segments", ModelOptions(elements=2 * ELEMENTS)),
+        "beams": found["beam"],
+        **part_answers(robot.mechanism, lambda kind: answered("beam", ModelOptions(parts=kind))),
+    }
+    if robot.mechanism.parts:
+        # On a coarser mesh than the reference's.
+        solids = partial(modes_of_solids, robot, robot.holding.first, None, level=MIDDLE)
+        alike["modes inside"] = modes_of(solids, UNSOLVED)
+    if robot.prisms and not robot.given:
+        alike["own"] = own(None)
+    by_step = {step: dict.fromkeys(names, modes) for step, modes in alike.items()}
+    if "own" in by_step:
+        holds = robot.holding.alternatives
+        by_step["warping"] = {name: own(ends) for name, ends in holds.items()}
+    return ladders(_LADDERS, _STEPS, by_step)
 
 
-def _inner_modes(robot: RobotOnPath, names: Sequence[str]) -> Step:
-    """From Guyan's mass to modes of the parts' own, on a coarser mesh than the reference's."""
-    solids = partial(modes_of_solids, robot, robot.holding.first, None, level=MIDDLE)
-    return Step(
+_SHEAR = "shear deformation and rotary inertia left out"
+_DISCRETE = f"discretisation (n = {ELEMENTS})"
+_STEPS: Mapping[str, tuple[str, str, str]] = {
+    "drives": ("drives only: legs rigid and without mass", "beam elements", "use beam"),
+    "shear of segments": (_SHEAR, "Timoshenko segments", "use Timoshenko"),
+    "shear of beams": (_SHEAR, "Timoshenko beams", "use Timoshenko"),
+    "twice as many": (
+        _DISCRETE,
+        f"{2 * ELEMENTS} segments, then beam elements",
+        f"n = {2 * ELEMENTS}",
+    ),
+    "beams": (_DISCRETE, "beam elements of the same constants", ""),
+    **PART_STEPS,
+    # From Guyan's mass.
+    "modes inside": (
         "inertia inside the parts (Guyan's mass)",
         "parts reduced by Craig and Bampton, the middle one of their meshes",
-        dict.fromkeys(names, modes_of(solids, UNSOLVED)),
         "give the parts modes of their own: model solid",
-    )
+    ),
+    # From textbook constants to the sections' own, and to warping by alternative.
+    "own": (
+        "textbook section constants",
+        "fem.sections.section_constants, beam elements",
+        "take the section's constants from finite elements",
+    ),
+    "warping": (
+        "warping: held at the ends, and non-uniform torsion between them",
+        "beams with Reissner's torsion, the section's own Γ",
+        "add the warping stiffness",
+    ),
+}
+_TO_SOLIDS = ("own", "warping")
+_FROM_BEAMS = (*PART_STEPS, *_TO_SOLIDS)
+_FROM_SEGMENTS = ("twice as many", "beams", *_FROM_BEAMS)
+_LADDERS: Mapping[str, Sequence[str]] = {
+    "simplified": ("drives", *_FROM_BEAMS),
+    "segments": _FROM_SEGMENTS,
+    "beam": _FROM_BEAMS,
+    "segments-euler-bernoulli": ("shear of segments", *_FROM_SEGMENTS),
+    "beam-euler-bernoulli": ("shear of beams", *_FROM_BEAMS),
+    "segments-stepped": ("condensed", *_TO_SOLIDS),
+    "segments-condensed": ("modes inside", *_TO_SOLIDS),
+}

@@ -17,25 +17,22 @@ from scipy.stats import norm, qmc
 from lumped.arrays import Array
 from lumped.mechanism.mechanism import Mechanism
 from validation.adequacy.mechanism.legs import held_spring, plausible_masses
+from validation.adequacy.mechanism.parts import assembled
 from validation.adequacy.mechanism.path import Holds, RobotOnPath, robot_at
-from validation.adequacy.mechanism.statics import assembled, compliances
 from validation.adequacy.mechanism.vibration import (
     modes_of_own_beams,
     modes_of_solids,
-    with_modes,
 )
-from validation.adequacy.models import JudgedModel, why_unable
+from validation.adequacy.models import JudgedModel, statics_by, with_modes
 from validation.adequacy.partners import partners
 from validation.adequacy.response import (
     UNSOLVED,
-    Candidate,
     InputOff,
     InputsOff,
     Response,
     Subject,
     Vibration,
     modes_of,
-    statics_of,
 )
 from validation.context import Preset
 from validation.kinematics.poses import postures_of
@@ -85,7 +82,7 @@ class _Beams:
 
 def _beams(robot: RobotOnPath) -> _Beams:
     holds = tuple(robot.holding.alternatives.values())
-    masses = plausible_masses(robot.given.values()) if robot.given else (None,)
+    masses = plausible_masses(robot.given.values())
     return _Beams(
         [_compliance(robot, ends) for ends in holds],
         [
@@ -127,19 +124,17 @@ def _carried(
             subject.dynamics.alternatives, own.vibrations, off.vibrations, strict=False
         )
     ]
+    candidates = [
+        replace(one, response=with_modes(statics_by(robot, of), robot, of))
+        for one in subject.candidates
+        for of in [models[one.model]]
+    ]
     return replace(
         subject,
-        candidates=[_answered(one, robot, models[one.model]) for one in subject.candidates],
+        candidates=candidates,
         statics=replace(subject.statics, alternatives=statics),
         dynamics=replace(subject.dynamics, alternatives=dynamics),
     )
-
-
-def _answered(candidate: Candidate, robot: RobotOnPath, model: JudgedModel) -> Candidate:
-    if why_unable(robot.postures, model):
-        return replace(candidate, response=Response())
-    statics = statics_of(partial(compliances, robot.postures, model.kind, model.options))
-    return replace(candidate, response=with_modes(statics, robot, model.kind, model.options))
 
 
 def _congruent(reference: Array, own: Array, off: Array) -> Array:

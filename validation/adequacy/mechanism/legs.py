@@ -7,7 +7,7 @@ alone. What they all say of a model is said of it whatever the leg is like; what
 on only more data can tell.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
 from typing import Literal, TypeAlias, get_args
 
@@ -188,8 +188,13 @@ def own_constants(leg: ConstantLeg, divisions: int = SECTION_DIVISIONS) -> Secti
         return leg_constants(leg, divisions)
 
 
-def plausible_masses(legs: Iterable[GivenLeg]) -> tuple[Masses, ...]:
-    """The distributions by name; wedges only where the centre of a leg's mass is not known."""
+def plausible_masses(legs: Collection[GivenLeg]) -> tuple[Masses | None, ...]:
+    """The distributions by name; wedges only where the centre of a leg's mass is not known.
+
+    Without given legs one, None: masses are where solids have them.
+    """
+    if not legs:
+        return (None,)
     if all(leg.mass_centre is not None for leg in legs):
         return tuple(masses for masses in MASSES if masses not in _CENTRES)
     return MASSES

@@ -1,6 +1,6 @@
 """CAD parts of a mechanism as their solids, and what their meshes leave open."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
@@ -9,8 +9,11 @@ from lumped.arrays import Array
 from lumped.legs import Ends
 from lumped.mechanism.body_model import BodyModel
 from lumped.mechanism.mechanism import Mechanism, Posture
-from lumped.system.assembly import assemble
-from validation.adequacy.response import Response, Step
+from lumped.models.links import links
+from lumped.system.assembly import assemble, assembly
+from lumped.system.solution import compliance, solved
+from validation.adequacy.mechanism.path import Springs
+from validation.adequacy.response import Response
 from validation.drawing.text import percent
 from validation.models.mechanism import CUTOFF, highest_frequency, static_bodies
 from validation.models.options import PartLegs, ReductionBy
@@ -25,7 +28,8 @@ _FEWEST = 8
 UNKNOWN = 1.0
 # The meshes of parts are of one size in all presets.
 FINER_PARTS = "finer meshes of the parts than any preset makes"
-_STEPS: dict[PartLegs, tuple[str, str, str]] = {
+# Above models with equivalent legs.
+PART_STEPS: Mapping[str, tuple[str, str, str]] = {
     "stepped": (
         "one section from end to end in the place of the part",
         "ten prismatic pieces with the part's own sections, beam elements",
@@ -120,24 +124,30 @@ def condensed_parts(mechanism: Mechanism) -> dict[str, BodyModel]:
     return {name: condensed(body) for name, body in mechanism.parts.items()}
 
 
-def part_steps(
-    mechanism: Mechanism,
-    alternatives: Iterable[str],
-    idealised: Callable[[PartLegs], Response],
-) -> tuple[Step, ...]:
-    """Steps above models with equivalent legs, or none without parts.
+def assembled(postures: Sequence[Posture], springs: Springs, parts: Bodies | None = None) -> Array:
+    """Compliances (p×6×6) by the assembler, every leg by its tip's compliance (6×6).
+
+    `parts`: models of those bodies that are CAD parts; condensed on their interfaces without.
+    """
+    mechanism = postures[0].mechanism
+    of_parts = condensed_parts(mechanism) if parts is None else parts
+    prepared = assembly(mechanism, {**links(mechanism, springs), **of_parts})
+    return np.array([compliance(solved(prepared.at(posture))) for posture in postures])
+
+
+def part_answers(
+    mechanism: Mechanism, idealised: Callable[[PartLegs], Response]
+) -> dict[str, Response]:
+    """Responses after each of the `PART_STEPS`; none without parts.
 
     The last one is all that stepped legs lack, and the only one where parts cannot be stepped.
     `idealised` gives the response with parts idealised otherwise, all else as in the model.
     """
     if not mechanism.parts:
-        return ()
-    unstepped = why_not_stepped(mechanism)
-    return tuple(
-        Step(cause, source, dict.fromkeys(alternatives, idealised(kind)), remedy)
-        for kind, (cause, source, remedy) in _STEPS.items()
-        if kind != "stepped" or not unstepped
-    )
+        return {}
+    all_kinds: tuple[PartLegs, PartLegs] = ("stepped", "condensed")
+    kinds = all_kinds[1:] if why_not_stepped(mechanism) else all_kinds
+    return {kind: idealised(kind) for kind in kinds}
 
 
 def number_by_number(difference: Array, values: Array) -> Array:

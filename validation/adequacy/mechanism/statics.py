@@ -16,9 +16,6 @@ from lumped.arrays import Array
 from lumped.legs import Ends, Leg, equivalent_leg, given_compliance
 from lumped.mechanism.mechanism import Posture
 from lumped.models import serial_chains
-from lumped.models.links import links
-from lumped.system.assembly import assembly
-from lumped.system.solution import compliance, solved
 from validation.adequacy.mechanism.digits import left_by_digits
 from validation.adequacy.mechanism.legs import (
     ROUNDING,
@@ -36,9 +33,9 @@ from validation.adequacy.mechanism.legs import (
 )
 from validation.adequacy.mechanism.parts import (
     FINER_PARTS,
-    Bodies,
-    condensed_parts,
-    part_steps,
+    PART_STEPS,
+    assembled,
+    part_answers,
     refinement_share,
     solid_parts,
 )
@@ -49,6 +46,7 @@ from validation.adequacy.response import (
     Reference,
     Response,
     Step,
+    ladders,
     statics_of,
 )
 from validation.agreement.displacement import sizes
@@ -60,7 +58,6 @@ from validation.solids.legs import COARSEST_WALLS
 # Compliance (6×6, SI, leg axes) of the tip of a leg with such ends.
 Spring: TypeAlias = Callable[[Leg, Ends], Array]
 
-_RIGID = "bodies and joints rigid"
 _BY = {"vjm": "virtual joints with ", "links": "links with "}
 
 
@@ -69,19 +66,8 @@ def compliances(postures: Sequence[Posture], model: ModelName, options: ModelOpt
     return np.array([answer.compliance for answer in answers(model, postures, 0, options)])
 
 
-def assembled(postures: Sequence[Posture], springs: Springs, parts: Bodies | None = None) -> Array:
-    """Compliances (p×6×6) by the assembler, every leg by its tip's compliance (6×6).
-
-    `parts`: models of those bodies that are CAD parts; condensed on their interfaces without.
-    """
-    mechanism = postures[0].mechanism
-    of_parts = condensed_parts(mechanism) if parts is None else parts
-    prepared = assembly(mechanism, {**links(mechanism, springs), **of_parts})
-    return np.array([compliance(solved(prepared.at(posture))) for posture in postures])
-
-
 def summed(postures: Sequence[Posture], springs: Springs) -> Array:
-    """The same by virtual joints along serial chains."""
+    """Compliances (p×6×6) by virtual joints along serial chains, every leg by its tip's."""
     return np.array([serial_chains.compliance(posture, springs) for posture in postures])
 
 
@@ -171,107 +157,87 @@ def _title(robot: RobotOnPath) -> str:
 
 def static_ladders(robot: RobotOnPath) -> dict[str, tuple[Step, ...]]:
     """Steps by name of the model, each ladder from the model upwards, one cause each."""
-    context, by = robot.context, _BY[robot.climbs]
-    alternatives = robot.holding.alternatives
+    context, mechanism = robot.context, robot.mechanism
 
-    def climbed(spring: Spring, ends: Holds) -> Response:
-        def solve() -> Array:
-            springs = {body: spring(leg, ends[body]) for body, leg in robot.legs.items()}
-            return _climbed(robot, springs)
+    def climbed(spring: Spring) -> dict[str, Response]:
+        def solve(ends: Holds) -> Array:
+            return _climbed(robot, {body: spring(leg, ends[body]) for body, leg in legs})
 
-        return statics_of(solve, UNSOLVED)
-
-    def alike(spring: Callable[[Leg], Array]) -> dict[str, Response]:
-        return dict.fromkeys(alternatives, climbed(lambda leg, _: spring(leg), robot.holding.first))
-
-    def held(spring: Spring) -> dict[str, Response]:
-        return {name: climbed(spring, ends) for name, ends in alternatives.items()}
+        return {
+            name: statics_of(partial(solve, ends), UNSOLVED)
+            for name, ends in robot.holding.alternatives.items()
+        }
 
     def idealised(parts: PartLegs) -> Response:
         options = ModelOptions(parts=parts)
         return statics_of(partial(compliances, robot.postures, "beam", options), UNSOLVED)
 
-    as_given = alike(given_compliance)
-    # From legs of constant section to the 6×6 that they were made of, then from parts as such legs,
-    section: tuple[Step, ...] = ()
+    def alike(found: Response) -> dict[str, Response]:
+        return dict.fromkeys(robot.holding.alternatives, found)
+
+    legs = robot.legs.items()
+    as_given = climbed(lambda leg, _: given_compliance(leg))
+    answered = {"drives": as_given}
+    answered["shear"] = (
+        alike(idealised("equivalent"))
+        if mechanism.parts
+        else climbed(lambda leg, _: given_compliance(equivalent_leg(leg)))
+    )
     if robot.given:
-        section = _of_given_legs(by, alike(straight_spring), as_given)
-    idealisation = part_steps(robot.mechanism, alternatives, idealised)
-    # and from there to solids.
-    upper: tuple[Step, ...] = ()
+        answered["diagonal"] = climbed(lambda leg, _: straight_spring(leg))
+        answered["couplings"] = as_given
+    for kind, found in part_answers(mechanism, idealised).items():
+        answered[kind] = alike(found)
     if robot.prisms:
-        upper = _to_solids(
-            alike(partial(own_spring, context)),
-            held(partial(held_spring, context)),
-            held(partial(restrained_spring, context)),
-        )
-    constant = (*section, *idealisation, *upper)
-    shear = Step(
-        "shear deformation left out",
-        f"{by}Timoshenko's cantilever",
-        dict.fromkeys(alternatives, idealised("equivalent"))
-        if robot.mechanism.parts
-        else alike(lambda leg: given_compliance(equivalent_leg(leg))),
-        "use Timoshenko",
-    )
-    drives = Step(
-        f"drives only: {_RIGID}", f"{by}the legs as given", as_given, f"use {robot.climbs}"
-    )
-    return {
-        "simplified": (drives, *upper),
-        "vjm": upper,
-        "links": upper,
-        "vjm-equivalent": constant,
-        "segments": constant,
-        "segments-stepped": (*idealisation[1:], *upper),
-        "segments-condensed": upper,
-        "beam": constant,
-        "segments-euler-bernoulli": (shear, *constant),
-        "beam-euler-bernoulli": (shear, *constant),
-    }
+        answered["own"] = climbed(lambda leg, _: own_spring(context, leg))
+        answered["warping"] = climbed(partial(held_spring, context))
+        answered["contraction"] = climbed(partial(restrained_spring, context))
+    return ladders(_LADDERS, _STEPS, answered, by=_BY[robot.climbs], climbs=robot.climbs)
 
 
-def _of_given_legs(
-    by: str, straight: Mapping[str, Response], as_given: Mapping[str, Response]
-) -> tuple[Step, ...]:
-    return (
-        Step(
-            "equivalent leg: another diagonal than the 6×6",
-            f"{by}the straight leg's entries of the 6×6",
-            straight,
-        ),
-        Step(
-            "equivalent leg: couplings of the 6×6 left out",
-            f"{by}the 6×6 as given",
-            as_given,
-            "take the 6×6 with its couplings",
-        ),
-    )
-
-
-def _to_solids(
-    own: Mapping[str, Response],
-    warping: Mapping[str, Response],
-    contraction: Mapping[str, Response],
-) -> tuple[Step, ...]:
-    """From textbook constants to solids with rigid end faces."""
-    return (
-        Step(
-            "textbook section constants",
-            "fem.sections.section_constants, tip of the cantilever",
-            own,
-            "take the section's constants from finite elements",
-        ),
-        Step(
-            "warping held at the ends",
-            "Reissner's torsion with held ends, the section's own Γ",
-            warping,
-            "add the warping stiffness",
-        ),
-        Step(
-            "contraction and warping by shear held at the ends",
-            "fem.couplings.end_effects, exact along the leg",
-            contraction,
-            "add what rigid end faces take",
-        ),
-    )
+_STEPS: Mapping[str, tuple[str, str, str]] = {
+    "drives": ("drives only: bodies and joints rigid", "{by}the legs as given", "use {climbs}"),
+    "shear": ("shear deformation left out", "{by}Timoshenko's cantilever", "use Timoshenko"),
+    # From legs of constant section to the 6×6 that they were made of, then from parts as such legs,
+    "diagonal": (
+        "equivalent leg: another diagonal than the 6×6",
+        "{by}the straight leg's entries of the 6×6",
+        "",
+    ),
+    "couplings": (
+        "equivalent leg: couplings of the 6×6 left out",
+        "{by}the 6×6 as given",
+        "take the 6×6 with its couplings",
+    ),
+    **PART_STEPS,
+    # and from textbook constants to solids with rigid end faces.
+    "own": (
+        "textbook section constants",
+        "fem.sections.section_constants, tip of the cantilever",
+        "take the section's constants from finite elements",
+    ),
+    "warping": (
+        "warping held at the ends",
+        "Reissner's torsion with held ends, the section's own Γ",
+        "add the warping stiffness",
+    ),
+    "contraction": (
+        "contraction and warping by shear held at the ends",
+        "fem.couplings.end_effects, exact along the leg",
+        "add what rigid end faces take",
+    ),
+}
+_TO_SOLIDS = ("own", "warping", "contraction")
+_FROM_CONSTANT = ("diagonal", "couplings", *PART_STEPS, *_TO_SOLIDS)
+_LADDERS: Mapping[str, Sequence[str]] = {
+    "simplified": ("drives", *_TO_SOLIDS),
+    "vjm": _TO_SOLIDS,
+    "links": _TO_SOLIDS,
+    "vjm-equivalent": _FROM_CONSTANT,
+    "segments": _FROM_CONSTANT,
+    "segments-stepped": ("condensed", *_TO_SOLIDS),
+    "segments-condensed": _TO_SOLIDS,
+    "beam": _FROM_CONSTANT,
+    "segments-euler-bernoulli": ("shear", *_FROM_CONSTANT),
+    "beam-euler-bernoulli": ("shear", *_FROM_CONSTANT),
+}

@@ -6,7 +6,6 @@ section's mass and rotary inertia.
 """
 
 from collections.abc import Callable, Iterable
-from dataclasses import replace
 from functools import partial
 from typing import NamedTuple
 
@@ -30,7 +29,7 @@ from validation.adequacy.mechanism.legs import (
 from validation.adequacy.mechanism.parts import Bodies, condensed_parts, solid_parts
 from validation.adequacy.mechanism.path import Holds, RobotOnPath, known_legs
 from validation.adequacy.mechanism.samples import Samples, samples_of
-from validation.adequacy.response import Response, Vibration, modes_of
+from validation.adequacy.response import Vibration
 from validation.context import Preset
 from validation.models.legs import filled
 from validation.models.mechanism import (
@@ -41,7 +40,7 @@ from validation.models.mechanism import (
     modes_on_drives,
     with_enough_modes,
 )
-from validation.models.options import STATIC, ModelName, ModelOptions
+from validation.models.options import ModelName, ModelOptions
 from validation.parts.meshes import FINEST
 from validation.solids.legs import (
     COARSEST_WALLS,
@@ -62,16 +61,6 @@ def modes_by_model(robot: RobotOnPath, model: ModelName, options: ModelOptions) 
         found = vibration_of(robot.samples, drives, robot.offered)
         return found if np.isfinite(found.frequencies).any(axis=1).all() else None
     return robot.context.get(model_vibration, robot.postures, model, options, robot.offered)
-
-
-def with_modes(
-    statics: Response, robot: RobotOnPath, model: ModelName, options: ModelOptions
-) -> Response:
-    """The response with the model's modes, where it has any."""
-    if model in STATIC:
-        return statics
-    found = modes_of(partial(modes_by_model, robot, model, options))
-    return replace(statics, vibration=found.vibration, unsolved_modes=found.unsolved_modes)
 
 
 class SolidMeshes(NamedTuple):

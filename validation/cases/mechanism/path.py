@@ -29,8 +29,9 @@ from lumped.models.serial_chains import serial_chains
 from lumped.system.assembly import System, assembly
 from lumped.system.solution import modes, rounding, rounding_of_frequencies, solved
 from validation.adequacy.mechanism.legs import solid_leg
+from validation.adequacy.mechanism.parts import assembled
 from validation.adequacy.mechanism.path import known_legs, path_postures, why_not_serial
-from validation.adequacy.mechanism.statics import assembled, compliances
+from validation.adequacy.mechanism.statics import compliances
 from validation.agreement.convergence import step_factor
 from validation.agreement.farthest import farthest_entry
 from validation.case import Absolute, Measurement, Relative, Sides, Skip

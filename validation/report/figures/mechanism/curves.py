@@ -40,7 +40,7 @@ figures = FigureGroup(PATH, SHARED_SOLIDS)
 def deflections(context: Context) -> Shown:
     """A panel for each direction, under a force or a moment along it."""
     try:
-        found = compared_compliances(compared_statics(robot_on_path(context)))
+        found = compared_compliances(*compared_statics(robot_on_path(context)))
     except UNSOLVED as error:
         raise Skip(str(error)) from error
     chart = deflection_chart(found, *_path(context))
