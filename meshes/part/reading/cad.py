@@ -4,7 +4,7 @@ STEP files carry their unit; BREP files have none. The kernel turns everything i
 it makes the shape: scaled afterwards, cylinders would turn into splines.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -100,6 +100,7 @@ def cad_model(path: Path, unit: str | None = None) -> Iterator[CadModel]:
         gap, place = _largest_gap(gmsh, tag)
         model = CadModel(gmsh, tag, chosen, extent, gap)
         _require_sound(model, path, place)
+        _require_cavities_inside(model, path)
         _require_all_points(model, path, box)
         if path.suffix.lower() in STEP:
             _require_all_faces(model, path)
@@ -135,8 +136,12 @@ def _box(gmsh: ModuleType, solid: int) -> Array:
     The kernel's boxes hold all control points of splines, off the surface as they are: around faces
     that are splines it is the box of the kernel's triangles.
     """
+    return _around(gmsh, gmsh.model.getBoundary([(3, solid)], oriented=False))
+
+
+def _around(gmsh: ModuleType, faces: Sequence[tuple[int, int]]) -> Array:
+    """The same of some faces."""
     lower, upper = [], []
-    faces = gmsh.model.getBoundary([(3, solid)], oriented=False)
     edges = gmsh.model.getBoundary(faces, combined=False, oriented=False)
     for dimension, tag in {*faces, *edges}:
         spline = dimension == 2 and "spline" in gmsh.model.getType(2, tag).lower()
@@ -174,6 +179,20 @@ def _largest_gap(gmsh: ModuleType, solid: int) -> tuple[float, Array]:
             if not gap <= worst:
                 worst, place = gap, curve.mean(axis=0)
     return worst, place
+
+
+def _require_cavities_inside(model: CadModel, path: Path) -> None:
+    """Raise InputError where a cavity sticks out of the solid, by the boxes around its shells.
+
+    Faces that close it alone are sound to the kernel, wherever they lie.
+    """
+    _, shells = model.gmsh.model.occ.getSurfaceLoops(model.tag)
+    boxes = [_around(model.gmsh, [(2, int(face)) for face in shell]) for shell in shells]
+    outer = max(boxes, key=lambda box: float(np.prod(box[1] - box[0])))
+    for box in boxes:
+        if (box[0] < outer[0]).any() or (box[1] > outer[1]).any():
+            place = ", ".join(f"{one:.4g}" for one in 0.5 * (box[0] + box[1]))
+            raise InputError(f"{path}: the cavity about ({place}) m sticks out of the solid")
 
 
 def _require_all_points(model: CadModel, path: Path, box: Array) -> None:

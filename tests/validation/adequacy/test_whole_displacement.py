@@ -31,7 +31,14 @@ def statics_of(robot_file: RobotFile) -> tuple[Subject, Matrix]:
 
 @pytest.mark.parametrize(
     "name",
-    ["ifw", *(pytest.param(name, marks=pytest.mark.exhaustive) for name in ("delta", "hexapod"))],
+    [
+        "ifw",
+        *(pytest.param(name, marks=pytest.mark.exhaustive) for name in ("delta", "hexapod")),
+        *(
+            pytest.param(name, marks=pytest.mark.soak)
+            for name in ("biglide", "five-bar", "3-rrr", "orthoglide")
+        ),
+    ],
 )
 def test_the_first_screen_is_that_of_the_plain_rule(name: str) -> None:
     with warnings.catch_warnings():

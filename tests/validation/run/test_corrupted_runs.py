@@ -19,7 +19,7 @@ from validation.session import runner
 from validation.session.validate import Request, validate
 
 # What `flexproof test` tries of it, and -m exhaustive besides.
-FEW, COUNT = 8, 34
+FEW, SOME, COUNT = 8, 34, 60
 ODD = (
     *("", "[]", "5", "{}", "null", "\x00", "[" * 50_000),
     *('{"seal": "', '{"run": 5}', '{"schema": 1, "run": [], "cases": {}}'),
@@ -177,7 +177,8 @@ def all_bytes(*folders):
     "seed",
     [
         *range(FEW),
-        *(pytest.param(k, marks=pytest.mark.exhaustive) for k in range(FEW, COUNT)),
+        *(pytest.param(k, marks=pytest.mark.exhaustive) for k in range(FEW, SOME)),
+        *(pytest.param(k, marks=pytest.mark.soak) for k in range(SOME, COUNT)),
     ],
 )
 def test_a_corrupted_run_goes_on_to_the_same_numbers(undisturbed, tmp_path, seed):

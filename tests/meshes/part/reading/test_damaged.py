@@ -116,6 +116,13 @@ NAMED = {
     ),
     # A cavity of the leg does not close: the leg without it, volume +46 %.
     "a cavity lost": ("leg", "#3789 = LINE(", "#3789 = SURFACE_CURVE(", "6 of its 28 faces bound"),
+    # Volume, gaps and number of faces stay, the box grows by 2 mm.
+    "a cavity moved": (
+        "bracket",
+        "CARTESIAN_POINT('',(60.,30.,18.))",
+        "CARTESIAN_POINT('',(6.0,30.,18.))",
+        r"the cavity about \(0\.006, 0\.03, 0\.018\) m sticks out of the solid",
+    ),
     # Ends the process, and never comes back.
     "a class cast": ("leg", "#3413 = VECTOR(", "#3413 = SOLID_ANGLE_UNIT(", "does not survive"),
 }
