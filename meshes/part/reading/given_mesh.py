@@ -24,6 +24,10 @@ from meshes.solid_mesh import VolumeMesh
 # Said, not guessed: other programs use these endings too.
 _FORMAT = {".msh": "gmsh", ".inp": "abaqus", ".vtu": "vtu"}
 MESHES = tuple(_FORMAT)
+# What makes or moves nodes and elements of an .inp file in ways that are not followed here, and
+# options of *NODE and *ELEMENT that do: another file, or coordinates that are not Cartesian.
+_NOT_FOLLOWED = ("INCLUDE", "NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYSTEM")
+_OPTIONS = ("INPUT", "SYSTEM")
 
 # A name, and which of the boundary's facets it holds.
 Group: TypeAlias = tuple[str, NDArray[np.bool_]]
@@ -47,6 +51,8 @@ def read_mesh(path: Path, unit: str | None = None) -> tuple[PartMesh, str]:
     Raises InputError where the file is no mesh of one solid with elements known here.
     """
     source, chosen = str(path), chosen_unit(None, unit, str(path))
+    if path.suffix.lower() == ".inp":
+        _require_followed(path)
     raw = _raw(path)
     element, blocks = _solid_cells(raw, source)
     points = np.asarray(raw.points, dtype=float)
@@ -69,6 +75,29 @@ def read_mesh(path: Path, unit: str | None = None) -> tuple[PartMesh, str]:
     faces, names = _named(mesh, facets, groups)
     bare = tuple(title for title, inside in groups if not inside.any())
     return PartMesh(nodes, mesh.cells, element, faces, names, bare), chosen
+
+
+def _require_followed(path: Path) -> None:
+    """Raise InputError for a line of an .inp file that would change its mesh and is not followed.
+
+    Materials, steps and whatever else leaves nodes and elements as they are is passed over.
+    """
+    lines = path.read_text("utf-8", "replace").splitlines()
+    for number, (line, after) in enumerate(zip(lines, [*lines[1:], ""], strict=True), start=1):
+        if not line.startswith("*") or line.startswith("**"):
+            continue
+        keyword, *options = (word.strip().upper() for word in line[1:].split(","))
+        named = {option.partition("=")[0].strip() for option in options}
+        wrong = [f"*{keyword}"] if keyword in _NOT_FOLLOWED else []
+        if keyword in ("NODE", "ELEMENT"):
+            wrong += [f"{one} of *{keyword}" for one in _OPTIONS if one in named]
+        if keyword == "INSTANCE" and after.strip() and not after.startswith("*"):
+            wrong.append("the place of *INSTANCE")
+        if wrong:
+            raise InputError(
+                f"{path}: line {number}: {wrong[0]} is not followed; write all nodes and elements "
+                "of the part into this file, in Cartesian coordinates"
+            )
 
 
 def _raw(path: Path) -> Any:

@@ -110,6 +110,28 @@ def test_bad_meshes_say_what_is_wrong(tmp_path):
     assert "finite" in refused(np.where(CUBE == 1.0, np.nan, CUBE), "hexahedron", HEXAHEDRON)
 
 
+@pytest.mark.parametrize(
+    ("added", "refused"),
+    [
+        ("*INCLUDE, INPUT=other.inp", r"\*INCLUDE"),
+        ("*Ngen\n1, 5, 1", r"\*NGEN"),
+        ("*ELGEN, ELSET=all\n1, 2, 1, 1", r"\*ELGEN"),
+        ("*NODE, SYSTEM=C\n900, 1.0, 0.0, 0.0", r"SYSTEM of \*NODE"),
+        ("*ELEMENT, TYPE=C3D4, INPUT=more.txt", r"INPUT of \*ELEMENT"),
+        ("*Instance, name=a, part=b\n10., 0., 0.\n*End Instance", r"the place of \*INSTANCE"),
+    ],
+)
+def test_a_keyword_that_would_change_the_mesh_is_refused(files, tmp_path, added, refused):
+    text = (files / "plate.inp").read_text()
+    path = tmp_path / "plate.inp"
+    path.write_text(f"{text}\n{added}\n")
+    with pytest.raises(InputError, match=rf"line \d+: {refused} is not followed; write all nodes"):
+        read_part(path, "mm")
+    # What leaves nodes and elements as they are is passed over.
+    path.write_text(f"{text}\n*MATERIAL, NAME=steel\n*ELASTIC\n2.1e11, 0.3\n*END PART\n")
+    assert read_part(path, "mm").size == read_part(files / "plate.inp", "mm").size
+
+
 def test_what_an_input_file_refers_to_is_there(tmp_path):
     path = tmp_path / "mesh.inp"
     nodes = "1, 0., 0., 0.\n2, .1, 0., 0.\n3, 0., .1, 0."
