@@ -126,6 +126,18 @@ def evidence_faults(
     for number, one in enumerate(read["measured"], start=1):
         value, place = Measured(**one), f"measured[{number}]"
         faults += measured_faults(value, place) or pose_faults(robot, value, place)
+    keys = [one["key"] for one in read["input_uncertainty"]]
+    faults += [
+        f"input_uncertainty[{number}].key = {shown(key)}: named twice; must be named once"
+        for number, key in enumerate(keys, start=1)
+        if key in keys[: number - 1]
+    ]
+    rely = (read.get("accept") or {}).get("rely", ())
+    faults += [
+        f"accept.rely[{number}] = {shown(model)}: named twice; must be named once"
+        for number, model in enumerate(rely, start=1)
+        if model in rely[: number - 1]
+    ]
     return faults + [
         f"input_uncertainty[{number}].key = {shown(one['key'])}: must name a number or a matrix "
         'of this file, like "leg1.length" or "foot.compliance"'

@@ -44,6 +44,9 @@ def prepare() -> None:
     Of a stream that was closed from outside the next file to be opened would take the number, and
     what libraries print would go into that file.
     """
+    # A terminal that says it is no column wide would have help wrapped for ever.
+    if os.environ.get("COLUMNS", "").strip() == "0":
+        del os.environ["COLUMNS"]
     for number, mode in enumerate((os.O_RDONLY, os.O_RDONLY, os.O_WRONLY)):
         try:
             os.fstat(number)

@@ -88,6 +88,19 @@ def test_too_little_address_space_is_said_before_libraries_fail_for_want_of_it()
     assert "the limit of the address space (ulimit -v) leaves" in line
 
 
+def test_a_terminal_of_no_width_gets_its_help():
+    # Without an end before: a line of no columns is never full.
+    found = subprocess.run(
+        [sys.executable, "-m", "validation.cli", "solve", "--help"],
+        env={**os.environ, "COLUMNS": "0"},
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=True,
+    )
+    assert "Solve one model of the robot" in found.stdout
+
+
 def test_a_limit_of_the_address_space_counts_as_available_memory():
     limited = (
         "import resource; from fem.machine import available_memory;"
