@@ -29,7 +29,7 @@ class Context:
     robot_file: RobotFile
     preset: Preset = "standard"
     options: Mapping[str, str] = field(default_factory=dict)
-    finer: Preset | None = None
+    finer: Preset | None = field(default=None, kw_only=True)
     _memo: dict[str, Any] = field(default_factory=dict, repr=False, compare=False)
 
     @property

@@ -78,7 +78,7 @@ class RobotFile:
     @property
     def schema(self) -> int:
         """Schema of the file: 2 names bodies and joints, 1 has legs by number."""
-        return int(self.tables["schema"])
+        return int(self.tables.get("schema", 2))
 
     @property
     def name(self) -> str:

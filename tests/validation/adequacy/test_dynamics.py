@@ -135,7 +135,9 @@ def test_what_holds_for_every_plausible_mass_of_given_legs_is_decided(
     first = found(paper, model, "f1")
     assert first.verdict == "inadequate"
     assert first.uncertainties["where the legs' mass lies"] > 0.01
-    assert sentence(paper).endswith("(for every plausible distribution of the legs' mass).")
+    assert sentence(paper).endswith(
+        ". Frequencies: for every plausible distribution of the legs' mass."
+    )
 
 
 def test_what_plausible_masses_do_not_agree_on_more_data_decides(paper_subject: Subject) -> None:
