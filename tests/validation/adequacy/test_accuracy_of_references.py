@@ -29,6 +29,7 @@ def left_by_meshes(matrix: Matrix) -> float:
     return max(entry.uncertainties.get("meshes", 0.0) for entry in matrix.entries)
 
 
+@pytest.mark.exhaustive
 def test_an_accuracy_is_reached_or_it_is_said_that_it_is_not(arm: RobotFile) -> None:
     rough = by(arm, "quick")
     left = left_by_meshes(rough)

@@ -92,13 +92,21 @@ def files(part_file):
     }
 
 
-@pytest.mark.exhaustive
+# A third of the hundred damages of each file, and in the soak all of them.
+@pytest.mark.parametrize(
+    "seeds",
+    [
+        pytest.param(range(33), marks=pytest.mark.exhaustive),
+        pytest.param(range(33, 100), marks=pytest.mark.soak),
+    ],
+    ids=str,
+)
 @pytest.mark.parametrize("name", ["rocker", "leg", "bracket"])
-def test_no_damage_of_a_token_changes_a_part_in_silence(files, name, tmp_path):
+def test_no_damage_of_a_token_changes_a_part_in_silence(files, name, seeds, tmp_path):
     source = files[name]
     sound, text, path = read_part(source), source.read_text(), tmp_path / source.name
     silent = []
-    for seed in range(100):
+    for seed in seeds:
         changed, what = damaged(text, random.Random(f"{source.name} {seed}"))  # noqa: S311
         path.write_text(changed)
         if is_silent(path, sound):
