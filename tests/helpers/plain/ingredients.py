@@ -29,9 +29,8 @@ class Asked(Context):
 
     def with_other(self, key: str, value: object) -> Context:
         """A plain context with one entry exchanged."""
-        return Context(
-            self.robot_file, self.preset, self.options, self.finer, {**self._memo, key: value}
-        )
+        memo = {**self._memo, key: value}
+        return Context(self.robot_file, self.preset, self.options, memo, finer=self.finer)
 
     def entry(self, key: str) -> object:
         """What the memo holds."""
