@@ -47,6 +47,7 @@ def test_an_accuracy_is_reached_or_it_is_said_that_it_is_not(arm: RobotFile) -> 
             assert abs(one.error - other.error) <= (one.uncertainty or 0.0) + 1e-9
 
 
+@pytest.mark.exhaustive
 def test_a_verdict_that_hangs_on_meshes_is_decided_by_finer_ones(arm: RobotFile) -> None:
     standard, finer = by(arm, "standard"), by(arm, "fine")
     entry = max(

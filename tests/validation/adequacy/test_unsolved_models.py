@@ -61,6 +61,7 @@ def five_bar(tmp_path_factory):
     return str(path)
 
 
+@pytest.mark.exhaustive
 def test_a_mechanism_is_judged_without_the_model_that_refuses(monkeypatch, five_bar):
     sound, solids = untouched(five_bar)
     refusing(monkeypatch, statics, "answers", lambda model: model == "segments")
