@@ -187,6 +187,8 @@ def _require_cavities_inside(model: CadModel, path: Path) -> None:
     Faces that close it alone are sound to the kernel, wherever they lie.
     """
     _, shells = model.gmsh.model.occ.getSurfaceLoops(model.tag)
+    if len(shells) == 1:
+        return
     boxes = [_around(model.gmsh, [(2, int(face)) for face in shell]) for shell in shells]
     outer = max(boxes, key=lambda box: float(np.prod(box[1] - box[0])))
     for box in boxes:
