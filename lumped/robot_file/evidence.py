@@ -13,6 +13,7 @@ from lumped.errors import InputError
 from lumped.files import read_ordinary
 from lumped.mechanism.mechanism import Mechanism
 from lumped.robot_file.places import value_at
+from lumped.robot_file.rules.relations import named_twice
 from lumped.robot_file.rules.rule import is_finite_number
 from lumped.robot_file.rules.tables import ACCEPT, MEASURED
 from lumped.text import shown
@@ -127,17 +128,9 @@ def evidence_faults(
         value, place = Measured(**one), f"measured[{number}]"
         faults += measured_faults(value, place) or pose_faults(robot, value, place)
     keys = [one["key"] for one in read["input_uncertainty"]]
-    faults += [
-        f"input_uncertainty[{number}].key = {shown(key)}: named twice; must be named once"
-        for number, key in enumerate(keys, start=1)
-        if key in keys[: number - 1]
-    ]
-    rely = (read.get("accept") or {}).get("rely", ())
-    faults += [
-        f"accept.rely[{number}] = {shown(model)}: named twice; must be named once"
-        for number, model in enumerate(rely, start=1)
-        if model in rely[: number - 1]
-    ]
+    rely = (read["accept"] or {}).get("rely", ())
+    twice = (named_twice(keys, "input_uncertainty[{}].key"), named_twice(rely, "accept.rely[{}]"))
+    faults += [f"{fault}; must be named once" for one in twice for fault in one]
     return faults + [
         f"input_uncertainty[{number}].key = {shown(one['key'])}: must name a number or a matrix "
         'of this file, like "leg1.length" or "foot.compliance"'

@@ -25,8 +25,7 @@ from lumped.robot_file.evidence import (
     times,
 )
 from lumped.robot_file.mechanism.build import mechanism_of
-from lumped.robot_file.mechanism.description_faults import description_faults
-from lumped.robot_file.mechanism.motion_faults import motion_faults
+from lumped.robot_file.mechanism.faults import description_faults, motion_faults
 from lumped.robot_file.places import keys_named, value_at, with_value
 from lumped.robot_file.reading import decoded, parsed
 from lumped.robot_file.rules.published import key_comments
@@ -113,7 +112,8 @@ class RobotFile:
         Raises InputError where there is no such robot.
         """
         try:
-            values = {key: times(value_at(self.tables, key), 1.0 + off[key]) for key in off}
+            tables = self.tables
+            values = {key: times(value_at(tables, key), 1.0 + off[key]) for key in off}
             return self.with_values(values).mechanism
         except InputError as error:
             said = ", ".join(f"{key} by {change:+.3g}" for key, change in off.items())

@@ -1,14 +1,13 @@
 """Places in a robot file by their keys, like "leg1.length" or "foot.compliance[6,6]" (from 1)."""
 
 import re
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from copy import deepcopy
 from typing import Any
 
 from lumped.mechanism.mechanism import UNITS_OF_MOVES
 from lumped.robot_file.rules.matrices import SquareMatrix
-from lumped.robot_file.rules.rule import Either, Named, Number, Rule, Several, TableRule, Text
-from lumped.robot_file.rules.section_rule import SectionRule
+from lumped.robot_file.rules.rule import Number, Several, is_finite_number
 from lumped.robot_file.rules.tables import rules_of
 
 _KEY = re.compile(
@@ -31,26 +30,36 @@ def with_value(tables: Mapping[str, Any], key: str, value: Any) -> dict[str, Any
     return changed
 
 
-def keys_named(tables: Mapping[str, Any], names: Collection[str], head: str = "") -> list[str]:
+def numbers_of(value: Any, key: str = "") -> Iterator[tuple[str, float]]:
+    """Every number of the tables by its key."""
+    if isinstance(value, Mapping):
+        for name, inner in value.items():
+            yield from numbers_of(inner, f"{key}.{name}" if key else name)
+    elif isinstance(value, list):
+        for i, inner in enumerate(value, start=1):
+            if isinstance(inner, list):
+                for j, entry in enumerate(inner, start=1):
+                    if is_finite_number(entry):
+                        yield f"{key}[{i},{j}]", entry
+            elif is_finite_number(inner):
+                yield f"{key}[{i}]", inner
+    elif is_finite_number(value):
+        yield key, value
+
+
+def keys_named(tables: Mapping[str, Any], names: Collection[str]) -> list[str]:
     """Keys of the numbers and matrices in the tables whose last part is one of `names`."""
-    found = []
-    for name, value in tables.items():
-        key = f"{head}{name}"
-        if isinstance(value, Mapping):
-            found += keys_named(value, names, f"{key}.")
-        elif name in names and not isinstance(value, str):
-            found.append(key)
-    return found
+    keys = dict.fromkeys(key.partition("[")[0] for key, _ in numbers_of(tables))
+    return [key for key in keys if key.rpartition(".")[2] in names]
 
 
 def unit_of(tables: Mapping[str, Any], key: str) -> str:
     """Unit of the number at a key of sound tables; "" where it has none."""
     names, indices = _steps(key)
-    rule: Rule = rules_of(tables)
-    for name in names:
-        rule = _inside(rule, name)
-    while isinstance(rule, Several | Either):
-        rule = rule.kind if isinstance(rule, Several) else _of_numbers(rule)
+    rules = {place: rule for place, rule, _ in rules_of(tables).within(tables, "")}
+    rule = rules.get(".".join(names))
+    while isinstance(rule, Several):
+        rule = rule.kind
     if isinstance(rule, SquareMatrix) and rule.compliance:
         return _UNITS_OF_COMPLIANCE[sum(index >= 3 for index in indices)]
     unit = rule.unit if isinstance(rule, Number | SquareMatrix) else ""
@@ -62,21 +71,6 @@ def unit_of(tables: Mapping[str, Any], key: str) -> str:
         first, _, second = unit.partition(" or ")
         return second if tables["joints"][names[1]]["type"] == "revolute" else first
     return unit
-
-
-def _of_numbers(rule: Either) -> Rule:
-    return rule.second if isinstance(rule.first, Text) else rule.first
-
-
-def _inside(rule: Rule, name: str) -> Rule:
-    """The rule of an entry of a table."""
-    if isinstance(rule, Either):
-        rule = _of_numbers(rule)
-    if isinstance(rule, SectionRule):
-        return Number("m")
-    if isinstance(rule, Named):
-        return rule.kind
-    return rule.keys[name].kind if isinstance(rule, TableRule) else rule
 
 
 def _steps(key: str) -> tuple[list[str], list[int]]:

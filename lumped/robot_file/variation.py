@@ -4,7 +4,7 @@ A variation is typed as KEY=FROM:TO:COUNT: "bodies.rod1.section.diameter=0.02:0.
 key stands for any part of a name: all numbers whose keys match take the same value.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from itertools import product
@@ -15,7 +15,7 @@ import numpy as np
 
 from lumped.errors import InputError, each
 from lumped.robot_file.load import RobotFile
-from lumped.robot_file.rules.rule import is_finite_number
+from lumped.robot_file.places import numbers_of
 from lumped.text import cut, did_you_mean, shown
 
 MOST_VALUES, MOST_ROBOTS = 1000, 10_000
@@ -33,7 +33,7 @@ class Variation:
 
 def variations_of(robot_file: RobotFile, typed: Sequence[str]) -> tuple[Variation, ...]:
     """The variations of a robot file as typed; raises InputError with one line per fault."""
-    numbers = dict(_numbers(robot_file.tables))
+    numbers = dict(numbers_of(robot_file.tables))
     found, faults = each(lambda text: _variation(text, numbers, robot_file), typed)
     keys = [key for one in found for key in one.keys]
     faults += [
@@ -105,20 +105,3 @@ def _why_not(key: str, numbers: Mapping[str, float], robot_file: RobotFile) -> s
             "(entries of a list count from 1: points.P[1], compliance[2,2])"
         )
     return f"{robot_file.source} has no such number{did_you_mean(key, numbers)}"
-
-
-def _numbers(value: Any, key: str = "") -> Iterator[tuple[str, float]]:
-    """Every number of the tables by its key."""
-    if isinstance(value, Mapping):
-        for name, inner in value.items():
-            yield from _numbers(inner, f"{key}.{name}" if key else name)
-    elif isinstance(value, list):
-        for i, inner in enumerate(value, start=1):
-            if isinstance(inner, list):
-                for j, entry in enumerate(inner, start=1):
-                    if is_finite_number(entry):
-                        yield f"{key}[{i},{j}]", entry
-            elif is_finite_number(inner):
-                yield f"{key}[{i}]", inner
-    elif is_finite_number(value):
-        yield key, value

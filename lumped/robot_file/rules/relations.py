@@ -12,6 +12,7 @@ import numpy as np
 from lumped.mechanism.joint import FREEDOMS, SMALLEST_SINE
 from lumped.mechanism.mechanism import GROUND
 from lumped.robot_file.rules.tables import BODY
+from lumped.text import shown
 
 # A sound table as it is read: a value for every key, None where left out.
 Entry: TypeAlias = dict[str, Any]
@@ -107,7 +108,7 @@ def _placed_leg(leg: Entry, key: str) -> Iterator[str]:
 def _rigid_body(body: Entry, key: str) -> Iterator[str]:
     if not body["points"]:
         yield f"{key}.points = []: must name at least one point"
-    yield from _named_twice(body["points"], f"{key}.points")
+    yield from named_twice(body["points"], f"{key}.points[{{}}]")
     if body["mass"] and body["centre"] is None:
         yield f"{key}.centre: missing; must be a point's name or [x, y, z], given with {key}.mass"
     for name in () if body["mass"] else _given(body, "centre", "inertia"):
@@ -197,7 +198,7 @@ def tool_faults(tool: Entry) -> Iterator[str]:
     """Faults of the tool."""
     if tool["body"] == GROUND:
         yield f'tool.body = "{GROUND}": must be a body that moves'
-    yield from _named_twice(tool["moves"], "tool.moves")
+    yield from named_twice(tool["moves"], "tool.moves[{}]")
 
 
 def path_faults(path: Entry) -> Iterator[str]:
@@ -229,10 +230,11 @@ def _given(entry: Entry, *names: str) -> list[str]:
     return [name for name in names if entry[name] is not None]
 
 
-def _named_twice(names: Sequence[str], key: str) -> Iterator[str]:
+def named_twice(names: Sequence[str], key: str) -> Iterator[str]:
+    """Names that stand before already; in the `key` {} is the number of the name."""
     for i, name in enumerate(names):
         if name in names[:i]:
-            yield f'{key}[{i + 1}] = "{name}": named twice'
+            yield f"{key.format(i + 1)} = {shown(name)}: named twice"
 
 
 def _parallel(first: object, second: object, sine: float) -> bool:

@@ -1,7 +1,7 @@
 """What a value of a robot file may be: its faults, how it is read, and how it is told to others."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import isfinite
 from operator import ge, gt, le, lt
@@ -52,6 +52,10 @@ class Rule(ABC):
     def read(self, value: Any) -> Any:
         """A sound value as it is computed with."""
         return value
+
+    def within(self, value: Any, key: str) -> Iterator[tuple[str, "Rule", Any]]:
+        """A sound value, or one as it is read, and all that stands in it: key, rule and value."""
+        yield key, self, value
 
     def refused(self, value: object, key: str) -> str:
         """The fault of a value that is something else."""
@@ -188,7 +192,7 @@ class OneOf(Rule):
 class Several(Rule):
     """A list of values of one kind: `count` of them, or any number."""
 
-    written = (list,)
+    written = (list, tuple)
     kind: Rule
     count: int | None = None
 
@@ -216,6 +220,11 @@ class Several(Rule):
     def read(self, value: Any) -> tuple[Any, ...]:
         return tuple(map(self.kind.read, value))
 
+    def within(self, value: Any, key: str) -> Iterator[tuple[str, Rule, Any]]:
+        yield key, self, value
+        for i, one in enumerate(value, start=1):
+            yield from self.kind.within(one, f"{key}[{i}]")
+
 
 @dataclass(frozen=True)
 class Either(Rule):
@@ -239,6 +248,10 @@ class Either(Rule):
     def read(self, value: Any) -> Any:
         meant = self._meant(value)
         return value if meant is None else meant.read(value)
+
+    def within(self, value: Any, key: str) -> Iterator[tuple[str, Rule, Any]]:
+        if (meant := self._meant(value)) is not None:
+            yield from meant.within(value, key)
 
     def _meant(self, value: object) -> Rule | None:
         kinds = (self.first, self.second)
@@ -275,6 +288,11 @@ class Named(Rule):
 
     def read(self, value: Any) -> dict[str, Any]:
         return {name: self.kind.read(entry) for name, entry in value.items()}
+
+    def within(self, value: Any, key: str) -> Iterator[tuple[str, Rule, Any]]:
+        for name, entry in value.items():
+            yield from self.name.within(name, f"{key}.{name}")
+            yield from self.kind.within(entry, f"{key}.{name}")
 
 
 @dataclass(frozen=True)
@@ -348,3 +366,8 @@ class TableRule(Rule):
             name: key.kind.read(value[name]) if name in value else key.default
             for name, key in self.keys.items()
         }
+
+    def within(self, value: Any, key: str) -> Iterator[tuple[str, Rule, Any]]:
+        for name, one in self.keys.items():
+            if value.get(name) is not None:
+                yield from one.kind.within(value[name], f"{key}.{name}" if key else name)

@@ -4,8 +4,8 @@ Bounds that only catch wrong units are wide: nothing that has been built lies ou
 usual mistake (millimetres, gigapascals, a stiffness for a compliance) does.
 """
 
-from collections.abc import Mapping
-from dataclasses import replace
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, fields, replace
 from typing import Any, get_args
 
 from lumped.acceptance.requirement import (
@@ -26,12 +26,14 @@ from lumped.robot_file.rules.rule import (
     Named,
     Number,
     OneOf,
+    Rule,
     Several,
     TableRule,
     Text,
     needed,
 )
-from lumped.robot_file.rules.section_rule import SectionRule
+from lumped.sections import SHAPES, Section
+from lumped.text import did_you_mean, shown
 
 _MM, _GPA, _DIAMOND = "is this in mm?", "is this in GPa or MPa?", "above diamond"
 _PERCENT = "is this in percent?"
@@ -71,6 +73,49 @@ _NAME = Text(r"[\w-]{1,40}", "1 to 40 letters, digits, _ or -")
 _BODY_NAME, _MATERIAL_NAME, _POINT_NAME = (
     replace(_NAME, among=table) for table in ("bodies", "materials", "points")
 )
+
+# 1 µm: thinner than any wall that carries a load.
+_SIZE = Number("m", least=1e-6)
+
+
+@dataclass(frozen=True)
+class SectionRule(Rule):
+    """A shape of lumped.sections with its sizes (m), which also says what is wrong with them."""
+
+    written = (dict,)
+    allowed = "a table with a shape and its sizes in m"
+
+    @property
+    def schema(self) -> dict[str, Any]:
+        return {"oneOf": [_shape_table(shape).schema for shape in SHAPES]}
+
+    def faults(self, value: object, key: str) -> list[str]:
+        if not isinstance(value, dict):
+            return [self.refused(value, key)]
+        shape, shapes = value.get("shape"), f"must be one of {', '.join(SHAPES)}"
+        if shape is None:
+            return [f"{key}.shape: missing; {shapes}"]
+        if not isinstance(shape, str) or shape not in SHAPES:
+            advice = did_you_mean(str(shape), SHAPES)
+            return [f"{key}.shape = {shown(shape)}: {shapes}{advice}"]
+        faults = _shape_table(shape).faults(value, key)
+        return faults or [f"{key}.{fault}" for fault in self.read(value).faults()]
+
+    def read(self, value: Any) -> Section:
+        sizes = {name: float(size) for name, size in value.items() if name != "shape"}
+        return SHAPES[value["shape"]](**sizes)
+
+    def within(self, value: Any, key: str) -> Iterator[tuple[str, Rule, Any]]:
+        if isinstance(value, dict):
+            yield from _shape_table(value["shape"]).within(value, key)
+
+
+def _shape_table(shape: str) -> TableRule:
+    """Rules of a shape with its sizes, in their usual order."""
+    kind: Any = SHAPES[shape]
+    sizes = (needed(field.name, _SIZE, "outer size or wall") for field in fields(kind))
+    return TableRule(needed("shape", OneOf((shape,)), "which it is"), *sizes)
+
 
 MATERIAL = TableRule(
     needed("E", _YOUNGS_MODULUS, "Young's modulus"),

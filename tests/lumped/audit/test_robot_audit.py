@@ -7,9 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from lumped.audit.data_checks import data_findings
+from lumped.audit.data_checks import audit, data_findings
 from lumped.audit.finding import DescribedPart, Finding, parts
-from lumped.audit.robot_audit import audit
 from lumped.legs import ConstantLeg, Material, tip_compliance
 from lumped.robot_file import as_printed, load_robot
 from lumped.sections import Rectangle

@@ -1,14 +1,30 @@
-"""Every fault of a robot file of schema 2 that shows without closing a loop."""
+"""Every fault of a robot file of schema 2: those of what is said, then those of how it moves.
+
+Only closing the loops shows drives that do not hold the tool and poses out of reach.
+"""
 
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from lumped.mechanism.mechanism import GROUND
+import numpy as np
+
+from lumped.errors import InputError
+from lumped.mechanism.kinematics.mobility import (
+    Mobility,
+    mobility,
+    mobility_nearby,
+    undetermined,
+)
+from lumped.mechanism.kinematics.postures import posture, reference_posture
+from lumped.mechanism.mechanism import GROUND, Mechanism
 from lumped.robot_file.mechanism.draft import Draft, draft
 from lumped.robot_file.rules.relations import body_faults, joint_faults, path_faults, tool_faults
-from lumped.robot_file.rules.rule import Either, Named, Rule, Several, TableRule, Text
+from lumped.robot_file.rules.rule import Text
 from lumped.robot_file.rules.tables import MECHANISM
 from lumped.text import did_you_mean, shown
+
+# Poses of a path that are tried before anything is computed; the others are when they come up.
+_TRIED = 32
 
 
 def description_faults(tables: Mapping[str, Any]) -> list[str]:
@@ -31,29 +47,16 @@ def _unknown_names(given: Draft) -> Iterator[str]:
     """Names of entries that no entry of the table has that they must be of."""
     entries_of = {"bodies": given.bodies, "joints": given.joints, "tool": given.tool or {}}
     for table, entries in entries_of.items():
-        for key, name, among in _references(MECHANISM.keys[table].kind, entries, table):
+        for key, name, among in _references(table, entries):
             known = given.names[among] + ((GROUND,) if among == "bodies" else ())
             yield from _wrong_name(key, name, known, f"the name of one of [{among}]")
 
 
-def _references(rule: Rule, value: Any, key: str) -> Iterator[tuple[str, str, str]]:
-    """Key, name and table of each name of another entry in a value as it is read."""
-    match rule, value:
-        case Text(among=among), str() if among:
-            yield key, value, among
-        case Either(first=first, second=second), _:
-            yield from _references(first, value, key)
-            yield from _references(second, value, key)
-        case Several(kind=kind), tuple():
-            for i, one in enumerate(value, start=1):
-                yield from _references(kind, one, f"{key}[{i}]")
-        case Named(name=name, kind=kind), dict():
-            for own, one in value.items():
-                yield from _references(name, own, f"{key}.{own}")
-                yield from _references(kind, one, f"{key}.{own}")
-        case TableRule(keys=keys), dict():
-            for own, one in keys.items():
-                yield from _references(one.kind, value.get(own), f"{key}.{own}")
+def _references(table: str, entries: Mapping[str, Any]) -> Iterator[tuple[str, str, str]]:
+    """Key, name and table of each name of another entry in the entries of a table."""
+    for key, rule, value in MECHANISM.keys[table].kind.within(entries, table):
+        if isinstance(rule, Text) and rule.among:
+            yield key, value, rule.among
 
 
 def _wrong_name(key: str, name: str, known: tuple[str, ...], allowed: str) -> Iterator[str]:
@@ -114,8 +117,51 @@ def _idle_points(given: Draft) -> Iterator[str]:
     used = {
         name
         for table, entries in (("bodies", given.bodies), ("joints", given.joints))
-        for _, name, _ in _references(MECHANISM.keys[table].kind, entries, table)
+        for _, name, _ in _references(table, entries)
     }
     for point in given.points:
         if point not in used:
             yield f"points.{point}: used by no body and no joint; must be used or left out"
+
+
+def motion_faults(mechanism: Mechanism) -> list[str]:
+    """Faults of the mobility in the reference posture, else of the poses of the path."""
+    found = mobility(reference_posture(mechanism))
+    return list(_mobility_faults(mechanism, found)) or list(_path_faults(mechanism))
+
+
+def _mobility_faults(mechanism: Mechanism, found: Mobility) -> Iterator[str]:
+    moves = f"tool.moves = {list(mechanism.tool.moves)}"
+    left = undetermined(found, mechanism.size, singular=True)
+    if len(found.loose):
+        yield f"joints: {left}"
+    if found.at_limit and not mobility_nearby(mechanism).at_limit:
+        yield (
+            f"points: the reference posture is singular, drives {', '.join(found.stirring)} move "
+            f"while the tool cannot move along {', '.join(found.barred)}; must be a posture inside "
+            "the workspace"
+        )
+        return
+    if found.barred:
+        allowed = (
+            f"{found.almost_redundant} constraints almost repeat others; are parallel axes given "
+            "with all their digits?"
+            if found.almost_redundant
+            else "must name motions that they allow, each by itself"
+        )
+        yield (
+            f"{moves}: the joints do not let the tool move along {', '.join(found.barred)}; "
+            f"{allowed}"
+        )
+    if left and not len(found.loose):
+        yield f"{moves}: {left}"
+
+
+def _path_faults(mechanism: Mechanism) -> Iterator[str]:
+    count = len(mechanism.poses)
+    for i in np.unique(np.linspace(0, count - 1, min(count, _TRIED)).round().astype(int)):
+        try:
+            posture(mechanism, mechanism.poses[i])
+        except InputError as error:
+            said = (fault.removeprefix(f"{mechanism.name}, pose ") for fault in error.faults)
+            yield from (f"path, pose {i + 1}, {fault}" for fault in said)
