@@ -58,15 +58,15 @@ def refined(
     begun = perf_counter()
     answer = compute(mesh)
     while (reached := left_open(answer)) > asked:
-        took, last = perf_counter() - begun, answer
+        took = perf_counter() - begun
         if took * _GROWTH > patience:
-            return last, Accuracy(asked, reached, f"a finer mesh would take over {patience:g} s")
+            return answer, Accuracy(asked, reached, f"a finer mesh would take over {patience:g} s")
         try:
             mesh = finer(mesh, reached / asked)
             begun = perf_counter()
             answer = compute(mesh)
         except (ComputationError, InputError) as error:
-            return last, Accuracy(asked, reached, str(error))
+            return answer, Accuracy(asked, reached, str(error))
     return answer, Accuracy(asked, reached)
 
 
