@@ -18,10 +18,9 @@ from scipy.sparse.linalg import LinearOperator
 from fem.couplings.coupled_solid import CoupledSolid
 from fem.solvers.certificate.count import inertia_below
 from fem.solvers.certificate.sturm import Inertia
-from fem.solvers.cholesky import analyse
+from fem.solvers.cholesky import RenewableFactor, analyse
 from fem.solvers.factor import upper_triangle
 from fem.solvers.modes import CertifiedModes, lowest_modes, searched_modes
-from fem.solvers.renewable_factor import RenewableFactor
 from lumped.arrays import Array, IntArray, fix_signs
 from lumped.dense.statics import balanced_flexibility
 from lumped.errors import ComputationError
@@ -171,8 +170,7 @@ def rooted_body(solid: CoupledSolid, name: str) -> RootedBody:
     # Of the size of a node's own stiffness, so that the matrix is no worse conditioned for them.
     springs[held] = solid.stiffness.diagonal()[held]
     triangle = upper_triangle(csr_array(solid.stiffness + diags_array(springs, format="csr")))
-    symbolic = analyse(triangle, solid.leading)
-    factor = RenewableFactor(symbolic, triangle, name)
+    factor = RenewableFactor(analyse(triangle, solid.leading), name)
     # At once, so that a part which cannot be held is refused here.
     _ = factor.numeric
     return RootedBody(name, solid, factor)

@@ -14,7 +14,7 @@ from scipy.sparse import csr_array
 from fem.bodies.rooted import RootedBody
 from fem.bodies.solid import centreline_of
 from fem.reduction.held import Held, held_body
-from fem.solvers.cholesky import analyse, factorise
+from fem.solvers.cholesky import analyse
 from fem.solvers.factor import Factor
 from lumped.arrays import Array, SparseMatrix
 from lumped.dense.statics import ELIMINATION, balanced_flexibility, rounding_of_flexibility
@@ -165,7 +165,7 @@ def _interior_factor(model: str, stiffness: SparseMatrix) -> Factor | None:
     # The order of elimination works on nodes of three unknowns; what is over goes first.
     over = size % 3
     symbolic = analyse(stiffness, leading=(over,) if over else ())
-    return factorise(symbolic, stiffness, f"{model} leg, both ends held")
+    return symbolic.factorise(f"{model} leg, both ends held")
 
 
 def _refuse_unbalanced(leg: LegMatrices, stiffness: SparseMatrix, modes: Array) -> None:

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Literal, Protocol, TypeAlias, runtime_checkable
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from scipy.sparse import csr_array, diags_array
@@ -11,8 +11,6 @@ from fem.machine import available_memory
 from fem.solvers.ordering import Elimination
 from lumped.arrays import Array, IntArray, SparseMatrix
 from lumped.errors import ComputationError
-
-Backend: TypeAlias = Literal["cholmod", "mkl"]
 
 # A pivot that lost this part of its diagonal entry is rounding error: the matrix is singular.
 _SINGULAR_PIVOT = 100.0 * np.finfo(np.float64).eps
@@ -61,20 +59,31 @@ class SeparatedFactor(Factor, Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Symbolic:
-    """Pattern and elimination of a symmetric matrix, with what its factor will cost.
+    """An analysed symmetric matrix, with what its factor will cost.
 
-    `pointers`, `columns`: the upper triangle (csr). `peak_bytes`: the memory that the factorisation
-    takes at its height. `elimination` is None for backends that keep their own. `numeric`
-    factorises the values on the pattern; its second argument names the matrix in errors.
+    `peak_bytes`: the memory that the factorisation takes at its height. `elimination` is None for
+    backends that keep their own. `numeric` factorises the matrix; its argument names it in errors.
     """
 
-    backend: Backend
     size: int
-    pointers: IntArray
-    columns: IntArray
     elimination: Elimination | None
     peak_bytes: int
-    numeric: Callable[[Array, str], Factor] = field(repr=False)
+    numeric: Callable[[str], Factor] = field(repr=False)
+
+    def factorise(self, part: str = "stiffness matrix") -> Factor:
+        """The factor of the matrix, which errors call `part`.
+
+        Raises NotPositiveDefiniteError, a ComputationError, where a pivot is not positive or is
+        lost in rounding, and ComputationError, before it starts, where memory will not suffice.
+        """
+        available = available_memory()
+        if available is not None and self.peak_bytes > available:
+            raise ComputationError(
+                f"{part}: factorising {self.size} unknowns needs about "
+                f"{self.peak_bytes / 1e9:.1f} GB and {available / 1e9:.1f} GB are available: use "
+                "fewer divisions, a shorter leg, or condensation by doubling (statics)"
+            )
+        return self.numeric(part)
 
 
 def upper_triangle(matrix: SparseMatrix) -> SparseMatrix:
@@ -118,14 +127,3 @@ def refuse_lost_pivots(pivots: Array, diagonal: Array, unknowns: IntArray, part:
     smallest = int(np.argmin(shares))
     if shares[smallest] < _SINGULAR_PIVOT:
         raise NotPositiveDefiniteError(part, int(unknowns[smallest]))
-
-
-def refuse_beyond_memory(symbolic: Symbolic, part: str) -> None:
-    """Raise ComputationError where the factorisation would take more memory than there is."""
-    available = available_memory()
-    if available is not None and symbolic.peak_bytes > available:
-        raise ComputationError(
-            f"{part}: factorising {symbolic.size} unknowns needs about "
-            f"{symbolic.peak_bytes / 1e9:.1f} GB and {available / 1e9:.1f} GB are available: use "
-            "fewer divisions, a shorter leg, or condensation by doubling (statics)"
-        )

@@ -46,11 +46,6 @@ class BlockGraph:
         first_places = np.cumsum(sizes) - sizes
         return np.repeat(self.starts[blocks] - first_places, sizes) + np.arange(sizes.sum())
 
-    def part(self, blocks: IntArray) -> "BlockGraph":
-        """The graph of the given blocks alone, with the numbers of their unknowns as here."""
-        couplings = self.couplings[blocks][:, blocks].tocsr()
-        return BlockGraph(self.starts[blocks], self.sizes[blocks], couplings)
-
 
 def adjacency(graph: SparseMatrix) -> pymetis.CSRAdjacency:
     """A graph (csr, no diagonal) as METIS wants it."""
@@ -98,9 +93,13 @@ def nested_dissection(graph: BlockGraph) -> Elimination:
 def bisection(graph: BlockGraph) -> Elimination:
     """Elimination in two halves, each by nested dissection, and then what separates them."""
     left, right, between = separate(graph.couplings)
-    halves = [nested_dissection(graph.part(np.sort(half))).order for half in (left, right)]
-    order = np.concatenate([*halves, graph.unknowns(np.sort(between))])
-    return Elimination(order, (len(halves[0]), len(halves[1])))
+    orders = []
+    for half in map(np.sort, (left, right)):
+        couplings = graph.couplings[half][:, half].tocsr()
+        own = BlockGraph(graph.starts[half], graph.sizes[half], couplings)
+        orders.append(nested_dissection(own).order)
+    order = np.concatenate([*orders, graph.unknowns(np.sort(between))])
+    return Elimination(order, (len(orders[0]), len(orders[1])))
 
 
 def separate(couplings: SparseMatrix) -> tuple[IntArray, IntArray, IntArray]:

@@ -1,16 +1,13 @@
 """MKL PARDISO (pypardiso, the optional extra `mkl`) as a backend of fem.solvers.cholesky."""
 
 import weakref
-from collections import deque
 from dataclasses import dataclass, field
-from functools import partial
 from typing import Any
 
 import numpy as np
-from scipy.sparse import csr_array
 
 from fem.solvers.factor import NotPositiveDefiniteError, Symbolic
-from lumped.arrays import Array, IntArray, SparseMatrix
+from lumped.arrays import Array, SparseMatrix
 from lumped.errors import ComputationError
 
 _POSITIVE_DEFINITE, _INDEFINITE = 2, -2
@@ -49,23 +46,37 @@ def _call(solver: Any, phase: int, triangle: SparseMatrix, right_hand_sides: Arr
 
 
 def analyse(triangle: SparseMatrix) -> Symbolic:
-    """Analyse the pattern of an upper `triangle` (csr); PARDISO keeps its own METIS order."""
-    solver = _solver(_POSITIVE_DEFINITE)
+    """Analyse an upper `triangle` (csr); PARDISO keeps its own METIS order."""
     n = triangle.shape[0]
-    _call(solver, _ANALYSIS, triangle, np.zeros((n, 1)))
+    nothing = np.zeros((n, 1))
+
+    def analysed() -> Any:
+        solver = _solver(_POSITIVE_DEFINITE)
+        _call(solver, _ANALYSIS, triangle, nothing)
+        return solver
+
+    # The analysed solver serves the first factorisation, later ones make their own.
+    unused = [analysed()]
     kilobytes = max(
-        solver.get_iparm(_PEAK_OF_ANALYSIS),
-        int(solver.get_iparm(_KEPT_BY_ANALYSIS)) + int(solver.get_iparm(_NUMERIC_MEMORY)),
+        unused[0].get_iparm(_PEAK_OF_ANALYSIS),
+        int(unused[0].get_iparm(_KEPT_BY_ANALYSIS)) + int(unused[0].get_iparm(_NUMERIC_MEMORY)),
     )
-    return Symbolic(
-        backend="mkl",
-        size=n,
-        pointers=triangle.indptr,
-        columns=triangle.indices,
-        elimination=None,
-        peak_bytes=1024 * int(kilobytes),
-        numeric=partial(_numeric, triangle.indptr, triangle.indices, deque([solver])),
-    )
+
+    def numeric(part: str) -> PardisoFactor:
+        from pypardiso.pardiso_wrapper import PyPardisoError  # noqa: PLC0415  the extra is optional
+
+        solver = unused.pop() if unused else analysed()
+        try:
+            _call(solver, _NUMERIC, triangle, nothing)
+        except PyPardisoError as error:
+            if error.value == _NOT_POSITIVE_DEFINITE:
+                unknown = int(solver.get_iparm(_FAILED_AT)) - 1
+                raise NotPositiveDefiniteError(part, unknown) from None
+            said = f"{part}: MKL PARDISO failed with error {error.value}"
+            raise ComputationError(said) from error
+        return PardisoFactor(triangle, solver)
+
+    return Symbolic(n, None, 1024 * int(kilobytes), numeric)
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,30 +92,6 @@ class PardisoFactor:
         if not columns.size:
             return np.zeros_like(columns)
         return _call(self.solver, _SOLVE, self.triangle, columns)
-
-
-def _numeric(
-    pointers: IntArray, columns: IntArray, unused: deque[Any], values: Array, part: str
-) -> PardisoFactor:
-    n = len(pointers) - 1
-    triangle = csr_array((values, columns, pointers), shape=(n, n))
-    nothing = np.zeros((n, 1))
-    try:
-        # The analysed solver serves the first factorisation, later ones make their own.
-        solver = unused.pop()
-    except IndexError:
-        solver = _solver(_POSITIVE_DEFINITE)
-        _call(solver, _ANALYSIS, triangle, nothing)
-    from pypardiso.pardiso_wrapper import PyPardisoError  # noqa: PLC0415  the extra is optional
-
-    try:
-        _call(solver, _NUMERIC, triangle, nothing)
-    except PyPardisoError as error:
-        if error.value == _NOT_POSITIVE_DEFINITE:
-            unknown = int(solver.get_iparm(_FAILED_AT)) - 1
-            raise NotPositiveDefiniteError(part, unknown) from None
-        raise ComputationError(f"{part}: MKL PARDISO failed with error {error.value}") from error
-    return PardisoFactor(triangle, solver)
 
 
 def inertia(triangle: SparseMatrix, constraints: Array | None = None) -> tuple[int, int, int]:

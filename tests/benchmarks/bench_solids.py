@@ -27,7 +27,7 @@ import numpy as np
 from fem.bodies.solid import clamped_leg, solid_leg, solid_mesh
 from fem.calculix.leg import compliance_and_frequencies
 from fem.solvers.certificate.sturm import Inertia
-from fem.solvers.cholesky import default_backend
+from fem.solvers.cholesky import backend
 from fem.solvers.modes import lowest_modes
 from lumped.legs import ConstantLeg, Material
 from lumped.sections import Rectangle
@@ -71,7 +71,7 @@ def main() -> None:
     needed = clamped.factor.symbolic.peak_bytes / 2**30
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
     print(
-        f"flexproof ({default_backend()}, {os.environ['OMP_NUM_THREADS']} threads): {ours:.1f} s = "
+        f"flexproof ({backend()}, {os.environ['OMP_NUM_THREADS']} threads): {ours:.1f} s = "
         f"matrices and factor {factorised - start:.1f}, six load cases {solved - factorised:.1f}, "
         f"{MODES} modes {start + ours - solved:.1f}; certificate "
         f"{certifying:.1f} s beside it; peak {peak:.2f} GiB, foretold for the factor {needed:.2f}"

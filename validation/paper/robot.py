@@ -11,7 +11,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from fem.bodies.solid import solid_leg, solid_leg_matrices, solid_mesh
-from fem.solvers.cholesky import analyse, factorise
+from fem.solvers.cholesky import analyse
 from fem.solvers.modes import searched_modes
 from lumped.arrays import Array
 from lumped.dense.modes import Modes
@@ -192,7 +192,7 @@ def unreduced_modes(at: Posture, count: int, divisions: int) -> ModeShares:
     system = assembly(at.mechanism, solids).at(at)
     stiffness, mass = csr_array(system.stiffness), csr_array(system.mass)
     # The bodies' insides come last, node by node; before them lie the nodes of the mechanism.
-    factor = factorise(analyse(stiffness, leading=(system.outer,)), stiffness, system.name)
+    factor = analyse(stiffness, leading=(system.outer,)).factorise(system.name)
     return _told(system, searched_modes(factor, mass, count, system.name))
 
 

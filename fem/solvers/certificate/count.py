@@ -10,14 +10,13 @@ separators of the elimination order, which fill in anyway: the cost is that of f
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import csr_array
+from scipy.sparse import csc_array, csr_array, hstack
 
 from fem.solvers.certificate.sturm import Inertia, count_below
+from fem.solvers.cholesky import RenewableFactor, analyse
 from fem.solvers.factor import NotPositiveDefiniteError, SeparatedFactor, upper_triangle
-from fem.solvers.renewable_factor import RenewableFactor
 from lumped.arrays import Array, IntArray, SparseMatrix
 
 # Separators that carry supports, one number after the other until Ã is positive definite.
@@ -43,26 +42,16 @@ def inertia_below(
     """Inertia of K − σM (csr n×n, σ in rad²/s²), on Bᵀx = 0 where `constraints` B (n×c) are given.
 
     `factor` is of K or of K with springs, of one pattern with both; `points` (N×3, m) are the nodes
-    of the last 3N unknowns, `leading` the blocks before them (fem.solvers.ordering). CHOLMOD counts
-    with supports on the separators of the factor and, where these give no sign, by
-    LDLᵀ (fem.solvers.certificate.sturm). `zero` above zero: move σ.
+    of the last 3N unknowns, `leading` the blocks before them (fem.solvers.ordering). It is
+    counted with supports on the separators of the factor and, where there are none or these give no
+    sign, by LDLᵀ (fem.solvers.certificate.sturm). `zero` above zero: move σ.
     """
     K, M = upper_triangle(K), upper_triangle(csr_array(M))
-    backend = factor.symbolic.backend
-    if backend == "cholmod":
-        found = supported_count(factor, K, M, sigma, points, constraints)
-        if found is not None and not found.zero:
-            return found
+    found = supported_count(factor, K, M, sigma, points, constraints)
+    if found is not None and not found.zero:
+        return found
     factor.make_room()
-    return count_below(K, M, sigma, leading, backend, constraints)
-
-
-@dataclass(frozen=True, eq=False)
-class Supports:
-    """Orthonormal shapes (m×r) of supports on the unknowns of one patch of a separator (m)."""
-
-    unknowns: IntArray
-    shapes: Array
+    return count_below(K, M, sigma, leading, constraints)
 
 
 def _shapes(points: Array) -> Array:
@@ -84,10 +73,11 @@ def _patches(points: Array, nodes: IntArray) -> Iterator[IntArray]:
         yield from _patches(points, nodes[half])
 
 
-def separator_supports(separators: list[IntArray], points: Array, n: int) -> list[Supports]:
-    """Supports on separators of the elimination of n unknowns.
+def _supports(separators: list[IntArray], points: Array, n: int) -> list[SparseMatrix]:
+    """Supports on separators of the elimination of n unknowns: orthonormal shapes (csc n×r).
 
-    `points` (N×3) are the places of the nodes, to which the last 3N unknowns belong.
+    Each rests on one patch of a separator. `points` (N×3) are the places of the nodes, to which the
+    last 3N unknowns belong.
     """
     leading = n - 3 * len(points)
     supports = []
@@ -97,7 +87,10 @@ def separator_supports(separators: list[IntArray], points: Array, n: int) -> lis
             chosen = patch[:: max(1, -(-len(patch) // _NODES))]
             if len(chosen) > 1:
                 unknowns = leading + (3 * chosen[:, None] + np.arange(3)).ravel()
-                supports.append(Supports(unknowns, _shapes(points[chosen])))
+                shapes = _shapes(points[chosen])
+                m, r = shapes.shape
+                columns = (shapes.T.ravel(), np.tile(unknowns, r), m * np.arange(r + 1))
+                supports.append(csc_array(columns, shape=(n, r)))
     return supports
 
 
@@ -117,35 +110,25 @@ def supported_count(
     """
     n = K.shape[0]
     scale = np.sqrt(np.abs(K.diagonal() - sigma * M.diagonal()).mean())
-    # The count may take the memory of this factor.
-    largest = factor.separators(_SEPARATORS[-1])
+    if not isinstance(factor.numeric, SeparatedFactor):
+        return None
+    largest = factor.numeric.separators(_SEPARATORS[-1])
     for count in _SEPARATORS:
-        supports = separator_supports(largest[:count], points, n)
+        supports = _supports(largest[:count], points, n)
         if not supports:
             return None
-        W = _columns(supports, n) * scale
+        W = csr_array(hstack(supports)) * scale
         triangle = csr_array(csr_array(K - sigma * M) + upper_triangle(csr_array(W @ W.T)))
+        factor.make_room()
         try:
-            supported = factor.on_its_separators(triangle, "supported leg")
+            # What couples unknowns of one separator fills in anyway.
+            symbolic = analyse(triangle, elimination=factor.symbolic.elimination)
+            supported = symbolic.factorise("supported leg")
         except NotPositiveDefiniteError:
             continue
         if isinstance(supported, SeparatedFactor):
             return _without_supports(supported, W, constraints)
     return None
-
-
-def _columns(supports: list[Supports], n: int) -> SparseMatrix:
-    """The supports' shapes as columns W (csr n×r)."""
-    widths = [s.shapes.shape[1] for s in supports]
-    first = np.cumsum(widths) - widths
-    rows = [np.repeat(s.unknowns, width) for s, width in zip(supports, widths, strict=True)]
-    columns = [
-        np.tile(np.arange(start, start + width), len(s.unknowns))
-        for s, start, width in zip(supports, first, widths, strict=True)
-    ]
-    values = np.concatenate([s.shapes.ravel() for s in supports])
-    places = (np.concatenate(rows), np.concatenate(columns))
-    return csr_array((values, places), shape=(n, sum(widths)))
 
 
 def _without_supports(

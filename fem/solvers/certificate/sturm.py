@@ -10,12 +10,19 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import LinAlgError, cholesky, ldl, solve_banded, solve_triangular
+from scipy.linalg import (
+    LinAlgError,
+    cholesky,
+    eigvalsh_tridiagonal,
+    ldl,
+    solve_banded,
+    solve_triangular,
+)
 from scipy.linalg.blas import dsyrk
 from scipy.sparse import block_array, csr_array
 
-from fem.solvers.cholesky import default_backend
-from fem.solvers.factor import Backend, upper_triangle, whole_matrix
+from fem.solvers.cholesky import backend
+from fem.solvers.factor import upper_triangle, whole_matrix
 from fem.solvers.ordering import BlockGraph, block_graph, separate
 from lumped.arrays import Array, IntArray, SparseMatrix
 
@@ -64,19 +71,11 @@ def dissect(graph: BlockGraph) -> list[Front]:
 
 
 def _signs(pivots: Array, couplings: Array) -> Inertia:
-    """Inertia of the block-diagonal D of an LDLᵀ: `couplings` mark its 2×2 blocks.
-
-    Bunch and Kaufman take a 2×2 block only where its determinant is negative.
-    """
-    paired = np.zeros(len(pivots), dtype=bool)
-    paired[:-1] |= couplings != 0.0
-    paired[1:] |= couplings != 0.0
-    single = pivots[~paired]
-    pairs = int(paired.sum()) // 2
-    scale = np.abs(pivots).max(initial=0.0)
-    zero = int((np.abs(single) <= _ZERO_PIVOT * scale).sum())
-    negative = int((single < -_ZERO_PIVOT * scale).sum())
-    return Inertia(negative + pairs, zero, len(single) - zero - negative + pairs)
+    """Inertia of the block-diagonal D of an LDLᵀ, its 2×2 blocks marked by `couplings`."""
+    values = eigvalsh_tridiagonal(pivots, couplings, check_finite=False)
+    least = _ZERO_PIVOT * np.abs(values).max()
+    negative, positive = int((values < -least).sum()), int((values > least).sum())
+    return Inertia(negative, len(values) - negative - positive, positive)
 
 
 def _gram(columns: Array) -> Array:
@@ -147,27 +146,11 @@ def inertia(matrix: SparseMatrix, fronts: list[Front]) -> Inertia:
     return Inertia(*(int(count) for count in total))
 
 
-def with_constraints(
-    matrix: SparseMatrix, fronts: list[Front], constraints: Array
-) -> tuple[SparseMatrix, list[Front]]:
-    """The matrix [A B; Bᵀ 0] of a matrix A (csr n×n) with `constraints` B (n×c), and its fronts.
-
-    Its inertia is that of A on Bᵀx = 0 and c eigenvalues of either sign (Gould, Math. Prog. 32
-    (1985) 90), B of full rank. The constraints come last, when their pivots are no longer zero.
-    """
-    n, c = constraints.shape
-    columns = csr_array(constraints)
-    bordered = csr_array(block_array([[matrix, columns], [columns.T, None]], format="csr"))
-    last = Front(np.arange(n, n + c), (len(fronts) - 1,))
-    return bordered, [*fronts, last]
-
-
 def count_below(
     K: SparseMatrix,
     M: SparseMatrix,
     sigma: float,
     leading: tuple[int, ...] = (),
-    backend: Backend | None = None,
     constraints: Array | None = None,
 ) -> Inertia:
     """Inertia of K − σM (csr n×n, K and M symmetric, M positive definite, σ in rad²/s²).
@@ -176,10 +159,10 @@ def count_below(
     `negative` eigenvalues of K x = λ M x lie below σ: the certificate of a set of modes. `zero`
     above zero means that σ is too near an eigenvalue, of the whole or of a part eliminated
     first; move it. `leading` as in fem.solvers.ordering. With `constraints` B (n×c, of full rank)
-    only vectors with Bᵀx = 0 count. With `backend` "mkl" PARDISO counts.
+    only vectors with Bᵀx = 0 count. MKL PARDISO counts where it is the backend.
     """
     triangle = upper_triangle(csr_array(K - sigma * M))
-    if (backend or default_backend()) == "mkl":
+    if backend() == "mkl":
         from fem.solvers import pardiso  # noqa: PLC0415  the extra is optional
 
         return Inertia(*pardiso.inertia(triangle, constraints))
@@ -187,7 +170,11 @@ def count_below(
     fronts = dissect(block_graph(shifted, leading))
     if constraints is None:
         return inertia(shifted, fronts)
-    bordered, fronts = with_constraints(shifted, fronts, constraints)
-    c = constraints.shape[1]
-    found = inertia(bordered, fronts)
+    # [A B; Bᵀ 0] has the inertia of A on Bᵀx = 0 and c eigenvalues of either sign (Gould, Math.
+    # Prog. 32 (1985) 90). The constraints come last, when their pivots are no longer zero.
+    n, c = constraints.shape
+    columns = csr_array(constraints)
+    bordered = csr_array(block_array([[shifted, columns], [columns.T, None]], format="csr"))
+    last = Front(np.arange(n, n + c), (len(fronts) - 1,))
+    found = inertia(bordered, [*fronts, last])
     return Inertia(found.negative - c, found.zero, found.positive - c)

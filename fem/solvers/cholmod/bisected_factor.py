@@ -6,11 +6,10 @@ end of its factor gives S_i = C − B_iᵀA_i⁻¹B_i; that of the whole is S₁
 Solves run in two threads as well.
 """
 
-from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from cvxopt import cholmod
@@ -24,9 +23,8 @@ from fem.solvers.cholmod.supernodes import (
     elimination_order,
     largest_supernodes,
     solve_paths,
-    statistics,
 )
-from fem.solvers.cholmod.whole_factor import COLUMNS_AT_ONCE, peak_bytes, symbolic_factor
+from fem.solvers.cholmod.whole_factor import in_blocks, peak_bytes, symbolic_factor
 from fem.solvers.factor import (
     NotPositiveDefiniteError,
     Symbolic,
@@ -41,35 +39,21 @@ _In = TypeVar("_In")
 _Out = TypeVar("_Out")
 
 
-def _at_once(function: Callable[[_In], _Out], halves: tuple[_In, ...]) -> list[_Out]:
+def _at_once(function: Callable[[_In], _Out], halves: Sequence[_In]) -> list[_Out]:
     with ThreadPoolExecutor(len(halves)) as threads:
         return list(threads.map(function, halves))
 
 
-@dataclass(frozen=True, eq=False)
-class _Pattern:
-    """Upper triangle (csr m×m) of a half and the separator, and where its values come from.
+class _Analysed(NamedTuple):
+    """CHOLMOD's symbolic factor of a half and the separator, for one factorisation.
 
-    `unknowns` (m, ascending): numbers in the whole; `sources`: places in the values of the whole's
-    triangle, negative for zeros that are stored to have the separator last.
+    `triangle` (csr m×m): the upper one of these; `unknowns` (m, ascending): their numbers in the
+    whole.
     """
 
+    handle: Any
+    triangle: SparseMatrix
     unknowns: IntArray
-    pointers: IntArray
-    columns: IntArray
-    sources: IntArray
-
-    def values(self, whole: Array) -> Array:
-        """Values on the pattern from those of the whole."""
-        own = whole[self.sources]
-        own[self.sources < 0] = 0.0
-        return own
-
-    def analysed(self, eliminated: IntArray) -> Any:
-        """CHOLMOD's symbolic factor, for one factorisation that eliminates in the given order."""
-        m = len(self.unknowns)
-        triangle = csr_array((np.ones(len(self.columns)), self.columns, self.pointers), (m, m))
-        return symbolic_factor(triangle, np.searchsorted(self.unknowns, eliminated))[0]
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,21 +79,17 @@ class _Half:
 class BisectedFactor:
     """Factors of two halves and the dense Cholesky factor `lower` (s×s) of their `separator`."""
 
-    size: int
     halves: tuple[_Half, ...]
     separator: IntArray
     lower: Array = field(repr=False)
 
     def solve(self, right_hand_sides: Array) -> Array:
         """A⁻¹ times one (n) or several (n×k) right-hand sides, in the same shape."""
-        columns = np.asarray(right_hand_sides, dtype=np.float64).reshape(self.size, -1)
-        solution = np.empty(columns.shape, order="F")
-        for start in range(0, columns.shape[1], COLUMNS_AT_ONCE):
-            some = slice(start, start + COLUMNS_AT_ONCE)
-            self._solve(columns[:, some], solution[:, some])
-        return solution.reshape(right_hand_sides.shape)
+        return in_blocks(self._solved, right_hand_sides)
 
-    def _solve(self, columns: Array, solution: Array) -> None:
+    def _solved(self, columns: Array) -> Array:
+        solution = np.empty_like(columns)
+
         def forward(half: _Half) -> Array:
             own = np.asfortranarray(columns[half.order])
             own[half.own :] = 0.0
@@ -127,7 +107,8 @@ class BisectedFactor:
             between[half.separator] += own[half.own :]
         between = cho_solve((self.lower, True), between, check_finite=False)
         solution[self.separator] = between
-        _at_once(backward, tuple(zip(self.halves, forwards, strict=True)))
+        _at_once(backward, list(zip(self.halves, forwards, strict=True)))
+        return solution
 
     def separators(self, count: int) -> list[IntArray]:
         """Unknowns of the separator and of the halves' supernodes, the largest first."""
@@ -144,10 +125,10 @@ class BisectedFactor:
         for half in self.halves:
             own = columns[half.order[: half.own]]
             own.resize((len(half.order), columns.shape[1]))
-            found = solve_paths(half.handle, csc_array(own))
-            inner = int(np.searchsorted(found.places, half.own))
-            gram += found.values[:inner].T @ found.values[:inner]
-            between[half.separator[found.places[inner:] - half.own]] += found.values[inner:]
+            places, values = solve_paths(half.handle, csc_array(own))
+            inner = int(np.searchsorted(places, half.own))
+            gram += values[:inner].T @ values[:inner]
+            between[half.separator[places[inner:] - half.own]] += values[inner:]
         last = solve_triangular(self.lower, between, lower=True, check_finite=False)
         return np.asarray(gram + last.T @ last)
 
@@ -159,93 +140,57 @@ def analyse(triangle: SparseMatrix, elimination: Elimination) -> Symbolic | None
     way that the separator does not come last.
     """
     n, sizes = triangle.shape[0], elimination.halves
-    pointers, columns = triangle.indptr, triangle.indices
     first, second, last = np.split(elimination.order, np.cumsum(sizes))
     separator = np.sort(last)
     if not (len(first) and len(second) and len(separator)):
         return None
-    orders = [np.concatenate([own, separator]) for own in (first, second)]
 
-    def analysed() -> tuple[list[_Pattern], list[Any]]:
-        patterns = []
-        for order in orders:
-            unknowns = np.sort(order)
-            places = _places(pointers, columns, unknowns)
-            local = np.searchsorted(unknowns, order)
-            patterns.append(_pattern(unknowns, _separator_last(places, local, len(separator))))
-        return patterns, [p.analysed(order) for p, order in zip(patterns, orders, strict=True)]
+    def analysed() -> list[_Analysed]:
+        return [_analysed(triangle, half, separator) for half in (first, second)]
 
-    patterns, handles = analysed()
-    for pattern, handle, size in zip(patterns, handles, sizes, strict=True):
-        end = pattern.unknowns[elimination_order(handle)[size:]]
+    # They serve the first factorisation, later ones make their own.
+    unused = [analysed()]
+    for half, size in zip(unused[0], sizes, strict=True):
+        end = half.unknowns[elimination_order(half.handle)[size:]]
         if not np.array_equal(np.sort(end), separator):
             return None
-    counts = [statistics(handle) for handle in handles]
-    # They serve the first factorisation, later ones make their own.
-    unused = deque([(patterns, handles)])
-    del patterns, handles
-
-    def numeric(values: Array, part: str) -> BisectedFactor:
-        whole = csr_array((values, columns, pointers), shape=(n, n))
-        return _eliminated(whole, *(unused.pop() if unused else analysed()), separator, part)
-
     # The ends of both factors and of the whole, as dense matrices.
     dense = 3 * 8 * len(separator) ** 2
-    return Symbolic(
-        backend="cholmod",
-        size=n,
-        pointers=pointers,
-        columns=columns,
-        elimination=elimination,
-        peak_bytes=dense + sum(peak_bytes(one, triangle.nnz // 2) for one in counts),
-        numeric=numeric,
-    )
+    peak = dense + sum(peak_bytes(half.handle, triangle.nnz // 2) for half in unused[0])
+
+    def numeric(part: str) -> BisectedFactor:
+        return _eliminated(triangle, unused.pop() if unused else analysed(), separator, part)
+
+    return Symbolic(n, elimination, peak, numeric)
 
 
-def _places(pointers: IntArray, columns: IntArray, unknowns: IntArray) -> SparseMatrix:
-    """Places, from 1, in the values of an upper triangle (csr) of those on some `unknowns` (m×m).
+def _analysed(triangle: SparseMatrix, half: IntArray, separator: IntArray) -> _Analysed:
+    """A half, its unknowns in their order of elimination, and the separator behind it.
 
-    `unknowns` ascend.
+    CHOLMOD reorders so that each unknown comes after those that it depends on. The half's last one
+    is coupled to all of the separator, by zeros where it is not, so that the separator stays at the
+    end, where it is a dense block.
     """
-    n = len(pointers) - 1
-    numbers = np.arange(1, len(columns) + 1, dtype=pointers.dtype)
-    places = csr_array((numbers, columns, pointers), shape=(n, n))[unknowns][:, unknowns]
-    return csr_array(places)
-
-
-def _separator_last(places: SparseMatrix, order: IntArray, separator: int) -> SparseMatrix:
-    """The places with negative ones that couple a half's last unknown to its `separator` last ones.
-
-    CHOLMOD reorders so that each unknown comes after those that it depends on. All of the separator
-    then depends on the half, so it stays at the end, where it is a dense block. `order` (m): own
-    numbers as they are to be eliminated.
-    """
-    own, between = order[:-separator], order[-separator:]
-    pairs = np.sort(np.column_stack([np.full(separator, own[-1]), between]), axis=1)
-    absent = pairs[np.asarray(places[pairs[:, 0], pairs[:, 1]]).ravel() == 0]
-    zeros = np.full(len(absent), -1, dtype=places.dtype)
-    return csr_array(places + csr_array((zeros, tuple(absent.T)), shape=places.shape))
-
-
-def _pattern(unknowns: IntArray, places: SparseMatrix) -> _Pattern:
-    places.sort_indices()
-    return _Pattern(unknowns, places.indptr, places.indices, places.data - 1)
+    eliminated = np.concatenate([half, separator])
+    unknowns = np.sort(eliminated)
+    order = np.searchsorted(unknowns, eliminated)
+    own = csr_array(triangle[unknowns][:, unknowns]).tocoo()
+    last, end = order[len(half) - 1], order[len(half) :]
+    rows, columns = np.hstack([own.coords, [np.minimum(last, end), np.maximum(last, end)]])
+    values = np.concatenate([own.data, np.zeros(len(end))])
+    coupled = csr_array((values, (rows, columns)), shape=own.shape)
+    return _Analysed(symbolic_factor(coupled, order)[0], coupled, unknowns)
 
 
 def _eliminated(
-    triangle: SparseMatrix,
-    patterns: list[_Pattern],
-    handles: list[Any],
-    separator: IntArray,
-    part: str,
+    triangle: SparseMatrix, analysed: list[_Analysed], separator: IntArray, part: str
 ) -> BisectedFactor:
     n, diagonal = triangle.shape[0], triangle.diagonal()
 
-    def eliminate(both: tuple[_Pattern, Any]) -> tuple[_Half, Array]:
-        pattern, handle = both
-        own = pattern.values(triangle.data)
-        place = factorise_beside(handle, pattern.pointers, pattern.columns, own)
-        order = pattern.unknowns[elimination_order(handle)]
+    def eliminate(half: _Analysed) -> tuple[_Half, Array]:
+        handle, own, unknowns = half
+        place = factorise_beside(handle, own)
+        order = unknowns[elimination_order(handle)]
         if place < len(order):
             raise NotPositiveDefiniteError(part, int(order[place]))
         pivots = np.array(cholmod.diag(handle)).ravel() ** 2
@@ -253,10 +198,10 @@ def _eliminated(
         first = len(order) - len(separator)
         lower = detach_end(handle, first)
         at = np.searchsorted(separator, order[first:])
-        return _Half(handle, pattern.unknowns, order, at), lower @ lower.T
+        return _Half(handle, unknowns, order, at), lower @ lower.T
 
     try:
-        halves = _at_once(eliminate, tuple(zip(patterns, handles, strict=True)))
+        halves = _at_once(eliminate, analysed)
     except MemoryError:
         raise out_of_memory(part, n) from None
     between = whole_matrix(csr_array(triangle[separator][:, separator]))
@@ -267,4 +212,4 @@ def _eliminated(
     if failed:
         raise NotPositiveDefiniteError(part, int(separator[failed - 1]))
     refuse_lost_pivots(np.diag(lower) ** 2, diagonal[separator], separator, part)
-    return BisectedFactor(n, tuple(half for half, _ in halves), separator, lower)
+    return BisectedFactor(tuple(half for half, _ in halves), separator, lower)

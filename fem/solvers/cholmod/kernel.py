@@ -9,7 +9,7 @@ import ctypes
 import os
 import sys
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
 
@@ -54,17 +54,15 @@ def naming_the_kernel() -> Iterator[None]:
 def kernel() -> str:
     """The kernel that cvxopt's OpenBLAS computes with; "" where it does not say.
 
-    Raises ComputationError where that one computes a product or a factor that numpy's does not.
+    Raises ComputationError where it computes a product or a factor that numpy's does not.
     """
     from cvxopt import blas, cholmod, lapack, matrix  # noqa: PLC0415  named before it is loaded
 
-    library = ctypes.CDLL(str(Path(cholmod.__file__)))
-    try:
-        said = library.openblas_get_corename
-    except AttributeError:
-        return ""
-    said.restype = ctypes.c_char_p
-    name = str(said().decode())
+    name = ""
+    with suppress(AttributeError):
+        said = ctypes.CDLL(str(Path(cholmod.__file__))).openblas_get_corename
+        said.restype = ctypes.c_char_p
+        name = str(said().decode())
     ours = np.random.default_rng(0).normal(size=(_SIZE, _SIZE))
     product = matrix(0.0, (_SIZE, _SIZE))
     blas.gemm(matrix(ours), matrix(ours), product, transB="T")
@@ -78,7 +76,8 @@ def kernel() -> str:
     )
     if not off < _ROUNDING:
         raise ComputationError(
-            f"cvxopt's OpenBLAS computes wrong products on this processor with its kernel {name}; "
+            "cvxopt's OpenBLAS computes wrong products on this processor with its kernel "
+            f"{name or '(unnamed)'}; "
             f"set the environment variable {VARIABLE} to another one, Prescott being the safest"
         )
     return name

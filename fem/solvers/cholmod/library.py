@@ -16,30 +16,14 @@ import numpy as np
 from cvxopt import cholmod
 
 from fem.solvers.cholmod.supernodes import factor_head
-from lumped.arrays import Array, IntArray
+from lumped.arrays import Array, SparseMatrix
 
 SYSTEM_A, SYSTEM_L, SYSTEM_LT = 0, 4, 5
 _REAL, _DOUBLE = 1, 0
 _LOWER, _LONG = -1, 2
-# `cholmod_common` is some 3 kB.
-_COMMON_BYTES = 1 << 16
+# `cholmod_common` is some 3 kB; how much it prints stands at this byte of it.
+_COMMON_BYTES, _PRINT_AT = 1 << 16, 144
 _PRINTS_WARNINGS = 3
-
-
-class _CommonHead(ctypes.Structure):
-    _fields_ = (
-        ("dbound", ctypes.c_double),
-        ("grow", ctypes.c_double * 2),
-        ("grow2", ctypes.c_size_t),
-        ("maxrank", ctypes.c_size_t),
-        ("supernodal_switch", ctypes.c_double),
-        ("supernodal", ctypes.c_int),
-        ("final", ctypes.c_int * 6),
-        ("zrelax", ctypes.c_double * 3),
-        ("nrelax", ctypes.c_size_t * 3),
-        ("prefer", ctypes.c_int * 4),
-        ("print", ctypes.c_int),
-    )
 
 
 class _Dense(ctypes.Structure):
@@ -75,7 +59,7 @@ class _Sparse(ctypes.Structure):
 
 
 @cache
-def _library() -> Any:
+def library() -> Any:
     """The shared library, called without Python's lock; None where its symbols are hidden."""
     try:
         functions = ctypes.CDLL(cholmod.__file__)
@@ -93,42 +77,38 @@ def _library() -> Any:
     return functions
 
 
-def symbols_are_found() -> bool:
-    """Whether this build of cvxopt lets the functions be called that are called here."""
-    return _library() is not None
-
-
 @contextmanager
 def _workspace(functions: Any) -> Iterator[Any]:
     """CHOLMOD's own `cholmod_common`, one for each call: two threads must not share it."""
     common = ctypes.create_string_buffer(_COMMON_BYTES)
     functions.cholmod_l_start(common)
-    head = _CommonHead.from_buffer(common)
+    prints = ctypes.c_int.from_buffer(common, _PRINT_AT)
     # Otherwise a matrix that is not positive definite is announced on the terminal.
-    if head.print == _PRINTS_WARNINGS:
-        head.print = 0
+    if prints.value == _PRINTS_WARNINGS:
+        prints.value = 0
     try:
         yield common
     finally:
         functions.cholmod_l_finish(common)
 
 
-def factorise_beside(factor: Any, pointers: IntArray, rows: IntArray, values: Array) -> int:
-    """Fill an analysed `factor` with that of a lower triangle (csc), without Python's lock.
+def factorise_beside(factor: Any, triangle: SparseMatrix) -> int:
+    """Fill an analysed `factor` with that of an upper triangle (csr), without Python's lock.
 
     Returns the place in the order of elimination where a pivot was not positive, n where none
     was. Raises MemoryError.
     """
-    functions, head = _library(), factor_head(factor)
-    lower = [np.ascontiguousarray(one, dtype=np.int64) for one in (pointers, rows)]
-    numbers = np.ascontiguousarray(values, dtype=np.float64)
+    functions, head = library(), factor_head(factor)
+    # Read by columns the triangle is the lower one.
+    pointers, rows = (a.astype(np.int64) for a in (triangle.indptr, triangle.indices))
+    values = np.ascontiguousarray(triangle.data, dtype=np.float64)
     matrix = _Sparse(
         nrow=head.n,
         ncol=head.n,
-        nzmax=len(numbers),
-        p=lower[0].ctypes.data,
-        i=lower[1].ctypes.data,
-        x=numbers.ctypes.data,
+        nzmax=len(values),
+        p=pointers.ctypes.data,
+        i=rows.ctypes.data,
+        x=values.ctypes.data,
         stype=_LOWER,
         itype=_LONG,
         xtype=_REAL,
@@ -148,7 +128,7 @@ def solve_columns(factor: Any, columns: Array, system: int = SYSTEM_A) -> Array:
 
     By L the rows are in the order of elimination.
     """
-    functions = _library()
+    functions = library()
     n, k = columns.shape
     right = _Dense(n, k, n * k, n, columns.ctypes.data, None, _REAL, _DOUBLE)
     with _workspace(functions) as common:

@@ -5,9 +5,8 @@ have kept their places since CHOLMOD 3.0. A supernode is a dense block of column
 """
 
 import ctypes
-from dataclasses import dataclass
 from heapq import heappop, heappush
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from scipy.linalg import solve_triangular
@@ -47,30 +46,12 @@ class FactorHead(ctypes.Structure):
     )
 
 
-@dataclass(frozen=True)
-class FactorStatistics:
-    """Size of a supernodal factor, known before its numbers.
-
-    `entries` of L; `stored_entries` with the zeros that supernodes store; `index_entries`;
-    `update_entries`, the largest update block.
-    """
-
-    entries: int
-    stored_entries: int
-    index_entries: int
-    update_entries: int
-
-
-class _Supernode(NamedTuple):
-    """Columns of L from place `start` on (h×w, a view); their rows are the places `rows` (h)."""
-
-    start: int
-    rows: IntArray
-    columns: Array
-
-
 def factor_head(factor: Any) -> FactorHead:
-    """The members of the factor in cvxopt's capsule, which must be kept as long as they are."""
+    """The members of the factor in cvxopt's capsule, which must be kept as long as they are.
+
+    Of a supernodal factor: `stored_entries` of L with the zeros that supernodes store,
+    `index_entries`, and `update_entries`, those of the largest update block.
+    """
     pointer_of = ctypes.pythonapi.PyCapsule_GetPointer
     pointer_of.restype = ctypes.c_void_p
     pointer_of.argtypes = [ctypes.py_object, ctypes.c_char_p]
@@ -84,15 +65,10 @@ def _long_array(address: int, count: int) -> IntArray:
     return copy
 
 
-def statistics(factor: Any) -> FactorStatistics:
-    """Statistics of a symbolic or numeric supernodal factor."""
+def entry_count(factor: Any) -> int:
+    """Entries of L, known before its numbers."""
     head = factor_head(factor)
-    return FactorStatistics(
-        entries=int(_long_array(head.column_counts, head.n).sum()),
-        stored_entries=head.stored_entries,
-        index_entries=head.index_entries,
-        update_entries=head.update_entries,
-    )
+    return int(_long_array(head.column_counts, head.n).sum())
 
 
 def elimination_order(factor: Any) -> IntArray:
@@ -117,14 +93,13 @@ def largest_supernodes(factor: Any, count: int, end: int | None = None) -> list[
     return [order[starts[number] : stops[number]] for number in largest]
 
 
-@dataclass(frozen=True, eq=False)
 class _Lower:
     """L by supernodes; `starts` (s+1) as `supernodes` gives them."""
 
-    head: FactorHead
-    starts: IntArray
-    rows_from: IntArray
-    values_from: IntArray
+    def __init__(self, factor: Any) -> None:
+        self.head, self.starts = factor_head(factor), supernodes(factor)
+        self.rows_from = _long_array(self.head.index_pointers, len(self.starts))
+        self.values_from = _long_array(self.head.value_pointers, len(self.starts))
 
     def number(self, place: Any) -> Any:
         """The supernode of a place or of several."""
@@ -137,41 +112,25 @@ class _Lower:
             return None
         return int(self.number(_long_array(self.head.indices + 8 * below, 1)[0]))
 
-    def __getitem__(self, k: int) -> _Supernode:
+    def __getitem__(self, k: int) -> tuple[IntArray, Array]:
+        """The places (h) of the rows of supernode k, and its columns (h×w, a view)."""
         height = int(self.rows_from[k + 1] - self.rows_from[k])
         width = int(self.starts[k + 1] - self.starts[k])
         rows = _long_array(self.head.indices + 8 * int(self.rows_from[k]), height)
         values = (ctypes.c_double * (height * width)).from_address(
             self.head.x + 8 * int(self.values_from[k])
         )
-        columns = np.ctypeslib.as_array(values).reshape(width, height).T
-        return _Supernode(int(self.starts[k]), rows, columns)
+        return rows, np.ctypeslib.as_array(values).reshape(width, height).T
 
 
-def _lower(factor: Any) -> _Lower:
-    head = factor_head(factor)
-    return _Lower(
-        head,
-        supernodes(factor),
-        _long_array(head.index_pointers, head.supernodes + 1),
-        _long_array(head.value_pointers, head.supernodes + 1),
-    )
-
-
-class PathSolution(NamedTuple):
-    """Rows of L⁻¹W at `places` (m, ascending) in the order of elimination: `values` (m×k)."""
-
-    places: IntArray
-    values: Array
-
-
-def solve_paths(factor: Any, columns: SparseMatrix) -> PathSolution:
+def solve_paths(factor: Any, columns: SparseMatrix) -> tuple[IntArray, Array]:
     """L⁻¹ times `columns` W (csc n×k, rows in the order of elimination), without rows of zeros.
 
+    The places (m, ascending) of the other rows in that order, and their values (m×k).
     A column reaches no more than the supernodes of its own rows and those that depend on them, the
     path to the root of the elimination tree: only these are read.
     """
-    L = _lower(factor)
+    L = _Lower(factor)
     reached: dict[int, set[int]] = {}
     for column in range(columns.shape[1]):
         own = columns.indices[columns.indptr[column] : columns.indptr[column + 1]]
@@ -194,17 +153,15 @@ def solve_paths(factor: Any, columns: SparseMatrix) -> PathSolution:
     )
     values = columns.tocsr()[places].toarray()
     for k in path:
-        block, active = L[k], np.array(sorted(reached[k]))
-        width = block.columns.shape[1]
-        at = np.searchsorted(places, block.rows)
+        (rows, block), active = L[k], np.array(sorted(reached[k]))
+        width = block.shape[1]
+        at = np.searchsorted(places, rows)
         own = np.ix_(at[:width], active)
-        solved = solve_triangular(
-            block.columns[:width], values[own], lower=True, check_finite=False
-        )
+        solved = solve_triangular(block[:width], values[own], lower=True, check_finite=False)
         values[own] = solved
         # scipy's BLAS as for the line before: numpy's has threads of its own, which would wait.
-        values[np.ix_(at[width:], active)] -= dgemm(1.0, block.columns[width:], solved)
-    return PathSolution(places, values)
+        values[np.ix_(at[width:], active)] -= dgemm(1.0, block[width:], solved)
+    return places, values
 
 
 def detach_end(factor: Any, first: int) -> Array:
@@ -213,13 +170,13 @@ def detach_end(factor: Any, first: int) -> Array:
     The factor of [A B; Bᵀ C] then solves with [L 0; BᵀL⁻ᵀ I], L that of A: its end gives and takes
     what the rest of a larger matrix needs of A.
     """
-    L = _lower(factor)
+    L = _Lower(factor)
     end = np.zeros((int(L.starts[-1]) - first, int(L.starts[-1]) - first), order="F")
     for k in range(int(L.number(first)), len(L.starts) - 1):
-        block = L[k]
-        for column in range(max(0, first - block.start), block.columns.shape[1]):
-            below, own = block.rows[column:] - first, block.columns[column:, column]
-            end[below, block.start + column - first] = own
+        (rows, block), start = L[k], int(L.starts[k])
+        for column in range(max(0, first - start), block.shape[1]):
+            below, own = rows[column:] - first, block[column:, column]
+            end[below, start + column - first] = own
             own[:] = 0.0
             own[0] = 1.0
     return end

@@ -1,12 +1,14 @@
 """The kernel that OpenBLAS is told to take: of faked processors, and in processes of their own."""
 
+import ctypes
 import os
 import subprocess
 import sys
+from collections.abc import Callable
 
 import numpy as np
 import pytest
-from cvxopt import blas
+from cvxopt import blas, cholmod
 
 from fem.solvers.cholmod.kernel import VARIABLE, fitting_kernel, kernel, naming_the_kernel
 from lumped.errors import ComputationError
@@ -51,13 +53,20 @@ def test_the_users_choice_stays(named: str) -> None:
     assert found.stdout.split() == [named]
 
 
-def test_a_kernel_that_computes_wrong_products_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("library", [ctypes.CDLL, lambda _path: object()], ids=["named", "not"])
+def test_a_kernel_that_computes_wrong_products_is_refused(
+    library: Callable[[str], object], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where its library hides the kernel's name too."""
     right = blas.gemm
 
     def wrong(a: object, b: object, product: object, **options: object) -> None:
         right(a, b, product, **options)
         product[5, 7] *= 1.0 + 1e-6  # type: ignore[index]
 
+    monkeypatch.setattr(ctypes, "CDLL", library)
+    kernel.cache_clear()
+    assert bool(kernel()) == hasattr(library(cholmod.__file__), "openblas_get_corename")
     kernel.cache_clear()
     monkeypatch.setattr(blas, "gemm", wrong)
     with pytest.raises(ComputationError, match="set the environment variable OPENBLAS_CORETYPE"):
