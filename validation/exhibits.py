@@ -15,6 +15,7 @@ from validation.context import PRESETS, Context, Preset
 # Sections of the report that cases and figures share.
 STROKE = "The robot over its stroke"
 PATH = "The mechanism over its path"
+MODES = "Modes by shape and strain energy"
 PARAMETERS = "Design parameters"
 FAMILY = "Robots with longer legs"
 

@@ -1,10 +1,10 @@
-"""The adequacy of models as data: entries of a matrix model × quantity, and in words."""
+"""The adequacy of models as data: entries of a matrix model × quantity."""
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal, TypeAlias
 
-from lumped.acceptance.requirement import FREQUENCIES, STATIC_QUANTITIES
+from lumped.acceptance.requirement import STATIC_QUANTITIES
 from validation.context import PRESETS, Context, Preset
 
 Adequacy: TypeAlias = Literal["adequate", "inadequate", "undecided"]
@@ -179,18 +179,3 @@ def worst_of(verdicts: Sequence[Adequacy]) -> Adequacy:
     """What holds of all: inadequate where it is so of any, adequate where of all."""
     order: tuple[Adequacy, ...] = ("inadequate", "undecided", "adequate")
     return min(verdicts, key=order.index)
-
-
-def named(matrix: Matrix, quantities: Collection[str]) -> str:
-    """Quantities in words where all of a kind are there, else one by one."""
-    spoken = {entry.quantity for entry in matrix.entries}
-    said, left = [], [name for name in matrix.quantities if name in quantities]
-    for words, kind in (
-        ("deflections and rotations", STATIC_QUANTITIES),
-        ("frequencies", FREQUENCIES),
-    ):
-        asked = spoken.intersection(kind)
-        if len(asked) > 1 and asked <= set(left):
-            said.append(words)
-            left = [name for name in left if name not in asked]
-    return ", ".join([*said, *left])

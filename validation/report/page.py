@@ -1,12 +1,13 @@
 """report.html: one file that needs nothing else, from what a run found."""
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from math import isnan
 
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
-from markupsafe import Markup
+from markupsafe import Markup, escape
 
 from lumped.audit.finding import Finding
 from validation.adequacy.matrix import Matrix
@@ -157,6 +158,7 @@ def _templates() -> Environment:
         "base64": text.base64,
         "inline_svg": lambda figure: Markup(text.inline_svg(figure)),  # noqa: S704  our own plots
         "amount": text.tolerance,
+        "unbroken": _unbroken,
         "rows": lambda columns: zip(*columns.values(), strict=True),
     }
     environment.globals["mark"] = {
@@ -168,3 +170,8 @@ def _templates() -> Environment:
     }
     environment.tests["nan"] = lambda value: isinstance(value, float) and isnan(value)
     return environment
+
+
+def _unbroken(said: str) -> Markup:
+    """The text with its options in one line each, "--parts stepped"."""
+    return Markup(re.sub(r"(--\w+ \w+)", r'<span class="data">\1</span>', str(escape(said))))  # noqa: S704

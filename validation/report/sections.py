@@ -10,7 +10,7 @@ from math import isnan
 
 from validation.case import Relation, Relative
 from validation.drawing.text import anchor
-from validation.exhibits import FAMILY, PARAMETERS, PATH, STROKE, Figure
+from validation.exhibits import FAMILY, MODES, PARAMETERS, PATH, STROKE, Figure
 from validation.report.figures.budgets import budget_figure
 from validation.report.figures.declared import attempted
 from validation.report.figures.studies import Family, families, study_figure
@@ -20,12 +20,15 @@ from validation.results.records import claims_of
 
 # Chapters in their order, with their sections as they follow each other; sections that stand in no
 # list go by the subject of their cases.
+LEGS = "Modes and legs in detail"
 CHAPTERS: Mapping[str, tuple[str, ...]] = {
-    "The robot": (STROKE, PATH),
-    "Its legs": (),
-    "The decision": (PARAMETERS, FAMILY),
-    "The paper": ("The paper's statements",),
+    "The robot": (PATH,),
+    "The decision": (PARAMETERS,),
+    LEGS: (MODES,),
+    "The paper": ("The paper's statements", STROKE, FAMILY),
 }
+# What nobody needs to understand the answer: the page has it folded.
+_APPENDIX = (LEGS, "The paper")
 _GRAVEST: tuple[Verdict, ...] = ("disagree", "failed", "undecided", "agree", "skipped")
 
 
@@ -99,6 +102,16 @@ class Chapter:
     title: str
     sections: tuple[PageSection, ...]
 
+    @property
+    def folded(self) -> bool:
+        """Whether it belongs to the appendix."""
+        return self.title in _APPENDIX
+
+    @property
+    def of_legs(self) -> bool:
+        """Whether what models say of single legs stands in it."""
+        return self.title == LEGS
+
 
 def chapters_of(
     outcomes: Sequence[Outcome], figures: Sequence[Figure], *, plotted: bool
@@ -145,7 +158,7 @@ def _home(section: PageSection) -> str:
     """The chapter that names the section, else that of what its first case says something of."""
     named = {title: chapter for chapter, titles in CHAPTERS.items() for title in titles}
     of_leg = section.outcomes and section.outcomes[0].case.subject == "leg"
-    return named.get(section.title) or ("Its legs" if of_leg else "The robot")
+    return named.get(section.title) or (LEGS if of_leg else "The robot")
 
 
 def _place(chapter: str, section: PageSection) -> int:

@@ -16,6 +16,8 @@ from validation.results.outcome import Outcome
 from validation.results.records import CaseRecord, RunRecord, case_record, parse_run, run_record
 from validation.results.tasks import AnyResult, Record, Task, from_plain, still_holding
 
+_JUDGED = {ADEQUACY: "by finite elements", MEASURED: "against measured values"}
+
 
 @dataclass
 class Results:
@@ -71,9 +73,11 @@ class Results:
 
     @property
     def unjudged(self) -> list[str]:
-        """Why the models could not be assessed."""
-        made = [self.done.get(name) for name in (ADEQUACY, MEASURED)]
-        return [result.message for result in made if result and result.message]
+        """Why the models could not be judged, by finite elements or against measured values."""
+        made = [(by, self.done.get(name)) for name, by in _JUDGED.items()]
+        return [
+            f"No model was judged {by}: {one.message}" for by, one in made if one and one.message
+        ]
 
     @property
     def unfinished(self) -> int:

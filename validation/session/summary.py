@@ -23,7 +23,7 @@ def adequacy(gathered: Results) -> list[str]:
     """Lines on the models relied on that are not adequate, and the answer as the page has it."""
     refused, rely = ", ".join(gathered.refused), gathered.rely
     lines = [f"relied on, and not adequate: {refused}"] if refused else []
-    lines += [f"adequacy: {message}" for message in gathered.unjudged]
+    lines += gathered.unjudged
     lines += [sentence(gathered.matrix, rely)] if gathered.matrix else []
     measured = gathered.measured
     lines += [f"against measured values: {sentence(measured, rely)}"] if measured else []

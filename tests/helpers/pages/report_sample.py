@@ -143,18 +143,21 @@ def sample_report(
     missing=("fig7",),
     matrix=MATRIX,
     measured=None,
-    unjudged="",
+    unjudged=(),
     unfinished=0,
     findings=(FINDING,),
 ):
-    """A report on these; `matrix` and `measured` are left out where None."""
+    """A report on these; `matrix` and `measured` are left out where None.
+
+    `unjudged` has assessments that failed, and why.
+    """
     outcomes = sample_outcomes() if outcomes is None else outcomes
     matrices = {name: one for name, one in ((ADEQUACY, matrix), (MEASURED, measured)) if one}
     done = {outcome.case.id: outcome.result for outcome in outcomes}
     made = {**{figure.id: figure for figure in figures}, **matrices}
     done |= {name: Result(name, "made", 0.1, found=found) for name, found in made.items()}
     done |= {name: Result(name, "failed", 0.1, "no OpenGL") for name in missing}
-    done |= {ADEQUACY: Result(ADEQUACY, "failed", 0.1, unjudged)} if unjudged else {}
+    done |= {name: Result(name, "failed", 0.1, why) for name, why in dict(unjudged).items()}
     left = [f"left.{number}" for number in range(unfinished)]
     planned = [*(figure.id for figure in figures), *missing, *left]
     tasks = [

@@ -8,7 +8,7 @@ from matrix_sample import POSES, entry, sample_matrix, undecided
 from report_sample import sample_report
 
 from validation.adequacy.matrix import ModelNote
-from validation.drawing.text import number
+from validation.drawing.text import anchor, number
 from validation.exhibits import Figure
 from validation.report.figures.adequacy import error_curves
 from validation.report.first_screen.remedies import remedies_of
@@ -16,6 +16,7 @@ from validation.report.first_screen.screen import first_screen
 from validation.report.first_screen.sentence import sentence
 from validation.report.first_screen.table import table_of
 from validation.report.page import render
+from validation.report.sections import LEGS
 
 NO_BREAK = "\u00a0"
 
@@ -89,9 +90,11 @@ def test_what_verdicts_on_frequencies_suppose_stands_behind_them_and_nowhere_els
     supposed = "for every plausible distribution of the legs' mass"
     decided = (entry("beam", "f1", (0.3, 0.3, 0.3)),)
     assert sentence(sample_matrix(entries=decided, supposed=supposed)).endswith(
-        f". Frequencies: {supposed}."
+        f". Frequencies are judged {supposed}."
     )
     assert supposed not in sentence(sample_matrix(supposed=supposed))
+    # Solids of such legs are of other legs: they help nobody.
+    assert "solid" not in sentence(sample_matrix(entries=decided, supposed=supposed))
 
 
 def test_the_table_has_a_column_for_every_quantity_that_is_spoken_of():
@@ -133,7 +136,8 @@ def test_second_theories_and_models_that_lack_motions_are_folded():
 
 
 def test_entries_of_the_same_cause_and_remedy_share_a_line():
-    lines = remedies_of(sample_matrix())
+    matrix = sample_matrix()
+    lines = remedies_of(matrix, {entry.model for entry in matrix.entries})
     assert [(one.models, one.quantities, plain(one.without)) for one in lines] == [
         ("The simplified model", "x, y", "87 to 100 % too stiff"),
         ("The simplified model", "z", "100 % too stiff"),
@@ -148,6 +152,9 @@ def test_entries_of_the_same_cause_and_remedy_share_a_line():
         "0.1 %",
     )
     assert lines[1].causes == ("it knows no such motion",)
+    # A model that is folded in the table has its lines folded, too.
+    screen = first_screen(matrix, plotted=False)
+    assert (screen.remedies, screen.other_remedies) == (tuple(lines[2:]), tuple(lines[:2]))
 
 
 def test_an_unfinished_run_waits_for_no_figure():
@@ -175,7 +182,7 @@ def test_legs_and_measured_values_have_tables_and_sheets_of_their_own():
     assert len(links) == len(set(links)) == 3 * len(leg.entries) + len(by_gauge)
     assert all(markup.count(f'id="{link}"') == 1 for link in links)
     assert "measured: gauge" in markup
-    assert markup.index('id="leg_1-matrix"') > markup.index('id="Its_legs"')
+    assert markup.index('id="leg_1-matrix"') > markup.index(f'id="{anchor(LEGS)}"')
     assert markup.index("against solids of the same legs</h3>") > markup.index('id="leg_1-matrix"')
     assert "measured.values" in {figure.id for figure in report.shown}
     # By itself it is the answer.

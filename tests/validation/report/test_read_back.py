@@ -19,6 +19,7 @@ from validation.drawing.charts.chart import chart_table
 from validation.report.figures.adequacy import error_curves
 from validation.report.first_screen.remedies import remedies_of
 from validation.report.first_screen.table import csv_of_matrix, table_of
+from validation.report.first_screen.words import SIGNS
 from validation.results.records import adequacy_records
 from validation.solve.answer import as_text
 
@@ -80,8 +81,7 @@ def test_every_cell(matrix):
     assert list(cells) == [(entry.model, entry.quantity) for entry in matrix.entries]
     for entry in matrix.entries:
         heading, cell = cells[entry.model, entry.quantity]
-        signs = {"φx": "phi_x", "φy": "phi_y", "φz": "phi_z", "any force": "any_force"}
-        assert signs.get(heading, heading) == entry.quantity
+        assert heading == SIGNS.get(entry.quantity, entry.quantity)
         assert cell.mark == MARKS[entry.verdict]
         if entry.error is None:
             assert cell.text == ("none" if entry.verdict == "inadequate" else "open")
@@ -204,7 +204,7 @@ def test_every_curve_and_its_table(matrix):
 def test_every_remedy_names_its_entries_and_their_range():
     for matrix in MATRICES:
         off = [entry for entry in matrix.entries if entry.verdict == "inadequate"]
-        lines = remedies_of(matrix)
+        lines = remedies_of(matrix, {entry.model for entry in off})
         assert sum(line.quantities.count(",") + 1 for line in lines) <= len(off)
         for line in lines:
             found = [one for one in off if one.remedy == line.remedy]

@@ -10,6 +10,7 @@ from math import nan
 import pytest
 from report_sample import CONVERGENCE, DRAWN, PIXEL, case, never, sample_outcomes, sample_report
 
+from validation.adequacy.matrix import ADEQUACY, MEASURED
 from validation.case import Absolute, Allowance, Measurement, Relation
 from validation.drawing import text
 from validation.exhibits import Figure, InteractiveScene
@@ -17,7 +18,7 @@ from validation.report import sections
 from validation.report.figures.budgets import budget_curves, budget_figure
 from validation.report.figures.studies import families, family_of, study_figure
 from validation.report.page import render
-from validation.report.sections import CHAPTERS, chapters_of, unexplained_share
+from validation.report.sections import LEGS, chapters_of, unexplained_share
 from validation.results.outcome import judge
 
 VOID = {"meta", "link", "img", "br", "hr", "input"}
@@ -84,10 +85,17 @@ def test_the_answer_stands_at_the_top_and_the_checks_behind_it(markup):
 
 
 def test_without_a_matrix_the_page_says_why():
-    page = render(sample_report(matrix=None, unjudged="the sections are too thin to mesh"))
-    assert "No model was judged: the sections are too thin to mesh." in page
+    page = render(sample_report(matrix=None, unjudged={ADEQUACY: "the sections are too thin"}))
+    assert "No model was judged by finite elements: the sections are too thin." in page
     assert 'id="adequacy"' not in page
     assert "<strong>3 of 5 comparisons agree" in page
+
+
+def test_where_measured_values_alone_are_lost_the_models_were_judged_nevertheless():
+    page = render(sample_report(unjudged={MEASURED: "no such pose"}))
+    assert "No model was judged against measured values: no such pose." in page
+    assert "No model was judged by" not in page
+    assert "<strong>For your limits use" in page
 
 
 def test_the_worst_comparisons_of_a_section_come_first():
@@ -232,9 +240,12 @@ def test_chapters_answer_in_turn_whatever_came_first():
         judge(case(f"c.{n}", section=n), Measurement(1.0, 1.0, exact=True), 0.1) for n in names
     ]
     found = chapters_of(outcomes, (), plotted=False)
-    assert [chapter.title for chapter in found] == [*list(CHAPTERS)[:2], "The paper"]
-    assert [section.title for section in found[0].sections] == [names[4], names[3]]
-    assert [section.title for section in found[1].sections] == ["crank", "Leg 2"]
+    assert [(chapter.title, chapter.folded) for chapter in found] == [
+        *(("The robot", False), (LEGS, True), ("The paper", True))
+    ]
+    assert [[section.title for section in chapter.sections] for chapter in found] == [
+        *([names[3]], ["crank", "Leg 2"], [names[1], names[4]])
+    ]
 
 
 def test_curves_that_are_errors_tend_to_zero():

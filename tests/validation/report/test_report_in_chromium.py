@@ -57,12 +57,15 @@ const told = { widths: {} };
 await until(() => document.readyState === "complete");
 told.images = [...document.images].map(image => image.complete && image.naturalWidth > 0);
 const html = document.documentElement.outerHTML;
-for (const width of [390, 1280]) {
+for (const width of [1280, 390]) {
   const frame = Object.assign(document.createElement("iframe"), { width, srcdoc: html });
   const loaded = new Promise(done => { frame.onload = done; });
   document.body.append(frame);
   await loaded;
-  told.widths[width] = frame.contentDocument.documentElement.scrollWidth;
+  const page = frame.contentDocument, matrix = page.querySelector("table.adequacy");
+  told.widths[width] = page.documentElement.scrollWidth;
+  const boxes = [...matrix.querySelectorAll("th, td")].map(cell => cell.getBoundingClientRect());
+  told.corner = ["right", "bottom"].map(side => Math.max(...boxes.map(box => box[side])));
   frame.remove();
 }
 find('main table a[href^="#legs"]').click();
@@ -131,6 +134,9 @@ def test_a_reader_sees_all_of_the_report_and_turns_its_scenes(tmp_path):
     assert all(told["images"])
     # Neither a phone nor a desktop shows anything beyond its edge.
     assert all(found <= int(width) for width, found in told["widths"].items())
+    # A phone shows the answer and all of the matrix at once.
+    assert told["corner"][0] <= 390.0
+    assert told["corner"][1] <= 844.0
     # Three times as long as high, the box covers at least a twentieth of its picture.
     assert (told["before"], told["pressed"]) == (True, "true")
     assert told["drawn"] > 0.05

@@ -19,7 +19,7 @@ from validation.drawing.charts.chart import Chart, Panel, Series
 from validation.drawing.style import WIDTH, Look, fills_of, looks_of, marked, plot_style
 
 # in, of a row of differences below its panels, of labels around all, and between rows of panels.
-_LOW, _AROUND, _BETWEEN = 1.5, 0.55, 0.25
+_LOW, _AROUND, _BETWEEN = 1.1, 0.55, 0.25
 # in, of a line of a row's name, of what a row has besides, and of its bar.
 _LINE, _ROW, _BAR = 0.13, 0.1, 0.14
 # Letters that fit below all axes of a row, and into all entries of a row of the legend; a handle

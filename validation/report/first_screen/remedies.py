@@ -1,6 +1,6 @@
 """Why models are off and what to do: entries with the same causes and remedy in one line."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -38,14 +38,14 @@ class Remedy:
     with_remedy: str
 
 
-def remedies_of(matrix: Matrix) -> tuple[Remedy, ...]:
-    """A line for each reason of inadequacy, in the order of the matrix.
+def remedies_of(matrix: Matrix, models: Collection[str]) -> tuple[Remedy, ...]:
+    """A line for each reason why any of the models is inadequate, in the order of the matrix.
 
     Entries belong together where they name the same foremost causes and the same remedy.
     """
     groups: dict[tuple[tuple[str, ...], str, str, bool], list[Entry]] = {}
     for entry in matrix.entries:
-        if entry.verdict == "inadequate":
+        if entry.verdict == "inadequate" and entry.model in models:
             causes = tuple(sorted(cause.cause for cause in entry.causes[:_FOREMOST]))
             # Errors of frequencies have a sign, those of displacements none.
             key = causes, entry.remedy, "" if causes else entry.reason, entry.signed

@@ -19,10 +19,10 @@ from validation.report.first_screen.words import capital, listed, model_name, qu
 class FirstScreen:
     """What the reader sees first: the sentence, the table with its CSV, errors over the poses.
 
-    Then `remedies`, what decides the entries that are `undecided`, by entries, the uncertain
-    `inputs` with the errors that they leave most open, and `notes` on what was not said by the
-    user. `parts` show the same of what stands beside the matrix, each by its `name` under
-    `heading`.
+    Then `remedies`, and `other_remedies` of the models that are folded; what decides the entries
+    that are `undecided`, by entries; the uncertain `inputs` with the errors that they leave most
+    open; and `notes` on what was not said by the user. `parts` show the same of what stands beside
+    the matrix, each by its `name` under `heading`.
     """
 
     sentence: str
@@ -30,6 +30,7 @@ class FirstScreen:
     csv: str
     errors: Figure | None
     remedies: tuple[Remedy, ...]
+    other_remedies: tuple[Remedy, ...]
     notes: tuple[str, ...]
     undecided: Mapping[str, str]
     inputs: tuple[str, ...] = ()
@@ -52,12 +53,16 @@ def first_screen(
         where = ("measured.values", "measured") if measured else ("adequacy.errors", "adequacy")
         return shown.figure(where[0], shown.title, where[1]) if shown else None
 
+    table = table_of(matrix)
+    folded = [row.note.model for row in table.rows if row.folded]
+    shown = [row.note.model for row in table.rows if not row.folded]
     return FirstScreen(
         sentence=sentence(matrix, rely),
-        table=table_of(matrix),
+        table=table,
         csv=csv_of_matrix(matrix),
         errors=attempted(errors) if plotted else None,
-        remedies=remedies_of(matrix),
+        remedies=remedies_of(matrix, shown),
+        other_remedies=remedies_of(matrix, folded),
         notes=matrix.notes,
         undecided=_undecided(matrix),
         inputs=_inputs(matrix),

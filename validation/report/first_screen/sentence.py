@@ -20,7 +20,7 @@ def sentence(matrix: Matrix, rely: Sequence[str] = ()) -> str:
     said = _relied(matrix, relied) if relied else _to_use(matrix)
     decided = [e for e in matrix.entries if e.quantity not in STATIC_QUANTITIES]
     if matrix.supposed and any(entry.verdict != "undecided" for entry in decided):
-        said += f". Frequencies: {matrix.supposed}"
+        said += f". Frequencies are judged {matrix.supposed}"
     return f"{said}." if said else "No model could be judged."
 
 
@@ -68,7 +68,8 @@ def _to_use(matrix: Matrix) -> str:
     held = set().union(*fitting.values())
     undecided = {e.quantity for e in matrix.entries if e.verdict == "undecided"} - held
     refused = {entry.quantity for entry in matrix.entries} - held - undecided
-    if refused and not any(entry.measured for entry in matrix.entries):
+    # Solids of legs known by a 6×6 alone are of other legs: no remedy.
+    if refused and not (matrix.supposed or any(entry.measured for entry in matrix.entries)):
         chosen.append(("solid", refused))
         refused = set()
     said = [f"{model} ({quantities_text(matrix, found)})" for model, found in chosen]

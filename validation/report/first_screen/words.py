@@ -2,8 +2,8 @@
 
 from collections.abc import Collection, Mapping, Sequence
 
-from lumped.acceptance.requirement import ANY_FORCE
-from validation.adequacy.matrix import Entry, Matrix, named
+from lumped.acceptance.requirement import ANY_FORCE, FREQUENCIES, STATIC_QUANTITIES
+from validation.adequacy.matrix import Entry, Matrix
 from validation.drawing.text import number, percent
 
 _MODELS: Mapping[str, str] = {
@@ -16,7 +16,13 @@ _MODELS: Mapping[str, str] = {
     "segments-condensed": "condensed segments",
     "segments-stepped": "stepped segments",
 }
-SIGNS: Mapping[str, str] = {"phi_x": "φx", "phi_y": "φy", "phi_z": "φz", ANY_FORCE: "any force"}
+SIGNS: Mapping[str, str] = {
+    "phi_x": "φx",
+    "phi_y": "φy",
+    "phi_z": "φz",
+    ANY_FORCE: "any force",
+    "order": "order of modes",
+}
 _NOTHING = 5e-5
 
 
@@ -27,10 +33,17 @@ def model_name(model: str) -> str:
 
 def quantities_text(matrix: Matrix, quantities: Collection[str]) -> str:
     """Quantities as the table heads them, all of a kind together."""
-    told = named(matrix, quantities)
-    for name, sign in SIGNS.items():
-        told = told.replace(name, sign)
-    return told
+    spoken = {entry.quantity for entry in matrix.entries}
+    told, left = [], [name for name in matrix.quantities if name in quantities]
+    for words, kind in (
+        ("deflections and rotations", STATIC_QUANTITIES),
+        ("frequencies", FREQUENCIES),
+    ):
+        asked = spoken.intersection(kind)
+        if len(asked) > 1 and asked <= set(left):
+            told.append(words)
+            left = [name for name in left if name not in asked]
+    return ", ".join([*told, *(SIGNS.get(name, name) for name in left)])
 
 
 def capital(text: str) -> str:

@@ -79,7 +79,7 @@ def frequency_chart(found: Compared, x: Array, label: str, abscissa: Mapping[str
     """The first frequencies (p×k, Hz), a panel each."""
     count = min(JUDGED_MODES, next(iter(found.values.values())).shape[1])
     panels = [_panel(found, x, mode, f"f{mode + 1} (Hz)", 1.0) for mode in range(count)]
-    return _chart(panels, label, abscissa, columns=2)
+    return _chart(panels, label, abscissa, columns=count)
 
 
 def _chart(

@@ -10,7 +10,7 @@ from validation.adequacy.mechanism.path import known_legs
 from validation.case import Skip
 from validation.context import Context
 from validation.drawing.charts.chart import Bars, Chart, Column, Panel
-from validation.exhibits import PATH
+from validation.exhibits import MODES
 from validation.report.figures.declared import FigureGroup, Shown, curves
 from validation.report.figures.mechanism.drawn_modes import finite_elements
 from validation.report.figures.mechanism.mode_names import DRIVES, JOINTS, by_kind, summed
@@ -19,7 +19,7 @@ from validation.solids.legs import SHARED_SOLIDS
 Portions = Mapping[Portion, Array]
 Shares = Mapping[str, Array]
 SIXTY = 60
-figures = FigureGroup(PATH, SHARED_SOLIDS)
+figures = FigureGroup(MODES, SHARED_SOLIDS)
 
 
 @figures.figure(

@@ -11,13 +11,13 @@ from validation.agreement.mode_pairing import mac_matrix
 from validation.case import Skip
 from validation.context import Context
 from validation.drawing.charts.chart import Chart, Column, Panel, Series
-from validation.exhibits import PATH
+from validation.exhibits import MODES
 from validation.models.options import DEFAULT_OPTIONS, ModelName
 from validation.report.figures.declared import FigureGroup, Shown, curves
 from validation.solids.legs import SHARED_SOLIDS
 
 _MODELS: tuple[ModelName, ...] = ("beam", "segments")
-figures = FigureGroup(PATH, SHARED_SOLIDS)
+figures = FigureGroup(MODES, SHARED_SOLIDS)
 
 
 @figures.figure("mechanism.pairs", "Modes paired by shape with the reference's", effort=2.0)
