@@ -8,6 +8,7 @@ import numpy as np
 from lumped.arrays import Array
 from lumped.mechanism.body import Body, Frame
 from lumped.mechanism.joint import Joint
+from lumped.mechanism.load import Load
 from lumped.mechanism.part import Part
 
 GROUND = "ground"
@@ -39,8 +40,9 @@ class Mechanism:
 
     `reference` holds the frame of every body in base axes in the reference posture; ground is the
     body of that name, whose frame is the base and whose interfaces are the points it is joined at.
-    `poses` (p×len(moves)) are in the order of the tool's `moves`. `inverse_kinematics` gives the
-    frames of all bodies in a pose in closed form; where it is None, loops are closed by iteration.
+    `poses` (p×len(moves)) are in the order of the tool's `moves`; `loads` are the designer's own.
+    `inverse_kinematics` gives the frames of all bodies in a pose in closed form; where it is None,
+    loops are closed by iteration.
     """
 
     name: str
@@ -49,6 +51,7 @@ class Mechanism:
     tool: Tool
     reference: Mapping[str, Frame]
     poses: Array
+    loads: Sequence[Load] = ()
     inverse_kinematics: Callable[[Array], Mapping[str, Frame]] | None = None
 
     @property

@@ -6,7 +6,8 @@ end at the platform; springs between it and the tool lie in series with all of t
 `lumped.models.vjm`: a formulation of its own, which shares no assembly with the other models.
 """
 
-from collections.abc import Mapping
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -19,7 +20,8 @@ from lumped.mechanism.joint import FREEDOMS, Joint, Side
 from lumped.mechanism.kinematics.postures import shown_pose
 from lumped.mechanism.mechanism import GROUND, Mechanism, Posture
 from lumped.models import vjm
-from lumped.screws import turn_matrix
+from lumped.screws import shift, turn_matrix
+from lumped.system.loads import Applied
 
 # What moves as one: a rigid body ("" for the interface) or one interface of a leg.
 _Node: TypeAlias = tuple[str, str]
@@ -68,6 +70,61 @@ def serial_chains(
         tuple(_chain(posture, legs, path) for path in paths),
         _chain(posture, legs, onward),
     )
+
+
+def tool_displacements(
+    posture: Posture, legs: Mapping[str, Array], loads: Sequence[Sequence[Applied]]
+) -> Array:
+    """Displacements (l×6, m and rad, base axes) of the loaded point; `legs` as in `compliance`.
+
+    What hangs on the chains loads them where it hangs. Raises as `compliance` does.
+    """
+    mechanism, tool = posture.mechanism, posture.mechanism.tool
+    paths, onward = _paths(mechanism, legs)
+    chains = [_chain(posture, legs, path) for path in paths]
+    stiffness = vjm.robot_stiffness(chains)
+    platform = vjm.platform_compliance(stiffness, f"{mechanism.name}, virtual joints: the tool")
+    end = interface_position(posture, Side(tool.body, tool.point))
+    carrier = _carriers(mechanism, legs, [*onward, *(step for path in paths for step in path)])
+
+    def moved(ones: Sequence[Applied]) -> Array:
+        at: dict[_Node, Array] = defaultdict(lambda: np.zeros(6))
+        for one in ones:
+            node = carrier[_node(one.body, one.point, legs)]
+            at[node] = at[node] + shift(one.position - end).T @ one.wrench
+        on_platform, beyond = np.zeros(6), np.zeros(6)
+        for path, chain in zip(paths, chains, strict=True):
+            slip, work, here = np.zeros(6), np.zeros(chain.passive.shape[1]), carrier[_BASE]
+            for count, step in enumerate(path[:-1], start=1):
+                here = _other(step, here)
+                before = _chain(posture, legs, path[:count])
+                slip += before.compliance @ at[here]
+                work[: before.passive.shape[1]] += before.passive.T @ at[here]
+            on_platform += vjm.carried(chain, slip, work)
+            here = _other(path[-1], here)
+        on_platform += at[here]
+        for count, step in enumerate(onward, start=1):
+            here = _other(step, here)
+            beyond += _chain(posture, legs, onward[:count]).compliance @ at[here]
+            on_platform += at[here]
+        return np.asarray(platform @ on_platform + beyond)
+
+    return np.reshape([moved(ones) for ones in loads], (-1, 6))
+
+
+def _carriers(
+    mechanism: Mechanism, legs: Mapping[str, Array], kept: Sequence[_Step]
+) -> dict[_Node, _Node]:
+    """Every node with the one of the chains that moves as it does, or that it hangs on."""
+    group = _groups(mechanism, legs)
+    carrier = {node: node for step in kept for node in step.nodes}
+    left = [step for step in _steps(mechanism, legs, group) if step not in kept]
+    while left:
+        step = next(one for one in left if carrier.keys() & one.nodes)
+        left.remove(step)
+        for node in step.nodes - carrier.keys():
+            carrier[node] = carrier[_other(step, node)]
+    return {node: carrier[of] for node, of in group.items()}
 
 
 def _paths(

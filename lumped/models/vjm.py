@@ -68,12 +68,15 @@ class _Bordered:
     """A chain's stiffness K (6×6, SI) and X, from which it errs: δK = −Xᵀ δB X.
 
     B is the bordered matrix (6+q square), without units; X ((6+q)×6) its solution for the end
-    point's twists in SI units.
+    point's twists in SI units. Without units are a twist times `unit` (6), and a compliance over
+    `largest`.
     """
 
     stiffness: Array
     matrix: Array
     solution: Array
+    unit: Array
+    largest: float
 
 
 def _bordered_solution(chain: Chain, name: str) -> _Bordered:
@@ -99,7 +102,24 @@ def _bordered_solution(chain: Chain, name: str) -> _Bordered:
         stiffness=0.5 * (K + K.T) * unit[:, None] * unit / largest,
         matrix=bordered,
         solution=X * unit / np.sqrt(largest),
+        unit=unit,
+        largest=largest,
     )
+
+
+def carried(chain: Chain, slip: Array, work: Array, name: str = "chain") -> Array:
+    """Wrench (6, SI, base axes) that loads along a chain put on its end, which is held.
+
+    `slip` (6) is by how much they would move the free end through the springs, `work` (q) what they
+    do on a unit rate of each passive joint.
+    """
+    found = _bordered_solution(chain, name)
+    free = found.matrix[:6, 6:]
+    # Where passive joints depend on each other, the loads do no work on what they have twice.
+    rates = free.T @ (chain.passive * found.unit[:, None])
+    forces = found.largest * np.linalg.lstsq(rates.T, work, rcond=_DEPENDENT)[0]
+    along = np.concatenate([slip * found.unit, forces])
+    return np.asarray(found.solution.T @ along / np.sqrt(found.largest))
 
 
 def robot_stiffness(chains: Iterable[Chain]) -> Array:

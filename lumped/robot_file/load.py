@@ -24,6 +24,7 @@ from lumped.robot_file.evidence import (
     requirement_of,
     times,
 )
+from lumped.robot_file.loads import load_faults, loads_of
 from lumped.robot_file.mechanism.build import mechanism_of
 from lumped.robot_file.mechanism.faults import description_faults, motion_faults
 from lumped.robot_file.places import keys_named, value_at, with_value
@@ -233,9 +234,10 @@ def described_by(tables: Mapping[str, Any], folder: Path) -> tuple[Mechanism, di
     read = rules.read(tables)
     mechanism = mechanism_of(tables, folder) if any_robot else biglide_of(read)
     faults = motion_faults(mechanism) if any_robot else []
-    if faults := faults or evidence_faults(tables, read, mechanism):
+    faults = faults or evidence_faults(tables, read, mechanism)
+    if faults := faults or list(load_faults(read["loads"], mechanism)):
         raise InputError(faults)
-    return mechanism, read
+    return replace(mechanism, loads=loads_of(read["loads"], mechanism)), read
 
 
 def _listed(source: str, faults: Sequence[str]) -> list[str]:

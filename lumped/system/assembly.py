@@ -158,7 +158,7 @@ class Assembly:
             _add(stiffness, rows, None)
         for number, (name, point) in enumerate(self.structure.nodes):
             shape_of = self.mechanism.bodies[name].shape
-            if not point and isinstance(shape_of, Rigid) and (own := _rigid_mass(shape_of)).any():
+            if not point and isinstance(shape_of, Rigid) and (own := rigid_mass(shape_of)).any():
                 axes = np.swapaxes(turn(frames.rotations[name]), -1, -2)
                 _add(mass, axes @ moved.twists[:, number], own)
         if self.mechanism.tool.mass:
@@ -223,7 +223,7 @@ def _ends(moved: Motions, frames: Frames, body: str) -> Array:
     return own.reshape(count, -1, size)
 
 
-def _rigid_mass(shape: Rigid) -> Array:
+def rigid_mass(shape: Rigid) -> Array:
     """6×6 mass at the origin of the body's axes."""
     to_centre = shift(shape.centre)
     at_centre = np.zeros((6, 6))

@@ -165,13 +165,26 @@ def _inverse_squares(solution: Solved) -> tuple[Array, Array]:
     whole = dense(solution.system.mass)
     mass, drag = whole[np.ix_(kept, kept)], np.zeros((solution.idle, len(kept)))
     if solution.idle:
-        momenta = whole @ solution.motions
-        heaviest = float(np.diag(whole)[: solution.system.outer].max())
-        with_mass = _pseudo_inverse(solution.motions.T @ momenta, heaviest)
+        momenta, with_mass = _of_idle(solution, whole)
         drag = -with_mass @ momenta[kept].T
         mass = mass + momenta[kept] @ drag
     half = dtrsm(1.0, solution.lower, mass * scale[:, None] * scale, lower=1)
     return dtrsm(1.0, solution.lower, half, side=1, lower=1, trans_a=1), drag
+
+
+def without_idle(solution: Solved, loads: Array) -> Array:
+    """Loads (n×m) less the inertia of idle motions that they set off: what is left strains."""
+    if not solution.idle:
+        return loads
+    momenta, with_mass = _of_idle(solution, dense(solution.system.mass))
+    return np.asarray(loads - momenta @ (with_mass @ (solution.motions.T @ loads)))
+
+
+def _of_idle(solution: Solved, mass: Array) -> tuple[Array, Array]:
+    """Momenta M N (n×k) of the idle motions, and (NᵀMN)⁺."""
+    momenta = mass @ solution.motions
+    heaviest = float(np.diag(mass)[: solution.system.outer].max())
+    return momenta, _pseudo_inverse(solution.motions.T @ momenta, heaviest)
 
 
 def strain_shares(system: System, shapes: Array) -> dict[Portion, Array]:

@@ -9,13 +9,13 @@ from lumped.arrays import Array
 from lumped.errors import InputError
 from lumped.mechanism.mechanism import Mechanism
 from validation.adequacy.mechanism.dynamics import dynamic_reference
-from validation.adequacy.mechanism.legs import MASSES
 from validation.adequacy.mechanism.path import RobotOnPath
 from validation.adequacy.mechanism.statics import compliances, static_reference
 from validation.adequacy.mechanism.vibration import modes_by_model
 from validation.adequacy.models import JudgedModel, judged_models, why_unable
 from validation.adequacy.partners import frequency_changes, partners
 from validation.adequacy.response import Alternative, Reference
+from validation.models.leg_masses import MASSES
 
 # From the bottom of a stack of curves to its top.
 _DYNAMIC = ("segments", "segments-stepped", "segments-condensed", "beam", "beam-euler-bernoulli")

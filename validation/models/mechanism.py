@@ -93,9 +93,7 @@ def answers(
     if count:
         _require_mass(model)
     if model == "vjm":
-        require_legs(mechanism)
-        springs = tip_compliances(mechanism, options.legs, options.theory, options.equivalent)
-        springs |= part_springs(mechanism, options)
+        springs = springs_of(mechanism, options)
         return [
             PostureAnswer(at, serial_chains.compliance(at, springs), np.zeros(0), mobility(at).idle)
             for at in postures
@@ -105,7 +103,7 @@ def answers(
             PostureAnswer(one.posture, one.compliance, one.modes.frequencies, one.idle)
             for one in modes_on_drives(postures, count)
         ]
-    postures = _released(postures, options)
+    postures = released(postures, options)
     if not count:
         return _swept(static_bodies(model, mechanism, options), postures, 0)
     return with_enough_modes(
@@ -166,7 +164,7 @@ def mechanism_modes(
     mechanism = postures[0].mechanism
     if model == "simplified":
         return list(modes_on_drives(postures, count))
-    postures = _released(postures, options)
+    postures = released(postures, options)
 
     def solve(highest: float) -> list[PostureModes]:
         bodies = dynamic_bodies(model, mechanism, highest, options)
@@ -197,6 +195,16 @@ def modes_along(
     for posture in postures:
         solution = solved(prepared.at(posture))
         yield PostureModes(posture, solution, modes_with_mass(solution, count))
+
+
+def springs_of(mechanism: Mechanism, options: ModelOptions) -> dict[str, Array]:
+    """Tip compliances (6×6, SI, body axes) that virtual joints take of legs and parts.
+
+    Raises InputError for a part that is no leg.
+    """
+    require_legs(mechanism)
+    springs = tip_compliances(mechanism, options.legs, options.theory, options.equivalent)
+    return springs | part_springs(mechanism, options)
 
 
 def with_enough_modes(
@@ -310,7 +318,7 @@ def _require_mass(model: ModelName) -> None:
         raise InputError(f"--modes: the {model} model is static and has no frequencies")
 
 
-def _released(postures: Sequence[Posture], options: ModelOptions) -> Sequence[Posture]:
+def released(postures: Sequence[Posture], options: ModelOptions) -> Sequence[Posture]:
     """With the joints as they are printed, where that is asked for."""
     if options.release != "printed":
         return postures

@@ -3,7 +3,7 @@
 Only closing the loops shows drives that do not hold the tool and poses out of reach.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -40,7 +40,12 @@ def description_faults(tables: Mapping[str, Any]) -> list[str]:
         faults += [fault for entry in entries for fault in relations(entry)]
     faults += [*_unknown_names(given), *_not_held(given)]
     # Who is connected to whom is known once every joint says what it joins.
-    return faults or [*_loose_bodies(given), *_idle_interfaces(given), *_idle_points(given)]
+    loaded = {one.get("at") for one in tables.get("loads", ()) if not faults}
+    return faults or [
+        *_loose_bodies(given),
+        *_idle_interfaces(given, loaded),
+        *_idle_points(given, loaded),
+    ]
 
 
 def _unknown_names(given: Draft) -> Iterator[str]:
@@ -95,7 +100,7 @@ def _loose_bodies(given: Draft) -> Iterator[str]:
             yield f"bodies.{name}: no way of joints leads to ground; must be connected to it"
 
 
-def _idle_interfaces(given: Draft) -> Iterator[str]:
+def _idle_interfaces(given: Draft, loaded: Collection[str | None]) -> Iterator[str]:
     used = {
         held
         for joint in given.joints.values()
@@ -106,21 +111,21 @@ def _idle_interfaces(given: Draft) -> Iterator[str]:
     joined = {body for body, _ in used}
     for name, body in given.bodies.items():
         for point in body["held"] or ():
-            if name in joined and (name, point) not in used:
+            if name in joined and (name, point) not in used and point not in loaded:
                 yield (
                     f'bodies.{name}: nothing takes hold of it at "{point}"; must be joined there, '
                     "or hold the tool, or end elsewhere"
                 )
 
 
-def _idle_points(given: Draft) -> Iterator[str]:
+def _idle_points(given: Draft, loaded: Collection[str | None]) -> Iterator[str]:
     used = {
         name
         for table, entries in (("bodies", given.bodies), ("joints", given.joints))
         for _, name, _ in _references(table, entries)
     }
     for point in given.points:
-        if point not in used:
+        if point not in used and point not in loaded:
             yield f"points.{point}: used by no body and no joint; must be used or left out"
 
 

@@ -197,6 +197,21 @@ PATH = TableRule(
     Key("poses", Several(_POSE), "in place of all these: one by one"),
 )
 
+_FORCES = Several(Number("N or N m", least=-1e9, most=1e9), 6)
+# 1e5 m/s²: ten thousand g; km/s: no tool.
+_PER_SECOND_SQUARED = Several(Number("m/s²", least=-1e5, most=1e5), 3)
+_SPEED = Several(Number("m/s", least=-1e3, most=1e3, low=_MM, high=_MM), 3)
+_THERE = "where the wrench acts: a point of a body; the tool's where left out"
+_WHOSE = "whose point; the tool's body, else the first that has it, where left out"
+LOAD = TableRule(
+    needed("name", _NAME, "of the load; judged as load:NAME"),
+    Key("wrench", _FORCES, "forces and moments, base axes"),
+    Key("at", _POINT_NAME, _THERE),
+    Key("body", _BODY_NAME, _WHOSE),
+    Key("gravity", _PER_SECOND_SQUARED, "on the mass of all bodies, base axes"),
+    Key("acceleration", _PER_SECOND_SQUARED, "of the tool along x, y, z: inertia of all bodies"),
+    Key("speed", _SPEED, "of the tool along x, y, z: what turns pulls outward"),
+)
 ACCEPT = TableRule(
     Key("deflection", _SHARE, "relative error of deflections", default=Requirement.deflection),
     Key("frequency", _SHARE, "of frequencies and their order", default=Requirement.frequency),
@@ -221,6 +236,7 @@ _HEAD = (
     needed("name", _TITLE, "appears in the report"),
 )
 _ASKED = (
+    Key("loads", Several(LOAD), "the designer's own loads, each judged", default=()),
     Key("accept", ACCEPT, "what is asked of a model"),
     Key("measured", Several(MEASURED), "measured values", default=()),
     Key("input_uncertainty", Several(_INPUT_UNCERTAINTY), "how well data are known", default=()),

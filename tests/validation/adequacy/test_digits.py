@@ -13,11 +13,11 @@ from validation.adequacy.judgement import judged
 from validation.adequacy.matrix import Matrix
 from validation.adequacy.mechanism.digits import left_by_digits
 from validation.adequacy.mechanism.dynamics import dynamic_reference, modes_of_solids
-from validation.adequacy.mechanism.legs import plausible_masses
 from validation.adequacy.mechanism.path import RobotOnPath, robot_at
 from validation.adequacy.response import Subject
 from validation.context import Context
 from validation.kinematics.poses import postures_of
+from validation.models.leg_masses import plausible_masses
 from validation.models.mechanism import answers
 from validation.models.options import DEFAULT_OPTIONS, ModelName
 from validation.solve.answer import Answer, Solution, as_text, record_of

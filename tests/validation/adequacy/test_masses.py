@@ -15,16 +15,16 @@ from lumped.mechanism.mechanism import Mechanism
 from lumped.screws import shift
 from lumped.sections import Rectangle
 from validation.adequacy.mechanism.dynamics import mass_notes
-from validation.adequacy.mechanism.legs import (
+from validation.adequacy.mechanism.path import RobotOnPath, robot_on_path
+from validation.adequacy.mechanism.vibration import modes_by_model, modes_of_solids
+from validation.adequacy.response import Alternative, Reference, Response
+from validation.context import Context
+from validation.models.leg_masses import (
     MASSES,
     Masses,
     leg_with_masses,
     plausible_masses,
 )
-from validation.adequacy.mechanism.path import RobotOnPath, robot_on_path
-from validation.adequacy.mechanism.vibration import modes_by_model, modes_of_solids
-from validation.adequacy.response import Alternative, Reference, Response
-from validation.context import Context
 from validation.models.options import DEFAULT_OPTIONS
 
 WIDTH, HEIGHT = 0.06, 0.04

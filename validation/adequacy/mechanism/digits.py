@@ -17,12 +17,12 @@ from lumped.mechanism.body_model import BodyModel
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.models.bodies import legs_of, tip_compliances
 from lumped.system.assembly import assembly
-from validation.adequacy.mechanism.legs import Masses, by_shapes, shapes_inside
 from validation.adequacy.mechanism.parts import assembled
 from validation.adequacy.mechanism.samples import samples_of
 from validation.adequacy.mechanism.vibration import vibration_of
 from validation.adequacy.response import Vibration
 from validation.agreement.displacement import sizes
+from validation.models.leg_masses import Masses, by_shapes, shapes_inside
 from validation.models.mechanism import dynamic_bodies, highest_frequency, modes_along
 from validation.models.options import ModelOptions
 from validation.models.roundings import changes_by_digits, roundings_of, share_by_digits

@@ -12,13 +12,7 @@ from lumped.models.bodies import tip_compliances
 from lumped.models.links import links
 from lumped.system.assembly import assembly
 from validation.adequacy.mechanism.digits import modes_by_digits
-from validation.adequacy.mechanism.legs import (
-    MASSES,
-    SECTION_RATIO,
-    Masses,
-    plausible_masses,
-    step_uncertainty,
-)
+from validation.adequacy.mechanism.legs import SECTION_RATIO, step_uncertainty
 from validation.adequacy.mechanism.parts import (
     FINER_PARTS,
     PART_STEPS,
@@ -46,6 +40,7 @@ from validation.adequacy.response import (
     modes_of,
 )
 from validation.context import Preset
+from validation.models.leg_masses import MASSES, Masses, plausible_masses
 from validation.models.mechanism import modes_along
 from validation.models.options import ModelName, ModelOptions
 from validation.parts.meshes import FINEST, MIDDLE

@@ -16,7 +16,7 @@ from scipy.stats import norm, qmc
 
 from lumped.arrays import Array
 from lumped.mechanism.mechanism import Mechanism
-from validation.adequacy.mechanism.legs import held_spring, plausible_masses
+from validation.adequacy.mechanism.legs import held_spring
 from validation.adequacy.mechanism.parts import assembled
 from validation.adequacy.mechanism.path import Holds, RobotOnPath, robot_at
 from validation.adequacy.mechanism.vibration import (
@@ -36,6 +36,7 @@ from validation.adequacy.response import (
 )
 from validation.context import Preset
 from validation.kinematics.poses import postures_of
+from validation.models.leg_masses import plausible_masses
 
 # Robots with all inputs off at once, by which one at a time are checked.
 _CHECKS: Mapping[Preset, int] = {"quick": 4, "standard": 8, "fine": 32}

@@ -1,26 +1,14 @@
-"""Legs as their robot's reference has them, and the springs by which causes are told apart.
+"""Legs as their robot's reference has them, and the springs by which causes are told apart."""
 
-A leg known by its 6×6 and a mass bends between its ends by its own 6×6, inside as its equivalent
-prism does. Its mass is put where legs plausibly have it: all distributions have the mass that is
-given, and the centre where one is; the inertia, which no mass along a line has, is the lump's
-alone. What they all say of a model is said of it whatever the leg is like; what they do not agree
-on only more data can tell.
-"""
-
-from collections.abc import Collection, Iterable, Mapping
-from dataclasses import replace
-from typing import Literal, TypeAlias, get_args
+from collections.abc import Iterable
 
 import numpy as np
-from scipy.sparse import csr_array, diags_array
 
 from fem.beams.beam import beam_leg
 from fem.beams.warping_beam import warping_beam_leg
-from fem.reduction.craig_bampton import craig_bampton
-from fem.reduction.superelement import ENDS, ends_stiffness, held_leg
 from fem.sections.nonuniform_torsion import held_torsion_compliance
 from fem.sections.section_constants import SectionConstants, beam_properties
-from lumped.arrays import Array, SparseMatrix
+from lumped.arrays import Array
 from lumped.errors import InputError, naming
 from lumped.legs import (
     ConstantLeg,
@@ -35,8 +23,6 @@ from lumped.mechanism.body_model import LegMatrices
 from validation.adequacy.response import finer_by
 from validation.agreement.convergence import step_factor
 from validation.context import Context, Preset
-from validation.models.legs import leg_matrices
-from validation.models.options import ModelOptions
 from validation.solids.legs import (
     COARSEST_WALLS,
     TwoMeshes,
@@ -64,20 +50,6 @@ SECTION_DIVISIONS = 8
 SECTION_RATIO = SECTION_DIVISIONS / COARSEST_WALLS
 # What the legs' own 6×6 is solved to.
 ROUNDING = 1e-9
-
-Masses: TypeAlias = Literal[
-    "mass along the legs",
-    "mass near the roots",
-    "mass near the tips",
-    "mass half at the ends",
-    "mass in lumps",
-]
-MASSES: tuple[Masses, ...] = get_args(Masses)
-_ELEMENTS = 20
-# Of a wedge, whose mass per length falls to nothing: centres (of the length) where none is given.
-_CENTRES: Mapping[Masses, float] = {"mass near the roots": 1 / 3, "mass near the tips": 2 / 3}
-# Points of Gauss in every element: exact for the product of two cubics.
-_POINTS = 4
 
 
 def step_uncertainty(change: Array, ratio: float) -> Array:
@@ -186,92 +158,3 @@ def own_constants(leg: ConstantLeg, divisions: int = SECTION_DIVISIONS) -> Secti
     """Constants of a leg's section from finite elements, without thin-wall assumptions."""
     with naming(leg.name):
         return leg_constants(leg, divisions)
-
-
-def plausible_masses(legs: Collection[GivenLeg]) -> tuple[Masses | None, ...]:
-    """The distributions by name; wedges only where the centre of a leg's mass is not known.
-
-    Without given legs one, None: masses are where solids have them.
-    """
-    if not legs:
-        return (None,)
-    if all(leg.mass_centre is not None for leg in legs):
-        return tuple(masses for masses in MASSES if masses not in _CENTRES)
-    return MASSES
-
-
-def leg_with_masses(leg: GivenLeg, masses: Masses, highest: float) -> LegMatrices:
-    """The leg's own stiffness between its ends and plausible masses, up to `highest` (Hz).
-
-    Without `mass_centre` the lump lies in the middle, without `inertia` it is a point; of a leg
-    with `mass_centre` no wedge differs from the mass along it.
-    """
-    return by_shapes(shapes_inside(leg, masses, highest, _ELEMENTS), leg, masses, _ELEMENTS)
-
-
-def shapes_inside(leg: GivenLeg, masses: Masses, highest: float, elements: int) -> Array:
-    """How the inside of the leg follows its ends, then how it swings between them (n×r)."""
-    beam = _prism(leg, elements)
-    held = held_leg(beam)
-    if masses == "mass in lumps":
-        return held.constraint_modes
-    return craig_bampton(replace(held, mass=_mass(beam, leg, masses, elements)), highest).recovery
-
-
-def by_shapes(shapes: Array, leg: GivenLeg, masses: Masses, elements: int) -> LegMatrices:
-    """The leg in these shapes: its own, or to first order those of one whose 6×6 differs little."""
-    beam = _prism(leg, elements)
-    stiffness = shapes.T @ (beam.stiffness @ shapes)
-    own = np.linalg.inv(leg.compliance).astype(float)
-    stiffness[:ENDS, :ENDS] = ends_stiffness(own, leg.length)
-
-    def centreline(stations: Array) -> SparseMatrix:
-        return csr_array(beam.centreline(stations) @ shapes)
-
-    return LegMatrices(
-        model=f"6×6, {masses}",
-        length=leg.length,
-        stiffness=0.5 * (stiffness + stiffness.T),
-        mass=shapes.T @ (_mass(beam, leg, masses, elements) @ shapes),
-        centreline=centreline,
-    )
-
-
-def _prism(leg: GivenLeg, elements: int) -> LegMatrices:
-    return leg_matrices("beam", equivalent_leg(leg), ModelOptions(elements=elements))
-
-
-def _mass(beam: LegMatrices, leg: GivenLeg, masses: Masses, elements: int) -> SparseMatrix:
-    """Mass matrix (n×n) of sections at stations along the leg, or of the lump."""
-    if masses == "mass in lumps":
-        stations = np.array([0.5 * leg.length if leg.mass_centre is None else leg.mass_centre])
-        weights = np.diag([leg.mass] * 3 + [0.0] * 3)
-        if leg.inertia is not None:
-            weights[3:, 3:] = leg.inertia
-    else:
-        stations, shares = _line(leg, masses, elements)
-        properties = equivalent_leg(leg).timoshenko
-        rotary = np.array([properties.rho_J, properties.rho_Iy, properties.rho_Iz])
-        of_section = np.concatenate([np.ones(3), rotary / properties.mu])
-        weights = diags_array((leg.mass * shares[:, None] * of_section).ravel())
-    twists = csr_array(beam.centreline(stations))
-    return csr_array(twists.T @ weights @ twists)
-
-
-def _line(leg: GivenLeg, masses: Masses, elements: int) -> tuple[Array, Array]:
-    """Stations (m, from the root) with the share of the mass at each, all but the lump's."""
-    centre = _CENTRES.get(masses, 0.5)
-    if leg.mass_centre is not None:
-        centre = leg.mass_centre / leg.length
-    points, weights = np.polynomial.legendre.leggauss(_POINTS)
-    begins = np.arange(elements)[:, None]
-    places = ((begins + 0.5 * (1.0 + points)) / elements).ravel()
-    # A power of the distance from the lighter end: its centre lies at (k + 1)/(k + 2).
-    farther = max(centre, 1.0 - centre)
-    power = (2.0 * farther - 1.0) / (1.0 - farther)
-    shares = np.tile(weights, elements) * (places if centre >= 0.5 else 1.0 - places) ** power
-    shares *= 1.0 / shares.sum()
-    if masses == "mass half at the ends":
-        places = np.concatenate([places, [0.0, 1.0]])
-        shares = 0.5 * np.concatenate([shares, [1.0 - centre, centre]])
-    return leg.length * places, shares

@@ -19,18 +19,13 @@ from lumped.mechanism.body_model import BodyModel, LegMatrices
 from lumped.mechanism.mechanism import Posture
 from lumped.memo import memo
 from lumped.system.assembly import assembly
-from validation.adequacy.mechanism.legs import (
-    MASSES,
-    SECTION_DIVISIONS,
-    Masses,
-    leg_with_masses,
-    own_elements,
-)
+from validation.adequacy.mechanism.legs import SECTION_DIVISIONS, own_elements
 from validation.adequacy.mechanism.parts import Bodies, condensed_parts, solid_parts
 from validation.adequacy.mechanism.path import Holds, RobotOnPath, known_legs
 from validation.adequacy.mechanism.samples import Samples, samples_of
 from validation.adequacy.response import Vibration
 from validation.context import Preset
+from validation.models.leg_masses import MASSES, Masses, leg_with_masses
 from validation.models.legs import filled
 from validation.models.mechanism import (
     CUTOFF,

@@ -10,12 +10,12 @@ from matrix_sample import POSES, entry, sample_matrix
 
 from lumped.acceptance.requirement import MODEL_KINDS
 from lumped.robot_file import load_robot
-from validation.adequacy.mechanism.legs import MASSES
 from validation.adequacy.mechanism.path import holding
 from validation.adequacy.models import JUDGED
 from validation.drawing.charts.chart import chart_table
 from validation.drawing.charts.plot import drawn_chart
 from validation.drawing.style import LOOKS, OTHERS, known_as, plot_style
+from validation.models.leg_masses import MASSES
 from validation.report.figures.adequacy import error_curves, measured_curves
 
 HELD = [

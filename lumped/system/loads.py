@@ -1,0 +1,115 @@
+"""Loads on a mechanism: wrenches at the interfaces of its bodies, and how far they move the tool.
+
+What acts on a body's mass comes to its interfaces as M a: M the body's mass by their twists (its
+inside condensed, Guyan 1965), a their accelerations. Since condensation reproduces rigid motions,
+that is the consistent load of gravity and of a body that moves as a rigid one, and the tool's
+displacement under it is exact (Maxwell and Betti: the tool's own unit loads leave the inside of all
+bodies unloaded). Where a body turns, its centripetal acceleration is no rigid motion: the wrench
+is Newton and Euler's, spread as the interfaces' own accelerations say, exactly along a slender leg.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from lumped.arrays import Array
+from lumped.mechanism.body import Rigid
+from lumped.mechanism.free_twists import interface_position
+from lumped.mechanism.joint import Side
+from lumped.mechanism.kinematics.accelerations import REST, Motion, accelerations
+from lumped.mechanism.load import Load
+from lumped.mechanism.mechanism import GROUND, Posture
+from lumped.screws import shift, skew, turn
+from lumped.system.assembly import rigid_mass
+from lumped.system.solution import Solved, without_idle
+
+
+@dataclass(frozen=True, eq=False)
+class Applied:
+    """A `wrench` (6, SI) at `position` (3, m), both in base axes, on what carries an interface."""
+
+    body: str
+    point: str
+    position: Array
+    wrench: Array
+
+
+def applied(posture: Posture, load: Load, masses: Mapping[str, Array]) -> list[Applied]:
+    """All that a load does in a posture.
+
+    `masses` (6m×6m, SI, body axes) of the bodies on the twists of their interfaces; rigid bodies
+    have their own. Raises ComputationError where the tool cannot move as the load says.
+    """
+    mechanism = posture.mechanism
+    place = interface_position(posture, Side(load.body, load.point))
+    found = [Applied(load.body, load.point, place, load.wrench)]
+    if not load.acts_on_mass:
+        return found
+    motions: Mapping[str, Motion] = dict.fromkeys(mechanism.bodies, REST)
+    if load.moves:
+        motions = accelerations(posture, load.speed, load.acceleration)
+    for name, body in mechanism.bodies.items():
+        points = np.array([one.position for one in body.interfaces.values()])
+        if isinstance(body.shape, Rigid):
+            mass, points = rigid_mass(body.shape), np.zeros((1, 3))
+        else:
+            mass = masses[name]
+        if name == GROUND or not mass.any():
+            continue
+        frame = posture.frames[name]
+        axes = turn(frame.rotation)
+        own = _in_axes(frame.rotation, motions[name], load.gravity)
+        wrenches = _inertia(mass, points, own).reshape(-1, 6) @ axes.T
+        places = frame.position + points @ frame.rotation.T
+        each = zip(body.interfaces, places, wrenches, strict=False)
+        found += [Applied(name, *one) for one in each]
+    tool = mechanism.tool
+    place = interface_position(posture, Side(tool.body, tool.point))
+    moved = motions[tool.body].at(place - posture.frames[tool.body].position)
+    weight = np.concatenate([tool.mass * (load.gravity - moved), np.zeros(3)])
+    return [*found, Applied(tool.body, tool.point, place, weight)]
+
+
+def _in_axes(rotation: Array, motion: Motion, gravity: Array) -> Motion:
+    """The motion in body axes, gravity as the acceleration that it is."""
+    return Motion(
+        rotation.T @ (motion.linear - gravity),
+        rotation.T @ motion.angular,
+        rotation.T @ motion.turning,
+    )
+
+
+def _inertia(mass: Array, points: Array, motion: Motion) -> Array:
+    """Loads (6m) of a body's inertia on its interfaces at `points` (m×3), body axes."""
+    rigid = np.vstack([shift(point) for point in points])
+    twist = np.concatenate([motion.linear, motion.angular])
+    found = -mass @ (rigid @ twist)
+    if not motion.turning.any():
+        return np.asarray(found)
+    # Across a leg centripetal accelerations grow as those of a rigid turn do, with its slope.
+    swing = skew(motion.turning) @ skew(motion.turning)
+    arms = -skew(points).reshape(-1, 3)
+    slope = np.linalg.lstsq(arms, (points @ swing).ravel(), rcond=None)[0]
+    swung = [np.concatenate([swing @ point, slope]) for point in points]
+    found -= mass @ np.concatenate(swung)
+    whole = rigid.T @ mass @ rigid
+    momentum = (whole[:, 3:] @ motion.turning).reshape(2, 3)
+    due = whole @ twist + np.cross(motion.turning, momentum).ravel()
+    missed = np.linalg.lstsq(whole, due + rigid.T @ found, rcond=None)[0]
+    return np.asarray(found - mass @ (rigid @ missed))
+
+
+def tool_displacements(solution: Solved, loads: Sequence[Sequence[Applied]]) -> Array:
+    """Displacements (l×6, m and rad, base axes) of the loaded point under each of the loads.
+
+    Where a load would set off an idle motion that follows freely.
+    """
+    system = solution.system
+    work = np.zeros((system.size, len(loads)))
+    for column, ones in enumerate(loads):
+        for one in ones:
+            rows = system.motions.at(one.body, one.point, one.position)
+            work[: system.outer, column] += rows.T @ one.wrench
+    found: Array = without_idle(solution, work).T @ solution.displacements(system.tool.T)
+    return found
