@@ -171,6 +171,22 @@ def analyse(
     return Convergence(values, orders, order, extrapolated, uncertainty)
 
 
+def richardson_limits(
+    sizes: Array, values: Array, formal_order: float, round_off: float = 1e-12
+) -> tuple[Array, Array]:
+    """Richardson's limits (n) of `values` (m×n), and their uncertainties, as those of the finest.
+
+    Intervals about the limits, as wide, hold the finest values too. NaN where no order is shown.
+    Arguments and errors as of `analyse`.
+    """
+    studies = [analyse(sizes, column, formal_order, round_off) for column in values.T]
+    limits, uncertainties = (
+        np.array([getattr(one, name) for one in studies], dtype=float)
+        for name in ("extrapolated", "uncertainty")
+    )
+    return limits, uncertainties
+
+
 def uncertainty_of(convergence: Convergence) -> float:
     """Numerical uncertainty of the finest value, in its unit.
 

@@ -45,10 +45,18 @@ class LeftOpen:
 class MeshUncertainty(LeftOpen):
     """Of 95 % intervals, from the step to a mesh of other `divisions`.
 
-    Infinite where that one is too large to be had.
+    Infinite where that one is too large to be had. `meshes`: the divisions of all from which
+    numbers are extrapolated, where these show an order.
     """
 
     divisions: int
+    meshes: tuple[int, ...] = ()
+
+    @property
+    def record(self) -> dict[str, Any]:
+        """Its entry in the results."""
+        shown = {"extrapolated_from": list(self.meshes)} if self.meshes else {}
+        return {"divisions": self.divisions} | super().record | shown
 
 
 @dataclass(frozen=True)
@@ -163,7 +171,7 @@ def record_of(answer: Answer) -> dict[str, Any]:
     if answer.idle is not None:
         found["idle"] = answer.idle
     if (mesh := answer.uncertainty) is not None:
-        found["uncertainty"] = {"divisions": mesh.divisions} | mesh.record if mesh.known else None
+        found["uncertainty"] = mesh.record if mesh.known else None
     if (parts := answer.of_parts) is not None:
         found["parts"] = {
             "uncertainty": parts.record if parts.known else None,
@@ -214,6 +222,11 @@ def _answer_lines(answer: Answer) -> list[str]:
             lines.append(
                 f"  uncertainty of the mesh (95 %, from the one of --divisions {mesh.divisions}):"
             )
+            if mesh.meshes:
+                lines.append(
+                    "    numbers are extrapolated where the meshes of "
+                    f"{', '.join(map(str, mesh.meshes))} divisions show an order"
+                )
             lines += _share_lines(answer, mesh)
         else:
             lines.append(

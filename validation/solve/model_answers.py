@@ -31,7 +31,7 @@ from validation.solids.legs import formal_order
 from validation.solve.answer import Answer, LeftOpen, Place, Solution
 from validation.solve.cost import Cost, dense_cost, require_affordable, solid_cost
 from validation.solve.question import OF_ELEMENTS, Question
-from validation.solve.uncertainty import beside, of_parts, with_uncertainty
+from validation.solve.uncertainty import beside, extrapolated, of_parts, with_uncertainty
 
 # Modes of the other model besides as many as asked: a partner may come later in its order.
 _BESIDES = 6
@@ -59,10 +59,15 @@ def solve(question: Question) -> Solution:
         question = _of(question, _without_own_ends(question.mechanism))
     at, reached = question.postures(), None
     if question.accuracy is None:
-        _, found = _on_its_mesh(question, at)
+        _, found = _on_its_mesh(question, at, {})
     else:
+        meshes: dict[int, list[Answer]] = {}
         (question, found), reached = refined(
-            question, lambda one: _on_its_mesh(one, at), _left_open, _finer, question.accuracy
+            question,
+            lambda one: _on_its_mesh(one, at, meshes),
+            _left_open,
+            _finer,
+            question.accuracy,
         )
     options = asdict(question.options)
     heard = {name: value for name, value in options.items() if name in question.listens}
@@ -71,13 +76,17 @@ def solve(question: Question) -> Solution:
     return Solution(question.mechanism.name, question.model, heard, tuple(found), reached)
 
 
-def _on_its_mesh(question: Question, at: Sequence[Posture]) -> tuple[Question, list[Answer]]:
-    """The answers, of solids with what their meshes leave open."""
+def _on_its_mesh(
+    question: Question, at: Sequence[Posture], meshes: dict[int, list[Answer]]
+) -> tuple[Question, list[Answer]]:
+    """The answers, of solids with what their meshes leave open; `meshes` gather those of each."""
     found, options = _answers(question, at), question.options
     if question.model == "solid" and (legs := _shapes(question)):
         divisions = beside(options, legs)
-        others = _on_other_mesh(question, at, divisions)
+        others = meshes.get(divisions) or _on_other_mesh(question, at, divisions)
+        meshes |= {options.divisions: found} | ({divisions: others} if others else {})
         found = with_uncertainty(found, others, legs, options, divisions)
+        found = extrapolated(found, meshes, legs, options)
     return question, found
 
 

@@ -12,17 +12,17 @@ from lumped.errors import InputError
 from lumped.legs import Leg, equivalent_leg
 from lumped.mechanism.body_model import BodyModel
 from lumped.mechanism.mechanism import Posture
-from lumped.sections import Section
+from lumped.sections import Rectangle, Section
 from lumped.system.assembly import System, assembly
 from lumped.system.sweep import swept
 from meshes.section.section_blocks import element_count
 from validation.adequacy.mechanism.parts import UNKNOWN, refinement_share
-from validation.agreement.convergence import step_factor
+from validation.agreement.convergence import richardson_limits, step_factor
 from validation.models.mechanism import CUTOFF
 from validation.models.options import ModelOptions, ReductionBy
 from validation.models.parts import Hold, ReducedPart, is_held_as_said, reduced
 from validation.parts.meshes import FINEST
-from validation.solids.legs import formal_order
+from validation.solids.legs import GRIDS_FOR_ORDER, ROUND_OFF, formal_order
 from validation.solve.answer import Answer, LeftOpen, MeshUncertainty, PartUncertainty
 
 # Parts are reduced for statics alone by modes up to here (Hz), where they have none.
@@ -91,6 +91,54 @@ def with_uncertainty(
         )
         found.append(replace(one, uncertainty=left_open))
     return found
+
+
+def extrapolated(
+    answers: Sequence[Answer],
+    meshes: Mapping[int, Sequence[Answer]],
+    legs: Sequence[Leg],
+    options: ModelOptions,
+) -> list[Answer]:
+    """The answers on the finest of the `meshes` (by divisions), extrapolated where these show it.
+
+    Number by number, by four meshes of rectangles or more: those of walls keep one element across
+    for several divisions, and would show the order of their slices alone.
+    """
+    solid = [equivalent_leg(leg, options.equivalent) for leg in legs]
+    if len(meshes) < GRIDS_FOR_ORDER or not all(
+        isinstance(one.section, Rectangle) for one in solid
+    ):
+        return list(answers)
+    divisions = tuple(sorted(meshes))
+    elements = [sum(n * element_count(one.section, n) for one in solid) for n in divisions]
+    order = min(formal_order(leg, options.ends) for leg in solid)
+    upper = np.triu_indices(6)
+    diagonal, count = upper[0] == upper[1], len(upper[0])
+    found = []
+    for one, *on_meshes in zip(answers, *(meshes[n] for n in divisions), strict=True):
+        values = np.array([np.append(own.compliance[upper], own.frequencies) for own in on_meshes])
+        sizes = np.cbrt(1.0 / np.array(elements))
+        limits, left = richardson_limits(sizes, values, order, ROUND_OFF)
+        numbers = np.where(np.isnan(limits), values[-1], limits)
+        compliance = np.zeros((6, 6))
+        compliance[upper] = compliance.T[upper] = numbers[:count]
+        stated = one.uncertainty
+        if stated is None:
+            return list(answers)
+        left_open = MeshUncertainty(
+            _known(left[:count][diagonal], stated.compliance),
+            _known(left[count:], stated.frequencies),
+            stated.divisions,
+            divisions,
+        )
+        found.append(
+            replace(one, compliance=compliance, frequencies=numbers[count:], uncertainty=left_open)
+        )
+    return found
+
+
+def _known(first: Array, otherwise: Array) -> Array:
+    return np.where(np.isnan(first), otherwise, first)
 
 
 def of_parts(

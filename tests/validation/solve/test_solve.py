@@ -1,11 +1,13 @@
 """`flexproof solve`: what is typed is heard or refused."""
 
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from one_arm import ONE_ARM
 from sound_biglide import SOUND
 
 from lumped.legs import ConstantLeg, Material, equivalent_leg
@@ -135,6 +137,35 @@ def test_solids_of_a_mechanism_say_the_uncertainty_of_their_mesh():
     assert fine.uncertainty.frequencies[0] == pytest.approx(factors[0] * step, rel=1e-6)
     # Torsion of the bars, on elements one and two across, is what is known worst.
     assert np.argmax(fine.uncertainty.compliance / np.diag(fine.compliance)) in (2, 3)
+
+
+def test_numbers_whose_order_meshes_show_are_extrapolated(capsys, tmp_path):
+    """Torsion of a square bar with free ends: Saint-Venant's L/GJ, known to every digit."""
+    side, length, G = 0.05, 0.15, 2.1e11 / 2.6
+    odd = np.arange(1, 40, 2)
+    J = side**4 * (1.0 / 3.0 - 64.0 / np.pi**5 * np.sum(np.tanh(0.5 * odd * np.pi) / odd**5))
+    path = tmp_path / "arm.toml"
+    bar = ONE_ARM.replace("nu = 0.0", "nu = 0.3").replace("P = [0.0, 0.5", f"P = [0.0, {length}")
+    bar = re.sub(r"(width|height) = [0-9.]+", rf"\1 = {side}", bar)
+    path.write_text(bar, encoding="utf-8")
+    arguments = ["solve", str(path), "--model", "solid", "--body", "arm", "--ends", "free"]
+    arguments += ["--modes", "0", "--divisions"]
+
+    def torsion(*more):
+        assert cli.main([*arguments, *more, "--json"]) == 0
+        (found,) = json.loads(capsys.readouterr().out)["results"]
+        return found["compliance"][3][3], found["uncertainty"]
+
+    (fine, _), (value, stated) = torsion("5"), torsion("2", "--accuracy", "0.002")
+    assert stated["extrapolated_from"] == [1, 2, 4, 5]
+    exact = length / (G * J)
+    assert abs(value - exact) < 0.2 * abs(fine - exact)
+    # As wide as the interval of the finest mesh, whose value it holds as it holds the exact one.
+    assert 1.25 * abs(value - fine) <= stated["compliance"][3] <= 0.002 * exact
+    assert abs(value - exact) <= stated["compliance"][3]
+    assert cli.main([*arguments, "2", "--accuracy", "0.002"]) == 0
+    told = "numbers are extrapolated where the meshes of 1, 2, 4, 5 divisions show an order"
+    assert told in capsys.readouterr().out
 
 
 SECTIONS = [
