@@ -119,10 +119,11 @@ def calculix(size: str) -> Figures:
 def cholmod(size: str, backend: str = "cholmod") -> Figures:
     """Analysis, factor and six solutions with K, and the count of K − σM, by our own solvers."""
     os.environ["FLEXPROOF_SOLVER"] = backend
+    from fem.solvers.renewable_factor import RenewableFactor
+
     from fem.solvers.certificate.count import inertia_below
     from fem.solvers.cholesky import analyse
     from fem.solvers.factor import upper_triangle
-    from fem.solvers.renewable_factor import RenewableFactor
 
     K, M, points = _matrices(size)
     start = perf_counter()

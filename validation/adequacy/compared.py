@@ -15,7 +15,7 @@ from validation.adequacy.mechanism.vibration import modes_by_model
 from validation.adequacy.models import JudgedModel, judged_models, why_unable
 from validation.adequacy.partners import frequency_changes, partners
 from validation.adequacy.response import Alternative, Reference
-from validation.models.leg_masses import MASSES
+from validation.models.loads.leg_masses import MASSES
 
 # From the bottom of a stack of curves to its top.
 _DYNAMIC = ("segments", "segments-stepped", "segments-condensed", "beam", "beam-euler-bernoulli")

@@ -17,7 +17,7 @@ from validation.adequacy.mechanism.path import RobotOnPath, robot_at
 from validation.adequacy.response import Subject
 from validation.context import Context
 from validation.kinematics.poses import postures_of
-from validation.models.leg_masses import plausible_masses
+from validation.models.loads.leg_masses import plausible_masses
 from validation.models.mechanism import answers
 from validation.models.options import DEFAULT_OPTIONS, ModelName
 from validation.solve.answer import Answer, Solution, as_text, record_of

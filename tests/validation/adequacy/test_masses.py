@@ -19,7 +19,7 @@ from validation.adequacy.mechanism.path import RobotOnPath, robot_on_path
 from validation.adequacy.mechanism.vibration import modes_by_model, modes_of_solids
 from validation.adequacy.response import Alternative, Reference, Response
 from validation.context import Context
-from validation.models.leg_masses import (
+from validation.models.loads.leg_masses import (
     MASSES,
     Masses,
     leg_with_masses,

@@ -16,7 +16,7 @@ from lumped.robot_file import load_robot
 from lumped.robot_file.load import described_by
 from lumped.system.assembly import assemble
 from lumped.system.solution import solved
-from validation.models.loads import displacements
+from validation.models.loads.displacements import displacements
 from validation.models.mechanism import static_bodies
 from validation.models.options import ModelName, ModelOptions
 

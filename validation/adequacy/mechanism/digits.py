@@ -22,7 +22,7 @@ from validation.adequacy.mechanism.samples import samples_of
 from validation.adequacy.mechanism.vibration import vibration_of
 from validation.adequacy.response import Vibration
 from validation.agreement.displacement import sizes
-from validation.models.leg_masses import Masses, by_shapes, shapes_inside
+from validation.models.loads.leg_masses import Masses, by_shapes, shapes_inside
 from validation.models.mechanism import dynamic_bodies, highest_frequency, modes_along
 from validation.models.options import ModelOptions
 from validation.models.roundings import changes_by_digits, roundings_of, share_by_digits

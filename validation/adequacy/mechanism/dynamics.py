@@ -40,7 +40,7 @@ from validation.adequacy.response import (
     modes_of,
 )
 from validation.context import Preset
-from validation.models.leg_masses import MASSES, Masses, plausible_masses
+from validation.models.loads.leg_masses import MASSES, Masses, plausible_masses
 from validation.models.mechanism import modes_along
 from validation.models.options import ModelName, ModelOptions
 from validation.parts.meshes import FINEST, MIDDLE

@@ -36,7 +36,7 @@ from validation.adequacy.response import (
 )
 from validation.context import Preset
 from validation.kinematics.poses import postures_of
-from validation.models.leg_masses import plausible_masses
+from validation.models.loads.leg_masses import plausible_masses
 
 # Robots with all inputs off at once, by which one at a time are checked.
 _CHECKS: Mapping[Preset, int] = {"quick": 4, "standard": 8, "fine": 32}

@@ -25,8 +25,8 @@ from validation.adequacy.mechanism.path import Holds, RobotOnPath, known_legs
 from validation.adequacy.mechanism.samples import Samples, samples_of
 from validation.adequacy.response import Vibration
 from validation.context import Preset
-from validation.models.leg_masses import MASSES, Masses, leg_with_masses
 from validation.models.legs import filled
+from validation.models.loads.leg_masses import MASSES, Masses, leg_with_masses
 from validation.models.mechanism import (
     CUTOFF,
     PostureModes,

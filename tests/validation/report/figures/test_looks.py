@@ -15,7 +15,7 @@ from validation.adequacy.models import JUDGED
 from validation.drawing.charts.chart import chart_table
 from validation.drawing.charts.plot import drawn_chart
 from validation.drawing.style import LOOKS, OTHERS, known_as, plot_style
-from validation.models.leg_masses import MASSES
+from validation.models.loads.leg_masses import MASSES
 from validation.report.figures.adequacy import error_curves, measured_curves
 
 HELD = [

@@ -22,8 +22,8 @@ from lumped.models.bodies import legs_of
 from lumped.system.assembly import assembly
 from lumped.system.loads import Applied, applied, tool_displacements
 from lumped.system.solution import solved
-from validation.models.leg_masses import MASSES, Masses, ends_mass
 from validation.models.legs import condensed_leg, leg_matrices
+from validation.models.loads.leg_masses import MASSES, Masses, ends_mass
 from validation.models.mechanism import (
     bodies_of,
     on_drives_alone,
