@@ -1,10 +1,23 @@
-"""Which relative twists a joint leaves free in a posture, and where its two sides are."""
+"""Which relative twists a joint leaves free, what it forbids, and its coordinates where closed.
+
+A joint compares its second interface with its first. Vectors fixed to a body are given in base
+axes of the reference posture; the body's *turn* (3×3) takes them to the posture at hand. With
+turns R₁, R₂ and interfaces at P₁, P₂ the second lies at p = R₁ᵀ(P₂ − P₁) and is turned by
+R = R₁ᵀR₂. Each constraint has one of two forms,
+
+    n·p = 0            n fixed in the first body,
+    b·R c = b·c        b fixed in the first body, c in the second,
+
+which hold where the joint closes, however far it has turned, and whose derivatives are screws.
+"""
 
 from typing import assert_never
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from lumped.arrays import Array
+from lumped.errors import InputError
 from lumped.mechanism.joint import FREEDOMS, Joint, Side
 from lumped.mechanism.mechanism import Posture
 
@@ -77,3 +90,67 @@ def across_axis(normal: Array) -> Array:
     first = np.cross(normal, np.eye(3)[np.argmin(np.abs(normal))])
     first /= np.linalg.norm(first)
     return np.array([first, np.cross(normal, first)])
+
+
+def constraints(joint: Joint) -> tuple[Array, Array, Array]:
+    """What a joint with f free twists forbids, 6 − f constraints: n (t×3), and b and c (r×3 each).
+
+    Unit vectors.
+    """
+    slides, turns = free_axes(joint)
+    everything = np.eye(3)
+    normals = everything
+    if len(slides):
+        normals = across_axis(slides[0]) if len(slides) == 1 else joint.axes
+    if len(turns) == 0:
+        return normals, everything, np.roll(everything, -1, axis=0)
+    if len(turns) == 1:
+        return normals, across_axis(turns[0]), np.vstack([turns, turns])
+    # Of two axes each stays across the other; three leave no constraint.
+    both = turns if len(turns) == 2 else turns[:0]
+    return normals, both[:1], both[1:]
+
+
+def coordinates(joint: Joint, p: Array, R: Array) -> Array:
+    """Coordinates (f, m and rad) of a closed joint; angles within half a turn.
+
+    A spherical joint's are the rotation vector, a universal joint's the angles about its first
+    and then its second axis.
+    """
+    translations, rotations = free_axes(joint)
+    match joint.kind:
+        case "spherical":
+            angles = Rotation.from_matrix(R).as_rotvec()
+        case "universal":
+            one, two = joint.axes
+            about_one = _angle(one, two, R @ two)
+            rest = Rotation.from_rotvec(-about_one * one).as_matrix() @ R
+            angles = np.array([about_one, _angle(two, one, rest @ one)])
+        case _:
+            across = [across_axis(axis)[0] for axis in rotations]
+            angles = np.array([_angle(a, u, R @ u) for a, u in zip(rotations, across, strict=True)])
+    return np.concatenate([translations @ p, angles])
+
+
+def turning(joint: Joint) -> Array:
+    """1.0 for each coordinate that counts whole turns, 0.0 for lengths and rotation vectors."""
+    translations, rotations = free_axes(joint)
+    counted = 0.0 if joint.kind == "spherical" else 1.0
+    return np.repeat([0.0, counted], [len(translations), len(rotations)])
+
+
+def axes_of_drive(joint: Joint) -> tuple[Array, Array]:
+    """Unit vectors (3, one of them zero) along and about which the drive of a joint acts.
+
+    Raises InputError for a joint that leaves more or less than one twist free.
+    """
+    if FREEDOMS[joint.kind] != 1:
+        raise InputError(f"joint {joint.name}: a {joint.kind} joint has no one motion to drive")
+    translations, rotations = free_axes(joint)
+    return translations.sum(axis=0), rotations.sum(axis=0)
+
+
+def _angle(axis: Array, start: Array, end: Array) -> float:
+    """Angle (rad) about the unit vector `axis` that turns `start` into `end`."""
+    across = np.cross(axis, start)
+    return float(np.arctan2(across @ end, (start - (axis @ start) * axis) @ end))

@@ -8,9 +8,9 @@ import numpy as np
 from lumped.errors import naming
 from lumped.mechanism.biglide import biglide, lengthened
 from lumped.mechanism.mechanism import Mechanism
+from lumped.robot_file.mechanism.build import leg_of
 from lumped.robot_file.rules.relations import leg_faults
 from lumped.robot_file.rules.tables import BIGLIDE
-from lumped.robot_file.shapes import leg_of
 
 _LEGS = ("leg1", "leg2")
 

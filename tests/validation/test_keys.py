@@ -34,7 +34,7 @@ from validation.parts import identify, meshes
 from validation.run import provenance
 from validation.run import units as UNITS  # noqa: N812
 from validation.run.cache import key_of
-from validation.run.mark import mark_of
+from validation.run.folder import mark_of
 from validation.run.units import computed
 from validation.session.validate import Request
 from validation.variations.robots import VariedRobot

@@ -1,7 +1,8 @@
 """What every model of a robot says of the measured values, and how they compare."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from math import hypot
 
 import numpy as np
 
@@ -11,12 +12,11 @@ from lumped.mechanism.kinematics.postures import posture
 from lumped.mechanism.mechanism import Mechanism
 from lumped.models.bodies import legs_of
 from lumped.robot_file.load import UncertainInput
-from validation.adequacy.matrix import Entry, Matrix, ModelNote, worst_of
+from validation.adequacy.matrix import Adequacy, Entry, Matrix, ModelNote, worst_of
 from validation.adequacy.mechanism.path import coordinates, why_not_serial
 from validation.adequacy.models import judged_models
 from validation.adequacy.probability import COVERAGE, propagated
 from validation.context import Context
-from validation.measured.comparison import Comparison
 from validation.models.legs import leg_compliance
 from validation.models.mechanism import answers
 from validation.models.options import STATIC, ModelName, ModelOptions
@@ -25,6 +25,52 @@ from validation.models.options import STATIC, ModelName, ModelOptions
 _OF_ELEMENTS = ("segments", "beam")
 # Second order in the number of elements: the error of n of them is 4/3 of what 2n change.
 _OF_A_DOUBLING = 4.0 / 3.0
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A model's value S and a measured one D with standard uncertainties, all in one unit.
+
+    `numerical` is that of the model's discretisation, `inputs` what the uncertain inputs of the
+    robot make of it, `measurement` that of D. What they say of the model is relative to |D|.
+    """
+
+    value: float
+    measured: float
+    numerical: float
+    inputs: float
+    measurement: float
+
+    @property
+    def error(self) -> float:
+        """E = S − D."""
+        return (self.value - self.measured) / abs(self.measured)
+
+    @property
+    def uncertainties(self) -> dict[str, float]:
+        """Half-widths of 95 % intervals by where they come from."""
+        parts = {
+            "numerics": self.numerical,
+            "inputs": self.inputs,
+            "measurement": self.measurement,
+        }
+        return {name: COVERAGE * part / abs(self.measured) for name, part in parts.items()}
+
+    @property
+    def uncertainty(self) -> float:
+        """K u_val: the model's error lies within E ± this with 95 % confidence."""
+        return hypot(*self.uncertainties.values())
+
+    def verdict(self, limit: float) -> Adequacy:
+        """By the relative `limit`.
+
+        Adequate where the whole interval lies within it, inadequate where all of it lies without,
+        on one side; else undecided.
+        """
+        size = abs(self.error)
+        if size + self.uncertainty <= limit:
+            return "adequate"
+        return "inadequate" if size - self.uncertainty > limit else "undecided"
 
 
 def measured_matrix(context: Context) -> Matrix:
@@ -128,5 +174,5 @@ def _entry(
         values=tuple(own.value if own else None for own in at),
         measured=True,
         unit=worst.unit,
-        computed_by=("validation.measured.matrix.predicted", "validation.measured.comparison"),
+        computed_by=("validation.measured.matrix.predicted", "validation.measured.matrix"),
     )

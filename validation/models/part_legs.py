@@ -4,19 +4,21 @@ A leg's x axis runs from the first interface's point to the second's, its z axis
 along the z axis of the file.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
+from scipy.linalg import block_diag
+from scipy.sparse import block_diag as sparse_block_diag
+from scipy.sparse import csr_array, eye_array, issparse
 
 from fem.beams.stepped import SteppedLeg
-from lumped.arrays import Array
+from lumped.arrays import Array, SparseMatrix
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, GivenLeg, equivalent_leg, tip_compliance
-from lumped.mechanism.body import Body
-from lumped.mechanism.body_model import BodyModel, LegMatrices
+from lumped.mechanism.body import Body, Frame
+from lumped.mechanism.body_model import ENDS, BodyModel, LegMatrices
 from lumped.mechanism.mechanism import Mechanism
-from lumped.models.placed_leg import placed_leg
-from lumped.screws import turn_matrix
+from lumped.screws import turn, turn_matrix
 from validation.models.options import ModelOptions
 from validation.models.parts import condensed, identified, is_leg, leg_axes
 from validation.models.stepped_parts import stepped
@@ -76,3 +78,40 @@ def part_models(
             leg = equivalent_leg(given_leg(body), options.equivalent)
         models[name] = placed_leg(build(leg, options), leg_axes(body), tuple(body.interfaces))
     return models
+
+
+def placed_leg(leg: LegMatrices, frame: Frame, interfaces: Sequence[str]) -> BodyModel:
+    """The leg as the model of a body with two `interfaces`, the first at the leg's root.
+
+    `frame`: the leg's axes in those of the body. Of the unknowns only the ends' twists turn. What
+    lies before the root or behind the tip moves with the section there.
+    """
+    back = turn(frame.rotation).T
+    size = leg.size - 6 * len(ENDS)
+    turned: Array | SparseMatrix
+    if issparse(leg.stiffness):
+        turned = csr_array(sparse_block_diag([back, back, eye_array(size)], format="csr"))
+    else:
+        turned = block_diag(back, back, np.eye(size))
+
+    def displacements(points: Array) -> SparseMatrix:
+        own = (points - frame.position) @ frame.rotation
+        stations = np.clip(own[:, 0], 0.0, leg.length)
+        arms = own - np.outer(stations, [1.0, 0.0, 0.0])
+        carried = [np.hstack([frame.rotation, _carried(frame.rotation, arm)]) for arm in arms]
+        twists = leg.centreline(stations) @ csr_array(turned)
+        return csr_array(sparse_block_diag(carried, format="csr") @ twists)
+
+    return BodyModel(
+        leg.model,
+        tuple(interfaces),
+        turned.T @ leg.stiffness @ turned,
+        turned.T @ leg.mass @ turned,
+        displacements,
+        {kind: turned.T @ part @ turned for kind, part in leg.parts.items()},
+    )
+
+
+def _carried(rotation: Array, arm: Array) -> Array:
+    """φ ↦ R (φ × r) for rotations in leg axes."""
+    return np.asarray(rotation @ np.cross(np.eye(3), arm).T)

@@ -10,8 +10,7 @@ import msgspec
 from validation.adequacy.matrix import ADEQUACY, MEASURED, Matrix
 from validation.case import Case
 from validation.exhibits import Figure, PlannedFigure
-from validation.results.compare import RunComparison, compare
-from validation.results.drift import with_drift
+from validation.results.compare import RunComparison, compare, with_drift
 from validation.results.outcome import Outcome
 from validation.results.records import CaseRecord, RunRecord, case_record, parse_run, run_record
 from validation.results.tasks import AnyResult, Record, Task, from_plain, still_holding

@@ -16,8 +16,7 @@ from typing import Literal, TypeAlias
 
 from lumped.errors import InputError
 from validation.run.files import digest, free, is_folder, read_regular, refusals
-from validation.run.folder import RunFolder
-from validation.run.mark import (
+from validation.run.folder import (
     EARLIER,
     LOCK,
     MARK,
@@ -25,6 +24,7 @@ from validation.run.mark import (
     UNFINISHED,
     Header,
     Mark,
+    RunFolder,
     files_of,
     is_run,
     mark_in,

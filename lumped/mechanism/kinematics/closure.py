@@ -15,8 +15,12 @@ from scipy.spatial.transform import Rotation
 
 from lumped.arrays import Array, IntArray
 from lumped.mechanism.body import Frame
-from lumped.mechanism.free_twists import turned_since_reference
-from lumped.mechanism.kinematics.constraints import axes_of_drive, constraints, coordinates
+from lumped.mechanism.free_twists import (
+    axes_of_drive,
+    constraints,
+    coordinates,
+    turned_since_reference,
+)
 from lumped.mechanism.mechanism import GROUND, MOVES, Mechanism, Posture
 from lumped.memo import memo
 from lumped.screws import skew

@@ -14,9 +14,9 @@ from scipy.linalg import lstsq
 from lumped.arrays import Array
 from lumped.errors import ComputationError, InputError, naming
 from lumped.mechanism.body import Frame
+from lumped.mechanism.free_twists import turning
 from lumped.mechanism.joint import FREEDOMS
 from lumped.mechanism.kinematics.closure import Closure, Placement, closure_of
-from lumped.mechanism.kinematics.constraints import turning
 from lumped.mechanism.kinematics.mobility import mobility_at, undetermined
 from lumped.mechanism.mechanism import UNITS_OF_MOVES, Mechanism, Posture
 

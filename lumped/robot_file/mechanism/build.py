@@ -1,4 +1,7 @@
-"""From the tables of a robot file of schema 2 to the mechanism they describe."""
+"""From sound tables of a robot file to what they describe: legs, of either schema, mechanisms.
+
+A table is as it is read: a value for every key, None where left out.
+"""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -9,14 +12,22 @@ from typing import Any
 import numpy as np
 
 from lumped.arrays import Array
+from lumped.legs import ConstantLeg, GivenLeg, Leg, Material
 from lumped.mechanism.body import Body, Frame, Rigid
 from lumped.mechanism.joint import Drive, Joint, Side
 from lumped.mechanism.mechanism import GROUND, Mechanism, Tool
-from lumped.mechanism.part import Part
+from lumped.mechanism.part import (
+    ByCylinder,
+    ByFaces,
+    ByName,
+    ByPlane,
+    Part,
+    PartInterface,
+    Selection,
+)
 from lumped.mechanism.placing import leg_on, rigid_on
 from lumped.robot_file.mechanism.draft import Draft, draft
 from lumped.robot_file.rules.relations import Entry
-from lumped.robot_file.shapes import interface_of, isotropic_of, leg_of
 
 
 def mechanism_of(tables: Mapping[str, Any], folder: Path) -> Mechanism:
@@ -107,3 +118,35 @@ def _poses(path: Entry) -> Array:
         return np.linspace(start, to, path["count"])
     steps = zip(start, to, counts, strict=True)
     return np.array(list(product(*(np.linspace(a, b, count) for a, b, count in steps))))
+
+
+def leg_of(table: Entry, name: str) -> Leg:
+    """The leg of a table."""
+    length, section, given, mass = (table[key] for key in ("length", "section", "material", "mass"))
+    if table["compliance"] is not None:
+        about = table["inertia"], table["mass_centre"]
+        return GivenLeg(length, mass, table["compliance"], *about, name)
+    density = given["rho"] if mass is None else mass / (section.area * length)
+    material = isotropic_of(given | {"rho": density})
+    if given["G"] is not None:
+        material = replace(material, G=given["G"])
+    return ConstantLeg(length, section, material, table["ends"], name)
+
+
+def isotropic_of(material: Entry) -> Material:
+    """The isotropic material of a table."""
+    return Material.isotropic(material["E"], material["nu"], material["rho"])
+
+
+def interface_of(table: Entry) -> PartInterface:
+    """The interface of a part that a table describes."""
+    selection: Selection
+    if table["faces"] is not None:
+        selection = ByFaces(table["faces"])
+    elif table["name"] is not None:
+        selection = ByName(table["name"])
+    elif table["cylinder"] is not None:
+        selection = ByCylinder(**table["cylinder"])
+    else:
+        selection = ByPlane(**table["plane"])
+    return PartInterface(selection, table["coupling"])

@@ -6,9 +6,9 @@ import pytest
 from fem.beams.beam import beam_leg
 from lumped.legs import ConstantLeg, Material
 from lumped.mechanism.placing import leg_frame
-from lumped.models.placed_leg import placed_leg
 from lumped.screws import shift, turn_matrix
 from lumped.sections import Rectangle
+from validation.models.part_legs import placed_leg
 
 LEG = ConstantLeg(0.6, Rectangle(0.04, 0.07), Material.isotropic(2.1e11, 0.3, 7850.0))
 START, END = np.array([0.1, -0.2, 0.05]), np.array([0.3, 0.2, 0.45])

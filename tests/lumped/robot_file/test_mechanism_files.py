@@ -11,8 +11,8 @@ from lumped.legs import ConstantLeg, GivenLeg
 from lumped.mechanism.body import Rigid
 from lumped.mechanism.part import ByCylinder, ByFaces, ByName, ByPlane, PartInterface
 from lumped.robot_file import load_robot, write_template
+from lumped.robot_file.mechanism.build import interface_of
 from lumped.robot_file.rules.tables import INTERFACE
-from lumped.robot_file.shapes import interface_of
 
 ROCKER = Path(__file__).parents[3] / "examples" / "rocker" / "robot.toml"
 GUIDE = Path(__file__).resolve().parents[3] / "docs" / "guide" / "mechanisms.md"

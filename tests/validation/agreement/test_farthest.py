@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from validation.agreement.farthest import farthest, farthest_entry
+from validation.cases.mechanism.quantities import farthest, farthest_entry
 
 
 @pytest.mark.parametrize("off", [0.01, -0.01, np.nan])

@@ -9,10 +9,10 @@ import pytest
 from fem.calculix import run as calculix_run
 from lumped.mechanism.joint import Drive
 from lumped.robot_file import load_robot
-from validation.agreement.farthest import farthest_entry
 from validation.case import Skip
 from validation.cases.mechanism import calculix as mechanism_calculix
 from validation.cases.mechanism.calculix import by_calculix, by_reduced
+from validation.cases.mechanism.quantities import farthest_entry
 from validation.context import Context
 from validation.kinematics.poses import postures_of
 from validation.solids.bars import with_bars

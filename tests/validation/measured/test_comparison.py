@@ -17,8 +17,7 @@ from validation.catalogue import catalogue
 from validation.context import Context
 from validation.drawing.charts.plot import chart_svg
 from validation.kinematics.poses import postures_of
-from validation.measured.comparison import Comparison
-from validation.measured.matrix import measured_matrix, predicted
+from validation.measured.matrix import Comparison, measured_matrix, predicted
 from validation.models.legs import leg_compliance
 from validation.models.mechanism import answers
 from validation.models.options import ModelOptions

@@ -14,10 +14,9 @@ from lumped.mechanism.mechanism import Posture
 from lumped.system.assembly import assembly
 from lumped.system.solution import compliance, modes, solved
 from validation.adequacy.mechanism.path import known_legs, path_postures
-from validation.agreement.farthest import farthest_entry
 from validation.case import Absolute, Measurement, Relative, Sides, Skip
 from validation.case_group import CaseGroup
-from validation.cases.mechanism.quantities import ASSEMBLER, by_another_program
+from validation.cases.mechanism.quantities import ASSEMBLER, by_another_program, farthest_entry
 from validation.context import Context
 from validation.exhibits import PATH
 from validation.models.legs import filled

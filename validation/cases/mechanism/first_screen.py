@@ -18,7 +18,6 @@ from lumped.mechanism.mechanism import Mechanism, Posture
 from validation.adequacy.mechanism.path import path_postures, why_not_serial
 from validation.adequacy.mechanism.statics import compliances
 from validation.adequacy.models import JUDGED, JudgedModel, judged_models
-from validation.agreement.farthest import farthest
 from validation.case import Measurement, Relative, Sides, Skip
 from validation.case_group import CaseGroup, numbered
 from validation.cases.mechanism.path import BEYOND_ROUNDING, path_roundings
@@ -27,6 +26,7 @@ from validation.cases.mechanism.quantities import (
     EXACT,
     MODEL_CODE,
     SHOWN,
+    farthest,
     in_shown_units,
     rounding,
 )

@@ -33,10 +33,9 @@ from validation.adequacy.mechanism.parts import assembled
 from validation.adequacy.mechanism.path import known_legs, path_postures, why_not_serial
 from validation.adequacy.mechanism.statics import compliances
 from validation.agreement.convergence import step_factor
-from validation.agreement.farthest import farthest_entry
 from validation.case import Absolute, Measurement, Relative, Sides, Skip
 from validation.case_group import CaseGroup, numbered
-from validation.cases.mechanism.quantities import ASSEMBLER, MODEL_CODE
+from validation.cases.mechanism.quantities import ASSEMBLER, MODEL_CODE, farthest_entry
 from validation.context import Context
 from validation.exhibits import PATH
 from validation.models.legs import filled, leg_matrices, reduced_leg
