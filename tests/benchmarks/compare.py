@@ -119,17 +119,14 @@ def calculix(size: str) -> Figures:
 def cholmod(size: str, backend: str = "cholmod") -> Figures:
     """Analysis, factor and six solutions with K, and the count of K − σM, by our own solvers."""
     os.environ["FLEXPROOF_SOLVER"] = backend
-    from fem.solvers.renewable_factor import RenewableFactor
-
     from fem.solvers.certificate.count import inertia_below
-    from fem.solvers.cholesky import analyse
-    from fem.solvers.factor import upper_triangle
+    from fem.solvers.cholesky import RenewableFactor, analyse
 
     K, M, points = _matrices(size)
     start = perf_counter()
     symbolic = analyse(K)
     analysed = perf_counter()
-    factor = RenewableFactor(symbolic, upper_triangle(K), "leg")
+    factor = RenewableFactor(symbolic, "leg")
     assert factor.numeric is not None
     return _times(
         start,
