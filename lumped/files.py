@@ -6,19 +6,27 @@ from pathlib import Path
 from lumped.errors import InputError
 
 LARGEST = 10_000_000
+_OTHERS = {stat.S_IFDIR: "folder", stat.S_IFIFO: "pipe", stat.S_IFSOCK: "socket"}
 
 
 def require_ordinary(path: Path | str, kind: str) -> int:
     """Size (bytes) of an ordinary file.
 
-    Raises InputError where `path` is none (opened, a pipe would wait for someone to write), and
-    OSError or ValueError where it cannot be looked at.
+    Raises InputError where `path` is none (opened, a pipe would wait for someone to write) or a
+    link to nothing, and OSError or ValueError where it cannot be looked at.
     """
-    found = Path(path).stat()
-    if stat.S_ISDIR(found.st_mode):
-        raise InputError(f"{path}: is a folder; must be {kind}")
+    try:
+        found = Path(path).stat()
+    except FileNotFoundError:
+        if Path(path).is_symlink():
+            target = Path(path).readlink()
+            raise InputError(
+                f"{path}: is a link to {target}, which does not exist; must be {kind}"
+            ) from None
+        raise
     if not stat.S_ISREG(found.st_mode):
-        raise InputError(f"{path}: is a pipe, socket or device; must be {kind}")
+        other = _OTHERS.get(stat.S_IFMT(found.st_mode), "device")
+        raise InputError(f"{path}: is a {other}; must be {kind}")
     return found.st_size
 
 
