@@ -1,5 +1,6 @@
 """Cross-sections of a part where a plane cuts its mesh: outlines, and meshes inside them."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,6 +10,7 @@ from lumped.arrays import Array, IntArray
 from lumped.errors import InputError
 from meshes.gmsh_session import connectivity, gmsh_model, numbered
 from meshes.part.boundary import Facets
+from meshes.processes import Crashed, within_limits
 from meshes.section.section_mesh import SectionMesh, counter_clockwise
 
 # Triangles of a facet's corners and middles: curved facets are cut as four flat ones.
@@ -25,6 +27,8 @@ _STRAIGHT = 2e-4
 _IN_PLANE = 1e-9
 # Edge of the triangles, of twice the area over the length of all outlines: a wall's thickness.
 _EDGE = 0.7
+# Computing (s) that the meshes of all sections of a part may take.
+_SECONDS = 120.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,8 +91,19 @@ def slices_of(nodes: Array, facets: Facets, origin: Array, axes: Array) -> list[
     return sorted(pieces, key=lambda piece: float(np.linalg.norm(piece.centroid)))
 
 
-def slice_mesh(piece: Slice) -> SectionMesh:
-    """Second-order triangles inside the outlines."""
+def slice_meshes(pieces: Sequence[Slice]) -> list[SectionMesh]:
+    """Second-order triangles inside the outlines; raises InputError where gmsh dies of them."""
+    try:
+        return within_limits(_SECONDS, _slice_meshes, pieces)
+    except Crashed as crash:
+        raise InputError(f"gmsh does not survive meshing its sections ({crash})") from crash
+
+
+def _slice_meshes(pieces: Sequence[Slice]) -> list[SectionMesh]:
+    return [_slice_mesh(piece) for piece in pieces]
+
+
+def _slice_mesh(piece: Slice) -> SectionMesh:
     around = sum(
         float(np.linalg.norm(np.diff(loop, axis=0, append=loop[:1]), axis=1).sum())
         for loop in (piece.outer, *piece.holes)

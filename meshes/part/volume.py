@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from math import isclose, log, sqrt
+from time import monotonic
 from types import ModuleType
 
 import numpy as np
@@ -22,7 +23,7 @@ from meshes.part.reading.cad import CadModel, cad_model, naming_the_place
 from meshes.part.reading.filled import require_filled
 from meshes.part.reading.read import PartFile
 from meshes.part.straighten import straightened
-from meshes.processes import Crashed, in_own_process
+from meshes.processes import Crashed, within_limits
 
 # Each mesh of a ladder has elements shorter by this: three meshes then span a factor of two.
 RATIO = sqrt(2.0)
@@ -64,6 +65,9 @@ _TRIED = (
 )
 # No element is shorter than this share of the full size: long fillets would rule the whole mesh.
 _SHORTEST = 0.2
+# Computing (s) that a mesh, and the search for the sizes of a ladder, may take each; once a mesh
+# has taken so long no other one is tried.
+_SECONDS = 600.0
 
 
 @dataclass(frozen=True)
@@ -86,27 +90,31 @@ def volume_mesh(part: PartFile, interfaces: Sequence[Interface], grading: Gradin
     """The part in second-order tetrahedra; curved edges lie on the true surface.
 
     Where gmsh makes no sound mesh of that size, one of a little less. Raises InputError where the
-    surface cannot be meshed, ComputationError where no size does; a part that is a mesh is refused.
+    surface cannot be meshed or gmsh does not survive it, ComputationError where no size does; a
+    part that is a mesh is refused.
     """
     if part.mesh is not None:
         raise InputError(f"{part.path}: is a mesh already; it cannot be meshed anew")
     uneven: InputError | None = None
     failed: ComputationError | None = None
+    begun = monotonic()
     for share, netgen, algorithm in _TRIED:
         tried = replace(grading, size=share * grading.size)
         try:
-            return in_own_process(_meshed, part, interfaces, tried, netgen, algorithm)
+            return within_limits(_SECONDS, _meshed, part, interfaces, tried, netgen, algorithm)
         # Delaunay's algorithm may fail to recover a surface that others fill.
         except InputError as error:
             uneven = uneven or error
         except ComputationError as error:
             # What says what is wrong with a mesh says more than a process that ended.
             failed = error if failed is None or not isinstance(error, Crashed) else failed
-    if uneven and (failed is None or isinstance(failed, Crashed)):
+        if monotonic() - begun > _SECONDS:
+            break
+    crashed = failed is None or isinstance(failed, Crashed)
+    if uneven and crashed:
         raise uneven
-    said = "it ends its process" if isinstance(failed, Crashed) else str(failed)
-    raise ComputationError(
-        f"{part.path}: gmsh makes no sound mesh of elements of {grading.size:.3g} m: {said}; ask "
+    raise (InputError if crashed else ComputationError)(
+        f"{part.path}: gmsh makes no sound mesh of elements of {grading.size:.3g} m: {failed}; ask "
         "for another number of unknowns"
     )
 
@@ -140,10 +148,20 @@ def ladder(part: PartFile, interfaces: Sequence[Interface], unknowns: int) -> tu
 
     Found by meshes of straight edges, which are quick, of the finest: from large elements on, by
     secants of the logarithms. Facets of thin round walls may cross where they are too
-    coarse: then all three are finer.
+    coarse: then all three are finer. Raises InputError as `volume_mesh` does.
     """
     if part.exact is None:
         raise InputError(f"{part.path}: is a mesh already; it cannot be meshed anew")
+    try:
+        return within_limits(_SECONDS, _ladder, part, interfaces, unknowns)
+    except Crashed as crash:
+        raise InputError(
+            f"{part.path}: gmsh does not survive meshing it ({crash}); ask for another number of "
+            "unknowns"
+        ) from crash
+
+
+def _ladder(part: PartFile, interfaces: Sequence[Interface], unknowns: int) -> tuple[Grading, ...]:
     largest = max(part.extent) / 2.0
     size, power, cut = largest, _POWER, unknowns >= _CUT_FROM
 

@@ -1,11 +1,12 @@
 """Functions in processes of their own: values, errors, and processes that end without an answer."""
 
 import os
+import resource
 
 import pytest
 
 from lumped.errors import ComputationError, InputError
-from meshes.processes import Crashed, in_own_process
+from meshes.processes import Crashed, in_own_process, within_limits
 
 
 def test_a_value_comes_back_from_another_process():
@@ -30,3 +31,22 @@ def refused(*faults):
 def test_a_crash_ends_the_other_process_alone():
     with pytest.raises(Crashed, match="was ended by SIGABRT"):
         in_own_process(os.abort)
+
+
+def busy():
+    while True:
+        pass
+
+
+@pytest.mark.parametrize(
+    ("function", "arguments", "said"),
+    [
+        (busy, (), "was ended by SIGXCPU, its time was up"),
+        (bytearray, (10**10,), "more than 8 GB of memory would be needed"),
+    ],
+)
+def test_limits_of_time_and_memory_end_it_and_say_which(function, arguments, said):
+    with pytest.raises(Crashed, match=said):
+        within_limits(0.5, function, *arguments)
+    assert within_limits(0.5, resource.getrlimit, resource.RLIMIT_CORE)[0] == 0
+    assert resource.getrlimit(resource.RLIMIT_CPU)[0] == resource.RLIM_INFINITY

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from like_ifw import IFW
 
-from meshes.part import volume
+from meshes.part import slices, volume
 from meshes.part.reading import read
 from validation.adequacy.judgement import judged
 from validation.adequacy.matrix import Matrix
@@ -44,6 +44,6 @@ def coarse_parts():
     with pytest.MonkeyPatch.context() as patch:
         for module in (parts, exports):
             patch.setattr(module, "UNKNOWNS", 6_000)
-        for module in (read, volume):
-            patch.setattr(module, "in_own_process", lambda function, *given: function(*given))
+        for module in (read, volume, slices):
+            patch.setattr(module, "within_limits", lambda _, function, *given: function(*given))
         yield patch

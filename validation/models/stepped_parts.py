@@ -15,7 +15,7 @@ from lumped.mechanism.mechanism import Mechanism
 from lumped.memo import memo
 from lumped.screws import shift, skew
 from meshes.part.boundary import Facets, PartMesh, boundary
-from meshes.part.slices import Slice, slice_mesh, slices_of
+from meshes.part.slices import slice_meshes, slices_of
 from meshes.part.spread import cell_volumes
 from meshes.section.section_mesh import SectionMesh
 from validation.models import parts
@@ -110,10 +110,13 @@ def _fitted(
         line = _through_centroids(own, facets, line)
     _require_prisms(own, facets, line)
     axes, properties, shear_centres = [], [], []
-    for start, end in pairwise(line):
-        across = _across(end - start)
-        piece = slices_of(own, facets, 0.5 * (start + end), across)[0]
-        turned, values, centre = _section(piece, across, material)
+    across = [_across(end - start) for start, end in pairwise(line)]
+    middles = 0.5 * (line[:-1] + line[1:])
+    sections = slice_meshes(
+        [slices_of(own, facets, *place)[0] for place in zip(middles, across, strict=True)]
+    )
+    for section, own_axes in zip(sections, across, strict=True):
+        turned, values, centre = _section(section, own_axes, material)
         axes.append(turned)
         properties.append(values)
         shear_centres.append(centre)
@@ -199,12 +202,14 @@ def _across(direction: Array) -> Array:
     return np.column_stack([x, y, np.cross(x, y)])
 
 
-def _section(piece: Slice, axes: Array, material: Material) -> tuple[Array, list[float], Array]:
+def _section(
+    mesh: SectionMesh, axes: Array, material: Material
+) -> tuple[Array, list[float], Array]:
     """Principal axes (3×3) of a section, and about them the fields of its `BeamProperties`.
 
     And where its shear centre is, from its centroid (2, m).
     """
-    mesh, ratio = slice_mesh(piece), material.G / material.E
+    ratio = material.G / material.E
     constants = section_constants(mesh, material.nu, ratio)
     iy, iz, product = (
         constants.second_moment_y,

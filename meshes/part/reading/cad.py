@@ -96,7 +96,7 @@ def cad_model(path: Path, unit: str | None = None) -> Iterator[CadModel]:
         tag = _one_solid(gmsh, path)
         box = _box(gmsh, tag)
         extent = [max(float(side), 0.0) for side in box[1] - box[0]]
-        require_plausible(extent, chosen, str(path))
+        require_plausible(extent, chosen, str(path), said=path.suffix.lower() in STEP)
         gap, place = _largest_gap(gmsh, tag)
         model = CadModel(gmsh, tag, chosen, extent, gap)
         _require_sound(model, path, place)

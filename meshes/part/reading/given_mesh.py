@@ -4,6 +4,7 @@ Faces are the smooth patches of the boundary, or what the file names: its own su
 they are in groups, and sets of nodes.
 """
 
+import re
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -15,15 +16,22 @@ from scipy.sparse.csgraph import connected_components
 from lumped.arrays import IntArray
 from lumped.errors import InputError
 from lumped.mechanism.part import METRES
+from lumped.text import cut
 from meshes.elements import ELEMENTS, SolidElement
 from meshes.part.boundary import Facets, PartMesh, boundary, facets_of_cells, smooth_faces
 from meshes.part.reading.units import chosen_unit, require_plausible
+from meshes.part.reading.vtu_sizes import inflated_size
 from meshes.quality import quality
 from meshes.solid_mesh import VolumeMesh
 
 # Said, not guessed: other programs use these endings too.
 _FORMAT = {".msh": "gmsh", ".inp": "abaqus", ".vtu": "vtu"}
 MESHES = tuple(_FORMAT)
+# Bytes of a file, and of what it holds packed together.
+LARGEST = 500_000_000
+# Signs of what is said of a file that cannot be read.
+_LONGEST = 160
+_NO_NUMBER = re.compile(r"\b(?:int|float)\b.*?: (['\"].*)")
 # What makes or moves nodes and elements of an .inp file in ways that are not followed here, and
 # options of *NODE and *ELEMENT that do: another file, or coordinates that are not Cartesian.
 _NOT_FOLLOWED = ("INCLUDE", "NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYSTEM")
@@ -53,6 +61,11 @@ def read_mesh(path: Path, unit: str | None = None) -> tuple[PartMesh, str]:
     source, chosen = str(path), chosen_unit(None, unit, str(path))
     if path.suffix.lower() == ".inp":
         _require_followed(path)
+    if path.suffix.lower() == ".vtu" and (size := inflated_size(path.read_bytes())) > LARGEST:
+        raise InputError(
+            f"{source}: what it holds compressed are {size / 1e6:.6g} MB, at most "
+            f"{LARGEST / 1e6:g} MB are read"
+        )
     raw = _raw(path)
     element, blocks = _solid_cells(raw, source)
     points = np.asarray(raw.points, dtype=float)
@@ -104,14 +117,24 @@ def _raw(path: Path) -> Any:
     # Only who reads such a file waits for its library.
     import meshio  # noqa: PLC0415
 
+    name = _FORMAT[path.suffix.lower()]
     try:
-        return meshio.read(path, file_format=_FORMAT[path.suffix.lower()])
-    # meshio raises whatever its parser stumbles over, and exits where a format is unknown.
-    except (Exception, SystemExit) as error:
-        reason = " ".join(str(error).split()) or type(error).__name__
+        # `meshio.read` prints what is wrong and exits.
+        return getattr(meshio, name).read(path)
+    except MemoryError:
+        raise
+    # meshio raises whatever its parser stumbles over.
+    except Exception as error:
+        text = " ".join(str(error).split())
+        reason = f"it is damaged, cut off or not in the format of {name}"
         if isinstance(error, KeyError):
             reason = f"it does not hold {error.args[0]}, to which it refers"
-        raise InputError(f"{path}: cannot be read as a mesh: {reason}") from error
+        elif word := _NO_NUMBER.search(text):
+            reason = f"{word.group(1)} is no number"
+        # Of other errors the text, if there is one, is about the parser.
+        elif isinstance(error, meshio.ReadError) and error.args and isinstance(error.args[0], str):
+            reason += f": {text}"
+        raise InputError(f"{path}: cannot be read as a mesh: {cut(reason, _LONGEST)}") from error
 
 
 def _solid_cells(raw: Any, source: str) -> tuple[SolidElement, list[int]]:
@@ -146,7 +169,8 @@ def _require_one_solid(mesh: VolumeMesh, source: str) -> None:
             f"{source}: {int((counts - 1).sum())} elements are there twice, the first is element "
             f"{first[counts > 1].min() + 1}; delete one of each"
         )
-    folded = np.flatnonzero(quality(mesh)[0] <= 0.0)
+    # Not a number where nodes are the same.
+    folded = np.flatnonzero(~(quality(mesh)[0] > 0.0))
     if folded.size:
         x, y, z = mesh.nodes[mesh.cells[folded[0]]].mean(axis=0)
         raise InputError(

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from lumped.arrays import Array, IntArray
-from lumped.errors import InputError
+from lumped.errors import ComputationError, InputError
 from lumped.files import require_ordinary
 from lumped.mechanism.part import METRES
 from meshes.gmsh_session import connectivity, numbered
@@ -21,14 +21,16 @@ from meshes.part.reading.cad import (
     cad_model,
     naming_the_place,
 )
-from meshes.part.reading.given_mesh import MESHES, read_mesh
+from meshes.part.reading.given_mesh import LARGEST, MESHES, read_mesh
 from meshes.part.reading.units import describe
-from meshes.processes import Crashed, in_own_process
+from meshes.processes import within_limits
 
 # Sides of a full circle and pieces along the part of the surface that faces are recognised on.
 _SIDES, _PIECES = 24.0, 25.0
 # Share of the volume below which rounding alone opens gaps.
 _EXACT = 1e-9
+# Time (s) that reading may take, and more for each MB: twenty times what parts of CAD systems take.
+_SECONDS, _SECONDS_PER_MB = 60.0, 60.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,21 +67,29 @@ class PartFile:
         return next(face for face in self.faces if face.number == number)
 
 
-def require_file(path: Path) -> None:
-    """Raise InputError where there is no file, or one of a kind that is not read."""
+def require_file(path: Path) -> int:
+    """Size (bytes) of a part's file.
+
+    Raises InputError where there is none, or one of a kind or size that is not read.
+    """
     kinds = (*STEP, *BREP, *MESHES)
     if path.suffix.lower() not in kinds:
         raise InputError(f"{path}: not a part; must be one of {', '.join(kinds)}")
-    if not path.exists():
-        raise InputError(f"{path}: no such file; must be a CAD file or a mesh of the part")
+    kind = "a CAD file or a mesh of the part"
     try:
-        empty = require_ordinary(path, "a CAD file or a mesh of the part") == 0
+        size = require_ordinary(path, kind)
         with path.open("rb"):
             pass
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror})") from error
-    if empty:
-        raise InputError(f"{path}: is empty")
+    except FileNotFoundError as error:
+        raise InputError(f"{path}: no such file; must be {kind}") from error
+    except (OSError, ValueError) as error:
+        reason = error.strerror if isinstance(error, OSError) else error
+        raise InputError(f"{path}: cannot be read ({reason})") from error
+    if not 0 < size <= LARGEST:
+        raise InputError(
+            f"{path}: is {f'larger than {LARGEST / 1e6:g} MB' if size else 'empty'}; must be {kind}"
+        )
+    return size
 
 
 def read_part(path: Path, unit: str | None = None) -> PartFile:
@@ -87,22 +97,28 @@ def read_part(path: Path, unit: str | None = None) -> PartFile:
 
     Raises InputError with the file and the place where it is no sound solid.
     """
-    require_file(path)
-    if path.suffix.lower() in MESHES:
-        mesh, said = read_mesh(path, unit)
-        extent = [float(side) for side in np.ptp(mesh.nodes, axis=0)]
-        faces = tuple(
-            face_of(number, mesh.nodes, facets, mesh.names.get(number, ""))
-            for number, facets in mesh.faces.items()
-        )
-        return PartFile(path, said, extent, mesh.nodes, faces, None, mesh)
+    seconds = _SECONDS + _SECONDS_PER_MB * require_file(path) / 1e6
     try:
-        return in_own_process(_read_cad, path, unit)
-    except Crashed as crash:
+        return within_limits(seconds, _read, path, unit)
+    except ComputationError as error:
         raise InputError(
-            f"{path}: the CAD kernel does not survive reading it ({crash}): the file is damaged; "
-            "export it anew from the CAD system"
-        ) from crash
+            f"{path}: what reads it fails ({error}): the file is damaged, or much too large; "
+            "export it anew"
+        ) from error
+
+
+def _read(path: Path, unit: str | None) -> PartFile:
+    return _read_mesh(path, unit) if path.suffix.lower() in MESHES else _read_cad(path, unit)
+
+
+def _read_mesh(path: Path, unit: str | None) -> PartFile:
+    mesh, said = read_mesh(path, unit)
+    extent = [float(side) for side in np.ptp(mesh.nodes, axis=0)]
+    faces = tuple(
+        face_of(number, mesh.nodes, facets, mesh.names.get(number, ""))
+        for number, facets in mesh.faces.items()
+    )
+    return PartFile(path, said, extent, mesh.nodes, faces, None, mesh)
 
 
 def _read_cad(path: Path, unit: str | None) -> PartFile:

@@ -58,15 +58,15 @@ def chosen_unit(said: str | None, given: str | None, source: str) -> str:
     return said or given or "m"
 
 
-def require_plausible(extent: list[float], unit: str, source: str) -> None:
-    """Raise InputError where a part of the `extent` (3, m) read in `unit` cannot be a leg's."""
-    size = describe(extent, unit)
-    if max(extent) > _LARGEST:
-        raise InputError(
-            f'{source}: {size} is no part of a robot; is it in mm? then say unit = "mm"'
-        )
-    if max(extent) < _SMALLEST:
-        raise InputError(f"{source}: {size} is no part of a robot; is its unit right?")
+def require_plausible(extent: list[float], unit: str, source: str, *, said: bool = False) -> None:
+    """Raise InputError where a part of the `extent` (3, m) read in `unit` cannot be a leg's.
+
+    `said`: the file names its unit itself, and no other can be said for it.
+    """
+    if not _SMALLEST <= max(extent) <= _LARGEST:
+        is_millimetres = unit == "m" and not said and max(extent) > _LARGEST
+        advice = 'is it in mm? then say unit = "mm"' if is_millimetres else "is its unit right?"
+        raise InputError(f"{source}: {describe(extent, unit)} is no part of a robot; {advice}")
 
 
 def describe(extent: list[float], unit: str) -> str:

@@ -28,7 +28,7 @@ def lug(occ, s):
 def in_this_process(monkeypatch):
     """Files that do not end the CAD kernel are read and meshed without a process of their own."""
     for module in (read, volume):
-        monkeypatch.setattr(module, "in_own_process", lambda function, *rest: function(*rest))
+        monkeypatch.setattr(module, "within_limits", lambda _, function, *rest: function(*rest))
 
 
 @pytest.fixture(scope="session")

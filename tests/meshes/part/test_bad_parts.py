@@ -1,5 +1,6 @@
 """Files that are no parts: each gives one clear line that says what and where."""
 
+import os
 import re
 
 import numpy as np
@@ -148,10 +149,22 @@ def test_files_that_are_no_parts_and_units_that_contradict_them(tmp_path, box_st
     folder.mkdir()
     assert "is a folder" in refused(folder)
     assert "is in mm, and unit = 'inch' contradicts it" in refused(box_step, "inch")
+    large = tmp_path / "large.step"
+    large.touch()
+    os.truncate(large, 500_000_001)
+    assert "is larger than 500 MB" in refused(large)
     path = tmp_path / "feet.step"
     text = box_step.read_text().replace("SI_UNIT(.MILLI.,.METRE.)", "SI_UNIT(.PICO.,.METRE.)")
     path.write_text(text)
     assert "its unit of length, 'pico', is not known here" in refused(path)
+    points = re.compile(r"CARTESIAN_POINT\('',\((.*?)\)\)", re.DOTALL)
+    path.write_text(points.sub(_astronomical, box_step.read_text()))
+    assert "mm is no part of a robot; is its unit right?" in refused(path)
+
+
+def _astronomical(point: re.Match) -> str:
+    numbers = ",".join(f"{1e12 * float(number):.6E}" for number in point.group(1).split(","))
+    return f"CARTESIAN_POINT('',({numbers}))"
 
 
 def test_a_damaged_file_is_not_mended_in_silence(tmp_path, box_step):

@@ -31,30 +31,36 @@ def bar(box_step):
 def test_the_optimiser_is_left_out_where_it_crashes(bar, monkeypatch):
     tried = []
 
-    def crashing(function, *arguments):
+    def crashing(_seconds, function, *arguments):
         *_, size, netgen, _ = arguments
         tried.append((size.size, netgen))
         if netgen:
             raise Crashed
         return function(*arguments)
 
-    monkeypatch.setattr(volume, "in_own_process", crashing)
+    monkeypatch.setattr(volume, "within_limits", crashing)
     plain = volume.volume_mesh(*bar, volume.Grading(0.02))
     assert tried == [(0.02, 1), (0.97 * 0.02, 1), (0.02, 0)]
     assert np.ptp(plain.nodes, axis=0) == pytest.approx([0.1, 0.02, 0.03])
 
 
 @pytest.mark.parametrize(
-    ("error", "said"),
-    [(Crashed(), "it ends its process"), (ComputationError("2 tetrahedra are flat"), "2 tetra")],
+    ("error", "kind"),
+    [
+        (Crashed("was ended by SIGSEGV"), InputError),
+        (ComputationError("2 tetrahedra are flat"), ComputationError),
+    ],
 )
-def test_what_has_no_sound_mesh_is_said(bar, monkeypatch, error, said):
+def test_what_has_no_sound_mesh_is_said(bar, monkeypatch, error, kind):
     def failing(*_):
         raise error
 
-    monkeypatch.setattr(volume, "in_own_process", failing)
-    with pytest.raises(ComputationError, match=rf"box.step: gmsh makes no sound .* m: {said}"):
+    monkeypatch.setattr(volume, "within_limits", failing)
+    with pytest.raises(kind, match=rf"box.step: gmsh makes no sound .* m: {error}; ask for"):
         volume.volume_mesh(*bar, volume.Grading(0.02))
+    if isinstance(error, Crashed):
+        with pytest.raises(kind, match=rf"box.step: gmsh does not survive .* \({error}\); ask for"):
+            volume.ladder(*bar, 20_000)
 
 
 def tube(occ, s):

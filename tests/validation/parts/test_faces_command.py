@@ -27,6 +27,29 @@ def test_faces_are_listed_in_the_unit_of_the_file_and_drawn_in_colours(capsys, t
     assert len(large) >= 3
 
 
+@pytest.mark.parametrize(
+    "command",
+    [
+        ["faces", "{part}", "--json"],
+        [
+            *("identify", "{part}", "--material", "{{ E = 2.1e11, nu = 0.3, rho = 7850.0 }}"),
+            *("--interface", "A = {{ faces = [1] }}", "--json"),
+        ],
+        ["check", "{robot}"],
+    ],
+    ids=lambda command: command[0],
+)
+def test_a_file_that_ends_the_kernel_is_a_line_and_nothing_else(tmp_path, capfd, command):
+    part, robot = tmp_path / "rocker.step", tmp_path / "robot.toml"
+    part.write_text(ROCKER.read_text().replace("MANIFOLD_SOLID_BREP", "SHELL_BASED_SURFACE_MODEL"))
+    robot.write_bytes(ROCKER.with_name("robot.toml").read_bytes())
+    assert cli.main([word.format(part=part, robot=robot) for word in command]) == 2
+    out, err = capfd.readouterr()
+    assert out == ""
+    assert err.count("\n") == 1
+    assert f"{part}: what reads it fails" in err
+
+
 def test_json_is_in_metres(capsys):
     assert cli.main(["faces", str(ROCKER), "--json"]) == 0
     document = json.loads(capsys.readouterr().out)

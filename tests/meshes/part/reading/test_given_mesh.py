@@ -1,5 +1,7 @@
 """Volume meshes of other programs: one mesh in three formats is one part, faces and all."""
 
+from base64 import b64encode
+
 import meshio
 import numpy as np
 import pytest
@@ -10,6 +12,9 @@ from meshes.elements import ELEMENTS
 from meshes.gmsh_session import gmsh_model
 from meshes.part.interfaces import find_interfaces
 from meshes.part.reading.read import read_part
+from meshes.part.reading.vtu_sizes import inflated_size
+
+pytestmark = pytest.mark.usefixtures("in_this_process")
 
 
 @pytest.fixture(scope="module")
@@ -108,6 +113,8 @@ def test_bad_meshes_say_what_is_wrong(tmp_path):
     )
     assert "is no part of a robot" in refused(1e4 * CUBE, "hexahedron", HEXAHEDRON)
     assert "finite" in refused(np.where(CUBE == 1.0, np.nan, CUBE), "hexahedron", HEXAHEDRON)
+    with np.errstate(all="ignore"):
+        assert "inverted or folded" in refused(CUBE, "tetra", np.array([[0, 0, 1, 2]]))
 
 
 @pytest.mark.parametrize(
@@ -154,3 +161,63 @@ def test_hexahedra_have_six_faces_of_unit_area(tmp_path, kind):
     assert outward == pytest.approx(np.zeros(3), abs=1e-15)
     for face in part.faces:
         assert face.direction @ (face.centre - 0.05) == pytest.approx(0.05)
+
+
+NODES = "*NODE\n1,0,0,0\n2,.1,0,0\n3,0,.1,0\n4,0,0,.1\n*ELEMENT,TYPE=C3D4\n1,1,2,3,"
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "said"),
+    [
+        ("mesh.msh", "hello", "it is damaged, cut off or not in the format of gmsh"),
+        ("mesh.vtu", "<html></html>", "the format of vtu: Expected tag 'VTKFile', found html"),
+        ("mesh.inp", f"{NODES}four\n", "'four' is no number"),
+        # meshio prints the list of the words on this line, and exits.
+        ("mesh.inp", f"{NODES}4\n*NSET,NSET=a=b\n1\n", "not in the format of abaqus"),
+        ("mesh.inp", f"{NODES}4\n*NSET,NSET=a,GENERATE\n1,9,2\n", "does not hold 5, to which"),
+    ],
+)
+def test_what_is_no_mesh_is_one_line(tmp_path, capfd, name, text, said):
+    path = tmp_path / name
+    path.write_text(text)
+    with pytest.raises(InputError) as error:
+        read_part(path)
+    (line,) = error.value.faults
+    assert line.startswith(f"{path}: cannot be read as a mesh: ")
+    assert said in line
+    assert capfd.readouterr() == ("", "")
+
+
+VTU = """<VTKFile type="UnstructuredGrid" version="0.1" byte_order="{order}"
+header_type="UInt{bits}" compressor="vtkZLibDataCompressor"><UnstructuredGrid>
+<Piece NumberOfPoints="1" NumberOfCells="1"><Points>
+<DataArray type="Float64" NumberOfComponents="3" {array}</DataArray></Points></Piece></UnstructuredGrid>{appended}</VTKFile>"""
+PLACES = {
+    "binary": ('format="binary">\n  {}', ""),
+    "base64": ('format="appended" offset="4">', '<AppendedData encoding="base64">\n _AAAA{}'),
+    "raw": ("format='appended' offset='4'>", '<AppendedData encoding="raw">\n _AAAA{}'),
+}
+
+
+@pytest.mark.parametrize("place", PLACES)
+@pytest.mark.parametrize(("order", "bits"), [("LittleEndian", 32), ("BigEndian", 64)])
+def test_what_would_inflate_too_far_is_refused_by_what_it_says_itself(tmp_path, place, order, bits):
+    """1.5 GB of zeros are 1.5 MB compressed: here nothing but the head of them is there."""
+    head = np.array([45_776, 32_768, 100], f"{'>' if order == 'BigEndian' else '<'}u{bits // 8}")
+    own = head.tobytes() if place == "raw" else b64encode(head.tobytes())
+    array, appended = PLACES[place]
+    text = VTU.format(order=order, bits=bits, array=array, appended=appended).encode()
+    path = tmp_path / "bomb.vtu"
+    path.write_bytes(text.replace(b"{}", own))
+    with pytest.raises(InputError, match=r"compressed are 1499\.96 MB, at most 500 MB are read"):
+        read_part(path)
+
+
+@pytest.mark.parametrize("compression", ["zlib", "lzma", None])
+def test_what_a_file_says_of_its_size_is_what_it_holds(files, tmp_path, compression):
+    mesh, path = meshio.read(files / "plate.vtu"), tmp_path / "plate.vtu"
+    meshio.vtu.write(path, mesh, compression=compression)
+    (cells,) = mesh.cells
+    # Beside the connectivity there are an offset and a type of each cell, of eight bytes.
+    size = mesh.points.nbytes + cells.data.nbytes + 16 * len(cells.data)
+    assert inflated_size(path.read_bytes()) == (size if compression else 0)
