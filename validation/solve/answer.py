@@ -80,17 +80,19 @@ class Answer:
     """Compliance (6×6 or 2×2, SI) and frequencies (Hz, ascending) at one posture or of one leg.
 
     `place` is {"x": m}, {"pose": [m or rad]}, {"leg": 1 or 2} or {"body": name}; `idle` counts the
-    mobilities of a mechanism that do not move its tool; `strain` maps its drives, joints and bodies
-    to their shares of each mode's strain energy, `pairs` is the record of the modes' partners in
-    another model; `uncertainty` is that of the mesh of prisms where one is known, None else,
-    `of_parts` that of CAD parts, and `of_digits` what the printed digits of the 6×6 in the robot
-    file leave open at most, to first order.
+    mobilities of a mechanism that do not move its tool; `loads` are displacements of the tool (6, m
+    and rad, base axes) under loads of the file by name, NaN where it cannot move so; `strain` maps
+    its drives, joints and bodies to their shares of each mode's strain energy, `pairs` is the
+    record of the modes' partners in another model; `uncertainty` is that of the mesh of prisms
+    where one is known, None else, `of_parts` that of CAD parts, and `of_digits` what the printed
+    digits of the 6×6 in the robot file leave open at most, to first order.
     """
 
     place: Place
     compliance: Array
     frequencies: Array
     idle: int | None = None
+    loads: Mapping[str, Array] = field(default_factory=dict)
     uncertainty: MeshUncertainty | None = None
     of_parts: PartUncertainty | None = None
     of_digits: LeftOpen | None = None
@@ -170,6 +172,11 @@ def record_of(answer: Answer) -> dict[str, Any]:
     }
     if answer.idle is not None:
         found["idle"] = answer.idle
+    if answer.loads:
+        found["loads"] = {
+            name: {"displacement": moved.tolist() if np.isfinite(moved).all() else None}
+            for name, moved in answer.loads.items()
+        }
     if (mesh := answer.uncertainty) is not None:
         found["uncertainty"] = mesh.record if mesh.known else None
     if (parts := answer.of_parts) is not None:
@@ -211,6 +218,9 @@ def _answer_lines(answer: Answer) -> list[str]:
         f"  compliance {size}×{size} (m/N, rad/N, rad/(N m)):",
     ]
     lines += ["    " + " ".join(f"{value: .4e}" for value in row) for row in answer.compliance]
+    if answer.loads:
+        lines.append("  displacement (µm, µrad) under the loads of the robot file:")
+        lines += [f"    {name}: {_moved_text(moved)}" for name, moved in answer.loads.items()]
     if len(answer.frequencies):
         listed = ", ".join(f"{value:.5g}" for value in answer.frequencies)
         lines.append(f"  natural frequencies (Hz): {listed}")
@@ -244,6 +254,16 @@ def _answer_lines(answer: Answer) -> list[str]:
 def _deflections(answer: Answer) -> list[str]:
     """µm along x, y and, where it is known, z, each under its own load of 1000 N."""
     return [f"{value * 1e9:.4g}" for value in np.diag(answer.compliance)[:3]]
+
+
+def _moved_text(moved: Array) -> str:
+    """Displacement, its whole length and rotation."""
+    if not np.isfinite(moved).all():
+        return "none, the mechanism cannot move so here"
+    names = ("x", "y", "z", "φx", "φy", "φz")
+    told = [f"{name} {1e6 * value:.4g}" for name, value in zip(names, moved, strict=True)]
+    told.insert(3, f"{1e6 * np.linalg.norm(moved[:3]):.4g} in all")
+    return ", ".join(told)
 
 
 def _mode_lines(answer: Answer) -> list[str]:

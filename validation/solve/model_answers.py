@@ -17,6 +17,7 @@ from validation.adequacy.mechanism.vibration import vibration_of
 from validation.adequacy.partners import partners
 from validation.agreement.accuracy import refined
 from validation.models.legs import leg_compliance, leg_frequencies
+from validation.models.loads.displacements import displacements
 from validation.models.mechanism import (
     PostureAnswer,
     PostureModes,
@@ -139,11 +140,11 @@ def _on_other_mesh(
             _cost(other)
         except InputError:
             return None
-    return _answers(other, at, with_parts=False)
+    return _answers(other, at, whole=False)
 
 
-def _answers(question: Question, at: Sequence[Posture], *, with_parts: bool = True) -> list[Answer]:
-    """The answers, `with_parts` with what parts among solids leave open."""
+def _answers(question: Question, at: Sequence[Posture], *, whole: bool = True) -> list[Answer]:
+    """The answers, `whole` with loads, and with what parts among solids leave open."""
     if question.alone is not None:
         return [_of_body(question, question.alone)]
     model, count, options = question.model, question.count, question.options
@@ -158,10 +159,17 @@ def _answers(question: Question, at: Sequence[Posture], *, with_parts: bool = Tr
         )
         for one in found or answers(model, at, 0, options)
     ]
+    if whole and (loads := question.mechanism.loads):
+        names = [load.name for load in loads]
+        moved = displacements(model, at, options)
+        told = [
+            replace(one, loads=dict(zip(names, own, strict=True)))
+            for one, own in zip(told, moved, strict=True)
+        ]
     if question.against:
         pairs = _paired(found, question.against, options)
         told = [replace(one, pairs=own) for one, own in zip(told, pairs, strict=True)]
-    if with_parts and model == "solid" and question.mechanism.parts:
+    if whole and model == "solid" and question.mechanism.parts:
         solids = found[0].system.models if found else None
         solids = solids or static_bodies(model, question.mechanism, options)
         parts = of_parts(at, solids, count, options.reduction)

@@ -15,9 +15,9 @@ from lumped.mechanism.kinematics.closure import Closure, Placement, closure_of
 from lumped.mechanism.kinematics.postures import shown_pose
 from lumped.mechanism.mechanism import GROUND, Posture
 
-# Singular values below this one are rounding, and what is then left of the right-hand side is no
-# motion of the mechanism.
-_DEPENDENT, _LEFT = 1e-9, 1e-6
+# Singular values below this one are those of a stretched leg, whose posture is a double root, known
+# to half of the digits; what is then left of the right-hand side is no motion of the mechanism.
+_DEPENDENT, _LEFT = 1e-5, 1e-6
 # Of the size: the step of the difference that gives J̇ v, to 1e-10 of itself.
 _STEP = 1e-5
 

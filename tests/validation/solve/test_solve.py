@@ -268,3 +268,34 @@ def test_every_number_of_an_answer_stands_under_its_own_name():
     ):
         assert shares in text
     assert "<td>1.9e+10</td><td>2.6e+10</td><td>3.3e+10</td>" in solution._repr_html_()
+
+
+LOADS = """
+[[loads]]
+name = "weight"
+gravity = [0.0, 0.0, -9.81]
+[[loads]]
+name = "cutting"
+wrench = [100.0, 0.0, -50.0, 0.0, 0.0, 0.0]
+[[loads]]
+name = "stop"
+acceleration = [5.0, 0.0, 0.0]
+"""
+
+
+def test_loads_of_the_file_are_answered_by_name_and_one_that_cannot_be_by_none(tmp_path, capsys):
+    """Under a wrench C F, whatever the model; at the end of its reach no arm moves on."""
+    path = tmp_path / "robot.toml"
+    path.write_text(ONE_ARM + LOADS, encoding="utf-8")
+    for model in ("vjm", "segments"):
+        asked = ["solve", str(path), "--model", model, "--pose", "0.1", "--pose", "0.5"]
+        assert cli.main([*asked, "--json"]) == 0
+        first, last = json.loads(capsys.readouterr().out)["results"]
+        loads = first["loads"]
+        assert list(loads) == ["weight", "cutting", "stop"]
+        due = np.array(first["compliance"]) @ [100.0, 0.0, -50.0, 0.0, 0.0, 0.0]
+        np.testing.assert_allclose(loads["cutting"]["displacement"], due, rtol=1e-9, atol=1e-18)
+        assert last["loads"]["stop"] == {"displacement": None}
+        assert loads["stop"]["displacement"][0] < 0.0
+    assert cli.main(asked) == 0
+    assert "stop: none, the mechanism cannot move so here" in capsys.readouterr().out
