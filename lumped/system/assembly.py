@@ -17,9 +17,11 @@ from scipy.sparse import block_array, block_diag, csr_array, issparse
 from lumped.arrays import Array, SparseMatrix
 from lumped.mechanism.body import Rigid
 from lumped.mechanism.body_model import BodyModel
+from lumped.mechanism.joint import Joint
 from lumped.mechanism.kinematics.postures import shown_pose
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.screws import shift, turn
+from lumped.system.joint_motion import carried
 from lumped.system.motions import Frames, Motions, Structure, frames_of, motions, structure_of
 
 
@@ -56,6 +58,19 @@ class System:
         """Unknowns of the model of `body` (body axes) from those of the system (n or n×m)."""
         ends = self.ends[body] @ unknowns[: self.outer]
         return np.concatenate([ends, unknowns[self.inside[body]]])
+
+    def wrenches(self, joint: Joint, unknowns: Array) -> Array:
+        """Wrenches (6×m) that an elastic joint carries, from unknowns of the system (n×m).
+
+        At its first interface, in the axes of its compliance.
+        """
+        frames = frames_of([self.posture])
+        place = frames.interface(joint.first.body, joint.first.point)[0]
+        first, second = (
+            self.motions.at(side.body, side.point, place) for side in (joint.first, joint.second)
+        )
+        turned = [frames.since_reference(side.body)[0] for side in (joint.first, joint.second)]
+        return carried(joint, turned[0], turned[1], (second - first) @ unknowns[: self.outer])
 
 
 @dataclass(frozen=True, eq=False)

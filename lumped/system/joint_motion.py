@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.linalg import null_space
 
 from lumped.arrays import Array
 from lumped.mechanism.free_twists import twists_left_free
@@ -82,6 +83,24 @@ def joint_motion(joint: Joint, first: Array, second: Array, length: float) -> Jo
         wrenches.shape[-1],
         unit,
     )
+
+
+def carried(joint: Joint, first: Array, second: Array, apart: Array) -> Array:
+    """Wrenches (6×m) that an elastic joint carries whose sides are `apart` (6×m, base axes).
+
+    In the axes of the joint's compliance, at the first interface; `first` and `second` (3×3) as in
+    `joint_motion`. They do no work on the passive free twists F, and C λ is the rest of `apart`.
+    """
+    free = twists_left_free(joint, first, second)
+    gives = turn_matrix(np.asarray(joint.compliance), first)
+    passive = free
+    if joint.drive is not None:
+        passive = free[:, 1:]
+        if joint.drive.stiffness is not None:
+            gives = gives + free[:, :1] @ free[:, :1].T / joint.drive.stiffness
+    across = null_space(passive.T)
+    stiffness = np.linalg.pinv(across.T @ gives @ across, hermitian=True)
+    return np.asarray(turn(first).T @ across @ stiffness @ across.T @ apart)
 
 
 def _condensed(passive: Array, gives: Array) -> tuple[Array, Array]:

@@ -104,12 +104,18 @@ def _failed(name: str, error: Exception) -> Record:
 
 
 def _groups(tasks: Sequence[Task]) -> list[list[str]]:
-    """Ids that belong together, the longest work first: short work fills the gaps at the end."""
+    """Ids that belong together: first what answers whether the models suffice, then the longest.
+
+    What is short fills the gaps at the end.
+    """
     groups: dict[str, list[Task]] = {}
-    for task in tasks:
+    for task in sorted(tasks, key=lambda task: not isinstance(task, Assessment)):
         groups.setdefault(task.group or task.id, []).append(task)
-    by_effort = sorted(groups.values(), key=lambda group: -sum(task.effort for task in group))
-    return [[task.id for task in group] for group in by_effort]
+
+    def place(group: Sequence[Task]) -> tuple[bool, float]:
+        return not isinstance(group[0], Assessment), -sum(task.effort for task in group)
+
+    return [[task.id for task in group] for group in sorted(groups.values(), key=place)]
 
 
 @contextmanager

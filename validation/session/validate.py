@@ -17,11 +17,12 @@ from lumped.robot_file import RobotFile
 from lumped.robot_file.evidence import with_options
 from lumped.robot_file.load import with_measured
 from lumped.robot_file.variation import Variation
-from validation.adequacy.matrix import MEASURED
+from validation.adequacy.matrix import ADEQUACY, MEASURED
 from validation.agreement.accuracy import accuracy_faults
 from validation.console.streams import mention
 from validation.context import Context, Preset
 from validation.paper.errata import paper_findings
+from validation.report.first_screen.sentence import sentence
 from validation.report.page import Report, render
 from validation.results.gathered import Results
 from validation.results.junit import junit_xml
@@ -264,6 +265,9 @@ def _compute(
         now = perf_counter()
         folder.keep(record, now - begun)
         gathered.add(record)
+        if record["id"] == ADEQUACY and gathered.matrix:
+            # Long before the report is whole.
+            mention(sentence(gathered.matrix, gathered.rely).replace("\N{NO-BREAK SPACE}", " "))
         gathered.header = dict(gathered.header) | {"seconds": now - begun}
         # All records are kept; this file is for who looks on, and grows with the run.
         if now >= due:

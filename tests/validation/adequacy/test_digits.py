@@ -11,15 +11,17 @@ from lumped.arrays import Array
 from lumped.robot_file import RobotFile, load_robot
 from validation.adequacy.judgement import judged
 from validation.adequacy.matrix import Matrix
+from validation.adequacy.mechanism import digits
 from validation.adequacy.mechanism.digits import left_by_digits
 from validation.adequacy.mechanism.dynamics import dynamic_reference, modes_of_solids
 from validation.adequacy.mechanism.path import RobotOnPath, robot_at
 from validation.adequacy.response import Subject
 from validation.context import Context
 from validation.kinematics.poses import postures_of
-from validation.models.loads.leg_masses import plausible_masses
+from validation.models.loads.leg_masses import MASSES, plausible_masses
 from validation.models.mechanism import answers
 from validation.models.options import DEFAULT_OPTIONS, ModelName
+from validation.models.roundings import roundings_of
 from validation.solve.answer import Answer, Solution, as_text, record_of
 from validation.solve.model_answers import solve
 from validation.solve.question import Question
@@ -104,6 +106,33 @@ def test_frequencies_of_no_robot_with_these_digits_lie_beyond(
     assert (largest <= np.array(stated)).all()
     # Of four draws; where the mass is one lump, fewer roundings count than in a prism's.
     assert (stated[0] <= 6.0 * largest[0]).all()
+
+
+def test_a_digit_moves_frequencies_as_solving_the_robot_with_it_changed_does(
+    printed: RobotFile, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    postures = tuple(postures_of(printed.mechanism, printed.mechanism.poses[[2]]))
+    # The first of the feet's joints, of leg 1 and of leg 2: extension.
+    roundings = roundings_of(printed.text, postures)
+    changed = {
+        tuple(
+            name
+            for name, body in one.postures[0].mechanism.bodies.items()
+            if body is not printed.mechanism.bodies[name]
+        ): one
+        for one in reversed(roundings)
+    }
+    assert len(changed) == 3
+    for one in changed.values():
+        monkeypatch.setattr(digits, "roundings_of", lambda *_, one=one: [one])
+        found = digits.modes_by_digits(printed.text, postures, 4, MASSES[0])
+        assert found is not None
+        moved = digits.modes_by_digits(printed.text, tuple(one.postures), 4, MASSES[0])
+        assert moved is not None
+        own, share = found
+        off = np.abs(moved[0].frequencies / own.frequencies - 1.0) * one.factor
+        # Differences of numbers that agree to 1e-6, or less.
+        assert np.allclose(share, off, rtol=1e-3, atol=1e-3 * off.max())
 
 
 def test_more_digits_leave_less_and_many_nothing_that_is_looked_at(printed: RobotFile) -> None:

@@ -11,9 +11,8 @@ import numpy as np
 from scipy.stats import qmc
 
 from lumped.acceptance.requirement import STATIC_QUANTITIES
-from lumped.arrays import Array
+from lumped.arrays import Array, SparseMatrix
 from lumped.legs import GivenLeg
-from lumped.mechanism.body_model import BodyModel
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.models.bodies import legs_of, tip_compliances
 from lumped.system.assembly import assembly
@@ -25,7 +24,7 @@ from validation.agreement.displacement import sizes
 from validation.models.loads.leg_masses import Masses, by_shapes, shapes_inside
 from validation.models.mechanism import dynamic_bodies, highest_frequency, modes_along
 from validation.models.options import ModelOptions
-from validation.models.roundings import changes_by_digits, roundings_of, share_by_digits
+from validation.models.roundings import changes_by_digits, roundings_of
 
 # 512 points of Sobol: half-widths of one seed and another differ by 1 to 2 % of themselves.
 _POWER = 9
@@ -68,35 +67,45 @@ def modes_by_digits(
     if not roundings:
         return None
     mechanism = postures[0].mechanism
-    highest = highest_frequency(postures, count)
+    highest, few = highest_frequency(postures, count), _FEW_ELEMENTS.elements
+    given = _given_legs(mechanism)
+    inside = {name: shapes_inside(leg, masses, highest, few) for name, leg in given.items()}
+    own = {name: by_shapes(inside[name], leg, masses, few) for name, leg in given.items()}
     beams = dynamic_bodies("beam", mechanism, highest, _FEW_ELEMENTS)
-    given = {k: leg for k, leg in legs_of(mechanism).items() if isinstance(leg, GivenLeg)}
-    few = _FEW_ELEMENTS.elements
-    shapes = {name: shapes_inside(leg, masses, highest, few) for name, leg in given.items()}
-
-    def bodies(of: Mechanism) -> dict[str, BodyModel]:
-        return beams | {
-            name: by_shapes(shapes[name], leg, masses, few)
-            for name, leg in legs_of(of).items()
-            if isinstance(leg, GivenLeg)
+    along = list(modes_along(assembly(mechanism, {**beams, **own}), postures, count))
+    found = vibration_of(samples_of(mechanism), along, count)
+    known = int(np.isfinite(found.frequencies).sum(axis=1).min())
+    modes = [(one.system, one.modes.shapes[:, :known]) for one in along]
+    stiffness = np.array([_energies(system.stiffness, shapes) for system, shapes in modes])
+    mass = np.array([_energies(system.mass, shapes) for system, shapes in modes])
+    most = np.zeros_like(stiffness)
+    for rounding in roundings:
+        of = rounding.postures[0].mechanism
+        changed = {
+            name: by_shapes(inside[name], leg, masses, few)
+            for name, leg in _given_legs(of).items()
+            if leg is not given[name]
         }
+        stiffer, heavier = np.zeros_like(stiffness), np.zeros_like(mass)
+        for at, (system, shapes) in enumerate(modes):
+            for name, leg in changed.items():
+                moved = system.own(name, shapes)
+                stiffer[at] += _energies(leg.stiffness - own[name].stiffness, moved)
+                heavier[at] += _energies(leg.mass - own[name].mass, moved)
+            for joint, other in zip(mechanism.joints, of.joints, strict=True):
+                # What a spring stores where its ends are held falls by λᵀ dC λ.
+                if joint.compliance is not None and other is not joint:
+                    softer = np.asarray(other.compliance) - joint.compliance
+                    stiffer[at] -= _energies(softer, system.wrenches(joint, shapes))
+        # Rayleigh's quotient of the shapes as they are, exact to first order; half for its root.
+        most += rounding.factor * 0.5 * np.abs(stiffer / stiffness - heavier / mass)
+    return found, np.pad(most, ((0, 0), (0, count - known)))
 
-    along = list(modes_along(assembly(mechanism, bodies(mechanism)), postures, count))
-    own = vibration_of(samples_of(mechanism), along, count)
-    known = int(np.isfinite(own.frequencies).sum(axis=1).min())
 
-    def frequencies(at: Sequence[Posture]) -> Array:
-        """By Rayleigh's quotient of the shapes as they are: exact to first order."""
-        of = at[0].mechanism
-        prepared, found = assembly(of, bodies(of)), []
-        for posture, one in zip(at, along, strict=True):
-            system, shapes = prepared.at(posture), one.modes.shapes[:, :known]
-            stiffness, mass = (
-                np.sum(shapes * (matrix @ shapes), axis=0)
-                for matrix in (system.stiffness, system.mass)
-            )
-            found.append(np.sqrt(stiffness / mass) / (2.0 * np.pi))
-        return np.array(found)
+def _given_legs(mechanism: Mechanism) -> dict[str, GivenLeg]:
+    return {k: leg for k, leg in legs_of(mechanism).items() if isinstance(leg, GivenLeg)}
 
-    share = share_by_digits(roundings, postures, frequencies)
-    return own, np.pad(share, ((0, 0), (0, count - known)))
+
+def _energies(matrix: Array | SparseMatrix, shapes: Array) -> Array:
+    """φᵀAφ of every shape (n×m)."""
+    return np.asarray(np.sum(shapes * (matrix @ shapes), axis=0))
