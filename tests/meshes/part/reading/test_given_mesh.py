@@ -191,7 +191,8 @@ def test_what_is_no_mesh_is_one_line(tmp_path, capfd, name, text, said):
 VTU = """<VTKFile type="UnstructuredGrid" version="0.1" byte_order="{order}"
 header_type="UInt{bits}" compressor="vtkZLibDataCompressor"><UnstructuredGrid>
 <Piece NumberOfPoints="1" NumberOfCells="1"><Points>
-<DataArray type="Float64" NumberOfComponents="3" {array}</DataArray></Points></Piece></UnstructuredGrid>{appended}</VTKFile>"""
+<DataArray type="Float64" NumberOfComponents="3" {array}</DataArray></Points>
+</Piece></UnstructuredGrid>{appended}</VTKFile>"""
 PLACES = {
     "binary": ('format="binary">\n  {}', ""),
     "base64": ('format="appended" offset="4">', '<AppendedData encoding="base64">\n _AAAA{}'),
