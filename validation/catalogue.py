@@ -12,7 +12,7 @@ from validation.measured.matrix import measured_matrix
 from validation.paper.robot import is_the_papers
 from validation.report.figures.mechanism import curves, energies, pairs, pictures
 from validation.report.figures.mechanism.variations import figures_over
-from validation.results.tasks import Task
+from validation.results.outcome import Task
 from validation.solids.legs import SHARED_SOLIDS
 from validation.variations.cases import cases_over
 

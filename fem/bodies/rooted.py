@@ -16,8 +16,7 @@ from scipy.sparse import csr_array, diags_array
 from scipy.sparse.linalg import LinearOperator
 
 from fem.couplings.coupled_solid import CoupledSolid
-from fem.solvers.certificate.count import inertia_below
-from fem.solvers.certificate.sturm import Inertia
+from fem.solvers.certificate import Inertia, inertia_below
 from fem.solvers.cholesky import RenewableFactor, analyse
 from fem.solvers.factor import upper_triangle
 from fem.solvers.modes import CertifiedModes, lowest_modes, searched_modes
@@ -125,7 +124,7 @@ class RootedBody:
     def modes(self, count: int, start: Array | None = None) -> CertifiedModes:
         """The lowest `count` modes with the first interface clamped, the others free; on u.
 
-        None is missing: counted by fem.solvers.certificate.count. `start` (n×s) as in
+        None is missing: counted by fem.solvers.certificate. `start` (n×s) as in
         `fem.solvers.modes.lowest_modes`, which says what is raised.
         """
         mass = self.rooted_mass()

@@ -7,7 +7,7 @@ import numpy as np
 from scipy.linalg import cholesky, solve_triangular
 
 from fem.bodies.rooted import RootedBody
-from fem.solvers.certificate.sturm import Inertia
+from fem.solvers.certificate import Inertia
 from lumped.arrays import Array, SparseMatrix
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.sparse.linalg import LinearOperator
 
 from fem.solvers.block_lanczos import NotConvergedError, Ritz, block_lanczos, first_modes, merged
-from fem.solvers.certificate.sturm import Inertia
+from fem.solvers.certificate import Inertia
 from fem.solvers.factor import Factor
 from lumped.arrays import Array, SparseMatrix, fix_signs
 from lumped.dense.modes import Modes

@@ -73,7 +73,7 @@ def _matrices(size: str) -> tuple[Any, Any, Any]:
 def solid(size: str) -> Figures:
     """Six load cases and certified modes of a leg, from its mesh in memory."""
     from fem.bodies.solid import clamped_leg, solid_leg
-    from fem.solvers.certificate.sturm import Inertia
+    from fem.solvers.certificate import Inertia
     from fem.solvers.modes import lowest_modes
 
     leg, mesh = _leg(size)
@@ -119,7 +119,7 @@ def calculix(size: str) -> Figures:
 def cholmod(size: str, backend: str = "cholmod") -> Figures:
     """Analysis, factor and six solutions with K, and the count of K − σM, by our own solvers."""
     os.environ["FLEXPROOF_SOLVER"] = backend
-    from fem.solvers.certificate.count import inertia_below
+    from fem.solvers.certificate import inertia_below
     from fem.solvers.cholesky import RenewableFactor, analyse
 
     K, M, points = _matrices(size)

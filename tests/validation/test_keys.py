@@ -32,11 +32,11 @@ from validation.models import parts, stepped_parts
 from validation.models.options import ModelOptions
 from validation.parts import identify, meshes
 from validation.run import provenance
-from validation.run import units as UNITS  # noqa: N812
 from validation.run.cache import key_of
 from validation.run.folder import mark_of
-from validation.run.units import computed
 from validation.session.validate import Request
+from validation.variations import curves as CURVES  # noqa: N812
+from validation.variations.curves import computed
 from validation.variations.robots import VariedRobot
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -94,8 +94,8 @@ def test_every_field_of_every_input_is_in_its_key(inputs):
 def test_sources_are_in_the_key_of_a_unit(monkeypatch):
     keys = set()
     for sources in "ab":
-        monkeypatch.setattr(UNITS, "suite_digest", lambda sources=sources: sources)
-        monkeypatch.setattr(UNITS, "find", lambda key: keys.add(key) or {"number": np.ones(())})
+        monkeypatch.setattr(CURVES, "suite_digest", lambda sources=sources: sources)
+        monkeypatch.setattr(CURVES, "find", lambda key: keys.add(key) or {"number": np.ones(())})
         forget()
         computed([varied("five-bar")], SimpleNamespace, pytest.fail, "asking")
     forget()

@@ -21,11 +21,12 @@ from validation.export.models import (
     MODES,
     STATIONS,
     named_fields,
+    polyline,
+    save,
     vectors_of,
     write_leg,
     write_part,
 )
-from validation.export.vtk_files import polyline, save
 from validation.models.mechanism import constant_legs, mechanism_modes
 from validation.models.options import DEFAULT_OPTIONS
 from validation.solids.bars import bar_solids, with_bars

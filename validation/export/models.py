@@ -1,7 +1,9 @@
 """The models of a robot as files for other programs: VTU and VTP, npz and Matrix Market."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from errno import EIO
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.io import mmwrite
@@ -16,12 +18,16 @@ from lumped.legs import ConstantLeg
 from lumped.mechanism.body import Body
 from lumped.mechanism.body_model import LegMatrices
 from lumped.models.cantilever import clamped_modes
+from meshes.elements import ELEMENTS
+from meshes.solid_mesh import VolumeMesh
 from validation.context import Preset
-from validation.export.vtk_files import grid, polyline, save
 from validation.models.legs import leg_matrices
 from validation.models.parts import UNKNOWNS, found_in, shape_of
 from validation.parts.meshes import part_mesh
 
+# VTK takes seconds and system libraries to load; whoever draws nothing needs neither.
+if TYPE_CHECKING:
+    import pyvista
 WRENCHES = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
 MODES = 6
 # Quadratic elements across the smaller side of the section.
@@ -29,6 +35,52 @@ DIVISIONS: dict[Preset, int] = {"quick": 2, "standard": 4, "fine": 6}
 # The matrices are meant to be looked at and tried: one element across keeps them below 1000 rows.
 MATRIX_DIVISIONS = 1
 STATIONS = 41
+
+
+def grid(mesh: VolumeMesh) -> "pyvista.UnstructuredGrid":
+    """The mesh as a VTK grid (m), nodes and cells in the mesh's own numbering."""
+    import pyvista  # noqa: PLC0415
+
+    kind = ELEMENTS[mesh.element]
+    cells = {kind.vtk_type: mesh.cells[:, list(kind.vtk_order)]}
+    return pyvista.UnstructuredGrid(cells, mesh.nodes)
+
+
+def polyline(lines: Sequence[Array]) -> "pyvista.PolyData":
+    """Open lines through their points (m×3 each, m), numbered from 1 as cell data "leg"."""
+    import pyvista  # noqa: PLC0415
+
+    counts = [len(line) for line in lines]
+    starts = np.cumsum([0, *counts[:-1]])
+    cells = [
+        np.r_[count, start + np.arange(count)] for count, start in zip(counts, starts, strict=True)
+    ]
+    data = pyvista.PolyData(np.vstack(lines), lines=np.concatenate(cells))
+    data.cell_data["leg"] = np.arange(1, len(lines) + 1)
+    return data
+
+
+def save(
+    data: "pyvista.DataSet", fields: Mapping[str, Array], frequencies: Array, path: Path
+) -> None:
+    """Write `fields` (3 numbers per point) and `frequencies` (Hz) in VTK's XML format, binary.
+
+    Raises OSError where the disk refuses.
+    """
+    from vtkmodules.vtkIOXML import (  # noqa: PLC0415
+        vtkXMLPolyDataWriter,
+        vtkXMLUnstructuredGridWriter,
+    )
+
+    for name, field in fields.items():
+        data.point_data[name] = np.asarray(field).reshape(-1, 3)
+    data.field_data["frequencies"] = frequencies
+    writer = vtkXMLPolyDataWriter() if path.suffix == ".vtp" else vtkXMLUnstructuredGridWriter()
+    writer.SetFileName(str(path))
+    writer.SetInputData(data)
+    # VTK prints a full disk and returns; an incomplete file must not pass for a whole one.
+    if not writer.Write() or writer.GetErrorCode():
+        raise OSError(EIO, "VTK could not write it (disk full?)", str(path))
 
 
 def write_leg(leg: ConstantLeg, stem: str, divisions: int, folder: Path) -> None:

@@ -1,4 +1,9 @@
-"""What every model of a robot says of the measured values, and how they compare."""
+"""What every model of a robot says of the measured values, and how they compare.
+
+By comparison error and validation uncertainty (ASME V&V 20-2009, sections 1-5 and 6): the model's
+error δ lies within E ± k u_val, where E = S − D is what the model gives less what was measured and
+u_val² = u_num² + u_input² + u_D², three independent standard uncertainties.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace

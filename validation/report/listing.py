@@ -9,8 +9,7 @@ from lumped.mechanism.mechanism import Mechanism
 from validation.case import Absolute, Case, Tolerance
 from validation.drawing.text import tolerance
 from validation.kinematics.listing import mobility_text
-from validation.results.outcome import Outcome, Verdict
-from validation.results.tasks import Task
+from validation.results.outcome import Outcome, Task, Verdict
 
 _FIELDS = (
     *("id", "title", "section", "quantity", "unit", "reference_kind", "citation"),

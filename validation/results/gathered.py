@@ -11,9 +11,8 @@ from validation.adequacy.matrix import ADEQUACY, MEASURED, Matrix
 from validation.case import Case
 from validation.exhibits import Figure, PlannedFigure
 from validation.results.compare import RunComparison, compare, with_drift
-from validation.results.outcome import Outcome
+from validation.results.outcome import AnyResult, Outcome, Record, Task, from_plain, still_holding
 from validation.results.records import CaseRecord, RunRecord, case_record, parse_run, run_record
-from validation.results.tasks import AnyResult, Record, Task, from_plain, still_holding
 
 _JUDGED = {ADEQUACY: "by finite elements", MEASURED: "against measured values"}
 

@@ -17,7 +17,7 @@ from rich.progress import (
 
 from validation.case import Case
 from validation.console.streams import complain
-from validation.results.tasks import Record, Task
+from validation.results.outcome import Record, Task
 
 # Seconds of a run that says nothing where nobody may be looking on.
 _QUIET = 5.0

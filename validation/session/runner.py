@@ -26,8 +26,7 @@ from validation.case import Case, Skip
 from validation.context import Context, Preset
 from validation.drawing.text import function_name
 from validation.exhibits import PlannedFigure
-from validation.results.outcome import Result, judge
-from validation.results.tasks import AnyResult, Record, Task, plain
+from validation.results.outcome import AnyResult, Record, Result, Task, judge, plain
 from validation.run.executor import on_cores
 from validation.session.progress import RunProgress
 

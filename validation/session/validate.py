@@ -26,8 +26,8 @@ from validation.report.first_screen.sentence import sentence
 from validation.report.page import Report, render
 from validation.results.gathered import Results
 from validation.results.junit import junit_xml
+from validation.results.outcome import Record, Task
 from validation.results.records import RunRecord, load_run
-from validation.results.tasks import Record, Task
 from validation.run import provenance
 from validation.run.cache import some_cache
 from validation.run.executor import Executor, on_cores

@@ -204,8 +204,7 @@ def _eliminated(
         halves = _at_once(eliminate, analysed)
     except MemoryError:
         raise out_of_memory(part, n) from None
-    between = whole_matrix(csr_array(triangle[separator][:, separator]))
-    remaining = -between.toarray(order="F")
+    remaining = -whole_matrix(csr_array(triangle[separator][:, separator])).toarray(order="F")
     for half, schur in halves:
         remaining[np.ix_(half.separator, half.separator)] += schur
     lower, failed = dpotrf(remaining, lower=1, overwrite_a=1)

@@ -5,14 +5,13 @@ import pytest
 from numpy.testing import assert_allclose
 from prismatic_legs import STEEL
 
-from fem.sections.contraction import held_contraction
 from fem.sections.nonuniform_torsion import (
     cantilever_frequencies,
     torsional_speed,
     wave_frequency,
 )
 from fem.sections.saint_venant import section_quadrature
-from fem.sections.section_constants import section_constants
+from fem.sections.section_constants import held_contraction, section_constants
 from fem.sections.waveguide import assembled, elasticity, strains, torsion_wave
 from lumped.legs import Material
 from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Tube

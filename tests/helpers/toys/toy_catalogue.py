@@ -16,7 +16,7 @@ from lumped.robot_file import RobotFile
 from validation.case import Absolute, Case, Measurement, Skip
 from validation.context import Context
 from validation.exhibits import Figure, PlannedFigure, Study
-from validation.results.tasks import Task
+from validation.results.outcome import Task
 
 
 def case(identifier: str, compute: Callable[[Context], Measurement], **changes: Any) -> Case:

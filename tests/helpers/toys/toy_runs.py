@@ -7,7 +7,7 @@ import sys
 import time
 from pathlib import Path
 
-from validation.results.tasks import plain
+from validation.results.outcome import plain
 from validation.session.runner import execute
 
 HERE = Path(__file__).parent

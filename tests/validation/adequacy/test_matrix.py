@@ -12,9 +12,8 @@ from validation.adequacy.matrix import (
     Matrix,
     ModelNote,
 )
-from validation.results.outcome import Result
+from validation.results.outcome import Result, from_plain, plain
 from validation.results.records import adequacy_records
-from validation.results.tasks import from_plain, plain
 
 QUANTITIES = (*STATIC_QUANTITIES, "f1", "f2", "order")
 

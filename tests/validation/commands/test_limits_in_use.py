@@ -21,7 +21,7 @@ from validation.adequacy import robot as adequacy_of_robot
 from validation.adequacy.judgement import judged
 from validation.adequacy.matrix import Assessment
 from validation.case import Measurement
-from validation.results.tasks import plain
+from validation.results.outcome import plain
 from validation.session import validate as session
 from validation.session.runner import execute
 

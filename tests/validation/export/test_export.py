@@ -21,8 +21,7 @@ from lumped.sections import Rectangle
 from meshes.prism.hexahedra import hexahedra
 from meshes.prism.tetrahedra import tetrahedra
 from validation.export.mechanism import export_mechanism
-from validation.export.models import DIVISIONS, WRENCHES
-from validation.export.vtk_files import grid
+from validation.export.models import DIVISIONS, WRENCHES, grid
 from validation.kinematics.poses import postures_of
 from validation.models.legs import clamped_solid, leg_matrices
 from validation.models.mechanism import answers

@@ -19,7 +19,7 @@ from lumped.errors import ComputationError, InputError
 from lumped.robot_file import load_robot
 from meshes.processes import Crashed
 from validation.run.executor import in_turn, on_cores
-from validation.run.units import computed
+from validation.variations.curves import computed
 
 ROOT = Path(__file__).resolve().parents[3]
 
@@ -79,7 +79,7 @@ import os, sys, time
 from dataclasses import dataclass
 from pathlib import Path
 from validation.run.executor import on_cores
-from validation.run.units import computed
+from validation.variations.curves import computed
 
 @dataclass(frozen=True)
 class Number:
