@@ -19,7 +19,7 @@ from validation.adequacy.response import Candidate, Reference, Response, Step, S
 from validation.agreement.displacement import displacement
 
 DIGITS = "digits of the file"
-REST = "rest, not attributed"
+REST = "not attributed"
 # Causes below this share of an error are not named, steps below this part of a limit not taken.
 _WORTH_NAMING, _WORTH_TAKING = 0.005, 0.1
 
@@ -192,10 +192,10 @@ def _reason(
         return ""
     unknown = errors.unknown[:, pose]
     if errors.missing[:, pose].all() and not unknown.any():
-        lacking = {ORDER: "has fewer modes"} | dict.fromkeys(
-            STATIC_QUANTITIES, "yields where the reference is rigid"
+        lacking = {ORDER: "has too few modes"} | dict.fromkeys(
+            STATIC_QUANTITIES, "is elastic where the reference is rigid"
         )
-        shape = "has no such mode: no shape of its own has half in common with it"
+        shape = "has no mode of this shape: MAC below 0.5 with each of its modes"
         return f"{candidate.model} {lacking.get(quantity, shape)}"
     if verdict == "inadequate":
         rigid = errors.loaded is not None and not errors.value[:, pose].any()
@@ -203,13 +203,13 @@ def _reason(
     places = _places(errors, reference, pose)
     if unknown.any():
         without = [one.name for one in compress(reference.alternatives, unknown)]
-        places.append(f"{', '.join(without)}: fewer modes than are judged")
+        places.append(f"with {', '.join(without)} there are fewer modes than are judged")
     if places or errors.missing[:, pose].any():
         return "; ".join(filter(None, (*places, reference.decides or reference.finer)))
     parts = _parts(errors, reference, pose)
     widest = max(parts, key=lambda name: parts[name])
     if widest == DIGITS:
-        return "more digits of the 6×6 in the robot file decide"
+        return "give the 6×6 in the robot file with more digits"
     decides = widest == reference.open and reference.decides
     return reference.decides if decides else reference.finer
 
@@ -225,9 +225,9 @@ def _places(errors: Errors, reference: Reference, pose: int) -> list[str]:
             for k, number in enumerate(numbers)
             if number != k
         ]
-        said.setdefault(", ".join(moved) or "every mode in its place", []).append(one.name)
+        said.setdefault(", ".join(moved) or "every mode is in its place", []).append(one.name)
     alike = len(said) == 1
-    return [] if alike else [f"{', '.join(names)}: {moved}" for moved, names in said.items()]
+    return [] if alike else [f"with {', '.join(names)}, {moved}" for moved, names in said.items()]
 
 
 def _told(errors: Errors, quantity: str, pose: int) -> slice:
@@ -293,7 +293,7 @@ def explained(
     if total == 0.0:
         return ()
     amounts: dict[str, float] = {}
-    sources: dict[str, str] = {REST: "error less the causes named"}
+    sources: dict[str, str] = {REST: "the error minus the named causes"}
     before = [candidate.response] * len(errors.names)
     for step in steps_of(candidate, quantity):
         after = [step.responses[name] for name in errors.names]

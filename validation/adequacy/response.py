@@ -70,7 +70,7 @@ class Reference:
     alternatives: Sequence[Alternative]
     open: str = ""
     decides: str = ""
-    finer: str = "a finer reference"
+    finer: str = "needs a finer reference"
     supposed: str = ""
     computed_by: tuple[str, ...] = ()
 
@@ -105,7 +105,7 @@ def no_reference(error: Exception) -> Reference:
 
 def finer_by(preset: str) -> str:
     """What would make a reference finer: "preset fine", say, or "no preset"."""
-    return f"a finer reference: {preset} computes one"
+    return f"needs a finer reference: {preset} computes one"
 
 
 @dataclass(frozen=True, eq=False)

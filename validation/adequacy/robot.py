@@ -62,9 +62,9 @@ _ROOT, _TIP = "root", "tip"
 _PATIENCE: Mapping[Preset, float] = {"quick": 0.0, "standard": 300.0, "fine": 600.0}
 # Rigid legs say nothing of a leg alone, and links are virtual joints there.
 _NOT_OF_A_LEG = ("simplified", "links", "segments-stepped", "segments-condensed")
-_STATIC = "static: it has no masses, hence says nothing of frequencies"
-_NO_MASS = "neither its rigid bodies nor its tool have mass: it says nothing of frequencies"
-_RIGID = "its bodies and joints are rigid: the drives do not let the tool move so"
+_STATIC = "a static model: without masses it has no frequencies"
+_NO_MASS = "neither its rigid bodies nor its tool have mass: it has no frequencies"
+_RIGID = "its bodies and joints are rigid, and no drive lets the tool move this way"
 # By their names in the matrix.
 Models: TypeAlias = Mapping[str, JudgedModel]
 
@@ -245,16 +245,16 @@ def _notes(robot: RobotOnPath, dynamics: Reference) -> tuple[str, ...]:
     notes = []
     if len(robot.postures) < len(robot.mechanism.poses):
         all_poses = len(robot.mechanism.poses)
-        notes.append(f"{len(robot.postures)} of the {all_poses} poses of the path were looked at")
+        notes.append(f"{len(robot.postures)} of the {all_poses} poses of the path were computed")
     if idle := mobility(robot.postures[0]).idle:
         what = "mobilities do" if idle > 1 else "mobility does"
-        notes.append(f"{idle} idle {what} not move the tool; no frequency counts them")
+        notes.append(f"{idle} idle {what} not move the tool; their zero frequencies are left out")
     with suppress(*UNSOLVED):
         notes += reduction_note(robot.postures, robot.offered, robot.holding.first, robot.judged)
     if supposed := robot.context.robot_file.supposed:
         notes.append(
-            f"probabilities as if every modulus, length and stiffness of the file had a standard "
-            f"uncertainty of {100.0 * supposed:g} %"
+            f"Probabilities suppose that every modulus, length and stiffness of the file has a "
+            f"standard uncertainty of {100.0 * supposed:g} %"
         )
     notes += mass_notes(robot, dynamics)
     return tuple(notes)

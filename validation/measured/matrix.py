@@ -170,7 +170,7 @@ def _entry(
         verdict=verdict,
         pose=worst.pose,
         reference=f"measured: {worst.source}",
-        reason="" if verdict != "undecided" else "a smaller validation uncertainty would decide",
+        reason="" if verdict != "undecided" else "needs a smaller validation uncertainty",
         value=compared.value,
         expected=worst.value,
         uncertainties=compared.uncertainties,

@@ -146,7 +146,7 @@ _PLACE = TableRule(
     Key("y", _DIRECTION, "where its y axis points as nearly", default=(0.0, 1.0, 0.0)),
 )
 _UP = "where its z axis points as nearly as it can; [0, 0, 1] where left out, along z [1, 0, 0]"
-_ENDS = "whether its end faces are kept plane or may warp; both are looked at where left out"
+_ENDS = "whether its end faces are kept plane or may warp; both are computed where left out"
 _TIP = "at `to`, `from` clamped, leg axes; with `mass`, in place of section and material"
 BODY = TableRule(
     Key("from", _POINT_NAME, "the point at its root", of=_LEG),

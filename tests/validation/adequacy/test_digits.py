@@ -187,7 +187,7 @@ def test_a_limit_that_the_digits_do_not_decide_is_undecided_and_says_so(
     entry = judged(paper_subject, Requirement(deflection=1e-4)).entry("vjm", "y")
     assert entry is not None
     assert entry.verdict == "undecided"
-    assert entry.reason == "more digits of the 6×6 in the robot file decide"
+    assert entry.reason == "give the 6×6 in the robot file with more digits"
 
 
 def test_virtual_joints_of_the_papers_robot_are_known_to_its_digits(paper: Matrix) -> None:

@@ -95,7 +95,8 @@ def test_an_order_on_which_the_alternatives_disagree_is_undecided_and_names_the_
     assert order.uncertainties == {"meshes": pytest.approx(order.uncertainty)}
     assert (order.value, order.expected) == pytest.approx((202.0, 190.0))
     assert order.reason == (
-        "ends 0: every mode in its place; ends 1: f2 is the model's f3, f3 is the model's f2; "
+        "with ends 0, every mode is in its place; "
+        "with ends 1, f2 is the model's f3, f3 is the model's f2; "
         "say how the ends are held"
     )
 
@@ -120,7 +121,7 @@ def test_a_mode_that_a_model_does_not_have_is_inadequate_with_its_reason() -> No
     fewer = vibration([100.0, 200.0], AXES[0], AXES[2])
     missing = entry(fewer, "f2")
     assert (missing.verdict, missing.error) == ("inadequate", None)
-    assert "no such mode" in missing.reason
+    assert "no mode of this shape" in missing.reason
 
 
 def test_modes_that_a_pose_does_not_have_are_left_out() -> None:

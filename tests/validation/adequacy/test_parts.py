@@ -55,7 +55,7 @@ def test_the_equivalent_leg_of_a_tapered_arm_is_far_too_soft(robot_file, matrix)
     entry = matrix.entry("segments", "z")
     assert entry.verdict == "inadequate"
     assert entry.error > 0.1
-    assert entry.causes[0].cause == "one section from end to end in the place of the part"
+    assert entry.causes[0].cause == "one constant section instead of the part"
     assert "--parts" in entry.remedy
     assert abs(entry.error_with_remedy) < abs(entry.error)
     # Its own sections, ten times along it, are nearer, on the other side: rigid up to the bores'
@@ -98,7 +98,7 @@ def test_the_page_says_what_the_reduction_kept_and_what_that_leaves(robot_file):
     postures = path_postures(Context(robot_file, "quick"))
     (note,) = reduction_note(postures, 8, {"arm": "rigid"}, 4)
     (arm,) = solid_parts(postures, 8, {"arm": "rigid"}).values()
-    assert f"arm {arm.counted} below {arm.cutoff:.4g} Hz; those dropped lower" in note
+    assert f"arm {arm.counted} below {arm.cutoff:.4g} Hz; higher ones lower" in note
     # Reduced for eight frequencies, of the first four next to nothing is lost.
     assert note.endswith("frequencies by <\u00a01\u00a0×\u00a010⁻⁶\u00a0% at most")
 

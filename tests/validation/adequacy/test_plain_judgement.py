@@ -91,7 +91,9 @@ def explain(entry: Entry, rule: Rule, pose: int, said: str) -> None:
     assert sizes == sorted(sizes, reverse=True), said
     assert sum(shares.values()) == pytest.approx(1.0)
     for one in entry.causes:
-        assert one.source.startswith("error less" if one.cause == REST else f"from {one.cause}")
+        assert one.source.startswith(
+            "the error minus" if one.cause == REST else f"from {one.cause}"
+        )
 
 
 @pytest.mark.parametrize("seed", SEEDS)

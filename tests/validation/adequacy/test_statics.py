@@ -69,7 +69,7 @@ def test_a_rigid_model_knows_no_motion_along_z(paper: Matrix) -> None:
     entry = paper.entry("simplified", "z")
     assert entry is not None
     assert (entry.verdict, entry.error, entry.along) == ("inadequate", 1.0, -1.0)
-    assert "the drives do not let the tool move so" in entry.reason
+    assert "no drive lets the tool move this way" in entry.reason
     assert entry.remedy == "use vjm"
 
 

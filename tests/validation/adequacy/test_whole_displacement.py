@@ -117,8 +117,11 @@ def test_a_coupling_that_is_left_out_is_not_adequate_however_good_the_diagonals_
         assert x.verdict == "inadequate"
         assert x.error == pytest.approx(0.148, abs=0.003)
         assert abs(x.along or 1.0) < 0.002
-        assert x.causes[0].cause == "equivalent leg: couplings of the 6×6 left out"
-        assert (x.remedy, matrix.verdict("vjm")) == ("take the 6×6 with its couplings", "adequate")
+        assert x.causes[0].cause == "equivalent leg: couplings of the 6×6 neglected"
+        assert (x.remedy, matrix.verdict("vjm")) == (
+            "use vjm with the 6×6 as given: --legs given",
+            "adequate",
+        )
         assert abs(x.error_with_remedy or 1.0) < 1e-6
 
 

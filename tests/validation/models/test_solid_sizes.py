@@ -179,5 +179,6 @@ def test_an_undecided_entry_is_sent_to_a_preset_that_is_finer_if_any():
         ("fine", "no preset"),
     ):
         assert (
-            finer_statics(Context(IFW, preset), [leg]) == f"a finer reference: {said} computes one"
+            finer_statics(Context(IFW, preset), [leg])
+            == f"needs a finer reference: {said} computes one"
         )

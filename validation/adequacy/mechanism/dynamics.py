@@ -49,8 +49,8 @@ from validation.solids.size import larger_preset, too_large
 
 _OPEN_MASS = "where the legs' mass lies"
 _SAY_MASS = (
-    "the legs' mass distribution: mass_centre and inertia beside the 6×6, or a section and a "
-    "material in its place"
+    "give the legs' mass distribution: mass_centre and inertia beside the 6×6, or a section and a "
+    "material instead"
 )
 _SUPPOSED = "for every plausible distribution of the legs' mass"
 
@@ -197,9 +197,7 @@ def mass_notes(robot: RobotOnPath, reference: Reference) -> tuple[str, ...]:
     massless = links(robot.mechanism, tip_compliances(robot.mechanism))
     (above,) = modes_along(assembly(robot.mechanism, massless), [middle], robot.judged)
     bounds = [f"f{k + 1} {top:.4g} Hz" for k, top in enumerate(above.modes.frequencies)]
-    return (
-        f"{said}; whatever it is, none is above that without the legs' mass: {', '.join(bounds)}",
-    )
+    return (f"{said}; no distribution gives more than massless legs: {', '.join(bounds)}",)
 
 
 def dynamic_ladders(
@@ -238,16 +236,16 @@ def dynamic_ladders(
     return ladders(_LADDERS, _STEPS, by_step)
 
 
-_SHEAR = "shear deformation and rotary inertia left out"
+_SHEAR = "shear deformation and rotary inertia neglected"
 _DISCRETE = f"discretisation (n = {ELEMENTS})"
 _STEPS: Mapping[str, tuple[str, str, str]] = {
-    "drives": ("drives only: legs rigid and without mass", "beam elements", "use beam"),
-    "shear of segments": (_SHEAR, "Timoshenko segments", "use Timoshenko"),
-    "shear of beams": (_SHEAR, "Timoshenko beams", "use Timoshenko"),
+    "drives": ("elastic drives only: legs rigid and massless", "beam elements", "use beam"),
+    "shear of segments": (_SHEAR, "Timoshenko segments", "use Timoshenko: --theory timoshenko"),
+    "shear of beams": (_SHEAR, "Timoshenko beams", "use Timoshenko: --theory timoshenko"),
     "twice as many": (
         _DISCRETE,
         f"{2 * ELEMENTS} segments, then beam elements",
-        f"n = {2 * ELEMENTS}",
+        f"use more segments: --elements {2 * ELEMENTS}",
     ),
     "beams": (_DISCRETE, "beam elements of the same constants", ""),
     **PART_STEPS,
@@ -255,16 +253,16 @@ _STEPS: Mapping[str, tuple[str, str, str]] = {
     "modes inside": (
         "inertia inside the parts (Guyan's mass)",
         "parts reduced by Craig and Bampton, the middle one of their meshes",
-        "give the parts modes of their own: model solid",
+        "use solid, which has the modes inside the parts",
     ),
     # From textbook constants to the sections' own, and to warping by alternative.
     "own": (
         "textbook section constants",
         "fem.sections.section_constants, beam elements",
-        "take the section's constants from finite elements",
+        "compute the section's constants by finite elements",
     ),
     "warping": (
-        "warping: held at the ends, and non-uniform torsion between them",
+        "warping held at the ends, non-uniform torsion between them",
         "beams with Reissner's torsion, the section's own Γ",
         "add the warping stiffness",
     ),

@@ -27,16 +27,16 @@ _FEWEST = 8
 # Share of an answer that is left open where nothing tells it: all of it.
 UNKNOWN = 1.0
 # The meshes of parts are of one size in all presets.
-FINER_PARTS = "finer meshes of the parts than any preset makes"
+FINER_PARTS = "needs finer meshes of the parts than any preset has"
 # Above models with equivalent legs.
 PART_STEPS: Mapping[str, tuple[str, str, str]] = {
     "stepped": (
-        "one section from end to end in the place of the part",
+        "one constant section instead of the part",
         "ten prismatic pieces with the part's own sections, beam elements",
-        "step the legs along the parts: --parts stepped",
+        "model the parts as stepped legs: --parts stepped",
     ),
     "condensed": (
-        "pieces of beams in the place of the part",
+        "beam pieces instead of the part",
         "the part condensed on its interfaces",
         "condense the parts on their interfaces: --parts condensed",
     ),
@@ -95,8 +95,8 @@ def reduction_note(
         f"{name} {one.counted} below {one.cutoff:.4g} Hz" for name, one in parts.items()
     )
     return (
-        f"Modes of the parts as solids with interfaces held, counted by inertia and all kept: "
-        f"{counts}; those dropped lower the first {judged} frequencies by "
+        f"Parts as solids keep all modes with fixed interfaces, as many as Sylvester's inertia "
+        f"counts: {counts}; higher ones lower the first {judged} frequencies by "
         f"{percent(bounds.relative_width.max(), signed=False)} at most",
     )
 

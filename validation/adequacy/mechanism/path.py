@@ -29,8 +29,8 @@ Springs: TypeAlias = Mapping[str, Array]
 # Poses of a long path, of a grid say, are looked at in even steps.
 MOST_POSES: Mapping[Preset, int] = {"quick": 9, "standard": 25, "fine": 81}
 HOLD: tuple[Ends, Ends] = ("rigid", "free")
-_SAY_PARTS = 'how faces are held, coupling = "rigid", "average" or "pin" in the interfaces of'
-_SAY_ENDS = 'how end faces are held, ends = "rigid" (bolted flat) or "free" (they may warp), in'
+_SAY_PARTS = 'how faces are held: coupling = "rigid", "average" or "pin" in the interfaces of'
+_SAY_ENDS = 'how end faces are held: ends = "rigid" (bolted flat) or ends = "free" (to warp) in'
 
 
 @dataclass(frozen=True)

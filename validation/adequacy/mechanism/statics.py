@@ -196,25 +196,33 @@ def static_ladders(robot: RobotOnPath) -> dict[str, tuple[Step, ...]]:
 
 
 _STEPS: Mapping[str, tuple[str, str, str]] = {
-    "drives": ("drives only: bodies and joints rigid", "{by}the legs as given", "use {climbs}"),
-    "shear": ("shear deformation left out", "{by}Timoshenko's cantilever", "use Timoshenko"),
+    "drives": (
+        "elastic drives only: bodies and joints rigid",
+        "{by}the legs as given",
+        "use {climbs}",
+    ),
+    "shear": (
+        "shear deformation neglected",
+        "{by}Timoshenko's cantilever",
+        "use Timoshenko: --theory timoshenko",
+    ),
     # From legs of constant section to the 6×6 that they were made of, then from parts as such legs,
     "diagonal": (
-        "equivalent leg: another diagonal than the 6×6",
+        "equivalent leg: diagonal unlike that of the 6×6",
         "{by}the straight leg's entries of the 6×6",
         "",
     ),
     "couplings": (
-        "equivalent leg: couplings of the 6×6 left out",
+        "equivalent leg: couplings of the 6×6 neglected",
         "{by}the 6×6 as given",
-        "take the 6×6 with its couplings",
+        "use {climbs} with the 6×6 as given: --legs given",
     ),
     **PART_STEPS,
     # and from textbook constants to solids with rigid end faces.
     "own": (
         "textbook section constants",
         "fem.sections.section_constants, tip of the cantilever",
-        "take the section's constants from finite elements",
+        "compute the section's constants by finite elements",
     ),
     "warping": (
         "warping held at the ends",
@@ -222,9 +230,9 @@ _STEPS: Mapping[str, tuple[str, str, str]] = {
         "add the warping stiffness",
     ),
     "contraction": (
-        "contraction and warping by shear held at the ends",
+        "contraction and shear warping held at the ends",
         "fem.couplings.end_effects, exact along the leg",
-        "add what rigid end faces take",
+        "add the stiffness of rigid end faces",
     ),
 }
 _TO_SOLIDS = ("own", "warping", "contraction")

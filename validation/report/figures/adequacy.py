@@ -36,8 +36,8 @@ def error_curves(matrix: Matrix) -> Shown | None:
     panels = [_panel(matrix, q, leftmost=not i % _COLUMNS) for i, q in enumerate(shown)]
     return curves(
         _chart(panels, matrix, _table(matrix)),
-        "Error of the whole displacement of the loaded point, never negative, and of frequencies; "
-        "bars: what the reference leaves open. Shaded: what is accepted, beyond it the scale is "
+        "Error of the whole displacement of the loaded point (never negative) and of frequencies; "
+        "bars: uncertainty of the reference. Shaded: the accepted error, beyond which the scale is "
         "logarithmic.",
         title="Relative error of the models",
     )
@@ -69,9 +69,9 @@ def measured_curves(matrix: Matrix) -> Shown | None:
     }
     return curves(
         _chart(panels, matrix, data),
-        "Black: measured, with the 95 % interval of its own uncertainty. Models with that of "
-        "numerics and uncertain inputs. Each divided by what was measured there; over the "
-        "poses where there are several, with the 95 % interval of all three.",
+        "All values divided by the measured one. Black: measured, with its 95 % interval. Models: "
+        "with the 95 % interval of numerics and uncertain inputs; where there are several poses, "
+        "of the measurement, too.",
         title="Measured values, and what the models say",
     )
 

@@ -63,7 +63,7 @@ def curves(chart: Chart, *said: str, title: str = "") -> Shown:
 
 def compared_with(against: str) -> str:
     """What the rows of differences are, in a caption."""
-    return f"Below each: what the others differ from {against}, in percent."
+    return f"Lower panels: difference from {against} in percent."
 
 
 def attempted(draw: Callable[[], Figure | None]) -> Figure | None:

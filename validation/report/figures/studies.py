@@ -111,7 +111,7 @@ def study_figure(family: Family) -> Figure:
     label = family.curves[0].study.x_label
     table: dict[str, Column] = {label: x.tolist()}
     table |= {f"{curve.label} ({curve.study.unit})": curve.values for curve in family.curves}
-    said = ["Left the deviation from the limit, right its decay; the order stands in the legend."]
+    said = ["Left: deviation from the limit. Right: its decay; the legend names the order."]
     if any(curve.uncertainty is not None for curve in family.curves):
         said.append("The bar at the finest value is its numerical uncertainty.")
     return curves(Chart(panels, label, 2, 2.2, table), *said, *family.notes).figure(

@@ -1,6 +1,6 @@
 """The first screen put together from the matrix of adequacy."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import sqrt
 
@@ -64,7 +64,7 @@ def first_screen(
         remedies=remedies_of(matrix, shown),
         other_remedies=remedies_of(matrix, folded),
         notes=matrix.notes,
-        undecided=_undecided(matrix),
+        undecided=_undecided(matrix, shown),
         inputs=_inputs(matrix),
         name=matrix.robot,
         parts=tuple(
@@ -74,14 +74,20 @@ def first_screen(
     )
 
 
-def _undecided(matrix: Matrix) -> Mapping[str, str]:
-    """What decides undecided entries: quantities and models by the reason that they share."""
+def _undecided(matrix: Matrix, shown: Collection[str]) -> Mapping[str, str]:
+    """What decides undecided entries: quantities and models by the reason that they share.
+
+    Models that are folded are named where no other has the reason.
+    """
     open_ = [entry for entry in matrix.entries if entry.verdict == "undecided"]
     return {
         reason: f"{quantities_text(matrix, [e.quantity for e in found])} by {listed(names)}"
         for reason in dict.fromkeys(entry.reason for entry in open_ if entry.reason)
         if (found := [entry for entry in open_ if entry.reason == reason])
-        and (names := list(dict.fromkeys(model_name(entry.model) for entry in found)))
+        and (models := list(dict.fromkeys(entry.model for entry in found)))
+        and (
+            names := [model_name(one) for one in models if one in shown or not {*models} & {*shown}]
+        )
     }
 
 
@@ -99,5 +105,5 @@ def _inputs(matrix: Matrix) -> tuple[str, ...]:
 
 def _heading(matrix: Matrix, one: Matrix) -> str:
     if one is matrix.formulation:
-        return "The robot of equivalent legs against solids of the same legs"
+        return "The robot with legs of constant section, against solids of the same legs"
     return f"{capital(one.robot)} alone, root clamped"

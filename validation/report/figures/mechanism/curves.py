@@ -25,12 +25,13 @@ from validation.report.figures.declared import FigureGroup, Shown, compared_with
 from validation.solids.legs import SHARED_SOLIDS
 
 FORCE, MOMENT = 1000.0, 100.0
-OWN_LOADS = f"along its own force of {FORCE:g} N, about its own moment of {MOMENT:g} N m"
+OWN_LOADS = f"under {FORCE:g} N along each axis or {MOMENT:g} N m about it"
 HELD = (
-    "Solids with ends and interfaces held as the file says; where it does not, rigidly, and free "
-    "to warp or averaged."
+    "Ends and interfaces of solids are held as the robot file says; where it does not, both limits "
+    "are shown: rigid, and free to warp or averaged."
 )
-ONE_SHAPE = "In ascending order; differences are those of modes of one shape."
+ONE_SHAPE = "In ascending order; differences compare modes of the same shape."
+OF_THE_POINT = "Motion of the loaded point along the force or about the moment"
 POSE = "pose"
 _TITLE = "Deflection over the path"
 figures = FigureGroup(PATH, SHARED_SOLIDS)
@@ -44,8 +45,8 @@ def deflections(context: Context) -> Shown:
     except UNSOLVED as error:
         raise Skip(str(error)) from error
     chart = deflection_chart(found, *_path(context))
-    said = (f"Of the loaded point. {HELD}", compared_with(found.against))
-    return curves(chart, *said, title=f"{_TITLE}: {OWN_LOADS}")
+    said = (f"{OF_THE_POINT}. {HELD}", compared_with(found.against))
+    return curves(chart, *said, title=f"{_TITLE} {OWN_LOADS}")
 
 
 @figures.figure("mechanism.frequencies", "Natural frequencies over the path", effort=3.0)

@@ -40,8 +40,8 @@ def energies(context: Context) -> Shown:
         else "Parts bend, twist and stretch at once."
     )
     shares = {
-        "(a) by what they do": by_kind(found.strain, mechanism),
-        "(b) by what they are": _by_body(found.strain, mechanism),
+        "(a) by kind of deformation": by_kind(found.strain, mechanism),
+        "(b) by body": _by_body(found.strain, mechanism),
     }
     names = [f"{number}: {one:.1f} Hz" for number, one in enumerate(frequencies, 1)]
     panels = [
@@ -63,7 +63,7 @@ def energies(context: Context) -> Shown:
         f"The first {len(frequencies)} modes of the {model} in the middle of the path, "
         f"{frequencies[0]:.4g} to {frequencies[-1]:.4g} Hz.",
         kinds,
-        "Bodies of one shape are taken together; the table of the figure has each by itself.",
+        "Bodies of the same shape are summed; the CSV lists each.",
     )
 
 

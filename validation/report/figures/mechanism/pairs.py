@@ -20,7 +20,7 @@ _MODELS: tuple[ModelName, ...] = ("beam", "segments")
 figures = FigureGroup(MODES, SHARED_SOLIDS)
 
 
-@figures.figure("mechanism.pairs", "Modes paired by shape with the reference's", effort=2.0)
+@figures.figure("mechanism.pairs", "Modes paired by shape with those of the reference", effort=2.0)
 def pairs(context: Context) -> Shown:
     """MAC of beams and segments with the reference, and by how much paired frequencies differ."""
     robot = robot_on_path(context)
@@ -58,10 +58,10 @@ def pairs(context: Context) -> Shown:
     panels.append(Panel(changes, "difference (%)", levels=(0.0,), staggered=False))
     return curves(
         Chart(panels, "mode of the reference", len(panels), 2.0, columns),
-        f"In the middle of the path, reference: {held.name}. Left: modal assurance "
-        "criterion, dark where two shapes are one; blocks are modes of almost one frequency, of "
-        "which any mixture is a mode. Right: frequencies of partners; a mode without one is left "
-        "out.",
+        f"In the middle of the path; reference: {held.name or 'solid'}. Left: modal assurance "
+        "criterion (MAC), black where two shapes are equal; blocks are modes of nearly equal "
+        "frequency, which may mix. Right: frequencies of paired modes; those without a partner are "
+        "left out.",
     )
 
 

@@ -87,10 +87,10 @@ def mode_shapes(context: Context) -> Shown:
             columns |= _columns(what, system, unknowns / bent.largest)
     model, beside = _said(context)
     said = (
-        f"{model}, coloured by displacement, thin lines: at rest. Orange squares: the same "
-        f"mode {beside}; orange outlines in three dimensions."
+        f"{model}, coloured by displacement; thin lines: at rest. Orange squares, and outlines in "
+        f"3-D: the same mode {beside}."
     )
-    mixture = "Of modes of one frequency any mixture is one."
+    mixture = "Any mixture of modes of equal frequency is a mode, too."
     caption = " ".join((said, *map(names.said, range(count)), mixture))
     return Shown(caption, scenes=scenes, columns=2, height=_HEIGHT, data=csv_of(columns))
 
@@ -127,9 +127,8 @@ def deformed(context: Context) -> Shown:
         columns |= _columns(f"force along {name} (µm)", beam.system, bent.unknowns * _MICRO)
     model, beside = _said(context)
     caption = (
-        f"{model}, each picture with the enlargement named above it. The loaded point moves "
-        f"{', '.join(moves)}. Red arrow: the force; orange outlines in three dimensions: the same "
-        f"{beside}."
+        f"{model}, displacements enlarged as the titles say. The loaded point moves "
+        f"{', '.join(moves)}. Red arrow: the force; orange outlines in 3-D: the same {beside}."
     )
     return Shown(caption, scenes=scenes, columns=3, height=_SMALL_HEIGHT, data=csv_of(columns))
 

@@ -16,6 +16,7 @@ from validation.exhibits import PARAMETERS, PlannedFigure
 from validation.report.figures.declared import FigureGroup, Shown, compared_with, curves
 from validation.report.figures.mechanism.curves import (
     HELD,
+    OF_THE_POINT,
     ONE_SHAPE,
     OWN_LOADS,
     deflection_chart,
@@ -45,10 +46,10 @@ def _deflections(context: Context, variation: Variation) -> Shown:
     found = varied_curves(context, variation)["deflection"]
     return curves(
         deflection_chart(found.compared, *_over(context, variation)),
-        f"Of the loaded point, {_place(context, found)}.",
+        f"{OF_THE_POINT}, {_place(context, found)}.",
         f"{HELD}{_alike(variation)}",
         compared_with(found.compared.against),
-        title=f"Deflection over {variation.key}: {OWN_LOADS}",
+        title=f"Deflection over {variation.key} {OWN_LOADS}",
     )
 
 
@@ -72,8 +73,8 @@ def _decisions(context: Context, variation: Variation) -> Shown:
     return curves(
         Chart(panels, label, 2, 3.2, abscissa, few_ticks),
         *(_verdict(one, variation) for one in found.values()),
-        "Over the whole path, each robot on its own. A star marks what a curve finds best among "
-        "the values shown; none is sought between them.",
+        "Every robot over its whole path. Stars mark the best of the computed values by each "
+        "curve; values between them were not searched.",
     )
 
 
@@ -95,12 +96,12 @@ def _verdict(found: VariedCurves, variation: Variation) -> str:
     for model in decision.models:
         chosen = decision.choice(model)
         several = len(chosen.equally_good)
-        among = f" (of {several} equally good to it)" if several > 1 else ""
+        among = f" (one of {several} that it finds equally good)" if several > 1 else ""
         told.append(
-            f"{model} {values[chosen.design]:.6g}{among} at a loss of {100.0 * chosen.loss:.2g} %"
+            f"{model} {values[chosen.design]:.6g}{among} with a loss of {100.0 * chosen.loss:.2g} %"
         )
     return (
-        f"By the {MEANING[decision.objective]} the reference ({found.compared.against}) chooses "
+        f"By the {MEANING[decision.objective]}, the reference ({found.compared.against}) chooses "
         f"{values[best]:.6g} ({decision.reference[best]:.4g} {UNITS[decision.objective]}); "
         f"{', '.join(told)}."
     )
@@ -122,7 +123,7 @@ def _over(context: Context, variation: Variation) -> tuple[Array, str, Mapping[s
 
 def _alike(variation: Variation) -> str:
     keys = len(variation.keys)
-    return "" if keys == 1 else f" {keys} numbers change alike."
+    return "" if keys == 1 else f" {keys} numbers change together."
 
 
 # What each is called, and what it shows.
