@@ -27,69 +27,6 @@ _CIRCUMSTANCES = ("robot", "robot_sha256", "preset", "options", "versions", "mac
 
 
 @dataclass(frozen=True)
-class Drift:
-    """From `earlier` to `value`; up to `allowed` (half-width, same unit) the two are the same."""
-
-    earlier: float
-    value: float
-    allowed: float
-
-    @property
-    def amount(self) -> float:
-        """Value less earlier value."""
-        return self.value - self.earlier
-
-    @property
-    def beyond(self) -> bool:
-        """Whether the value has moved by more than is allowed."""
-        return abs(self.amount) > self.allowed
-
-
-def same_pose(one: tuple[float, ...], other: tuple[float, ...]) -> bool:
-    """Whether two poses are the same up to rounding, or one of them is not known."""
-    if not (one and other):
-        return True
-    return len(one) == len(other) and all(
-        abs(a - b) <= _ROUNDING * max(abs(a), abs(b), 1.0) for a, b in zip(one, other, strict=True)
-    )
-
-
-def drift(
-    before: CaseRecord, after: CaseRecord, what: Literal["value", "reference"] = "value"
-) -> Drift | None:
-    """Drift of a case's value or reference; None where one is not known, or is of another pose.
-
-    The larger one of the known uncertainties of then and now is allowed, and a relative 1e-9 in any
-    case. Where the reference is zero, a thousandth of the tolerance counts as rounding.
-    """
-    earlier, value = getattr(before, what), getattr(after, what)
-    comparable = earlier is not None and value is not None and isfinite(value)
-    if not comparable or not same_pose(before.pose, after.pose):
-        return None
-    known = [
-        u for u in (before.numerical_uncertainty, after.numerical_uncertainty) if u is not None
-    ]
-    allowed = max([*known, _ROUNDING * max(abs(earlier), abs(value))])
-    if after.reference == 0.0 and after.tolerance is not None:
-        allowed = max(allowed, _OF_TOLERANCE * after.tolerance)
-    return Drift(earlier, value, allowed)
-
-
-def with_drift(record: CaseRecord, earlier: CaseRecord | None) -> CaseRecord:
-    """The record of a case with what it has drifted from an earlier one, if that is known."""
-    moved = drift(earlier, record) if earlier else None
-    if moved is None:
-        return record
-    return msgspec.structs.replace(
-        record,
-        earlier=moved.earlier,
-        drift=moved.amount,
-        drift_allowed=moved.allowed,
-        drifted=moved.beyond,
-    )
-
-
-@dataclass(frozen=True)
 class VerdictChange:
     """A case whose verdict is another one than before, and whether a worse one.
 
@@ -104,7 +41,7 @@ class VerdictChange:
 
 @dataclass(frozen=True)
 class Drifted:
-    """A value or a reference (`what`) that moved by more than its uncertainty allows."""
+    """A value or a reference (`what`) then and now: up to `allowed` (half-width) they are one."""
 
     id: str
     what: str
@@ -113,6 +50,11 @@ class Drifted:
     after: float
     drift: float
     allowed: float
+
+    @property
+    def beyond(self) -> bool:
+        """Whether it has moved by more than is allowed."""
+        return abs(self.drift) > self.allowed
 
 
 @dataclass(frozen=True)
@@ -201,7 +143,7 @@ def compare(before: RunRecord, after: RunRecord) -> RunComparison:
             for a, b in both
             if a.verdict != b.verdict
         ),
-        drifted=() if inputs else tuple(entry for a, b in both for entry in _drifted(a, b)),
+        drifted=() if inputs else tuple(one for a, b in both for one in _drifted(a, b)),
         new=tuple(identifier for identifier in new if identifier not in old),
         removed=tuple(identifier for identifier in old if identifier not in new),
         seconds=tuple(Timing(b.id, a.seconds, b.seconds) for a, b in both),
@@ -219,6 +161,50 @@ def as_dict(comparison: RunComparison) -> dict[str, Any]:
     return {"schema": 1, "worsened": comparison.worsened, **asdict(comparison)}
 
 
+def same_pose(one: tuple[float, ...], other: tuple[float, ...]) -> bool:
+    """Whether two poses are the same up to rounding, or one of them is not known."""
+    if not (one and other):
+        return True
+    return len(one) == len(other) and all(
+        abs(a - b) <= _ROUNDING * max(abs(a), abs(b), 1.0) for a, b in zip(one, other, strict=True)
+    )
+
+
+def drift(
+    before: CaseRecord, after: CaseRecord, what: Literal["value", "reference"] = "value"
+) -> Drifted | None:
+    """Drift of a case's value or reference; None where one is not known, or is of another pose.
+
+    The larger one of the known uncertainties of then and now is allowed, and a relative 1e-9 in any
+    case. Where the reference is zero, a thousandth of the tolerance counts as rounding.
+    """
+    earlier, value = getattr(before, what), getattr(after, what)
+    comparable = earlier is not None and value is not None and isfinite(value)
+    if not comparable or not same_pose(before.pose, after.pose):
+        return None
+    known = [
+        u for u in (before.numerical_uncertainty, after.numerical_uncertainty) if u is not None
+    ]
+    allowed = max([*known, _ROUNDING * max(abs(earlier), abs(value))])
+    if after.reference == 0.0 and after.tolerance is not None:
+        allowed = max(allowed, _OF_TOLERANCE * after.tolerance)
+    return Drifted(after.id, what, after.unit, earlier, value, value - earlier, allowed)
+
+
+def with_drift(record: CaseRecord, earlier: CaseRecord | None) -> CaseRecord:
+    """The record of a case with what it has drifted from an earlier one, if that is known."""
+    moved = drift(earlier, record) if earlier else None
+    if moved is None:
+        return record
+    return msgspec.structs.replace(
+        record,
+        earlier=moved.before,
+        drift=moved.drift,
+        drift_allowed=moved.allowed,
+        drifted=moved.beyond,
+    )
+
+
 def _different_robots(before: RunRecord, after: RunRecord) -> tuple[str, ...]:
     """The names of the robots of two runs where these differ; a variant keeps its robot's name."""
     names = [run.run.get("robot") for run in (before, after)]
@@ -226,11 +212,8 @@ def _different_robots(before: RunRecord, after: RunRecord) -> tuple[str, ...]:
 
 
 def _drifted(before: CaseRecord, after: CaseRecord) -> Iterator[Drifted]:
-    for what in ("value", "reference"):
-        moved = drift(before, after, what)
-        if moved is not None and moved.beyond:
-            moves = moved.earlier, moved.value, moved.amount, moved.allowed
-            yield Drifted(after.id, what, after.unit, *moves)
+    moved = (drift(before, after, what) for what in ("value", "reference"))
+    return (one for one in moved if one is not None and one.beyond)
 
 
 def _input_changes(before: RunRecord, after: RunRecord) -> Iterator[InputChange]:

@@ -118,13 +118,13 @@ def _block(heading: str, columns: Sequence[str], rows: Sequence[Sequence[str]]) 
     return [f"{heading}\n{table(columns, rows)}"] if rows else []
 
 
-def table(columns: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+def table(columns: Sequence[str], rows: Sequence[Sequence[str]], indent: str = "  ") -> str:
     """Columns set off by two blanks; numbers to the right, texts to the left."""
     lines = [list(columns), *[list(row) for row in rows]]
     widths = [max(len(line[k]) for line in lines) for k in range(len(columns))]
     numeric = [all(_is_number(row[k]) for row in rows) for k in range(len(columns))]
     return "\n".join(
-        "  "
+        indent
         + "  ".join(
             entry.rjust(width) if right else entry.ljust(width)
             for entry, width, right in zip(line, widths, numeric, strict=True)

@@ -18,6 +18,7 @@ from lumped.robot_file.variation import Variation, told, variations_of, varied
 from validation.console.streams import complain, mention, say
 from validation.console.typed import write
 from validation.drawing.style import OTHERS, csv_of
+from validation.results import comparison_text
 from validation.run.cluster import on_cluster
 from validation.run.executor import Executor, in_turn, on_cores
 from validation.solve.answer import Answer, Solution, record_of
@@ -171,19 +172,14 @@ def quantities(answers: Sequence[Answer]) -> dict[str, list[float | str]]:
 
 def as_text(found: VariedAnswers) -> str:
     """The table for people."""
-    table = columns(found)
-    cells = [
-        [heading, *(value if isinstance(value, str) else f"{value:.6g}" for value in column)]
-        for heading, column in table.items()
+    numbers, first = columns(found), found.solutions[0]
+    told = [
+        [value if isinstance(value, str) else f"{value:.6g}" for value in column]
+        for column in numbers.values()
     ]
-    widths = [max(map(len, column)) for column in cells]
-    first = found.solutions[0]
-    lines = [f"{first.robot}, {first.model}, {len(found.values)} robots"]
-    lines += [
-        "  ".join(text.rjust(width) for text, width in zip(row, widths, strict=True))
-        for row in zip(*cells, strict=True)
-    ]
-    return "\n".join(lines)
+    head = f"{first.robot}, {first.model}, {len(found.values)} robots"
+    rows = list(zip(*told, strict=True))
+    return f"{head}\n{comparison_text.table(list(numbers), rows, indent='')}"
 
 
 def as_json(found: VariedAnswers) -> str:
