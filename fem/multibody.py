@@ -14,11 +14,10 @@ from scipy.spatial.transform import Rotation
 from lumped.arrays import Array
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, GivenLeg, equivalent_leg
-from lumped.mechanism.body import Rigid
+from lumped.mechanism.body import Part, Rigid
 from lumped.mechanism.free_twists import free_twists, interface_position
 from lumped.mechanism.joint import Joint, Side
 from lumped.mechanism.mechanism import GROUND, Mechanism, Posture
-from lumped.mechanism.part import Part
 from lumped.models.bodies import leg_of
 
 # Its projection on the joints takes singular values below this one for none.

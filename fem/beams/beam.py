@@ -6,6 +6,11 @@ Consistent mass with rotary inertia; statics exact at the nodes for loads at the
 
 Tension and torsion are quadratic, not linear: linear members are exact in statics too, but their
 frequencies are second order and 20 of them miss the third by 0.6 %, where bending is fourth order.
+
+With warping, torsion is that of `fem.sections.nonuniform_torsion` in place of Saint-Venant's:
+besides its rotation every section has a warping intensity χ, quadratic along each element, which
+end faces may hold. Where ends are held (χ = 0) a leg is stiffer in torsion, and along a torsional
+wave in any case.
 """
 
 from collections.abc import Callable
@@ -13,19 +18,23 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.sparse import coo_matrix, csr_matrix
+from scipy.sparse import block_array, block_diag, coo_matrix, csr_array, csr_matrix, hstack
 from skfem import Basis, BilinearForm, ElementLineP2, MeshLine
 
 from fem.elements.beam_elements import ElementLineBeam, ElementLineShearBeam
+from fem.sections.nonuniform_torsion import line_products, warping_rod
+from fem.sections.section_constants import SectionConstants, beam_properties
 from lumped.arrays import Array, IntArray, SparseMatrix
 from lumped.errors import InputError
-from lumped.legs import BeamProperties
+from lumped.legs import BeamProperties, Ends, Material
 from lumped.mechanism.body_model import LegMatrices
 
 # Exact for the product of two cubics, the highest degree in the mass.
 _INTEGRATION_ORDER = 6
 # Slack for stations at the very end of the leg, relative to its length.
 _ROUNDING = 1e-12
+# Round sections do not warp: below this share of G I_p warping has nothing to act against.
+_NO_WARPING = 1e-4
 
 
 @dataclass(frozen=True)
@@ -178,3 +187,48 @@ def _twists(member: _Member, length: float, stations: Array) -> SparseMatrix:
             values.append(sign * np.asarray(field)[:, 0])
     entries = (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns)))
     return csr_matrix(coo_matrix(entries, shape=(6 * len(stations), basis.N)))
+
+
+def warping_beam_leg(
+    constants: SectionConstants, material: Material, length: float, elements: int, ends: Ends
+) -> LegMatrices:
+    """Free Timoshenko leg of `length` (m) in `elements` beam elements, with warping.
+
+    Unknowns as of `beam_leg`, then χ (1/m) at the nodes and inside the elements: all of them for
+    `ends` = "free", all but those of both end faces for "rigid". Round sections have none.
+    """
+    leg = beam_leg(beam_properties(constants, material), length, elements)
+    rod = warping_rod(constants, material)
+    if rod.shear <= _NO_WARPING * rod.twist:
+        return leg
+    basis = Basis(MeshLine(np.linspace(0.0, length, elements + 1)), ElementLineP2())
+    places = basis.doflocs[0]
+    inside = (places > 0.0) & (places < length)
+    kept = np.flatnonzero(inside) if ends == "rigid" else np.arange(len(places))
+    # Rotation about x at the places of the quadratic shape functions, from the leg's unknowns.
+    rotation = csr_array(leg.centreline(places))[3::6]
+    gradients, coupling, products = line_products(basis)
+    cross = csr_array(-rod.shear * (coupling[kept] @ rotation))
+    warping = rod.shear * products[kept][:, kept] + rod.bimoment * gradients[kept][:, kept]
+    torsion = csr_matrix(
+        block_array([[rotation.T @ (rod.twist * gradients) @ rotation, cross.T], [cross, warping]])
+    )
+
+    def wide(matrix: SparseMatrix) -> SparseMatrix:
+        return csr_matrix(block_diag([matrix, csr_array((len(kept), len(kept)))]))
+
+    def centreline(stations: Array) -> SparseMatrix:
+        own = leg.centreline(stations)
+        return csr_matrix(hstack([own, csr_array((own.shape[0], len(kept)))]))
+
+    others = {kind: wide(part) for kind, part in leg.parts.items() if kind != "torsion"}
+    parts = {**others, "torsion": torsion}
+    mass = block_diag([leg.mass, rod.warping * products[kept][:, kept]])
+    return LegMatrices(
+        model="beam with warping",
+        length=length,
+        stiffness=csr_matrix(sum(parts.values())),
+        mass=csr_matrix(mass),
+        centreline=centreline,
+        parts=parts,
+    )

@@ -1,8 +1,7 @@
 """How many eigenvalues of K x = λ M x lie below σ: the certificate that no mode was missed.
 
 By Sylvester's law of inertia the signs of the pivots of K − σM are those of its eigenvalues. The
-cheaper of two counts that gives them is one Cholesky factorisation: the leg with supports, then
-without them.
+cheaper of two counts is one Cholesky factorisation: the leg with supports, then without them.
 
 Supports W (n×r) on a few cross-sections make Ã = K − σM + WWᵀ positive definite as soon as the
 pieces of leg between them have no mode below σ. That the factorisation of Ã succeeds proves it, and
@@ -179,11 +178,11 @@ def count_below(
 ) -> Inertia:
     """Inertia of K − σM (csr n×n, K and M symmetric, M positive definite, σ in rad²/s²).
 
-    Their upper triangles are enough.
-    `negative` eigenvalues of K x = λ M x lie below σ: the certificate of a set of modes. `zero`
-    above zero means that σ is too near an eigenvalue, of the whole or of a part eliminated
-    first; move it. `leading` as in fem.solvers.ordering. With `constraints` B (n×c, of full rank)
-    only vectors with Bᵀx = 0 count. MKL PARDISO counts where it is the backend.
+    Their upper triangles are enough. `negative` eigenvalues of K x = λ M x lie below σ: the
+    certificate of a set of modes. `zero` above zero means that σ is too near an eigenvalue, of the
+    whole or of a part eliminated first; move it. `leading` as in fem.solvers.ordering. With
+    `constraints` B (n×c, of full rank) only vectors with Bᵀx = 0 count. MKL PARDISO counts where it
+    is the backend.
     """
     triangle = upper_triangle(csr_array(K - sigma * M))
     if backend() == "mkl":
@@ -216,9 +215,8 @@ def inertia_below(
     """Inertia of K − σM (csr n×n, σ in rad²/s²), on Bᵀx = 0 where `constraints` B (n×c) are given.
 
     `factor` is of K or of K with springs, of one pattern with both; `points` (N×3, m) are the nodes
-    of the last 3N unknowns, `leading` the blocks before them (fem.solvers.ordering). It is
-    counted with supports on the separators of the factor and, where there are none or these give no
-    sign, by LDLᵀ (fem.solvers.certificate). `zero` above zero: move σ.
+    of the last 3N unknowns, `leading` the blocks before them (fem.solvers.ordering). By supports on
+    the separators of the factor or, where these give no sign, by fronts. `zero` above zero: move σ.
     """
     K, M = upper_triangle(K), upper_triangle(csr_array(M))
     found = supported_count(factor, K, M, sigma, points, constraints)

@@ -6,10 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from lumped.arrays import Array
-from lumped.mechanism.body import Body, Frame
+from lumped.mechanism.body import Body, Frame, Part
 from lumped.mechanism.joint import Joint
 from lumped.mechanism.load import Load
-from lumped.mechanism.part import Part
 
 GROUND = "ground"
 # What a pose may prescribe of the loaded point, in the order of a twist.

@@ -14,8 +14,8 @@ from lumped.acceptance.measured import Measured, pose_faults
 from lumped.acceptance.requirement import Requirement
 from lumped.errors import InputError
 from lumped.files import read_ordinary, require_ordinary
+from lumped.mechanism.body import Part
 from lumped.mechanism.mechanism import Mechanism
-from lumped.mechanism.part import Part
 from lumped.robot_file.biglide import biglide_faults, biglide_of
 from lumped.robot_file.evidence import (
     Correction,

@@ -8,7 +8,7 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.errors import InputError
-from lumped.mechanism.part import (
+from lumped.mechanism.body import (
     ByCylinder,
     ByFaces,
     ByName,

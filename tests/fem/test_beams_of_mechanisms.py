@@ -14,8 +14,7 @@ from random_mechanisms import random_posture
 from fem.beams.beam import beam_leg
 from fem.reduction.superelement import held_leg, static_superelement
 from lumped.errors import ComputationError
-from lumped.models.bodies import legs_of, tip_compliances
-from lumped.models.links import links
+from lumped.models.bodies import legs_of, links, tip_compliances
 from lumped.models.serial_chains import compliance as vjm_compliance
 from lumped.system.assembly import assemble
 from lumped.system.solution import compliance, solved

@@ -45,7 +45,6 @@ BASICS = {
     "lumped.mechanism.kinematics.postures:shown_pose": "messages",
     "lumped.mechanism.load": "data of a load",
     "lumped.mechanism.mechanism": "data of a mechanism",
-    "lumped.mechanism.part": "data of a part",
     "meshes": "one mesh for both",
     "fem.bodies.solid:SolidLeg": "a leg's mesh",
     "fem.couplings.grips:rigid_motions": "rigid motions of nodes",

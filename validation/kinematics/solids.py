@@ -14,11 +14,10 @@ import numpy as np
 from lumped.arrays import Array
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, GivenLeg, equivalent_leg
-from lumped.mechanism.body import Body
+from lumped.mechanism.body import Body, Part
 from lumped.mechanism.free_twists import across_axis, interface_position, turned_since_reference
 from lumped.mechanism.joint import Joint, Side
 from lumped.mechanism.mechanism import GROUND, Mechanism, Posture
-from lumped.mechanism.part import Part
 from lumped.models.bodies import legs_of
 from lumped.sections import Circle, HollowRectangle, ISection, Section, Tube
 from validation.drawing.scene import DARK

@@ -23,8 +23,7 @@ from lumped.mechanism.joint import Drive, Joint
 from lumped.mechanism.kinematics.mobility import mobility
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.models import serial_chains
-from lumped.models.bodies import legs_of, tip_compliances
-from lumped.models.links import link, links
+from lumped.models.bodies import legs_of, link, links, tip_compliances
 from lumped.system.assembly import Assembly, System, assembly
 from lumped.system.joint_motion import Portion, printed_release
 from lumped.system.solution import (

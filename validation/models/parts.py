@@ -19,9 +19,8 @@ from fem.reduction.free_interface import FreeTruncation, free_interface
 from fem.reduction.held import held_body
 from lumped.arrays import Array, SparseMatrix, dense
 from lumped.errors import ComputationError, InputError
-from lumped.mechanism.body import Body, Frame
+from lumped.mechanism.body import Body, Frame, Part
 from lumped.mechanism.body_model import BodyModel
-from lumped.mechanism.part import Part
 from lumped.mechanism.placing import leg_frame
 from lumped.memo import memo
 from meshes.part.boundary import PartMesh

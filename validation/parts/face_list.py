@@ -3,7 +3,7 @@
 import json
 from typing import Any
 
-from lumped.mechanism.part import METRES
+from lumped.mechanism.body import METRES
 from meshes.part.faces import Face
 from meshes.part.reading.read import PartFile
 

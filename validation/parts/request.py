@@ -9,7 +9,7 @@ import numpy as np
 from lumped.arrays import Array
 from lumped.errors import InputError
 from lumped.legs import Material
-from lumped.mechanism.part import PartInterface
+from lumped.mechanism.body import PartInterface
 from lumped.robot_file.mechanism.build import interface_of, isotropic_of
 from lumped.robot_file.rules.relations import interface_faults, material_faults
 from lumped.robot_file.rules.tables import INTERFACE, MATERIAL

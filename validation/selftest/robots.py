@@ -12,9 +12,9 @@ from fem.calculix.leg import compliance_and_frequencies
 from fem.multibody import frequencies
 from lumped.arrays import Array
 from lumped.legs import ConstantLeg, Material
+from lumped.mechanism.body import ByPlane, PartInterface
 from lumped.mechanism.kinematics.postures import posture, reference_posture
 from lumped.mechanism.mechanism import Mechanism
-from lumped.mechanism.part import ByPlane, PartInterface
 from lumped.robot_file import load_robot
 from lumped.sections import Rectangle
 from meshes.gmsh_session import gmsh_model

@@ -13,18 +13,20 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.legs import ConstantLeg, GivenLeg, Leg, Material
-from lumped.mechanism.body import Body, Frame, Rigid
-from lumped.mechanism.joint import Drive, Joint, Side
-from lumped.mechanism.mechanism import GROUND, Mechanism, Tool
-from lumped.mechanism.part import (
+from lumped.mechanism.body import (
+    Body,
     ByCylinder,
     ByFaces,
     ByName,
     ByPlane,
+    Frame,
     Part,
     PartInterface,
+    Rigid,
     Selection,
 )
+from lumped.mechanism.joint import Drive, Joint, Side
+from lumped.mechanism.mechanism import GROUND, Mechanism, Tool
 from lumped.mechanism.placing import leg_on, rigid_on
 from lumped.robot_file.mechanism.draft import Draft, draft
 from lumped.robot_file.rules.relations import Entry

@@ -16,9 +16,9 @@ from lumped.acceptance.requirement import (
     Requirement,
 )
 from lumped.legs import Ends
+from lumped.mechanism.body import Coupling, LengthUnit
 from lumped.mechanism.joint import JointKind
 from lumped.mechanism.mechanism import MOVES
-from lumped.mechanism.part import Coupling, LengthUnit
 from lumped.robot_file.rules.matrices import SquareMatrix
 from lumped.robot_file.rules.rule import (
     Either,

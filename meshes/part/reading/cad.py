@@ -14,7 +14,7 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.errors import ComputationError, InputError
-from lumped.mechanism.part import METRES
+from lumped.mechanism.body import METRES
 from meshes.gmsh_session import gmsh_model
 from meshes.part.reading.step_text import count_faces, require_whole
 from meshes.part.reading.units import chosen_unit, describe, require_plausible, step_unit

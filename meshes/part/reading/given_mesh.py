@@ -15,7 +15,7 @@ from scipy.sparse.csgraph import connected_components
 
 from lumped.arrays import IntArray
 from lumped.errors import InputError
-from lumped.mechanism.part import METRES
+from lumped.mechanism.body import METRES
 from lumped.text import cut
 from meshes.elements import ELEMENTS, SolidElement
 from meshes.part.boundary import Facets, PartMesh, boundary, facets_of_cells, smooth_faces

@@ -9,7 +9,7 @@ import numpy as np
 from lumped.arrays import Array, IntArray
 from lumped.errors import ComputationError, InputError
 from lumped.files import require_ordinary
-from lumped.mechanism.part import METRES
+from lumped.mechanism.body import METRES
 from meshes.gmsh_session import connectivity, numbered
 from meshes.part.boundary import Facets, PartMesh
 from meshes.part.faces import Face, face_of

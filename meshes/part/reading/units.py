@@ -3,7 +3,7 @@
 import re
 
 from lumped.errors import InputError
-from lumped.mechanism.part import METRES
+from lumped.mechanism.body import METRES
 
 _ENTITY = r"#{}\s*=\s*\((.*?)\)\s*;"
 _CONTEXT = re.compile(r"GLOBAL_UNIT_ASSIGNED_CONTEXT\s*\(\s*\((.*?)\)\s*\)", re.DOTALL)

@@ -6,13 +6,12 @@ from compliances import scaled_difference
 from numpy.testing import assert_allclose
 from prismatic_legs import LEG_1, LEG_2, STEEL
 
-from fem.beams.beam import beam_leg
+from fem.beams.beam import beam_leg, warping_beam_leg
 from fem.beams.beam_theory import (
     bending_frequencies,
     tension_frequencies,
     torsion_frequencies,
 )
-from fem.beams.warping_beam import warping_beam_leg
 from fem.sections.nonuniform_torsion import cantilever_frequencies, held_torsion_compliance
 from fem.sections.section_constants import SectionConstants, beam_properties, section_constants
 from lumped.arrays import dense

@@ -17,7 +17,7 @@ from fem.bodies.part import grips_of, held_part, meshed_part
 from fem.couplings.coupled_solid import coupled_solid
 from fem.couplings.grips import area_weights, rigid_motions
 from fem.elements.elasticity import on_three_components
-from lumped.mechanism.part import ByCylinder, ByPlane, PartInterface
+from lumped.mechanism.body import ByCylinder, ByPlane, PartInterface
 from meshes.part.interfaces import find_interfaces
 from meshes.part.reading.read import read_part
 

@@ -18,7 +18,7 @@ from fem.reduction.free_interface import free_interface
 from fem.reduction.held import Held, free_body, held_body
 from lumped.dense.modes import Modes
 from lumped.errors import ComputationError, InputError
-from lumped.mechanism.part import ByPlane, PartInterface
+from lumped.mechanism.body import ByPlane, PartInterface
 from meshes.part.interfaces import find_interfaces
 from meshes.part.reading.read import read_part
 

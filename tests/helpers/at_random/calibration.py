@@ -15,7 +15,7 @@ from lumped.arrays import Array
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, Material
 from lumped.mechanism.mechanism import Posture
-from lumped.models.links import link
+from lumped.models.bodies import link
 from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Section, Tube
 from lumped.system.assembly import assemble
 from lumped.system.solution import compliance, solved

@@ -14,7 +14,7 @@ from fem.bodies.part import held_part, meshed_part
 from fem.couplings.grips import Grip
 from lumped.arrays import Array
 from lumped.legs import Material
-from lumped.mechanism.part import ByPlane, PartInterface
+from lumped.mechanism.body import ByPlane, PartInterface
 from lumped.sections import Circle, HollowRectangle, Rectangle, Section, Tube
 from meshes.gmsh_session import gmsh_model
 from meshes.part.boundary import Facets, PartMesh

@@ -1,6 +1,6 @@
 """Parts that tests draw by gmsh's kernel: they and their meshes as files, and their plane ends."""
 
-from lumped.mechanism.part import ByPlane, PartInterface
+from lumped.mechanism.body import ByPlane, PartInterface
 from meshes.gmsh_session import gmsh_model
 
 

@@ -9,7 +9,7 @@ from lumped.arrays import dense
 from lumped.dense.modes import solve_modes
 from lumped.errors import InputError
 from lumped.legs import constant_leg, tip_compliance
-from lumped.models.links import link
+from lumped.models.bodies import link
 from lumped.models.segments import (
     SegmentChain,
     segment_chain,

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from lumped.legs import ConstantLeg, GivenLeg
-from lumped.mechanism.body import Rigid
-from lumped.mechanism.part import ByCylinder, ByFaces, ByName, ByPlane, PartInterface
+from lumped.mechanism.body import ByCylinder, ByFaces, ByName, ByPlane, PartInterface, Rigid
 from lumped.robot_file import load_robot, write_template
 from lumped.robot_file.mechanism.build import interface_of
 from lumped.robot_file.rules.tables import INTERFACE

@@ -17,8 +17,7 @@ from lumped.errors import ComputationError
 from lumped.mechanism.free_twists import free_twists, interface_position
 from lumped.mechanism.mechanism import GROUND, Posture
 from lumped.models import serial_chains
-from lumped.models.bodies import tip_compliances
-from lumped.models.links import links
+from lumped.models.bodies import links, tip_compliances
 from lumped.screws import shift, turn_matrix
 from lumped.system.assembly import assemble
 from lumped.system.solution import compliance, modes, solved

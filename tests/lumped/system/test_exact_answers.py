@@ -12,8 +12,7 @@ from lumped.legs import ConstantLeg
 from lumped.mechanism.body import Body, Frame, Rigid
 from lumped.mechanism.joint import Drive, Side
 from lumped.mechanism.mechanism import GROUND, Posture, Tool
-from lumped.models.bodies import legs_of, tip_compliances
-from lumped.models.links import links
+from lumped.models.bodies import legs_of, links, tip_compliances
 from lumped.models.segments import segment_chain, segment_leg
 from lumped.models.serial_chains import compliance as vjm_compliance
 from lumped.sections import Rectangle, Tube

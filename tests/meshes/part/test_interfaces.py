@@ -5,7 +5,7 @@ import pytest
 from drawn_parts import meshed
 
 from lumped.errors import InputError
-from lumped.mechanism.part import ByCylinder, ByFaces, ByName, ByPlane, PartInterface
+from lumped.mechanism.body import ByCylinder, ByFaces, ByName, ByPlane, PartInterface
 from meshes.part.interfaces import find_interfaces
 from meshes.part.reading.read import read_part
 

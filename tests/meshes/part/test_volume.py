@@ -6,7 +6,7 @@ from prismatic_legs import STEEL
 
 from fem.bodies.part import meshed_part
 from lumped.errors import ComputationError, InputError
-from lumped.mechanism.part import ByPlane, PartInterface
+from lumped.mechanism.body import ByPlane, PartInterface
 from lumped.sections import Rectangle
 from meshes.elements import ELEMENTS
 from meshes.part import volume

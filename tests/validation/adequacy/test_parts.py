@@ -11,8 +11,7 @@ from forgetting import forget
 
 from fem.reduction import free_interface
 from lumped.errors import ComputationError
-from lumped.mechanism.body import Body
-from lumped.mechanism.part import ByCylinder, PartInterface
+from lumped.mechanism.body import Body, ByCylinder, PartInterface
 from lumped.robot_file import load_robot
 from validation.adequacy.mechanism.parts import (
     reduction_note,

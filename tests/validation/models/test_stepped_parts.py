@@ -11,9 +11,8 @@ from scipy.integrate import quad
 
 from lumped.errors import InputError
 from lumped.legs import Material
-from lumped.mechanism.body import Body, Frame
+from lumped.mechanism.body import Body, Frame, Part
 from lumped.mechanism.kinematics.postures import posture
-from lumped.mechanism.part import Part
 from lumped.robot_file import load_robot
 from validation.adequacy.mechanism.parts import part_answers
 from validation.adequacy.models import JUDGED, why_unable

@@ -16,7 +16,7 @@ from fem.bodies.part import grips_of, held_part, meshed_part
 from fem.reduction.craig_bampton import reduction
 from fem.reduction.held import held_body
 from lumped.legs import GivenLeg, Material, equivalent_leg, tip_compliance
-from lumped.mechanism.part import ByCylinder, PartInterface
+from lumped.mechanism.body import ByCylinder, PartInterface
 from lumped.models.cantilever import clamped_modes
 from meshes.part.interfaces import find_interfaces
 from meshes.part.reading.read import read_part

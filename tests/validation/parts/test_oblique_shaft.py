@@ -11,8 +11,8 @@ from compliances import scaled_difference
 from drawn_parts import meshed
 
 from lumped.legs import Material
+from lumped.mechanism.body import ByPlane, PartInterface
 from lumped.mechanism.kinematics.postures import posture
-from lumped.mechanism.part import ByPlane, PartInterface
 from lumped.robot_file import load_robot
 from meshes.part.interfaces import find_interfaces
 from meshes.part.reading.read import read_part

@@ -8,8 +8,7 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.legs import ConstantLeg
-from lumped.models.bodies import tip_compliances
-from lumped.models.links import links
+from lumped.models.bodies import links, tip_compliances
 from lumped.system.assembly import assembly
 from validation.adequacy.mechanism.digits import modes_by_digits
 from validation.adequacy.mechanism.legs import SECTION_RATIO, step_uncertainty

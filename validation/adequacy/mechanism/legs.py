@@ -4,8 +4,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from fem.beams.beam import beam_leg
-from fem.beams.warping_beam import warping_beam_leg
+from fem.beams.beam import beam_leg, warping_beam_leg
 from fem.sections.nonuniform_torsion import held_torsion_compliance
 from fem.sections.section_constants import SectionConstants, beam_properties
 from lumped.arrays import Array

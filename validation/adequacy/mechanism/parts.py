@@ -9,7 +9,7 @@ from lumped.arrays import Array
 from lumped.legs import Ends
 from lumped.mechanism.body_model import BodyModel
 from lumped.mechanism.mechanism import Mechanism, Posture
-from lumped.models.links import links
+from lumped.models.bodies import links
 from lumped.system.assembly import assemble, assembly
 from lumped.system.solution import compliance, solved
 from validation.adequacy.mechanism.path import Springs

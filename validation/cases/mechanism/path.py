@@ -23,8 +23,8 @@ from lumped.mechanism.free_twists import free_twists, interface_position
 from lumped.mechanism.kinematics.mobility import mobility
 from lumped.mechanism.kinematics.postures import posture
 from lumped.mechanism.mechanism import Posture
-from lumped.models import links, vjm
-from lumped.models.bodies import tip_compliances
+from lumped.models import vjm
+from lumped.models.bodies import link, tip_compliances
 from lumped.models.serial_chains import serial_chains
 from lumped.system.assembly import System, assembly
 from lumped.system.solution import modes, rounding, rounding_of_frequencies, solved
@@ -146,13 +146,13 @@ of_links = cases.family(
     "Links and {model} of {options.theory} theory are one statics",
     over={"options": (_EULER, _TIMOSHENKO), "model": ("beam", "segments")},
     # Both are assembled alike: what differs is what stands for a leg.
-    sides=lambda model: Sides(MODEL_CODE[model], (links.link,)),
+    sides=lambda model: Sides(MODEL_CODE[model], (link,)),
 )
 @of_links.case(
     "mechanism.statics.{model}",
     "Virtual joints along serial chains and links are one statics",
     over={"model, options": [("vjm", ModelOptions())]},
-    sides=Sides(MODEL_CODE["vjm"], (links.link, *ASSEMBLER)),
+    sides=Sides(MODEL_CODE["vjm"], (link, *ASSEMBLER)),
 )
 def _same_statics(context: Context, model: ModelName, options: ModelOptions) -> Measurement:
     postures = path_postures(context)

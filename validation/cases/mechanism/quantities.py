@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 from fem.beams.beam import beam_leg
 from lumped.acceptance.requirement import AXES, ROTATIONS
 from lumped.arrays import Array
-from lumped.models import links, segments, serial_chains
+from lumped.models import segments, serial_chains
+from lumped.models.bodies import link
 from lumped.system.assembly import assembly
 from lumped.system.solution import solved
 from validation.case import Elsewhere, Measurement
@@ -19,7 +20,7 @@ ASSEMBLER = (assembly, solved)
 MODEL_CODE: Mapping[ModelName, tuple[Callable[..., object], ...]] = {
     "simplified": (),
     "vjm": (serial_chains.compliance,),
-    "links": (links.link,),
+    "links": (link,),
     "segments": (segments.segment_leg, segments.static_leg),
     "beam": (beam_leg,),
 }

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from lumped.errors import InputError
-from lumped.mechanism.part import ByCylinder, ByName, PartInterface
+from lumped.mechanism.body import ByCylinder, ByName, PartInterface
 from meshes.elements import ELEMENTS
 from meshes.gmsh_session import gmsh_model
 from meshes.part.interfaces import find_interfaces

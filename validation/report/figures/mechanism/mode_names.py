@@ -12,11 +12,10 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.legs import equivalent_leg
-from lumped.mechanism.body import Body, Rigid
+from lumped.mechanism.body import Body, Part, Rigid
 from lumped.mechanism.free_twists import interface_position
 from lumped.mechanism.joint import Side
 from lumped.mechanism.mechanism import Mechanism
-from lumped.mechanism.part import Part
 from lumped.models.bodies import leg_of, legs_of
 from lumped.system.assembly import System
 from lumped.system.joint_motion import Portion
