@@ -29,8 +29,8 @@ from meshes.processes import within_limits
 _SIDES, _PIECES = 24.0, 25.0
 # Share of the volume below which rounding alone opens gaps.
 _EXACT = 1e-9
-# Time (s) that reading may take, and more for each MB: twenty times what parts of CAD systems take.
-_SECONDS, _SECONDS_PER_MB = 60.0, 60.0
+# Computing (s) that reading may take, and more for each MB: plates full of bores take 17 s a MB.
+_SECONDS, _SECONDS_PER_MB = 60.0, 300.0
 
 
 @dataclass(frozen=True, eq=False)
