@@ -317,7 +317,7 @@ def solve(
     """
     from lumped.robot_file import load_robot  # noqa: PLC0415
     from meshes.processes import in_own_process  # noqa: PLC0415
-    from validation.session.progress import stage  # noqa: PLC0415
+    from validation.console.progress import stage  # noqa: PLC0415
     from validation.solve.answer import as_json, as_text  # noqa: PLC0415
     from validation.solve.model_answers import checked  # noqa: PLC0415
     from validation.solve.model_answers import solve as solved  # noqa: PLC0415
@@ -350,11 +350,9 @@ def solve(
         tell_varied(question, vary, jobs or 1, cluster, csv, picture, json=json)
         return 0
     cost = checked(question)
-    if cost.seconds > _PATIENCE:
-        with stage(f"{model} model, {cost}"):
-            solution = in_own_process(solved, question)
-    else:
-        solution = solved(question)
+    with stage(f"{model} model, {cost.size}", cost.seconds):
+        long = cost.seconds > _PATIENCE
+        solution = in_own_process(solved, question) if long else solved(question)
     say(as_json(solution) if json else as_text(solution))
     return 0
 

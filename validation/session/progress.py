@@ -1,11 +1,9 @@
 """Progress of a run on stderr: what runs, how many are left, elapsed and expected time."""
 
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, nullcontext
-from threading import Event, Thread
+from contextlib import contextmanager
 
-from rich.console import Console, Group
-from rich.live import Live
+from rich.console import Group
 from rich.progress import (
     BarColumn,
     Progress,
@@ -16,11 +14,9 @@ from rich.progress import (
 )
 
 from validation.case import Case
-from validation.console.streams import complain
+from validation.console.progress import told
 from validation.results.outcome import Record, Task
 
-# Seconds of a run that says nothing where nobody may be looking on.
-_QUIET = 5.0
 # Seconds over which the pace is measured: all of the run.
 _ALL_OF_IT = 1e9
 
@@ -72,36 +68,9 @@ class RunProgress:
 
 
 @contextmanager
-def showing(tasks: Sequence[Task]) -> Iterator[RunProgress]:
-    """The progress of the tasks on stderr while the context lasts.
-
-    Drawn on a terminal; elsewhere a line a second of a run that takes longer than some.
-    """
-    console, progress = Console(stderr=True), RunProgress(tasks)
-    if console.is_terminal:
-        with Live(progress, console=console, transient=True):
-            yield progress
-        return
-    over = Event()
-
-    def tell() -> None:
-        pause = _QUIET
-        while not over.wait(pause):
-            complain([progress.line()], 0)
-            pause = 1.0
-
-    telling = Thread(target=tell, daemon=True)
-    telling.start()
-    try:
+def showing(tasks: Sequence[Task], seconds: float) -> Iterator[RunProgress]:
+    """The progress of the tasks on stderr while the context lasts; `seconds` as of `stage`."""
+    progress = RunProgress(tasks)
+    doing = f"{len(tasks)} comparisons, figures and verdicts"
+    with told(doing, seconds, lambda _: progress.line(), progress):
         yield progress
-    finally:
-        over.set()
-        telling.join()
-
-
-@contextmanager
-def stage(doing: str) -> Iterator[None]:
-    """Say on stderr what is being done while the context lasts; quiet without a terminal."""
-    console = Console(stderr=True)
-    with console.status(doing) if console.is_terminal else nullcontext():
-        yield

@@ -19,6 +19,7 @@ from lumped.robot_file.load import with_measured
 from lumped.robot_file.variation import Variation
 from validation.adequacy.matrix import ADEQUACY, MEASURED
 from validation.agreement.accuracy import accuracy_faults
+from validation.console.progress import stage
 from validation.console.streams import mention
 from validation.context import Context, Preset
 from validation.paper.errata import paper_findings
@@ -38,6 +39,9 @@ from validation.session import progress, runner
 
 # How many times as long as results.json takes to write it is left alone.
 _SPARING = 20.0
+# Seconds of an idle core for a unit of effort, and for a part that nothing is kept of.
+_PER_EFFORT: Mapping[Preset, float] = {"quick": 0.25, "standard": 0.4, "fine": 1.5}
+_PER_PART = 15.0
 
 
 @dataclass(frozen=True)
@@ -158,18 +162,18 @@ def validate(request: Request, catalogue: runner.Catalogue) -> Results:
         gathered.take_up(folder.records)
         gathered.remarks = folder.remarks
         if request.variations and (executor is not None or request.jobs > 1):
-            with progress.stage("robots of --vary"):
+            with stage("robots of --vary"):
                 _vary(request, tasks, executor)
         if any(task.id not in gathered.done for task in tasks):
             _prepare(request, executor)
         _compute(request, catalogue, gathered, folder)
-        with progress.stage("writing the report"):
+        with stage("writing the report"):
             publish(gathered, folder, findings)
         if request.exports and not gathered.unfinished:
             from validation.export.mechanism import export_mechanism  # noqa: PLC0415
 
             with (
-                progress.stage("exporting meshes, modes and matrices"),
+                stage("exporting meshes, modes and matrices"),
                 folder.exporting() as target,
             ):
                 export_mechanism(robot_file.mechanism, preset, target)
@@ -239,7 +243,9 @@ def _prepare(request: Request, cluster: Executor | None) -> None:
     from validation.session.parts_ahead import prepare_parts  # noqa: PLC0415
 
     context = Context(request.robot_file, request.preset)
-    with progress.stage("meshing and reducing parts"), _ahead(cluster, request.jobs) as executor:
+    parts = len(request.robot_file.mechanism.parts)
+    told = stage("meshing and reducing parts", _PER_PART * parts / request.jobs)
+    with told, _ahead(cluster, request.jobs) as executor:
         prepare_parts(context, executor, carried=cluster is not None)
 
 
@@ -276,7 +282,8 @@ def _compute(
 
     waiting = [task for task in gathered.tasks if task.id not in gathered.done]
     context = Context(request.robot_file, request.preset, request.options)
-    with progress.showing(waiting) as shown:
+    seconds = _PER_EFFORT[request.preset] * sum(task.effort for task in waiting) / request.jobs
+    with progress.showing(waiting, seconds) as shown:
         runner.run(
             catalogue,
             context,

@@ -34,11 +34,16 @@ class Cost:
     memory: float
     seconds: float
 
+    @property
+    def size(self) -> str:
+        """About 22 000 unknowns, 0.3 GB."""
+        return f"about {self.unknowns:.2g} unknowns, {self.memory / 1e9:.2g} GB"
+
     def __str__(self) -> str:
         """About 22 000 unknowns, 0.3 GB and 12 s."""
         hours = self.seconds / 3600.0
         time = f"{self.seconds:.2g} s" if self.seconds < _LONGEST else f"{hours:.3g} h"
-        return f"about {self.unknowns:.2g} unknowns, {self.memory / 1e9:.2g} GB and {time}"
+        return f"{self.size} and {time}"
 
 
 def solid_cost(legs: tuple[ConstantLeg, ...], divisions: int, modes: int) -> Cost:

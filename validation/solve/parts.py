@@ -12,6 +12,8 @@ Unit = Literal["m", "mm", "cm", "inch"]
 _FEWEST_UNKNOWNS = 1000
 # More than any mesh of three that fits into memory resolves.
 _MOST_MODES = 100
+# Seconds of an idle core: reading a byte, identifying a part, and an unknown of its finest mesh.
+_READING_A_BYTE, _IDENTIFYING, _EACH_UNKNOWN = 1e-5, 5.0, 2e-4
 
 
 def faces(
@@ -35,9 +37,12 @@ def faces(
         Print JSON for programs, and draw nothing.
     """
     from meshes.part.reading.read import read_part  # noqa: PLC0415
+    from validation.console.progress import stage  # noqa: PLC0415
     from validation.parts import face_list  # noqa: PLC0415
 
-    found = read_part(part, unit)
+    size = part.stat().st_size if part.is_file() else 0
+    with stage(f"reading {part.name}", _READING_A_BYTE * size):
+        found = read_part(part, unit)
     if json:
         say(face_list.as_json(found))
         return 0
@@ -45,7 +50,8 @@ def faces(
     from validation.parts import face_pictures  # noqa: PLC0415
 
     folder = Path() if out is None else out
-    drawn = face_pictures.picture(found)
+    with stage("drawing the faces"):
+        drawn = face_pictures.picture(found)
     if drawn.left_out:
         complain([drawn.left_out], 0)
     else:
@@ -98,6 +104,7 @@ def identify(
     from meshes.part.interfaces import find_interfaces  # noqa: PLC0415
     from meshes.part.reading.read import read_part  # noqa: PLC0415
     from validation.agreement.accuracy import accuracy_faults, refined  # noqa: PLC0415
+    from validation.console.progress import stage  # noqa: PLC0415
     from validation.models.parts import identified  # noqa: PLC0415
     from validation.parts import identified_text, request  # noqa: PLC0415
     from validation.parts import identify as identifying  # noqa: PLC0415
@@ -135,7 +142,8 @@ def identify(
             return identified(bodies[body], size, count)
 
     more = identifying.more_unknowns
-    found, reached = refined(size, at, identifying.left_open, more, accuracy or np.inf)
+    with stage(f"identifying {body or part}", _IDENTIFYING + _EACH_UNKNOWN * size):
+        found, reached = refined(size, at, identifying.left_open, more, accuracy or np.inf)
     text = identified_text.as_json if json else identified_text.as_text
     say(text(found, reached if accuracy else None))
     if out is not None:

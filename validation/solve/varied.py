@@ -15,6 +15,7 @@ from lumped.errors import InputError, naming
 from lumped.robot_file import RobotFile
 from lumped.robot_file.places import unit_of
 from lumped.robot_file.variation import Variation, told, variations_of, varied
+from validation.console.progress import stage
 from validation.console.streams import complain, mention, say
 from validation.console.typed import write
 from validation.drawing.style import OTHERS, csv_of
@@ -101,15 +102,15 @@ def solve_varied(
     cannot be where it is asked, ComputationError where one cannot be solved.
     """
     robots = varied(question.robot_file, variations)
-    units = []
+    units, seconds = [], 0.0
     for values, robot in robots:
         said = told(variations, values)
         # Tables of many robots have no room for what digits leave open of each.
         asked = replace(question, robot_file=robot, digits=False)
         with naming(f"--vary {said}"):
-            checked(asked)
+            seconds += checked(asked).seconds
         units.append(_Unit(said, asked))
-    with ExitStack() as stack:
+    with ExitStack() as stack, stage(f"{len(units)} robots", seconds / jobs):
         executor: Executor = in_turn
         if cluster is not None:
             executor = stack.enter_context(on_cluster(cluster, mention))

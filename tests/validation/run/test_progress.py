@@ -5,16 +5,18 @@ import time
 import toy_catalogue as toys
 
 from lumped.robot_file import load_robot
+from validation.console import progress as telling
 from validation.session import progress
 
 
 def test_a_long_run_says_how_far_it_is_and_a_short_one_nothing(monkeypatch, capsys):
     tasks = list(toys.sound(load_robot("ifw")))
-    with progress.showing(tasks) as shown:
+    with progress.showing(tasks, 0.0) as shown:
         shown.started(tasks[0])
     assert capsys.readouterr().err == ""
-    monkeypatch.setattr(progress, "_QUIET", 0.05)
-    with progress.showing(tasks) as shown:
+    monkeypatch.setattr(telling, "_QUIET", 0.05)
+    monkeypatch.setattr(telling, "_SOON", 0.02)
+    with progress.showing(tasks, 0.0) as shown:
         shown.started(tasks[0])
         time.sleep(0.2)
         shown.finished(tasks[0], {"verdict": "disagree"})
@@ -28,3 +30,18 @@ def test_a_long_run_says_how_far_it_is_and_a_short_one_nothing(monkeypatch, caps
     share = tasks[0].effort / sum(task.effort for task in tasks)
     left = float(second.removeprefix(begins).split()[0])
     assert abs(left - 1.1 * (1.0 / share - 1.0)) < 0.3 / share + 1.0
+
+
+def test_long_work_is_forecast_by_the_speed_of_the_machine(monkeypatch, capsys):
+    """A hundred seconds elsewhere are 200 here, and three minutes are told as such."""
+    monkeypatch.setattr(telling, "slowness", lambda: 2.0)
+    monkeypatch.setattr(telling, "_SOON", 0.02)
+    with telling.stage("meshing", 100.0):
+        time.sleep(0.1)
+    assert capsys.readouterr().err == "flexproof: meshing: about 3 min on this machine\n"
+    monkeypatch.setattr(telling, "_QUIET", 0.05)
+    with telling.stage("meshing", 50.0):
+        time.sleep(0.2)
+    forecast, line = capsys.readouterr().err.splitlines()
+    assert forecast == "flexproof: meshing: about 100 s on this machine"
+    assert line == "flexproof: meshing: 0 s elapsed, about 100 s left"
