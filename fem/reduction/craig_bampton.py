@@ -22,8 +22,7 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from fem.reduction.counted_modes import CountedModes, counted_modes
-from fem.reduction.held import Held
-from fem.reduction.residual_modes import residual_modes
+from fem.reduction.held import Held, residual_modes
 from fem.reduction.superelement import HeldLeg, Superelement, reduced
 from lumped.arrays import Array, dense
 from lumped.errors import InputError

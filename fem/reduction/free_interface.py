@@ -22,8 +22,7 @@ from scipy.linalg import cho_factor, cho_solve, eigh, qr
 from fem.bodies.rooted import RootedBody
 from fem.reduction.counted_modes import counted_modes
 from fem.reduction.craig_bampton import Reduction, chosen_cutoff, reduction_on
-from fem.reduction.held import free_body, held_body
-from fem.reduction.residual_modes import residual_modes
+from fem.reduction.held import free_body, held_body, residual_modes
 from lumped.arrays import Array
 from lumped.errors import ComputationError
 

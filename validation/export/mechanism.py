@@ -38,7 +38,7 @@ bodies that are alike the first stands for all:
 {alike}
 Leg axes: x from root to tip. A leg given by a compliance alone is its equivalent leg of constant
 section."""
-_OF_MECHANISM = {
+_MECHANISM_FILES = {
     "mechanism_beam.vtp": (
         "All legs in base axes, {pose}: unit wrenches at the loaded point, modes of the mechanism. "
         'Cell data "leg": their number in the order of the file ({legs}).'
@@ -56,7 +56,7 @@ _VECTORS = (
 )
 _LINE = 'The same data along the centreline, and "rotation Fx" and on (rad) for each.'
 # Of legs of constant section, whatever the robot: what files of these names hold.
-OF_LEGS: Mapping[str, str] = {
+_LEG_FILES: Mapping[str, str] = {
     "*_solid.vtu": (
         "The leg as a solid, {divisions} quadratic elements across the section; root clamped, end "
         f"faces rigid. Point data {_VECTORS.format(where='the tip')}"
@@ -70,7 +70,7 @@ OF_LEGS: Mapping[str, str] = {
         "across, with three displacements per inner node."
     ),
 }
-OF_PARTS: Mapping[str, str] = {
+_PART_FILES: Mapping[str, str] = {
     "*_part.vtu": (
         "The part on its finest mesh, in the axes of its file (m), held as the robot file says, "
         "the first interface clamped. For every other interface NAME, point data "
@@ -116,8 +116,8 @@ def export_mechanism(mechanism: Mechanism, preset: Preset, folder: Path) -> None
         "matrix_divisions": MATRIX_DIVISIONS,
     }
     head = "\n".join([head, *(f"Part {part}." for part in parts)])
-    about = {**_OF_MECHANISM, **OF_PARTS, **OF_LEGS}
-    write_readme(folder, head, {files: text.format(**said) for files, text in about.items()})
+    about = {**_MECHANISM_FILES, **_PART_FILES, **_LEG_FILES}
+    _write_readme(folder, head, {files: text.format(**said) for files, text in about.items()})
 
 
 def _write_beams(at: Posture, path: Path) -> None:
@@ -143,7 +143,7 @@ def _write_beams(at: Posture, path: Path) -> None:
     save(polyline(lines), joined, found.modes.frequencies, path)
 
 
-def write_readme(folder: Path, head: str, about: Mapping[str, str]) -> None:
+def _write_readme(folder: Path, head: str, about: Mapping[str, str]) -> None:
     """Write README.txt for all files in `folder`, each under the first pattern that it matches.
 
     `about` maps shell-style patterns to what such files hold.

@@ -1,7 +1,13 @@
-"""Where the numbers of a run come from: input, program, libraries, machine."""
+"""Where the numbers of a run come from: input, program, libraries, machine, and its last self-test.
 
+How that ended is one line in the user's cache. It holds for the sources, libraries and processor it
+was made with; of others nothing is known.
+"""
+
+import json
 import platform
 from collections.abc import Mapping
+from contextlib import suppress
 from datetime import UTC, datetime
 from hashlib import sha256
 from importlib.metadata import PackageNotFoundError, version
@@ -13,6 +19,8 @@ from fem.machine import usable_cores
 from fem.solvers.cholesky import solver_name
 from lumped.robot_file import RobotFile
 from validation.context import Preset
+from validation.run.cache import cache_folder
+from validation.run.files import read_regular, write_whole
 
 _LIBRARIES = (
     "flexproof",
@@ -83,3 +91,37 @@ def processor() -> str:
         return platform.processor() or "unknown processor"
     names = (line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
     return next(names, platform.processor() or "unknown processor")
+
+
+def keep_selftest(*, passed: bool) -> None:
+    """Remember how the self-test ended; a disk that refuses is not in the way."""
+    path = _selftest_file()
+    if path is None:
+        return
+    said = f"{'passed' if passed else 'FAILED'} on {datetime.now(UTC).date().isoformat()}"
+    record = {"said": said, **_installation(versions(), suite_digest())}
+    with suppress(OSError):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_whole(path, f"{json.dumps(record)}\n".encode())
+
+
+def last_selftest(header: Mapping[str, Any]) -> str:
+    """As "passed on 2026-01-31", or "not run" where none is known of the program of a header."""
+    path = _selftest_file()
+    content = read_regular(path) if path else None
+    try:
+        record = json.loads(content or b"{}")
+        said = str(record.pop("said"))
+    except (ValueError, KeyError, AttributeError, TypeError):
+        return "not run"
+    known = _installation(header["versions"], header["suite_sha256"])
+    return said if record == known else "not run"
+
+
+def _selftest_file() -> Path | None:
+    folder = cache_folder()
+    return folder / "selftest.json" if folder else None
+
+
+def _installation(libraries: Mapping[str, str], sources: str) -> dict[str, Any]:
+    return {"versions": dict(libraries), "sources": sources, "processor": processor()}

@@ -17,8 +17,8 @@ def selftest() -> int:
 
     Exit code 1 where a number differs or cannot be computed. Reports of runs say when it passed.
     """
-    from validation.run.provenance import machine, versions  # noqa: PLC0415
-    from validation.selftest import record, robots, solids  # noqa: PLC0415
+    from validation.run.provenance import keep_selftest, machine, versions  # noqa: PLC0415
+    from validation.selftest import robots, solids  # noqa: PLC0415
     from validation.selftest.benchmark import outcome  # noqa: PLC0415
 
     require_address_space(TO_COMPUTE)
@@ -30,7 +30,7 @@ def selftest() -> int:
         outcomes.append(outcome(benchmark))
         say(_text(outcomes[-1]))
     bad = sum(one.verdict in {"differs", "failed"} for one in outcomes)
-    record.keep(passed=not bad)
+    keep_selftest(passed=not bad)
     numbers = [compared for one in outcomes for compared in one.compared]
     agreeing = sum(one.agrees for one in numbers)
     skipped = [one.benchmark.title for one in outcomes if one.verdict == "skipped"]

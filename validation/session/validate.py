@@ -34,7 +34,7 @@ from validation.run.cache import some_cache
 from validation.run.executor import Executor, on_cores
 from validation.run.folder import RunFolder
 from validation.run.opening import Start, open_folder
-from validation.selftest.record import last as last_selftest
+from validation.run.provenance import last_selftest
 from validation.session import progress, runner
 
 # How many times as long as results.json takes to write it is left alone.

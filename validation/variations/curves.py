@@ -1,4 +1,7 @@
-"""Curves of all models over a number of the robot file, from robots kept in the cache."""
+"""Curves of all models over a number of the robot file, from robots kept in the cache.
+
+Each robot is a unit of work: finished ones are kept and not computed again.
+"""
 
 from collections.abc import Callable, Sequence
 from contextlib import closing
@@ -33,10 +36,7 @@ class Unit(Protocol[Result_co]):
 
 
 def computed(
-    units: Sequence[Unit[T]],
-    kind: Callable[..., T],
-    executor: Executor,
-    what: str,
+    units: Sequence[Unit[T]], kind: Callable[..., T], executor: Executor, what: str
 ) -> list[T]:
     """What the units yield, a `kind` each (a dataclass of numbers and arrays), in their order.
 

@@ -9,7 +9,7 @@ from lumped.errors import ComputationError
 from lumped.robot_file import load_robot
 from validation import cli
 from validation.run import provenance
-from validation.selftest import record, robots, solids
+from validation.selftest import robots, solids
 from validation.selftest.benchmark import Benchmark, KnownNumber
 
 HEADER = provenance.header(load_robot("ifw"), "quick", {})
@@ -60,12 +60,12 @@ NOT_THERE = raising(CalculixMissing("CalculiX is not installed"))
 )
 def test_it_says_what_agrees_and_runs_quote_it(with_benchmarks, computations, code, said, capsys):
     with_benchmarks(*computations)
-    assert record.last(HEADER) == "not run"
+    assert provenance.last_selftest(HEADER) == "not run"
     assert cli.main(["selftest"]) == code
     printed = capsys.readouterr().out
     assert said in printed
     assert "source 0" in printed
-    assert record.last(HEADER) == f"{'FAILED' if code else 'passed'} on {TODAY}"
+    assert provenance.last_selftest(HEADER) == f"{'FAILED' if code else 'passed'} on {TODAY}"
 
 
 def test_what_is_explained_is_no_difference():
@@ -78,7 +78,7 @@ def test_another_installation_was_not_tested(with_benchmarks, changed):
     with_benchmarks(gives(2.0))
     assert cli.main(["selftest"]) == 0
     other = {"versions": {**HEADER["versions"], "numpy": "0"}, "suite_sha256": "0"}
-    assert record.last(HEADER | {changed: other[changed]}) == "not run"
+    assert provenance.last_selftest(HEADER | {changed: other[changed]}) == "not run"
 
 
 @pytest.mark.parametrize("content", [b"", b"[1]", b"{}", b"\xff\xfe", b'{"said": "passed"}'])
@@ -88,7 +88,7 @@ def test_a_damaged_record_is_none(with_benchmarks, content, tmp_path):
     (kept,) = (tmp_path / "cache").rglob("*.json")
     assert json.loads(kept.read_bytes())["said"] == f"passed on {TODAY}"
     kept.write_bytes(content)
-    assert record.last(HEADER) == "not run"
+    assert provenance.last_selftest(HEADER) == "not run"
 
 
 @pytest.mark.parametrize("place", ["off", "in the way"])
@@ -100,4 +100,4 @@ def test_where_nothing_can_be_kept_it_is_not_in_the_way(
     told = "off" if place == "off" else str(tmp_path / "in the way")
     monkeypatch.setenv("FLEXPROOF_CACHE", told)
     assert cli.main(["selftest"]) == 0
-    assert record.last(HEADER) == "not run"
+    assert provenance.last_selftest(HEADER) == "not run"
