@@ -360,7 +360,7 @@ def solve(
 @app.command
 def check(robot: RobotName) -> int:
     """Say everything that is wrong with a robot file."""
-    from lumped.audit.data_checks import audit  # noqa: PLC0415
+    from lumped.audit import audit  # noqa: PLC0415
     from lumped.robot_file import load_robot  # noqa: PLC0415
     from validation.kinematics.poses import postures_of  # noqa: PLC0415
     from validation.paper.errata import paper_findings  # noqa: PLC0415

@@ -4,20 +4,24 @@ One Cholesky factor K = L Lᵀ serves statics and modes. Idle motions N make K s
 many unknowns as there are stops them: the compliance of the tool does not feel it, and the modes
 are those of the stiffness of the others with the mass M − M N (NᵀMN)⁺ NᵀM, which is what is left
 when the idle motions run free.
+
+Motions that cost no energy are idle ones, which the tool does not feel, and the tool's own. A rod
+between two ball joints spins: harmless in statics, a zero frequency in dynamics. They are found by
+kinematics alone: bodies as rigid, springs as locks.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import LinAlgError, cho_factor, cho_solve, eigh
+from scipy.linalg import LinAlgError, cho_factor, cho_solve, eigh, qr
 from scipy.linalg.blas import dtrsm
 
 from lumped.arrays import Array, IntArray, dense, fix_signs, unit_diagonal
 from lumped.dense.modes import Modes
 from lumped.dense.statics import balanced_flexibility, rounding_of_flexibility
 from lumped.errors import ComputationError
+from lumped.screws import name_twists, shift
 from lumped.system.assembly import System
-from lumped.system.idle import idle_motions
 from lumped.system.joint_motion import Portion
 
 # Pivots of the stiffness with unit diagonal: those of a chain of 160 elements are 3e-8. Rounding of
@@ -26,6 +30,8 @@ _SMALLEST_PIVOT = 1e-13
 DOUBTFUL = 1e-8
 # Mass of an idle motion, relative, below which it has none.
 _MASSLESS = 1e-13
+# Without units. Rounding of a motion is about 1e-14; a posture's loops are closed to 1e-12.
+_FREE = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -243,3 +249,50 @@ def _pseudo_inverse(mass: Array, size: float) -> Array:
     heavy = values > _MASSLESS * size
     inverse: Array = (vectors[:, heavy] / values[heavy]) @ vectors[:, heavy].T
     return inverse
+
+
+@dataclass(frozen=True, eq=False)
+class IdleMotions:
+    """Idle motions of a system, k of them: `motions` (outer × k) on its nodes' unknowns.
+
+    Holding the `pinned` unknowns (k) stops them and nothing else.
+    """
+
+    motions: Array
+    pinned: IntArray
+
+
+def idle_motions(system: System) -> IdleMotions:
+    """The idle motions of `system`, drives held or sprung.
+
+    Raises ComputationError, naming the motion, where the tool is left free to move.
+    """
+    strains = [_relative(system, body) for body in system.ends]
+    count = system.outer
+    rows = np.vstack([system.motions.locks, *strains])
+    _, values, right = np.linalg.svd(rows, full_matrices=True)
+    free = right[int(np.sum(values > _FREE)) :].T
+    length = system.motions.structure.length
+    unit = np.array([1.0 / length] * 3 + [1.0] * 3)
+    felt = unit[:, None] * (system.tool[:, :count] @ free)
+    left, sizes, mix = np.linalg.svd(felt, full_matrices=True)
+    moving = int(np.sum(sizes > np.sqrt(_FREE)))
+    if moving:
+        motions = name_twists(left[:, :moving].T / unit, length)
+        raise ComputationError(f"{system.name}: the tool is free to {motions}: no drive holds it")
+    idle = free @ mix[moving:].T
+    order = qr(idle.T, mode="r", pivoting=True)[1]
+    return IdleMotions(idle, np.sort(order[: idle.shape[1]]))
+
+
+def _relative(system: System, body: str) -> Array:
+    """Twists of a body's other interfaces against its first, without units (6(m−1)×outer)."""
+    length = system.motions.structure.length
+    unit = np.array([1.0 / length] * 3 + [1.0] * 3)[:, None]
+    first, *others = system.posture.mechanism.bodies[body].interfaces.values()
+    ends = system.ends[body]
+    rows = [
+        unit * (ends[6 * i : 6 * i + 6] - shift(other.position - first.position) @ ends[:6])
+        for i, other in enumerate(others, start=1)
+    ]
+    return np.vstack([np.zeros((0, system.outer)), *rows])

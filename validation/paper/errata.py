@@ -12,7 +12,7 @@ import numpy as np
 
 from fem.beams.beam_theory import Plane, bending_frequencies, tension_frequencies
 from lumped.arrays import Array
-from lumped.audit.finding import Finding
+from lumped.audit import Finding
 from lumped.legs import ConstantLeg, equivalent_leg
 from lumped.mechanism.biglide import Stroke
 from lumped.mechanism.mechanism import Mechanism

@@ -4,7 +4,7 @@ import json
 from collections import Counter
 from collections.abc import Sequence
 
-from lumped.audit.finding import Finding
+from lumped.audit import Finding
 from lumped.mechanism.mechanism import Mechanism
 from validation.case import Absolute, Case, Tolerance
 from validation.drawing.text import tolerance

@@ -9,7 +9,7 @@ from math import isnan
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 from markupsafe import Markup, escape
 
-from lumped.audit.finding import Finding
+from lumped.audit import Finding
 from validation.adequacy.matrix import Matrix
 from validation.drawing import text
 from validation.drawing.turnable import viewer

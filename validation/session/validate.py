@@ -9,8 +9,7 @@ from time import perf_counter
 
 from lumped.acceptance.measured import digest
 from lumped.acceptance.requirement import SMALLEST_SHARE
-from lumped.audit.data_checks import audit
-from lumped.audit.finding import Finding
+from lumped.audit import Finding, audit
 from lumped.errors import ComputationError, InputError
 from lumped.models.bodies import legs_of
 from lumped.robot_file import RobotFile

@@ -5,7 +5,7 @@ import base64
 import toy_catalogue
 from matrix_sample import sample_matrix
 
-from lumped.audit.finding import Finding
+from lumped.audit import Finding
 from validation.adequacy.matrix import ADEQUACY, MEASURED, Assessment
 from validation.case import Absolute, Allowance, Measurement, Relation, Relative
 from validation.exhibits import Figure, PlannedFigure, Study

@@ -7,8 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from lumped.audit.data_checks import audit, data_findings
-from lumped.audit.finding import DescribedPart, Finding, parts
+from lumped.audit import DescribedPart, Finding, audit, data_findings, parts
 from lumped.legs import ConstantLeg, Material, tip_compliance
 from lumped.robot_file import as_printed, load_robot
 from lumped.sections import Rectangle

@@ -1,25 +1,96 @@
 """What the data of a robot file say about themselves, as printed and as used.
 
-Every check tells the findings on one part, none where the data are sound.
+Every check tells the findings on one part, each with the number that shows it; none where the data
+are sound.
 """
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import replace
-from typing import Any
+from dataclasses import dataclass, field, replace
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
-from lumped.audit.finding import DescribedPart, Finding, parts
+from lumped.arrays import Array
 from lumped.robot_file import RobotFile, as_printed
 from lumped.robot_file.evidence import Correction
 from lumped.robot_file.rules.matrices import asymmetries, is_positive_definite, smallest_eigenvalue
 
+Kind: TypeAlias = Literal["computed", "read"]
+Severity: TypeAlias = Literal["error", "warning", "note"]
 # Moments of inertia are printed with three to four digits.
 _TRIANGLE_ROUNDING = 1e-3
 # Of √(c_ii c_jj), where a straight beam has √3/2: below it a coupling is an accident of the shape.
 _COUPLING_THRESHOLD = 0.1
 # A leg's end may give way locally and turn more than a beam's; ten times more is not a beam.
 _LARGEST_TIP_ROTATION = 10.0
+
+
+@dataclass(frozen=True)
+class Finding:
+    """A fault of printed data or of a printed formula.
+
+    `where` names the key of the robot file or the place in the paper, `check` the question that
+    was asked; `printed` is what stands there, `wrong` what is the matter, `evidence` a sentence
+    with the computed `numbers` (SI, by name), `used` what the models take instead.
+    `kind`: "computed" where a computation finds it, "read" where only reading does.
+    `severity`: "error" if nothing can be computed with it or the result would be wrong, "warning"
+    if it is doubtful but usable, "note" if no number depends on it.
+    """
+
+    where: str
+    check: str
+    printed: str
+    wrong: str
+    evidence: str
+    severity: Severity
+    used: str = "as given"
+    numbers: Mapping[str, float] = field(default_factory=dict)
+    kind: Kind = "computed"
+
+
+@dataclass(frozen=True)
+class DescribedPart:
+    """A part of the robot as a file describes it, SI; None where it does not.
+
+    `compliance` 6×6, `inertia` 3×3 at the mass centre, `length` and `mass_centre` (m from the
+    root, along x) of a leg.
+    """
+
+    name: str
+    compliance: Array | None = None
+    inertia: Array | None = None
+    length: float | None = None
+    mass_centre: float | None = None
+
+
+def parts(tables: Mapping[str, Any]) -> tuple[DescribedPart, ...]:
+    """Foot, legs and tool of a robot file's tables, or bodies and joints of a mechanism's."""
+    named = {name: tables[name] for name in ("foot", "leg1", "leg2", "tool") if name in tables}
+    if "bodies" in tables:
+        kinds = ("bodies", "joints")
+        named = {f"{k}.{name}": table for k in kinds for name, table in tables[k].items()}
+    return tuple(
+        DescribedPart(
+            name=name,
+            compliance=_matrix(table, "compliance"),
+            inertia=_matrix(table, "inertia"),
+            length=_length(tables, table),
+            mass_centre=table.get("mass_centre"),
+        )
+        for name, table in named.items()
+    )
+
+
+def _length(tables: Mapping[str, Any], table: Mapping[str, Any]) -> float | None:
+    """Length (m) of a leg, told or between its points; None of anything else."""
+    if "from" not in table:
+        return table.get("length")
+    start, to = (tables["points"][table[end]] for end in ("from", "to"))
+    return float(np.linalg.norm(np.subtract(to, start)))
+
+
+def _matrix(table: Mapping[str, Any], key: str) -> Array | None:
+    return np.array(table[key], dtype=float) if key in table else None
 
 
 def audit(robot_file: RobotFile) -> tuple[Finding, ...]:
