@@ -2,6 +2,8 @@
 
 import json
 import os
+import pty
+import select
 import subprocess
 import sys
 import time
@@ -49,6 +51,28 @@ def wait_for(condition):
         time.sleep(0.02)
 
 
+def on_terminal(arguments, environment, *, pressed):
+    """Exit code and screen of a process on a terminal of its own, Ctrl-C once `pressed(screen)`."""
+    process, terminal = pty.fork()
+    if process == 0:
+        os.execve(arguments[0], arguments, environment | {"TERM": "xterm"})  # noqa: S606
+    screen, interrupted, begun = b"", False, time.monotonic()
+    while time.monotonic() - begun < 2.0 * PATIENCE:
+        if select.select([terminal], [], [], 0.05)[0]:
+            try:
+                screen += os.read(terminal, 65536)
+            except OSError:
+                break
+        if not interrupted and pressed(screen.decode(errors="replace")):
+            # As under a shell, the terminal sends it to all processes in front.
+            os.write(terminal, b"\x03")
+            interrupted = True
+    os.close(terminal)
+    _, status = os.waitpid(process, 0)
+    assert interrupted, screen.decode(errors="replace")
+    return os.waitstatus_to_exitcode(status), screen.decode(errors="replace")
+
+
 def partial(path):
     """Where a run is written that is not whole yet."""
     return path.with_name(f"{path.name}.partial")
@@ -59,6 +83,16 @@ def lines(path):
     files = [folder / "results.jsonl" for folder in (partial(path), path)]
     file = next((file for file in files if file.exists()), None)
     return file.read_bytes().splitlines() if file else []
+
+
+def content(*folders):
+    """What folders hold, by name, but for locks."""
+    return {
+        str(file.relative_to(path)): file.read_bytes()
+        for path in folders
+        for file in path.rglob("*")
+        if file.is_file() and file.name != ".lock"
+    }
 
 
 def run_here(_catalogue, context, tasks, *, keep, progress, **_):

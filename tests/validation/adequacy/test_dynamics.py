@@ -13,7 +13,7 @@ from lumped.mechanism.mechanism import Mechanism
 from lumped.robot_file import load_robot
 from lumped.sections import HollowRectangle, ISection, Tube
 from validation.adequacy.judgement import judged
-from validation.adequacy.matrix import Entry, Matrix
+from validation.adequacy.matrix import Matrix
 from validation.adequacy.mechanism.dynamics import dynamic_reference, mass_notes
 from validation.adequacy.mechanism.path import robot_at, robot_on_path
 from validation.adequacy.mechanism.vibration import (
@@ -32,13 +32,6 @@ from validation.solids.legs import COARSEST_WALLS
 
 STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 BEAMS = ("segments", "beam", "segments-euler-bernoulli", "beam-euler-bernoulli")
-
-
-def found(matrix: Matrix, model: str, quantity: str) -> Entry:
-    """An entry that must be there."""
-    entry = matrix.entry(model, quantity)
-    assert entry is not None
-    return entry
 
 
 @pytest.fixture(scope="module")
@@ -60,10 +53,9 @@ def flanged(flanged_robot: Mechanism) -> Matrix:
 def test_what_fails_on_equivalent_legs_holds_on_solids_of_the_same_legs(
     paper: Matrix, model: str
 ) -> None:
-    assert paper.formulation is not None
     for quantity in ("x", "y", "z"):
-        assert found(paper, model, quantity).verdict == "inadequate"
-        entry = found(paper.formulation, model, quantity)
+        assert paper.entry(model, quantity).verdict == "inadequate"
+        entry = paper.formulation.entry(model, quantity)
         assert entry.verdict == "adequate"
         # Rigid faces take 2 % along z, free ones nothing; in the plane legs only stretch. Two
         # meshes leave a thousandth of it.
@@ -73,7 +65,7 @@ def test_what_fails_on_equivalent_legs_holds_on_solids_of_the_same_legs(
 
 @pytest.mark.parametrize("model", BEAMS)
 def test_beams_of_i_section_have_modes_that_solids_do_not_have(flanged: Matrix, model: str) -> None:
-    order = found(flanged, model, "order")
+    order = flanged.entry(model, "order")
     assert order.verdict == "inadequate"
     # Two at 160 Hz, where the robot's next mode is above 220 Hz.
     assert order.value == pytest.approx(160.0, abs=1.0)
@@ -104,8 +96,6 @@ def test_stated_uncertainties_of_frequencies_hold_shorter_slices_and_finer_secti
         robot_at(one, placed_at(one.robot_file.mechanism, *stations(robot, 2))) for one in contexts
     )
     (own,) = dynamic_reference(quick).alternatives
-    assert own.response.vibration is not None
-    assert own.dynamic is not None
     hold = finer.holding.first
     of_sections = solid_vibration(
         quick.postures, 2, 2, hold, None, quick.offered, section=2 * COARSEST_WALLS
@@ -117,13 +107,13 @@ def test_stated_uncertainties_of_frequencies_hold_shorter_slices_and_finer_secti
 
 def test_bending_is_known_better_than_torsion_of_an_open_section(flanged: Matrix) -> None:
     """The section mesh leaves torsion open, and bending of 100 × 100 mm next to nothing."""
-    spreads = [found(flanged, "beam", f"f{k}").uncertainties["meshes"] for k in (1, 2, 3, 4)]
+    spreads = [flanged.entry("beam", f"f{k}").uncertainties["meshes"] for k in (1, 2, 3, 4)]
     assert max(spreads[:3]) < 0.006
     assert min(spreads[1:3]) < 0.0025
 
 
 def test_the_value_by_number_is_the_models_own(flanged: Matrix, flanged_robot: Mechanism) -> None:
-    order = found(flanged, "beam", "order")
+    order = flanged.entry("beam", "order")
     (own,) = answers("beam", [posture(flanged_robot, np.array(order.pose))], 4)
     assert np.abs(own.frequencies / order.value - 1.0).min() < 1e-9
 
@@ -132,7 +122,7 @@ def test_the_value_by_number_is_the_models_own(flanged: Matrix, flanged_robot: M
 def test_what_holds_for_every_plausible_mass_of_given_legs_is_decided(
     paper: Matrix, model: str
 ) -> None:
-    first = found(paper, model, "f1")
+    first = paper.entry(model, "f1")
     assert first.verdict == "inadequate"
     assert first.uncertainties["where the legs' mass lies"] > 0.01
     assert sentence(paper).endswith(
@@ -142,7 +132,7 @@ def test_what_holds_for_every_plausible_mass_of_given_legs_is_decided(
 
 def test_what_plausible_masses_do_not_agree_on_more_data_decides(paper_subject: Subject) -> None:
     """f1 by beams is off by 34 to 39 %: of a designer who accepts 36 % it is undecided."""
-    entry = found(judged(paper_subject, Requirement(modes=4, frequency=0.36)), "beam", "f1")
+    entry = judged(paper_subject, Requirement(modes=4, frequency=0.36)).entry("beam", "f1")
     assert entry.verdict == "undecided"
     assert entry.reason.startswith("give the legs' mass distribution: mass_centre and inertia")
 
@@ -164,15 +154,15 @@ def test_lumps_of_mass_decide_on_the_nine_modes_that_they_have_and_leave_the_ten
     beams = Candidate("beam", "", modes_of(lambda: modes_by_model(robot, "beam", DEFAULT_OPTIONS)))
     none, weights = Reference("none", ()), robot.samples.weights
     matrix = judged(Subject("", (), np.zeros((1, 0)), weights, [beams], none, reference), asked)
-    known = [found(matrix, "beam", f"f{number}") for number in range(1, 10)]
+    known = [matrix.entry("beam", f"f{number}") for number in range(1, 10)]
     assert None not in [entry.error for entry in known[:5]]
     assert not any("fewer modes" in entry.reason for entry in known)
-    tenth = found(matrix, "beam", "f10")
+    tenth = matrix.entry("beam", "f10")
     assert (tenth.verdict, tenth.error) == ("undecided", None)
     assert tenth.reason.startswith(
         "with mass in lumps there are fewer modes than are judged; give the"
     )
-    assert found(matrix, "beam", "order").verdict != "adequate"
+    assert matrix.entry("beam", "order").verdict != "adequate"
     (note,) = mass_notes(robot, reference)
     assert ", f10 " in note
 

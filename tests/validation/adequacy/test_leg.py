@@ -37,7 +37,6 @@ def flanged() -> Matrix:
 
 def test_torsion_of_an_i_section_between_held_ends_is_inadequate_by_beams(flanged: Matrix) -> None:
     entry = flanged.entry("beam", "phi_x")
-    assert entry is not None
     assert entry.verdict == "inadequate"
     # 3.7 times the compliance of the solid, from a mesh of its own.
     mesh = section_mesh(FLANGED.section, 4)
@@ -49,7 +48,6 @@ def test_torsion_of_an_i_section_between_held_ends_is_inadequate_by_beams(flange
 
 def test_its_cause_is_warping_and_its_remedy_is_computed(flanged: Matrix) -> None:
     entry = flanged.entry("beam", "phi_x")
-    assert entry is not None
     first = entry.causes[0]
     assert first.cause == "warping held at the ends"
     assert first.share == pytest.approx(1.0, abs=0.05)
@@ -60,12 +58,9 @@ def test_its_cause_is_warping_and_its_remedy_is_computed(flanged: Matrix) -> Non
 
 def test_free_ends_leave_saint_venants_torsion_as_it_is() -> None:
     entry = adequacy(replace(FLANGED, ends="free")).entry("beam", "phi_x")
-    assert entry is not None
     # The thin-walled J alone is off; inward corners leave the quick mesh 4 % uncertain.
     assert entry.along == pytest.approx(0.0, abs=0.02)
     # Of an error that has no sign the middle of what is left open is not its best estimate.
-    assert entry.error is not None
-    assert entry.uncertainty is not None
     assert entry.error - entry.uncertainty >= 0.0
     assert entry.error < 0.03
     assert [cause.cause for cause in entry.causes] == ["textbook section constants"]
@@ -73,7 +68,6 @@ def test_free_ends_leave_saint_venants_torsion_as_it_is() -> None:
 
 def test_unsaid_ends_leave_torsion_undecided_and_say_what_decides() -> None:
     entry = adequacy(replace(FLANGED, ends=None)).entry("beam", "phi_x")
-    assert entry is not None
     assert entry.verdict == "undecided"
     assert entry.reason.endswith("in [leg1]")
     assert entry.uncertainties["how the ends are held"] > 1.0
@@ -84,7 +78,6 @@ def test_walls_that_allow_one_section_mesh_leave_its_constants_open() -> None:
     """Of a millimetre: both solids share the coarsest mesh, and its torsion is 0.15 % uncertain."""
     section = HollowRectangle(width=0.1, height=0.16, thickness=0.001)
     entry = adequacy(ConstantLeg(0.9, section, STEEL, ends="free")).entry("beam", "phi_x")
-    assert entry is not None
     coarse, fine = (
         section_constants(section_mesh(section, number), 0.3).torsion_constant
         for number in (COARSEST_WALLS, 8)
@@ -99,7 +92,6 @@ def test_a_given_leg_is_its_own_reference() -> None:
     matrix = adequacy(legs_of(load_robot("ifw").mechanism)["leg1"])
     assert matrix.verdict("vjm") == "adequate"
     entry = matrix.entry("beam", "y")
-    assert entry is not None
     assert entry.verdict == "inadequate"
     assert entry.causes[0].cause.startswith("equivalent leg")
     assert "6×6" in entry.remedy

@@ -51,9 +51,7 @@ def entry(
         statics=Reference("none", []),
         dynamics=reference,
     )
-    found = judged(subject, Requirement(modes=modes)).entry("model", quantity)
-    assert found is not None
-    return found
+    return judged(subject, Requirement(modes=modes)).entry("model", quantity)
 
 
 def test_modes_in_another_order_are_paired_by_shape_and_the_order_is_judged_apart() -> None:

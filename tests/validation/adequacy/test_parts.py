@@ -1,6 +1,5 @@
 """Runs of robots with CAD parts: what each idealisation of a part costs against its solid."""
 
-import pickle
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,15 +16,13 @@ from validation.adequacy.mechanism.parts import (
     reduction_note,
     solid_parts,
 )
-from validation.adequacy.mechanism.path import holding, offered, path_postures
+from validation.adequacy.mechanism.path import holding, path_postures
 from validation.adequacy.models import JUDGED, judged_models, why_unable
 from validation.adequacy.robot import robot_adequacy
 from validation.cases.mechanism import parts as mechanism_parts
 from validation.context import Context
 from validation.models import parts
-from validation.parts import meshes
 from validation.results.outcome import judge
-from validation.session.parts_ahead import prepare_parts
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -123,36 +120,6 @@ def test_held_and_free_modes_of_parts_are_compared_in_a_run(robot_file, monkeypa
         verdict = "failed"
     forget()
     assert verdict in {"disagree", "failed"}
-
-
-def test_parts_are_made_ahead_on_other_machines_and_never_again(robot_file, tmp_path, monkeypatch):
-    monkeypatch.delenv("FLEXPROOF_CACHE", raising=False)
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "here"))
-    context, portions = Context(robot_file, "quick"), []
-
-    def elsewhere(work):
-        """Another machine: a cache of its own, and no file but what is sent."""
-        with pytest.MonkeyPatch.context() as there:
-            there.setenv("XDG_CACHE_HOME", str(tmp_path / "there"))
-            forget()
-            sent = [pickle.loads(pickle.dumps(one)) for one in work]  # noqa: S301  our own
-            portions.append([one.body.name for one in sent])
-            found = [one() for one in sent]
-            forget()
-        yield from enumerate(found)
-
-    prepare_parts(context, elsewhere, carried=True)
-    # What it is; then the finest mesh held in both ways, the two coarser ones, and the coarsest
-    # with its interfaces free.
-    assert portions == [["arm"], ["arm"] * 5]
-    forget()
-    monkeypatch.setattr(meshes, "volume_mesh", lambda *_: pytest.fail("meshed again"))
-    for one in ("reduction", "free_interface"):
-        monkeypatch.setattr(parts, one, lambda *_: pytest.fail("reduced again"))
-    prepare_parts(context, lambda work: pytest.fail(f"{len(work)} computed again"), carried=True)
-    postures = path_postures(context)
-    for ends in holding(robot_file.mechanism).alternatives.values():
-        assert solid_parts(postures, offered(robot_file.requirement.modes), ends)["arm"].size > 12
 
 
 def test_a_part_of_three_interfaces_is_no_leg_to_be_stepped():

@@ -22,7 +22,6 @@ EQUIVALENT = ("vjm-equivalent", "segments", "beam")
 @pytest.mark.parametrize("quantity", STATIC_QUANTITIES)
 def test_the_papers_legs_as_given_hold_in_statics(paper: Matrix, quantity: str) -> None:
     entry = paper.entry("vjm", quantity)
-    assert entry is not None
     assert entry.verdict == "adequate"
     # Two formulations that share the data alone, whose digits leave something open.
     digits = entry.uncertainties["digits of the file"]
@@ -36,7 +35,6 @@ def test_constant_sections_distort_the_papers_legs(
     paper: Matrix, model: str, quantity: str
 ) -> None:
     entry = paper.entry(model, quantity)
-    assert entry is not None
     assert entry.verdict == "inadequate"
     assert entry.causes[0].cause.startswith("equivalent leg")
     assert sum(cause.share for cause in entry.causes) == pytest.approx(1.0, abs=0.02)
@@ -56,7 +54,6 @@ def test_errors_are_those_of_the_models_themselves(paper: Matrix) -> None:
     assert given[:, 2].max() * 1e9 == pytest.approx(27.9, abs=0.05)
     assert equivalent[:, 2].max() * 1e9 == pytest.approx(23.7, abs=0.05)
     entry = paper.entry("segments", "z")
-    assert entry is not None
     along = (equivalent / given - 1.0)[::8, 2]
     assert entry.alongs == pytest.approx(along, rel=1e-6)
     whole = np.linalg.norm(equivalent - given, axis=1) / np.linalg.norm(given, axis=1)
@@ -67,7 +64,6 @@ def test_errors_are_those_of_the_models_themselves(paper: Matrix) -> None:
 
 def test_a_rigid_model_knows_no_motion_along_z(paper: Matrix) -> None:
     entry = paper.entry("simplified", "z")
-    assert entry is not None
     assert (entry.verdict, entry.error, entry.along) == ("inadequate", 1.0, -1.0)
     assert "no drive lets the tool move this way" in entry.reason
     assert entry.remedy == "use vjm"

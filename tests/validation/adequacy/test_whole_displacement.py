@@ -54,7 +54,6 @@ def test_the_first_screen_is_that_of_the_plain_rule(name: str) -> None:
         plain = [plain_errors(own, c) for c in references if c is not None]
         for quantity in STATIC_QUANTITIES:
             entry = matrix.entry(candidate.model, quantity)
-            assert entry is not None
             errors = np.array([one[quantity] for one in plain])
             high = np.array(entry.errors, float) + np.array(entry.spreads, float)
             low = np.array(entry.errors, float) - np.array(entry.spreads, float)
@@ -102,18 +101,15 @@ def test_a_coupling_that_is_left_out_is_not_adequate_however_good_the_diagonals_
     on_rigid_feet = like_ifw(leg1=COUPLED[0], leg2=COUPLED[1], foot_compliance=None)
     subject, matrix = statics_of(file_of(on_rigid_feet))
     (due,) = (one.response.compliance for one in subject.statics.alternatives)
-    assert due is not None
     for model in ("vjm-equivalent", "segments", "beam", "beam-euler-bernoulli"):
         candidate = next(one for one in subject.candidates if one.model == model)
         own = candidate.response.compliance
-        assert own is not None
         # The rule that there was: all six are right within 3.5 %.
         diagonals = np.diagonal(own / due, axis1=1, axis2=2) - 1.0
         assert np.abs(diagonals).max() < 0.035
         # z under a force along x is missing altogether.
         assert np.abs(own[:, 2, 0]).max() < 1e-9 * np.abs(due[:, 2, 0]).max()
         x = matrix.entry(model, "x")
-        assert x is not None
         assert x.verdict == "inadequate"
         assert x.error == pytest.approx(0.148, abs=0.003)
         assert abs(x.along or 1.0) < 0.002

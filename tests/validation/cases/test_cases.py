@@ -45,8 +45,14 @@ def groups():
 
 
 GROUPS = groups()
+# A quarter of a minute; the same cases of ifw are always run.
+SLOW = {("five-bar", "robot.solid.modes")}
 # The paper's statements are judged and turned where their numbers are tested, in test_claims.
-OTHERS = [of for of in GROUPS if of[1] != "paper"]
+OTHERS = [
+    pytest.param(of, marks=pytest.mark.exhaustive) if of in SLOW else of
+    for of in GROUPS
+    if of[1] != "paper"
+]
 
 
 def measured(case, context):

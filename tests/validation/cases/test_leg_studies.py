@@ -77,6 +77,7 @@ def test_shear_left_out_is_what_beam_theory_says_of_it(quick):
         assert amount == pytest.approx(exact, rel=5e-3)
 
 
+@pytest.mark.exhaustive
 def test_faces_held_by_curved_cells_are_not_taken_for_shear():
     # 600 times as long as thick and ν = 0.49: of shear 2e-6 is left, where cells of a circle that
     # cannot contract as they should hold both faces. From the longest legs −1.94 was found.

@@ -38,14 +38,14 @@ def test_a_channel_twists_about_its_shear_centre_as_its_solid_does(tmp_path, mon
 
     Ends are averaged and free to warp, so that Saint-Venant's torsion is the whole of it.
     """
-    monkeypatch.setattr(parts, "UNKNOWNS", 10_000)
+    monkeypatch.setattr(parts, "UNKNOWNS", 6_000)
 
     def draw(occ):
         outer, inner = occ.addBox(0, 0, -30, 300, 40, 60), occ.addBox(-10, 8, -22, 320, 40, 44)
         occ.cut([(3, outer)], [(3, inner)])
 
     channel = body_of(written(tmp_path / "channel.step", draw), 0.3, "average", None)
-    identified = parts.identified(channel, 10_000, 0)
+    identified = parts.identified(channel, 6_000, 0)
     solid = identified.compliance
     leg = stepped(channel, 4)
     found = compliance(leg)

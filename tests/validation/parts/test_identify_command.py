@@ -65,7 +65,7 @@ def test_three_interfaces_in_numbers_and_from_the_cache(capsys, cache, monkeypat
 
 @pytest.mark.usefixtures("cache")
 def test_two_interfaces_give_a_table_to_paste(capsys):
-    assert cli.main(asked(BORES[:2], "--unknowns", "3000", "--modes", "1")) == 0
+    assert cli.main(asked(BORES[:2], "--unknowns", "1000", "--modes", "1")) == 0
     said = capsys.readouterr().out
     assert "rigid by default: the pin" in said
     leg = tomllib.loads(said[said.index("[bodies.rocker]") :])["bodies"]["rocker"]

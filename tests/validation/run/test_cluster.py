@@ -18,13 +18,14 @@ from crane import write_meshed_crane
 from forgetting import forget
 from numpy.testing import assert_allclose
 from one_arm import ONE_ARM
+from toy_runs import content
 
 from lumped.errors import ComputationError, InputError
 from lumped.robot_file import load_robot
 from lumped.robot_file.variation import variations_of
 from validation import api, cli
-from validation.adequacy.mechanism.parts import highest_of_parts
-from validation.adequacy.mechanism.path import offered, path_postures
+from validation.adequacy.mechanism.parts import highest_of_parts, solid_parts
+from validation.adequacy.mechanism.path import holding, offered, path_postures
 from validation.context import Context
 from validation.models import parts
 from validation.run import cluster as on_dask
@@ -121,9 +122,14 @@ def test_parts_are_reduced_by_a_worker_and_nothing_of_them_here(tmp_path, monkey
     names = [{file.name for file in place.rglob("*.npz")} for place in (tmp_path / "here", theirs)]
     assert len(names[0]) >= 4
     assert names[0] <= names[1]
-    computed = []
-    prepare_parts(context, lambda work: computed.append(work) or (), carried=False)
-    assert not computed
+    forget()
+    prepare_parts(context, lambda work: pytest.fail(f"{len(work)} computed again"), carried=True)
+    with monkeypatch.context() as patch:
+        for one in ("reduction", "free_interface"):
+            patch.setattr(parts, one, lambda *_: pytest.fail("reduced again"))
+        postures = path_postures(context)
+        for ends in holding(context.robot_file.mechanism).alternatives.values():
+            assert solid_parts(postures, offered(4), ends)["arm"].size > 12
     # One of the reductions made here: another process, the same numbers.
     arm = context.robot_file.mechanism.bodies["arm"]
     highest, cutoff = highest_of_parts(path_postures(context), offered(4))
@@ -169,13 +175,13 @@ def test_an_earlier_run_survives_a_scheduler_that_is_not_there(address, said, tm
     with open_folder(tmp_path / "run", {}, "afresh") as folder:
         folder.write({"results.json": "precious"})
         folder.complete = True
-    before = {f: f.read_bytes() for f in tmp_path.rglob("*") if f.is_file()}
+    before = content(tmp_path)
     arguments = ["run", "--preset", "quick", "--out", str(tmp_path / "run"), "--cluster", address]
     assert cli.main([*arguments, "--vary", "platform.mass=40:50:2"]) == 2
     (line,) = capfd.readouterr().err.splitlines()
     assert line.startswith("flexproof: --cluster")
     assert said in line
-    assert {f: f.read_bytes() for f in tmp_path.rglob("*") if f.is_file()} == before
+    assert content(tmp_path) == before
 
 
 @pytest.mark.parametrize(

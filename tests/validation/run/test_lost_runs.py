@@ -2,9 +2,7 @@
 
 import json
 import os
-import pty
 import random
-import select
 import shutil
 import signal
 import subprocess
@@ -17,6 +15,7 @@ from toy_runs import (
     command,
     completed,
     lines,
+    on_terminal,
     partial,
     started,
     wait_for,
@@ -120,17 +119,10 @@ def test_a_hang_up_without_nohup_ends_the_run_as_ctrl_c_does(endless, tmp_path):
 
 
 def test_ctrl_c_on_a_terminal_ends_the_run(tmp_path):
-    # As under a shell, the terminal sends Ctrl-C to the processes in front.
-    process, terminal = pty.fork()
-    if process == 0:
-        arguments = command("endless", "run", "--out", tmp_path / "run")
-        os.execve(arguments[0], arguments, ENVIRONMENT | {"TERM": "xterm"})  # noqa: S606
-    screen = read_until(terminal, lambda: lines(tmp_path / "run"))
-    os.write(terminal, b"\x03")
-    screen += read_until(terminal, lambda: False)
-    os.close(terminal)
-    _, status = os.waitpid(process, 0)
-    assert os.waitstatus_to_exitcode(status) == 3
+    path = tmp_path / "run"
+    asked = command("endless", "run", "--out", path)
+    code, screen = on_terminal(asked, ENVIRONMENT, pressed=lambda _: lines(path))
+    assert code == 3
     assert "1 not computed" in screen
     assert "interrupted" in screen
     assert "--resume" in screen
@@ -167,17 +159,3 @@ def test_a_full_disk_ends_with_a_clear_message_and_keeps_what_was_done(tmp_path)
         assert "All 12 comparisons agree" in done.stdout
     finally:
         subprocess.run([umount, str(disk)], check=True)
-
-
-def read_until(terminal, condition):
-    """What the terminal shows until the condition holds or nobody writes to it any more."""
-    seen = b""
-    begun = time.monotonic()
-    while not condition():
-        assert time.monotonic() - begun < PATIENCE, seen.decode()
-        if select.select([terminal], [], [], 0.05)[0]:
-            try:
-                seen += os.read(terminal, 65536)
-            except OSError:
-                break
-    return seen.decode()

@@ -8,7 +8,7 @@ import signal
 import time
 
 import pytest
-from toy_runs import command, completed, partial, started, wait_for
+from toy_runs import command, completed, content, partial, started, wait_for
 
 COUNT = 30
 # Every other kill falls into the replacement itself, which is made this slow (s per step) for it.
@@ -21,15 +21,6 @@ def preset_of(path):
     assert run["unfinished"] == 0
     assert json.loads((path / "run.json").read_text())["preset"] == run["preset"]
     return run["preset"]
-
-
-def files(path):
-    """The files of a run by name, without the lock."""
-    return {
-        str(file.relative_to(path)): file.read_bytes()
-        for file in path.rglob("*")
-        if file.is_file() and file.name != ".lock"
-    }
 
 
 @pytest.fixture(scope="module")
@@ -61,7 +52,7 @@ def test_a_kill_leaves_the_old_run_or_the_new_one(finished, tmp_path, seed):
     former, duration = finished
     path = tmp_path / "run"
     shutil.copytree(former, path)
-    before = files(path)
+    before = content(path)
     chance = random.Random(seed)  # noqa: S311  any moment will do
     slowly = {"SLOW_STEPS": str(STEP)} if seed % 2 else {}
     run = started(command("sound", "run", "--preset", "standard", "--out", path), **slowly)
@@ -77,14 +68,14 @@ def test_a_kill_leaves_the_old_run_or_the_new_one(finished, tmp_path, seed):
     replaced = earlier.exists() or preset_of(path) == "standard"
     if not path.exists():
         # Between the two steps: both are whole, and whoever opens the folder next goes on.
-        assert files(earlier) == before
+        assert content(earlier) == before
         assert preset_of(partial(path)) == "standard"
     elif not replaced:
         # Not a byte of the old run has changed.
-        assert files(path) == before
+        assert content(path) == before
     finish("standard", path, *(["--resume"] if replaced else []))
     assert preset_of(path) == "standard"
-    assert set(files(path)) == set(before)
+    assert set(content(path)) == set(before)
     assert [entry.name for entry in tmp_path.iterdir()] == ["run"]
     assert (path / "figures" / "thesis.png").read_bytes() == b"years of work"
     assert "standard" in (path / "report.html").read_text()

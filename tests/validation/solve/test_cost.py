@@ -1,13 +1,10 @@
 """What a solve will cost is known before, and what costs too much is refused with the estimate."""
 
-import os
-import pty
-import select
 import sys
-import time
 from pathlib import Path
 
 import pytest
+from toy_runs import ENVIRONMENT, on_terminal
 
 from fem.bodies.solid import coupled_leg, solid_leg, solid_mesh
 from fem.solvers.cholesky import analyse
@@ -67,28 +64,9 @@ def test_what_costs_too_much_is_refused_with_the_estimate(robot, arguments, caps
 def test_ctrl_c_ends_a_long_solve_at_once(robot):
     program = "import sys; from validation.cli import main; sys.exit(main())"
     arguments = [sys.executable, "-c", program, "solve", str(robot), "--model", "solid"]
-    process, terminal = pty.fork()
-    if process == 0:
-        os.chdir(ROOT)
-        os.execve(  # noqa: S606
-            arguments[0], [*arguments, "--divisions", "6"], os.environ | {"TERM": "xterm"}
-        )
-    screen = b""
-    begun = time.monotonic()
-    pressed = False
-    while time.monotonic() - begun < 60.0:
-        if select.select([terminal], [], [], 0.1)[0]:
-            try:
-                screen += os.read(terminal, 65536)
-            except OSError:
-                break
-        # What is computed, and what it will take, is shown while one waits.
-        if not pressed and b"unknowns" in screen:
-            os.write(terminal, b"\x03")
-            pressed = True
-    os.close(terminal)
-    _, status = os.waitpid(process, 0)
-    assert pressed, screen.decode()
-    assert os.waitstatus_to_exitcode(status) == 3
-    assert b"interrupted" in screen
-    assert b"Traceback" not in screen
+    asked = [*arguments, "--divisions", "6"]
+    # What is computed, and what it will take, is shown while one waits.
+    code, screen = on_terminal(asked, ENVIRONMENT, pressed=lambda screen: "unknowns" in screen)
+    assert code == 3
+    assert "interrupted" in screen
+    assert "Traceback" not in screen
