@@ -6,7 +6,7 @@ between one and four, a quarter of random parts lay outside). All numbers of one
 order together, by the sums of their relative changes. It is looked for between one, the least that
 edges of held faces and inner corners leave, and two: walls that are one element thick converge
 faster than they will go on. With the larger factor this held 95 % and more of random parts
-(tests/benchmarks/calibrate_parts.py).
+(tests/validation/parts/test_refinement.py, calibration).
 """
 
 import numpy as np

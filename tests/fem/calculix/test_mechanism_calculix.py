@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from compliances import scaled_difference
-from like_ifw import like_ifw, placed_at
 
 from fem.bodies.solid import solid_leg, solid_leg_matrices
 from fem.calculix import run as calculix_run
@@ -17,7 +16,7 @@ from fem.reduction.superelement import held_leg
 from lumped.legs import ConstantLeg
 from lumped.mechanism.body import Rigid
 from lumped.mechanism.kinematics.postures import posture, reference_posture
-from lumped.models.bodies import legs_of, on_equivalent_legs
+from lumped.models.bodies import legs_of
 from lumped.robot_file import load_robot
 from lumped.sections import Rectangle
 from lumped.system.assembly import assemble
@@ -78,18 +77,6 @@ def test_a_five_bar_with_a_joint_that_gives_way_in_all_directions():
     first, *others = mechanism.joints
     soft = replace(mechanism, joints=(replace(first, compliance=give), *others))
     assert agree(posture(soft, soft.poses[0])) == 0
-
-
-TOOL = np.diag([2e-9, 3e-9, 1e-9, 4e-7, 3e-7, 5e-7])
-TOOL[[0, 1, 1, 5], [1, 0, 5, 1]] = 1e-9, 1e-9, 1e-8, 1e-8
-# With an offset in all directions, so that every lever of the platform counts.
-OFFSET = np.array([0.02, 0.03, 0.155])
-
-
-@needs_calculix
-def test_the_biglide_with_elastic_feet_and_a_spring_at_the_tool():
-    robot = on_equivalent_legs(like_ifw(tool_compliance=TOOL, tool_offset=OFFSET))
-    agree(*placed_at(robot, 0.4975))
 
 
 @needs_calculix

@@ -135,6 +135,7 @@ def test_turned_and_moved_section():
     assert turned.shear_centre == pytest.approx(tuple(shift), abs=1e-11)
 
 
+@pytest.mark.exhaustive
 def test_sections_against_sectionproperties():
     """Another finite element code: van Leeuwen, sectionproperties (six-node triangles)."""
     library = pytest.importorskip("sectionproperties.pre.library")

@@ -23,7 +23,6 @@ from fem.solvers.cholmod.supernodes import entry_count
 from fem.solvers.cholmod.whole_factor import CholmodFactor, PublicFactor, symbolic_factor
 from fem.solvers.factor import NotPositiveDefiniteError, SeparatedFactor, upper_triangle
 from fem.solvers.modes import MissedModesError
-from fem.solvers.ordering import block_graph, nested_dissection
 from lumped.errors import ComputationError, InputError
 from lumped.legs import ConstantLeg
 from lumped.sections import Rectangle
@@ -260,30 +259,6 @@ def test_backend_from_the_environment(short_leg, monkeypatch):
     monkeypatch.setitem(__import__("sys").modules, "pypardiso", None)
     with pytest.raises(ComputationError, match=r"flexproof\[mkl\]"):
         analyse(short_leg[0])
-
-
-def test_order_is_a_permutation_that_keeps_blocks_together(short_leg):
-    K, _ = short_leg
-    ends = np.zeros((12, K.shape[0]))
-    ends[:, :588] = 1.0
-    matrix = csr_array(np.block([[np.eye(12), ends], [ends.T, K.toarray()]]))
-    order = nested_dissection(block_graph(matrix, leading=(6, 6))).order
-    assert (np.sort(order) == np.arange(matrix.shape[0])).all()
-    # Six of an end, three of a node.
-    places = np.argsort(order)
-    assert (np.diff(places[:6]) == 1).all()
-    assert (np.diff(places[12:].reshape(-1, 3), axis=1) == 1).all()
-    with pytest.raises(ValueError, match="threes"):
-        block_graph(matrix, leading=(6, 6, 1))
-
-
-def test_upper_triangle_sorts_and_keeps_zeros():
-    rows, columns = np.array([0, 0, 1, 2, 2, 0]), np.array([2, 0, 1, 2, 0, 2])
-    matrix = csr_array((np.array([2.0, 5.0, 0.0, 4.0, 3.0, 1.0]), (rows, columns)), shape=(3, 3))
-    triangle = upper_triangle(matrix)
-    assert triangle.indptr.tolist() == [0, 2, 3, 4]
-    assert triangle.indices.tolist() == [0, 2, 1, 2]
-    assert triangle.data.tolist() == [5.0, 3.0, 0.0, 4.0]
 
 
 @pytest.mark.parametrize(

@@ -114,13 +114,6 @@ def test_free_leg_has_six_rigid_motions_and_its_whole_mass(layout):
     assert_allclose(mass[5, 5], 69.705 * LENGTH**2 / 3.0 + properties.rho_Iz * LENGTH)
 
 
-def test_parts_sum_to_the_stiffness():
-    leg = segment_leg(segment_chain(LEG.timoshenko, LENGTH, 5))
-    assert set(leg.parts) == {"tension", "torsion", "bending y", "bending z"}
-    total = sum(dense(part) for part in leg.parts.values())
-    assert_allclose(total, dense(leg.stiffness), rtol=1e-12, atol=1e-6)
-
-
 @pytest.mark.parametrize("layout", ["half", "literal"])
 @pytest.mark.parametrize("printed", [False, True])
 def test_condensed_chain_is_the_schur_complement_of_the_assembled_one(layout, printed):

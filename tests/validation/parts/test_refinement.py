@@ -1,5 +1,6 @@
 """What three meshes leave open: series whose limit is known, a cone, and parts at random."""
 
+from collections import defaultdict
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -109,14 +110,28 @@ def test_a_cone_is_held_by_what_is_stated_of_it(tmp_path, monkeypatch):
     np.testing.assert_allclose(own, exact, rtol=1e-3)
 
 
-@pytest.mark.exhaustive
-def test_parts_at_random_are_held(tmp_path, monkeypatch):
-    """A quick one of the two hundred of tests/benchmarks/calibrate_parts.py."""
+@pytest.mark.parametrize(
+    "seeds",
+    [
+        pytest.param([13], marks=pytest.mark.exhaustive),
+        pytest.param(range(200), marks=pytest.mark.soak),
+    ],
+    ids=["one", "calibration"],
+)
+def test_parts_at_random_are_held(seeds, tmp_path, monkeypatch):
+    """The share held, and errors by shape and coupling, printed (-s)."""
     monkeypatch.setenv("FLEXPROOF_CACHE", "off")
-    numbers = list(stated(random_part(np.random.default_rng([1, 13])), tmp_path))
-    assert len(numbers) == 6
-    assert all(abs(error) <= uncertainty for _, uncertainty, error in numbers)
-    assert all(0.0 < uncertainty < 0.06 for _, uncertainty, _ in numbers)
+    found = defaultdict(list)
+    for seed in seeds:
+        for kind, *number in stated(random_part(np.random.default_rng([1, seed])), tmp_path):
+            found[kind].append(number)
+    for kind, group in sorted(found.items()):
+        median = np.median(np.abs(group), axis=0)
+        print(f"{kind:34} {len(group):5} numbers: median stated, off {median}")  # noqa: T201
+    uncertainty, error = np.array([number for group in found.values() for number in group]).T
+    assert np.mean(np.abs(error) <= uncertainty) >= (1.0 if len(seeds) == 1 else 0.93)
+    assert (uncertainty > 0.0).all()
+    assert np.median(uncertainty) < 0.06
 
 
 @pytest.mark.exhaustive
