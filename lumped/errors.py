@@ -4,8 +4,13 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any, TypeVar
 
+from lumped.text import shortened
+
 Item = TypeVar("Item")
 Found = TypeVar("Found")
+
+# What a person reads before mending the first of them.
+_MOST_LINES = 50
 
 
 class _SendableError(Exception):
@@ -20,10 +25,17 @@ def _made_again(kind: type[_SendableError], *message: str) -> _SendableError:
 
 
 class InputError(_SendableError):
-    """The input is wrong: one line per fault, each naming place, value and what is allowed."""
+    """The input is wrong: one line per fault, each naming place, value and what is allowed.
+
+    Long lines are shortened, and of more than fifty the rest are counted.
+    """
 
     def __init__(self, faults: str | Iterable[str]) -> None:
-        self.faults: tuple[str, ...] = (faults,) if isinstance(faults, str) else tuple(faults)
+        lines = (faults,) if isinstance(faults, str) else tuple(faults)
+        if len(lines) > _MOST_LINES:
+            more = f"and {len(lines) - _MOST_LINES + 1} more faults"
+            lines = (*lines[: _MOST_LINES - 1], more)
+        self.faults: tuple[str, ...] = tuple(map(shortened, lines))
         super().__init__("\n".join(self.faults))
 
 

@@ -10,6 +10,7 @@ from difflib import get_close_matches
 _UNSHOWN = frozenset({"Cc", "Cf", "Cs", "Co", "Cn", "Zl", "Zp"})
 
 _LONGEST_VALUE = 60
+_LONGEST_LINE = 500
 # No known name is near to a longer one.
 _LONGEST_NAME = 100
 
@@ -29,6 +30,15 @@ def shown(value: object) -> str:
 def cut(text: str, longest: int) -> str:
     """The text, or its beginning and … where it is longer than that."""
     return text if len(text) <= longest else text[: longest - 1] + "…"
+
+
+def shortened(line: str) -> str:
+    """The line, or where it is too long for one its beginning, … and its end."""
+    if len(line) <= _LONGEST_LINE:
+        return line
+    # Places come first, reasons last.
+    begin = _LONGEST_LINE * 2 // 3
+    return f"{line[:begin]}…{line[begin + 1 - _LONGEST_LINE :]}"
 
 
 def did_you_mean(name: str, known: Iterable[str], otherwise: str = "", cutoff: float = 0.6) -> str:

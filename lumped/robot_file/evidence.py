@@ -14,8 +14,8 @@ from lumped.files import read_ordinary
 from lumped.mechanism.mechanism import Mechanism
 from lumped.robot_file.places import value_at
 from lumped.robot_file.rules.relations import named_twice
-from lumped.robot_file.rules.rule import is_finite_number
-from lumped.robot_file.rules.tables import ACCEPT, MEASURED
+from lumped.robot_file.rules.rule import is_finite_number, too_many
+from lumped.robot_file.rules.tables import ACCEPT, MEASURED, MEASURED_VALUES
 from lumped.text import shown
 
 _COLUMNS = ("quantity", "pose", "value", "uncertainty", "source")
@@ -46,6 +46,8 @@ def read_measured(path: Path) -> tuple[Measured, ...]:
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise InputError(f"{path}: cannot be read: {error}") from error
     found, faults = [], [] if rows else [f"{path}: holds no measured value"]
+    if len(rows) > MEASURED_VALUES.most:
+        raise InputError(too_many(str(path), len(rows), MEASURED_VALUES.most))
     for number, row in enumerate(rows, start=2):
         table = {name: _value(name, row[name] or "") for name in _COLUMNS}
         if row.get("load"):

@@ -2,7 +2,7 @@
 
 import hashlib
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from importlib import resources
@@ -32,14 +32,13 @@ from lumped.robot_file.reading import decoded, parsed
 from lumped.robot_file.rules.published import key_comments
 from lumped.robot_file.rules.tables import MECHANISM, rules_of
 from lumped.robots import FIRST_TYPE, RobotType
-from lumped.text import cut, did_you_mean, visible
+from lumped.text import did_you_mean, visible
 
 _SUFFIX = ".toml"
 # Data that designers take from tables, data sheets and experience.
 _RARELY_KNOWN = ("E", "length", "stiffness", "compliance")
-# What a person reads before mending the first of them.
-_MOST_LINES = 50
-_LONGEST_LINE = 300
+# Bytes: ten thousand poses of six numbers, or the matrices of a thousand legs.
+_LARGEST = 2_000_000
 
 
 class UncertainInput(NamedTuple):
@@ -176,7 +175,7 @@ def load_robot(name_or_path: str | Path) -> RobotFile:
     try:
         mechanism, read = described_by(tables, Path() if built_in else Path(source).parent)
     except InputError as error:
-        raise InputError(_listed(source, error.faults)) from None
+        raise InputError(visible(f"{source}: {fault}") for fault in error.faults) from None
     return RobotFile(
         mechanism=mechanism,
         source=source,
@@ -240,15 +239,6 @@ def described_by(tables: Mapping[str, Any], folder: Path) -> tuple[Mechanism, di
     return replace(mechanism, loads=loads_of(read["loads"], mechanism)), read
 
 
-def _listed(source: str, faults: Sequence[str]) -> list[str]:
-    """The faults with their file, each on one short line, the rest counted where there are many."""
-    some = faults if len(faults) <= _MOST_LINES else faults[: _MOST_LINES - 1]
-    lines = [visible(f"{source}: {cut(fault, _LONGEST_LINE)}") for fault in some]
-    if len(some) < len(faults):
-        lines.append(visible(f"{source}: and {len(faults) - len(some)} more faults"))
-    return lines
-
-
 def _built_in(name: str) -> bytes:
     return (_robots_folder() / f"{name}{_SUFFIX}").read_bytes()
 
@@ -259,7 +249,7 @@ def _robots_folder() -> Traversable:
 
 def _read(source: str) -> bytes:
     try:
-        return read_ordinary(source, "a robot file")
+        return read_ordinary(source, "a robot file", _LARGEST)
     except FileNotFoundError as error:
         robots = built_in_robots()
         raise InputError(

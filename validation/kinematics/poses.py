@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from functools import partial
+from time import perf_counter
 
 import numpy as np
 
@@ -9,6 +10,10 @@ from lumped.arrays import Array
 from lumped.errors import InputError, each
 from lumped.mechanism.kinematics.postures import posture
 from lumped.mechanism.mechanism import Mechanism, Posture
+from validation.console.streams import mention
+
+# Poses that tell how long one takes, and seconds that need no forecast.
+_FEW, _PATIENCE = 10, 2.0
 
 
 def parsed_pose(mechanism: Mechanism, text: str) -> Array:
@@ -33,8 +38,16 @@ def parsed_poses(mechanism: Mechanism, texts: Iterable[str]) -> list[Array]:
 
 
 def postures_of(mechanism: Mechanism, poses: Sequence[Array] | Array) -> list[Posture]:
-    """The postures of the poses; raises InputError with the faults of all that have none."""
-    found, faults = each(partial(posture, mechanism), poses)
-    if faults:
-        raise InputError(faults)
-    return found
+    """The postures of the poses; says how long it takes where that is long.
+
+    Raises InputError with the faults of all that have none.
+    """
+    find, begun = partial(posture, mechanism), perf_counter()
+    found, faults = each(find, poses[:_FEW])
+    seconds = (perf_counter() - begun) * (len(poses) / _FEW - 1.0)
+    if seconds > _PATIENCE:
+        mention(f"{len(poses)} poses, about {seconds:.2g} s")
+    more, others = each(find, poses[_FEW:])
+    if faults or others:
+        raise InputError([*faults, *others])
+    return [*found, *more]

@@ -60,7 +60,8 @@ def audit_text(source: str, robot: Mechanism, findings: Sequence[Finding]) -> st
     sound = doubts if remaining else "sound"
     if wrong:
         sound = f"usable, but {wrong} of its data are wrong, see below"
-    motion = f"all {len(robot.poses)} poses of its path within reach\n{mobility_text(robot)}"
+    poses = f"all {len(robot.poses)} poses" if len(robot.poses) > 1 else "the one pose"
+    motion = f"{poses} of its path within reach\n{mobility_text(robot)}"
     lines = [f"{source}: {sound}; {robot.name}, {motion}"]
     if remaining:
         lines += [

@@ -20,6 +20,8 @@ from lumped.mechanism.kinematics.closure import Closure, Placement, closure_of
 from lumped.mechanism.kinematics.mobility import mobility_at, undetermined
 from lumped.mechanism.mechanism import UNITS_OF_MOVES, Mechanism, Posture
 
+# Farthest coordinate (m or rad) that is tried: squares of larger ones overflow in the end.
+_FARTHEST = 100.0
 # Residual of a closed posture, of the size of the mechanism.
 CLOSED = 1e-12
 # Singular values below this one are rounding.
@@ -132,10 +134,10 @@ def shown_pose(mechanism: Mechanism, pose: Array) -> str:
 def _checked(closure: Closure, pose: Array) -> Array:
     target = np.asarray(pose, dtype=float)
     moves = closure.mechanism.tool.moves
-    if target.shape != (len(moves),) or not np.isfinite(target).all():
+    if target.shape != (len(moves),) or not (np.abs(target) <= _FARTHEST).all():
         raise InputError(
-            f"{closure.mechanism.name}: a pose must be {len(moves)} finite numbers "
-            f"({', '.join(moves) or 'none, the tool has no moves'})"
+            f"{closure.mechanism.name}: a pose must be {len(moves)} finite numbers up to "
+            f"{_FARTHEST:g} m or rad ({', '.join(moves) or 'none, the tool has no moves'})"
         )
     return target
 

@@ -71,6 +71,8 @@ def _sound(tables: Mapping[str, Any], key: str) -> dict[str, Any]:
     group, rule = _group(tables, key), MECHANISM.keys[key].kind
     if isinstance(rule, Named):
         kind = rule.kind
+        if len(group) > rule.most:
+            return {}
         return {name: kind.read(one) for name, one in group.items() if not kind.faults(one, name)}
     return {} if rule.faults(tables.get(key), key) else rule.read(group)
 

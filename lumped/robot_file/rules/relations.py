@@ -5,13 +5,15 @@ line that starts with its key.
 """
 
 from collections.abc import Iterator, Sequence
+from math import prod
 from typing import Any, TypeAlias
 
 import numpy as np
 
 from lumped.mechanism.joint import FREEDOMS, SMALLEST_SINE
 from lumped.mechanism.mechanism import GROUND
-from lumped.robot_file.rules.tables import BODY
+from lumped.robot_file.rules.rule import too_many
+from lumped.robot_file.rules.tables import BODY, MOST_POSES
 from lumped.text import shown
 
 # A sound table as it is read: a value for every key, None where left out.
@@ -219,6 +221,9 @@ def path_faults(path: Entry) -> Iterator[str]:
                 "path.count: must be given for a line (how many poses), or path.counts for a grid "
                 "(how many along each move), and only one of them"
             )
+        poses = prod(path["counts"] or ())
+        if poses > MOST_POSES:
+            yield too_many(f"path.counts = {list(path['counts'])}", poses, MOST_POSES)
         lists = {name: path[name] for name in given if name != "count"}
     wanted = f"one for each of tool.moves ({', '.join(moves)})" if moves else "none: no tool.moves"
     for name, values in lists.items():

@@ -25,6 +25,11 @@ def is_finite_number(entry: object) -> TypeGuard[float]:
         return False
 
 
+def too_many(key: str, count: int, most: int) -> str:
+    """The fault of a list or table that is longer than any robot's."""
+    return f"{key}: {count} entries; must be at most {most}"
+
+
 class Rule(ABC):
     """What a value may be. `written`: what TOML reads such a value as."""
 
@@ -142,24 +147,23 @@ class Number(Rule):
 
 @dataclass(frozen=True)
 class Text(Rule):
-    """A text that matches `pattern` (any but an empty one without), in words what is `allowed`.
+    """A text that matches `pattern`, in words what is `allowed`.
 
     `among`: the table of the file, one of whose names it must be.
     """
 
     written = (str,)
     many = "texts"
-    pattern: str = ""
-    allowed: str = "a text"
+    pattern: str = r"[\s\S]{1,1000}"
+    allowed: str = "a text of 1 to 1000 characters"
     among: str = ""
 
     @property
     def schema(self) -> dict[str, Any]:
-        limit = {"pattern": f"^{self.pattern}$"} if self.pattern else {"minLength": 1}
-        return {"type": "string"} | limit
+        return {"type": "string", "pattern": f"^{self.pattern}$"}
 
     def faults(self, value: object, key: str) -> list[str]:
-        sound = isinstance(value, str) and value and fullmatch(self.pattern or "(?s:.*)", value)
+        sound = isinstance(value, str) and fullmatch(self.pattern, value)
         return [] if sound else [self.refused(value, key)]
 
 
@@ -190,11 +194,12 @@ class OneOf(Rule):
 
 @dataclass(frozen=True)
 class Several(Rule):
-    """A list of values of one kind: `count` of them, or any number."""
+    """A list of values of one kind: `count` of them, or at `most` so many."""
 
     written = (list, tuple)
     kind: Rule
     count: int | None = None
+    most: int = 1000
 
     @property
     def allowed(self) -> str:
@@ -206,14 +211,18 @@ class Several(Rule):
 
     @property
     def schema(self) -> dict[str, Any]:
-        counted = {} if self.count is None else {"minItems": self.count, "maxItems": self.count}
-        return {"type": "array", "items": self.kind.schema} | counted
+        least = {} if self.count is None else {"minItems": self.count}
+        return {"type": "array", "items": self.kind.schema, "maxItems": self.count or self.most} | (
+            least
+        )
 
     def faults(self, value: object, key: str) -> list[str]:
         if not isinstance(value, list) and isinstance(self.kind, TableRule):
             return [f"{key} = {shown(value)}: must be an array of tables, [[{key}]]"]
         if not isinstance(value, list) or self.count not in {None, len(value)}:
             return [self.refused(value, key)]
+        if len(value) > self.most:
+            return [too_many(key, len(value), self.most)]
         entries = enumerate(value, start=1)
         return [fault for i, entry in entries for fault in self.kind.faults(entry, f"{key}[{i}]")]
 
@@ -261,12 +270,13 @@ class Either(Rule):
 
 @dataclass(frozen=True)
 class Named(Rule):
-    """A table of entries of one kind, their names chosen by the author."""
+    """A table of at `most` so many entries of one kind, their names chosen by the author."""
 
     written = (dict,)
     allowed = "a table of named entries"
     name: Text
     kind: Rule
+    most: int = 1000
 
     @property
     def schema(self) -> dict[str, Any]:
@@ -274,11 +284,14 @@ class Named(Rule):
             "type": "object",
             "propertyNames": self.name.schema,
             "additionalProperties": self.kind.schema,
+            "maxProperties": self.most,
         }
 
     def faults(self, value: object, key: str) -> list[str]:
         if not isinstance(value, dict):
             return [self.refused(value, key)]
+        if len(value) > self.most:
+            return [too_many(key, len(value), self.most)]
         faults = []
         for one, entry in value.items():
             if self.name.faults(one, ""):

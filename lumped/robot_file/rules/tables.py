@@ -65,10 +65,13 @@ _COMPLIANCE = SquareMatrix(6, "m/N, rad/N and rad/(N m)", compliance=True)
 _INERTIA = SquareMatrix(3, "kg m²", compliance=False)
 # 1: off by as much as there is.
 _SHARE = Number(least=SMALLEST_SHARE, most=1.0, high=_PERCENT, example="(0.05 is 5 %)")
-_COUNT = Number(least=1, most=10000, whole=True)
+# A hundred bodies and two hundred joints close in a second; no robot has as many.
+_MOST_BODIES, _MOST_JOINTS, MOST_POSES = 100, 200, 10_000
+_COUNT = Number(least=1, most=MOST_POSES, whole=True)
 _MODES = Number(least=1, most=MOST_MODES, whole=True)
 _NUMBER, _POSITIVE, _TEXT = Number(), Number(above=0.0), Text()
 _TITLE = Text(r"[^\x00-\x1f\x7f]{1,100}", "a text of 1 to 100 characters on one line")
+_FILE = Text(r"[^\x00-\x1f\x7f]{1,1000}", "the name of a file, 1 to 1000 characters")
 _NAME = Text(r"[\w-]{1,40}", "1 to 40 letters, digits, _ or -")
 _BODY_NAME, _MATERIAL_NAME, _POINT_NAME = (
     replace(_NAME, among=table) for table in ("bodies", "materials", "points")
@@ -161,8 +164,8 @@ BODY = TableRule(
     Key("points", Several(_POINT_NAME), "where joints can take hold of it", of=_RIGID),
     Key("centre", Either(_POINT_NAME, _POINT), "its mass centre, a point or [x, y, z]", of=_RIGID),
     Key("inertia", _INERTIA, "about its centre: base axes, of a leg its own", of=_LEG + _RIGID),
-    Key("step", _TEXT, "its STEP or BREP file, beside the robot file", of=_PART),
-    Key("mesh", _TEXT, "its mesh file, in place of that", of=_PART),
+    Key("step", _FILE, "its STEP or BREP file, beside the robot file", of=_PART),
+    Key("mesh", _FILE, "its mesh file, in place of that", of=_PART),
     Key("unit", OneOf(get_args(LengthUnit)), "of length, where that file names none", of=_PART),
     Key("place", _PLACE, "where the file's axes lie; in base axes where left out", of=_PART),
     Key("interfaces", Named(_POINT_NAME, INTERFACE), "faces by the name of their point", of=_PART),
@@ -194,7 +197,7 @@ PATH = TableRule(
     Key("to", _POSE, "the last pose"),
     Key("count", _COUNT, "how many on the line between them"),
     Key("counts", Several(_COUNT), "in place of it: how many along each move, a grid"),
-    Key("poses", Several(_POSE), "in place of all these: one by one"),
+    Key("poses", Several(_POSE, most=MOST_POSES), "in place of all these: one by one"),
 )
 
 _FORCES = Several(Number("N or N m", least=-1e9, most=1e9), 6)
@@ -227,6 +230,7 @@ MEASURED = TableRule(
     Key("pose", Several(_NUMBER), "where, in the order of the moves", default=()),
     Key("load", _POSITIVE, "N or N m", default=1.0),
 )
+MEASURED_VALUES = Several(MEASURED)
 _INPUT_UNCERTAINTY = TableRule(
     needed("key", _TEXT, 'a number or matrix of this file, "leg1.length" say'),
     needed("relative", _SHARE, "its relative standard uncertainty"),
@@ -238,14 +242,16 @@ _HEAD = (
 _ASKED = (
     Key("loads", Several(LOAD), "the designer's own loads, each judged", default=()),
     Key("accept", ACCEPT, "what is asked of a model"),
-    Key("measured", Several(MEASURED), "measured values", default=()),
+    Key("measured", MEASURED_VALUES, "measured values", default=()),
     Key("input_uncertainty", Several(_INPUT_UNCERTAINTY), "how well data are known", default=()),
 )
 MECHANISM = TableRule(
     *_HEAD,
     needed("points", Named(_NAME, _POINT), "places in the reference posture"),
-    needed("bodies", Named(_NAME, BODY), "legs, rigid bodies and parts on these points"),
-    needed("joints", Named(_NAME, JOINT), "what holds the bodies together"),
+    needed(
+        "bodies", Named(_NAME, BODY, _MOST_BODIES), "legs, rigid bodies and parts on these points"
+    ),
+    needed("joints", Named(_NAME, JOINT, _MOST_JOINTS), "what holds the bodies together"),
     needed("tool", TOOL, "the loaded point"),
     Key("materials", Named(_NAME, MATERIAL), "materials that several bodies have", default={}),
     Key("path", PATH, "where `run` looks; the reference posture where left out"),

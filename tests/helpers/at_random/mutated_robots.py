@@ -7,18 +7,10 @@ that nobody means.
 import json
 import math
 import random
-import tomllib
 from collections.abc import Iterator
 from copy import deepcopy
-from pathlib import Path
 from typing import Any
 
-from sound_biglide import SOUND
-
-import lumped.robots
-
-NAMES = ("five-bar", "3-rrr", "delta", "orthoglide", "hexapod")
-_FOLDER = Path(lumped.robots.__file__).parent
 _VALUES: tuple[Any, ...] = (
     *(0, -1, 1, 10**30, 2**63 - 1, True, 1e300, 1e-300, 5e-324, -1e-9, -0.0, math.nan, math.inf),
     *("", "ground", "A", "rigid", "x" * 5000, "\x1b[2J\u202e", [], {}, [[]], [1.0], ["x", "x"]),
@@ -46,7 +38,8 @@ def _at(tree: Any, path: _Path) -> Any:
     return tree
 
 
-def _mutated(rng: random.Random, tree: dict[str, Any]) -> dict[str, Any]:
+def mutated(rng: random.Random, tree: dict[str, Any]) -> dict[str, Any]:
+    """Nested tables with one to three of their entries lost, renamed or replaced."""
     tree = deepcopy(tree)
     for _ in range(rng.choice((1, 1, 1, 2, 3))):
         ways = list(places(tree))
@@ -66,6 +59,11 @@ def _mutated(rng: random.Random, tree: dict[str, Any]) -> dict[str, Any]:
     return tree
 
 
+def toml(tables: dict[str, Any]) -> str:
+    """The text of a file with these tables."""
+    return "".join(f"{json.dumps(key)} = {_toml(value)}\n" for key, value in tables.items())
+
+
 def _toml(value: Any) -> str:
     match value:
         case bool():
@@ -78,13 +76,3 @@ def _toml(value: Any) -> str:
             return f"[{', '.join(map(_toml, value))}]"
     entries = (f"{json.dumps(key)} = {_toml(one)}" for key, one in value.items())
     return f"{{ {', '.join(entries)} }}"
-
-
-def mutated_robots(count: int, seed: int) -> Iterator[str]:
-    """`count` files, of a biglide of schema 1 and of every kind of mechanism in turn."""
-    rng = random.Random(seed)  # noqa: S311  any choice will do
-    texts = [SOUND, *((_FOLDER / f"{name}.toml").read_text(encoding="utf-8") for name in NAMES)]
-    sound = [tomllib.loads(text) for text in texts]
-    for number in range(count):
-        tree = _mutated(rng, sound[number % len(sound)])
-        yield "".join(f"{json.dumps(key)} = {_toml(value)}\n" for key, value in tree.items())

@@ -34,7 +34,6 @@ WORDS = {
     "maximum": lambda word, value, _: value <= word,
     "exclusiveMinimum": lambda word, value, _: value > word,
     "exclusiveMaximum": lambda word, value, _: value < word,
-    "minLength": lambda word, value, _: len(value) >= word,
     "pattern": lambda word, value, _: re.search(word, value) is not None,
     "minItems": lambda word, value, _: len(value) >= word,
     "maxItems": lambda word, value, _: len(value) <= word,
@@ -43,6 +42,7 @@ WORDS = {
     "properties": lambda word, value, _: all(
         valid(word[name], one) for name, one in value.items() if name in word
     ),
+    "maxProperties": lambda word, value, _: len(value) <= word,
     "propertyNames": lambda word, value, _: all(valid(word, name) for name in value),
     "additionalProperties": lambda word, value, schema: all(
         word and valid(word, one)

@@ -54,6 +54,15 @@ def test_every_wrong_pose_is_named_with_exit_code_2(capsys):
     captured = capsys.readouterr()
     assert captured.out == ""
     assert "pose x = 0.7 m, y = 0.9 m: cannot be reached: joint" in captured.err
+    assert cli.main(["kinematics", "five-bar", "--pose=1e300,1e300"]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.endswith("five-bar: a pose must be 2 finite numbers up to 100 m or rad (x, y)")
+
+
+def test_many_poses_say_how_long_they_take(monkeypatch, capsys):
+    monkeypatch.setattr("validation.kinematics.poses._PATIENCE", 0.0)
+    assert cli.main(["kinematics", "five-bar", *["--pose=0,0.5"] * 11]) == 0
+    assert capsys.readouterr().err.startswith("flexproof: 11 poses, about ")
 
 
 @pytest.mark.parametrize(
