@@ -29,7 +29,7 @@ from meshes.part.reading.read import PartFile, read_part
 from validation.models.options import ReductionBy
 from validation.parts.identify import Identified, identify
 from validation.parts.meshes import COARSE, FINEST, part_key, part_mesh
-from validation.run.cache import kept
+from validation.run.cache import Arrays, kept, require_shape
 
 # Unknowns of the finest of the three meshes on which a robot's part is identified and reduced.
 UNKNOWNS = 60_000
@@ -196,23 +196,29 @@ def reduced(
     key = part_key(
         file, interfaces, shape.material, "reduced", UNKNOWNS, level, highest, cutoff, by
     )
-    found = kept(key, compute)
-    cutoff, truncated = float(found["cutoff"]), found["truncated"]
-    free = None
-    if by == "free":
-        free = FreeTruncation(cutoff, found["squared"], found["shares"], truncated)
-    part = ReducedPart(
-        "solid, reduced",
-        tuple(body.interfaces),
-        found["stiffness"],
-        found["mass"],
-        interpolated(found["nodes"], found["recovery"]),
-        highest=highest,
-        cutoff=cutoff,
-        counted=int(found["counted"]),
-        truncated=truncated,
-        free=free,
-    )
+
+    def read(found: Arrays) -> ReducedPart:
+        n = len(found["stiffness"])
+        square = {"stiffness": (n, n), "mass": (n, n)}
+        require_shape(found, **square, nodes=(None, 3), recovery=(3 * len(found["nodes"]), n))
+        cutoff, truncated = float(found["cutoff"]), found["truncated"]
+        free = None
+        if by == "free":
+            free = FreeTruncation(cutoff, found["squared"], found["shares"], truncated)
+        return ReducedPart(
+            "solid, reduced",
+            tuple(body.interfaces),
+            found["stiffness"],
+            found["mass"],
+            interpolated(found["nodes"], found["recovery"]),
+            highest=highest,
+            cutoff=cutoff,
+            counted=int(found["counted"]),
+            truncated=truncated,
+            free=free,
+        )
+
+    part = kept(key, compute, read)
     if part.kept != part.counted:
         raise ComputationError(
             f"{body.name}, reduced: {part.counted} modes were counted below {part.cutoff:.6g} Hz, "

@@ -20,7 +20,7 @@ from meshes.part.spread import cell_volumes
 from meshes.section.section_mesh import SectionMesh
 from validation.models import parts
 from validation.parts.meshes import MIDDLE, part_key, part_mesh
-from validation.run.cache import kept
+from validation.run.cache import Arrays, kept, require_shape
 
 PIECES = 10
 # Each round cuts across the line through the centroids of the round before.
@@ -66,24 +66,27 @@ def stepped(body: Body, pieces: int = PIECES) -> SteppedLeg:
         except InputError as error:
             raise InputError(f"bodies.{body.name}: {fault}" for fault in error.faults) from error
 
-    found = kept(key, compute)
-    length = float(np.linalg.norm(np.subtract(*(i.point for i in reversed(interfaces)))))
-    return SteppedLeg(
-        length=length,
-        pieces=tuple(
-            Piece(start, end, axes, BeamProperties(*numbers.tolist()), tuple(centre.tolist()))
-            for start, end, axes, numbers, centre in zip(
-                found["line"][:-1],
-                found["line"][1:],
-                found["axes"],
-                found["properties"],
-                found["shear_centres"],
-                strict=True,
-            )
-        ),
-        root_mass=found["root_mass"],
-        tip_mass=_moved(found["tip_mass"], length),
-    )
+    def read(found: Arrays) -> SteppedLeg:
+        length = float(np.linalg.norm(np.subtract(*(i.point for i in reversed(interfaces)))))
+        require_shape(found, line=(pieces + 1, 3), root_mass=(6, 6), tip_mass=(6, 6))
+        return SteppedLeg(
+            length=length,
+            pieces=tuple(
+                Piece(start, end, axes, BeamProperties(*numbers.tolist()), tuple(centre.tolist()))
+                for start, end, axes, numbers, centre in zip(
+                    found["line"][:-1],
+                    found["line"][1:],
+                    found["axes"],
+                    found["properties"],
+                    found["shear_centres"],
+                    strict=True,
+                )
+            ),
+            root_mass=found["root_mass"],
+            tip_mass=_moved(found["tip_mass"], length),
+        )
+
+    return kept(key, compute, read)
 
 
 def why_not_stepped(mechanism: Mechanism) -> str:

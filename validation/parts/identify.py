@@ -28,7 +28,7 @@ from meshes.part.reading.read import PartFile
 from meshes.part.spread import spread_over
 from validation.parts.meshes import FINEST, LEVELS, gradings, part_key, part_mesh
 from validation.parts.refinement import compliance_uncertainty, refinement_uncertainty
-from validation.run.cache import kept
+from validation.run.cache import kept, require_shape
 
 DEFAULT_UNKNOWNS = 100_000
 DEFAULT_MODES = 6
@@ -110,15 +110,21 @@ def identify(
     Raises InputError where no mesh can be made, ComputationError where memory or a solver fails.
     """
     key = part_key(part, interfaces, material, "identify", unknowns, modes)
-    found = kept(key, lambda: _computed(part, interfaces, material, unknowns, modes))
-    # numpy keeps scalars as arrays without axes.
-    values: dict[str, Any] = {
-        entry.name: found[entry.name] if found[entry.name].ndim else found[entry.name].item()
-        for entry in fields(Identified)
-        if entry.name in found
-    }
-    values["unknowns"] = tuple(int(count) for count in found["unknowns"])
-    return Identified(part=part, interfaces=tuple(interfaces), **values)
+    m = 6 * len(interfaces)
+
+    def read(found: dict[str, Array]) -> Identified:
+        square = {"stiffness": (m, m), "mass": (m, m), "compliance": (m - 6, m - 6)}
+        require_shape(found, **square, places=(None, 3), shares=(None,), shapes=(None, m))
+        # numpy keeps scalars as arrays without axes.
+        values: dict[str, Any] = {
+            entry.name: found[entry.name] if found[entry.name].ndim else found[entry.name].item()
+            for entry in fields(Identified)
+            if entry.name in found
+        }
+        values["unknowns"] = tuple(int(count) for count in found["unknowns"])
+        return Identified(part=part, interfaces=tuple(interfaces), **values)
+
+    return kept(key, lambda: _computed(part, interfaces, material, unknowns, modes), read)
 
 
 def left_open(found: Identified) -> float:

@@ -13,7 +13,7 @@ from meshes.part.boundary import Facets, PartMesh
 from meshes.part.interfaces import Interface
 from meshes.part.reading.read import PartFile
 from meshes.part.volume import Grading, ladder, volume_mesh
-from validation.run.cache import kept, key_of
+from validation.run.cache import kept, key_of, require_shape
 
 # Raised where the same input gives other numbers than before: meshes, elements, reduction.
 _EDITION = 13
@@ -42,17 +42,22 @@ def part_mesh(
     if part.mesh is not None:
         return part.mesh
     key = part_key(part, interfaces, _ANY, "mesh", unknowns, level)
-    return _unpacked(kept(key, lambda: _packed(_made(part, interfaces, unknowns, level))))
+    return kept(key, lambda: _packed(_made(part, interfaces, unknowns, level)), _unpacked)
 
 
 def gradings(part: PartFile, interfaces: Sequence[Interface], unknowns: int) -> tuple[Grading, ...]:
     """Those of the three meshes, by level; raises InputError as `part_mesh` does."""
     key = part_key(part, interfaces, _ANY, "ladder", unknowns)
-    found = kept(
+    return kept(
         key,
         lambda: {"steps": [(g.size, g.sides, g.cut) for g in ladder(part, interfaces, unknowns)]},
+        _gradings,
     )
-    return tuple(Grading(size, sides, bool(cut)) for size, sides, cut in found["steps"].tolist())
+
+
+def _gradings(found: dict[str, Array]) -> tuple[Grading, ...]:
+    coarse, middle, fine = found["steps"].tolist()
+    return tuple(Grading(size, sides, bool(cut)) for size, sides, cut in (coarse, middle, fine))
 
 
 def _made(part: PartFile, interfaces: Sequence[Interface], unknowns: int, level: int) -> PartMesh:
@@ -76,6 +81,7 @@ def _unpacked(found: dict[str, Array]) -> PartMesh:
         int(number): Facets(cells.astype(np.int64), "tri6")
         for number, cells in zip(found["numbers"], pieces, strict=True)
     }
+    require_shape(found, nodes=(None, 3), cells=(None, 10), facets=(None, 6))
     return PartMesh(
         nodes=found["nodes"],
         cells=found["cells"].astype(np.int64),

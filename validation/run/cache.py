@@ -14,7 +14,8 @@ from contextlib import ExitStack, contextmanager, suppress
 from io import BytesIO
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, TypeVar
+from zipfile import BadZipFile
 
 import numpy as np
 
@@ -23,6 +24,7 @@ from lumped.memo import fingerprint, memo
 from validation.run.files import digest, read_regular, write_whole
 
 Arrays: TypeAlias = dict[str, Array]
+T = TypeVar("T")
 _SWITCH = "FLEXPROOF_CACHE"
 # Bytes that the cache may take; what was not asked for the longest goes first, to a share of it.
 _MOST, _SHARE = 5_000_000_000, 0.8
@@ -101,19 +103,42 @@ def keep(key: str, arrays: Mapping[str, Any]) -> Arrays:
     return remembered
 
 
-def kept(key: str, compute: Callable[[], Mapping[str, Any]]) -> Arrays:
-    """The arrays of that `key`, else computed and kept."""
-    found = find(key)
+def kept(key: str, compute: Callable[[], Mapping[str, Any]], read: Callable[[Arrays], T]) -> T:
+    """What `read` makes of the arrays of that `key`, else of those computed, which are kept.
+
+    Arrays that lack one, or have one of another shape, are none, whoever sealed them.
+    """
+    found = _read(key, read)
     if found is None:
         with _alone(key):
-            found = find(key)
+            found = _read(key, read)
             if found is None:
                 if _looking:
                     raise _NotKept
-                found = keep(key, compute())
+                found = read(keep(key, compute()))
     for collected_here in _collecting:
-        collected_here[key] = found
+        collected_here[key] = _remembered(key)
     return found
+
+
+def require_shape(arrays: Arrays, **shapes: tuple[int | None, ...]) -> None:
+    """Raise ValueError where an array has another shape, or none of what any number there is of."""
+    for name, shape in shapes.items():
+        found = arrays[name].shape
+        if len(found) != len(shape) or any(
+            n != wanted if wanted is not None else not n
+            for n, wanted in zip(found, shape, strict=True)
+        ):
+            raise ValueError(f"{name} is of shape {found}")
+
+
+def _read(key: str, read: Callable[[Arrays], T]) -> T | None:
+    try:
+        arrays = find(key)
+        return None if arrays is None else read(arrays)
+    except (LookupError, TypeError, ValueError):
+        _remembered(key).clear()
+        return None
 
 
 @contextmanager
@@ -162,9 +187,11 @@ def _unsealed(key: str, content: bytes) -> Arrays:
     body, _, seal = content.rpartition(_SEAL)
     if seal != digest(key.encode() + body).encode():
         return {}
-    # What the seal covers was written here, and needs no further doubt.
-    with np.load(BytesIO(body), allow_pickle=False) as arrays:
-        return dict(arrays)
+    try:
+        with np.load(BytesIO(body), allow_pickle=False) as arrays:
+            return dict(arrays)
+    except (ValueError, OSError, BadZipFile):
+        return {}
 
 
 @contextmanager

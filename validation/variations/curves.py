@@ -5,7 +5,8 @@ Each robot is a unit of work: finished ones are kept and not computed again.
 
 from collections.abc import Callable, Sequence
 from contextlib import closing
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
+from inspect import signature
 from typing import Protocol, TypeVar
 
 import numpy as np
@@ -46,7 +47,8 @@ def computed(
     """
     keys = [key_of(_sources(), unit) for unit in units]
     work = dict(zip(keys, units, strict=True))
-    known = {key: arrays for key in work if (arrays := find(key)) is not None}
+    names = set(signature(kind).parameters)
+    known = {key: arrays for key in work if (arrays := find(key)) and set(arrays) == names}
     missing = [key for key in work if key not in known]
     console = Console(stderr=True)
     if missing:
@@ -59,7 +61,7 @@ def computed(
                 transient=True,
                 disable=not console.is_terminal,
             ):
-                arrays = {entry.name: getattr(result, entry.name) for entry in fields(result)}
+                arrays = {name: getattr(result, name) for name in names}
                 known[missing[number]] = keep(missing[number], arrays)
     # Numbers are kept as arrays of no dimension.
     return [kind(**{name: array[()] for name, array in known[key].items()}) for key in keys]

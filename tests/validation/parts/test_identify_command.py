@@ -60,7 +60,7 @@ def test_three_interfaces_in_numbers_and_from_the_cache(capsys, cache, monkeypat
     damaged[-40] ^= 1
     file.write_bytes(damaged)
     forget()
-    assert kept(file.stem, lambda: {"anew": np.ones(1)})["anew"] == 1.0
+    assert kept(file.stem, lambda: {"anew": np.ones(1)}, dict)["anew"] == 1.0
 
 
 @pytest.mark.usefixtures("cache")
@@ -86,7 +86,8 @@ WRONG = [
     ([BORES[0], BORES[0]], STEEL, "", "A: given twice"),
     (BORES, STEEL, "--modes 1.7", 'Invalid value "1.7" for --modes. Must be a whole number'),
     (BORES, STEEL, "--modes 100000", "--modes = 100000: must be from 0 to 100"),
-    (BORES, STEEL, "--unknowns 999", "--unknowns = 999: must be 1000 or more"),
+    (BORES, STEEL, "--unknowns 999", "--unknowns = 999: must be from 1000 to 10000000"),
+    (BORES, STEEL, "--unknowns 1000000000", "--unknowns = 1000000000: must be from 1000 to"),
     (BORES, STEEL, f"--out {ROCKER}/matrices.npz", "rocker.step is no folder"),
     (BORES, "{ E = 2.1e11, nu = 0.3 }", "", "rho: missing"),
     (BORES, STEEL.replace("nu", "G = 1e10, nu"), "", "isotropic"),
