@@ -28,6 +28,7 @@ _PATIENCE = 10.0
 _HEARTBEAT = 0.5
 # Bytes: a greeting is some hundred long.
 _LONGEST = 1 << 20
+_GONE = "--cluster {}: the scheduler is gone; what was finished is kept"
 _ADDRESS = re.compile(r"(?:tcp|tls)://(?P<host>\[[0-9a-fA-F:.]+\]|[\w.-]+):(?P<port>\d{1,5})")
 # Workers may have several threads; gmsh has one model and a unit is to have its core to itself.
 _ONE_AT_A_TIME = Lock()
@@ -58,7 +59,8 @@ def on_cluster(address: str, say: Callable[[str], object]) -> Iterator[Executor]
     try:
         while not waiting.has_workers():
             sleep(_HEARTBEAT)
-        _require_same_program(client, address)
+        with _connected(distributed, address):
+            _require_same_program(client, address)
 
         def execute(calls: Sequence[Work]) -> Finished:
             return _execute(distributed, waiting, calls)
@@ -81,9 +83,11 @@ def require_scheduler(address: str) -> None:
     try:
         with socket.create_connection(place, _ANSWER) as connection:
             greeting = connection.recv(8) if address.startswith("tcp:") else b""
-    except OSError as error:
+    except (OSError, UnicodeError) as error:
+        # Names of hosts are encoded first.
+        reason = (error.strerror or error) if isinstance(error, OSError) else "no name of a host"
         raise InputError(
-            f"--cluster {address}: no Dask scheduler answers there: {error.strerror or error}"
+            f"--cluster {address}: no Dask scheduler answers there: {reason}"
         ) from error
     # A scheduler speaks first: the length of its greeting, 64 bits, little end first.
     if address.startswith("tcp:") and not 0 < int.from_bytes(greeting, "little") < _LONGEST:
@@ -111,9 +115,7 @@ class _Waiting:
             self._amiss, self._since = amiss, now
         late = now - self._since > _PATIENCE
         if amiss == "gone" and (late or self.client.status == "closed"):
-            raise ComputationError(
-                f"--cluster {self.address}: the scheduler is gone; what was finished is kept"
-            )
+            raise ComputationError(_GONE.format(self.address))
         if amiss == "no workers" and late and not self._said:
             self.say(
                 f"--cluster {self.address}: the scheduler has no workers; waiting for one "
@@ -134,7 +136,21 @@ class _Waiting:
         return "no workers"
 
 
+@contextmanager
+def _connected(distributed: ModuleType, address: str) -> Iterator[None]:
+    """Whatever breaks when the scheduler goes, as ComputationError."""
+    try:
+        yield
+    except (distributed.client.FutureCancelledError, distributed.comm.CommClosedError) as error:
+        raise ComputationError(_GONE.format(address)) from error
+
+
 def _execute(distributed: ModuleType, waiting: _Waiting, calls: Sequence[Work]) -> Finished:
+    with _connected(distributed, waiting.address):
+        yield from _results(distributed, waiting, calls)
+
+
+def _results(distributed: ModuleType, waiting: _Waiting, calls: Sequence[Work]) -> Finished:
     futures = waiting.client.map(_alone, calls, own=_program(), pure=False, batch_size=None)
     numbers = {future.key: number for number, future in enumerate(futures)}
     finished: SimpleQueue[Any] = SimpleQueue()
@@ -152,10 +168,6 @@ def _execute(distributed: ModuleType, waiting: _Waiting, calls: Sequence[Work]) 
         raise ComputationError(
             "--cluster: one unit of the sweep was lost with several workers, one after the other, "
             "probably for want of memory; what was finished is kept"
-        ) from error
-    except distributed.client.FutureCancelledError as error:
-        raise ComputationError(
-            f"--cluster {waiting.address}: the scheduler is gone; what was finished is kept"
         ) from error
     finally:
         if waiting.client.status == "running":

@@ -154,6 +154,10 @@ def test_a_killed_worker_loses_nothing_and_changes_no_number(cluster):
                 workers[0].kill()
         with pytest.raises(InputError, match="no-such-robot"):
             list(executor([partial(load_robot, "no-such-robot")]))
+        # As where the scheduler goes while results are fetched.
+        lost = partial(exec, "raise __import__('distributed').comm.CommClosedError('in <TCP>')")
+        with pytest.raises(ComputationError, match="the scheduler is gone"):
+            list(executor([lost]))
     assert workers[0].wait(timeout=30) == -signal.SIGKILL
     assert workers[1].poll() is None
     assert sorted(found) == list(range(8))
@@ -168,6 +172,7 @@ def test_a_killed_worker_loses_nothing_and_changes_no_number(cluster):
     [
         ("http://127.0.0.1:80", "no address of a scheduler"),
         ("tcp://127.0.0.1:99999", "no address of a scheduler"),
+        ("tcp://a..b:1", "no Dask scheduler answers there: no name of a host"),
         ("tcp://127.0.0.1:1", "no Dask scheduler answers there: Connection refused"),
     ],
 )
