@@ -6,9 +6,13 @@ else to stderr. Packages that are slow to import are imported by the commands th
 that help and messages come at once.
 """
 
+import os
+import signal
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from traceback import format_exception
 from typing import Annotated, Literal
 
@@ -17,12 +21,13 @@ from cyclopts import App, CycloptsError, Parameter, UnusedCliTokensError
 from fem.machine import TO_COMPUTE, TO_READ, require_address_space, usable_cores
 from lumped.errors import ComputationError, InputError
 from lumped.robots import FIRST_TYPE, RobotType
-from lumped.text import visible
+from lumped.text import shortened, visible
 from validation.console import streams
 from validation.console.streams import complain, say
 from validation.console.typed import (
     AsJson,
     Flag,
+    Place,
     ProcessCount,
     RobotName,
     WholeNumber,
@@ -49,10 +54,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line (default: sys.argv) and return the exit code."""
     app.version = _version
     streams.prepare()
+    if arguments is None:
+        signal.signal(signal.SIGTERM, _interrupted)
     try:
-        return _run(list(sys.argv[1:] if arguments is None else arguments))
+        with _home():
+            return _run(list(sys.argv[1:] if arguments is None else arguments))
     except CycloptsError as error:
-        return complain([_one_line(error)], 2)
+        return complain([shortened(_one_line(error))], 2)
     except InputError as error:
         return complain(error.faults, 2)
     except (ComputationError, KeyboardInterrupt) as error:
@@ -67,6 +75,30 @@ def main(arguments: Sequence[str] | None = None) -> int:
             ],
             3,
         )
+
+
+@contextmanager
+def _home() -> Iterator[None]:
+    """A home for what libraries keep: for the meantime one of its own where HOME names no folder.
+
+    An empty or relative one would be the root of all files, or wherever one is.
+    """
+    home = os.environ.get("HOME")
+    if home is None or Path(home).is_absolute():
+        yield
+        return
+    with TemporaryDirectory(prefix="flexproof-home-") as folder:
+        os.environ["HOME"] = folder
+        try:
+            yield
+        finally:
+            os.environ["HOME"] = home
+
+
+def _interrupted(number: int, _frame: object) -> None:
+    """Ends the command as Ctrl-C does, and lets nobody interrupt that."""
+    signal.signal(number, signal.SIG_IGN)
+    raise KeyboardInterrupt
 
 
 def _run(arguments: list[str]) -> int:
@@ -97,10 +129,10 @@ def run(
     *,
     preset: Literal["quick", "standard", "fine"] = "standard",
     only: str | None = None,
-    out: Path = Path("report"),
+    out: Place = Path("report"),
     jobs: ProcessCount = None,
     resume: Flag = False,
-    baseline: Path | None = None,
+    baseline: Place | None = None,
     export: Flag = False,
     cluster: str | None = None,
     accept: tuple[str, ...] = (),
@@ -108,7 +140,7 @@ def run(
     accuracy: float | None = None,
     inputs: float | None = None,
     strict: Flag = False,
-    measured: Path | None = None,
+    measured: Place | None = None,
     vary: tuple[str, ...] = (),
 ) -> int:
     """Validate a robot's lumped models and write a report.
@@ -198,7 +230,7 @@ def run(
 
 
 @app.command
-def compare(before: Path, after: Path, *, json: AsJson = False) -> int:
+def compare(before: Place, after: Place, *, json: AsJson = False) -> int:
     """Say what changed between two runs; exit code 1 if a verdict worsened.
 
     Verdicts of two different robots (by name) are not compared: exit code 0.
@@ -253,8 +285,8 @@ def solve(
     vary: tuple[str, ...] = (),
     jobs: ProcessCount = None,
     cluster: str | None = None,
-    csv: Path | None = None,
-    picture: Path | None = None,
+    csv: Place | None = None,
+    picture: Place | None = None,
     json: AsJson = False,
 ) -> int:
     """Solve one model of the robot, or of one leg: compliance and natural frequencies.
@@ -383,7 +415,7 @@ def check(robot: RobotName) -> int:
 
 @app.command
 def new(
-    file: Path,
+    file: Place,
     *,
     robot_type: Annotated[RobotType, Parameter(name="--type")] = FIRST_TYPE,
 ) -> int:

@@ -7,6 +7,7 @@ drawing by the table made of it.
 import os
 import re
 from collections.abc import Sequence
+from errno import ENAMETOOLONG
 from pathlib import Path
 from typing import Annotated, TypeAlias
 
@@ -33,6 +34,18 @@ def _process_count(_type: object, tokens: Sequence[Token]) -> int:
     return count
 
 
+def _place(_type: object, tokens: Sequence[Token]) -> Path:
+    path = Path(text := tokens[0].value)
+    try:
+        path.stat()
+    except OSError as error:
+        # Whether it is there, and may be used, is for those to say who use it.
+        if error.errno == ENAMETOOLONG:
+            raise ValueError(f'"{text[:40]}…": {error.strerror}.') from None
+    return path
+
+
+Place: TypeAlias = Annotated[Path, Parameter(converter=_place)]
 WholeNumber: TypeAlias = Annotated[int, Parameter(converter=_whole_number)]
 ProcessCount: TypeAlias = Annotated[int | None, Parameter(converter=_process_count)]
 Flag: TypeAlias = Annotated[bool, Parameter(negative="")]

@@ -1,19 +1,18 @@
 """The command `kinematics`, as the command line takes it up."""
 
-from pathlib import Path
 from typing import Annotated
 
 from cyclopts import Parameter
 
 from validation.console.streams import complain, say
-from validation.console.typed import AsJson, RobotName, require_place, write
+from validation.console.typed import AsJson, Place, RobotName, require_place, write
 
 
 def kinematics(
     robot: RobotName,
     *,
     pose: Annotated[tuple[str, ...], Parameter(allow_leading_hyphen=True, negative="")] = (),
-    picture: Path | None = None,
+    picture: Place | None = None,
     json: AsJson = False,
 ) -> int:
     """Close the loops of a mechanism: mobility, idle motions, overconstraint, joint coordinates.

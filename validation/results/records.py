@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, TypeAlias
 
 import msgspec
 from msgspec import UNSET, UnsetType
@@ -18,6 +18,8 @@ from validation.results.outcome import Outcome, Verdict
 _FILE = "results.json"
 # Runs of large mechanisms come to a few MB.
 _LARGEST = 200_000_000
+# A number of which sums, differences and squares are numbers.
+Real: TypeAlias = Annotated[float, msgspec.Meta(ge=-1e150, le=1e150)]
 
 
 class CaseRecord(msgspec.Struct, frozen=True, kw_only=True):
@@ -33,30 +35,30 @@ class CaseRecord(msgspec.Struct, frozen=True, kw_only=True):
     subject: str = "robot"
     figure: str = ""
     unit: str = "1"
-    value: float | None = None
-    reference: float | None = None
+    value: Real | None = None
+    reference: Real | None = None
     reference_kind: str = ""
     citation: str = ""
     relation: str = "equal"
-    error: float | None = None
-    unexplained: float | None = None
+    error: Real | None = None
+    unexplained: Real | None = None
     exact: bool | None = None
-    numerical_uncertainty: float | None = None
-    value_uncertainty: float | None = None
-    reference_uncertainty: float | None = None
+    numerical_uncertainty: Real | None = None
+    value_uncertainty: Real | None = None
+    reference_uncertainty: Real | None = None
     allowances: tuple[Mapping[str, Any], ...] = ()
-    tolerance: float | None = None
+    tolerance: Real | None = None
     tolerance_reason: str = ""
     verdict: Verdict
-    seconds: float = 0.0
+    seconds: Real = 0.0
     message: str = ""
     notes: tuple[str, ...] = ()
-    table: Mapping[str, tuple[float | str | None, ...]] = {}
-    pose: tuple[float, ...] = ()
+    table: Mapping[str, tuple[Real | str | None, ...]] = {}
+    pose: tuple[Real, ...] = ()
     elsewhere: tuple[Mapping[str, Any], ...] = ()
-    earlier: float | None = None
-    drift: float | None = None
-    drift_allowed: float | None = None
+    earlier: Real | None = None
+    drift: Real | None = None
+    drift_allowed: Real | None = None
     drifted: bool | None = None
 
 
@@ -64,7 +66,7 @@ class ShareRecord(msgspec.Struct, frozen=True):
     """A named cause and its share of an error."""
 
     cause: str
-    share: float | None
+    share: Real | None
 
 
 class AdequacyRecord(msgspec.Struct, frozen=True, kw_only=True):
@@ -77,29 +79,29 @@ class AdequacyRecord(msgspec.Struct, frozen=True, kw_only=True):
     part: str | UnsetType = UNSET
     model: str
     quantity: str
-    error: float | None = None
-    uncertainty: float | None = None
-    limit: float | None = None
+    error: Real | None = None
+    uncertainty: Real | None = None
+    limit: Real | None = None
     verdict: Adequacy
-    pose: tuple[float, ...] = ()
+    pose: tuple[Real, ...] = ()
     reference: str = ""
     causes: tuple[ShareRecord, ...] = ()
     remedy: str = ""
-    error_with_remedy: float | None = None
+    error_with_remedy: Real | None = None
     reason: str = ""
-    value: float | None = None
-    expected: float | None = None
-    uncertainties: Mapping[str, float | None] = {}
-    along: float | None = None
-    force: tuple[float, ...] = ()
+    value: Real | None = None
+    expected: Real | None = None
+    uncertainties: Mapping[str, Real | None] = {}
+    along: Real | None = None
+    force: tuple[Real, ...] = ()
     measured: bool = False
-    probability: float | None = None
-    probability_beyond: float | None = None
-    input_shares: Mapping[str, float] = {}
-    value_spread: float | None = None
+    probability: Real | None = None
+    probability_beyond: Real | None = None
+    input_shares: Mapping[str, Real] = {}
+    value_spread: Real | None = None
     assumed: str = ""
-    poses: tuple[tuple[float, ...], ...] = ()
-    values: tuple[float | None, ...] = ()
+    poses: tuple[tuple[Real, ...], ...] = ()
+    values: tuple[Real | None, ...] = ()
 
 
 class RunRecord(msgspec.Struct, frozen=True, kw_only=True):
@@ -176,7 +178,9 @@ def adequacy_records(matrix: Matrix, part: str = "") -> list[AdequacyRecord]:
     """The entries of a matrix, of that `part` of the robot where it is one."""
     own = {"poses": matrix.poses, **({"part": part} if part else {})}
     entries = (msgspec.to_builtins(entry) for entry in matrix.entries)
-    return [msgspec.convert(entry | own, AdequacyRecord) for entry in entries]
+    # By way of JSON, which knows no infinite numbers.
+    written = (msgspec.json.encode(entry | own) for entry in entries)
+    return [msgspec.json.decode(entry, type=AdequacyRecord) for entry in written]
 
 
 def studies_of(outcomes: Sequence[Outcome]) -> list[Study]:
@@ -214,4 +218,6 @@ def parse_run(content: bytes | str, source: str) -> RunRecord:
         raise InputError(f"{source}: not a {_FILE} of flexproof: {error}") from error
     if run.schema != 1:
         raise InputError(f"{source}: schema = {run.schema}: only schema 1 is understood")
+    if len(run.by_id) < len(run.cases):
+        raise InputError(f"{source}: not a {_FILE} of flexproof: two of its cases have the same id")
     return run

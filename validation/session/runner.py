@@ -46,7 +46,7 @@ def select(
 
     Those whose ids are in `always` are taken, too.
 
-    Raises InputError where nothing matches.
+    Raises InputError where nothing matches that compares anything.
     """
     if len({task.id for task in tasks}) < len(tasks):
         raise ValueError("two cases or figures have the same id")
@@ -62,6 +62,11 @@ def select(
         near = did_you_mean(pattern.strip("*?"), ids, listed, cutoff=0.5)
         hint = "; only in other presets" if elsewhere else near
         raise InputError(f'--only: no case of preset {preset} matches "{pattern}"{hint}')
+    if all(isinstance(task, PlannedFigure) for task in in_preset if task.id in chosen):
+        raise InputError(
+            f'--only: "{pattern}" matches figures alone, and nothing would be compared; must match '
+            "a case ('flexproof cases' lists them) or adequacy"
+        )
     return [task for task in in_preset if task.id in chosen.union(always)]
 
 

@@ -6,10 +6,10 @@ from typing import Any, Literal
 
 from lumped.errors import InputError
 from validation.console.streams import complain, say
-from validation.console.typed import AsJson, Flag, WholeNumber, require_place, write
+from validation.console.typed import AsJson, Flag, Place, WholeNumber, require_place, write
 
 Unit = Literal["m", "mm", "cm", "inch"]
-_FEWEST_UNKNOWNS = 1000
+_FEWEST_UNKNOWNS, _MOST_UNKNOWNS = 1000, 10_000_000
 # More than any mesh of three that fits into memory resolves.
 _MOST_MODES = 100
 # Seconds of an idle core: reading a byte, identifying a part, and an unknown of its finest mesh.
@@ -17,10 +17,10 @@ _READING_A_BYTE, _IDENTIFYING, _EACH_UNKNOWN = 1e-5, 5.0, 2e-4
 
 
 def faces(
-    part: Path,
+    part: Place,
     *,
     unit: Unit | None = None,
-    out: Path | None = None,
+    out: Place | None = None,
     json: Flag = False,
 ) -> int:
     """List the faces of a CAD part or of a mesh, and draw them numbered.
@@ -70,7 +70,7 @@ def identify(
     unknowns: WholeNumber | None = None,
     modes: WholeNumber | None = None,
     accuracy: float | None = None,
-    out: Path | None = None,
+    out: Place | None = None,
     json: AsJson = False,
 ) -> int:
     """Identify a part: stiffness, mass and frequencies between its interfaces, with uncertainty.
@@ -112,8 +112,9 @@ def identify(
 
     require_place(out, ".npz")
     faults = [] if accuracy is None else accuracy_faults(accuracy)
-    if unknowns is not None and unknowns < _FEWEST_UNKNOWNS:
-        faults.append(f"--unknowns = {unknowns}: must be {_FEWEST_UNKNOWNS} or more")
+    if unknowns is not None and not _FEWEST_UNKNOWNS <= unknowns <= _MOST_UNKNOWNS:
+        allowed = f"from {_FEWEST_UNKNOWNS} to {_MOST_UNKNOWNS}"
+        faults.append(f"--unknowns = {unknowns}: must be {allowed}")
     if modes is not None and not 0 <= modes <= _MOST_MODES:
         faults.append(f"--modes = {modes}: must be from 0 to {_MOST_MODES}")
     if body is None and material is None:

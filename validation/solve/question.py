@@ -26,6 +26,8 @@ OPTIONS: dict[ModelName, tuple[str, ...]] = {
 # Models of elements, solved dense.
 OF_ELEMENTS: tuple[ModelName, ...] = ("segments", "beam")
 DEFAULT_MODES = 6
+# Beams get elements for as many, and are solved dense.
+_MOST_MODES = 1000
 # What only parts from files listen to, and what says how a 6×6 becomes a leg of constant section.
 _OF_PARTS = ("parts", "reduction")
 _OF_GIVEN_LEGS = ("legs", "equivalent")
@@ -170,8 +172,8 @@ class Question:
 
     def _mode_faults(self) -> list[str]:
         faults = []
-        if self.modes is not None and self.modes < 0:
-            faults.append(f"--modes = {self.modes}: must be 0 or more")
+        if self.modes is not None and not 0 <= self.modes <= _MOST_MODES:
+            faults.append(f"--modes = {self.modes}: must be from 0 to {_MOST_MODES}")
         elif self.modes and self.model in STATIC:
             faults.append(f"--modes: the {self.model} model is static and has no frequencies")
         if self.against in STATIC:

@@ -92,6 +92,8 @@ def test_the_audit_of_the_built_in_robot_is_shown(capsys):
         (["run", "ifw", "extra"], "not understood: extra"),
         (["run", "--only", "toy.agree"], 'did you mean "toy.agrees"'),
         (["run", "--only", "nonsense"], "'flexproof cases' lists them"),
+        (["run", "--only", "toy.fig*"], '"toy.fig*" matches figures alone, and nothing would be'),
+        (["compare", "x" * 5000, "y"], 'xxx…": File name too long.'),
         (["run", "--out", "/dev/null/report"], "cannot write there"),
         (["run", "--resume"], "no run to go on with"),
         (["rum"], 'Did you mean "run"'),

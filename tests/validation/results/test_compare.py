@@ -31,6 +31,9 @@ STEADY = CaseRecord(
 )
 
 
+CASE = {"id": "steady", "verdict": "agree"}
+
+
 def run_of(*cases, **header):
     return RunRecord(cases=cases, run={"robot": "r", "preset": "quick"} | header)
 
@@ -139,6 +142,8 @@ def test_compare_ends_with_1_when_a_verdict_worsened(tmp_path, capsys):
         ("", "not a results.json"),
         ('{"cases": [], "run": ' + "[" * 100_000, "not a results.json"),
         ('{"schema": 2, "cases": []}', "only schema 1"),
+        (json.dumps({"cases": [CASE, CASE]}), "two of its cases have the same id"),
+        (json.dumps({"cases": [CASE | {"value": 1e300}]}), "Expected `float` <= 1e+150"),
     ],
 )
 def test_what_is_no_run_ends_with_2_and_one_line(content, said, tmp_path, capsys):

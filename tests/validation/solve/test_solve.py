@@ -54,6 +54,7 @@ def robot(tmp_path):
         (["beam", "--elements", "2.7"], 'Invalid value "2.7" for --elements. Must be a whole'),
         (["beam", "--leg", "1.4"], 'Invalid value "1.4" for --leg. Must be a whole number'),
         (["solid", "--divisions", "1e9"], 'Invalid value "1e9" for --divisions. Must be a whole'),
+        (["beam", "--modes", "1000000000"], "--modes = 1000000000: must be from 0 to 1000"),
         (["beam", "--elements", "9" * 5000], "for --elements. Must be a whole number"),
     ],
 )
