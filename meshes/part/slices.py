@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from matplotlib.path import Path as Outline
 
 from lumped.arrays import Array, IntArray
 from lumped.errors import InputError
@@ -69,6 +68,8 @@ def slices_of(nodes: Array, facets: Facets, origin: Array, axes: Array) -> list[
     The plane is that through `origin` across the first column of `axes` (3×3); outlines are in the
     other two. `facets`: the whole boundary on `nodes`. Raises InputError where the plane misses.
     """
+    from matplotlib.path import Path as Outline  # noqa: PLC0415  slow to import, and makes folders
+
     loops = [loop for loop in _loops(nodes, facets, origin, axes) if _moments(loop)[0] > 0.0]
     if not loops:
         x, y, z = origin

@@ -18,10 +18,8 @@ from numpy.typing import NDArray
 from lumped.arrays import Array
 from validation.drawing.opengl import MESSAGE, can_draw
 from validation.drawing.scene import DARK, DrawnBody, Label, MarkKind, Marks, Scene, View
-from validation.drawing.style import ORANGE, VERMILLION, WIDTH, plot_style
+from validation.drawing.style import COLOUR_MAP, ORANGE, VERMILLION, WIDTH, plot_style
 
-# Told apart by colour-blind readers, and light against dark when printed in grey.
-COLOUR_MAP = "viridis"
 DOTS_PER_INCH = 180
 _PER_POINT = DOTS_PER_INCH / 72.0
 # in, of a title, and of a colour bar with its label.

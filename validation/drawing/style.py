@@ -14,11 +14,10 @@ from dataclasses import dataclass
 from itertools import cycle
 from typing import Any
 
-import matplotlib as mpl
-
 WIDTH = 7.4  # in, of every plot
 BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
 YELLOW, BLUE, VERMILLION, PURPLE = "#F0E442", "#0072B2", "#D55E00", "#CC79A7"
+COLOUR_MAP = "viridis"  # told apart by colour-blind readers, and light against dark in grey
 BROWN = "#6B4226"  # dark, as orange and vermillion are not
 
 
@@ -139,7 +138,9 @@ _SETTINGS: Any = {
 @contextmanager
 def plot_style() -> Iterator[None]:
     """The style of all plots while the context lasts; create, draw and save inside it."""
-    with mpl.rc_context(_SETTINGS):
+    from matplotlib import rc_context  # noqa: PLC0415  slow to import, and makes folders
+
+    with rc_context(_SETTINGS):
         yield
 
 

@@ -8,13 +8,12 @@ import json
 from importlib.resources import files
 from typing import Any
 
-import matplotlib as mpl
 import numpy as np
 from markupsafe import escape
 
 from lumped.arrays import Array
-from validation.drawing.rendering import COLOUR_MAP
 from validation.drawing.scene import DrawnBody, Scene, Wire
+from validation.drawing.style import COLOUR_MAP
 from validation.drawing.text import base64
 from validation.exhibits import InteractiveScene
 
@@ -72,6 +71,8 @@ class _Numbers:
 
     def part(self, part: DrawnBody | Wire, limits: tuple[float, float]) -> dict[str, Any]:
         """What the viewer is told of a part; points are multiples of a step finer than a pixel."""
+        import matplotlib as mpl  # noqa: PLC0415  slow to import, and makes folders
+
         colour = [round(255.0 * share) for share in mpl.colors.to_rgb(part.colour)]
         points = part.points if isinstance(part, Wire) else part.surface.points
         common = {"colour": colour, "points": self.steps(points)}

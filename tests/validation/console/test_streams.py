@@ -96,6 +96,37 @@ def test_a_terminal_of_no_width_gets_its_help():
     assert "Solve one model of the robot" in found.stdout
 
 
+def test_a_refused_run_leaves_nothing_at_home(tmp_path):
+    home = {"HOME": str(tmp_path), "XDG_CACHE_HOME": "", "MPLCONFIGDIR": ""}
+    done = shell("flexproof run five-bar --only nothing", **home)
+    assert done.returncode == 2, done.stderr
+    assert not list(tmp_path.iterdir())
+
+
+def test_without_a_home_nothing_is_kept(tmp_path):
+    """Of what libraries write at home nothing is left, wherever an odd one would lead."""
+    home = {"HOME": "odd home", "XDG_CACHE_HOME": "", "MPLCONFIGDIR": "", "TMPDIR": str(tmp_path)}
+    picture = tmp_path / "robot.png"
+    done = shell(f"flexproof kinematics five-bar --picture {picture}", **home)
+    assert done.returncode == 0, done.stderr
+    assert not (ROOT / "odd home").exists()
+    assert list(tmp_path.iterdir()) == [picture]
+
+
+def test_a_second_sigterm_while_the_first_is_answered_changes_nothing():
+    program = """
+import os, signal
+from validation import cli
+said, terminate = cli.complain, lambda *_: os.kill(os.getpid(), signal.SIGTERM)
+cli._run, cli.complain = terminate, lambda *told: terminate() or said(*told)
+raise SystemExit(cli.main())
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, check=False
+    )
+    assert (done.returncode, done.stderr) == (3, "flexproof: interrupted\n")
+
+
 def test_a_limit_of_the_address_space_counts_as_available_memory():
     limited = (
         "import resource; from fem.machine import available_memory;"

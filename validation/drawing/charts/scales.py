@@ -4,23 +4,31 @@ Those of y are set once the curves are drawn.
 """
 
 from collections.abc import Callable, Iterable, Sequence
-from typing import TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
-import matplotlib as mpl
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.axis import Axis
 
 from lumped.arrays import Array
 from validation.drawing.text import power_of_ten
 
-Scale: TypeAlias = Callable[[Axes], None]
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.axis import Axis
+
+Scale: TypeAlias = Callable[["Axes"], None]
 _FEW_DECADES = 1.5
 # Least distance of two labels as a share of the axis.
 _LEAST_GAP = 0.07
 
 
-def from_zero(axes: Axes, *, top: float | None = None) -> None:
+def _ticker() -> Any:
+    # Slow to import, and makes folders: not for those who only list what could be drawn.
+    from matplotlib import ticker  # noqa: PLC0415
+
+    return ticker
+
+
+def from_zero(axes: "Axes", *, top: float | None = None) -> None:
     """Let the y axis start at zero and leave room above the curves, or above `top`."""
     axes.set_ylim(0.0, 1.08 * axes.get_ylim()[1] if top is None else 1.15 * top)
 
@@ -31,15 +39,15 @@ def largest(curves: Iterable[Array]) -> float:
     return float(np.max(values[np.isfinite(values)], initial=0.0)) or 1.0
 
 
-def plain_log(axes: Axes, *, low: float, high: float) -> None:
+def plain_log(axes: "Axes", *, low: float, high: float) -> None:
     """Logarithmic y axis from `low` to `high` with ticks 1, 2, 5 and plain numbers."""
     axes.set(yscale="log", ylim=(low, high))
-    axes.yaxis.set_major_locator(mpl.ticker.LogLocator(10.0, subs=(1.0, 2.0, 5.0)))
-    axes.yaxis.set_major_formatter(mpl.ticker.FuncFormatter(lambda value, _: f"{value:g}"))
-    axes.yaxis.set_minor_locator(mpl.ticker.NullLocator())
+    axes.yaxis.set_major_locator(_ticker().LogLocator(10.0, subs=(1.0, 2.0, 5.0)))
+    axes.yaxis.set_major_formatter(_ticker().FuncFormatter(lambda value, _: f"{value:g}"))
+    axes.yaxis.set_minor_locator(_ticker().NullLocator())
 
 
-def percent(axes: Axes, *, limit: float = 1.0, steps: Sequence[float] = (1.0,)) -> None:
+def percent(axes: "Axes", *, limit: float = 1.0, steps: Sequence[float] = (1.0,)) -> None:
     """Linear within ± `limit`, logarithmic beyond: curves that agree and such that do not.
 
     Ticks at zero, at the limit, and at `steps` of every power of ten beyond it.
@@ -53,24 +61,24 @@ def percent(axes: Axes, *, limit: float = 1.0, steps: Sequence[float] = (1.0,)) 
     sizes = [limit, *(size for size in beyond if size >= 1.9 * limit)]
     axes.set_yticks([0.0, *(s for size in sizes for s in (-size, size) if low <= s <= high)])
     axes.yaxis.set_major_formatter(
-        mpl.ticker.FuncFormatter(lambda value, _: f"{value:+g}" if value else "0")
+        _ticker().FuncFormatter(lambda value, _: f"{value:+g}" if value else "0")
     )
-    axes.yaxis.set_minor_locator(mpl.ticker.NullLocator())
+    axes.yaxis.set_minor_locator(_ticker().NullLocator())
     axes.set_ylim(low, high)
 
 
-def few_ticks(axes: Axes, *, count: int = 4, whole: bool = False) -> None:
+def few_ticks(axes: "Axes", *, count: int = 4, whole: bool = False) -> None:
     """At most `count` intervals of the x axis, of `whole` numbers if these count something."""
-    axes.xaxis.set_major_locator(mpl.ticker.MaxNLocator(count, integer=whole))
-    axes.xaxis.set_major_formatter(mpl.ticker.FuncFormatter(lambda value, _: short_number(value)))
+    axes.xaxis.set_major_locator(_ticker().MaxNLocator(count, integer=whole))
+    axes.xaxis.set_major_formatter(_ticker().FuncFormatter(lambda value, _: short_number(value)))
 
 
-def side_by_side(axes: Axes) -> None:
+def side_by_side(axes: "Axes") -> None:
     """An x axis on which things stand beside each other, without numbers."""
     axes.set_xticks([])
 
 
-def refined(axes: Axes, *, x: Array, decay: bool = False) -> None:
+def refined(axes: "Axes", *, x: Array, decay: bool = False) -> None:
     """A logarithmic x axis with ticks at `x`, as far as labels do not meet; so y in a `decay`."""
     axes.set_xscale("log")
     if decay:
@@ -86,14 +94,14 @@ def refined(axes: Axes, *, x: Array, decay: bool = False) -> None:
     axes.minorticks_off()
 
 
-def around_zero(axes: Axes, *, least: float) -> None:
+def around_zero(axes: "Axes", *, least: float) -> None:
     """An x axis from `least` below zero to as much above it, farther where something is drawn."""
     drawn = [np.abs(np.asarray(line.get_xdata(), dtype=float)) for line in axes.get_lines()]
     limit = max(least, 1.1 * largest(drawn))
     axes.set_xlim(-limit, limit)
 
 
-def power_ticks(axis: Axis) -> None:
+def power_ticks(axis: "Axis") -> None:
     """Ticks of a logarithmic axis: powers of ten, or 1, 2 and 5 where there are few of these.
 
     Labels are plain text: parsing formulas takes longer than all the rest of a plot.
@@ -101,9 +109,9 @@ def power_ticks(axis: Axis) -> None:
     low, high = axis.get_view_interval()
     decades = np.log10(high / low) if 0.0 < low < high else 0.0
     parts = (1.0, 2.0, 5.0) if decades < _FEW_DECADES else (1.0,)
-    axis.set_major_locator(mpl.ticker.LogLocator(10.0, subs=parts, numticks=8))
-    axis.set_major_formatter(mpl.ticker.FuncFormatter(lambda value, _: short_number(value)))
-    axis.set_minor_locator(mpl.ticker.NullLocator())
+    axis.set_major_locator(_ticker().LogLocator(10.0, subs=parts, numticks=8))
+    axis.set_major_formatter(_ticker().FuncFormatter(lambda value, _: short_number(value)))
+    axis.set_minor_locator(_ticker().NullLocator())
 
 
 def short_number(value: float) -> str:

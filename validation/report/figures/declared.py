@@ -8,8 +8,6 @@ from typing import TypeAlias
 
 from validation.context import PRESETS, Context
 from validation.drawing.charts.chart import Chart, chart_table
-from validation.drawing.charts.plot import chart_svg
-from validation.drawing.rendering import Picture, pictured
 from validation.drawing.scene import Scene
 from validation.drawing.style import WIDTH
 from validation.drawing.turnable import turnable
@@ -39,6 +37,10 @@ class Shown:
         self, identifier: str, title: str, section: str, computed_by: tuple[str, ...] = ()
     ) -> Figure:
         """As a figure of the page, drawn."""
+        # Slow to import, and not for those who only list what could be drawn.
+        from validation.drawing.charts.plot import chart_svg  # noqa: PLC0415
+        from validation.drawing.rendering import Picture, pictured  # noqa: PLC0415
+
         picture = Picture()
         if self.scenes:
             picture = pictured(self.scenes, self.columns, self.height, self.width)
