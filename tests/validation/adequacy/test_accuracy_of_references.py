@@ -4,8 +4,9 @@ from dataclasses import replace
 
 import pytest
 from one_arm import ONE_ARM
+from written_robot import robot_of
 
-from lumped.robot_file import RobotFile, load_robot
+from lumped.robot_file import RobotFile
 from validation.adequacy.matrix import Matrix
 from validation.adequacy.robot import robot_adequacy
 from validation.context import Context, Preset
@@ -13,11 +14,9 @@ from validation.context import Context, Preset
 
 @pytest.fixture(scope="module")
 def arm(tmp_path_factory: pytest.TempPathFactory) -> RobotFile:
-    path = tmp_path_factory.mktemp("arm") / "arm.toml"
     held = ONE_ARM.replace("height = 0.04 }", 'height = 0.04 }\nends = "rigid"')
     short = held.replace("nu = 0.0", "nu = 0.3").replace("P = [0.0, 0.5", "P = [0.0, 0.2")
-    path.write_text(short + "[path]\nposes = [[0.0]]\n")
-    return load_robot(path)
+    return robot_of(short + "[path]\nposes = [[0.0]]\n", tmp_path_factory.mktemp("arm"))
 
 
 def by(arm: RobotFile, preset: Preset, accuracy: float | None = None, **limits: float) -> Matrix:
@@ -42,7 +41,6 @@ def test_an_accuracy_is_reached_or_it_is_said_that_it_is_not(arm: RobotFile) -> 
     # What finer meshes say lies within what coarser ones left open.
     for one in rough.entries:
         other = best.entry(one.model, one.quantity)
-        assert other is not None
         if one.error is not None and other.error is not None:
             assert abs(one.error - other.error) <= (one.uncertainty or 0.0) + 1e-9
 
@@ -55,15 +53,9 @@ def test_a_verdict_that_hangs_on_meshes_is_decided_by_finer_ones(arm: RobotFile)
         key=lambda one: one.uncertainties["meshes"],
     )
     best = finer.entry(entry.model, entry.quantity)
-    assert best is not None
-    assert best.error is not None
-    assert best.uncertainty is not None
-    assert entry.error is not None
-    assert entry.uncertainty is not None
     # A limit that the meshes of this preset leave open, and those of the next one do not.
     size = abs(best.error) + best.uncertainty
     limit = 0.5 * (size + abs(entry.error) + entry.uncertainty)
     decided = by(arm, "standard", **{entry.quantity: limit}).entry(entry.model, entry.quantity)
-    assert decided is not None
     assert decided.verdict == "adequate"
     assert decided.uncertainty == pytest.approx(best.uncertainty, rel=1e-6)

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from written_robot import robot_of
 
 from lumped.acceptance.requirement import STATIC_QUANTITIES, Requirement
 from lumped.arrays import Array
@@ -50,12 +51,6 @@ def drawn(text: str, rng: np.random.Generator) -> str:
     return MATRIX.sub(within, text)
 
 
-def read(text: str, folder: Path) -> RobotFile:
-    file = folder / "robot.toml"
-    file.write_text(text)
-    return load_robot(file)
-
-
 def virtual_joints(robot: RobotFile, poses: Array) -> Array:
     """Compliances (p×6×6) by virtual joints, which share no code with the assembler."""
     postures = postures_of(robot.mechanism, poses)
@@ -66,7 +61,7 @@ def virtual_joints(robot: RobotFile, poses: Array) -> Array:
 def printed(tmp_path_factory: pytest.TempPathFactory) -> RobotFile:
     """The paper's robot without its corrections, which have to stand in the file as they are."""
     text = load_robot("ifw").text.split("\n[[corrections]]\n")[0]
-    return read(text, tmp_path_factory.mktemp("printed"))
+    return robot_of(text, tmp_path_factory.mktemp("printed"))
 
 
 def test_95_percent_of_all_robots_with_these_digits_lie_within(
@@ -77,7 +72,7 @@ def test_95_percent_of_all_robots_with_these_digits_lie_within(
     own, rng = virtual_joints(printed, poses), np.random.default_rng(24)
     off = []
     for _ in range(DRAWS):
-        change = virtual_joints(read(drawn(printed.text, rng), tmp_path), poses) - own
+        change = virtual_joints(robot_of(drawn(printed.text, rng), tmp_path), poses) - own
         columns = change[:, :3, :3], own[:, :3, :3]
         lengths = [np.linalg.norm(one, axis=1) for one in columns]
         off.append(lengths[0] / lengths[1])
@@ -101,7 +96,7 @@ def test_frequencies_of_no_robot_with_these_digits_lie_beyond(
 
     own = on_path(printed)
     stated = [one.dynamic_digits for one in dynamic_reference(own).alternatives]
-    found = [frequencies(on_path(read(drawn(printed.text, rng), tmp_path))) for _ in range(4)]
+    found = [frequencies(on_path(robot_of(drawn(printed.text, rng), tmp_path))) for _ in range(4)]
     largest = np.abs(np.array(found) / frequencies(own) - 1.0).max(axis=0)
     assert (largest <= np.array(stated)).all()
     # Of four draws; where the mass is one lump, fewer roundings count than in a prism's.
@@ -126,9 +121,7 @@ def test_a_digit_moves_frequencies_as_solving_the_robot_with_it_changed_does(
     for one in changed.values():
         monkeypatch.setattr(digits, "roundings_of", lambda *_, one=one: [one])
         found = digits.modes_by_digits(printed.text, postures, 4, MASSES[0])
-        assert found is not None
         moved = digits.modes_by_digits(printed.text, tuple(one.postures), 4, MASSES[0])
-        assert moved is not None
         own, share = found
         off = np.abs(moved[0].frequencies / own.frequencies - 1.0) * one.factor
         # Differences of numbers that agree to 1e-6, or less.
@@ -162,9 +155,8 @@ def test_solve_says_what_the_digits_leave_open_at_most(
         return np.concatenate([np.diag(answer.compliance), answer.frequencies])
 
     answer, rng = solved(printed, digits=True), np.random.default_rng(24)
-    assert answer.of_digits is not None
     most = np.concatenate([answer.of_digits.compliance, answer.of_digits.frequencies])
-    drawn_ones = (solved(read(drawn(printed.text, rng), tmp_path)) for _ in range(draws))
+    drawn_ones = (solved(robot_of(drawn(printed.text, rng), tmp_path)) for _ in range(draws))
     largest = np.max([np.abs(sizes(one) - sizes(answer)) for one in drawn_ones], axis=0)
     # No draw has all its roundings on one side; five numbers or so count in each.
     assert (largest <= most).all()
@@ -185,7 +177,6 @@ def test_a_limit_that_the_digits_do_not_decide_is_undecided_and_says_so(
     paper_subject: Subject,
 ) -> None:
     entry = judged(paper_subject, Requirement(deflection=1e-4)).entry("vjm", "y")
-    assert entry is not None
     assert entry.verdict == "undecided"
     assert entry.reason == "give the 6×6 in the robot file with more digits"
 
@@ -193,7 +184,6 @@ def test_a_limit_that_the_digits_do_not_decide_is_undecided_and_says_so(
 def test_virtual_joints_of_the_papers_robot_are_known_to_its_digits(paper: Matrix) -> None:
     for quantity in FORCES:
         entry = paper.entry("vjm", quantity)
-        assert entry is not None
         assert entry.verdict == "adequate"
         # Never negative: the interval goes from nothing to what three digits leave.
         digits = entry.uncertainties["digits of the file"]
@@ -201,7 +191,5 @@ def test_virtual_joints_of_the_papers_robot_are_known_to_its_digits(paper: Matri
         assert (entry.error or 0.0) + (entry.uncertainty or 0.0) == pytest.approx(digits, rel=1e-3)
     for quantity in ("f1", "f2"):
         entry = paper.entry("beam", quantity)
-        assert entry is not None
         assert 5e-4 < entry.uncertainties["digits of the file"] < 3e-3
-    assert paper.formulation is not None
     assert all("digits of the file" not in one.uncertainties for one in paper.formulation.entries)

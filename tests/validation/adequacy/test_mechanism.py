@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from written_robot import robot_of
 
-from lumped.errors import InputError
 from lumped.legs import ConstantLeg
 from lumped.mechanism.kinematics.postures import reference_posture
 from lumped.models.bodies import legs_of, tip_compliances
@@ -29,7 +29,6 @@ from validation.context import Context
 from validation.models.legs import leg_matrices
 from validation.models.mechanism import constant_legs
 from validation.models.options import ModelOptions
-from validation.session.validate import Request, validate
 
 
 @pytest.fixture(scope="module")
@@ -46,9 +45,7 @@ def short(tmp_path_factory):
     box = r'\nsection = { shape = "hollow-(rectangle.*), thickness = .*'
     text = re.sub(box, r'\nends = "rigid"\nsection = { shape = "\1 }', text)
     text = f"{text.partition('[path]')[0]}[path]\nposes = [[-0.2, 0.45]]\n"
-    path = tmp_path_factory.mktemp("five-bar") / "five-bar.toml"
-    path.write_text(text, encoding="utf-8")
-    return load_robot(path)
+    return robot_of(text, tmp_path_factory.mktemp("five-bar"))
 
 
 @pytest.fixture(scope="module")
@@ -92,11 +89,8 @@ def test_virtual_joints_and_links_climb_the_same_ladder():
         summed(postures, springs), assembled(postures, springs), rtol=1e-9, atol=1e-18
     )
     assert why_not_serial(postures) == ""
-
-
-def test_where_legs_branch_virtual_joints_say_so():
-    postures = path_postures(Context(load_robot("delta"), "quick"))
-    assert "branches at" in why_not_serial(postures)
+    delta = Context(load_robot("delta"), "quick")
+    assert "branches at" in why_not_serial(path_postures(delta)[:1])
 
 
 def test_ends_are_alternatives_until_the_file_says_them():
@@ -126,13 +120,6 @@ def test_a_mechanism_has_no_cases_of_the_biglide():
     assert {"adequacy", "mechanism.closure", "mechanism.statics.solid", "robot.portrait"} <= ids
     assert not any(name.startswith(("robot.beam", "leg1", "decision", "paper")) for name in ids)
     assert len(ids) > 100
-
-
-def test_what_a_mechanism_does_not_have_is_refused_before_anything_is_written(tmp_path):
-    request = Request(load_robot("delta"), "quick", tmp_path / "out", 1, "adequacy")
-    with pytest.raises(InputError, match="--cluster"):
-        validate(replace(request, cluster="tcp://localhost:1"), catalogue)
-    assert not (tmp_path / "out").exists()
 
 
 def test_frequencies_of_legs_known_by_a_matrix_are_judged_for_plausible_masses(matrix):

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+from written_robot import robot_of
 
 from lumped.errors import ComputationError
 from lumped.mechanism import biglide
@@ -42,9 +43,8 @@ ends = "rigid"
 def test_one_leg_without_solids_leaves_the_robot_undecided_and_the_other_judged(
     tmp_path: Path, section: str, nu: str, said: str
 ) -> None:
-    path = tmp_path / "robot.toml"
-    path.write_text(ROBOT.format(sound=SOLID, section=section, nu=nu))
-    matrix = robot_adequacy(Context(load_robot(str(path)), "quick"))
+    robot = robot_of(ROBOT.format(sound=SOLID, section=section, nu=nu), tmp_path)
+    matrix = robot_adequacy(Context(robot, "quick"))
     statics = [entry for entry in matrix.entries if entry.quantity in ("x", "z", "phi_x")]
     assert {entry.model for entry in statics} >= {"simplified", "vjm", "segments", "beam"}
     assert {entry.verdict for entry in matrix.entries} == {"undecided"}

@@ -41,14 +41,6 @@ def test_a_run_prints_its_verdict_and_where_the_report_is(with_catalogue, tmp_pa
     assert printed.err == "flexproof: figure toy.undrawn left out: no OpenGL\n"
 
 
-def test_a_disagreement_is_named_with_its_numbers(with_catalogue, tmp_path, capsys):
-    with_catalogue(toys.disagreeing)
-    arguments = ["run", "--only", "toy.disagrees", "--out", str(tmp_path / "out")]
-    assert cli.main(arguments) == 1
-    out = capsys.readouterr().out
-    assert "disagree  toy.disagrees: length 2 m, should be 1 m (tolerance 0.1 m)" in out
-
-
 def test_cases_are_listed_as_text_and_as_json(with_catalogue, capsys):
     with_catalogue(toys.sound)
     assert cli.main(["cases"]) == 0

@@ -9,7 +9,6 @@ from pathlib import Path
 import pytest
 
 from lumped.text import visible
-from validation.console import streams
 
 ROOT = Path(__file__).parents[3]
 PROGRAM = "import sys; from validation.cli import main; sys.exit(main())"
@@ -142,9 +141,3 @@ def test_a_limit_of_the_address_space_counts_as_available_memory():
 def test_visible_text_is_left_alone():
     assert visible("1 µm ≤ 3·10⁻⁶ m, Größe, 中") == "1 µm ≤ 3·10⁻⁶ m, Größe, 中"
     assert visible("a\nb\tc\u2028d\udcffe", keep="\n") == "a\nb\\tc\\u2028d\\udcffe"
-
-
-def test_every_sign_of_our_own_has_a_plain_spelling():
-    for sign, plain in streams._PLAIN.items():
-        assert len(sign) == 1
-        assert plain.isascii()

@@ -20,9 +20,11 @@ from lumped.robot_file import load_robot
 from lumped.sections import Rectangle
 from meshes.prism.hexahedra import hexahedra
 from meshes.prism.tetrahedra import tetrahedra
+from validation.export import models as exports
 from validation.export.mechanism import export_mechanism
 from validation.export.models import DIVISIONS, WRENCHES, grid
 from validation.kinematics.poses import postures_of
+from validation.models import parts
 from validation.models.legs import clamped_solid, leg_matrices
 from validation.models.mechanism import answers
 from validation.models.parts import identified
@@ -147,7 +149,9 @@ ROCKER = Path(__file__).resolve().parents[3] / "examples" / "rocker" / "robot.to
 
 
 @pytest.fixture(scope="module")
-def exported(tmp_path_factory, coarse_parts):  # noqa: ARG001  parts are coarse from here on
+def exported(tmp_path_factory, coarse_parts):
+    for module in (parts, exports):
+        coarse_parts.setattr(module, "UNKNOWNS", 3_000)
     mechanism = load_robot(ROCKER).mechanism
     folder = tmp_path_factory.mktemp("export")
     export_mechanism(mechanism, "quick", folder)

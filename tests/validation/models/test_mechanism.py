@@ -93,13 +93,6 @@ def test_a_leg_carries_the_printed_joint_at_its_tip_and_no_fixed_one():
     assert {name: own.release for name, _, own in legs} == {"leg1": "condensed", "leg2": "printed"}
 
 
-def test_simplified_has_the_modes_of_what_is_rigid():
-    """Rigid platform of the hexapod on six drives: its legs have no mass in this model."""
-    at = reference_posture(load_robot("hexapod").mechanism)
-    (found,) = answers("simplified", [at], 20)
-    assert len(found.frequencies) == 6
-
-
 def test_simplified_knows_nothing_of_what_its_joints_give():
     at = reference_posture(load_robot("ifw").mechanism)
     joints = tuple(replace(joint, compliance=None) for joint in at.mechanism.joints)

@@ -4,6 +4,7 @@ import re
 
 import pytest
 from like_ifw import IFW, file_of, like_ifw, placed_at, stations
+from written_robot import robot_of
 
 from fem.bodies import doubling
 from fem.bodies.solid import solid_mesh
@@ -30,7 +31,6 @@ from validation.solids import size
 from validation.solids.size import (
     LARGEST,
     face_too_large,
-    larger_preset,
     solid_unknowns,
     too_large,
 )
@@ -126,9 +126,7 @@ def five_bar(section, tmp_path):
     """Context of a quick run of the five-bar with other sections."""
     text, count = re.subn("shape = .* }", f"{section} }}", load_robot("five-bar").text)
     assert count == 4
-    path = tmp_path / "rods.toml"
-    path.write_text(text, encoding="utf-8")
-    return Context(load_robot(path), "quick")
+    return Context(robot_of(text, tmp_path), "quick")
 
 
 def test_statics_of_a_mechanism_of_too_thin_walls_are_skipped_with_the_leg(tmp_path):
@@ -152,13 +150,6 @@ def test_their_export_is_refused_before_anything_is_computed(tmp_path):
     with pytest.raises(InputError, match=REASON.replace("^", "^--export: ")):
         validate(request, catalogue)
     assert not (tmp_path / "run").exists()
-
-
-def test_a_larger_preset_is_named_where_one_takes_it_and_none_where_not():
-    assert larger_preset("quick", lambda one: one == "fine") == "preset fine"
-    assert larger_preset("quick", lambda _: True) == "preset standard"
-    assert larger_preset("quick", lambda one: one == "quick") == "no preset"
-    assert larger_preset("fine", lambda _: True) == "no preset"
 
 
 @pytest.mark.parametrize(

@@ -3,11 +3,11 @@
 import numpy as np
 from like_ifw import placed_at
 from numpy.testing import assert_allclose
+from written_robot import robot_of
 
 from fem.reduction.craig_bampton import craig_bampton
 from fem.reduction.superelement import Superelement
 from lumped.models.bodies import legs_of
-from lumped.robot_file import load_robot
 from lumped.system.assembly import assemble
 from lumped.system.solution import modes, solved
 from validation.solids.legs import ELEMENTS, held_solid, own_beam
@@ -35,9 +35,7 @@ material = { E = 2.1e11, nu = 0.0, rho = 7850.0 }
 
 
 def test_a_leg_that_swings_between_ends_at_rest_has_its_waves(tmp_path):
-    path = tmp_path / "robot.toml"
-    path.write_text(ROBOT, encoding="utf-8")
-    mechanism = load_robot(path).mechanism
+    mechanism = robot_of(ROBOT, tmp_path).mechanism
     legs, divisions = legs_of(mechanism), {"leg1": 2, "leg2": 2}
     beams = {name: own_beam(leg, divisions[name]) for name, leg in legs.items()}
     places = placed_at(mechanism)

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from forgetting import forget
 from scipy.optimize import brentq
+from written_robot import robot_of
 
-from lumped.robot_file import load_robot
 from lumped.robot_file.variation import variations_of
 from validation.case import Skip
 from validation.context import Context
@@ -54,9 +54,7 @@ HEIGHTS = np.linspace(0.030, 0.054, 3)
 
 
 def written(folder, height):
-    path = folder / "bar.toml"
-    path.write_text(BAR.replace("height = 0.03", f"height = {height}"), encoding="utf-8")
-    return load_robot(path)
+    return robot_of(BAR.replace("height = 0.03", f"height = {height}"), folder)
 
 
 @pytest.fixture(scope="module")

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from written_robot import robot_of
 
 from lumped.mechanism.kinematics.postures import reference_posture
 from lumped.robot_file import load_robot
@@ -9,7 +10,6 @@ from lumped.sections import Rectangle
 from validation.models.mechanism import mechanism_modes
 from validation.report.figures.mechanism.mode_names import (
     kinetic_energies,
-    leading_kind,
     mode_names,
 )
 
@@ -56,9 +56,7 @@ def nearest(frequency, known):
 
 @pytest.fixture
 def blade(tmp_path):
-    path = tmp_path / "blade.toml"
-    path.write_text(BLADE, encoding="utf-8")
-    return load_robot(path).mechanism
+    return robot_of(BLADE, tmp_path).mechanism
 
 
 @pytest.mark.parametrize("model", ["beam", "segments"])
@@ -87,8 +85,3 @@ def test_all_mass_is_in_the_kinetic_energy(name):
     (found,) = mechanism_modes("beam", [reference_posture(load_robot(name).mechanism)], 6)
     energies_of = kinetic_energies(found.system, found.modes.shapes).sum(axis=0)
     np.testing.assert_allclose(energies_of, 1.0, rtol=1e-3)
-
-
-def test_the_largest_share_leads():
-    shares = {"torsion": np.array([0.2, 0.6]), "bending": np.array([0.8, 0.4])}
-    assert [leading_kind(shares, mode) for mode in range(2)] == ["bending", "torsion"]
