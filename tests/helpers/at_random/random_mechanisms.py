@@ -152,4 +152,4 @@ def random_posture(seed: int, *, planar: bool = False, rigid: float = 0.2) -> Po
             join(before, name, points[0])
             before = name
         join(before, "platform", f"{leg}.{count}")
-    return make.posture(Tool("platform", "T", mass=1.0))
+    return make.posture(Tool("platform", "T", mass=3.0))
