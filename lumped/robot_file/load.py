@@ -37,8 +37,8 @@ from lumped.text import did_you_mean, visible
 _SUFFIX = ".toml"
 # Data that designers take from tables, data sheets and experience.
 _RARELY_KNOWN = ("E", "length", "stiffness", "compliance")
-# Bytes: ten thousand poses of six numbers, or the matrices of a thousand legs.
-_LARGEST = 2_000_000
+# Bytes: ten thousand poses, or the matrices of a thousand legs. tomllib takes half a second.
+_LARGEST = 1_000_000
 
 
 class UncertainInput(NamedTuple):

@@ -202,7 +202,7 @@ def larger_files():
     yield SOUND + corrections, "corrections: 1001 entries; must be at most 1000"
     part = {"part": {"step": "a\0b"}}
     yield toml(robot | {"bodies": robot["bodies"] | part}), "must be the name of a file, 1 to 1000"
-    yield "#" * 2_000_001, "is larger than 2 MB; must be a robot file"
+    yield "#" * 1_000_001, "is larger than 1 MB; must be a robot file"
 
 
 def test_what_is_larger_than_any_robot_is_refused_at_once(path):
