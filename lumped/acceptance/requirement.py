@@ -12,6 +12,8 @@ ANY_FORCE = "any_force"
 STATIC_QUANTITIES = (*AXES, ANY_FORCE)
 # The axis of those that are rotations.
 ROTATIONS = {"phi_x": "x", "phi_y": "y", "phi_z": "z"}
+# Of displacements under loads of the robot file, with the load's name behind it.
+LOAD = "load:"
 ORDER = "order"
 MOST_MODES = 10
 # Names of natural frequencies with their number.
@@ -33,14 +35,21 @@ ModelKind: TypeAlias = Literal[
 MODEL_KINDS: tuple[ModelKind, ...] = get_args(ModelKind)
 
 
+def is_static(quantity: str) -> bool:
+    """Whether a quantity is a deflection: under unit wrenches, or under a load of the file."""
+    return quantity in STATIC_QUANTITIES or quantity.startswith(LOAD)
+
+
 @dataclass(frozen=True)
 class Requirement:
     """Largest relative errors that are accepted, and the models that are relied on.
 
     `deflection` holds for all static quantities, `frequency` for the first `modes` natural
-    frequencies and their order; `limits` overrides them for single quantities by name. `rely` are
-    models whose inadequacy makes a run fail. `accuracy` is what meshes of references may leave
-    open of any error; None: of an error that they leave undecided, a fifth of its limit.
+    frequencies and their order; `limits` overrides them for single quantities by name. Of `loads`
+    of the file, by name, an error of `displacement` (m) is accepted in place of `deflection`, where
+    it is given. `rely` are models whose inadequacy makes a run fail. `accuracy` is what meshes of
+    references may leave open of any error; None: of an error that they leave undecided, a fifth of
+    its limit.
     """
 
     deflection: float = 0.05
@@ -49,13 +58,21 @@ class Requirement:
     rely: tuple[str, ...] = ()
     limits: Mapping[str, float] = field(default_factory=dict)
     accuracy: float | None = None
+    loads: tuple[str, ...] = ()
+    displacement: float | None = None
 
     @property
     def quantities(self) -> tuple[str, ...]:
         """Names of all quantities that are judged."""
-        return (*STATIC_QUANTITIES, *list(FREQUENCIES)[: self.modes], ORDER)
+        loads = (f"{LOAD}{name}" for name in self.loads)
+        return (*STATIC_QUANTITIES, *loads, *list(FREQUENCIES)[: self.modes], ORDER)
 
     def limit(self, quantity: str) -> float:
         """Largest relative error that is accepted of a quantity."""
-        general = self.deflection if quantity in STATIC_QUANTITIES else self.frequency
+        general = self.deflection if is_static(quantity) else self.frequency
         return self.limits.get(quantity, general)
+
+    def absolute(self, quantity: str) -> float | None:
+        """Largest error (m) that is accepted of a quantity, where no share of it limits that."""
+        of_load = quantity.startswith(LOAD) and quantity not in self.limits
+        return self.displacement if of_load else None

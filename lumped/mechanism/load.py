@@ -33,3 +33,13 @@ class Load:
     def moves(self) -> bool:
         """Whether the tool moves under it."""
         return bool(self.acceleration.any() or self.speed.any())
+
+
+@dataclass(frozen=True, eq=False)
+class Applied:
+    """A `wrench` (6, SI) at `position` (3, m), both in base axes, on what carries an interface."""
+
+    body: str
+    point: str
+    position: Array
+    wrench: Array

@@ -18,10 +18,10 @@ from lumped.errors import ComputationError, InputError
 from lumped.mechanism.free_twists import free_twists, interface_position, turned_since_reference
 from lumped.mechanism.joint import FREEDOMS, Joint, Side
 from lumped.mechanism.kinematics.postures import shown_pose
+from lumped.mechanism.load import Applied
 from lumped.mechanism.mechanism import GROUND, Mechanism, Posture
 from lumped.models import vjm
 from lumped.screws import shift, turn_matrix
-from lumped.system.loads import Applied
 
 # What moves as one: a rigid body ("" for the interface) or one interface of a leg.
 _Node: TypeAlias = tuple[str, str]

@@ -1,7 +1,7 @@
 """What a robot file says beside its robot: what is asked, measured, uncertain and misprinted."""
 
 import csv
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from io import StringIO
 from pathlib import Path
@@ -74,13 +74,14 @@ def _value(name: str, text: str) -> Any:
         return text
 
 
-def requirement_of(accept: Mapping[str, Any] | None) -> Requirement:
-    """What a file's [accept] asks; the defaults without it."""
+def requirement_of(accept: Mapping[str, Any] | None, loads: Iterable[str] = ()) -> Requirement:
+    """What a file's [accept] asks of a robot with loads of such names; the defaults without it."""
+    names = tuple(loads)
     if accept is None:
-        return Requirement()
+        return Requirement(loads=names)
     limits = {name: accept[name] for name in STATIC_QUANTITIES if accept[name] is not None}
     own = {name: value for name, value in accept.items() if name not in STATIC_QUANTITIES}
-    return Requirement(**own, limits=limits)
+    return Requirement(**own, limits=limits, loads=names)
 
 
 def with_options(
@@ -88,15 +89,15 @@ def with_options(
 ) -> Requirement:
     """The requirement as `--accept NAME=NUMBER` and `--rely MODEL` change it.
 
-    NAME is deflection, frequency, modes or a quantity; named models take the place of the file's.
-    Raises InputError with one line per fault.
+    NAME is deflection, displacement, frequency, modes or a quantity; named models take the place of
+    the file's. Raises InputError with one line per fault.
     """
     faults = [
         f"--rely {model}: no such model; must be one of {', '.join(MODEL_KINDS)}"
         for model in rely
         if model not in MODEL_KINDS
     ]
-    general = ("deflection", "frequency", "modes")
+    general = ("deflection", "displacement", "frequency", "modes")
     for text in accept:
         name, _, given = text.partition("=")
         rule = ACCEPT.keys[name if name in general else general[0]].kind

@@ -183,7 +183,7 @@ def load_robot(name_or_path: str | Path) -> RobotFile:
         text=text,
         sha256=_digest(content, mechanism),
         corrections=tuple(Correction(**one) for one in read.get("corrections", ())),
-        requirement=requirement_of(read["accept"]),
+        requirement=requirement_of(read["accept"], [load.name for load in mechanism.loads]),
         measured=tuple(Measured(**one) for one in read["measured"]),
     )
 

@@ -9,7 +9,6 @@ is Newton and Euler's, spread as the interfaces' own accelerations say, exactly 
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -18,21 +17,11 @@ from lumped.mechanism.body import Rigid
 from lumped.mechanism.free_twists import interface_position
 from lumped.mechanism.joint import Side
 from lumped.mechanism.kinematics.accelerations import REST, Motion, accelerations
-from lumped.mechanism.load import Load
+from lumped.mechanism.load import Applied, Load
 from lumped.mechanism.mechanism import GROUND, Posture
 from lumped.screws import shift, skew, turn
 from lumped.system.assembly import rigid_mass
 from lumped.system.solution import Solved, without_idle
-
-
-@dataclass(frozen=True, eq=False)
-class Applied:
-    """A `wrench` (6, SI) at `position` (3, m), both in base axes, on what carries an interface."""
-
-    body: str
-    point: str
-    position: Array
-    wrench: Array
 
 
 def applied(posture: Posture, load: Load, masses: Mapping[str, Array]) -> list[Applied]:

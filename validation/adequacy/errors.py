@@ -7,7 +7,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lumped.acceptance.requirement import ANY_FORCE, FREQUENCIES, ORDER, STATIC_QUANTITIES
+from lumped.acceptance.requirement import (
+    ANY_FORCE,
+    AXES,
+    FREQUENCIES,
+    LOAD,
+    ORDER,
+    STATIC_QUANTITIES,
+    is_static,
+)
 from lumped.arrays import Array, IntArray
 from validation.adequacy.partners import Partners, partners
 from validation.adequacy.response import Alternative, Reference, Response, Subject, Vibration
@@ -18,15 +26,17 @@ from validation.agreement.displacement import displacement, relative
 class Loaded:
     """What belongs to errors of deflections: a alternatives of the reference by p poses.
 
-    `load` (a×p×6) is the unit wrench, of any force the worst one; `along` (a×p) the signed error of
-    the displacement along it. `off` (a×p×3) is the difference of displacements, relative to
-    `length` (a×p, m/N or rad/(N m), of the reference's).
+    `load` (a×p×(6+l)) is the unit wrench, of any force the worst one, and how much there is of each
+    load of the file; `along` (a×p) the signed error of the displacement along it. `off` (a×p×3) is
+    the difference of displacements, relative to `length` (a×p, m/N or rad/(N m), of the
+    reference's). `masses` (a×p): what the places of the legs' masses leave open of the error.
     """
 
     load: Array
     along: Array
     off: Array
     length: Array
+    masses: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,7 +84,7 @@ class Errors:
     @property
     def bounds(self) -> tuple[Array, Array]:
         """Lowest and highest error (a×p each) that meshes and digits leave open."""
-        spread = self.numerical + self.digits
+        spread = self.numerical + self.digits + (self.loaded.masses if self.loaded else 0.0)
         return self.error - spread, self.error + spread
 
     @property
@@ -103,8 +113,7 @@ class Scale:
 
     def reference(self, quantity: str) -> Reference:
         """The reference of a quantity."""
-        static = quantity in STATIC_QUANTITIES
-        return self.subject.statics if static else self.subject.dynamics
+        return self.subject.statics if is_static(quantity) else self.subject.dynamics
 
     def errors(self, responses: Sequence[Response], quantity: str) -> Errors | None:
         """Errors of a quantity; `responses` one per alternative of its reference.
@@ -112,7 +121,7 @@ class Scale:
         None where a response says nothing of it.
         """
         alternatives = self.reference(quantity).alternatives
-        of = _deflection if quantity in STATIC_QUANTITIES else self._frequency
+        of = self._deflection if is_static(quantity) else self._frequency
         rows = [
             row
             for one, response in zip(alternatives, responses, strict=True)
@@ -131,7 +140,7 @@ class Scale:
             numerical,
             digits,
             unknown,
-            loaded=Loaded(*further) if quantity in STATIC_QUANTITIES else None,
+            loaded=Loaded(*further) if is_static(quantity) else None,
             numbers=further[0] if quantity == ORDER else None,
         )
 
@@ -176,32 +185,36 @@ class Scale:
             self._pairs[key] = partners(truth, model, self.subject.weights, self.modes)
         return self._pairs[key]
 
-
-def _deflection(
-    one: Alternative, response: Response, quantity: str
-) -> tuple[NDArray[Any], ...] | None:
-    """The first fields of `Errors` and those of `Loaded`, for every pose."""
-    reference, compliance = one.response.compliance, response.compliance
-    if reference is None or compliance is None:
-        return None
-    size, along, load, length = relative(compliance - reference, reference, quantity)
-    moved, due = (displacement(c, load, quantity) for c in (compliance, reference))
-    direction = displacement(np.eye(6), load, quantity)
-    value, expected = (np.einsum("pi,pi->p", direction, u) for u in (moved, due))
-    yields = length > 0
-    off = np.divide(moved - due, length[:, None], out=np.zeros_like(due), where=yields[:, None])
-    # What changes the reference by a part of its length changes the error by no more than that part
-    # of the model's displacement; under any force by no more than that part of 1 + error.
-    reach = 1.0 + size
-    if quantity != ANY_FORCE:
-        reach = np.linalg.norm(off + due / np.where(yields, length, np.inf)[:, None], axis=1)
-    column = STATIC_QUANTITIES.index(quantity)
-    numerical, digits = (
-        np.zeros(len(size))
-        if left is None
-        else np.multiply(left[:, column], reach, out=np.zeros_like(size), where=yields)
-        for left in (one.static, one.digits)
-    )
-    error = np.where(np.isinf(size), np.nan, size)
-    unknown = np.zeros(len(size), bool)
-    return value, expected, error, numerical, digits, unknown, load, along, off, length
+    def _deflection(
+        self, one: Alternative, response: Response, quantity: str
+    ) -> tuple[NDArray[Any], ...] | None:
+        """The first fields of `Errors` and those of `Loaded`, for every pose."""
+        reference, compliance = one.response.compliance, response.compliance
+        if reference is None or compliance is None:
+            return None
+        asked: str | int = quantity
+        if quantity.startswith(LOAD):
+            asked = len(AXES) + self.subject.loads.index(quantity)
+        column = asked + 1 if isinstance(asked, int) else STATIC_QUANTITIES.index(asked)
+        found = relative(compliance - reference, reference, asked)
+        size, length = found.size, found.length
+        moved, due = (displacement(c, found.load, quantity) for c in (compliance, reference))
+        value, expected = (np.einsum("pi,pi->p", found.direction, u) for u in (moved, due))
+        yields = length > 0
+        off = np.divide(moved - due, length[:, None], out=np.zeros_like(due), where=yields[:, None])
+        # What changes the reference by a part of its length changes the error by no more than that
+        # part of the model's displacement; under any force by no more than that part of 1 + error.
+        reach = 1.0 + size
+        if quantity != ANY_FORCE:
+            along = due / np.where(yields, length, np.inf)[:, None]
+            reach = np.linalg.norm(off + along, axis=1)
+        numerical, digits, masses = (
+            np.zeros(len(size))
+            if left is None
+            else np.multiply(left[:, column], reach, out=np.zeros_like(size), where=yields)
+            for left in (one.static, one.digits, one.masses)
+        )
+        error = np.where(np.isinf(size), np.nan, size)
+        unknown = np.zeros(len(size), bool)
+        of_load = found.load, found.along, off, length, masses
+        return value, expected, error, numerical, digits, unknown, *of_load

@@ -10,7 +10,7 @@ from itertools import compress
 import numpy as np
 from numpy.typing import NDArray
 
-from lumped.acceptance.requirement import ANY_FORCE, ORDER, STATIC_QUANTITIES, Requirement
+from lumped.acceptance.requirement import ANY_FORCE, LOAD, ORDER, Requirement, is_static
 from lumped.arrays import Array
 from validation.adequacy.errors import Errors, Scale
 from validation.adequacy.matrix import Adequacy, Cause, Entry, Matrix, ModelNote, worst_of
@@ -18,8 +18,12 @@ from validation.adequacy.probability import Probability, UncertainInputs, probab
 from validation.adequacy.response import Candidate, Reference, Response, Step, Subject
 from validation.agreement.displacement import displacement
 
-DIGITS = "digits of the file"
-REST = "not attributed"
+DIGITS, MASSES = "digits of the file", "where the legs' mass lies"
+REST = "rest, not attributed"
+_DECIDED_BY = {
+    DIGITS: "give the 6×6 in the robot file with more digits",
+    MASSES: "say in the robot file where the legs' mass lies: mass_centre, or section and material",
+}
 # Causes below this share of an error are not named, steps below this part of a limit not taken.
 _WORTH_NAMING, _WORTH_TAKING = 0.005, 0.1
 
@@ -32,18 +36,21 @@ def judged(subject: Subject, requirement: Requirement) -> Matrix:
     """
     inputs = UncertainInputs(subject.inputs, requirement.modes) if subject.inputs else None
     scale = Scale(subject, requirement.modes)
+    quantities = tuple(
+        one for one in requirement.quantities if not one.startswith(LOAD) or one in subject.loads
+    )
     entries = [
         entry
         for candidate in subject.candidates
-        for quantity in requirement.quantities
-        if (entry := _entry(scale, candidate, quantity, requirement.limit(quantity), inputs))
+        for quantity in quantities
+        if (entry := _entry(scale, candidate, quantity, requirement, inputs))
     ]
     return Matrix(
         robot=subject.robot,
         coordinates=subject.coordinates,
         poses=tuple(_pose(subject, p) for p in range(len(subject.poses))),
         models=tuple(ModelNote(one.model, one.title, one.silent) for one in subject.candidates),
-        quantities=requirement.quantities,
+        quantities=quantities,
         entries=tuple(entries),
         notes=subject.notes,
         supposed=subject.dynamics.supposed,
@@ -56,19 +63,21 @@ def _entry(
     scale: Scale,
     candidate: Candidate,
     quantity: str,
-    limit: float,
+    requirement: Requirement,
     inputs: UncertainInputs | None,
 ) -> Entry | None:
     reference = scale.reference(quantity)
     same = [candidate.response] * len(reference.alternatives)
     errors = scale.errors(same, quantity)
     if errors is None:
-        return _unknown(scale, candidate, quantity, limit)
-    verdicts = verdicts_of(errors, limit)
+        return _unknown(scale, candidate, quantity, requirement.limit(quantity))
+    limits = _limits(errors, quantity, requirement)
+    verdicts = verdicts_of(errors, limits)
     low, high = errors.interval
     middle, half = 0.5 * (low + high), 0.5 * (high - low)
     verdict = worst_of(verdicts)
-    pose = _deciding(verdicts, verdict, middle)
+    pose = _deciding(verdicts, verdict, middle / limits)
+    limit = float(limits[pose])
     missing = bool(errors.missing[:, pose].any())
     told, alongs = _told(errors, quantity, pose), _alongs(errors, quantity)
     causes = explained(scale, candidate, quantity, errors, pose) if verdict != "adequate" else ()
@@ -76,7 +85,7 @@ def _entry(
     if verdict == "inadequate":
         remedy, left = remedied(scale, candidate, quantity, errors, limit, pose)
     off = inputs.error(candidate.model, quantity, errors) if inputs else None
-    known = probability(off, verdict, limit, pose) if off else None
+    known = probability(off, verdict, limits, pose) if off else None
     return Entry(
         model=candidate.model,
         quantity=quantity,
@@ -110,6 +119,16 @@ def _entry(
     )
 
 
+def _limits(errors: Errors, quantity: str, requirement: Requirement) -> Array:
+    """Largest relative errors (p) that are accepted of a quantity."""
+    absolute = requirement.absolute(quantity)
+    if absolute is None or errors.loaded is None:
+        return np.full(errors.error.shape[1], requirement.limit(quantity))
+    length = errors.loaded.length.max(axis=0)
+    limits = np.divide(absolute, length, out=np.full(len(length), np.inf), where=length > 0.0)
+    return np.asarray(limits)
+
+
 def _of_inputs(known: Probability | None) -> dict[str, float]:
     return {"inputs": known.half_width} if known else {}
 
@@ -118,8 +137,8 @@ def _unknown(scale: Scale, candidate: Candidate, quantity: str, limit: float) ->
     """The entry of what has no reference or is not solved; None where the candidate is silent."""
     response, reference = candidate.response, scale.reference(quantity)
     unsolved = response.unsolved(quantity)
-    static = quantity in STATIC_QUANTITIES
-    if (response.compliance if static else response.vibration) is None and not unsolved:
+    known = response.compliance if is_static(quantity) else response.vibration
+    if known is None and not unsolved:
         return None
     return Entry(
         model=candidate.model,
@@ -135,8 +154,8 @@ def _unknown(scale: Scale, candidate: Candidate, quantity: str, limit: float) ->
     )
 
 
-def verdicts_of(errors: Errors, limit: float) -> list[Adequacy]:
-    """The verdict at every pose.
+def verdicts_of(errors: Errors, limits: Array) -> list[Adequacy]:
+    """The verdict at every pose, by its limit (p).
 
     Adequate where no error that is left open exceeds the limit, inadequate where all do, on one
     side. The order of modes is judged by each alternative alone: undecided where they disagree.
@@ -145,13 +164,13 @@ def verdicts_of(errors: Errors, limit: float) -> list[Adequacy]:
     if errors.numbers is None:
         low, high = errors.interval
         return [
-            _verdict(low[p], high[p], errors.missing[:, p], errors.unknown[:, p], limit)
+            _verdict(low[p], high[p], errors.missing[:, p], errors.unknown[:, p], limits[p])
             for p in poses
         ]
     low, high = errors.bounds
     alone = [
         {
-            _verdict(low[k, p], high[k, p], errors.missing[k, p], errors.unknown[k, p], limit)
+            _verdict(low[k, p], high[k, p], errors.missing[k, p], errors.unknown[k, p], limits[p])
             for k in range(len(errors.names))
         }
         for p in poses
@@ -192,11 +211,10 @@ def _reason(
         return ""
     unknown = errors.unknown[:, pose]
     if errors.missing[:, pose].all() and not unknown.any():
-        lacking = {ORDER: "has too few modes"} | dict.fromkeys(
-            STATIC_QUANTITIES, "is elastic where the reference is rigid"
-        )
-        shape = "has no mode of this shape: MAC below 0.5 with each of its modes"
-        return f"{candidate.model} {lacking.get(quantity, shape)}"
+        lacking = "has no mode of this shape: MAC below 0.5 with each of its modes"
+        if is_static(quantity):
+            lacking = "is elastic where the reference is rigid"
+        return f"{candidate.model} {'has too few modes' if quantity == ORDER else lacking}"
     if verdict == "inadequate":
         rigid = errors.loaded is not None and not errors.value[:, pose].any()
         return candidate.rigid if rigid else ""
@@ -208,8 +226,8 @@ def _reason(
         return "; ".join(filter(None, (*places, reference.decides or reference.finer)))
     parts = _parts(errors, reference, pose)
     widest = max(parts, key=lambda name: parts[name])
-    if widest == DIGITS:
-        return "give the 6×6 in the robot file with more digits"
+    if widest in _DECIDED_BY:
+        return _DECIDED_BY[widest]
     decides = widest == reference.open and reference.decides
     return reference.decides if decides else reference.finer
 
@@ -265,6 +283,8 @@ def _parts(errors: Errors, reference: Reference, pose: int) -> dict[str, float]:
     parts = {"meshes": float(np.max(errors.numerical[told, pose]))}
     if (errors.digits > 0.0).any():
         parts[DIGITS] = float(np.max(errors.digits[told, pose]))
+    if errors.loaded is not None and (errors.loaded.masses > 0.0).any():
+        parts[MASSES] = float(np.max(errors.loaded.masses[:, pose]))
     if reference.open and errors.numbers is None:
         parts[reference.open] = float(0.5 * (np.max(error) - np.min(error)))
     return parts
@@ -370,5 +390,4 @@ def remedied(
 
 def steps_of(candidate: Candidate, quantity: str) -> Sequence[Step]:
     """The candidate's ladder for a quantity."""
-    static = quantity in STATIC_QUANTITIES
-    return candidate.static_steps if static else candidate.dynamic_steps
+    return candidate.static_steps if is_static(quantity) else candidate.dynamic_steps

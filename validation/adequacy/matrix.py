@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal, TypeAlias
 
-from lumped.acceptance.requirement import STATIC_QUANTITIES
+from lumped.acceptance.requirement import is_static
 from validation.context import PRESETS, Context, Preset
 
 Adequacy: TypeAlias = Literal["adequate", "inadequate", "undecided"]
@@ -100,7 +100,7 @@ class Entry:
     @property
     def signed(self) -> bool:
         """Whether its errors have a sign; the error of a whole displacement has none."""
-        return self.measured or self.quantity not in STATIC_QUANTITIES
+        return self.measured or not is_static(self.quantity)
 
 
 @dataclass(frozen=True)

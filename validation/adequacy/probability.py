@@ -77,7 +77,9 @@ class ErrorOfInputs:
                 found = np.where(gone, np.nan, found)
         return np.asarray(found)
 
-    def probabilities(self, limit: float, known: Mapping[str, float] | None = None) -> Array:
+    def probabilities(
+        self, limit: float | Array, known: Mapping[str, float] | None = None
+    ) -> Array:
         """Of being within the limit in all poses, and of being beyond it in one.
 
         `known`: factors by which inputs are known better than the file says.
@@ -137,7 +139,9 @@ class Probability:
         return verdict if own.get(verdict, 1.0) >= CONFIDENCE else "undecided"
 
 
-def probability(error: ErrorOfInputs, verdict: Adequacy, limit: float, pose: int) -> Probability:
+def probability(
+    error: ErrorOfInputs, verdict: Adequacy, limit: float | Array, pose: int
+) -> Probability:
     """Of a verdict by the inputs of the file; `pose` (its index) is the one that decides it."""
     within, beyond = map(float, error.probabilities(limit))
     middle = error.at(_draws(len(error.slopes)))[:, :, pose].mean(axis=1)
@@ -213,7 +217,9 @@ def _ends(errors: Errors) -> Array:
     return np.stack(errors.interval)
 
 
-def _decided_by(error: ErrorOfInputs, verdict: Adequacy, limit: float, keys: Sequence[str]) -> str:
+def _decided_by(
+    error: ErrorOfInputs, verdict: Adequacy, limit: float | Array, keys: Sequence[str]
+) -> str:
     """What has to be known better for a verdict: the one input that can do it, else the first few.
 
     `keys` in the order of their shares.

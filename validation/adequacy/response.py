@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from lumped.acceptance.requirement import STATIC_QUANTITIES
+from lumped.acceptance.requirement import is_static
 from lumped.arrays import Array
 from lumped.errors import ComputationError, InputError
 from validation.adequacy.matrix import Coordinate
@@ -26,8 +26,10 @@ class Vibration:
 class Response:
     """One model at p poses: `compliance` (p×6×6, SI, base axes, at the loaded point), `vibration`.
 
-    Zeros in the compliance mean rigid. None where the model has no masses, or no statics; where it
-    has them and cannot be solved, `unsolved_statics` and `unsolved_modes` say why.
+    Behind the sixth column of the compliance stand displacements under the robot's own loads, none
+    where it cannot move so. Zeros in the compliance mean rigid. None where the model has no masses,
+    or no statics; where it has them and cannot be solved, `unsolved_statics` and `unsolved_modes`
+    say why.
     """
 
     compliance: Array | None = None
@@ -37,16 +39,17 @@ class Response:
 
     def unsolved(self, quantity: str) -> str:
         """Why there is nothing of a quantity that there could be; "" where there is, or cannot."""
-        return self.unsolved_statics if quantity in STATIC_QUANTITIES else self.unsolved_modes
+        return self.unsolved_statics if is_static(quantity) else self.unsolved_modes
 
 
 @dataclass(frozen=True, eq=False)
 class Alternative:
     """The reference under one reading of what the user left open ("ends rigid", say).
 
-    Relative numerical uncertainties (half-widths, 95 %): `static` (p×7, of the displacement that
-    each static quantity is of), `dynamic` (p×m, of the frequencies). `digits` (p×7), as `static`,
-    and `dynamic_digits` (p×m), as `dynamic`: what the printed digits of the robot's 6×6 leave open.
+    Relative numerical uncertainties (half-widths, 95 %): `static` (p×(7+l), of the displacement
+    that each static quantity is of, then each load), `dynamic` (p×m, of the frequencies). `digits`,
+    as `static`, and `dynamic_digits`, as `dynamic`: what the printed digits of the robot's 6×6
+    leave open; `masses`, as `static`: what plausible places of the legs' masses do.
     """
 
     name: str
@@ -55,6 +58,7 @@ class Alternative:
     dynamic: Array | None = None
     digits: Array | None = None
     dynamic_digits: Array | None = None
+    masses: Array | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -167,7 +171,7 @@ class Subject:
     `poses` (p×n) in `coordinates`; `weights` (k) of the samples of shapes; `notes` as in `Matrix`;
     `parts` are its parts alone (each leg, root clamped), `formulation` the models whose legs are
     others than the robot's, held against solids of those; `inputs` the robot with uncertain inputs
-    off, where its file names any.
+    off, where its file names any. `loads` are the quantities of its own loads, in their order.
     """
 
     robot: str
@@ -181,6 +185,7 @@ class Subject:
     parts: "tuple[Subject, ...]" = ()
     formulation: "Subject | None" = None
     inputs: "InputsOff | None" = None
+    loads: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)

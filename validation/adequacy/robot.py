@@ -10,6 +10,7 @@ from typing import TypeAlias
 
 import numpy as np
 
+from lumped.acceptance.requirement import LOAD
 from lumped.errors import InputError
 from lumped.legs import Leg
 from lumped.mechanism.joint import Joint, Side
@@ -187,6 +188,7 @@ def static_subject(robot: RobotOnPath, models: Models) -> Subject:
         candidates=candidates,
         statics=reference,
         dynamics=Reference("none", ()),
+        loads=tuple(f"{LOAD}{load.name}" for load in robot.mechanism.loads),
     )
 
 

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lumped.acceptance.requirement import ANY_FORCE, AXES, ROTATIONS, STATIC_QUANTITIES
+from lumped.acceptance.requirement import ANY_FORCE, AXES, LOAD, ROTATIONS, STATIC_QUANTITIES
 from lumped.arrays import Array
 
 # A direction that hardly yields does not decide: of the largest displacement that a force of the
@@ -36,57 +36,71 @@ class RelativeDisplacement(NamedTuple):
     """A difference of two displacements in p poses, relative to the reference's.
 
     `size` of the whole and `along` the load, signed (p each); `load` (p×6) is the unit wrench that
-    causes them, of any force the worst one. `length` (p, m/N or rad/(N m)) of the reference's
-    displacement, 0 where the reference is rigid: `size` is then 0 or infinite.
+    causes them, of any force the worst one (p×(6+l) where there are loads: a one for theirs).
+    `direction` (p×3) is the load's, of loads of the file that of the reference's displacement;
+    `length` (p, m/N or rad/(N m), of such loads m) of the reference's displacement, 0 where the
+    reference is rigid: `size` is then 0 or infinite.
     """
 
     size: Array
     along: Array
     load: Array
+    direction: Array
     length: Array
 
 
 def displacement(compliance: Array, load: Array, quantity: str) -> Array:
     """Displacement (…×3) under a wrench (…×6): rotation where the quantity is one.
 
-    `compliance` (…×6×6, SI, base axes) at the loaded point.
+    `compliance` (…×6×6, SI, base axes) at the loaded point; what stands behind its sixth column are
+    displacements under loads of the robot file, and behind the wrench how much there is of each.
     """
     moved = np.einsum("...ij,...j->...i", compliance, load)
     return np.asarray(moved[..., 3:] if quantity in ROTATIONS else moved[..., :3])
 
 
 def sizes(difference: Array, reference: Array) -> Array:
-    """Sizes of a difference of compliances relative to the reference's displacement (p×7).
+    """Sizes of a difference of compliances relative to the reference's displacement (p×(7+l)).
 
-    Both p×6×6; one column for every static quantity.
+    Both p×6×(6+l); one column for every static quantity, then for every load.
     """
-    found = [relative(difference, reference, quantity).size for quantity in STATIC_QUANTITIES]
+    asked = (*STATIC_QUANTITIES, *range(6, reference.shape[2]))
+    found = [relative(difference, reference, one).size for one in asked]
     return np.asarray(np.stack(found, axis=1))
 
 
-def relative(difference: Array, reference: Array, quantity: str) -> RelativeDisplacement:
-    """A difference of compliances under the load of a quantity; both p×6×6."""
-    rows = slice(3, 6) if quantity in ROTATIONS else slice(0, 3)
-    block = reference[:, rows, rows]
+def relative(difference: Array, reference: Array, asked: str | int) -> RelativeDisplacement:
+    """A difference of compliances under the load of a quantity; both p×6×(6+l).
+
+    `asked` is the quantity, of a load of the robot file the number of its column.
+    """
+    rows = slice(3, 6) if asked in ROTATIONS else slice(0, 3)
+    columns = slice(asked, asked + 1) if isinstance(asked, int) else rows
+    block = reference[:, rows, columns]
     nothing = RIGID * float(np.linalg.norm(block, axis=(1, 2)).max(initial=0.0))
-    load = np.zeros((len(reference), 6))
+    load = np.zeros((len(reference), reference.shape[2]))
     floor = np.zeros(len(reference))
-    if quantity == ANY_FORCE:
+    if asked == ANY_FORCE:
         load[:, :3] = worst_force(difference[:, rows, rows], block).force
         floor = FLOOR * np.linalg.norm(block, 2, axis=(1, 2))
     else:
-        load[:, AXES.index(quantity)] = 1.0
+        load[:, asked if isinstance(asked, int) else AXES.index(asked)] = 1.0
+    quantity = asked if isinstance(asked, str) else LOAD
     moved, off = (displacement(one, load, quantity) for one in (reference, difference))
     length = np.maximum(np.linalg.norm(moved, axis=1), floor)
     size = np.linalg.norm(off, axis=1)
     yields = length > nothing
     infinite = np.where(size > nothing, np.inf, 0.0)
-    own, other = (np.einsum("pi,pi->p", load[:, rows], one) for one in (moved, off))
+    direction = load[:, rows]
+    if quantity == LOAD:
+        direction = moved / np.where(yields, length, np.inf)[:, None]
+    own, other = (np.einsum("pi,pi->p", direction, one) for one in (moved, off))
     own = np.maximum(own, floor)
     return RelativeDisplacement(
         np.divide(size, length, out=infinite, where=yields),
         np.divide(other, own, out=np.zeros_like(own), where=yields & (own > 0.0)),
         load,
+        direction,
         np.where(yields, length, 0.0),
     )
 

@@ -215,8 +215,11 @@ LOAD = TableRule(
     Key("acceleration", _PER_SECOND_SQUARED, "of the tool along x, y, z: inertia of all bodies"),
     Key("speed", _SPEED, "of the tool along x, y, z: what turns pulls outward"),
 )
+# 10 cm: what a tool may be off is told in micrometres.
+_DISPLACEMENT = Number("m", above=0.0, most=0.1, high="is this in µm?")
 ACCEPT = TableRule(
     Key("deflection", _SHARE, "relative error of deflections", default=Requirement.deflection),
+    Key("displacement", _DISPLACEMENT, "in place of `deflection` under each of [[loads]]"),
     Key("frequency", _SHARE, "of frequencies and their order", default=Requirement.frequency),
     Key("modes", _MODES, "how many frequencies are judged", default=Requirement.modes),
     Key("rely", Several(OneOf(MODEL_KINDS)), "models whose inadequacy is exit code 1", default=()),

@@ -33,7 +33,7 @@ _FEW_ELEMENTS = ModelOptions(elements=8)
 
 
 def left_by_digits(text: str, postures: Sequence[Posture]) -> Array:
-    """Half-widths (95 %, p×7, relative, of the displacement that each static quantity is of).
+    """Half-widths (95 %, p×(7+l), relative, of the displacement that each static quantity is of).
 
     `text` of the robot file. Every number is off by up to half a unit of its last digit, each value
     as likely as the other and independent of all others; the tool's compliance is linear in so
@@ -41,7 +41,8 @@ def left_by_digits(text: str, postures: Sequence[Posture]) -> Array:
     """
     roundings = roundings_of(text, postures)
     if not roundings:
-        return np.zeros((len(postures), len(STATIC_QUANTITIES)))
+        loads = len(postures[0].mechanism.loads)
+        return np.zeros((len(postures), len(STATIC_QUANTITIES) + loads))
 
     def own_legs(at: Sequence[Posture]) -> Array:
         return assembled(at, tip_compliances(at[0].mechanism))
@@ -49,7 +50,7 @@ def left_by_digits(text: str, postures: Sequence[Posture]) -> Array:
     own = own_legs(postures)
     changes = np.array(list(changes_by_digits(roundings, own, own_legs)))
     draws = 2.0 * qmc.Sobol(len(changes), seed=0).random_base2(_POWER) - 1.0
-    off = np.tensordot(draws, changes, axes=1).reshape(-1, 6, 6)
+    off = np.tensordot(draws, changes, axes=1).reshape(-1, *own.shape[1:])
     found = sizes(off, np.tile(own, (len(draws), 1, 1))).reshape(len(draws), len(postures), -1)
     # Where the robot is rigid no model's error is relative to anything.
     return np.quantile(np.where(np.isfinite(found), found, 0.0), 0.95, axis=0)

@@ -139,13 +139,20 @@ def _carried(
 
 
 def _congruent(reference: Array, own: Array, off: Array) -> Array:
-    """The reference (p×6×6) with what changes `own` into `off` (p×6×6 each)."""
+    """The reference (p×6×(6+l)) with what changes `own` into `off` (p×6×(6+l) each).
+
+    Displacements under loads change by T times what the beams' do.
+    """
+    changed: Array = reference + off - own
     try:
-        lower = np.linalg.cholesky(reference) @ np.linalg.inv(np.linalg.cholesky(own))
+        lower = np.linalg.cholesky(reference[:, :, :6])
+        lower = lower @ np.linalg.inv(np.linalg.cholesky(own[:, :, :6]))
     except np.linalg.LinAlgError:
         # Directions in which the robot is rigid: both are the same there.
-        return np.asarray(reference + off - own)
-    return np.asarray(lower @ off @ np.swapaxes(lower, 1, 2))
+        return changed
+    changed[:, :, :6] = lower @ off[:, :, :6] @ np.swapaxes(lower, 1, 2)
+    changed[:, :, 6:] = reference[:, :, 6:] + lower @ (off - own)[:, :, 6:]
+    return changed
 
 
 def _scaled(

@@ -11,10 +11,13 @@ from lumped.mechanism.body_model import BodyModel
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.models.bodies import links
 from lumped.system.assembly import assemble, assembly
+from lumped.system.loads import tool_displacements
 from lumped.system.solution import compliance, solved
 from validation.adequacy.mechanism.path import Springs
 from validation.adequacy.response import Response
 from validation.drawing.text import percent
+from validation.models.loads.displacements import displacements_by, masses_of, with_loads
+from validation.models.loads.leg_masses import MASSES, Masses
 from validation.models.mechanism import CUTOFF, highest_frequency, static_bodies
 from validation.models.options import PartLegs, ReductionBy
 from validation.models.parts import Hold, ReducedPart, condensed, found_in, reduced
@@ -124,15 +127,27 @@ def condensed_parts(mechanism: Mechanism) -> dict[str, BodyModel]:
     return {name: condensed(body) for name, body in mechanism.parts.items()}
 
 
-def assembled(postures: Sequence[Posture], springs: Springs, parts: Bodies | None = None) -> Array:
-    """Compliances (p×6×6) by the assembler, every leg by its tip's compliance (6×6).
+def assembled(
+    postures: Sequence[Posture],
+    springs: Springs,
+    parts: Bodies | None = None,
+    masses: Masses = MASSES[0],
+) -> Array:
+    """Compliances (p×6×(6+l)) by the assembler, every leg by its tip's compliance (6×6).
 
     `parts`: models of those bodies that are CAD parts; condensed on their interfaces without.
+    `masses`: where legs known by their 6×6 have theirs, which loads act on.
     """
     mechanism = postures[0].mechanism
     of_parts = condensed_parts(mechanism) if parts is None else parts
     prepared = assembly(mechanism, {**links(mechanism, springs), **of_parts})
-    return np.array([compliance(solved(prepared.at(posture))) for posture in postures])
+    solutions = {posture: solved(prepared.at(posture)) for posture in postures}
+    moved = displacements_by(
+        lambda at, loads: tool_displacements(solutions[at], loads),
+        postures,
+        masses_of(mechanism, masses, of_parts),
+    )
+    return with_loads(np.array([compliance(one) for one in solutions.values()]), moved)
 
 
 def part_answers(

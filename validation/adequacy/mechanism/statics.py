@@ -50,6 +50,14 @@ from validation.adequacy.response import (
     statics_of,
 )
 from validation.agreement.displacement import sizes
+from validation.models.loads.displacements import (
+    by_chains,
+    displacements,
+    displacements_by,
+    masses_of,
+    with_loads,
+)
+from validation.models.loads.leg_masses import MASSES, Masses, plausible_masses
 from validation.models.mechanism import answers
 from validation.models.options import ModelName, ModelOptions, PartLegs
 from validation.parts.meshes import FINEST
@@ -58,17 +66,23 @@ from validation.solids.legs import COARSEST_WALLS
 # Compliance (6×6, SI, leg axes) of the tip of a leg with such ends.
 Spring: TypeAlias = Callable[[Leg, Ends], Array]
 
+# By how much loads on solid legs of five times their height differ from those on beams of the same
+# mass, at most: what held ends make of it.
+_MASS_OF_BEAMS = 1e-3
 _BY = {"vjm": "virtual joints with ", "links": "links with "}
 
 
 def compliances(postures: Sequence[Posture], model: ModelName, options: ModelOptions) -> Array:
-    """What a model of the mechanism answers to unit wrenches at the loaded point (p×6×6, SI)."""
-    return np.array([answer.compliance for answer in answers(model, postures, 0, options)])
+    """What a model answers to unit wrenches at the loaded point, and to loads (p×6×(6+l), SI)."""
+    found = np.array([answer.compliance for answer in answers(model, postures, 0, options)])
+    return with_loads(found, displacements(model, postures, options))
 
 
 def summed(postures: Sequence[Posture], springs: Springs) -> Array:
-    """Compliances (p×6×6) by virtual joints along serial chains, every leg by its tip's."""
-    return np.array([serial_chains.compliance(posture, springs) for posture in postures])
+    """Compliances (p×6×(6+l)) by virtual joints along serial chains, every leg by its tip's."""
+    found = np.array([serial_chains.compliance(posture, springs) for posture in postures])
+    masses = masses_of(postures[0].mechanism)
+    return with_loads(found, displacements_by(by_chains(springs), postures, masses))
 
 
 def static_reference(robot: RobotOnPath) -> Reference:
@@ -84,12 +98,17 @@ def static_reference(robot: RobotOnPath) -> Reference:
     alternatives = []
     for name, ends in robot.holding.alternatives.items():
         fine = _of_solids(robot, ends)
-        step = np.full((len(fine), len(STATIC_QUANTITIES)), ROUNDING)
+        # Every axis, any force, every load.
+        step = np.full((len(fine), fine.shape[2] + 1), ROUNDING)
         if robot.prisms:
             coarse = _of_solids(robot, ends, fine=False)
             step = step_uncertainty(sizes(coarse - fine, fine), ratio)
+            step[:, len(STATIC_QUANTITIES) :] += _MASS_OF_BEAMS
         response = Response(compliance=fine)
-        alternatives.append(Alternative(name, response, static=step + further, digits=digits))
+        masses = _left_by_masses(robot, ends, fine)
+        alternatives.append(
+            Alternative(name, response, static=step + further, digits=digits, masses=masses)
+        )
     own = "fem.bodies.doubling.condensed_leg" if robot.prisms else "lumped.legs.given_compliance"
     return Reference(
         title=_title(robot),
@@ -105,14 +124,33 @@ def static_reference(robot: RobotOnPath) -> Reference:
     )
 
 
-def _of_solids(robot: RobotOnPath, ends: Holds, *, fine: bool = True, level: int = FINEST) -> Array:
-    """Compliances (p×6×6) with solid legs on one of two meshes, parts on one of three."""
+def _of_solids(
+    robot: RobotOnPath,
+    ends: Holds,
+    *,
+    fine: bool = True,
+    level: int = FINEST,
+    masses: Masses = MASSES[0],
+) -> Array:
+    """Compliances (p×6×(6+l)) with solid legs on one of two meshes, parts on one of three."""
     tips = {
         body: solid_tip(robot.context, leg, ends[body], fine=fine)
         for body, leg in robot.legs.items()
     }
     parts = solid_parts(robot.postures, robot.offered, ends, level)
-    return assembled(robot.postures, tips, parts)
+    return assembled(robot.postures, tips, parts, masses)
+
+
+def _left_by_masses(robot: RobotOnPath, ends: Holds, own: Array) -> Array | None:
+    """What plausible places of the mass of legs known by their 6×6 leave open (p×(7+l), relative).
+
+    The displacement under a load is linear in where the mass is: between these it is any.
+    """
+    if not robot.given or not any(load.acts_on_mass for load in robot.mechanism.loads):
+        return None
+    others = (masses for masses in plausible_masses(robot.given.values()) if masses)
+    found = (_of_solids(robot, ends, masses=masses) for masses in others)
+    return np.asarray(np.max([sizes(one - own, own) for one in found], axis=0))
 
 
 def _section_uncertainty(robot: RobotOnPath) -> Array | float:

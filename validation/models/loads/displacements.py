@@ -15,12 +15,13 @@ from fem.reduction.superelement import held_leg, static_superelement
 from lumped.arrays import Array, dense
 from lumped.errors import ComputationError
 from lumped.legs import ConstantLeg, GivenLeg
-from lumped.mechanism.body_model import LegMatrices
+from lumped.mechanism.body_model import BodyModel, LegMatrices
+from lumped.mechanism.load import Applied
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.models import serial_chains
 from lumped.models.bodies import legs_of
 from lumped.system.assembly import assembly
-from lumped.system.loads import Applied, applied, tool_displacements
+from lumped.system.loads import applied, tool_displacements
 from lumped.system.solution import solved
 from validation.models.legs import condensed_leg, leg_matrices
 from validation.models.loads.leg_masses import MASSES, Masses, ends_mass
@@ -51,14 +52,14 @@ def displacements(
     masses = _masses(model, mechanism, options)
     if model == "vjm":
         springs = springs_of(mechanism, options)
-        return moved(postures, masses, by_chains(springs))
+        return displacements_by(by_chains(springs), postures, masses)
     if model == "simplified":
         prepared = assembly(on_drives_alone(mechanism), {})
     else:
         ready = released(postures, options)[0].mechanism
         prepared = assembly(ready, static_bodies(model, mechanism, options))
-    return moved(
-        postures, masses, lambda at, loads: tool_displacements(solved(prepared.at(at)), loads)
+    return displacements_by(
+        lambda at, loads: tool_displacements(solved(prepared.at(at)), loads), postures, masses
     )
 
 
@@ -67,10 +68,10 @@ def by_chains(springs: Mapping[str, Array]) -> Callable[[Posture, list[list[Appl
     return lambda at, loads: serial_chains.tool_displacements(at, springs, loads)
 
 
-def moved(
+def displacements_by(
+    solve: Callable[[Posture, list[list[Applied]]], Array],
     postures: Sequence[Posture],
     masses: BodyMasses,
-    solve: Callable[[Posture, list[list[Applied]]], Array],
 ) -> Array:
     """Displacements (p×l×6) that `solve` gives under what the loads do in each of the postures."""
     loads = postures[0].mechanism.loads
@@ -83,20 +84,41 @@ def moved(
             except ComputationError:
                 continue
             known.append(number)
-        rows[known] = solve(at, ones)
+        if known:
+            rows[known] = solve(at, ones)
     return found
 
 
-def masses_of(mechanism: Mechanism, masses: Masses = MASSES[0]) -> BodyMasses:
+def with_loads(compliances: Array, moved: Array) -> Array:
+    """Compliances (p×6×6), behind them displacements under loads (p×l×6): p×6×(6+l).
+
+    Nothing where the mechanism cannot move as a load says: there is none to be wrong about.
+    """
+    columns = np.swapaxes(np.nan_to_num(moved), 1, 2)
+    return np.concatenate([compliances, columns], axis=2)
+
+
+def masses_of(
+    mechanism: Mechanism,
+    masses: Masses = MASSES[0],
+    parts: Mapping[str, BodyModel] | None = None,
+) -> BodyMasses:
     """Of beams, of legs known by their 6×6 with such a distribution, and of parts as solids.
 
-    None where no load acts on mass.
+    `parts`: models of these, condensed ones without. None where no load acts on mass.
     """
     if not any(load.acts_on_mass for load in mechanism.loads):
         return {}
-    return {name: _of_leg(leg, masses) for name, leg in legs_of(mechanism).items()} | {
-        name: condensed(body).mass for name, body in mechanism.parts.items()
-    }
+    if parts is None:
+        parts = {name: condensed(body) for name, body in mechanism.parts.items()}
+    legs = {name: _of_leg(leg, masses) for name, leg in legs_of(mechanism).items()}
+    return legs | {name: _of_ends(model) for name, model in parts.items()}
+
+
+def _of_ends(model: BodyModel) -> Array:
+    """A model's mass on its interfaces: that of Craig and Bampton is Guyan's there."""
+    ends = slice(6 * len(model.interfaces))
+    return dense(model.mass)[ends, ends]
 
 
 def _of_leg(leg: ConstantLeg | GivenLeg, masses: Masses) -> Array:
@@ -114,7 +136,7 @@ def _masses(model: ModelName, mechanism: Mechanism, options: ModelOptions) -> Bo
     bodies = static_bodies(model, mechanism, options)
     if model == "segments":
         bodies |= bodies_of(mechanism, replace(options, release="condensed"), _segments)
-    return {name: dense(body.mass) for name, body in bodies.items()}
+    return {name: _of_ends(body) for name, body in bodies.items()}
 
 
 def _segments(leg: ConstantLeg | SteppedLeg, options: ModelOptions) -> LegMatrices:

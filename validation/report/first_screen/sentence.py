@@ -6,7 +6,7 @@ At most forty words, unless many models are relied on; the matrix below it has t
 from collections.abc import Sequence
 from math import ceil
 
-from lumped.acceptance.requirement import STATIC_QUANTITIES
+from lumped.acceptance.requirement import is_static
 from validation.adequacy.matrix import VERDICTS, Entry, Matrix
 from validation.drawing.text import number
 from validation.report.first_screen.words import quantities_text
@@ -18,7 +18,7 @@ def sentence(matrix: Matrix, rely: Sequence[str] = ()) -> str:
     """Whether the models of `rely` are adequate; without any, which models are, for what."""
     relied = [model for model in rely if matrix.of_model(model)]
     said = _relied(matrix, relied) if relied else _to_use(matrix)
-    decided = [e for e in matrix.entries if e.quantity not in STATIC_QUANTITIES]
+    decided = [e for e in matrix.entries if not is_static(e.quantity)]
     if matrix.supposed and any(entry.verdict != "undecided" for entry in decided):
         said += f". Frequencies are judged {matrix.supposed}"
     return f"{said}." if said else "No model could be judged."

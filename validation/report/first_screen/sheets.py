@@ -3,7 +3,7 @@
 from typing import TypeAlias
 
 from lumped.acceptance.measured import leg_entry
-from lumped.acceptance.requirement import ANY_FORCE, FREQUENCIES, ROTATIONS, STATIC_QUANTITIES
+from lumped.acceptance.requirement import ANY_FORCE, FREQUENCIES, LOAD, ROTATIONS, is_static
 from validation.adequacy.matrix import Entry, Matrix, ModelNote
 from validation.drawing.text import number, percent
 from validation.report.first_screen.words import SIGNS, error_text, force_text
@@ -80,8 +80,10 @@ def _meaning(quantity: str) -> str:
         return f"rotation under a moment about {ROTATIONS[quantity]}"
     if quantity == ANY_FORCE:
         return "displacement under any force"
-    if quantity in STATIC_QUANTITIES:
-        return f"displacement under a force along {quantity}"
+    if is_static(quantity):
+        own = quantity.startswith(LOAD)
+        what = f"the load {quantity.removeprefix(LOAD)}" if own else f"a force along {quantity}"
+        return f"displacement under {what}"
     if quantity in FREQUENCIES:
         return f"natural frequency {FREQUENCIES[quantity]}"
     if (entry := leg_entry(quantity)) is not None:
@@ -91,6 +93,8 @@ def _meaning(quantity: str) -> str:
 
 
 def _unit(quantity: str) -> str:
-    if quantity not in STATIC_QUANTITIES:
+    if not is_static(quantity):
         return "Hz"
+    if quantity.startswith(LOAD):
+        return "m"
     return "rad/(N m)" if quantity in ROTATIONS else "m/N"

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from lumped.acceptance.requirement import FREQUENCIES, ROTATIONS, STATIC_QUANTITIES
+from lumped.acceptance.requirement import FREQUENCIES, LOAD, ROTATIONS, is_static
 from validation.adequacy.matrix import Adequacy, Entry, Matrix, ModelNote
 from validation.drawing.style import csv_of
 from validation.drawing.text import anchor, number, percent
@@ -124,7 +124,7 @@ def _own(matrix: Matrix, quantity: str) -> tuple[str, str]:
         for entry in matrix.entries
         if entry.quantity == quantity and entry.error is not None and entry.expected is not None
     ]
-    static = quantity in STATIC_QUANTITIES
+    static = is_static(quantity)
     if not entries or not (static or quantity in FREQUENCIES) or entries[0].measured:
         return "", ""
     best = min(entries, key=lambda entry: abs(entry.error or 0.0))
@@ -136,6 +136,7 @@ def _own(matrix: Matrix, quantity: str) -> tuple[str, str]:
         )
         own = max(found, default=own)
         unit, scale = ("µrad", 1e6 * MOMENT) if quantity in ROTATIONS else ("µm", 1e6 * FORCE)
+        scale = 1e6 if quantity.startswith(LOAD) else scale
     # Errors and what is left open of them are relative to the reference.
     spread = (best.uncertainty or 0.0) / (1.0 + abs(best.error or 0.0))
     left = f"±\u00a0{percent(spread, signed=False)}" if spread >= _WORTH_SAYING else ""

@@ -1,0 +1,103 @@
+"""Verdicts on the robot's own loads: the plain error of a plain displacement, shares and µm."""
+
+import numpy as np
+import pytest
+from one_arm import ONE_ARM
+
+from lumped.acceptance.requirement import Requirement
+from lumped.robot_file import load_robot
+from validation.adequacy.judgement import MASSES, judged
+from validation.adequacy.mechanism.path import robot_on_path
+from validation.adequacy.models import judged_models
+from validation.adequacy.response import Subject
+from validation.adequacy.robot import static_subject
+from validation.context import Context
+from validation.models.loads.displacements import displacements
+from validation.models.options import ModelOptions
+
+LOADS = """
+[path]
+from = [-0.1]
+to = [0.2]
+count = 3
+[[loads]]
+name = "weight"
+gravity = [0.0, 0.0, -9.81]
+[[loads]]
+name = "cutting"
+wrench = [100.0, 0.0, -50.0, 0.0, 0.0, 0.0]
+[[loads]]
+name = "stop"
+acceleration = [5.0, 0.0, 0.0]
+"""
+
+
+@pytest.fixture(scope="module")
+def arm(tmp_path_factory):
+    path = tmp_path_factory.mktemp("loads") / "arm.toml"
+    path.write_text(ONE_ARM + LOADS, encoding="utf-8")
+    return load_robot(str(path))
+
+
+@pytest.fixture(scope="module")
+def subject(arm) -> Subject:
+    robot = robot_on_path(Context(arm, "quick"))
+    return static_subject(robot, judged_models(arm.mechanism))
+
+
+def test_the_error_under_a_load_is_that_of_the_whole_displacement(arm, subject):
+    """By the solid model of `solve` as the truth, which differs from the reference by its mesh."""
+    matrix = judged(subject, arm.requirement)
+    postures = robot_on_path(Context(arm, "quick")).postures
+    truth = displacements("solid", postures, ModelOptions(divisions=4, ends="rigid"))[:, :, :3]
+    for model in ("simplified", "vjm", "segments", "beam-euler-bernoulli"):
+        kind, _, options = judged_models(arm.mechanism)[model]
+        found = displacements(kind, postures, options)[:, :, :3]
+        errors = np.linalg.norm(found - truth, axis=2) / np.linalg.norm(truth, axis=2)
+        for column, name in enumerate(("weight", "cutting", "stop")):
+            entry = matrix.entry(model, f"load:{name}")
+            assert entry is not None
+            told, left = np.array(entry.errors), np.array(entry.spreads)
+            assert (np.abs(told - errors[:, column]) <= left + 2e-3).all(), (model, name)
+    strict = Requirement(deflection=1e-4, loads=arm.requirement.loads)
+    entry = judged(subject, strict).entry("beam-euler-bernoulli", "load:weight")
+    (first, *_) = entry.causes
+    assert (entry.verdict, first.cause) == ("inadequate", "shear deformation neglected")
+    assert first.share == pytest.approx(1.0, abs=0.05)
+    assert entry.remedy.startswith("use Timoshenko")
+
+
+def test_a_limit_in_metres_takes_the_place_of_a_share(arm, subject):
+    wanted = arm.requirement
+    entry = judged(subject, wanted).entry("simplified", "load:cutting")
+    missed = entry.error * entry.expected
+    for limit, verdict in ((2.0 * missed, "adequate"), (0.5 * missed, "inadequate")):
+        own = Requirement(loads=wanted.loads, deflection=1e-6, displacement=limit)
+        found = judged(subject, own).entry("simplified", "load:cutting")
+        assert found.verdict == verdict
+        assert found.limit == pytest.approx(limit / found.expected, rel=0.02)
+        assert judged(subject, own).entry("simplified", "x").limit == 1e-6
+
+
+def test_where_masses_of_given_legs_lie_is_an_interval_of_weight_alone(tmp_path):
+    text = load_robot("ifw").text + (
+        '\n[[loads]]\nname = "weight"\ngravity = [0.0, 0.0, -9.81]\n'
+        '[[loads]]\nname = "push"\nwrench = [0.0, 0.0, 100.0, 0.0, 0.0, 0.0]\n'
+        '[[loads]]\nname = "stop"\nacceleration = [1.0, 0.0, 0.0]\n'
+    )
+    path = tmp_path / "ifw.toml"
+    path.write_text(text, encoding="utf-8")
+    file = load_robot(str(path))
+    robot = robot_on_path(Context(file, "quick"))
+    wanted = Requirement(deflection=0.005, loads=file.requirement.loads)
+    matrix = judged(static_subject(robot, judged_models(file.mechanism)), wanted)
+    weight, push, stop = (matrix.entry("links", f"load:{n}") for n in ("weight", "push", "stop"))
+    # From nothing to what other places of the mass make of it.
+    assert weight.error == pytest.approx(weight.uncertainty, rel=0.01)
+    assert weight.uncertainties[MASSES] > 0.01 > 10.0 * push.uncertainty
+    assert MASSES not in push.uncertainties
+    assert weight.verdict == "undecided"
+    assert "mass_centre" in weight.reason
+    # At both ends of its stroke nothing can stop: there is nothing to be wrong about.
+    assert stop.errors[0] == 0.0 == stop.errors[-1]
+    assert stop.uncertainty > 0.0
