@@ -90,7 +90,7 @@ def measured_faults(one: Measured, place: str) -> list[str]:
 def _why_positive(one: Measured) -> str:
     """What the value is of which no elastic robot has a negative one; "" for couplings."""
     if one.leg_entry is None:
-        return "a natural frequency" if one.mode else "a deflection along its own load"
+        return "a natural frequency" if one.mode else "a deflection along its load"
     _, row, column = one.leg_entry
     return "an entry on the diagonal of a compliance" if row == column else ""
 

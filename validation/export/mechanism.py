@@ -46,7 +46,7 @@ _MECHANISM_FILES = {
     "mechanism.inp": (
         "A deck of CalculiX in the same pose, legs as solid bars of their outer size, one "
         "quadratic tetrahedron across, end faces rigid; joints as linear equations, drives as "
-        "springs; six unit wrenches at the loaded point, then {modes} modes and what idles."
+        "springs; six unit wrenches at the loaded point, then {modes} modes and the idle motions."
     ),
 }
 _WIDTH = 96

@@ -36,7 +36,7 @@ def require_legs(mechanism: Mechanism) -> None:
     """Raise InputError for parts that are no legs: those of one interface, or of three and more."""
     others = [
         f"bodies.{name}: a part of {len(body.interfaces)} interfaces is no link of a serial chain; "
-        "take the model links"
+        "use links"
         for name, body in mechanism.parts.items()
         if not is_leg(body)
     ]

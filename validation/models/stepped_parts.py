@@ -93,7 +93,7 @@ def why_not_stepped(mechanism: Mechanism) -> str:
     """Empty where every part that is a leg can be stepped, else what is in the way."""
     legs = [body for body in mechanism.parts.values() if parts.is_leg(body)]
     if not legs:
-        return "no part has two interfaces, between which pieces would lie"
+        return "no part has exactly two interfaces, as stepped legs need"
     try:
         for body in legs:
             stepped(body)

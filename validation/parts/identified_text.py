@@ -60,8 +60,8 @@ def _compliances(found: Identified) -> list[str]:
     if len(found.interfaces) == 1:
         return [f"only {first}: no stiffness between interfaces"]
     lines = [
-        f"compliance with {first} clamped, axes of the file (m/N, rad/(N m)); of the meshes; "
-        "averaged less rigid"
+        f"compliance with {first} clamped, axes of the file (m/N, rad/(N m)); ± of the "
+        "meshes; averaged minus rigid interfaces"
     ]
     names = [f"{one.name} {axis:<2}" for one in found.interfaces[1:] for axis in _COMPONENTS]
     diagonals = map(
@@ -76,7 +76,7 @@ def _compliances(found: Identified) -> list[str]:
 def _frequencies(found: Identified) -> list[str]:
     heading = (
         f"frequencies with {found.interfaces[0].name} clamped (Hz); {found.counted} counted below "
-        f"{found.counted_below:.6g} Hz, none missing; as above"
+        f"{found.counted_below:.6g} Hz, none missing; columns as above"
     )
     rows = zip(found.frequencies, found.frequency_refinement, found.frequency_bracket, strict=True)
     return [heading] + [

@@ -13,9 +13,7 @@ def as_text(before: RunRecord, after: RunRecord, comparison: RunComparison) -> s
     """What changed, the gravest first."""
     blocks = [_heads(before, after, comparison), sentence(comparison)]
     if comparison.inputs and not comparison.different_robots:
-        blocks.append(
-            "The input differs: numbers are of two robots, and their differences no drift."
-        )
+        blocks.append("The input differs: two robots, whose numbers may differ without any drift.")
         blocks += _block(
             "Input",
             ["key", "before", "after"],

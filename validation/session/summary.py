@@ -22,7 +22,7 @@ def verdicts(gathered: Results) -> list[str]:
 def adequacy(gathered: Results) -> list[str]:
     """Lines on the models relied on that are not adequate, and the answer as the page has it."""
     refused, rely = ", ".join(gathered.refused), gathered.rely
-    lines = [f"relied on, and not adequate: {refused}"] if refused else []
+    lines = [f"relied on but not adequate: {refused}"] if refused else []
     lines += gathered.unjudged
     lines += [sentence(gathered.matrix, rely)] if gathered.matrix else []
     measured = gathered.measured

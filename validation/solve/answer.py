@@ -63,9 +63,9 @@ class MeshUncertainty(LeftOpen):
 class PartUncertainty(LeftOpen):
     """What the CAD parts of a mechanism leave open: of 95 % intervals by three meshes of each part.
 
-    Infinite for a part that is a mesh; `bracket`: with averaged interfaces less with rigid ones, of
-    those of which nobody says how they are held. `reduction`: most by which frequencies are too
-    high for the modes that were dropped; `counted`: by part, how many lie below which frequency
+    Infinite for a part that is a mesh; `bracket`: averaged minus rigid interfaces, where the robot
+    file leaves open how they are held. `reduction`: most by which frequencies are too high for the
+    modes that were dropped; `counted`: by part, how many lie below which frequency
     (Hz) with its interfaces as `by` says, all of them kept.
     """
 
@@ -213,7 +213,7 @@ def _answer_lines(answer: Answer) -> list[str]:
     deflections = zip("xyz", _deflections(answer), strict=False)
     lines = [
         ", ".join(_head(answer.place)),
-        "  deflection (µm) along its own load of 1000 N:",
+        "  deflection (µm) along a force of 1000 N:",
         "    " + ", ".join(f"{axis} {text}" for axis, text in deflections),
         f"  compliance {size}×{size} (m/N, rad/N, rad/(N m)):",
     ]
@@ -226,7 +226,7 @@ def _answer_lines(answer: Answer) -> list[str]:
         lines.append(f"  natural frequencies (Hz): {listed}")
         lines += _mode_lines(answer)
     if answer.idle:
-        lines.append(f"  {answer.idle} idle mobilities, which do not move the tool")
+        lines.append(f"  idle mobilities, which do not move the tool: {answer.idle}")
     if (mesh := answer.uncertainty) is not None:
         if mesh.known:
             lines.append(
@@ -246,7 +246,7 @@ def _answer_lines(answer: Answer) -> list[str]:
     if answer.of_parts is not None:
         lines += _part_lines(answer, answer.of_parts)
     if (digits := answer.of_digits) is not None:
-        lines.append("  left open by the last digits of the 6×6 in the robot file (at most):")
+        lines.append("  uncertainty from the last digits of the 6×6 in the robot file (at most):")
         lines += _share_lines(answer, digits)
     return lines
 
@@ -284,7 +284,7 @@ def _mode_lines(answer: Answer) -> list[str]:
             other = (
                 f"mode {pair['partner']}, {pair['frequency']:.5g} Hz"
                 if pair["partner"]
-                else "none of that shape"
+                else "none of this shape"
             )
             lines.append(f"    {pair['mode']}: {other}, MAC {pair['mac']:.4f}")
     return lines
@@ -296,9 +296,9 @@ def _part_lines(answer: Answer, found: PartUncertainty) -> list[str]:
         lines = ["  uncertainty of the parts' meshes (95 %, from three of each):"]
         lines += _share_lines(answer, found)
     else:
-        lines = ["  uncertainty of the parts' meshes: not known, a mesh that is given has no other"]
+        lines = ["  uncertainty of the parts' meshes: not known: a given mesh cannot be refined"]
     if found.bracket.compliance.any():
-        lines.append("  with averaged interfaces less with rigid ones, of which nobody says it:")
+        lines.append("  averaged minus rigid interfaces, where the robot file leaves it open:")
         lines += _share_lines(answer, found.bracket, "+.2g")
     if found.counted and len(answer.frequencies):
         counts = ", ".join(

@@ -163,7 +163,7 @@ def test_solve_says_what_the_digits_leave_open_at_most(
     assert (most <= 5.0 * largest).all()
     assert record_of(answer)["digits"]["compliance"] == most[:6].tolist()
     text = as_text(Solution(printed.mechanism.name, model, {}, (answer,)))
-    assert "left open by the last digits of the 6×6 in the robot file (at most):" in text
+    assert "uncertainty from the last digits of the 6×6 in the robot file (at most):" in text
 
 
 def test_what_is_not_the_robots_leaves_nothing_open() -> None:

@@ -272,4 +272,4 @@ def run(monkeypatch, tmp_path):
 def test_rely_strict_and_accept_decide_the_exit_code(tasks, options, code, run, capsys):
     assert run(*options, tasks=tasks) == code
     said = capsys.readouterr().out
-    assert ("relied on, and not adequate" in said) == (code == 1 and ADEQUACY in tasks)
+    assert ("relied on but not adequate" in said) == (code == 1 and ADEQUACY in tasks)

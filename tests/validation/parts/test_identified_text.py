@@ -56,7 +56,7 @@ def test_people_read_both_uncertainties_in_percent(found):
     assert float(row[2]) == pytest.approx(found.compliance[5, 5], rel=1e-5)
     assert row[3:] == ["±", "1.000", "%", "3.000", "%"]
     assert "  1          200.00  ±    0.250 %    -2.000 %" in lines
-    said = "frequencies with A clamped (Hz); 1 counted below 205 Hz, none missing; as above"
+    said = "frequencies with A clamped (Hz); 1 counted below 205 Hz, none missing; columns as above"
     assert said in lines
     unknown = as_text(replace(found, frequency_refinement=np.array([np.nan])))
     (row,) = (line.split() for line in unknown.splitlines() if line.startswith("  1 "))

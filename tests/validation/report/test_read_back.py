@@ -241,9 +241,7 @@ def test_the_text_of_solve(robot, model):
     (answer,) = solution.answers
     size = len(answer.compliance)
     lines = as_text(solution).splitlines()
-    (at,) = (
-        n for n, line in enumerate(lines) if "deflection (µm) along its own load of 1000 N" in line
-    )
+    (at,) = (n for n, line in enumerate(lines) if "deflection (µm) along a force of 1000 N" in line)
     deflections = dict(part.split() for part in lines[at + 1].split(","))
     assert {axis: float(text) for axis, text in deflections.items()} == {
         axis: pytest.approx(1000.0 * answer.compliance[i, i] * 1e6, rel=6e-4)

@@ -104,7 +104,7 @@ def _model(context: Context, model: str) -> tuple[ModelName, ModelOptions]:
 
 @cases.case(
     "mechanism.anchor.statics[{model}, {entry}]",
-    "The mechanism: {said} by {model}, obtained once more without its code",
+    "The mechanism: {said} by {model}, computed once more without its code",
     over={"model": _models, "entry, said, unit": SHOWN},
     quantity="{said}, pose of the largest difference",
     effort=0.05,
@@ -150,7 +150,7 @@ def _yielding(numbers: Array, size: float) -> NDArray[np.bool_]:
 
 @cases.case(
     "mechanism.anchor.frequencies[{model}, {mode}]",
-    "The mechanism: frequency {mode} by {model}, obtained once more without its code",
+    "The mechanism: frequency {mode} by {model}, computed once more without its code",
     over={
         "model, tolerance, tolerance_reason": _of_modes,
         "index, mode": numbered,
