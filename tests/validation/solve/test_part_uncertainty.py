@@ -101,7 +101,7 @@ def test_statics_alone_are_those_of_the_part(solution, file):
 def test_people_and_programs_are_told(solution):
     text = as_text(solution)
     assert "uncertainty of the parts' meshes (95 %, from three of each):" in text
-    assert "with averaged interfaces less with rigid ones" in text
+    assert "averaged minus rigid interfaces" in text
     assert "counted and all kept: arm " in text
     (record,) = json.loads(as_json(solution))["results"]
     (own,) = solution.answers
