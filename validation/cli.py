@@ -34,6 +34,7 @@ from validation.console.typed import (
     require_apart,
     require_place,
 )
+from validation.export.command import export as export_model
 from validation.kinematics import commands as kinematics
 from validation.selftest.command import selftest
 from validation.solve import parts as commands
@@ -46,6 +47,7 @@ app = App(
 )
 app.command(commands.faces)
 app.command(kinematics.kinematics)
+app.command(export_model)
 app.command(commands.identify)
 app.command(selftest)
 

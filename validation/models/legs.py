@@ -8,7 +8,7 @@ from fem.beams.beam import beam_leg
 from fem.beams.stepped import Piece, SteppedLeg, about_shear_centre, stepped_leg
 from fem.bodies import solid
 from fem.bodies.rooted import RootedBody
-from fem.reduction.craig_bampton import craig_bampton
+from fem.reduction.craig_bampton import CraigBampton, craig_bampton
 from fem.reduction.superelement import HeldLeg, held_leg, static_superelement
 from lumped.arrays import Array, dense
 from lumped.errors import InputError
@@ -94,7 +94,18 @@ def reduced_leg(
     cutoff: float,
 ) -> LegMatrices:
     """A leg reduced for frequencies of the robot up to `highest` (Hz), its modes to `cutoff`."""
-    return craig_bampton(_held(model, leg, options), highest, cutoff).matrices
+    return reduced_superelement(model, leg, options, highest, cutoff).matrices
+
+
+def reduced_superelement(
+    model: ModelName,
+    leg: ConstantLeg | SteppedLeg,
+    options: ModelOptions,
+    highest: float,
+    cutoff: float,
+) -> CraigBampton:
+    """The same with what bounds it."""
+    return craig_bampton(_held(model, leg, options), highest, cutoff)
 
 
 # The factors of two solid legs are what fits into small machines.

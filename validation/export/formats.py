@@ -1,0 +1,199 @@
+"""Reduced bodies and robots as files of other programs: their content, nothing written here."""
+
+from collections.abc import Mapping
+from io import BytesIO, StringIO
+from pprint import pformat
+
+import numpy as np
+
+from lumped.arrays import Array
+from lumped.errors import InputError
+from lumped.system.solution import modes
+from validation.export.reduced import TWIST, Reduced, ReducedRobot
+
+# The first scalar point of Nastran that stands for the amplitude of a mode.
+_SCALARS = 100_001
+_EXUDYN = '''\
+"""{name}: {about}.
+
+Reduced to {n} unknowns, SI units. Frequencies (Hz) that it must show, too high by these at most:
+{frequencies}
+"""
+
+import exudyn as exu
+import numpy as np
+from exudyn.itemInterface import MarkerNodeCoordinates, NodeGenericODE2, ObjectGenericODE2
+
+stiffness = np.array({stiffness})
+mass = np.array({mass})
+# How the unknowns move a place (rows x y z phi_x phi_y phi_z, or along a drive), and what a force
+# there does to them: ports["tool"].T @ wrench.
+ports = {ports}
+
+
+def add_to(mbs, forces=np.zeros({n})):
+    """The object with these forces (n) on its unknowns, and its node."""
+    node = mbs.AddNode(
+        NodeGenericODE2(
+            numberOfODE2Coordinates={n},
+            referenceCoordinates=[0.0] * {n},
+            initialCoordinates=[0.0] * {n},
+            initialCoordinates_t=[0.0] * {n},
+        )
+    )
+    body = mbs.AddObject(
+        ObjectGenericODE2(
+            nodeNumbers=[node], massMatrix=mass, stiffnessMatrix=stiffness, forceVector=forces
+        )
+    )
+    mbs.AddMarker(MarkerNodeCoordinates(nodeNumber=node))
+    return body, node
+
+
+if __name__ == "__main__":
+    container = exu.SystemContainer()
+    mbs = container.AddSystem()
+    add_to(mbs)
+    mbs.Assemble()
+    print(mbs.ComputeODE2Eigenvalues(convert2Frequencies=True)[0].tolist())
+'''
+
+
+def as_npz(reduced: Reduced) -> bytes:
+    """Arrays for numpy: K, M, unknowns, ports, points, frequencies and their bounds."""
+    return _zipped(_arrays(reduced))
+
+
+def as_exudyn(reduced: Reduced) -> bytes:
+    """A script that adds the matrices to a system of EXUDYN; run alone it prints frequencies."""
+    with np.printoptions(threshold=2**40, linewidth=2**20, floatmode="unique"):
+        written = {
+            "stiffness": pformat(reduced.stiffness.tolist(), width=2**20),
+            "mass": pformat(reduced.mass.tolist(), width=2**20),
+            "ports": "{"
+            + "".join(
+                f"\n    {name!r}: np.array({rows.tolist()}),"
+                for name, rows in reduced.ports.items()
+            )
+            + "\n}",
+        }
+    pairs = zip(reduced.frequencies, reduced.bounds, strict=True)
+    told = "\n".join(f"    {one:.9g} (-{off:.2g})" for one, off in pairs)
+    text = _EXUDYN.format(
+        name=reduced.name,
+        about=reduced.about,
+        n=len(reduced.unknowns),
+        frequencies=told,
+        **written,
+    )
+    return text.encode()
+
+
+def as_simscape(reduced: Reduced) -> bytes:
+    """Variables of the block Reduced Order Flexible Solid: origins, stiffness, mass, damping.
+
+    A .mat file; frames all turned as the body's axes, in the order of the unknowns.
+    """
+    return _mat(
+        {
+            "origins": np.array(list(reduced.points.values())),
+            "frames": np.array(list(reduced.points), dtype=object),
+            "stiffness": reduced.stiffness,
+            "mass": reduced.mass,
+            "damping": np.zeros_like(reduced.mass),
+            "frequencies": reduced.frequencies,
+            "bounds": reduced.bounds,
+            "about": f"{reduced.name}: {reduced.about}; SI units",
+        }
+    )
+
+
+def as_nastran(reduced: Reduced) -> bytes:
+    """Bulk data: a GRID at every interface, an SPOINT for every mode, K and M as DMIG.
+
+    To be taken by K2GG = KRED and M2GG = MRED. Raises InputError without pyyeti.
+    """
+    try:
+        from pandas import DataFrame, MultiIndex  # noqa: PLC0415  of the optional extra
+        from pyyeti.nastran import wtdmig  # noqa: PLC0415
+    except ImportError as error:
+        raise InputError(
+            "--to nastran: pyyeti is not installed; pip install 'flexproof[nastran]' brings it"
+        ) from error
+    grids = range(1, len(reduced.points) + 1)
+    inner = len(reduced.unknowns) - 6 * len(grids)
+    freedoms = [(grid, i + 1) for grid in grids for i in range(6)]
+    freedoms += [(_SCALARS + i, 0) for i in range(inner)]
+    index = MultiIndex.from_tuples(freedoms, names=["id", "dof"])
+    text = StringIO()
+    text.write(f"$ {reduced.name}: {reduced.about}\n$ SI units; K2GG = KRED, M2GG = MRED\n")
+    for grid, (name, point) in zip(grids, reduced.points.items(), strict=True):
+        text.write(f"$ {name}\nGRID*   {grid:16d}{0:16d}{point[0]:16.9E}{point[1]:16.9E}\n")
+        text.write(f"*       {point[2]:16.9E}\n")
+    if inner:
+        text.write(f"SPOINT  {_SCALARS:8d}THRU    {_SCALARS + inner - 1:8d}\n")
+    for name, matrix in (("KRED", reduced.stiffness), ("MRED", reduced.mass)):
+        wtdmig(text, {name: DataFrame(matrix, index=index, columns=index)})
+    return text.getvalue().encode()
+
+
+def as_statespace(robot: ReducedRobot, kind: str) -> bytes:
+    """A, B, C, D of the robot about its pose, in a .npz or .mat (`kind`) file.
+
+    States: modal amplitudes q (kg^½ m) and their rates. Inputs: forces of the elastic drives along
+    their axes, then the wrench at the tool. Outputs: the tool's twist. Undamped; D holds what all
+    modes that are left out give statically, so that the static answer is exact.
+    """
+    reduced, solution = robot.matrices, robot.solution
+    found = modes(solution, len(reduced.frequencies))
+    squared = (2.0 * np.pi * found.frequencies) ** 2
+    count, tool = len(squared), reduced.ports["tool"]
+    drives = [rows for name, rows in reduced.ports.items() if name != "tool"]
+    inputs = np.vstack([*drives, tool])
+    felt, seen = inputs @ found.shapes, tool @ found.shapes
+    static = solution.displacements(tool.T).T @ inputs.T
+    none = np.zeros((count, count))
+    of_drives = [name for name in reduced.ports if name != "tool"]
+    arrays = {
+        "A": np.block([[none, np.eye(count)], [-np.diag(squared), none]]),
+        "B": np.vstack([np.zeros_like(felt.T), felt.T]),
+        "C": np.hstack([seen, np.zeros_like(seen)]),
+        "D": static - seen / squared @ felt.T,
+        "inputs": np.array([*of_drives, *(f"tool {name}" for name in _WRENCH)]),
+        "outputs": np.array([f"tool {name}" for name in TWIST]),
+        "frequencies": reduced.frequencies,
+        "bounds": reduced.bounds,
+        "about": np.array(f"{reduced.name}: {reduced.about}; SI units"),
+    }
+    return _zipped(arrays) if kind == ".npz" else _mat(arrays)
+
+
+_WRENCH = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
+
+
+def _arrays(reduced: Reduced) -> dict[str, Array]:
+    return {
+        "K": reduced.stiffness,
+        "M": reduced.mass,
+        "unknowns": np.array(reduced.unknowns),
+        **{f"port {name}": rows for name, rows in reduced.ports.items()},
+        **{f"point {name}": place for name, place in reduced.points.items()},
+        "frequencies": reduced.frequencies,
+        "bounds": reduced.bounds,
+        "counted": np.array([[name, *kept] for name, kept in reduced.counted.items()], dtype=str),
+        "about": np.array(f"{reduced.name}: {reduced.about}; SI units"),
+    }
+
+
+def _zipped(arrays: Mapping[str, Array]) -> bytes:
+    file = BytesIO()
+    np.savez_compressed(file, allow_pickle=False, **arrays)
+    return file.getvalue()
+
+
+def _mat(arrays: Mapping[str, object]) -> bytes:
+    from scipy.io import savemat  # noqa: PLC0415  for few
+
+    file = BytesIO()
+    savemat(file, dict(arrays), do_compression=True, oned_as="column")
+    return file.getvalue()
