@@ -37,6 +37,8 @@ BASICS = {
     "lumped.errors": "messages",
     "lumped.legs": "data of legs",
     "lumped.sections": "data of legs: textbook constants, which fem.sections computes anew",
+    "lumped.text:shortened": "messages",
+    "lumped.text:_LONGEST_LINE": "messages",
     "lumped.screws": "moving and turning twists",
     "lumped.mechanism.body": "data of a mechanism",
     "lumped.mechanism.body_model": "data of a body's model",

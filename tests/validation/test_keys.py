@@ -97,7 +97,7 @@ def test_sources_are_in_the_key_of_a_unit(monkeypatch):
         monkeypatch.setattr(CURVES, "suite_digest", lambda sources=sources: sources)
         monkeypatch.setattr(CURVES, "find", lambda key: keys.add(key) or {"number": np.ones(())})
         forget()
-        computed([varied("five-bar")], SimpleNamespace, pytest.fail, "asking")
+        computed([varied("five-bar")], lambda number: number, pytest.fail, "asking")
     forget()
     assert len(keys) == 2
 
@@ -190,7 +190,7 @@ def asked_of_parts(folder: Path) -> Iterator[partial[Any]]:
 
 
 def test_everything_that_is_kept_of_parts_has_a_key_of_its_own(tmp_path, monkeypatch):
-    def noted(key, _):
+    def noted(key, *_):
         keys.append(key)
         raise _AskedForError
 

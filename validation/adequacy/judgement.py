@@ -15,14 +15,22 @@ from lumped.arrays import Array
 from validation.adequacy.errors import Errors, Scale
 from validation.adequacy.matrix import Adequacy, Cause, Entry, Matrix, ModelNote, worst_of
 from validation.adequacy.probability import Probability, UncertainInputs, probability
-from validation.adequacy.response import Candidate, Reference, Response, Step, Subject
+from validation.adequacy.response import (
+    OPEN_MASSES,
+    SAY_MASSES,
+    Candidate,
+    Reference,
+    Response,
+    Step,
+    Subject,
+)
 from validation.agreement.displacement import displacement
 
-DIGITS, MASSES = "digits of the file", "where the legs' mass lies"
+DIGITS = "digits of the file"
 REST = "rest, not attributed"
 _DECIDED_BY = {
     DIGITS: "give the 6×6 in the robot file with more digits",
-    MASSES: "say in the robot file where the legs' mass lies: mass_centre, or section and material",
+    OPEN_MASSES: SAY_MASSES,
 }
 # Causes below this share of an error are not named, steps below this part of a limit not taken.
 _WORTH_NAMING, _WORTH_TAKING = 0.005, 0.1
@@ -284,7 +292,7 @@ def _parts(errors: Errors, reference: Reference, pose: int) -> dict[str, float]:
     if (errors.digits > 0.0).any():
         parts[DIGITS] = float(np.max(errors.digits[told, pose]))
     if errors.loaded is not None and (errors.loaded.masses > 0.0).any():
-        parts[MASSES] = float(np.max(errors.loaded.masses[:, pose]))
+        parts[OPEN_MASSES] = float(np.max(errors.loaded.masses[:, pose]))
     if reference.open and errors.numbers is None:
         parts[reference.open] = float(0.5 * (np.max(error) - np.min(error)))
     return parts

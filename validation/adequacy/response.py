@@ -9,6 +9,13 @@ from lumped.arrays import Array
 from lumped.errors import ComputationError, InputError
 from validation.adequacy.matrix import Coordinate
 
+# What a leg known by its 6×6 leaves open, and what says it.
+OPEN_MASSES = "where the legs' mass lies"
+SAY_MASSES = (
+    "give the legs' mass distribution: mass_centre and inertia beside the 6×6, or a section and a "
+    "material instead"
+)
+
 
 @dataclass(frozen=True, eq=False)
 class Vibration:

@@ -47,7 +47,7 @@ def export(
     """
     from lumped.robot_file import load_robot  # noqa: PLC0415
     from meshes.processes import in_own_process  # noqa: PLC0415
-    from validation.session.progress import stage  # noqa: PLC0415
+    from validation.console.progress import stage  # noqa: PLC0415
 
     if not 1 <= modes <= _MOST_MODES:
         raise InputError(f"--modes {modes}: must be from 1 to {_MOST_MODES}")

@@ -6,10 +6,10 @@ from one_arm import ONE_ARM
 
 from lumped.acceptance.requirement import Requirement
 from lumped.robot_file import load_robot
-from validation.adequacy.judgement import MASSES, judged
+from validation.adequacy.judgement import judged
 from validation.adequacy.mechanism.path import robot_on_path
 from validation.adequacy.models import judged_models
-from validation.adequacy.response import Subject
+from validation.adequacy.response import OPEN_MASSES, Subject
 from validation.adequacy.robot import static_subject
 from validation.context import Context
 from validation.models.loads.displacements import displacements
@@ -93,8 +93,8 @@ def test_where_masses_of_given_legs_lie_is_an_interval_of_weight_alone(tmp_path)
     weight, push, stop = (matrix.entry("links", f"load:{n}") for n in ("weight", "push", "stop"))
     # From nothing to what other places of the mass make of it.
     assert weight.error == pytest.approx(weight.uncertainty, rel=0.01)
-    assert weight.uncertainties[MASSES] > 0.01 > 10.0 * push.uncertainty
-    assert MASSES not in push.uncertainties
+    assert weight.uncertainties[OPEN_MASSES] > 0.01 > 10.0 * push.uncertainty
+    assert OPEN_MASSES not in push.uncertainties
     assert weight.verdict == "undecided"
     assert "mass_centre" in weight.reason
     # At both ends of its stroke nothing can stop: there is nothing to be wrong about.

@@ -125,4 +125,4 @@ def test_held_and_free_modes_of_parts_are_compared_in_a_run(robot_file, monkeypa
 def test_a_part_of_three_interfaces_is_no_leg_to_be_stepped():
     robot_file = load_robot(str(Path(__file__).parents[3] / "examples" / "rocker" / "robot.toml"))
     said = why_unable(path_postures(Context(robot_file, "quick")), JUDGED["segments-stepped"])
-    assert said.startswith("no part has two interfaces")
+    assert said.startswith("no part has exactly two interfaces")

@@ -50,7 +50,6 @@ def robot(tmp_path):
         ("solid", "--divisions", "999999999999999", "--leg", "1"),
         ("beam", "--elements", "10000000"),
         ("beam", "--elements", "3000", "--leg", "1"),
-        ("solid", "--modes", "100000000000", "--leg", "2"),
     ],
 )
 def test_what_costs_too_much_is_refused_with_the_estimate(robot, arguments, capsys):

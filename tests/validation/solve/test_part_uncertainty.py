@@ -123,12 +123,13 @@ def test_a_reduction_that_lacks_a_mode_is_refused(file, monkeypatch, by):
     arm = load_robot(file).mechanism.bodies["arm"]
     sound = parts.kept
 
-    def without_a_mode(key, compute):
-        found = dict(sound(key, compute))
+    def without_a_mode(key, compute, read):
+        found = dict(sound(key, compute, dict))
         if "counted" in found:
             rest = np.delete(np.arange(len(found["stiffness"])), 12)
             found |= {name: found[name][np.ix_(rest, rest)] for name in ("stiffness", "mass")}
-        return found
+            found["recovery"] = found["recovery"][:, rest]
+        return read(found)
 
     whole = parts.reduced(arm, 1000.0, 2500.0, by=by)
     monkeypatch.setattr(parts, "kept", without_a_mode)

@@ -28,6 +28,8 @@ from validation.adequacy.mechanism.vibration import (
 )
 from validation.adequacy.partners import amounts_by_shape, frequency_changes
 from validation.adequacy.response import (
+    OPEN_MASSES,
+    SAY_MASSES,
     UNSOLVED,
     Alternative,
     Reference,
@@ -46,11 +48,6 @@ from validation.parts.meshes import FINEST, MIDDLE
 from validation.solids.legs import COARSEST_WALLS, ELEMENTS, divisions_across
 from validation.solids.size import larger_preset, too_large
 
-_OPEN_MASS = "where the legs' mass lies"
-_SAY_MASS = (
-    "give the legs' mass distribution: mass_centre and inertia beside the 6×6, or a section and a "
-    "material instead"
-)
 _SUPPOSED = "for every plausible distribution of the legs' mass"
 
 
@@ -76,7 +73,7 @@ def dynamic_reference(robot: RobotOnPath) -> Reference:
         alternatives.append(
             Alternative(both, Response(vibration=fine), dynamic=dynamic, dynamic_digits=digits)
         )
-    mass_unsaid, say_mass = (_OPEN_MASS, _SAY_MASS) if robot.given else ("", "")
+    mass_unsaid, say_mass = (OPEN_MASSES, SAY_MASSES) if robot.given else ("", "")
     return Reference(
         title=_title(robot),
         alternatives=alternatives,
