@@ -2,6 +2,7 @@
 
 import hashlib
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import gmsh
@@ -19,7 +20,6 @@ from validation.run.cache import kept, key_of, require_shape
 _EDITION = 13
 COARSE, MIDDLE, FINEST = 0, 1, 2
 LEVELS = (COARSE, MIDDLE, FINEST)
-# Meshes do not depend on the material.
 _ANY = Material.isotropic(1.0, 0.0, 1.0)
 
 
@@ -32,6 +32,15 @@ def part_key(
     return key_of("part", program, content, part.unit, tuple(interfaces), material, *more)
 
 
+def _mesh_key(part: PartFile, interfaces: Sequence[Interface], *more: object) -> str:
+    """The key of what depends neither on the material nor on how interfaces are held.
+
+    What is held in two ways is then held on one mesh: gmsh may make another one of the same input.
+    """
+    faces = [replace(one, coupling="rigid", because="") for one in interfaces]
+    return part_key(part, faces, _ANY, *more)
+
+
 def part_mesh(
     part: PartFile, interfaces: Sequence[Interface], unknowns: int, level: int = FINEST
 ) -> PartMesh:
@@ -41,13 +50,13 @@ def part_mesh(
     """
     if part.mesh is not None:
         return part.mesh
-    key = part_key(part, interfaces, _ANY, "mesh", unknowns, level)
+    key = _mesh_key(part, interfaces, "mesh", unknowns, level)
     return kept(key, lambda: _packed(_made(part, interfaces, unknowns, level)), _unpacked)
 
 
 def gradings(part: PartFile, interfaces: Sequence[Interface], unknowns: int) -> tuple[Grading, ...]:
     """Those of the three meshes, by level; raises InputError as `part_mesh` does."""
-    key = part_key(part, interfaces, _ANY, "ladder", unknowns)
+    key = _mesh_key(part, interfaces, "ladder", unknowns)
     return kept(
         key,
         lambda: {"steps": [(g.size, g.sides, g.cut) for g in ladder(part, interfaces, unknowns)]},
