@@ -33,7 +33,7 @@ def table(folder, name):
     return {key: np.array([float(row[key]) for row in columns]) for key in columns[0]}
 
 
-def run_of(arm, folder, *options, only="vary.*"):
+def run_of(arm, folder, *options, only="*y.*"):
     asked = ["run", str(arm), "--preset", "quick", "--only", only, "--out", str(folder)]
     return main([*asked, *options])
 
