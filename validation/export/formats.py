@@ -2,17 +2,16 @@
 
 from collections.abc import Mapping
 from io import BytesIO, StringIO
-from pprint import pformat
 
 import numpy as np
 
 from lumped.arrays import Array
 from lumped.errors import InputError
-from lumped.system.solution import modes
 from validation.export.reduced import TWIST, Reduced, ReducedRobot
 
 # The first scalar point of Nastran that stands for the amplitude of a mode.
 _SCALARS = 100_001
+_WRENCH = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
 _EXUDYN = '''\
 """{name}: {about}.
 
@@ -66,17 +65,9 @@ def as_npz(reduced: Reduced) -> bytes:
 
 def as_exudyn(reduced: Reduced) -> bytes:
     """A script that adds the matrices to a system of EXUDYN; run alone it prints frequencies."""
-    with np.printoptions(threshold=2**40, linewidth=2**20, floatmode="unique"):
-        written = {
-            "stiffness": pformat(reduced.stiffness.tolist(), width=2**20),
-            "mass": pformat(reduced.mass.tolist(), width=2**20),
-            "ports": "{"
-            + "".join(
-                f"\n    {name!r}: np.array({rows.tolist()}),"
-                for name, rows in reduced.ports.items()
-            )
-            + "\n}",
-        }
+    ports = "".join(
+        f"\n    {name!r}: np.array({rows.tolist()})," for name, rows in reduced.ports.items()
+    )
     pairs = zip(reduced.frequencies, reduced.bounds, strict=True)
     told = "\n".join(f"    {one:.9g} (-{off:.2g})" for one, off in pairs)
     text = _EXUDYN.format(
@@ -84,7 +75,9 @@ def as_exudyn(reduced: Reduced) -> bytes:
         about=reduced.about,
         n=len(reduced.unknowns),
         frequencies=told,
-        **written,
+        stiffness=reduced.stiffness.tolist(),
+        mass=reduced.mass.tolist(),
+        ports=f"{{{ports}\n}}",
     )
     return text.encode()
 
@@ -144,31 +137,26 @@ def as_statespace(robot: ReducedRobot, kind: str) -> bytes:
     their axes, then the wrench at the tool. Outputs: the tool's twist. Undamped; D holds what all
     modes that are left out give statically, so that the static answer is exact.
     """
-    reduced, solution = robot.matrices, robot.solution
-    found = modes(solution, len(reduced.frequencies))
+    reduced, solution, found = robot.matrices, robot.solution, robot.modes
     squared = (2.0 * np.pi * found.frequencies) ** 2
     count, tool = len(squared), reduced.ports["tool"]
-    drives = [rows for name, rows in reduced.ports.items() if name != "tool"]
-    inputs = np.vstack([*drives, tool])
+    drives = {name: rows for name, rows in reduced.ports.items() if name != "tool"}
+    inputs = np.vstack([*drives.values(), tool])
     felt, seen = inputs @ found.shapes, tool @ found.shapes
     static = solution.displacements(tool.T).T @ inputs.T
     none = np.zeros((count, count))
-    of_drives = [name for name in reduced.ports if name != "tool"]
     arrays = {
         "A": np.block([[none, np.eye(count)], [-np.diag(squared), none]]),
         "B": np.vstack([np.zeros_like(felt.T), felt.T]),
         "C": np.hstack([seen, np.zeros_like(seen)]),
         "D": static - seen / squared @ felt.T,
-        "inputs": np.array([*of_drives, *(f"tool {name}" for name in _WRENCH)]),
+        "inputs": np.array([*drives, *(f"tool {name}" for name in _WRENCH)]),
         "outputs": np.array([f"tool {name}" for name in TWIST]),
         "frequencies": reduced.frequencies,
         "bounds": reduced.bounds,
         "about": np.array(f"{reduced.name}: {reduced.about}; SI units"),
     }
     return _zipped(arrays) if kind == ".npz" else _mat(arrays)
-
-
-_WRENCH = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
 
 
 def _arrays(reduced: Reduced) -> dict[str, Array]:

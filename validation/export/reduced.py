@@ -14,6 +14,7 @@ from scipy.linalg import eigh
 
 from fem.reduction.craig_bampton import Truncated, frequency_bounds
 from lumped.arrays import Array, dense
+from lumped.dense.modes import Modes
 from lumped.errors import InputError
 from lumped.legs import GivenLeg
 from lumped.mechanism.body_model import BodyModel
@@ -68,6 +69,7 @@ class ReducedRobot:
 
     matrices: Reduced
     solution: Solved
+    modes: Modes
 
 
 def reduced_body(mechanism: Mechanism, name: str, highest: float) -> Reduced:
@@ -121,18 +123,19 @@ def reduced_robot(posture: Posture, count: int) -> ReducedRobot:
     legs = legs_of(mechanism)
     given = {name: leg for name, leg in legs.items() if isinstance(leg, GivenLeg)}
 
-    def solve(highest: float) -> tuple[Solved, dict[str, _Solid]]:
+    def solve(highest: float) -> tuple[Solved, Modes, dict[str, _Solid]]:
         solids = dict(_solids(mechanism, highest))
         models: dict[str, BodyModel] = {name: model for name, (model, _, _) in solids.items()}
         for name, leg in given.items():
             models[name] = leg_with_masses(leg, MASSES[0], highest)
-        return solved(assemble(posture, models)), solids
+        solution = solved(assemble(posture, models))
+        return solution, modes_with_mass(solution, count), solids
 
-    solution, solids = with_enough_modes(
-        solve, lambda found: modes_with_mass(found[0], count).frequencies, [posture], count
+    solution, modes, solids = with_enough_modes(
+        solve, lambda found: found[1].frequencies, [posture], count
     )
     system = solution.system
-    found = modes_with_mass(solution, count).frequencies
+    found = modes.frequencies
     bounds = np.zeros_like(found)
     if solids and len(found):
         truncated = {name: one for name, (_, one, _) in solids.items()}
@@ -163,7 +166,7 @@ def reduced_robot(posture: Posture, count: int) -> ReducedRobot:
         bounds=bounds,
         counted={name: kept for name, (_, _, kept) in solids.items()},
     )
-    return ReducedRobot(matrices, solution)
+    return ReducedRobot(matrices, solution, modes)
 
 
 def _solids(
