@@ -23,3 +23,15 @@ mass = 1.0
 [accept]
 modes = 2
 """
+# Loads of its own, to stand behind the tables of a robot.
+LOADS = """
+[[loads]]
+name = "weight"
+gravity = [0.0, 0.0, -9.81]
+[[loads]]
+name = "cutting"
+wrench = [100.0, 0.0, -50.0, 0.0, 0.0, 0.0]
+[[loads]]
+name = "stop"
+acceleration = [5.0, 0.0, 0.0]
+"""

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from one_arm import ONE_ARM
+from one_arm import LOADS, ONE_ARM
 
 from lumped.acceptance.requirement import Requirement
 from lumped.robot_file import load_robot
@@ -15,27 +15,18 @@ from validation.context import Context
 from validation.models.loads.displacements import displacements
 from validation.models.options import ModelOptions
 
-LOADS = """
+PATH = """
 [path]
 from = [-0.1]
 to = [0.2]
 count = 3
-[[loads]]
-name = "weight"
-gravity = [0.0, 0.0, -9.81]
-[[loads]]
-name = "cutting"
-wrench = [100.0, 0.0, -50.0, 0.0, 0.0, 0.0]
-[[loads]]
-name = "stop"
-acceleration = [5.0, 0.0, 0.0]
 """
 
 
 @pytest.fixture(scope="module")
 def arm(tmp_path_factory):
     path = tmp_path_factory.mktemp("loads") / "arm.toml"
-    path.write_text(ONE_ARM + LOADS, encoding="utf-8")
+    path.write_text(ONE_ARM + PATH + LOADS, encoding="utf-8")
     return load_robot(str(path))
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from one_arm import ONE_ARM
+from one_arm import LOADS, ONE_ARM
 from sound_biglide import SOUND
 
 from lumped.legs import ConstantLeg, Material, equivalent_leg
@@ -269,19 +269,6 @@ def test_every_number_of_an_answer_stands_under_its_own_name():
     ):
         assert shares in text
     assert "<td>1.9e+10</td><td>2.6e+10</td><td>3.3e+10</td>" in solution._repr_html_()
-
-
-LOADS = """
-[[loads]]
-name = "weight"
-gravity = [0.0, 0.0, -9.81]
-[[loads]]
-name = "cutting"
-wrench = [100.0, 0.0, -50.0, 0.0, 0.0, 0.0]
-[[loads]]
-name = "stop"
-acceleration = [5.0, 0.0, 0.0]
-"""
 
 
 def test_loads_of_the_file_are_answered_by_name_and_one_that_cannot_be_by_none(tmp_path, capsys):
