@@ -41,6 +41,11 @@ def shortened(line: str) -> str:
     return f"{line[:begin]}…{line[begin + 1 - _LONGEST_LINE :]}"
 
 
+def counted(count: int, one: str, several: str = "") -> str:
+    """How many there are: "1 body", "2 bodies"; `several` where that is not `one` with an s."""
+    return f"{count} {one if count == 1 else several or f'{one}s'}"
+
+
 def did_you_mean(name: str, known: Iterable[str], otherwise: str = "", cutoff: float = 0.6) -> str:
     """The end of a fault that asks for the nearest known name; `otherwise` where none is near."""
     by_lower_case = {one.lower(): one for one in known}

@@ -16,11 +16,11 @@ from scipy.sparse.csgraph import connected_components
 from lumped.arrays import IntArray
 from lumped.errors import InputError
 from lumped.mechanism.body import METRES
-from lumped.text import cut
+from lumped.text import counted, cut
 from meshes.elements import ELEMENTS, SolidElement
 from meshes.part.boundary import Facets, PartMesh, boundary, facets_of_cells, smooth_faces
 from meshes.part.reading.units import chosen_unit, require_plausible
-from meshes.part.reading.vtu_sizes import inflated_size
+from meshes.part.reading.vtu_sizes import inflated_size, inflating
 from meshes.quality import quality
 from meshes.solid_mesh import VolumeMesh
 
@@ -61,12 +61,14 @@ def read_mesh(path: Path, unit: str | None = None) -> tuple[PartMesh, str]:
     source, chosen = str(path), chosen_unit(None, unit, str(path))
     if path.suffix.lower() == ".inp":
         _require_followed(path)
-    if path.suffix.lower() == ".vtu" and (size := inflated_size(path.read_bytes())) > LARGEST:
+    size = inflated_size(path.read_bytes()) if path.suffix.lower() == ".vtu" else 0
+    if size > LARGEST:
         raise InputError(
             f"{source}: what it holds compressed are {size / 1e6:.6g} MB, at most "
             f"{LARGEST / 1e6:g} MB are read"
         )
-    raw = _raw(path)
+    with inflating(size):
+        raw = _raw(path)
     element, blocks = _solid_cells(raw, source)
     points = np.asarray(raw.points, dtype=float)
     if points.ndim != 2 or points.shape[1] != 3 or not np.isfinite(points).all():
@@ -158,15 +160,17 @@ def _require_one_solid(mesh: VolumeMesh, source: str) -> None:
     _, first, counts = np.unique(rounded, axis=0, return_index=True, return_counts=True)
     if np.any(counts > 1):
         x, y, z = mesh.nodes[first[counts > 1][0]]
+        lie = counted(int((counts - 1).sum()), "node lies", "nodes lie")
         raise InputError(
-            f"{source}: {int((counts - 1).sum())} nodes lie twice in one place, the first at "
-            f"({x:.4g}, {y:.4g}, {z:.4g}) m: the mesh is torn there; merge them"
+            f"{source}: {lie} twice in one place, the first at ({x:.4g}, {y:.4g}, {z:.4g}) m: the "
+            "mesh is torn there; merge them"
         )
     own = np.sort(mesh.cells, axis=1)
     _, first, counts = np.unique(own, axis=0, return_index=True, return_counts=True)
     if np.any(counts > 1):
+        there = counted(int((counts - 1).sum()), "element is", "elements are")
         raise InputError(
-            f"{source}: {int((counts - 1).sum())} elements are there twice, the first is element "
+            f"{source}: {there} there twice, the first is element "
             f"{first[counts > 1].min() + 1}; delete one of each"
         )
     # Not a number where nodes are the same.
@@ -174,8 +178,8 @@ def _require_one_solid(mesh: VolumeMesh, source: str) -> None:
     if folded.size:
         x, y, z = mesh.nodes[mesh.cells[folded[0]]].mean(axis=0)
         raise InputError(
-            f"{source}: {folded.size} elements are inverted or folded, the first is element "
-            f"{folded[0] + 1} at ({x:.4g}, {y:.4g}, {z:.4g}) m"
+            f"{source}: {counted(folded.size, 'element is', 'elements are')} inverted or folded, "
+            f"the first is element {folded[0] + 1} at ({x:.4g}, {y:.4g}, {z:.4g}) m"
         )
     pieces = _pieces(mesh)
     if pieces > 1:

@@ -1,10 +1,14 @@
 """Volume meshes of other programs: one mesh in three formats is one part, faces and all."""
 
+import lzma
+import zlib
 from base64 import b64encode
 
 import meshio
 import numpy as np
 import pytest
+import pyvista
+from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridWriter
 
 from lumped.errors import InputError
 from lumped.mechanism.body import ByCylinder, ByName, PartInterface
@@ -94,7 +98,7 @@ def test_bad_meshes_say_what_is_wrong(tmp_path):
     assert "kinds wedge; must be of one kind among tetra" in refused(CUBE, "wedge", prism)
     assert "only a surface" in refused(CUBE, "quad", np.array([[0, 1, 2, 3]]))
     upside_down = HEXAHEDRON[:, [4, 5, 6, 7, 0, 1, 2, 3]]
-    assert "1 elements are inverted or folded, the first is element 1 at (0.05, 0.05, 0.05) m" in (
+    assert "1 element is inverted or folded, the first is element 1 at (0.05, 0.05, 0.05) m" in (
         refused(CUBE, "hexahedron", upside_down)
     )
     twice = np.vstack([CUBE, CUBE + np.eye(3)[0]])
@@ -108,7 +112,7 @@ def test_bad_meshes_say_what_is_wrong(tmp_path):
         own = np.array([shared.get(node, node) for node in range(16)]).reshape(2, 8)
         assert "in 2 pieces that share no side" in refused(hinged, "hexahedron", own)
     doubled = np.vstack([HEXAHEDRON, HEXAHEDRON])
-    assert "1 elements are there twice, the first is element 1" in (
+    assert "1 element is there twice, the first is element 1" in (
         refused(CUBE, "hexahedron", doubled)
     )
     assert "is no part of a robot" in refused(1e4 * CUBE, "hexahedron", HEXAHEDRON)
@@ -195,8 +199,14 @@ header_type="UInt{bits}" compressor="vtkZLibDataCompressor"><UnstructuredGrid>
 </Piece></UnstructuredGrid>{appended}</VTKFile>"""
 PLACES = {
     "binary": ('format="binary">\n  {}', ""),
-    "base64": ('format="appended" offset="4">', '<AppendedData encoding="base64">\n _AAAA{}'),
-    "raw": ("format='appended' offset='4'>", '<AppendedData encoding="raw">\n _AAAA{}'),
+    "base64": (
+        'format="appended" offset="4">',
+        '<AppendedData encoding="base64">\n _AAAA{}\n</AppendedData>',
+    ),
+    "raw": (
+        "format='appended' offset='4'>",
+        '<AppendedData encoding="raw">\n _AAAA{}\n</AppendedData>',
+    ),
 }
 
 
@@ -214,6 +224,24 @@ def test_what_would_inflate_too_far_is_refused_by_what_it_says_itself(tmp_path, 
         read_part(path)
 
 
+@pytest.mark.parametrize("place", PLACES)
+@pytest.mark.parametrize(("compressor", "library"), [("ZLib", zlib), ("LZMA", lzma)])
+def test_what_holds_more_than_it_says_is_inflated_no_further(tmp_path, place, compressor, library):
+    """Each block says that it has a hundred bytes; together they would have ten gigabytes."""
+    block = library.compress(bytes(10_000_000))
+    head = np.array([1000, 100, 100, *[len(block)] * 1000], "<u4").tobytes()
+    parts = [head, 1000 * block]
+    own = b"".join(parts if place == "raw" else map(b64encode, parts))
+    array, appended = PLACES[place]
+    array = array.replace("4", "0")
+    text = VTU.format(order="LittleEndian", bits=32, array=array, appended=appended)
+    text = text.replace("AAAA", "").replace("ZLib", compressor)
+    path = tmp_path / "liar.vtu"
+    path.write_bytes(text.encode().replace(b"{}", own))
+    with pytest.raises(InputError, match="holds more or less than the file says"):
+        read_part(path)
+
+
 @pytest.mark.parametrize("compression", ["zlib", "lzma", None])
 def test_what_a_file_says_of_its_size_is_what_it_holds(files, tmp_path, compression):
     mesh, path = meshio.read(files / "plate.vtu"), tmp_path / "plate.vtu"
@@ -222,3 +250,19 @@ def test_what_a_file_says_of_its_size_is_what_it_holds(files, tmp_path, compress
     # Beside the connectivity there are an offset and a type of each cell, of eight bytes.
     size = mesh.points.nbytes + cells.data.nbytes + 16 * len(cells.data)
     assert inflated_size(path.read_bytes()) == (size if compression else 0)
+
+
+@pytest.mark.parametrize("where", ["inline", "base64", "raw"])
+@pytest.mark.parametrize("compressor", ["ZLib", "LZMA"])
+def test_what_vtk_writes_is_read(files, tmp_path, where, compressor):
+    """The writer of ParaView: appended as it does by default, or otherwise."""
+    path, writer = tmp_path / "plate.vtu", vtkXMLUnstructuredGridWriter()
+    writer.SetFileName(str(path))
+    writer.SetInputData(pyvista.read(files / "plate.vtu"))
+    getattr(writer, f"SetCompressorTypeTo{compressor}")()
+    writer.SetDataMode(writer.Binary if where == "inline" else writer.Appended)
+    writer.SetEncodeAppendedData(where == "base64")
+    writer.SetHeaderTypeToUInt64()
+    assert writer.Write()
+    found, own = (read_part(one, "mm") for one in (path, files / "plate.vtu"))
+    assert [face.area for face in found.faces] == [face.area for face in own.faces]
