@@ -74,7 +74,8 @@ def deck_text(deck: Deck) -> str:
 
 
 def _lines(deck: Deck) -> Iterator[str]:
-    yield from ("*HEADING", deck.title)
+    # A robot may have the name of a keyword.
+    yield from ("*HEADING", f"deck of {deck.title}")
     yield "*NODE, NSET=ALL"
     for number, (x, y, z) in enumerate(deck.nodes.tolist(), start=1):
         yield f"{number}, {_number(x)}, {_number(y)}, {_number(z)}"

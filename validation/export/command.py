@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from cyclopts import Parameter
 
 from lumped.errors import InputError
-from validation.console.typed import RobotName, WholeNumber, require_place, write
+from validation.console.typed import Place, RobotName, WholeNumber, require_place, write
 
 if TYPE_CHECKING:
     from lumped.robot_file import RobotFile
@@ -23,7 +23,7 @@ def export(
     pose: Annotated[str | None, Parameter(allow_leading_hyphen=True, negative="")] = None,
     body: str | None = None,
     modes: WholeNumber = 20,
-    out: Path | None = None,
+    out: Place | None = None,
 ) -> int:
     """Write a body, or the robot about one pose, as a reduced model with a bound on its error.
 

@@ -7,17 +7,17 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.errors import InputError
+from lumped.text import counted, visible
 from validation.export.reduced import TWIST, Reduced, ReducedRobot
 
 # The first scalar point of Nastran that stands for the amplitude of a mode.
 _SCALARS = 100_001
 _WRENCH = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
+# What the robot file names stands in comments: it may hold any quotes, and is not to be run.
 _EXUDYN = '''\
-"""{name}: {about}.
-
-Reduced to {n} unknowns, SI units. Frequencies (Hz) that it must show, too high by these at most:
+# {name}: {about}.
+# Reduced to {unknowns}, SI units. Frequencies (Hz) that it must show, too high by these at most:
 {frequencies}
-"""
 
 import exudyn as exu
 import numpy as np
@@ -69,10 +69,11 @@ def as_exudyn(reduced: Reduced) -> bytes:
         f"\n    {name!r}: np.array({rows.tolist()})," for name, rows in reduced.ports.items()
     )
     pairs = zip(reduced.frequencies, reduced.bounds, strict=True)
-    told = "\n".join(f"    {one:.9g} (-{off:.2g})" for one, off in pairs)
+    told = "\n".join(f"#     {one:.9g} (-{off:.2g})" for one, off in pairs)
     text = _EXUDYN.format(
-        name=reduced.name,
+        name=visible(reduced.name),
         about=reduced.about,
+        unknowns=counted(len(reduced.unknowns), "unknown"),
         n=len(reduced.unknowns),
         frequencies=told,
         stiffness=reduced.stiffness.tolist(),

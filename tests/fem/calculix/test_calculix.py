@@ -79,7 +79,7 @@ def test_what_calculix_has_not_and_its_absence_are_named(monkeypatch: pytest.Mon
 def test_deck_of_one_tetrahedron() -> None:
     corners = np.vstack([np.zeros(3), np.eye(3)])
     deck = Deck(
-        title="one tetrahedron",
+        title="*STEP",
         nodes=np.vstack([corners, [1 / 3, 0.0, 0.0]]),
         parts=(ElementSet(np.array([[0, 1, 2, 3]]), "tet4", CUBIC),),
         equations=(Equation((1, 0), (((4, 0), 0.5), ((4, 2), -0.25))),),
@@ -93,6 +93,7 @@ def test_deck_of_one_tetrahedron() -> None:
     # Cubic: C11 = E(1−ν)/(1+ν)(1−2ν) = 9.423…e10 Pa, C12 = 4.038…e10 Pa, C44 = G.
     lines = deck_text(deck).splitlines()
     for block in (
+        ["*HEADING", "deck of *STEP", "*NODE, NSET=ALL"],
         ["5, 0.3333333333333333, 0.0, 0.0", "*ELEMENT, TYPE=C3D4, ELSET=PART1", "1, 1, 2, 3, 4"],
         ["*ELEMENT, TYPE=MASS, ELSET=MASS1", "2, 5", "*MASS, ELSET=MASS1", "2.0"],
         ["*EQUATION", "3", "2, 1, 1.0, 5, 1, -0.5, 5, 3, 0.25"],
