@@ -11,6 +11,8 @@ _ADDRESSES_PER_CORE = 150_000_000
 # Address space that libraries take before the first computation: those that read and check files,
 # and those that mesh and solve. Short of it they end the process, hang or crash, each in its way.
 TO_READ, TO_COMPUTE = 250_000_000, 1_000_000_000
+# Files that a command may have open at once: its own, those of libraries, ways to processes.
+_OPEN_FILES = 64
 
 
 def available_memory() -> int | None:
@@ -33,11 +35,16 @@ def available_memory() -> int | None:
     return min(limits) if limits else None
 
 
-def require_address_space(needed: int) -> None:
-    """Raise ComputationError where a limit (ulimit -v) leaves less than `needed` bytes and threads.
+def require_room(needed: int) -> None:
+    """Raise ComputationError where limits leave less than `needed` bytes and threads, or few files.
 
-    Libraries that are refused memory while they start do not say so: they end the process.
+    Libraries that are refused these while they start do not say so: they end the process.
     """
+    files, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
+    if files != resource.RLIM_INFINITY and files < _OPEN_FILES:
+        raise ComputationError(
+            f"the limit of open files (ulimit -n) is {files}, {_OPEN_FILES} are needed: raise it"
+        )
     needed += _ADDRESSES_PER_CORE * usable_cores()
     left = _address_space()
     if left is not None and left < needed:

@@ -11,6 +11,7 @@ import signal
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from errno import EAGAIN, EDQUOT, EMFILE, ENFILE, ENOMEM, ENOSPC
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from traceback import format_exception
@@ -18,7 +19,7 @@ from typing import Annotated, Literal
 
 from cyclopts import App, CycloptsError, Parameter, UnusedCliTokensError
 
-from fem.machine import TO_COMPUTE, TO_READ, require_address_space, usable_cores
+from fem.machine import TO_COMPUTE, TO_READ, require_room, usable_cores
 from lumped.errors import ComputationError, InputError
 from lumped.robots import FIRST_TYPE, RobotType
 from lumped.text import shortened, visible
@@ -38,6 +39,9 @@ from validation.export.command import export as export_model
 from validation.kinematics import commands as kinematics
 from validation.selftest.command import selftest
 from validation.solve import parts as commands
+
+# Of a system that is out of files, processes, memory or room on its disk.
+_REFUSALS = {EMFILE, ENFILE, EAGAIN, ENOMEM, ENOSPC, EDQUOT}
 
 app = App(
     name="flexproof",
@@ -104,7 +108,7 @@ def _interrupted(number: int, _frame: object) -> None:
 
 
 def _run(arguments: list[str]) -> int:
-    require_address_space(TO_READ)
+    require_room(TO_READ)
     command, bound, _ = app.parse_args(arguments, exit_on_error=False, print_error=False)
     code = 0
     try:
@@ -114,9 +118,13 @@ def _run(arguments: list[str]) -> int:
         # Rich, which prints help, leaves like this when the reader of a pipe has left.
         pass
     except OSError as error:
-        if command.__module__ == __name__:
+        # Help and version are printed elsewhere.
+        if command.__module__.startswith("cyclopts"):
+            streams.lost(error)
+        elif error.errno in _REFUSALS:
+            raise ComputationError(f"the system refuses: {error.strerror}") from error
+        else:
             raise
-        streams.lost(error)
     streams.flush()
     return code
 
@@ -195,7 +203,7 @@ def run(
     from validation.session import summary  # noqa: PLC0415
     from validation.session.validate import Request, validate  # noqa: PLC0415
 
-    require_address_space(TO_COMPUTE)
+    require_room(TO_COMPUTE)
     request = Request(
         load_robot(robot),
         preset,
@@ -357,7 +365,7 @@ def solve(
     from validation.solve.model_answers import solve as solved  # noqa: PLC0415
     from validation.solve.question import Question  # noqa: PLC0415
 
-    require_address_space(TO_COMPUTE)
+    require_room(TO_COMPUTE)
     require_place(csv, ".csv")
     require_place(picture, ".png")
     require_apart(csv, picture)

@@ -3,7 +3,7 @@
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from fem.machine import TO_COMPUTE, require_address_space
+from fem.machine import TO_COMPUTE, require_room
 from validation.console.streams import say
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ def selftest() -> int:
     from validation.selftest import robots, solids  # noqa: PLC0415
     from validation.selftest.benchmark import outcome  # noqa: PLC0415
 
-    require_address_space(TO_COMPUTE)
+    require_room(TO_COMPUTE)
     begun = perf_counter()
     say(_ROW.format("", "known", "here", "difference", "explained", ""))
     listed = (*solids.benchmarks(), *robots.benchmarks())

@@ -129,6 +129,15 @@ def test_a_full_disk_ends_with_3_and_says_how_to_go_on(
     assert f"{told} --out {out} --resume" in printed
 
 
+def test_what_the_system_refuses_is_neither_a_fault_of_flexproof_nor_of_stdout(monkeypatch, capsys):
+    def refused(*_arguments):
+        raise OSError(errno.EMFILE, os.strerror(errno.EMFILE))
+
+    monkeypatch.setattr("meshes.processes.Process.__init__", refused)
+    assert cli.main(["faces", str(ROOT / "examples" / "rocker" / "rocker.step")]) == 3
+    assert capsys.readouterr() == ("", "flexproof: the system refuses: Too many open files\n")
+
+
 def test_help_imports_nothing_heavy():
     program = (
         "import sys; from validation.cli import main; code = main(['--help']);"

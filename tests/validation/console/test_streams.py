@@ -75,6 +75,13 @@ def test_a_name_of_any_script_is_shown_as_the_terminal_can():
     assert "no-such-robot-u-e-\\u4e2d-alpha: no such file" in refused.stderr
 
 
+def test_too_few_open_files_are_said_before_libraries_fail_for_want_of_them():
+    done = shell("ulimit -n 8; flexproof faces examples/rocker/rocker.step")
+    assert (done.returncode, done.stdout) == (3, "")
+    (line,) = done.stderr.splitlines()
+    assert "the limit of open files (ulimit -n) is 8" in line
+
+
 def test_too_little_address_space_is_said_before_libraries_fail_for_want_of_it():
     done = shell("ulimit -v 500000; flexproof solve ifw --model vjm")
     assert done.returncode == 3
