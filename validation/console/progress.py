@@ -10,7 +10,9 @@ from time import perf_counter
 import numpy as np
 from rich.console import Console, RenderableType
 from rich.live import Live
+from rich.text import Text
 
+from lumped.text import visible
 from validation.console.streams import mention
 
 # Seconds of work that says nothing where nobody may be looking on; what takes longer is forecast,
@@ -66,7 +68,8 @@ def told(
     elif drawn:
         shown = Live(drawn, console=console, transient=True)
     else:
-        shown = console.status(doing)
+        # Names of files are no markup.
+        shown = console.status(Text(visible(doing)))
     telling = Thread(target=tell, daemon=True)
     telling.start()
     try:

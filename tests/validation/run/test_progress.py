@@ -32,6 +32,13 @@ def test_a_long_run_says_how_far_it_is_and_a_short_one_nothing(monkeypatch, caps
     assert abs(left - 1.1 * (1.0 / share - 1.0)) < 0.3 / share + 1.0
 
 
+def test_a_file_on_a_terminal_may_have_any_name(monkeypatch, capsys):
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    with telling.stage("reading [/red]a[bold].step"):
+        time.sleep(0.2)
+    assert "reading [/red]a[bold].step" in capsys.readouterr().err
+
+
 def test_long_work_is_forecast_by_the_speed_of_the_machine(monkeypatch, capsys):
     """A hundred seconds elsewhere are 200 here, and three minutes are told as such."""
     monkeypatch.setattr(telling, "slowness", lambda: 2.0)
