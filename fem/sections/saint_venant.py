@@ -22,6 +22,7 @@ from scipy.sparse.linalg import splu
 
 from lumped.arrays import Array, IntArray
 from lumped.errors import ComputationError
+from lumped.text import counted
 from meshes.elements import ELEMENTS
 from meshes.section.section_mesh import SectionMesh
 from meshes.shape_functions import gradients, quadrature, values
@@ -82,10 +83,10 @@ def section_quadrature(mesh: SectionMesh) -> SectionQuadrature:
     local = gradients(mesh.element, reference)
     jacobian = np.einsum("mki,kjq->mqij", corners, local, optimize=True)
     area = np.linalg.det(jacobian)
-    if not np.all(area > 0.0):
+    if wrong := int(np.any(~(area > 0.0), axis=1).sum()):
         raise ComputationError(
-            f"section mesh: {int(np.any(area <= 0.0, axis=1).sum())} cells are turned inside out "
-            "or flat; the section's walls are too thin for the mesh, or it is wrongly numbered"
+            f"section mesh: {counted(wrong, 'cell is', 'cells are')} turned inside out or flat; "
+            "the section's walls are too thin for the mesh, or it is wrongly numbered"
         )
     dA = area * weights
     at_points = np.einsum("mki,kq->imq", corners, shapes)

@@ -16,8 +16,9 @@ from fem.solvers.block_lanczos import NotConvergedError, Ritz, block_lanczos, fi
 from fem.solvers.certificate import Inertia
 from fem.solvers.factor import Factor
 from lumped.arrays import Array, SparseMatrix, fix_signs
-from lumped.dense.modes import Modes
+from lumped.dense.modes import Modes, too_few
 from lumped.errors import ComputationError, InputError
+from lumped.text import counted
 
 # Measured for 20 modes: 6 to 12 columns cost the same time, fewer read the factor more often, more
 # need more columns in all.
@@ -161,12 +162,12 @@ def _searched(
         ritz = block_lanczos(factor.solve, M, start, wanted, limit, _RESIDUAL, known)
     except NotConvergedError as error:
         raise ComputationError(
-            f"{part}: {min(error.converged, count)} of {count} modes converged in {error.solves} "
-            "solves; fewer modes or a finer mesh are needed"
+            f"{part}: {min(error.converged, count)} of {counted(count, 'mode')} converged in "
+            f"{counted(error.solves, 'solve')}; fewer modes or a finer mesh are needed"
         ) from error
     if len(ritz.values) < count:
         asked = count + (0 if known is None else known.shape[1])
-        raise ComputationError(f"{part}: {asked} modes asked for, but fewer have mass")
+        raise too_few(part, asked)
     return ritz
 
 

@@ -7,6 +7,7 @@ from scipy.linalg import LinAlgError, eigh
 
 from lumped.arrays import Array, SparseMatrix, dense, fix_signs, unit_diagonal
 from lumped.errors import ComputationError
+from lumped.text import counted
 
 
 @dataclass(frozen=True)
@@ -41,6 +42,11 @@ def solve_modes(
         ) from error
     values, vectors = values[::-1], vectors[:, ::-1] * scale[:, None]
     if len(values) < count or values[-1] <= np.finfo(float).eps * n * values[0]:
-        raise ComputationError(f"{part}: {count} modes asked for, but fewer have mass")
+        raise too_few(part, count)
     shapes = fix_signs(vectors / np.sqrt(values))
     return Modes(frequencies=1.0 / (2.0 * np.pi * np.sqrt(values)), shapes=shapes)
+
+
+def too_few(part: str, count: int) -> ComputationError:
+    """The refusal of more modes than have mass."""
+    return ComputationError(f"{part}: {counted(count, 'mode')} asked for, but fewer have mass")

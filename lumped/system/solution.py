@@ -17,7 +17,7 @@ from scipy.linalg import LinAlgError, cho_factor, cho_solve, eigh, qr
 from scipy.linalg.blas import dtrsm
 
 from lumped.arrays import Array, IntArray, dense, fix_signs, unit_diagonal
-from lumped.dense.modes import Modes
+from lumped.dense.modes import Modes, too_few
 from lumped.dense.statics import balanced_flexibility, rounding_of_flexibility
 from lumped.errors import ComputationError
 from lumped.screws import name_twists, shift
@@ -158,11 +158,6 @@ def modes_with_mass(solution: Solved, count: int) -> Modes:
     shapes = solution.motions @ (drag @ still)
     shapes[solution.kept] += still
     return Modes(1.0 / (2.0 * np.pi * np.sqrt(values)), fix_signs(shapes))
-
-
-def too_few(name: str, count: int) -> ComputationError:
-    """The refusal of more modes than a system has."""
-    return ComputationError(f"{name}: {count} modes asked for, but fewer have mass")
 
 
 def _inverse_squares(solution: Solved) -> tuple[Array, Array]:

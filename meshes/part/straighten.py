@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from lumped.arrays import Array, IntArray
 from lumped.errors import ComputationError
+from lumped.text import counted
 from meshes.elements import SIMPLEX_EDGES
 from meshes.shape_functions import gradients, quadrature
 
@@ -40,15 +41,16 @@ def straightened(nodes: Array, cells: IntArray) -> tuple[Array, int]:
         for middle, (first, second) in enumerate(SIMPLEX_EDGES[4], start=4):
             ends = nodes[cells[new, first]], nodes[cells[new, second]]
             nodes[cells[new, middle]] = (ends[0] + ends[1]) / 2.0
-    for what, wrong in (
-        ("stay inverted", _evenness(nodes[cells]) <= 0.0),
-        ("are flat", _fullness(nodes, cells) < _FLAT),
+    inverted, flat = _evenness(nodes[cells]) <= 0.0, _fullness(nodes, cells) < _FLAT
+    for wrong, one, several in (
+        (inverted, "tetrahedron stays inverted", "tetrahedra stay inverted"),
+        (flat, "tetrahedron is flat", "tetrahedra are flat"),
     ):
         found = np.flatnonzero(wrong)
         if found.size:
             x, y, z = nodes[cells[found[0]]].mean(axis=0)
             raise ComputationError(
-                f"mesh of the part: {found.size} tetrahedra {what}, the first at "
+                f"mesh of the part: {counted(found.size, one, several)}, the first at "
                 f"({x:.4g}, {y:.4g}, {z:.4g}) m; a finer mesh is needed there"
             )
     return nodes, int(straight.sum())

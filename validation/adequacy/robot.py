@@ -19,6 +19,7 @@ from lumped.mechanism.kinematics.postures import reference_posture
 from lumped.mechanism.mechanism import GROUND, Mechanism, Tool
 from lumped.mechanism.placing import leg_on, rigid_on
 from lumped.models.bodies import leg_of, on_equivalent_legs
+from lumped.text import counted
 from validation.adequacy.judgement import judged
 from validation.adequacy.matrix import Matrix
 from validation.adequacy.mechanism.dynamics import (
@@ -249,8 +250,8 @@ def _notes(robot: RobotOnPath, dynamics: Reference) -> tuple[str, ...]:
         all_poses = len(robot.mechanism.poses)
         notes.append(f"{len(robot.postures)} of the {all_poses} poses of the path were computed")
     if idle := mobility(robot.postures[0]).idle:
-        what = "mobilities do" if idle > 1 else "mobility does"
-        notes.append(f"{idle} idle {what} not move the tool; their zero frequencies are left out")
+        what = counted(idle, "idle mobility does", "idle mobilities do")
+        notes.append(f"{what} not move the tool; their zero frequencies are left out")
     with suppress(*UNSOLVED):
         notes += reduction_note(robot.postures, robot.offered, robot.holding.first, robot.judged)
     if supposed := robot.context.robot_file.supposed:

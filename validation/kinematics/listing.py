@@ -12,6 +12,7 @@ from lumped.mechanism.kinematics.closure import Closure
 from lumped.mechanism.kinematics.mobility import Mobility, mobility
 from lumped.mechanism.kinematics.postures import reference_posture, shown_pose
 from lumped.mechanism.mechanism import GROUND, Mechanism, Posture
+from lumped.text import counted
 
 
 def mobility_text(mechanism: Mechanism) -> str:
@@ -20,14 +21,16 @@ def mobility_text(mechanism: Mechanism) -> str:
     kinds = Counter(joint.kind for joint in mechanism.joints)
     driven = sum(joint.drive is not None for joint in mechanism.joints)
     joints = ", ".join(f"{count} {kind}" for kind, count in kinds.items())
-    bodies = len(mechanism.bodies) - (GROUND in mechanism.bodies)
+    moving = len(mechanism.bodies) - (GROUND in mechanism.bodies)
+    bodies = counted(moving, "body", "bodies")
+    constraints = counted(found.constraints, "constraint")
     moves = ", ".join(mechanism.tool.moves) or "none"
-    idle = f", and {found.idle} idle motion{'s' * (found.idle > 1)}" if found.idle else ""
+    idle = f", and {counted(found.idle, 'idle motion')}" if found.idle else ""
     return "\n".join(
         [
-            f"{bodies} bodies, {len(mechanism.joints)} joints ({joints}), {driven} driven",
+            f"{bodies}, {counted(len(mechanism.joints), 'joint')} ({joints}), {driven} driven",
             f"mobility {found.mobility}: the tool's moves {moves}{idle}",
-            f"{found.constraints} constraints, {found.redundant or 'none'} of them redundant",
+            f"{constraints}, {found.redundant or 'none'} of them redundant",
         ]
     )
 

@@ -15,7 +15,7 @@ import numpy as np
 from fem.beams.stepped import SteppedLeg
 from fem.reduction.craig_bampton import CUTOFF_FACTOR
 from lumped.arrays import Array
-from lumped.dense.modes import Modes
+from lumped.dense.modes import Modes, too_few
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, GivenLeg, equivalent_leg, tip_compliance
 from lumped.mechanism.body_model import BodyModel, LegMatrices
@@ -33,7 +33,6 @@ from lumped.system.solution import (
     modes_with_mass,
     solved,
     strain_shares,
-    too_few,
 )
 from lumped.system.sweep import swept
 from validation.models import parts

@@ -19,6 +19,7 @@ from lumped.mechanism.body import Body, Frame
 from lumped.mechanism.body_model import ENDS, BodyModel, LegMatrices
 from lumped.mechanism.mechanism import Mechanism
 from lumped.screws import turn, turn_matrix
+from lumped.text import counted
 from validation.models.options import ModelOptions
 from validation.models.parts import condensed, identified, is_leg, leg_axes
 from validation.models.stepped_parts import stepped
@@ -35,8 +36,8 @@ def given_leg(body: Body) -> GivenLeg:
 def require_legs(mechanism: Mechanism) -> None:
     """Raise InputError for parts that are no legs: those of one interface, or of three and more."""
     others = [
-        f"bodies.{name}: a part of {len(body.interfaces)} interfaces is no link of a serial chain; "
-        "use links"
+        f"bodies.{name}: a part of {counted(len(body.interfaces), 'interface')} is no link of a "
+        "serial chain; use links"
         for name, body in mechanism.parts.items()
         if not is_leg(body)
     ]

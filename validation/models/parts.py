@@ -23,6 +23,7 @@ from lumped.mechanism.body import Body, Frame, Part
 from lumped.mechanism.body_model import BodyModel
 from lumped.mechanism.placing import leg_frame
 from lumped.memo import memo
+from lumped.text import counted
 from meshes.part.boundary import PartMesh
 from meshes.part.interfaces import Interface, find_interfaces
 from meshes.part.reading.read import PartFile, read_part
@@ -221,8 +222,8 @@ def reduced(
     part = kept(key, compute, read)
     if part.kept != part.counted:
         raise ComputationError(
-            f"{body.name}, reduced: {part.counted} modes were counted below {part.cutoff:.6g} Hz, "
-            f"{part.kept} are in its reduction"
+            f"{body.name}, reduced: {counted(part.counted, 'mode was', 'modes were')} counted "
+            f"below {part.cutoff:.6g} Hz, its reduction has {part.kept}"
         )
     return part
 

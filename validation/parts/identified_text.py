@@ -9,6 +9,7 @@ import numpy as np
 from lumped.arrays import Array
 from lumped.mechanism.placing import leg_frame
 from lumped.screws import turn
+from lumped.text import counted
 from validation.agreement.accuracy import Accuracy
 from validation.parts.identify import Identified
 
@@ -89,9 +90,10 @@ def toml(found: Identified) -> str:
     """The body as a table for a robot file of schema 2: a leg of two interfaces by its 6×6."""
     name = found.part.path.stem
     if len(found.interfaces) != 2:
+        held = counted(len(found.interfaces), "interface")
         return (
-            f"# {name} has {len(found.interfaces)} interfaces: a leg known by a 6×6 has two. Name "
-            "the file itself in a robot (step = …), or take all numbers from --json or --out."
+            f"# {name} has {held}: a leg known by a 6×6 has two. Name the file itself in a robot "
+            "(step = …), or take all numbers from --json or --out."
         )
     first, second = found.interfaces
     axes = leg_frame(first.point, second.point).rotation

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from lumped.audit import Finding
 from lumped.mechanism.mechanism import Mechanism
+from lumped.text import counted
 from validation.case import Absolute, Case, Tolerance
 from validation.drawing.text import tolerance
 from validation.kinematics.listing import mobility_text
@@ -56,10 +57,12 @@ def audit_text(source: str, robot: Mechanism, findings: Sequence[Finding]) -> st
     remaining = [finding for finding in findings if finding.used in _UNCHANGED]
     removed = [finding for finding in findings if finding.used not in _UNCHANGED]
     wrong = sum(finding.severity == "error" for finding in remaining)
-    doubts = f"sound in form, {len(remaining)} doubt{'s' * (len(remaining) > 1)}"
+    doubts = f"sound in form, {counted(len(remaining), 'doubt')}"
     sound = doubts if remaining else "sound"
     if wrong:
-        sound = f"usable, but {wrong} of its data are wrong, see below"
+        sound = (
+            f"usable, but {counted(wrong, 'of its data is', 'of its data are')} wrong, see below"
+        )
     poses = f"all {len(robot.poses)} poses" if len(robot.poses) > 1 else "the one pose"
     motion = f"{poses} of its path within reach\n{mobility_text(robot)}"
     lines = [f"{source}: {sound}; {robot.name}, {motion}"]
@@ -115,7 +118,7 @@ def summary(outcomes: Sequence[Outcome], unfinished: int = 0) -> str:
     elif counts["agree"] == judged:
         sentence = f"All {judged} comparisons agree" if judged > 1 else "The comparison agrees"
     else:
-        sentence = f"{counts['agree']} of {judged} comparisons agree"
+        sentence = f"{counts['agree']} of {counted(judged, 'comparison')} agree"
     others: tuple[Verdict, ...] = ("disagree", "undecided", "failed", "skipped")
     parts = [sentence, *(f"{counts[one]} {one}" for one in others if counts[one])]
     parts += [f"{unfinished} not computed"] if unfinished else []

@@ -10,6 +10,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescap
 from markupsafe import Markup, escape
 
 from lumped.audit import Finding
+from lumped.text import counted
 from validation.adequacy.matrix import Matrix
 from validation.drawing import text
 from validation.drawing.turnable import viewer
@@ -158,6 +159,7 @@ def _templates() -> Environment:
         "base64": text.base64,
         "inline_svg": lambda figure: Markup(text.inline_svg(figure)),  # noqa: S704  our own plots
         "amount": text.tolerance,
+        "counted": counted,
         "unbroken": _unbroken,
         "rows": lambda columns: zip(*columns.values(), strict=True),
     }

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+from lumped.text import counted
 from validation.results.compare import AdequacyChange, Judged, RunComparison, Timing
 from validation.results.records import RunRecord
 
@@ -51,7 +52,7 @@ def as_text(before: RunRecord, after: RunRecord, comparison: RunComparison) -> s
 def _heads(before: RunRecord, after: RunRecord, comparison: RunComparison) -> str:
     told = ("robot", "preset", "started")
     rows = [
-        [name, *(str(run.run.get(key, "?")) for key in told), f"{len(run.cases)} cases"]
+        [name, *(str(run.run.get(key, "?")) for key in told), counted(len(run.cases), "case")]
         for name, run in (("before", before), ("after", after))
     ]
     differs = [name.replace("_", " ") for name in comparison.differs]
@@ -90,9 +91,9 @@ def sentence(comparison: RunComparison) -> str:
     worse = sum(change.worse for change in comparison.verdicts)
     drifted = len({entry.id for entry in comparison.drifted})
     parts = [
-        f"{worse} verdicts worse" if worse != 1 else "1 verdict worse",
+        f"{counted(worse, 'verdict')} worse",
         f"{len(comparison.verdicts) - worse} better",
-        f"{drifted} cases drifted" if drifted != 1 else "1 case drifted",
+        f"{counted(drifted, 'case')} drifted",
         f"{len(comparison.new)} new",
         f"{len(comparison.removed)} removed",
     ]

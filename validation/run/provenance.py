@@ -18,6 +18,7 @@ from fem.calculix.run import calculix_version
 from fem.machine import usable_cores
 from fem.solvers.cholesky import solver_name
 from lumped.robot_file import RobotFile
+from lumped.text import counted
 from validation.context import Preset
 from validation.run.cache import cache_folder
 from validation.run.files import read_regular, write_whole
@@ -68,7 +69,8 @@ def versions() -> dict[str, str]:
 
 def machine() -> str:
     """The machine in one line, without its name."""
-    return f"{platform.system()} {platform.machine()}, {usable_cores()} cores, {processor()}"
+    cores = counted(usable_cores(), "core")
+    return f"{platform.system()} {platform.machine()}, {cores}, {processor()}"
 
 
 def suite_digest() -> str:

@@ -13,6 +13,7 @@ from rich.progress import (
     TimeRemainingColumn,
 )
 
+from lumped.text import counted
 from validation.case import Case
 from validation.console.progress import told
 from validation.results.outcome import Record, Task
@@ -71,6 +72,6 @@ class RunProgress:
 def showing(tasks: Sequence[Task], seconds: float) -> Iterator[RunProgress]:
     """The progress of the tasks on stderr while the context lasts; `seconds` as of `stage`."""
     progress = RunProgress(tasks)
-    doing = f"{len(tasks)} comparisons, figures and verdicts"
+    doing = counted(len(tasks), "comparison or figure", "comparisons, figures and verdicts")
     with told(doing, seconds, lambda _: progress.line(), progress):
         yield progress

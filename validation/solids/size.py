@@ -9,6 +9,7 @@ from math import ceil
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, Leg, equivalent_leg
 from lumped.sections import Section
+from lumped.text import counted
 from meshes.section.section_blocks import section_blocks, sides_of
 from validation.context import PRESETS, Preset
 
@@ -37,8 +38,9 @@ def too_large(legs: Sequence[Leg], divisions: Sequence[int], preset: Preset) -> 
         unknowns = solid_unknowns(constant, number)
         if unknowns > most:
             name = constant.name or "a leg"
-            across = f"{number} division{'s' if number > 1 else ''}"
-            reasons.append(f"{name} as a solid of {across} has about {unknowns:.2g}")
+            reasons.append(
+                f"{name} as a solid of {counted(number, 'division')} has about {unknowns:.2g}"
+            )
     if not reasons:
         return ""
     return (
@@ -55,8 +57,9 @@ def face_too_large(leg: ConstantLeg, divisions: int, preset: Preset) -> str:
     if unknowns <= most:
         return ""
     return (
-        f"{leg.name or 'a leg'}: an end face of its {leg.section.shape} with {divisions} divisions "
-        f"has about {unknowns:.2g} unknowns, preset {preset} takes {most}"
+        f"{leg.name or 'a leg'}: an end face of its {leg.section.shape} with "
+        f"{counted(divisions, 'division')} has about {unknowns:.2g} unknowns, preset {preset} "
+        f"takes {most}"
     )
 
 

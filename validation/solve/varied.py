@@ -15,6 +15,7 @@ from lumped.errors import InputError, naming
 from lumped.robot_file import RobotFile
 from lumped.robot_file.places import unit_of
 from lumped.robot_file.variation import Variation, told, variations_of, varied
+from lumped.text import counted
 from validation.console.progress import stage
 from validation.console.streams import complain, mention, say
 from validation.console.typed import write
@@ -110,7 +111,7 @@ def solve_varied(
         with naming(f"--vary {said}"):
             seconds += checked(asked).seconds
         units.append(_Unit(said, asked))
-    with ExitStack() as stack, stage(f"{len(units)} robots", seconds / jobs):
+    with ExitStack() as stack, stage(counted(len(units), "robot"), seconds / jobs):
         executor: Executor = in_turn
         if cluster is not None:
             executor = stack.enter_context(on_cluster(cluster, mention))
@@ -178,7 +179,7 @@ def as_text(found: VariedAnswers) -> str:
         [value if isinstance(value, str) else f"{value:.6g}" for value in column]
         for column in numbers.values()
     ]
-    head = f"{first.robot}, {first.model}, {len(found.values)} robots"
+    head = f"{first.robot}, {first.model}, {counted(len(found.values), 'robot')}"
     rows = list(zip(*told, strict=True))
     return f"{head}\n{comparison_text.table(list(numbers), rows, indent='')}"
 

@@ -19,6 +19,7 @@ from lumped.mechanism.joint import FREEDOMS
 from lumped.mechanism.kinematics.closure import Closure, Placement, closure_of
 from lumped.mechanism.kinematics.mobility import mobility_at, undetermined
 from lumped.mechanism.mechanism import UNITS_OF_MOVES, Mechanism, Posture
+from lumped.text import counted
 
 # Farthest coordinate (m or rad) that is tried: squares of larger ones overflow in the end.
 _FARTHEST = 100.0
@@ -136,8 +137,8 @@ def _checked(closure: Closure, pose: Array) -> Array:
     moves = closure.mechanism.tool.moves
     if target.shape != (len(moves),) or not (np.abs(target) <= _FARTHEST).all():
         raise InputError(
-            f"{closure.mechanism.name}: a pose must be {len(moves)} finite numbers up to "
-            f"{_FARTHEST:g} m or rad ({', '.join(moves) or 'none, the tool has no moves'})"
+            f"{closure.mechanism.name}: a pose must be {counted(len(moves), 'finite number')} "
+            f"up to {_FARTHEST:g} m or rad ({', '.join(moves) or 'none, the tool has no moves'})"
         )
     return target
 

@@ -21,7 +21,7 @@ from lumped.robot_file.mechanism.draft import Draft, draft
 from lumped.robot_file.rules.relations import body_faults, joint_faults, path_faults, tool_faults
 from lumped.robot_file.rules.rule import Text
 from lumped.robot_file.rules.tables import MECHANISM
-from lumped.text import did_you_mean, shown
+from lumped.text import counted, did_you_mean, shown
 
 # Poses of a path that are tried before anything is computed; the others are when they come up.
 _TRIED = 32
@@ -149,8 +149,8 @@ def _mobility_faults(mechanism: Mechanism, found: Mobility) -> Iterator[str]:
         return
     if found.barred:
         allowed = (
-            f"{found.almost_redundant} constraints almost repeat others; are parallel axes given "
-            "with all their digits?"
+            f"{counted(found.almost_redundant, 'constraint repeats', 'constraints repeat')} others "
+            "almost; are parallel axes given with all their digits?"
             if found.almost_redundant
             else "must name motions that they allow, each by itself"
         )

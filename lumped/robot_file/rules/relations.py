@@ -14,7 +14,7 @@ from lumped.mechanism.joint import FREEDOMS, SMALLEST_SINE
 from lumped.mechanism.mechanism import GROUND
 from lumped.robot_file.rules.rule import too_many
 from lumped.robot_file.rules.tables import BODY, MOST_POSES
-from lumped.text import shown
+from lumped.text import counted, shown
 
 # A sound table as it is read: a value for every key, None where left out.
 Entry: TypeAlias = dict[str, Any]
@@ -214,7 +214,7 @@ def path_faults(path: Entry) -> Iterator[str]:
     else:
         for name in ("from", "to"):
             if name not in given:
-                numbers = f"{len(moves)} numbers ({', '.join(moves)})"
+                numbers = f"{counted(len(moves), 'number')} ({', '.join(moves)})"
                 yield f"path.{name}: missing; must be a pose, {numbers}"
         if ("count" in given) == ("counts" in given):
             yield (
@@ -228,7 +228,7 @@ def path_faults(path: Entry) -> Iterator[str]:
     wanted = f"one for each of tool.moves ({', '.join(moves)})" if moves else "none: no tool.moves"
     for name, values in lists.items():
         if len(values) != len(moves):
-            yield f"path.{name}: {len(values)} numbers; must be {len(moves)}, {wanted}"
+            yield f"path.{name}: {counted(len(values), 'number')}; must be {len(moves)}, {wanted}"
 
 
 def _given(entry: Entry, *names: str) -> list[str]:

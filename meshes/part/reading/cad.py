@@ -15,6 +15,7 @@ import numpy as np
 from lumped.arrays import Array
 from lumped.errors import ComputationError, InputError
 from lumped.mechanism.body import METRES
+from lumped.text import counted
 from meshes.gmsh_session import gmsh_model
 from meshes.part.reading.step_text import count_faces, require_whole
 from meshes.part.reading.units import chosen_unit, describe, require_plausible, step_unit
@@ -215,9 +216,10 @@ def _require_all_faces(model: CadModel, path: Path) -> None:
     """Raise InputError where faces are left over, say those of a cavity that does not close."""
     told, taken = count_faces(path.read_bytes()), len(model.faces())
     if taken < told:
+        lost = f"{told - taken} of its {counted(told, 'face')}"
         raise InputError(
-            f"{path}: {told - taken} of its {told} faces bound no solid: sheet bodies, or a shell "
-            "that is open or damaged; a part is one solid and nothing else"
+            f"{path}: {lost} bound no solid: sheet bodies, or a shell that is open or damaged; a "
+            "part is one solid and nothing else"
         )
 
 
@@ -238,8 +240,8 @@ def _one_solid(gmsh: ModuleType, path: Path) -> int:
     if not faces:
         raise InputError(f"{path}: holds no faces; a part is one solid")
     raise InputError(
-        f"{path}: {len(faces)} faces, but no solid: sheet bodies, or a shell that is open "
-        f"{_opening(gmsh)}; close it in the CAD system"
+        f"{path}: {counted(len(faces), 'face')}, but no solid: sheet bodies, or a shell that is "
+        f"open {_opening(gmsh)}; close it in the CAD system"
     )
 
 

@@ -10,6 +10,7 @@ from lumped.arrays import Array, IntArray
 from lumped.errors import ComputationError, InputError
 from lumped.files import require_ordinary
 from lumped.mechanism.body import METRES
+from lumped.text import counted
 from meshes.gmsh_session import connectivity, numbered
 from meshes.part.boundary import Facets, PartMesh
 from meshes.part.faces import Face, face_of
@@ -173,5 +174,6 @@ def _require_outward(path: Path, triangles: Mapping[int, IntArray]) -> None:
     if len(alike):
         raise InputError(
             f"{path}: face {np.bincount(alike).argmax()} looks inwards: its edges run as those of "
-            f"its neighbours do, {len(alike) // 2} times; export it anew from the CAD system"
+            f"its neighbours do, {counted(len(alike) // 2, 'time')}; export it anew from the CAD "
+            "system"
         )

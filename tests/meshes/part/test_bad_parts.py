@@ -59,7 +59,7 @@ def minute(occ, s):
 
 SHAPES = {
     "two solids": (two_solids, "2 solids (1 cm³ at (0.005, 0.005, 0.005) m; 1 cm³ at"),
-    "sheet": (sheet, "1 faces, but no solid: sheet bodies, or a shell that is open at the edge"),
+    "sheet": (sheet, "1 face, but no solid: sheet bodies, or a shell that is open at the edge"),
     "open shell": (open_shell, "5 faces, but no solid"),
     "wire": (wire, "holds no faces"),
     "tiny edge": (tiny_edge, "m long, no mesh can follow it"),

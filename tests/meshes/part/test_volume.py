@@ -124,7 +124,7 @@ def test_a_folded_element_becomes_straight_and_its_neighbour_follows():
 
 @pytest.mark.parametrize(
     ("height", "message"),
-    [(1e-12, "1 tetrahedra are flat, the first"), (-1.0, "stay inverted, the first")],
+    [(1e-12, "1 tetrahedron is flat, the first"), (-1.0, "stays inverted, the first")],
 )
 def test_what_is_flat_or_stays_inverted_is_an_error_that_says_where(height, message):
     with pytest.raises(ComputationError, match=f"{message} at"):

@@ -13,6 +13,7 @@ from lumped.models.bodies import links
 from lumped.system.assembly import assemble, assembly
 from lumped.system.loads import tool_displacements
 from lumped.system.solution import compliance, solved
+from lumped.text import counted
 from validation.adequacy.mechanism.path import Springs
 from validation.adequacy.response import Response
 from validation.drawing.text import percent
@@ -99,7 +100,8 @@ def reduction_note(
     )
     return (
         f"Parts as solids keep all modes with fixed interfaces, as many as Sylvester's inertia "
-        f"counts: {counts}; higher ones lower the first {judged} frequencies by "
+        f"counts: {counts}; higher ones lower the "
+        f"{counted(judged, 'lowest frequency', 'lowest frequencies')} by "
         f"{percent(bounds.relative_width.max(), signed=False)} at most",
     )
 

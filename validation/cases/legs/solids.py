@@ -16,6 +16,7 @@ from fem.sections.section_constants import beam_properties, section_constants
 from fem.sections.waveguide import bending_wave, torsion_wave, wall_frequency
 from lumped.arrays import Array
 from lumped.legs import ConstantLeg, tip_compliance
+from lumped.text import counted
 from validation.case import Absolute, Allowance, Measurement, Relative, Sides, Skip
 from validation.case_group import CaseGroup, numbered
 from validation.cases.legs.beams import (
@@ -201,10 +202,11 @@ def _require_decided(
     if undecided and len(left.divisions) < GRIDS_FOR_ORDER:
         leg, preset = constant_leg_of(context, body), context.preset
         has = larger_preset(preset, lambda one: static_ladder(leg, STATICS[one]) != left.divisions)
+        meshes = counted(len(left.divisions), "mesh", "meshes")
         raise Skip(
-            f"{len(left.divisions)} meshes of this section are affordable in preset {preset}: they "
-            f"show no order, and their uncertainty is {uncertainty / tolerance:.2g} times the "
-            f"tolerance; {has} has finer ones"
+            f"affordable in preset {preset}: {meshes} of this section, too few to show an order; "
+            f"the uncertainty is {uncertainty / tolerance:.2g} times the tolerance; {has} has "
+            "finer ones"
         )
 
 
@@ -348,9 +350,10 @@ def _wave_notes(part: str, wave: float, tip: float) -> tuple[str, ...]:
 def _order(context: Context, body: str, name: str) -> Measurement:
     found = compliances(context, body, "free")
     if len(found.divisions) < GRIDS_FOR_ORDER:
+        meshes = counted(len(found.divisions), "mesh", "meshes")
         raise Skip(
-            f"{len(found.divisions)} meshes of this section are affordable in preset "
-            f"{context.preset}, an order takes {GRIDS_FOR_ORDER}"
+            f"affordable in preset {context.preset}: {meshes} of this section; an order takes "
+            f"{GRIDS_FOR_ORDER}"
         )
     entry, meaning, unit = ENTRIES[name]
     convergence = found.at(*entry)

@@ -15,6 +15,7 @@ from lumped.acceptance.requirement import AXES
 from lumped.arrays import Array
 from lumped.legs import Theory
 from lumped.mechanism.mechanism import Mechanism, Posture
+from lumped.text import counted
 from validation.adequacy.mechanism.path import path_postures, why_not_serial
 from validation.adequacy.mechanism.statics import compliances
 from validation.adequacy.models import JUDGED, JudgedModel, judged_models
@@ -173,7 +174,7 @@ def _frequency(context: Context, model: str, index: int, modes: int) -> Measurem
         for degree in degrees
     )
     if index >= max(len(found), len(expected)):
-        raise Skip(f"{model} has {len(found)} modes")
+        raise Skip(f"{model} has {counted(len(found), 'mode')}")
     value, reference, other = (
         float(numbers[index]) if index < len(numbers) else inf
         for numbers in (found, expected, rougher)

@@ -58,9 +58,11 @@ def energies(context: Context) -> Shown:
         "frequency (Hz)": frequencies.tolist(),
     }
     table |= {f"{part} (%)": (100.0 * share).tolist() for part, share in found.strain.items()}
+    count = len(frequencies)
+    first = f"The first {count} modes" if count > 1 else "The first mode"
     return curves(
         Chart(panels, "mode", 1, 2.4, table),
-        f"The first {len(frequencies)} modes of the {model} in the middle of the path, "
+        f"{first} of the {model} in the middle of the path, "
         f"{frequencies[0]:.4g} to {frequencies[-1]:.4g} Hz.",
         kinds,
         "Bodies of the same shape are summed; the CSV lists each.",
