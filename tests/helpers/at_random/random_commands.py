@@ -14,14 +14,18 @@ from typing import Any
 
 from msgspec.json import encode
 from mutated_robots import mutated, toml
-from one_arm import ONE_ARM
+from one_arm import LOADS, ONE_ARM
 from sound_biglide import SOUND
 
 import lumped.robots
 from validation.results.records import AdequacyRecord, CaseRecord, RunRecord
 
-_FIVE_BAR = (Path(lumped.robots.__file__).parent / "five-bar.toml").read_text(encoding="utf-8")
-ROBOTS = (SOUND, ONE_ARM, _FIVE_BAR)
+_BUILT_IN = ("five-bar", "3-rrr", "delta", "orthoglide", "hexapod")
+_FOLDER = Path(lumped.robots.__file__).parent
+ROBOTS = (
+    *(SOUND, ONE_ARM, ONE_ARM + LOADS),
+    *((_FOLDER / f"{name}.toml").read_text(encoding="utf-8") for name in _BUILT_IN),
+)
 _EMPTY_STEP = "ISO-10303-21;\nHEADER;\nENDSEC;\nDATA;\nENDSEC;\n"
 _RESULTS = ("one.json", "two.json", "folder/results.json")
 _SIGNS = '0123456789.e-=[]{}"#,\n'
@@ -76,10 +80,12 @@ _OPTIONS: dict[str, dict[str, tuple[str, ...]]] = {
         "--unit": ("mm",),
     },
     "faces": {"--unit": ("mm",), "--json": ()},
+    "export": {"--modes": ("2",), "--out": ("out.npz", "out.mat", "robot.toml")},
     "compare": {"--json": ()},
-    "new": {"--type": ("delta", "five-bar")},
+    "new": {"--type": _BUILT_IN},
 }
 _WEIGHTS = {"check": 5, "kinematics": 4, "solve": 4, "run": 2, "compare": 4, "identify": 1}
+_PROGRAMS = ("npz", "exudyn", "statespace", "simscape", "nastran", "")
 _MODELS = ("simplified", "vjm", "links", "segments", "beam")
 
 
@@ -113,10 +119,13 @@ def _command(rng: random.Random, name: str) -> Command:
             words.append(rng.choice(("new.toml", "robot.toml", _odd(rng))))
         case "faces" | "identify":
             files["part.step"] = _damaged(rng, _EMPTY_STEP)
-            words.append(rng.choice(("robot.toml", "five-bar", "part.step", _odd(rng))))
+            words.append(rng.choice(("robot.toml", *_BUILT_IN, "part.step", _odd(rng))))
         case _:
             names = ("robot.toml", "ifw", "five-bar", _odd(rng))
             words += rng.choices(names, (12, 1, 1, 1))
+    if name == "export":
+        words.append(f"--to={rng.choice(_PROGRAMS)}")
+        words.append(rng.choice(("--body=nobody", "--pose=90,90", f"--body={_odd(rng)}")))
     if name == "solve" and rng.random() < 0.95:
         words += ["--model", rng.choice(_MODELS)]
     if name == "run":
