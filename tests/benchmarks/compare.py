@@ -2,10 +2,9 @@
 
     python tests/benchmarks/compare.py [--repeats N] [--list] [ROW ...]
 
-Each measurement is a process of its own, on two threads unless its name says one, with nothing kept
-by an earlier one. The rows take turns, N times (three unless told), and medians are printed.
-Programs that are not installed are left out: CalculiX (`ccx`), NGSolve, rslab and pypardiso (from
-PyPI). A ROW is a name of the list, or how it begins.
+Each measurement is a process of its own, on two threads, with nothing kept by an earlier one. The
+rows take turns, N times (three unless told), and medians are printed. What is not installed is left
+out: CalculiX (`ccx`), MKL (pypardiso). A ROW is a name of the list, or how it begins.
 """
 
 # ruff: noqa: T201, E402, PLC0415  a script that prints its figures; each imports what it measures
@@ -13,7 +12,6 @@ PyPI). A ROW is a name of the list, or how it begins.
 import argparse
 import json
 import os
-import platform
 import resource
 import subprocess
 import sys
@@ -26,14 +24,13 @@ from itertools import cycle, islice
 from pathlib import Path
 from shutil import which
 from statistics import median
-from time import perf_counter, sleep
+from time import perf_counter
 from typing import Any
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 
 import numpy as np
-from scipy.sparse import tril
 
 MODES, FREQUENCIES, POSTURES, UNKNOWNS = 20, 10, 1000, 150_000
 TAPERED = ROOT / "examples" / "tapered-biglide" / "robot.toml"
@@ -41,7 +38,6 @@ TAPERED = ROOT / "examples" / "tapered-biglide" / "robot.toml"
 # with the section: the large leg is eight times as long as deep.
 LEGS = {
     "134k": (0.85, 0.16, 0.26, 9),
-    "400k": (1.0, 0.0765, 0.12, 10),
     "841k": (1.0, 0.0765, 0.12, 13),
 }
 Figures = dict[str, float]
@@ -58,20 +54,9 @@ def _leg(size: str) -> tuple[Any, Any]:
     return leg, tetrahedra(leg.section, length, divisions)
 
 
-def _matrices(size: str) -> tuple[Any, Any, Any]:
-    """K and M (csr 3n×3n) of a leg whose root is held, and its free nodes (n×3, m)."""
-    from fem.elements.elasticity import on_three_components, stiffness_and_mass
-
-    leg, mesh = _leg(size)
-    nodes = np.setdiff1d(np.arange(len(mesh.nodes)), mesh.root.nodes)
-    free = np.add.outer(3 * nodes, range(3)).ravel()
-    K, M = stiffness_and_mass(mesh, leg.material)
-    M = on_three_components(M)
-    return K[free][:, free].tocsr(), M[free][:, free].tocsr(), mesh.nodes[nodes]
-
-
-def solid(size: str) -> Figures:
+def solid(size: str, solver: str = "cholmod") -> Figures:
     """Six load cases and certified modes of a leg, from its mesh in memory."""
+    os.environ["FLEXPROOF_SOLVER"] = solver
     from fem.bodies.solid import clamped_leg, solid_leg
     from fem.solvers.certificate import Inertia
     from fem.solvers.modes import lowest_modes
@@ -114,100 +99,6 @@ def calculix(size: str) -> Figures:
             [calculix_program(), "leg"], cwd=folder, check=True, stdout=subprocess.DEVNULL
         )
     return {"s": perf_counter() - start}
-
-
-def cholmod(size: str, backend: str = "cholmod") -> Figures:
-    """Analysis, factor and six solutions with K, and the count of K − σM, by our own solvers."""
-    os.environ["FLEXPROOF_SOLVER"] = backend
-    from fem.solvers.certificate import inertia_below
-    from fem.solvers.cholesky import RenewableFactor, analyse
-
-    K, M, points = _matrices(size)
-    start = perf_counter()
-    symbolic = analyse(K)
-    analysed = perf_counter()
-    factor = RenewableFactor(symbolic, "leg")
-    assert factor.numeric is not None
-    return _times(
-        start,
-        analysed,
-        factor.solve,
-        K,
-        lambda: inertia_below(factor, K, M, _sigma(size), points).negative,
-    )
-
-
-def rslab(size: str) -> Figures:
-    """The same by rslab's LDLᵀ."""
-    import rslab as library  # type: ignore[import-not-found]
-
-    K, M, _ = _matrices(size)
-    told = {"threads": int(os.environ["OMP_NUM_THREADS"])}
-    start = perf_counter()
-    symbolic = library.analyze(K, "ldlt", **told)
-    analysed = perf_counter()
-    factor = symbolic.factor(tril(K, format="csc").data, **told)
-    return _times(
-        start,
-        analysed,
-        factor.solve_many,
-        K,
-        lambda: int(library.ldlt(K - _sigma(size) * M, **told).inertia[1]),
-    )
-
-
-def ngsolve(size: str) -> Figures:
-    """The same by NGSolve's sparse Cholesky, which has no count."""
-    from ngsolve import SetNumThreads, TaskManager  # type: ignore[import-not-found]
-    from ngsolve.la import BaseVector, SparseMatrixd  # type: ignore[import-not-found]
-
-    K, *_ = _matrices(size)
-    entries = K.tocoo()
-    SetNumThreads(int(os.environ["OMP_NUM_THREADS"]))
-    with TaskManager():
-        matrix = SparseMatrixd.CreateFromCOO(
-            entries.row.tolist(), entries.col.tolist(), entries.data.tolist(), *K.shape
-        )
-        del entries
-        start = perf_counter()
-        inverse = matrix.Inverse(inverse="sparsecholesky")
-
-        def solve(loads: Any) -> Any:
-            columns = []
-            for load in loads.T:
-                right = BaseVector(len(load))
-                right.FV().NumPy()[:] = load
-                columns.append((inverse * right).Evaluate().FV().NumPy().copy())
-            return np.array(columns).T
-
-        return _times(start, start, solve, K, None)
-
-
-def _sigma(size: str) -> float:
-    """Above the first bending modes: (rad/s)², from the beam of the leg's sides."""
-    length, width, _, _ = LEGS[size]
-    return float((3.0 * 3.516 / length**2 * np.sqrt(2.1e11 / 7850.0 / 12.0) * width) ** 2)
-
-
-def _times(
-    start: float, analysed: float, solve: Any, K: Any, count: Callable[[], int] | None
-) -> Figures:
-    factorised = perf_counter()
-    loads = np.random.default_rng(0).normal(size=(K.shape[0], 6))
-    found = solve(loads)
-    solved = perf_counter()
-    off = np.abs(K @ found - loads).max()
-    assert off < 1e-3, f"residual {off:.1e}"
-    figures = {
-        "s": factorised - start,
-        "analysis": analysed - start,
-        "six loads": solved - factorised,
-    }
-    if count is not None:
-        begun = perf_counter()
-        figures["below"] = count()
-        figures["count"] = perf_counter() - begun
-    return figures | {"unknowns": K.shape[0]}
 
 
 def doubled() -> Figures:
@@ -275,21 +166,13 @@ def rows() -> dict[str, tuple[Callable[[], Figures], bool]]:
     """What is measured by name, and whether its program is installed."""
     table: dict[str, tuple[Callable[[], Figures], bool]] = {
         "doubling 512 slices": (doubled, True),
-        "solid 134k": (partial(solid, "134k"), True),
         "solid 134k, CalculiX": (partial(calculix, "134k"), which("ccx") is not None),
-        "solid 841k": (partial(solid, "841k"), True),
         "postures": (postures, True),
         "identify 150k": (identified, True),
     }
     for size in LEGS:
-        for threads in (" 2 threads", " 1 thread"):
-            name = f"factor {size}{threads}, "
-            table |= {
-                name + "CHOLMOD": (partial(cholmod, size), True),
-                name + "MKL": (partial(cholmod, size, "mkl"), find_spec("pypardiso") is not None),
-                name + "rslab": (partial(rslab, size), find_spec("rslab") is not None),
-                name + "NGSolve": (partial(ngsolve, size), find_spec("ngsolve") is not None),
-            }
+        by_mkl = partial(solid, size, "mkl"), find_spec("pypardiso") is not None
+        table |= {f"solid {size}": (partial(solid, size), True), f"solid {size}, MKL": by_mkl}
     for words in (
         ("--help",),
         ("solve", "five-bar", "--model", "beam"),
@@ -306,7 +189,7 @@ def measured(name: str) -> Figures:
     """The figures of one measurement in a process of its own, and its largest memory (GiB)."""
     with tempfile.TemporaryDirectory() as home:
         environment = os.environ | {
-            "OMP_NUM_THREADS": "1" if "1 thread" in name or name == "postures" else "2",
+            "OMP_NUM_THREADS": "1" if name == "postures" else "2",
             "XDG_CACHE_HOME": home,
         }
         done = subprocess.run(
@@ -322,34 +205,6 @@ def measured(name: str) -> Figures:
         print(f"{name}: failed, exit code {done.returncode}: {last}", file=sys.stderr)
         return {}
     return dict(json.loads(done.stdout.splitlines()[-1]))
-
-
-def machine() -> str:
-    """Processor, cores, GFLOP/s of a product on one core by numpy and by the solver's library."""
-    from cvxopt import blas, matrix
-
-    from fem.machine import usable_cores
-    from fem.solvers.cholesky import solver_name
-
-    n = 1500
-    dense = np.random.default_rng(0).normal(size=(n, n))
-    ours, product = matrix(dense), matrix(0.0, (n, n))
-    speeds = []
-    for work in (lambda: dense @ dense, lambda: blas.gemm(ours, ours, product)):
-        work()
-        sleep(0.1)
-        start = perf_counter()
-        for _ in range(5):
-            work()
-        speeds.append(10.0 * n**3 / (perf_counter() - start) / 1e9)
-    names = [
-        line for line in Path("/proc/cpuinfo").read_text().splitlines() if "model name" in line
-    ]
-    return (
-        f"{names[0].partition(':')[2].strip() if names else platform.machine()}, {usable_cores()} "
-        f"cores, Python {platform.python_version()}; dgemm {speeds[0]:.0f} GFLOP/s by numpy, "
-        f"{speeds[1]:.0f} by {solver_name()}"
-    )
 
 
 def main() -> None:
@@ -375,7 +230,6 @@ def main() -> None:
     if told.list:
         print("\n".join(chosen))
         return
-    print(machine(), end="\n\n")
     found: dict[str, list[Figures]] = defaultdict(list)
     for _ in range(told.repeats):
         for name in chosen:
