@@ -1,9 +1,9 @@
-"""Mechanisms as robot files at random, with everything that no built-in robot has.
+"""Five-bars as robot files at random, with everything that no built-in robot has.
 
 Unlike legs, some given by a 6×6, `ends` of single legs, joints that give, drives of all
-stiffnesses, rods that idle on ball joints; poses are away from the reference posture. Beside each
-stands its own answer, from the tables as written and closed forms alone: positions by circles and
-spheres, compliances by virtual joints written out.
+stiffnesses; poses are away from the reference posture. Beside each stands its own answer, from the
+tables as written and closed forms alone: positions by circles, compliances by virtual joints
+written out.
 """
 
 import json
@@ -83,16 +83,13 @@ def cantilever(length: float, section: Mapping[str, Any], material: Mapping[str,
 class Linkage:
     """A robot file's tables with what it answers to in `pose` by closed forms, SI, base axes.
 
-    `tips` are its legs' 6×6 (leg axes) by name; `frequencies` (Hz) where its bodies but the
-    platform are next to massless.
+    `tips` are its legs' 6×6 (leg axes) by name.
     """
 
     tables: Tables
     pose: tuple[float, ...]
     compliance: Array
-    idle: int
     tips: Mapping[str, Array]
-    frequencies: Array | None = None
 
     def written(self, folder: Path) -> RobotFile:
         """The robot read from a file in `folder`."""
@@ -118,7 +115,7 @@ def give(rng: np.random.Generator, size: float = 1e-9) -> Array:
     return root @ root.T + size * np.diag([1.0] * 3 + [50.0] * 3)
 
 
-def section(rng: np.random.Generator, *, round_only: bool = False) -> Tables:
+def section(rng: np.random.Generator) -> Tables:
     """A slender section of its own."""
     size = float(rng.uniform(0.03, 0.05))
     sections: list[Tables] = [
@@ -126,7 +123,7 @@ def section(rng: np.random.Generator, *, round_only: bool = False) -> Tables:
         {"shape": "tube", "diameter": size, "thickness": 0.15 * size},
         {"shape": "rectangle", "width": size, "height": float(rng.uniform(0.5, 1.9)) * size},
     ]
-    return sections[int(rng.integers(2 if round_only else 3))]
+    return sections[int(rng.integers(3))]
 
 
 def material(rng: np.random.Generator) -> Tables:
@@ -218,106 +215,4 @@ def five_bar(
             free.append(about_z)
         held, J = np.linalg.inv(chain), np.array(free).T
         stiffness += held - held @ J @ np.linalg.inv(J.T @ held @ J) @ J.T @ held
-    return Linkage(tables, tuple(pose[:2].tolist()), np.linalg.inv(stiffness), 0, tips)
-
-
-def hexarod(seed: int) -> Linkage:  # noqa: PLR0915  one mechanism, written out
-    """Six unlike rods from carriages on drives to a platform; those between two balls idle.
-
-    A heavy platform: its frequencies are those of a rigid body on six springs.
-    """
-    rng = np.random.default_rng(seed)
-    angles = np.repeat(np.arange(3) * 2.0 * np.pi / 3.0, 2)
-    spread = np.tile([-1.0, 1.0], 3)
-    T = np.array([0.0, 0.0, 0.7])
-    base, top = (
-        [
-            np.array([r * np.cos(t), r * np.sin(t), z]) + rng.uniform(-0.03, 0.03, 3)
-            for t in angles + spread * opening
-        ]
-        for r, z, opening in ((0.5, 0.0, 0.25), (0.28, 0.7, 0.8))
-    )
-    axes = [Z + rng.uniform(-0.3, 0.3, 3) for _ in base]
-    axes = [a / np.linalg.norm(a) for a in axes]
-    pose = np.concatenate([T + rng.uniform(-0.06, 0.06, 3), rng.uniform(-0.2, 0.2, 3)])
-    angle = float(np.linalg.norm(pose[3:]))
-    k = skew(pose[3:] / angle)
-    turn = np.eye(3) + np.sin(angle) * k + (1.0 - np.cos(angle)) * k @ k
-    balls = rng.random(6) < 0.5
-    shape, c = np.diag([300.0, 400.0, 500.0]), np.array([0.02, -0.03, 0.05])
-    points = {"T": T, "C": T + c}
-    bodies: Tables = {
-        "platform": {
-            "points": [f"Q{i}" for i in range(6)] + ["T"],
-            "mass": 2e4,
-            "centre": "C",
-            "inertia": shape,
-        }
-    }
-    joints: Tables = {}
-    stiffness = np.zeros((6, 6))
-    for i in range(6):
-        B, Q, a = base[i], top[i], axes[i]
-        points |= {f"B{i}": B, f"Q{i}": Q}
-        one, made_of = section(rng, round_only=True), {**material(rng), "rho": 25.0}
-        drive = 10.0 ** rng.uniform(6.0, 8.0)
-        slide, foot, head = (give(rng) for _ in range(3))
-        across = np.cross(Q - B, rng.normal(size=3))
-        pair = [across, np.cross(Q - B, across)]
-        carriage, rod = f"carriage{i}", f"rod{i}"
-        tiny = {"mass": 1e-4, "centre": f"B{i}", "inertia": 1e-7 * np.eye(3)}
-        bodies[carriage] = {"points": [f"B{i}"], **tiny}
-        bodies[rod] = {"from": f"B{i}", "to": f"Q{i}", "section": one, "material": made_of}
-        # A rod that does not idle has a universal joint at one end, whose first body turns or not.
-        kinds: dict[str, Tables] = {"foot": {"kind": "spherical"}, "head": {"kind": "spherical"}}
-        if not balls[i]:
-            axes_of_it = [v / np.linalg.norm(v) for v in pair]
-            kinds["head" if i % 2 else "foot"] = {"kind": "universal", "axes": axes_of_it}
-        of_slide = {"axis": a, "drive": {"stiffness": drive}, "compliance": slide}
-        ends = {"compliance": foot, **kinds["foot"]}, {"compliance": head, **kinds["head"]}
-        joints |= {
-            f"slide{i}": _joint("prismatic", "ground", carriage, f"B{i}", **of_slide),
-            f"foot{i}": _joint(first=carriage, second=rod, at=f"B{i}", **ends[0]),
-            f"head{i}": _joint(first=rod, second="platform", at=f"Q{i}", **ends[1]),
-        }
-        # The pose: the platform's point, then how far the carriage slid.
-        there, length = pose[:3] + turn @ (Q - T), float(np.linalg.norm(Q - B))
-        reach = there - B
-        middle = float(a @ reach)
-        root = np.sqrt(middle**2 - (reach @ reach - length**2))
-        slid = min(middle - root, middle + root, key=abs)
-        d, before = (there - B - slid * a) / length, (Q - B) / length
-        along = slide.copy()
-        along[:3, :3] += np.outer(a, a) / drive
-        # The rod's two ends pass a force along it alone; the head's give has turned with the rod.
-        soft = d @ (carried(along, slid * a)[:3, :3] + foot[:3, :3]) @ d
-        soft += before @ head[:3, :3] @ before + cantilever(length, one, made_of)[0, 0]
-        j = np.concatenate([d, np.cross(there - pose[:3], d)])
-        stiffness += np.outer(j, j) / soft
-    tables = {
-        "schema": 2,
-        "name": "hexarod-at-random",
-        "points": points,
-        "bodies": bodies,
-        "joints": joints,
-        "tool": {
-            "body": "platform",
-            "point": "T",
-            "moves": ["x", "y", "z", "phi_x", "phi_y", "phi_z"],
-        },
-        "path": {"poses": [[*T, 0.0, 0.0, 0.0], pose]},
-    }
-    lever = np.eye(6)
-    lever[:3, 3:] = -skew(turn @ c)
-    weight = np.zeros((6, 6))
-    weight[:3, :3], weight[3:, 3:] = 2e4 * np.eye(3), turn @ shape @ turn.T
-    mass = lever.T @ weight @ lever
-    values = np.sort(np.linalg.eigvals(np.linalg.solve(mass, stiffness)).real)
-    return Linkage(
-        tables,
-        tuple(pose.tolist()),
-        np.linalg.inv(stiffness),
-        int(balls.sum()),
-        {},
-        np.sqrt(values) / (2.0 * np.pi),
-    )
+    return Linkage(tables, tuple(pose[:2].tolist()), np.linalg.inv(stiffness), tips)

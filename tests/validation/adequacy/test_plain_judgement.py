@@ -53,14 +53,14 @@ def test_verdict_pose_interval_causes_and_remedy(seed: int) -> None:
             for p, one in enumerate(path):
                 known = [entry.errors[p], entry.spreads[p]]
                 assert same(known, [None] * 2 if one.missing else [one.middle, one.half]), said
-            alone = [rule.numbers(one, k, pose) for k, one in enumerate(rule.model())]
+            alone = [rule.numbers(one, k, pose) for k, one in enumerate(rule.model)]
             if entry.signed:
                 assert entry.along is None
             elif entry.quantity != "any_force":
                 assert entry.along == pytest.approx(np.mean([one["along"] for one in alone]))
                 assert entry.value == pytest.approx(alone[0]["value"])
-            spread = [rule.stated(o, k, pose) * o.get("grown", 1.0) for k, o in enumerate(alone)]
-            parts = {"meshes": max(spread)}
+            spreads = [rule.spread(one, k, pose) for k, one in enumerate(alone)]
+            parts = {"meshes": max(spreads)}
             if entry.quantity == "order":
                 parts = {"meshes": path[pose].half}
             elif rule.reference.open:

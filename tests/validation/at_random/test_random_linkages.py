@@ -1,12 +1,11 @@
-"""Mechanisms at random, read from files, in poses away from the reference, against closed forms."""
+"""Five-bars at random, read from files, in poses away from the reference, against closed forms."""
 
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from random_linkages import five_bar, hexarod
+from random_linkages import five_bar
 
-from lumped.mechanism.kinematics.mobility import mobility
 from lumped.mechanism.kinematics.postures import posture
 from lumped.models.bodies import legs_of
 from validation import api
@@ -40,21 +39,6 @@ def test_unlike_legs_and_joints_that_give_away_from_the_reference(seed, tmp_path
     for model in ("vjm", "links") if seed % 2 else ("vjm", "links", "segments", "beam"):
         found = answered(linkage, tmp_path, model, theory="euler-bernoulli")
         assert difference(found.compliance, linkage.compliance) < ROUNDING, model
-
-
-@pytest.mark.parametrize("seed", SEEDS[:2])
-def test_six_rods_idle_motions_and_frequencies(seed, tmp_path):
-    linkage = hexarod(seed)
-    robot = linkage.written(tmp_path)
-    assert mobility(posture(robot.mechanism, np.array(linkage.pose))).idle == linkage.idle
-    assert answered(linkage, tmp_path, "simplified", modes=1).idle == linkage.idle
-    for model in ("vjm", "links", "segments", "beam"):
-        found = answered(linkage, tmp_path, model, **({"modes": 6} if model == "beam" else {}))
-        assert difference(found.compliance, linkage.compliance) < ROUNDING, model
-        assert found.idle == linkage.idle, model
-        if model == "beam":
-            # The rods' own mass, a few 1e-6 of the platform's.
-            np.testing.assert_allclose(found.frequencies, linkage.frequencies, rtol=2e-5)
 
 
 def test_ends_that_the_file_says_are_those_of_their_leg_alone(tmp_path, monkeypatch):
