@@ -8,7 +8,6 @@ from like_ifw import LEG1, LEG2
 from numpy.testing import assert_allclose
 from prismatic_legs import STEEL
 
-from fem.bodies.doubling import condensed_leg
 from fem.bodies.solid import solid_leg, solid_mesh
 from fem.sections.section_constants import section_constants
 from lumped.errors import ComputationError, InputError, naming
@@ -17,12 +16,9 @@ from lumped.legs import (
     GivenLeg,
     Material,
     equivalent_leg,
-    given_compliance,
     tip_compliance,
 )
-from lumped.models.bodies import legs_of
-from lumped.robot_file import load_robot
-from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Tube
+from lumped.sections import Circle, HollowRectangle, ISection, Rectangle
 from meshes.section.section_mesh import section_mesh
 
 BEAM = ConstantLeg(1.2, Rectangle(width=0.05, height=0.10), STEEL)
@@ -111,8 +107,9 @@ def test_every_plane_has_its_own_shear_stiffness_and_rotary_inertia():
         assert inertia == pytest.approx(7800.0 * moment, rel=1e-12)
 
 
-@pytest.mark.parametrize("shape", [Rectangle(0.05, 0.10), Circle(0.1)], ids=str)
-@pytest.mark.parametrize(("nu", "shear"), [(0.3, 1e-5), (-0.5, 2.0)])
+@pytest.mark.parametrize(
+    ("shape", "nu", "shear"), [(Rectangle(0.05, 0.10), 0.3, 1e-5), (Circle(0.1), -0.5, 2.0)]
+)
 def test_shear_with_a_shear_modulus_of_its_own(shape, nu, shear):
     """Cowper's mean displacement from Saint-Venant's flexure by finite elements, cubic material.
 
@@ -134,13 +131,6 @@ def test_a_negative_shear_stiffness_is_refused_by_name_and_only_where_it_is_used
     assert axial == pytest.approx(2.1e11 * wide.area)
 
 
-def test_given_compliance_is_the_legs_own_or_timoshenkos():
-    assert given_compliance(LEG1) is LEG1.compliance
-    tube = ConstantLeg(0.8, Tube(0.1, 0.01), STEEL)
-    I = np.pi / 64.0 * (0.1**4 - 0.08**4)
-    assert given_compliance(tube)[5, 5] == pytest.approx(0.8 / (2.1e11 * I), rel=1e-12)
-
-
 def test_alike_legs_are_equal_whatever_they_are_called():
     first, second = replace(BEAM, name="leg 1"), replace(BEAM, name="leg 2")
     assert first == second
@@ -154,13 +144,6 @@ def test_a_leg_that_fails_is_named():
     uneven = replace(BEAM, material=replace(STEEL, G=1e4), name="rod")
     with pytest.raises(ComputationError, match=r"^rod: material with ν = 0.3: changes of"):
         solid_leg(uneven, solid_mesh(uneven, 2))
-    with pytest.raises(ComputationError, match=r"^rod: material with ν = 0.3: changes of"):
-        condensed_leg(uneven, section_mesh(uneven.section, 1), 4)
-    assert [leg.name for leg in legs_of(load_robot("five-bar").mechanism).values()][:3] == [
-        "crank1",
-        "crank2",
-        "rod1",
-    ]
 
 
 def test_the_part_is_named_once():

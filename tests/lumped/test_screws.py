@@ -2,25 +2,12 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
-from hypothesis.extra.numpy import arrays
 from numpy.testing import assert_allclose
 from scipy.spatial.transform import Rotation
 
-from lumped.screws import (
-    move_compliance,
-    name_twists,
-    name_wrenches,
-    rotation_z,
-    shift,
-    turn_matrix,
-)
+from lumped.screws import move_compliance, name_twists, name_wrenches, shift, turn_matrix
 
 X, Y, Z = np.eye(3)
-numbers = st.floats(-10.0, 10.0, allow_subnormal=False)
-vectors = arrays(float, 3, elements=numbers)
-screws = arrays(float, 6, elements=numbers)
 LENGTH = 0.8
 
 
@@ -31,26 +18,12 @@ def test_a_turning_body_moves_the_point_in_front(rotation, velocity):
     assert_allclose(moved, np.concatenate([velocity, rotation]), atol=1e-15)
 
 
-@settings(max_examples=10)
-@given(vectors, vectors, screws, screws)
-def test_shifts_compose_and_keep_the_work(first, second, twist, wrench):
-    both = shift(first + second)
-    assert_allclose(both, shift(second) @ shift(first), rtol=0, atol=1e-12)
-    moved = shift(first) @ twist
-    assert wrench @ moved == pytest.approx((shift(first).T @ wrench) @ twist, abs=1e-9)
-
-
-def test_rotation_z_is_right_handed():
-    assert_allclose(rotation_z(np.pi / 2.0) @ X, Y, atol=1e-15)
-
-
-@settings(max_examples=10)
-@given(st.integers(0, 2**32 - 1), vectors)
-def test_turned_and_moved_compliance_keeps_the_energy(seed, offset):
+@pytest.mark.parametrize("seed", range(3))
+def test_turned_and_moved_compliance_keeps_the_energy(seed):
     """The energy f·C·f is that of the same load carried back to the first point and axes."""
     rng = np.random.default_rng(seed)
     factor = rng.normal(size=(6, 6))
-    compliance, wrench = factor @ factor.T, rng.normal(size=6)
+    compliance, wrench, offset = factor @ factor.T, rng.normal(size=6), rng.normal(size=3)
     R = Rotation.random(random_state=rng).as_matrix()
     moved = move_compliance(turn_matrix(compliance, R), offset)
     at_first = wrench.copy()

@@ -1,7 +1,5 @@
 """Section constants against textbook tables, steel tables and limits that must coincide."""
 
-from math import pi
-
 import pytest
 
 from lumped.sections import (
@@ -38,16 +36,6 @@ def test_hollow_rectangle_by_its_four_walls():
     assert section.torsion_constant == pytest.approx(
         4.0 * ((b - t) * (h - t)) ** 2 * t / perimeter, rel=1e-12
     )
-
-
-def test_circle_and_tube():
-    circle, tube = Circle(0.1), Tube(0.1, 0.01)
-    assert circle.area == pytest.approx(pi * 0.05**2)
-    assert circle.second_moment_y == pytest.approx(pi * 0.05**4 / 4.0)
-    assert circle.torsion_constant == pytest.approx(pi * 0.05**4 / 2.0)
-    assert tube.area == pytest.approx(pi * (0.05**2 - 0.04**2))
-    assert tube.second_moment_z == pytest.approx(pi * (0.05**4 - 0.04**4) / 4.0)
-    assert tube.torsion_constant == pytest.approx(pi * (0.05**4 - 0.04**4) / 2.0)
 
 
 def test_i_section_by_its_three_plates():

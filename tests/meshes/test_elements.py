@@ -83,25 +83,3 @@ def test_vtk_maps_a_curved_element_as_we_do(kind: ElementKind) -> None:
         inside = [*point, 0.0][:3]
         cell.EvaluateLocation(vtk.reference(0), inside, theirs, [0.0] * kind.node_count)
         assert theirs == pytest.approx(ours, abs=1e-12)
-
-
-def test_nodes_are_numbered_as_by_abaqus() -> None:
-    edges = {
-        # CalculiX 2.20 manual, "Ten-node tetrahedral element": midside nodes 5…10 between 1-2, 2-3,
-        # 3-1, 1-4, 2-4, 3-4.
-        "tet10": [(0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)],
-        # "Twenty-node brick element": 9…12 round the bottom, 13…16 round the top, 17…20 upwards.
-        "hex20": [
-            *((0, 1), (1, 2), (2, 3), (3, 0)),
-            *((4, 5), (5, 6), (6, 7), (7, 4)),
-            *((0, 4), (1, 5), (2, 6), (3, 7)),
-        ],
-    }
-    for name, own in edges.items():
-        nodes, corners = ELEMENTS[name].nodes, len(ELEMENTS[name].corner_nodes)
-        assert np.array_equal(nodes[corners:], [(nodes[i] + nodes[j]) / 2 for i, j in own])
-    # "Eight-node brick element": 1-4 counter-clockwise, 5-8 above them.
-    nodes = ELEMENTS["hex8"].nodes
-    assert np.array_equal(nodes[4:] - nodes[:4], np.tile([0.0, 0.0, 1.0], (4, 1)))
-    turns = np.cross(nodes[1:4] - nodes[0], np.roll(nodes[:4], -2, axis=0)[:3] - nodes[0])
-    assert np.all(turns[:2, 2] > 0.0)

@@ -144,10 +144,8 @@ def test_frequencies_converge_with_order_four(theory, part):
 def test_wrong_input_is_refused():
     beam = LEG_1.timoshenko
     for call, message in (
-        (lambda: beam_leg(beam, np.nan, 3), "length"),
         (lambda: beam_leg(beam, 0.85, 0), "elements = 0"),
         (lambda: beam_leg(beam, 0.85, 3).centreline(np.array([0.1, 0.86])), "station"),
-        (lambda: beam_leg(beam, 0.85, 3).centreline(np.array([np.nan])), "station"),
     ):
         with pytest.raises(InputError, match=message):
             call()

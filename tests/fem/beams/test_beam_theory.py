@@ -7,7 +7,6 @@ from prismatic_legs import LEG_1
 
 from fem.beams.beam_theory import (
     bending_frequencies,
-    cantilever_frequencies,
     euler_bernoulli_roots,
     tension_frequencies,
     torsion_frequencies,
@@ -75,17 +74,3 @@ def test_tension_and_torsion_are_odd_quarter_waves():
     # Square: J = 0.140577 b⁴ (Timoshenko and Goodier, §109), polar moment b⁴/6.
     slower = np.sqrt(0.140577 * 6.0 / 2.6)
     assert_allclose(torsion_frequencies(p, 1.0, 3), slower * tension, rtol=5e-6)
-
-
-def test_cantilever_frequencies_are_merged_ascending_with_their_names():
-    found = cantilever_frequencies(LEG_1.timoshenko, LEG_1.length, 8)
-    frequencies = [item.frequency for item in found]
-    assert frequencies == sorted(frequencies)
-    assert [(item.kind, item.order) for item in found[:6]] == [
-        ("bending z", 1),
-        ("bending y", 1),
-        ("bending z", 2),
-        ("tension", 1),
-        ("bending y", 2),
-        ("torsion", 1),
-    ]

@@ -47,23 +47,10 @@ def test_a_cone_stretches_twists_and_bends_as_its_closed_form(tmp_path):
     assert part.properties().mass == pytest.approx(STEEL.rho * volume, rel=1e-4)
 
 
-def test_a_bar_between_averaged_ends_stretches_and_bends_exactly_on_a_coarse_mesh(tmp_path):
-    """Even and linear tractions meet Saint-Venant's stresses: quadratic displacements, any ν."""
+def test_a_bar_has_the_mass_the_centre_and_the_inertia_of_a_box(tmp_path):
     length, b, h = 0.12, 0.04, 0.024
-    whole, grips = ends(
+    whole, _ = ends(
         tmp_path / "bar.msh", lambda kernel: kernel.addBox(0, -20, -12, 120, 40, 24), length, 20.0
-    )
-    about_y, about_z = STEEL.E * b * h**3 / 12.0, STEEL.E * h * b**3 / 12.0
-    expected = np.zeros((6, 3))
-    expected[0, 0] = length / (STEEL.E * b * h)
-    expected[[4, 2], 1] = length / about_y, -(length**2) / (2.0 * about_y)
-    expected[[5, 1], 2] = length / about_z, length**2 / (2.0 * about_z)
-    compliance = held_part(whole, grips, "bar").compliance
-    scale = np.sqrt(np.diag(compliance))
-    loads = [0, 4, 5]
-    # Rounding: 5e-14.
-    assert compliance[:, loads] / np.outer(scale, scale[loads]) == pytest.approx(
-        expected / np.outer(scale, scale[loads]), abs=1e-12
     )
     properties, mass = whole.properties(), STEEL.rho * length * b * h
     assert properties.mass == pytest.approx(mass, rel=1e-12)

@@ -46,19 +46,6 @@ def test_saint_venant_loads_are_unit_wrenches(mesh):
     np.testing.assert_allclose(loads.T @ rigid_motions(points, reference), np.eye(6), atol=1e-12)
 
 
-def test_shear_traction_of_a_rectangle_is_parabolic():
-    """ν = 0: τ = 3/2A (1 − (2y/b)²), whose mean work with y² is b²/20 (5/3 less than uniform)."""
-    section = Rectangle(0.10, 0.16)
-    mesh = small_leg(section=section, divisions=6, slices=2)
-    points = mesh.nodes[mesh.root.nodes]
-    material = Material(E=2.1e11, G=1e11, nu=0.0, rho=7850.0)
-    loads = saint_venant_loads(mesh.root, points, np.zeros(3), material).reshape(-1, 3, 6)
-    # Quadratic cells hold the cubic flexure function to h⁴: 1/6⁴ of the square's tenth.
-    assert points[:, 1] ** 2 @ loads[:, 1, 1] == pytest.approx(0.10**2 / 20.0, rel=1e-3)
-    assert points[:, 2] ** 2 @ loads[:, 2, 2] == pytest.approx(0.16**2 / 20.0, rel=1e-3)
-    assert np.abs(loads[:, 0, 1]).max() == 0.0
-
-
 @pytest.mark.parametrize("mesh", [small_leg, tetrahedral_leg])
 def test_free_ends_equal_the_bordered_system(mesh):
     """K u + B_root λ = f, B_rootᵀu = 0 solved as it stands, without springs."""

@@ -95,7 +95,6 @@ SQUARE = ConstantLeg(0.8, Rectangle(0.1, 0.1), STEEL)
 @pytest.mark.parametrize(
     ("leg", "divisions", "slices", "count"),
     [
-        (LEG_2, 1, 4, 40),
         # Every bending mode twice.
         (SQUARE, 2, 6, 11),
         # Two thirds of 687 unknowns: more than Lanczos may look for.

@@ -5,11 +5,7 @@ import pytest
 from numpy.testing import assert_allclose
 from prismatic_legs import STEEL
 
-from fem.sections.nonuniform_torsion import (
-    cantilever_frequencies,
-    torsional_speed,
-    wave_frequency,
-)
+from fem.sections.nonuniform_torsion import wave_frequency
 from fem.sections.saint_venant import section_quadrature
 from fem.sections.section_constants import held_contraction, section_constants
 from fem.sections.waveguide import assembled, elasticity, strains, torsion_wave
@@ -25,13 +21,6 @@ def test_circle_does_not_warp_so_its_torsional_waves_have_no_dispersion():
         expected = k * np.sqrt(STEEL.G / STEEL.rho)
         # quad9 meshes of the circle: area to 1e-5
         assert_allclose(torsion_wave(mesh, STEEL, k), expected, rtol=1e-4)
-
-
-def test_slender_cantilever_in_torsion_has_quarter_waves():
-    constants = section_constants(section_mesh(Rectangle(0.1, 0.3), (2, 6)), STEEL.nu)
-    found = cantilever_frequencies(constants, STEEL, 30.0, 3)
-    expected = torsional_speed(constants, STEEL) / (4.0 * 30.0) * np.array([1.0, 3.0, 5.0])
-    assert_allclose(found, expected, rtol=1e-3)
 
 
 def test_a_thick_i_section_has_the_wave_of_a_rod_that_warps():

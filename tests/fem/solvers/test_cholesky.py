@@ -11,7 +11,6 @@ from scipy.sparse.linalg import spsolve
 
 import fem.solvers.cholesky
 import fem.solvers.factor
-from fem.bodies.solid import clamped_leg, solid_leg, solid_mesh
 from fem.elements.elasticity import stiffness
 from fem.machine import threads
 from fem.solvers import cholesky
@@ -24,7 +23,6 @@ from fem.solvers.cholmod.whole_factor import CholmodFactor, PublicFactor, symbol
 from fem.solvers.factor import NotPositiveDefiniteError, SeparatedFactor, upper_triangle
 from fem.solvers.modes import MissedModesError
 from lumped.errors import ComputationError, InputError
-from lumped.legs import ConstantLeg
 from lumped.sections import Rectangle
 from meshes.prism.hexahedra import extrude, stations
 from meshes.section.section_mesh import section_mesh
@@ -235,18 +233,6 @@ def test_another_version_or_layout_than_the_locked_one_is_noticed(monkeypatch, w
     assert cholesky.solver_name() == f"CHOLMOD (cvxopt, {kernel()} kernel) with METIS{reached}"
     matrix = csr_array(np.eye(3))
     assert type(analyse(matrix).factorise()) is (CholmodFactor if read else PublicFactor)
-
-
-def test_compliance_and_modes_are_those_of_the_factor_that_is_read(monkeypatch):
-    leg = ConstantLeg(0.4, Rectangle(0.1, 0.14), STEEL)
-    solid = solid_leg(leg, solid_mesh(leg, 2))
-    read = clamped_leg(solid)
-    expected, frequencies = read.compliance, read.modes(3).frequencies
-    monkeypatch.setattr(cholesky, "factors_are_readable", lambda: False)
-    public = clamped_leg(solid)
-    assert isinstance(public.factor.numeric, PublicFactor)
-    np.testing.assert_allclose(public.compliance, expected, rtol=0, atol=1e-10 * expected.max())
-    np.testing.assert_allclose(public.modes(3).frequencies, frequencies, rtol=1e-9)
 
 
 def test_backend_from_the_environment(short_leg, monkeypatch):

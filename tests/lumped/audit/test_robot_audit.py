@@ -4,8 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from lumped.audit import DescribedPart, Finding, audit, data_findings, parts
 from lumped.legs import ConstantLeg, Material, tip_compliance
@@ -104,8 +102,10 @@ def with_entries(matrix, **entries):
     return changed
 
 
-@settings(max_examples=10)
-@given(st.floats(0.8, 2.0), st.floats(0.02, 0.2), st.floats(0.02, 0.2), st.floats(0.0, 0.45))
+@pytest.mark.parametrize(
+    ("length", "width", "height", "nu"),
+    [(0.8, 0.2, 0.02, 0.0), (1.3, 0.1, 0.16, 0.3), (2.0, 0.02, 0.2, 0.45)],
+)
 def test_a_beam_is_sound_until_a_coupling_or_a_rotation_is_wrong(length, width, height, nu):
     leg = ConstantLeg(length, Rectangle(width, height), Material.isotropic(2e11, nu, 7850.0))
     beam = tip_compliance(leg.timoshenko, length)
@@ -125,19 +125,14 @@ def test_a_beam_is_sound_until_a_coupling_or_a_rotation_is_wrong(length, width, 
         assert checks("leg1", compliance=turning, length=length) == [f"tip rotation {one}"]
 
 
-@settings(max_examples=10)
-@given(
-    st.integers(0, 2**32 - 1),
-    st.permutations(range(6)),
-    st.floats(1e-3, 1.0),
-    st.floats(1.01, 100.0),
-)
-def test_compliances_are_sound_until_an_entry_is_changed(seed, order, share, factor):
+@pytest.mark.parametrize("seed", range(6))
+def test_compliances_are_sound_until_an_entry_is_changed(seed):
     rng = np.random.default_rng(seed)
+    i, j, *_ = rng.permutation(6)
+    share, factor = 10.0 ** rng.uniform(-3.0, 0.0), 10.0 ** rng.uniform(0.005, 2.0)
     root, scale = rng.uniform(-1.0, 1.0, (6, 6)), 10.0 ** rng.uniform(-10.0, -6.0, 6)
     compliance = (root @ root.T + 0.1 * np.eye(6)) * np.sqrt(np.outer(scale, scale))
     assert checks("tool", compliance=compliance) == []
-    i, j, *_ = order
     changed = compliance.copy()
     changed[i, j] += share * np.sqrt(compliance[i, i] * compliance[j, j])
     first, *_ = data_findings(DescribedPart("tool", changed))

@@ -9,7 +9,6 @@ from lumped.arrays import dense
 from lumped.dense.modes import solve_modes
 from lumped.errors import InputError
 from lumped.legs import constant_leg, tip_compliance
-from lumped.models.bodies import link
 from lumped.models.segments import (
     SegmentChain,
     segment_chain,
@@ -145,18 +144,12 @@ def test_printed_tip_joint_has_no_moment_but_is_too_stiff():
     assert_allclose(found, expected, rtol=1e-10, atol=1e-20)
 
 
-@pytest.mark.parametrize(
-    ("leg", "inner"),
-    [
-        (segment_leg(segment_chain(LEG.timoshenko, LENGTH, 3)), (np.arange(3) + 0.5) * LENGTH / 3),
-        (link(LENGTH, np.eye(6)), ()),
-    ],
-    ids=["segments", "link"],
-)
-def test_centreline_follows_a_uniform_twist_and_a_rigid_rotation(leg, inner):
+def test_centreline_follows_a_uniform_twist_and_a_rigid_rotation():
+    inner = (np.arange(3) + 0.5) * LENGTH / 3
     rigid = np.vstack([shift(np.array([s, 0.0, 0.0])) for s in (0.0, LENGTH, *inner)])
     stations = np.array([0.0, 0.1, 0.4, LENGTH])
     expected = np.vstack([shift(np.array([s, 0.0, 0.0])) for s in stations])
+    leg = segment_leg(segment_chain(LEG.timoshenko, LENGTH, 3))
     assert_allclose(leg.centreline(stations) @ rigid, expected, atol=1e-14)
 
 

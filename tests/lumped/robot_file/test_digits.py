@@ -11,19 +11,14 @@ def rows(**entries: str) -> str:
     return f"[{', '.join('[' + ', '.join(row) + ']' for row in texts)}]"
 
 
-def test_half_a_unit_of_the_last_digit_whatever_the_exponent() -> None:
-    text = f"[foot]\ncompliance = {rows(c11='1.67e-10', c22='5.870E-9', c33='0.0025', c44='2e-7')}"
-    (printed,) = printed_compliances(text)
-    assert np.diag(printed.half).tolist() == [0.5e-12, 0.5e-12, 0.5e-4, 0.5e-7, 0.0, 0.0]
-    assert np.diag(printed.compliance).tolist() == [1.67e-10, 5.87e-9, 0.0025, 2e-7, 0.0, 0.0]
-
-
-def test_zeros_are_exact_and_mirror_images_one_rounding() -> None:
-    given = rows(c12="0.0", c21="-0.0", c23="-1.5e-9", c32="-1.50e-9")
-    (printed,) = printed_compliances(f"[bodies.rod]\ncompliance = {given}")
-    expected = np.zeros((6, 6))
+def test_half_a_unit_of_the_last_digit_zeros_exact_and_mirror_images_one_rounding() -> None:
+    entries = {"c11": "1.67e-10", "c22": "5.870E-9", "c33": "0.0025", "c44": "2e-7"}
+    mirrored = {"c12": "0.0", "c21": "-0.0", "c23": "-1.5e-9", "c32": "-1.50e-9"}
+    (printed,) = printed_compliances(f"[bodies.rod]\ncompliance = {rows(**entries, **mirrored)}")
+    expected = np.diag([0.5e-12, 0.5e-12, 0.5e-4, 0.5e-7, 0.0, 0.0])
     expected[1, 2] = expected[2, 1] = 0.05e-9
     assert np.array_equal(printed.half, expected)
+    assert np.diag(printed.compliance).tolist() == [1.67e-10, 5.87e-9, 0.0025, 2e-7, 0.0, 0.0]
 
 
 def test_every_6x6_of_either_schema_is_seen_and_nothing_else() -> None:

@@ -3,7 +3,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from like_ifw import LEG1, LEG2
 from sound_biglide import SOUND
 
 from lumped.errors import InputError
@@ -87,23 +86,6 @@ def test_a_path_that_leads_to_no_robot(tmp_path):
     ):
         (fault,) = faults_of(path)
         assert said in fault
-
-
-# Paper, appendix.
-def test_ifw_has_the_appendix_values():
-    mechanism = load_robot("ifw").mechanism
-    assert (distance_of_slides(mechanism), LEG1.length, LEG2.length) == (0.92, 0.85, 0.775)
-    assert (LEG1.mass, LEG2.mass, mechanism.tool.mass) == (69.705, 49.366, 46.0)
-    assert (LEG1.mass_centre, LEG2.mass_centre) == (0.542, 0.375)
-    drives = [joint.drive for joint in mechanism.joints if joint.drive]
-    assert [drive.simplified for drive in drives] == [1e9, 1e9]
-    assert not any(mechanism.tool.datum)
-    assert LEG1.compliance[1, 5] == -2.90e-7
-    assert LEG2.compliance[2, 2] == 1.07e-9
-    # sums of the printed diagonals, added by hand
-    assert np.trace(LEG1.compliance) == pytest.approx(1.80571e-6)
-    assert np.trace(LEG2.compliance) == pytest.approx(1.157941e-6)
-    assert np.trace(LEG1.inertia) == pytest.approx(6.855)
 
 
 def test_tool_compliance_acts_only_when_active():

@@ -7,31 +7,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from lumped.legs import ConstantLeg, GivenLeg
+from lumped.legs import ConstantLeg
 from lumped.mechanism.body import ByCylinder, ByFaces, ByName, ByPlane, PartInterface, Rigid
-from lumped.robot_file import load_robot, write_template
+from lumped.robot_file import load_robot
 from lumped.robot_file.mechanism.build import interface_of
 from lumped.robot_file.rules.tables import INTERFACE
 
 ROCKER = Path(__file__).parents[3] / "examples" / "rocker" / "robot.toml"
 GUIDE = Path(__file__).resolve().parents[3] / "docs" / "guide" / "mechanisms.md"
 MANY_LINES = re.MULTILINE | re.DOTALL
-SECTION = (
-    'section = { shape = "hollow-rectangle", width = 0.050, height = 0.060, thickness = 0.005 }'
-)
-ROD1 = f'[bodies.rod1]\nfrom = "B1"\nto = "P"\n{SECTION}\nmaterial = "aluminium"'
 PATH = "from = [-0.20, 0.45]\nto = [0.20, 0.55]\ncount = 9"
-EYE = (
-    "["
-    + ",".join(str([(1e-6 if i < 3 else 1e-5) * (i == j) for j in range(6)]) for i in range(6))
-    + "]"
-)
-
-
-def text_of(robot, tmp_path):
-    path = tmp_path / "sound.toml"
-    write_template(path, robot)
-    return path.read_text(encoding="utf-8")
 
 
 def test_a_leg_stands_where_its_points_are_with_z_upwards():
@@ -51,15 +36,7 @@ def test_a_leg_stands_where_its_points_are_with_z_upwards():
     assert tip.position == pytest.approx(rod, abs=1e-11)
 
 
-def test_a_rigid_body_and_a_given_leg_keep_their_numbers(tmp_path):
-    text = text_of("five-bar", tmp_path)
-    given = f'[bodies.rod1]\nfrom = "B1"\nto = "P"\nmass = 3.2\ncompliance = {EYE}'
-    path = tmp_path / "given.toml"
-    path.write_text(text.replace(ROD1, given), encoding="utf-8")
-    rod = load_robot(path).mechanism.bodies["rod1"].shape
-    assert isinstance(rod, GivenLeg)
-    assert (rod.mass, rod.length) == (3.2, pytest.approx(np.hypot(0.35, 0.3)))
-    assert np.array_equal(np.diag(rod.compliance), [1e-6] * 3 + [1e-5] * 3)
+def test_a_rigid_body_keeps_its_numbers():
     platform = load_robot("delta").mechanism.bodies["platform"].shape
     assert isinstance(platform, Rigid)
     assert platform.mass == 0.6
@@ -108,7 +85,7 @@ def test_faces_are_taken_hold_of_in_four_ways(table, expected):
 
 
 def test_a_path_is_a_line_a_grid_or_a_list(tmp_path):
-    text = text_of("five-bar", tmp_path)
+    text = load_robot("five-bar").text
     path = tmp_path / "path.toml"
     grid = "from = [-0.1, 0.45]\nto = [0.1, 0.5]\ncounts = [3, 2]"
     path.write_text(text.replace(PATH, grid), encoding="utf-8")

@@ -23,7 +23,9 @@ def test_many_postures_are_each_of_them(name, elements):
     """Reduced bodies, bodies as they stand, and a Delta whose rods spin idly."""
     at, options = postures_of(name), ModelOptions(elements=elements)
     prepared = assembly(at[0].mechanism, dynamic_bodies("beam", at[0].mechanism, 500.0, options))
-    found = swept(prepared, at, 8)
+    found, statics = swept(prepared, at, 8), swept(prepared, at, 0)
+    assert statics.frequencies.shape == (len(at), 0)
+    assert np.abs(statics.compliances - found.compliances).max() <= 1e-12 * found.compliances.max()
     for number, one in enumerate(at):
         solution = solved(prepared.at(one))
         expected = compliance(solution)
@@ -31,17 +33,6 @@ def test_many_postures_are_each_of_them(name, elements):
         assert np.abs(found.compliances[number] - expected).max() <= 1e-12 * size
         assert found.frequencies[number] == pytest.approx(modes(solution, 8).frequencies, rel=1e-11)
         assert found.idle[number] == solution.idle
-
-
-@pytest.mark.parametrize("name", ["ifw", "orthoglide"])
-def test_statics_alone(name):
-    at = postures_of(name)
-    prepared = assembly(at[0].mechanism, static_bodies("links", at[0].mechanism))
-    found = swept(prepared, at, 0)
-    assert found.frequencies.shape == (len(at), 0)
-    for one, flexibility in zip(at, found.compliances, strict=True):
-        expected = compliance(solved(prepared.at(one)))
-        assert np.abs(flexibility - expected).max() <= 1e-12 * np.abs(expected).max()
 
 
 def test_a_posture_with_too_few_modes_is_named():

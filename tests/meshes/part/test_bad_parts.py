@@ -23,17 +23,6 @@ def sheet(occ, s):
     occ.addRectangle(0, 0, 0, 10 * s, 10 * s)
 
 
-def open_shell(occ, s):
-    tag = occ.addBox(0, 0, 0, 10 * s, 10 * s, 10 * s)
-    occ.synchronize()
-    occ.remove([(3, tag)])
-    occ.remove([occ.getEntities(2)[0]])
-
-
-def wire(occ, s):
-    occ.addLine(occ.addPoint(0, 0, 0), occ.addPoint(10 * s, 0, 0))
-
-
 def extruded(occ, s, outline):
     points = [occ.addPoint(x * s, y * s, 0) for x, y in outline]
     lines = [occ.addLine(a, b) for a, b in zip(points, points[1:] + points[:1], strict=True)]
@@ -53,21 +42,14 @@ def box_and_line(occ, s):
     occ.addLine(occ.addPoint(5 * s, 0, 0), occ.addPoint(30 * s, 0, 0))
 
 
-def minute(occ, s):
-    occ.addBox(0, 0, 0, 1e-3 * s, 1e-3 * s, 1e-3 * s)
-
-
 SHAPES = {
     "two solids": (two_solids, "2 solids (1 cm³ at (0.005, 0.005, 0.005) m; 1 cm³ at"),
     "sheet": (sheet, "1 face, but no solid: sheet bodies, or a shell that is open at the edge"),
-    "open shell": (open_shell, "5 faces, but no solid"),
-    "wire": (wire, "holds no faces"),
     "tiny edge": (tiny_edge, "m long, no mesh can follow it"),
     "box and line": (
         box_and_line,
         "the point (0.03, 0, 0) m lies 0.02 m outside the solid, 1e-07 m is allowed",
     ),
-    "minute": (minute, "is no part of a robot; is its unit right?"),
 }
 
 

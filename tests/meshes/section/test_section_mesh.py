@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial import cKDTree
 
 from lumped.errors import ComputationError, InputError
-from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Tube
+from lumped.sections import Circle, HollowRectangle, Rectangle, Tube
 from meshes.quality import quality
 from meshes.section.section_mesh import require_leg, require_section, section_mesh, symmetrised
 
@@ -84,10 +84,6 @@ def test_a_mesh_without_symmetry_is_refused():
     ("section", "divisions", "reason"),
     [
         (Rectangle(0.1, -0.2), 4, "height = -0.2: must be above 0 m"),
-        (HollowRectangle(0.1, 0.2, 0.05), 4, "closes the hollow"),
-        (Tube(0.1, 0.05), 4, "closes the bore"),
-        (ISection(0.1, 0.2, 0.1, 0.01), 4, "leaves no web"),
-        (ISection(0.1, 0.2, 0.01, 0.1), 4, "web = 0.1"),
         (Circle(0.1), 0, "divisions = 0: must be at least 1"),
         (Rectangle(0.1, 0.2), (4, 0), "both must be at least 1"),
         (Circle(0.1), (4, 4), "two numbers suit a solid rectangle alone"),

@@ -27,17 +27,6 @@ def test_a_box_is_as_large_as_it_was_drawn(box_step):
     assert outward[0.0, 0.0, -1.0] == pytest.approx([0.05, 0.0, -0.015], abs=1e-12)
 
 
-def test_bores_are_recognised_with_their_axes_and_radii(lug_step):
-    bores = {round(1e3 * face.radius): face for face in read_part(lug_step).faces if face.radius}
-    assert {radius: bore.kind for radius, bore in bores.items()} == {8: "bore", 5: "bore"}
-    for radius, bore in bores.items():
-        assert bore.radius == pytest.approx(1e-3 * radius, rel=1e-9)
-        assert abs(bore.direction) == pytest.approx([0.0, 0.0, 1.0], abs=1e-9)
-        x = 0.02 if radius == 8 else 0.18
-        assert bore.on_axis == pytest.approx([x, 0.0, 0.0], abs=1e-9)
-        assert bore.area == pytest.approx(2 * np.pi * 1e-3 * radius * 0.03, rel=1e-9)
-
-
 def test_a_bore_written_as_splines_is_a_bore(part_file):
     def splines(occ, s):
         bar = occ.addBox(-30 * s, -20 * s, 0.0, 60 * s, 40 * s, 30 * s)
