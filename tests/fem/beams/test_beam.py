@@ -17,22 +17,12 @@ from fem.sections.section_constants import SectionConstants, beam_properties, se
 from lumped.arrays import dense
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, Material, tip_compliance
-from lumped.mechanism.body_model import LegMatrices
 from lumped.models.cantilever import clamped_modes, kind_frequencies, tip_compliance_of
-from lumped.screws import shift
 from lumped.sections import Circle, ISection, Rectangle
 from meshes.section.section_mesh import section_mesh
 
 THEORIES = ("euler-bernoulli", "timoshenko")
 PARTS = ("tension", "torsion", "bending y", "bending z")
-
-
-def rigid_motions(leg: LegMatrices):
-    """n×6: the leg moved rigidly by each unit twist of its root, its inside following freely."""
-    stiffness = dense(leg.stiffness)
-    ends = np.vstack([np.eye(6), shift(np.array([leg.length, 0.0, 0.0]))])
-    inside = -np.linalg.solve(stiffness[12:, 12:], stiffness[12:, :12] @ ends)
-    return np.vstack([ends, inside])
 
 
 @pytest.mark.parametrize("theory", THEORIES)
@@ -47,28 +37,6 @@ def test_tip_compliance_is_exact_for_any_slenderness_and_number_of_elements(slen
             compliance = tip_compliance_of(beam_leg(properties, leg.length, elements))
             # Rounding alone, which the condition of n elements raises as n⁴: 2400 eps for n = 7.
             assert scaled_difference(compliance, expected) < 1e-12
-
-
-@pytest.mark.parametrize("theory", THEORIES)
-def test_rigid_motions_have_the_mass_and_inertia_of_the_leg_and_no_force(theory):
-    p, L = LEG_1.properties(theory), LEG_1.length
-    leg = beam_leg(p, L, 3)
-    motions = rigid_motions(leg)
-    m = p.mu * L
-    turning = m * L**2 / 12.0
-    about_centre = np.diag([m, m, m, p.rho_J * L, p.rho_Iy * L + turning, p.rho_Iz * L + turning])
-    to_centre = shift(np.array([L / 2.0, 0.0, 0.0]))
-    expected = to_centre.T @ about_centre @ to_centre
-    assert m == pytest.approx(69.705, rel=1e-12)
-    # Rounding alone: the rigid motions lie in the space of the element.
-    assert_allclose(motions.T @ dense(leg.mass) @ motions, expected, atol=1e-12 * m)
-    # No force: with the compliance of the tip that is the whole matrix.
-    stiffness = dense(leg.stiffness)
-    assert np.abs(stiffness @ motions).max() < 1e-13 * np.abs(stiffness).max()
-    stations = np.array([0.0, 0.1, L / 3.0, 0.5, L])
-    twists = (leg.centreline(stations) @ motions).reshape(5, 6, 6)
-    for station, twist in zip(stations, twists, strict=True):
-        assert_allclose(twist, shift(np.array([station, 0.0, 0.0])), atol=1e-13)
 
 
 def test_parts_sum_to_the_stiffness_and_carry_their_own_load_only():
@@ -141,14 +109,11 @@ def test_frequencies_converge_with_order_four(theory, part):
     assert errors[-1] < CAP
 
 
-def test_wrong_input_is_refused():
-    beam = LEG_1.timoshenko
-    for call, message in (
-        (lambda: beam_leg(beam, 0.85, 0), "elements = 0"),
-        (lambda: beam_leg(beam, 0.85, 3).centreline(np.array([0.1, 0.86])), "station"),
-    ):
-        with pytest.raises(InputError, match=message):
-            call()
+def test_no_elements_and_stations_beyond_the_tip_are_refused():
+    with pytest.raises(InputError, match="elements = 0"):
+        beam_leg(LEG_1.timoshenko, 0.85, 0)
+    with pytest.raises(InputError, match="station"):
+        beam_leg(LEG_1.timoshenko, 0.85, 3).centreline(np.array([0.1, 0.86]))
 
 
 LENGTH = 0.9

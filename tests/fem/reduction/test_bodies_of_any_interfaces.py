@@ -1,10 +1,11 @@
 """A square bar as a part: modes counted, reductions by held and by free ones, all against dense."""
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 import pytest
-from drawn_parts import meshed
+from drawn_parts import meshed, plane_ends
 from numpy.testing import assert_allclose
 from prismatic_legs import STEEL
 from scipy.linalg import eigh, null_space
@@ -18,12 +19,11 @@ from fem.reduction.free_interface import free_interface
 from fem.reduction.held import Held, free_body, held_body
 from lumped.dense.modes import Modes
 from lumped.errors import ComputationError, InputError
-from lumped.mechanism.body import ByPlane, PartInterface
 from meshes.part.interfaces import find_interfaces
 from meshes.part.reading.read import read_part
 
 LENGTH = 0.2
-COUPLINGS = {"two": ("rigid", "average"), "one": ("average",)}
+COUPLINGS = {"two": {"A": "rigid", "B": "average"}, "one": {"A": "average"}}
 
 
 class Bar(NamedTuple):
@@ -47,20 +47,10 @@ class Bar(NamedTuple):
 @pytest.fixture(scope="session", params=COUPLINGS.values(), ids=COUPLINGS)
 def bar(request, tmp_path_factory):
     """Its bending modes come in pairs, alike but for the mesh."""
-    folder = tmp_path_factory.mktemp("bar")
-    drawn = meshed(
-        folder / "bar.msh",
-        lambda kernel: kernel.addBox(0.0, -15.0, -15.0, 200.0, 30.0, 30.0),
-        80.0,
-        4.0,
-    )
-    part = read_part(drawn, "mm")
-    ends = {
-        name: PartInterface(ByPlane((way, 0.0, 0.0), (x, 0.0, 0.0)), coupling)
-        for (name, way, x), coupling in zip(
-            (("A", -1.0, 0.0), ("B", 1.0, LENGTH)), request.param, strict=False
-        )
-    }
+    path = tmp_path_factory.mktemp("bar") / "bar.msh"
+    meshed(path, lambda kernel: kernel.addBox(0.0, -15.0, -15.0, 200.0, 30.0, 30.0), 80.0)
+    part, planes = read_part(path, "mm"), plane_ends(LENGTH)
+    ends = {name: replace(planes[name], coupling=one) for name, one in request.param.items()}
     grips = grips_of(part.mesh, find_interfaces(part, ends))
     rooted = held_part(meshed_part(part.mesh, STEEL), grips, "bar")
     return Bar(rooted, held_body(rooted))

@@ -8,20 +8,10 @@ from scipy.spatial.transform import Rotation
 
 from lumped.legs import ConstantLeg, Material
 from lumped.mechanism.body import Body, Frame, Rigid, Shape
-from lumped.mechanism.joint import Drive, Joint, JointKind, Side
+from lumped.mechanism.joint import AXES, Drive, Joint, JointKind, Side
 from lumped.mechanism.mechanism import GROUND, Mechanism, Posture, Tool
 from lumped.sections import Circle, HollowRectangle, Rectangle, Tube
 
-KINDS: tuple[JointKind, ...] = (
-    "fixed",
-    "revolute",
-    "prismatic",
-    "cylindrical",
-    "universal",
-    "spherical",
-    "planar",
-)
-AXES = {"revolute": 1, "prismatic": 1, "cylindrical": 1, "universal": 2, "planar": 1}
 SECTIONS = (
     Rectangle(0.05, 0.03),
     HollowRectangle(0.06, 0.04, 0.004),
@@ -79,7 +69,7 @@ class Maker:
         """Add a joint with random axes, in base axes of the posture."""
         first, second = (Side(*side) for side in sides)
         axes = []
-        for number in range(AXES.get(kind, 0)):
+        for number in range(AXES[kind]):
             turning = kind != "prismatic"
             axis = Z if self.planar and turning else self.direction()
             # Given in the reference posture, from which the axis has turned with its body.
@@ -117,7 +107,7 @@ def random_posture(seed: int, *, planar: bool = False, rigid: float = 0.2) -> Po
     """
     rng = np.random.default_rng(seed)
     make = Maker(rng, planar=planar)
-    kinds = ("fixed", "revolute", "prismatic") if planar else KINDS
+    kinds = ("fixed", "revolute", "prismatic") if planar else tuple(AXES)
     chances = None if planar else [0.1, 0.3, 0.1, 0.1, 0.15, 0.15, 0.1]
     counts = rng.integers(1, 4, size=rng.integers(1, 5))
     place = np.array([0.1, 0.2, 0.0 if planar else 0.6])

@@ -96,24 +96,6 @@ def test_literal_layout_leaves_one_element_length_rigid():
 
 
 @pytest.mark.parametrize("layout", ["half", "literal"])
-def test_free_leg_has_six_rigid_motions_and_its_whole_mass(layout):
-    leg = segment_leg(segment_chain(LEG.timoshenko, LENGTH, 6, layout))
-    values = np.linalg.eigvalsh(dense(leg.stiffness) / dense(leg.stiffness).max())
-    assert np.all(np.abs(values[:6]) < 1e-12)
-    assert values[6] > 1e-7
-    centres = (np.arange(6) + 0.5) * LENGTH / 6
-    inner = centres if layout == "half" else centres[1:-1]
-    rigid = np.vstack([shift(np.array([s, 0.0, 0.0])) for s in (0.0, LENGTH, *inner)])
-    assert_allclose(dense(leg.stiffness) @ rigid / dense(leg.stiffness).max(), 0.0, atol=1e-15)
-    mass = rigid.T @ dense(leg.mass) @ rigid
-    properties = LEG.timoshenko
-    assert_allclose(np.diag(mass)[:3], 69.705)
-    assert_allclose(mass[3, 3], properties.rho_J * LENGTH)
-    # Slender prism about its end: m L²/3 and the section's own inertia.
-    assert_allclose(mass[5, 5], 69.705 * LENGTH**2 / 3.0 + properties.rho_Iz * LENGTH)
-
-
-@pytest.mark.parametrize("layout", ["half", "literal"])
 @pytest.mark.parametrize("printed", [False, True])
 def test_condensed_chain_is_the_schur_complement_of_the_assembled_one(layout, printed):
     chain = segment_chain(LEG.timoshenko, LENGTH, 6, layout)

@@ -8,7 +8,7 @@ from sound_biglide import SOUND
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, GivenLeg
 from lumped.models.bodies import legs_of
-from lumped.robot_file import built_in_robots, load_robot, write_template
+from lumped.robot_file import built_in_robots, load_robot
 from lumped.sections import HollowRectangle
 
 
@@ -98,15 +98,3 @@ def test_tool_compliance_acts_only_when_active():
 def test_digest_is_that_of_the_bytes(robot_path):
     path = robot_path(SOUND)
     assert load_robot(path).sha256 == sha256(path.read_bytes()).hexdigest()
-
-
-def test_template_loads_and_overwrites_nothing(tmp_path):
-    path = tmp_path / "new.toml"
-    write_template(path)
-    assert load_robot(path).mechanism.poses[[0, -1], 0] == pytest.approx([0.2, 0.9])
-    before = path.read_bytes()
-    with pytest.raises(InputError, match=r"exists already; must be the name of a new file"):
-        write_template(path)
-    assert path.read_bytes() == before
-    with pytest.raises(InputError, match=r"cannot be written \(No such file or directory\)"):
-        write_template(tmp_path / "none" / "new.toml")

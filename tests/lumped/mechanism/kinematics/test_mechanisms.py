@@ -124,14 +124,6 @@ def test_a_joint_is_followed_past_half_a_turn():
     assert [found["motor1"][0], found["elbow1"][0]] == pytest.approx([back, turned - back])
 
 
-def test_with_a_drive_too_few_the_motion_that_is_left_is_named():
-    mechanism = load_robot("five-bar").mechanism
-    first, second, *others = mechanism.joints
-    loose = replace(mechanism, joints=(first, replace(second, drive=None), *others))
-    with pytest.raises(InputError, match="with all drives held the tool is free to turn about z"):
-        posture(loose, np.array([0.05, 0.5]))
-
-
 def test_an_open_reference_names_the_joint():
     mechanism = load_robot("five-bar").mechanism
     moved = {**mechanism.reference}
