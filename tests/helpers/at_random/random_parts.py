@@ -7,16 +7,17 @@ mesh drawn in along the part.
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from drawn_parts import plane_ends, written
 
 from fem.bodies.part import held_part, meshed_part
 from fem.couplings.grips import Grip
 from lumped.arrays import Array
 from lumped.legs import Material
-from lumped.mechanism.body import ByPlane, PartInterface
+from lumped.mechanism.body import PartInterface
 from lumped.sections import Circle, HollowRectangle, Rectangle, Section, Tube
-from meshes.gmsh_session import gmsh_model
 from meshes.part.boundary import Facets, PartMesh
 from meshes.part.interfaces import find_interfaces
 from meshes.part.reading.read import read_part
@@ -44,11 +45,7 @@ class RandomPart:
     @property
     def ends(self) -> dict[str, PartInterface]:
         """Its two end faces."""
-        at = (("A", -1.0, 0.0), ("B", 1.0, self.length))
-        return {
-            name: PartInterface(ByPlane((way, 0.0, 0.0), (x, 0.0, 0.0)), self.coupling)
-            for name, way, x in at
-        }
+        return plane_ends(self.length, self.coupling)
 
 
 def random_part(rng: np.random.Generator) -> RandomPart:
@@ -74,40 +71,38 @@ def random_part(rng: np.random.Generator) -> RandomPart:
     )
 
 
-def written(part: RandomPart, path: Path) -> Path:
+def step_of(part: RandomPart, path: Path) -> Path:
     """The part as STEP in millimetres."""
-    section = part.section
-    with gmsh_model("random part") as gmsh:
-        gmsh.option.setString("Geometry.OCCTargetUnit", "MM")
-        occ = gmsh.model.occ
 
-        def loft(width: float, height: float) -> tuple[int, int]:
-            wires = []
-            for x, (y, z) in ((0.0, (1.0, 1.0)), (1e3 * part.length, part.taper)):
-                corners = [(-y, -z), (y, -z), (y, z), (-y, z)]
-                points = [occ.addPoint(x, a * width * 500, b * height * 500) for a, b in corners]
-                lines = [occ.addLine(points[i], points[(i + 1) % 4]) for i in range(4)]
-                wires.append(occ.addWire(lines))
-            return next(one for one in occ.addThruSections(wires, makeRuled=True) if one[0] == 3)
+    def loft(occ: Any, width: float, height: float) -> tuple[int, int]:
+        wires = []
+        for x, (y, z) in ((0.0, (1.0, 1.0)), (1e3 * part.length, part.taper)):
+            corners = [(-y, -z), (y, -z), (y, z), (-y, z)]
+            points = [occ.addPoint(x, a * width * 500, b * height * 500) for a, b in corners]
+            lines = [occ.addLine(points[i], points[(i + 1) % 4]) for i in range(4)]
+            wires.append(occ.addWire(lines))
+        return next(one for one in occ.addThruSections(wires, makeRuled=True) if one[0] == 3)
 
-        def cone(diameter: float) -> tuple[int, int]:
-            radius = 500.0 * diameter
-            tip = radius * part.taper[0]
-            return 3, occ.addCone(0.0, 0.0, 0.0, 1e3 * part.length, 0.0, 0.0, radius, tip)
+    def cone(occ: Any, diameter: float) -> tuple[int, int]:
+        radius = 500.0 * diameter
+        tip = radius * part.taper[0]
+        return 3, occ.addCone(0.0, 0.0, 0.0, 1e3 * part.length, 0.0, 0.0, radius, tip)
 
-        match section:
+    def draw(occ: Any) -> None:
+        match part.section:
             case Rectangle(width, height):
-                loft(width, height)
+                loft(occ, width, height)
             case HollowRectangle(width, height, wall):
-                occ.cut([loft(width, height)], [loft(width - 2 * wall, height - 2 * wall)])
+                inner = loft(occ, width - 2 * wall, height - 2 * wall)
+                occ.cut([loft(occ, width, height)], [inner])
             case Circle(diameter):
-                cone(diameter)
+                cone(occ, diameter)
             case Tube(diameter, wall):
-                occ.cut([cone(diameter)], [cone(diameter - 2.0 * wall)])
-        occ.synchronize()
-        gmsh.model.removeEntities(gmsh.model.getEntities(2), recursive=False)
-        gmsh.write(str(path))
-    return path
+                occ.cut([cone(occ, diameter)], [cone(occ, diameter - 2.0 * wall)])
+        # The wires of a loft are no part of it.
+        occ.remove([*occ.getEntities(2), *occ.getEntities(1)])
+
+    return written(path, draw)
 
 
 def true_compliance(part: RandomPart) -> Array:
@@ -141,7 +136,7 @@ def stated(part: RandomPart, folder: Path) -> Iterator[tuple[str, float, float]]
 
     Uncertainty as it is stated by identification, which sees the file alone.
     """
-    file = read_part(written(part, folder / "part.step"))
+    file = read_part(step_of(part, folder / "part.step"))
     found = identify(file, find_interfaces(file, part.ends), part.material, part.unknowns, modes=0)
     true = np.diag(true_compliance(part))
     uncertainty = np.diag(found.compliance_refinement) / true

@@ -2,10 +2,9 @@
 
 import re
 from pathlib import Path
+from typing import Any
 
-from drawn_parts import meshed
-
-from meshes.gmsh_session import gmsh_model
+from drawn_parts import meshed, written
 
 ROBOT = """
 schema = 2
@@ -42,9 +41,8 @@ count = 2
 
 def write_crane(folder: Path) -> Path:
     """arm.step, which tapers from 120 to 25 mm, 40 mm high, and robot.toml, in `folder`."""
-    with gmsh_model("arm") as gmsh:
-        gmsh.option.setString("Geometry.OCCTargetUnit", "MM")
-        occ = gmsh.model.occ
+
+    def draw(occ: Any) -> None:
         corners = [(-45, -60), (430, -12.5), (430, 12.5), (-45, 60)]
         points = [occ.addPoint(x, y, -20) for x, y in corners]
         lines = [occ.addLine(points[i], points[(i + 1) % 4]) for i in range(4)]
@@ -52,9 +50,10 @@ def write_crane(folder: Path) -> Path:
         arm = next(tag for dim, tag in occ.extrude([(2, face)], 0, 0, 40) if dim == 3)
         bores = [(3, occ.addCylinder(x, 0, -40, 0, 0, 80, r)) for x, r in ((0, 16), (400, 10))]
         occ.cut([(3, arm)], bores)
-        occ.synchronize()
-        gmsh.model.removeEntities(gmsh.model.getEntities(2), recursive=False)
-        gmsh.write(str(folder / "arm.step"))
+        # The face that was extruded.
+        occ.remove(occ.getEntities(2))
+
+    written(folder / "arm.step", draw)
     # Without the moment of writing every process keeps the same part under the same key.
     text = (folder / "arm.step").read_text("utf-8")
     (folder / "arm.step").write_text(re.sub(r"'\d{4}-\d\d-\d\dT[\d:]+'", "''", text), "utf-8")

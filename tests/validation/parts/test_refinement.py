@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from random_parts import TORSION, RandomPart, random_part, stated, written
+from random_parts import TORSION, RandomPart, random_part, stated, step_of
 
 from lumped.legs import Material
 from lumped.sections import Circle, HollowRectangle
@@ -97,7 +97,7 @@ def test_a_cone_is_held_by_what_is_stated_of_it(tmp_path, monkeypatch):
     monkeypatch.setenv("FLEXPROOF_CACHE", "off")
     root, tip, length = 0.020, 0.016, 0.6
     part = RandomPart(Circle(2.0 * root), length, (tip / root,) * 2, STEEL, "average", 15_000)
-    file = read_part(written(part, tmp_path / "cone.step"))
+    file = read_part(step_of(part, tmp_path / "cone.step"))
     found = identify.identify(file, find_interfaces(file, part.ends), STEEL, part.unknowns, 0)
     squares = length / (np.pi * root * tip)
     fourth = 4.0 * length * (root**2 + root * tip + tip**2) / (3.0 * np.pi * (root * tip) ** 3)
