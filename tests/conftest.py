@@ -1,4 +1,4 @@
-"""What every test needs: no windows, a cache of their own, and the same examples on every run."""
+"""What every test needs: no windows, and a cache of their own."""
 
 import os
 import shutil
@@ -6,7 +6,6 @@ import signal
 import tempfile
 
 import pytest
-from hypothesis import HealthCheck, settings
 
 os.environ["MPLBACKEND"] = "Agg"
 os.environ["PYVISTA_OFF_SCREEN"] = "true"
@@ -29,16 +28,3 @@ def pytest_configure(config):
 def pytest_unconfigure(config):
     if CACHE in config.stash:
         shutil.rmtree(config.stash[CACHE], ignore_errors=True)
-
-
-settings.register_profile(
-    "default",
-    derandomize=True,
-    deadline=None,
-    suppress_health_check=[HealthCheck.too_slow],
-)
-settings.register_profile("ci", settings.get_profile("default"), print_blob=True)
-settings.register_profile(
-    "search", settings.get_profile("default"), derandomize=False, max_examples=2000
-)
-settings.load_profile("ci" if "CI" in os.environ else "default")

@@ -1,8 +1,7 @@
 """Pairing of modes on cases whose answer is known."""
 
 import numpy as np
-from hypothesis import given, settings
-from hypothesis import strategies as st
+import pytest
 from numpy.testing import assert_allclose
 
 from fem.beams.beam import beam_leg
@@ -17,10 +16,9 @@ from validation.agreement.mode_pairing import (
 )
 
 
-@settings(max_examples=15)
-@given(seed=st.integers(0, 10_000), count=st.integers(1, 6))
-def test_pairing_undoes_a_permutation_with_signs_and_noise(seed, count):
-    random = np.random.default_rng(seed)
+@pytest.mark.parametrize("count", range(1, 7))
+def test_pairing_undoes_a_permutation_with_signs_and_noise(count):
+    random = np.random.default_rng(count)
     shapes = np.linalg.qr(random.normal(size=(20, 8)))[0]
     weights = np.ones(20)
     order = random.permutation(8)
