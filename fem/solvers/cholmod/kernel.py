@@ -8,7 +8,7 @@ named to it while it is loaded, unless the user has named one (OPENBLAS_CORETYPE
 import ctypes
 import os
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
@@ -25,25 +25,17 @@ _ROUNDING = 1e-12
 _SIZE = 96
 
 
-def fitting_kernel(instructions: Mapping[str, bool]) -> str | None:
-    """OpenBLAS's kernel for a processor of these instructions; None leaves it to OpenBLAS."""
-    fitting = (
-        kernel for kernel, needed in _KERNELS if all(instructions.get(one, False) for one in needed)
-    )
-    return next(fitting, None)
-
-
 @contextmanager
 def naming_the_kernel() -> Iterator[None]:
     """OpenBLAS, loaded meanwhile, takes the kernel that fits; later ones choose their own."""
     # What numpy found out when it was loaded; show_runtime prints it.
     core = sys.modules.get("numpy._core._multiarray_umath")
     known = getattr(core, "__cpu_features__", {})
-    chosen = None if VARIABLE in os.environ else fitting_kernel(known)
-    if chosen is None:
+    fitting = [name for name, needed in _KERNELS if all(known.get(one, False) for one in needed)]
+    if VARIABLE in os.environ or not fitting:
         yield
         return
-    os.environ[VARIABLE] = chosen
+    os.environ[VARIABLE] = fitting[0]
     try:
         yield
     finally:

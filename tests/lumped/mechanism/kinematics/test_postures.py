@@ -5,11 +5,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from like_ifw import IFW, placed_at
+from like_ifw import IFW
 
 from lumped.errors import InputError
 from lumped.mechanism.biglide import Stroke
-from lumped.mechanism.kinematics.mobility import mobility
 from lumped.mechanism.kinematics.postures import posture
 from lumped.robot_file import load_robot
 
@@ -30,24 +29,12 @@ def test_coordinates_are_counted_from_the_reference_posture(mechanism):
     assert found.coordinates["seat"].shape == (0,)
 
 
-def test_the_end_of_the_stroke_is_a_limit_that_the_drive_reaches_across():
-    found = mobility(*placed_at(IFW.mechanism, 0.85))
-    assert found.at_limit
-    assert "x" in found.barred
-
-
 def test_a_pose_out_of_reach_names_the_joint_that_opens_and_how_far_the_way_went():
     with pytest.raises(InputError) as caught:
         posture(ITERATED, np.array([0.9]))
     # 0.3525 m of 0.4025 m lie within the stroke: 88 %.
     assert "cannot be reached: joint" in str(caught.value)
     assert "ends after 88 %, at x = 0.84" in str(caught.value)
-
-
-def test_a_pose_has_as_many_numbers_as_the_tool_has_moves():
-    for wrong in ([], [0.5, 0.0], [np.nan]):
-        with pytest.raises(InputError, match=r"must be x as finite|must be 1 finite number"):
-            posture(IFW.mechanism, np.array(wrong))
 
 
 def test_iteration_ends_where_the_biglide_s_closed_form_does():

@@ -133,24 +133,6 @@ NAMED = {
     ),
     # Ends the process, and never comes back.
     "a class cast": ("leg", "#3413 = VECTOR(", "#3413 = SOLID_ANGLE_UNIT(", "what reads it fails"),
-    "no solid at all": (
-        "rocker",
-        "MANIFOLD_SOLID_BREP",
-        "SHELL_BASED_SURFACE_MODEL",
-        r"what reads it fails \(the computing process was ended by",
-    ),
-    "an oriented edge that is itself": (
-        "rocker",
-        "#718 = ORIENTED_EDGE('',*,*,#238,.T.)",
-        "#718 = #718",
-        r"what reads it fails \(the computing process was ended by",
-    ),
-    "a cylinder of no radius": (
-        "rocker",
-        "CYLINDRICAL_SURFACE('',#46,45.)",
-        "CYLINDRICAL_SURFACE('',#46,0.)",
-        r"edges and corners are up to 0\.045 m apart",
-    ),
 }
 
 
