@@ -12,6 +12,7 @@ from scipy.linalg import LinAlgError
 from scipy.sparse import issparse
 
 Array: TypeAlias = NDArray[np.float64]
+ComplexArray: TypeAlias = NDArray[np.complex128]
 IntArray: TypeAlias = NDArray[np.int64]
 # scipy.sparse carries no usable static types; the alias says what is meant.
 SparseMatrix: TypeAlias = Any

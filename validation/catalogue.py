@@ -10,7 +10,7 @@ from validation.adequacy.robot import robot_adequacy
 from validation.cases import legs, mechanism
 from validation.measured.matrix import measured_matrix
 from validation.paper.robot import is_the_papers
-from validation.report.figures.mechanism import curves, energies, pairs, pictures
+from validation.report.figures.mechanism import curves, energies, pairs, pictures, responses
 from validation.report.figures.mechanism.variations import figures_over
 from validation.results.outcome import Task
 from validation.solids.legs import SHARED_SOLIDS
@@ -49,6 +49,7 @@ def catalogue(robot_file: RobotFile, variations: Sequence[Variation] = ()) -> Se
         *pictures.figures(),
         *pairs.figures(),
         *energies.figures(),
+        *responses.figures(described),
         *(paper.figures() if is_the_papers(robot_file) else ()),
         *(cases_over(robot_file, variations) if variations else ()),
         *figures_over(variations),

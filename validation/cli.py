@@ -178,7 +178,8 @@ def run(
         parts; needs the extra "cluster".
     accept
         Accepted relative error of a model, deflection=0.03 say, in place of the robot file's; also
-        frequency, modes, or one quantity (x y z phi_x phi_y phi_z any_force f1 f2 … order).
+        frequency, response, modes, or one quantity (x y z phi_x phi_y phi_z any_force f1 f2 …
+        order, load:NAME, response:NAME).
     rely
         A model that is relied on: where it is inadequate the exit code is 1. May be given again.
     accuracy

@@ -14,6 +14,9 @@ STATIC_QUANTITIES = (*AXES, ANY_FORCE)
 ROTATIONS = {"phi_x": "x", "phi_y": "y", "phi_z": "z"}
 # Of displacements under loads of the robot file, with the load's name behind it.
 LOAD = "load:"
+# Of responses of the robot file: with a name behind it the height of the peak, with ".frequency"
+# behind that its frequency, with ".at" the size of the response at one frequency.
+RESPONSE = "response:"
 ORDER = "order"
 MOST_MODES = 10
 # Names of natural frequencies with their number.
@@ -45,11 +48,11 @@ class Requirement:
     """Largest relative errors that are accepted, and the models that are relied on.
 
     `deflection` holds for all static quantities, `frequency` for the first `modes` natural
-    frequencies and their order; `limits` overrides them for single quantities by name. Of `loads`
-    of the file, by name, an error of `displacement` (m) is accepted in place of `deflection`, where
-    it is given. `rely` are models whose inadequacy makes a run fail. `accuracy` is what meshes of
-    references may leave open of any error; None: of an error that they leave undecided, a fifth of
-    its limit.
+    frequencies and their order, `response` for what is judged of `responses` of the file, by name;
+    `limits` overrides them for single quantities by name. Of `loads` of the file, by name, an error
+    of `displacement` (m) is accepted in place of `deflection`, where it is given. `rely` are models
+    whose inadequacy makes a run fail. `accuracy` is what meshes of references may leave open of any
+    error; None: of an error that they leave undecided, a fifth of its limit.
     """
 
     deflection: float = 0.05
@@ -60,16 +63,21 @@ class Requirement:
     accuracy: float | None = None
     loads: tuple[str, ...] = ()
     displacement: float | None = None
+    response: float = 0.05
+    responses: tuple[str, ...] = ()
 
     @property
     def quantities(self) -> tuple[str, ...]:
         """Names of all quantities that are judged."""
         loads = (f"{LOAD}{name}" for name in self.loads)
-        return (*STATIC_QUANTITIES, *loads, *list(FREQUENCIES)[: self.modes], ORDER)
+        responses = (f"{RESPONSE}{name}" for name in self.responses)
+        return (*STATIC_QUANTITIES, *loads, *list(FREQUENCIES)[: self.modes], ORDER, *responses)
 
     def limit(self, quantity: str) -> float:
         """Largest relative error that is accepted of a quantity."""
         general = self.deflection if is_static(quantity) else self.frequency
+        if quantity.startswith(RESPONSE):
+            general = self.response
         return self.limits.get(quantity, general)
 
     def absolute(self, quantity: str) -> float | None:

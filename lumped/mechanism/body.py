@@ -124,9 +124,11 @@ class Body:
     """A body: its shape, and its interfaces by the name of their point, in body axes.
 
     A leg has two interfaces, the first at the origin of the body's axes, the
-    second at `length` along x; a part and a rigid body have any number.
+    second at `length` along x; a part and a rigid body have any number. `loss` is the loss factor
+    of its stiffness.
     """
 
     name: str
     shape: Shape
     interfaces: Mapping[str, Frame]
+    loss: float = 0.0

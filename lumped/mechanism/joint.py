@@ -54,11 +54,13 @@ class Drive:
     """What actuates a joint: `stiffness` on its free twist (N/m or N m/rad), None where rigid.
 
     `simplified`: the stiffness that the model of rigid bodies on elastic drives takes instead,
-    where it stands for more than the drive; None where it does not.
+    where it stands for more than the drive; None where it does not. `loss` is the loss factor of
+    either.
     """
 
     stiffness: float | None = None
     simplified: float | None = None
+    loss: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,8 +71,8 @@ class Joint:
     cylindrical and planar (its normal) joints, two for a universal joint (the first fixed in the
     first body, the second in the second), none for fixed and spherical ones. Interfaces may be
     apart along the axis of a prismatic or cylindrical joint. `compliance` (6×6, SI, base axes of
-    the reference posture, fixed to the first body) is the joint's own give, in series.
-    Raises InputError for axes that are not as said.
+    the reference posture, fixed to the first body) is the joint's own give, in series; `loss` its
+    loss factor. Raises InputError for axes that are not as said.
     """
 
     name: str
@@ -80,6 +82,7 @@ class Joint:
     axes: Array
     drive: Drive | None = None
     compliance: Array | None = None
+    loss: float = 0.0
 
     def __post_init__(self) -> None:
         if faults := self._faults():

@@ -1,4 +1,4 @@
-"""Loads of a robot's own: a wrench at a point, and what acts on the mass of all bodies."""
+"""Loads of a robot's own: a wrench at a point, what acts on mass, and forces that swing."""
 
 from dataclasses import dataclass, field
 
@@ -43,3 +43,31 @@ class Applied:
     point: str
     position: Array
     wrench: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Excitation:
+    """A force at the loaded point that swings, by its `name`: the response to it is asked for.
+
+    It acts along `direction` (3, a unit vector, base axes) with `count` frequencies (Hz) from
+    `first` to `last`, in equal steps of their logarithm. Beside the peak of the response its size
+    at the frequency `at` (Hz) is judged, where one is given.
+    """
+
+    name: str
+    direction: Array
+    first: float
+    last: float
+    count: int
+    at: float | None = None
+
+    @property
+    def frequencies(self) -> Array:
+        """Frequencies (Hz) at which the response is told."""
+        return np.geomspace(self.first, self.last, self.count)
+
+    @property
+    def judged(self) -> tuple[str, ...]:
+        """Names of the numbers that are judged: height and frequency of the peak, size at `at`."""
+        more = () if self.at is None else (f"{self.name}.at",)
+        return (self.name, f"{self.name}.frequency", *more)

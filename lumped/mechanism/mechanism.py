@@ -8,7 +8,7 @@ import numpy as np
 from lumped.arrays import Array
 from lumped.mechanism.body import Body, Frame, Part
 from lumped.mechanism.joint import Joint
-from lumped.mechanism.load import Load
+from lumped.mechanism.load import Excitation, Load
 
 GROUND = "ground"
 # What a pose may prescribe of the loaded point, in the order of a twist.
@@ -40,6 +40,8 @@ class Mechanism:
     `reference` holds the frame of every body in base axes in the reference posture; ground is the
     body of that name, whose frame is the base and whose interfaces are the points it is joined at.
     `poses` (p×len(moves)) are in the order of the tool's `moves`; `loads` are the designer's own.
+    `damping` is the damping ratio of every mode, beside the loss factors of bodies, joints and
+    drives; `excitations` are the responses that are asked for.
     `inverse_kinematics` gives the frames of all bodies in a pose in closed form; where it is None,
     loops are closed by iteration.
     """
@@ -51,6 +53,8 @@ class Mechanism:
     reference: Mapping[str, Frame]
     poses: Array
     loads: Sequence[Load] = ()
+    damping: float = 0.0
+    excitations: Sequence[Excitation] = ()
     inverse_kinematics: Callable[[Array], Mapping[str, Frame]] | None = None
 
     @property
@@ -62,6 +66,13 @@ class Mechanism:
         return np.append(place.position - self.tool.datum, np.zeros(3))[
             [MOVES.index(move) for move in self.tool.moves]
         ]
+
+    @property
+    def loses_energy(self) -> bool:
+        """Whether anything damps it."""
+        drives = (joint.drive.loss for joint in self.joints if joint.drive)
+        joints = (joint.loss for joint in self.joints)
+        return any((self.damping, *drives, *joints, *(b.loss for b in self.bodies.values())))
 
     @property
     def parts(self) -> dict[str, Body]:

@@ -1,6 +1,7 @@
 """Robot files of schema 1: what they say of the biglide, said of bodies and joints."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -8,7 +9,7 @@ import numpy as np
 from lumped.errors import naming
 from lumped.mechanism.biglide import biglide, lengthened
 from lumped.mechanism.mechanism import Mechanism
-from lumped.robot_file.mechanism.build import leg_of
+from lumped.robot_file.mechanism.build import leg_of, loss_of
 from lumped.robot_file.rules.relations import leg_faults
 from lumped.robot_file.rules.tables import BIGLIDE
 
@@ -38,7 +39,7 @@ def biglide_of(read: Mapping[str, Any]) -> Mechanism:
         place = f"geometry.alpha = {alpha:g}"
     foot, tool = read["foot"], read["tool"]
     with naming(place):
-        return biglide(
+        robot = biglide(
             read["name"],
             a,
             leg1,
@@ -49,3 +50,18 @@ def biglide_of(read: Mapping[str, Any]) -> Mechanism:
             foot_compliance=foot and foot["compliance"],
             tool_compliance=tool["compliance"] if tool and tool["active"] else None,
         )
+    return _with_losses(robot, read)
+
+
+def _with_losses(robot: Mechanism, read: Mapping[str, Any]) -> Mechanism:
+    bodies = {
+        name: replace(body, loss=loss_of(read[name])) if name in _LEGS else body
+        for name, body in robot.bodies.items()
+    }
+    foot, tool = (read[name]["loss"] if read[name] else 0.0 for name in ("foot", "tool"))
+    gives = {"foot1": foot, "foot2": foot, "spring": tool}
+    joints = []
+    for joint in robot.joints:
+        drive = joint.drive and replace(joint.drive, loss=read["actuators"]["loss"])
+        joints.append(replace(joint, drive=drive, loss=gives.get(joint.name, 0.0)))
+    return replace(robot, bodies=bodies, joints=tuple(joints))

@@ -1,7 +1,7 @@
 """What a robot file says beside its robot: what is asked, measured, uncertain and misprinted."""
 
 import csv
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from io import StringIO
 from pathlib import Path
@@ -74,14 +74,17 @@ def _value(name: str, text: str) -> Any:
         return text
 
 
-def requirement_of(accept: Mapping[str, Any] | None, loads: Iterable[str] = ()) -> Requirement:
-    """What a file's [accept] asks of a robot with loads of such names; the defaults without it."""
-    names = tuple(loads)
+def requirement_of(accept: Mapping[str, Any] | None, robot: Mechanism) -> Requirement:
+    """What a file's [accept] asks of the models of its robot; the defaults without it."""
+    asked = Requirement(
+        loads=tuple(load.name for load in robot.loads),
+        responses=tuple(name for one in robot.excitations for name in one.judged),
+    )
     if accept is None:
-        return Requirement(loads=names)
+        return asked
     limits = {name: accept[name] for name in STATIC_QUANTITIES if accept[name] is not None}
     own = {name: value for name, value in accept.items() if name not in STATIC_QUANTITIES}
-    return Requirement(**own, limits=limits, loads=names)
+    return replace(asked, **own, limits=limits)
 
 
 def with_options(
@@ -89,15 +92,15 @@ def with_options(
 ) -> Requirement:
     """The requirement as `--accept NAME=NUMBER` and `--rely MODEL` change it.
 
-    NAME is deflection, displacement, frequency, modes or a quantity; named models take the place of
-    the file's. Raises InputError with one line per fault.
+    NAME is deflection, displacement, frequency, response, modes or a quantity; named models take
+    the place of the file's. Raises InputError with one line per fault.
     """
     faults = [
         f"--rely {model}: no such model; must be one of {', '.join(MODEL_KINDS)}"
         for model in rely
         if model not in MODEL_KINDS
     ]
-    general = ("deflection", "displacement", "frequency", "modes")
+    general = ("deflection", "displacement", "frequency", "response", "modes")
     for text in accept:
         name, _, given = text.partition("=")
         rule = ACCEPT.keys[name if name in general else general[0]].kind

@@ -29,6 +29,7 @@ from lumped.robot_file.mechanism.build import mechanism_of
 from lumped.robot_file.mechanism.faults import description_faults, motion_faults
 from lumped.robot_file.places import keys_named, value_at, with_value
 from lumped.robot_file.reading import decoded, parsed
+from lumped.robot_file.responses import excitations_of, response_faults
 from lumped.robot_file.rules.published import key_comments
 from lumped.robot_file.rules.tables import MECHANISM, rules_of
 from lumped.robots import FIRST_TYPE, RobotType
@@ -183,7 +184,7 @@ def load_robot(name_or_path: str | Path) -> RobotFile:
         text=text,
         sha256=_digest(content, mechanism),
         corrections=tuple(Correction(**one) for one in read.get("corrections", ())),
-        requirement=requirement_of(read["accept"], [load.name for load in mechanism.loads]),
+        requirement=requirement_of(read["accept"], mechanism),
         measured=tuple(Measured(**one) for one in read["measured"]),
     )
 
@@ -234,9 +235,15 @@ def described_by(tables: Mapping[str, Any], folder: Path) -> tuple[Mechanism, di
     mechanism = mechanism_of(tables, folder) if any_robot else biglide_of(read)
     faults = motion_faults(mechanism) if any_robot else []
     faults = faults or evidence_faults(tables, read, mechanism)
-    if faults := faults or list(load_faults(read["loads"], mechanism)):
+    damped = replace(mechanism, damping=read["damping"]["ratio"] if read["damping"] else 0.0)
+    faults = faults or [
+        *load_faults(read["loads"], mechanism),
+        *response_faults(read["responses"], damped),
+    ]
+    if faults:
         raise InputError(faults)
-    return replace(mechanism, loads=loads_of(read["loads"], mechanism)), read
+    loads, excitations = loads_of(read["loads"], mechanism), excitations_of(read["responses"])
+    return replace(damped, loads=loads, excitations=excitations), read
 
 
 def _built_in(name: str) -> bytes:

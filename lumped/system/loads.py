@@ -21,7 +21,7 @@ from lumped.mechanism.load import Applied, Load
 from lumped.mechanism.mechanism import GROUND, Posture
 from lumped.screws import shift, skew, turn
 from lumped.system.assembly import rigid_mass
-from lumped.system.solution import Solved, without_idle
+from lumped.system.solution import Solved, with_idle
 
 
 def applied(posture: Posture, load: Load, masses: Mapping[str, Array]) -> list[Applied]:
@@ -100,5 +100,4 @@ def tool_displacements(solution: Solved, loads: Sequence[Sequence[Applied]]) -> 
         for one in ones:
             rows = system.motions.at(one.body, one.point, one.position)
             work[: system.outer, column] += rows.T @ one.wrench
-    found: Array = without_idle(solution, work).T @ solution.displacements(system.tool.T)
-    return found
+    return np.asarray(work.T @ with_idle(solution, solution.displacements(system.tool.T)))

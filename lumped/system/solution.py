@@ -173,12 +173,12 @@ def _inverse_squares(solution: Solved) -> tuple[Array, Array]:
     return dtrsm(1.0, solution.lower, half, side=1, lower=1, trans_a=1), drag
 
 
-def without_idle(solution: Solved, loads: Array) -> Array:
-    """Loads (n×m) less the inertia of idle motions that they set off: what is left strains."""
+def with_idle(solution: Solved, displacements: Array) -> Array:
+    """Displacements (n×m) with the idle motions that follow them freely, without momentum."""
     if not solution.idle:
-        return loads
+        return displacements
     momenta, with_mass = _of_idle(solution, dense(solution.system.mass))
-    return np.asarray(loads - momenta @ (with_mass @ (solution.motions.T @ loads)))
+    return np.asarray(displacements - solution.motions @ (with_mass @ (momenta.T @ displacements)))
 
 
 def _of_idle(solution: Solved, mass: Array) -> tuple[Array, Array]:

@@ -14,7 +14,7 @@ from validation.adequacy.mechanism.statics import compliances, static_reference
 from validation.adequacy.mechanism.vibration import modes_by_model
 from validation.adequacy.models import JudgedModel, judged_models, why_unable
 from validation.adequacy.partners import frequency_changes, partners
-from validation.adequacy.response import Alternative, Reference
+from validation.adequacy.response import Alternative, Reference, Vibration
 from validation.models.loads.leg_masses import MASSES
 
 # From the bottom of a stack of curves to its top.
@@ -96,11 +96,7 @@ def compared_frequencies(robot: RobotOnPath) -> Compared:
 
     Raises InputError or ComputationError where there is no reference.
     """
-    found = {
-        name: modes
-        for name, (model, _, options) in _answering(robot, _DYNAMIC_STACK).items()
-        if (modes := modes_by_model(robot, model, options))
-    }
+    found = answering_modes(robot)
     reference = dynamic_reference(robot)
     uncertainties = {}
     weights, judged = robot.samples.weights, robot.judged
@@ -127,6 +123,15 @@ def compared_frequencies(robot: RobotOnPath) -> Compared:
         against,
         uncertainties,
     )
+
+
+def answering_modes(robot: RobotOnPath) -> dict[str, Vibration]:
+    """The modes of all models that have any."""
+    return {
+        name: modes
+        for name, (model, _, options) in _answering(robot, _DYNAMIC_STACK).items()
+        if (modes := modes_by_model(robot, model, options))
+    }
 
 
 def _answering(robot: RobotOnPath, stack: tuple[str, ...]) -> dict[str, JudgedModel]:

@@ -13,6 +13,7 @@ from lumped.acceptance.requirement import (
     FREQUENCIES,
     LOAD,
     ORDER,
+    RESPONSE,
     STATIC_QUANTITIES,
     is_static,
 )
@@ -43,13 +44,13 @@ class Loaded:
 class Errors:
     """Errors of one quantity: a alternatives of the reference, by their `names`, by p poses.
 
-    Frequencies: `value` and `expected` in Hz, `error` = value/expected − 1. Deflections: `value`
-    and `expected` along the load, `error` of the whole displacement, never negative, and what
-    belongs to it in `loaded`. NaN where model and reference have nothing that could be compared;
-    `unknown` where the reference has fewer modes than are asked for. `numerical` is what meshes
-    leave open of the error, `digits` what the printed digits of the robot's 6×6 do. `numbers`
-    (a×p×m, of the order alone): which mode of the model, from 0, has the shape of each of the
-    reference's; −1: none has.
+    Frequencies: `value` and `expected` in Hz, `error` = value/expected − 1; sizes of responses
+    likewise, in m/N. Deflections: `value` and `expected` along the load, `error` of the whole
+    displacement, never negative, and what belongs to it in `loaded`. NaN where model and reference
+    have nothing that could be compared; `unknown` where the reference has fewer modes than are
+    asked for, or none that is damped. `numerical` is what meshes leave open of the error, `digits`
+    what the printed digits of the robot's 6×6 do. `numbers` (a×p×m, of the order alone): which mode
+    of the model, from 0, has the shape of each of the reference's; −1: none has.
     """
 
     names: tuple[str, ...]
@@ -122,6 +123,8 @@ class Scale:
         """
         alternatives = self.reference(quantity).alternatives
         of = self._deflection if is_static(quantity) else self._frequency
+        if quantity.startswith(RESPONSE):
+            of = self._peak
         rows = [
             row
             for one, response in zip(alternatives, responses, strict=True)
@@ -176,6 +179,22 @@ class Scale:
         sizes = np.abs(ratio)
         left = numerical * sizes, digits * sizes
         return values[at], own[at], ratio - 1.0, *left, np.asarray(unknown), numbers
+
+    def _peak(
+        self, one: Alternative, response: Response, quantity: str
+    ) -> tuple[NDArray[Any], ...] | None:
+        """The first fields of `Errors` for every pose, of what is judged of responses."""
+        truth, model, left = one.response.vibration, response.vibration, one.responses
+        if truth is None or model is None or left is None:
+            return None
+        column = self.subject.responses.index(quantity)
+        value, own = (
+            np.where(np.isfinite(of.peaks[:, column]), of.peaks[:, column], np.nan)
+            for of in (model, truth)
+        )
+        reach = np.nan_to_num(value / own)
+        numerical, digits = (of[:, column] * reach for of in (left.meshes, left.digits))
+        return value, own, value / own - 1.0, numerical, digits, np.isnan(own)
 
     def _partners(
         self, name: str, truth: Vibration, response: Response, model: Vibration

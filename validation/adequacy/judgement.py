@@ -10,7 +10,14 @@ from itertools import compress
 import numpy as np
 from numpy.typing import NDArray
 
-from lumped.acceptance.requirement import ANY_FORCE, LOAD, ORDER, Requirement, is_static
+from lumped.acceptance.requirement import (
+    ANY_FORCE,
+    LOAD,
+    ORDER,
+    RESPONSE,
+    Requirement,
+    is_static,
+)
 from lumped.arrays import Array
 from validation.adequacy.errors import Errors, Scale
 from validation.adequacy.matrix import Adequacy, Cause, Entry, Matrix, ModelNote, worst_of
@@ -44,8 +51,11 @@ def judged(subject: Subject, requirement: Requirement) -> Matrix:
     """
     inputs = UncertainInputs(subject.inputs, requirement.modes) if subject.inputs else None
     scale = Scale(subject, requirement.modes)
+    named = {*subject.loads, *subject.responses}
     quantities = tuple(
-        one for one in requirement.quantities if not one.startswith(LOAD) or one in subject.loads
+        one
+        for one in requirement.quantities
+        if not one.startswith((LOAD, RESPONSE)) or one in named
     )
     entries = [
         entry
@@ -217,11 +227,13 @@ def _reason(
 ) -> str:
     if verdict == "adequate":
         return ""
-    unknown = errors.unknown[:, pose]
+    unknown, of_response = errors.unknown[:, pose], quantity.startswith(RESPONSE)
     if errors.missing[:, pose].all() and not unknown.any():
         lacking = "has no mode of this shape: MAC below 0.5 with each of its modes"
         if is_static(quantity):
             lacking = "is elastic where the reference is rigid"
+        if of_response:
+            lacking = "has no peak there, or one without bound that nothing damps"
         return f"{candidate.model} {'has too few modes' if quantity == ORDER else lacking}"
     if verdict == "inadequate":
         rigid = errors.loaded is not None and not errors.value[:, pose].any()
@@ -229,7 +241,8 @@ def _reason(
     places = _places(errors, reference, pose)
     if unknown.any():
         without = [one.name for one in compress(reference.alternatives, unknown)]
-        places.append(f"with {', '.join(without)} there are fewer modes than are judged")
+        lacking = "nothing damps it" if of_response else "there are fewer modes than are judged"
+        places.append(f"with {', '.join(without)} {lacking}")
     if places or errors.missing[:, pose].any():
         return "; ".join(filter(None, (*places, reference.decides or reference.finer)))
     parts = _parts(errors, reference, pose)

@@ -1,11 +1,13 @@
 """What a model answers to unit wrenches at the tool and to being left to vibrate, pose by pose."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TypeAlias
 
+import numpy as np
+
 from lumped.acceptance.requirement import is_static
-from lumped.arrays import Array
+from lumped.arrays import Array, ComplexArray
 from lumped.errors import ComputationError, InputError
 from validation.adequacy.matrix import Coordinate
 
@@ -22,11 +24,15 @@ class Vibration:
     """Natural modes at p poses: `frequencies` (Hz, p×m), `samples` (p×k×m) of their shapes.
 
     All models of a robot are sampled at the same points of its bodies, so that shapes can be
-    compared; NaN stands for a mode that a model does not have in some pose.
+    compared; NaN stands for a mode that a model does not have in some pose. `peaks` (p×q) are the
+    numbers that are judged of the tool's responses, infinite where nothing damps one, and
+    `receptances` (p×n, m/N) its answers to each of the excitations.
     """
 
     frequencies: Array
     samples: Array
+    peaks: Array = field(default_factory=lambda: np.zeros((0, 0)))
+    receptances: Sequence[ComplexArray] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +62,8 @@ class Alternative:
     Relative numerical uncertainties (half-widths, 95 %): `static` (p×(7+l), of the displacement
     that each static quantity is of, then each load), `dynamic` (p×m, of the frequencies). `digits`,
     as `static`, and `dynamic_digits`, as `dynamic`: what the printed digits of the robot's 6×6
-    leave open; `masses`, as `static`: what plausible places of the legs' masses do.
+    leave open; `masses`, as `static`: what plausible places of the legs' masses do. `responses`:
+    what is left open of those.
     """
 
     name: str
@@ -66,6 +73,19 @@ class Alternative:
     digits: Array | None = None
     dynamic_digits: Array | None = None
     masses: Array | None = None
+    responses: "ResponsesLeftOpen | None" = None
+
+
+@dataclass(frozen=True, eq=False)
+class ResponsesLeftOpen:
+    """What a reference leaves open of responses, relative (half-widths, 95 %), shapes as there.
+
+    Of what is judged of them by `meshes` and by `digits`, of the `receptances` by both.
+    """
+
+    meshes: Array
+    digits: Array
+    receptances: Sequence[Array]
 
 
 @dataclass(frozen=True, eq=False)
@@ -178,7 +198,8 @@ class Subject:
     `poses` (p×n) in `coordinates`; `weights` (k) of the samples of shapes; `notes` as in `Matrix`;
     `parts` are its parts alone (each leg, root clamped), `formulation` the models whose legs are
     others than the robot's, held against solids of those; `inputs` the robot with uncertain inputs
-    off, where its file names any. `loads` are the quantities of its own loads, in their order.
+    off, where its file names any. `loads` are the quantities of its own loads, `responses` those of
+    its responses, in their order.
     """
 
     robot: str
@@ -193,6 +214,7 @@ class Subject:
     formulation: "Subject | None" = None
     inputs: "InputsOff | None" = None
     loads: tuple[str, ...] = ()
+    responses: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,7 +10,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from lumped.acceptance.requirement import LOAD
+from lumped.acceptance.requirement import LOAD, RESPONSE
 from lumped.errors import InputError
 from lumped.legs import Leg
 from lumped.mechanism.joint import Joint, Side
@@ -190,6 +190,9 @@ def static_subject(robot: RobotOnPath, models: Models) -> Subject:
         statics=reference,
         dynamics=Reference("none", ()),
         loads=tuple(f"{LOAD}{load.name}" for load in robot.mechanism.loads),
+        responses=tuple(
+            f"{RESPONSE}{name}" for one in robot.mechanism.excitations for name in one.judged
+        ),
     )
 
 

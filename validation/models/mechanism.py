@@ -19,13 +19,14 @@ from lumped.dense.modes import Modes, too_few
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, GivenLeg, equivalent_leg, tip_compliance
 from lumped.mechanism.body_model import BodyModel, LegMatrices
-from lumped.mechanism.joint import Drive, Joint
+from lumped.mechanism.joint import Joint
 from lumped.mechanism.kinematics.mobility import mobility
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.models import serial_chains
 from lumped.models.bodies import legs_of, link, links, tip_compliances
 from lumped.system.assembly import Assembly, System, assembly
 from lumped.system.joint_motion import Portion, printed_release
+from lumped.system.response import DampedModes, ToolResponse, damped_modes, tool_responses
 from lumped.system.solution import (
     Solved,
     compliance,
@@ -143,6 +144,16 @@ class PostureModes:
         Of a body by kind of deformation where its model knows it; those of a mode sum to 1.
         """
         return strain_shares(self.system, self.modes.shapes)
+
+    @cached_property
+    def damped(self) -> DampedModes:
+        """The complex modes, good for as many as there are real ones."""
+        return damped_modes(self.solution, float(self.modes.frequencies.max(initial=0.0)))
+
+    @cached_property
+    def responses(self) -> tuple[ToolResponse, ...]:
+        """The answers of the tool to the excitations of the mechanism."""
+        return tool_responses(self.solution)
 
 
 def mechanism_modes(
@@ -289,7 +300,8 @@ def highest_frequency(
 ) -> float:
     """Frequency (Hz) up to which bodies should be good for the first `count`, by coarse beams.
 
-    In the middle posture; rounded up in steps of half an octave, so that others share the bodies.
+    In the middle posture, and for all excitations; rounded up in steps of half an octave, so that
+    others share the bodies.
     """
     middle = postures[len(postures) // 2]
     # Half of the six modes that an element adds to a leg are near the true ones.
@@ -304,7 +316,8 @@ def highest_frequency(
     solution = solved(assembly(middle.mechanism, bodies).at(middle))
     # Parts on their interfaces alone have few modes.
     lowest = modes_with_mass if middle.mechanism.parts else modes
-    return _half_octave_above(float(lowest(solution, count).frequencies[-1]))
+    excited = [one.last for one in middle.mechanism.excitations]
+    return _half_octave_above(max([float(lowest(solution, count).frequencies[-1]), *excited]))
 
 
 def _half_octave_above(frequency: float) -> float:
@@ -404,5 +417,5 @@ def on_drives_alone(mechanism: Mechanism) -> Mechanism:
 def _simplified(joint: Joint) -> Joint:
     drive = joint.drive
     if drive is not None and drive.simplified is not None:
-        drive = Drive(drive.simplified)
+        drive = replace(drive, stiffness=drive.simplified, simplified=None)
     return replace(joint, drive=drive, compliance=None)

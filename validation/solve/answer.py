@@ -10,6 +10,7 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.system.joint_motion import Portion
+from lumped.system.response import ToolResponse
 from validation.agreement.accuracy import Accuracy
 from validation.models.options import ModelName, ReductionBy
 
@@ -81,7 +82,9 @@ class Answer:
 
     `place` is {"x": m}, {"pose": [m or rad]}, {"leg": 1 or 2} or {"body": name}; `idle` counts the
     mobilities of a mechanism that do not move its tool; `loads` are displacements of the tool (6, m
-    and rad, base axes) under loads of the file by name, NaN where it cannot move so; `strain` maps
+    and rad, base axes) under loads of the file by name, NaN where it cannot move so; `responses`
+    are its answers to forces that swing, `damped` the complex modes (frequencies, Hz, and loss
+    factors) where anything damps; `strain` maps
     its drives, joints and bodies to their shares of each mode's strain energy, `pairs` is the
     record of the modes' partners in another model; `uncertainty` is that of the mesh of prisms
     where one is known, None else, `of_parts` that of CAD parts, and `of_digits` what the printed
@@ -93,6 +96,8 @@ class Answer:
     frequencies: Array
     idle: int | None = None
     loads: Mapping[str, Array] = field(default_factory=dict)
+    responses: Sequence[ToolResponse] = ()
+    damped: tuple[Array, Array] | None = None
     uncertainty: MeshUncertainty | None = None
     of_parts: PartUncertainty | None = None
     of_digits: LeftOpen | None = None
@@ -177,6 +182,13 @@ def record_of(answer: Answer) -> dict[str, Any]:
             name: {"displacement": moved.tolist() if np.isfinite(moved).all() else None}
             for name, moved in answer.loads.items()
         }
+    if answer.damped:
+        frequencies, losses = (one.tolist() for one in answer.damped)
+        found["damped"] = {"frequencies": frequencies, "losses": losses}
+    if answer.responses:
+        found["responses"] = {
+            one.excitation.name: _response_record(one) for one in answer.responses
+        }
     if (mesh := answer.uncertainty) is not None:
         found["uncertainty"] = mesh.record if mesh.known else None
     if (parts := answer.of_parts) is not None:
@@ -196,6 +208,21 @@ def record_of(answer: Answer) -> dict[str, Any]:
     if answer.pairs:
         found["partners"] = dict(answer.pairs)
     return found
+
+
+def _response_record(one: ToolResponse) -> dict[str, Any]:
+    """Receptance (m/N) over frequencies (Hz), its peak, None where it has no bound or is none."""
+    height, frequency, *at = one.judged
+    found: dict[str, Any] = {
+        "frequencies": one.excitation.frequencies.tolist(),
+        "real": one.receptance.real.tolist(),
+        "imaginary": one.receptance.imag.tolist(),
+        "peak": {
+            name: number if np.isfinite(number) else None
+            for name, number in (("size", height), ("frequency", frequency))
+        },
+    }
+    return found | ({"at": {"size": at[0], "frequency": one.excitation.at}} if at else {})
 
 
 def as_text(solution: Solution) -> str:
@@ -225,6 +252,12 @@ def _answer_lines(answer: Answer) -> list[str]:
         listed = ", ".join(f"{value:.5g}" for value in answer.frequencies)
         lines.append(f"  natural frequencies (Hz): {listed}")
         lines += _mode_lines(answer)
+    if answer.damped:
+        listed = ", ".join(f"{100.0 * loss:.3g}" for loss in answer.damped[1])
+        lines.append(f"  loss factors of the modes (%): {listed}")
+    if answer.responses:
+        lines.append("  responses of the tool (µm/N) to the forces of the robot file that swing:")
+        lines += [f"    {_response_text(one)}" for one in answer.responses]
     if answer.idle:
         lines.append(f"  idle mobilities, which do not move the tool: {answer.idle}")
     if (mesh := answer.uncertainty) is not None:
@@ -264,6 +297,16 @@ def _moved_text(moved: Array) -> str:
     told = [f"{name} {1e6 * value:.4g}" for name, value in zip(names, moved, strict=True)]
     told.insert(3, f"{1e6 * np.linalg.norm(moved[:3]):.4g} in all")
     return ", ".join(told)
+
+
+def _response_text(one: ToolResponse) -> str:
+    """The peak, and the size at the frequency that is asked for."""
+    height, frequency, *at = one.judged
+    if not height:
+        return f"{one.excitation.name}: none, the tool is rigid there"
+    peak = f"{1e6 * height:.4g}" if np.isfinite(height) else "without bound"
+    there = f", {1e6 * at[0]:.4g} at {one.excitation.at:.5g} Hz" if at else ""
+    return f"{one.excitation.name}: peak {peak} at {frequency:.5g} Hz{there}"
 
 
 def _mode_lines(answer: Answer) -> list[str]:

@@ -156,6 +156,7 @@ def _answers(question: Question, at: Sequence[Posture], *, whole: bool = True) -
             one.modes.frequencies if isinstance(one, PostureModes) else one.frequencies,
             one.idle,
             strain=one.strain if isinstance(one, PostureModes) else {},
+            **(_damped(one) if isinstance(one, PostureModes) else {}),
         )
         for one in found or answers(model, at, 0, options)
     ]
@@ -175,6 +176,15 @@ def _answers(question: Question, at: Sequence[Posture], *, whole: bool = True) -
         parts = of_parts(at, solids, count, options.reduction)
         told = [replace(one, of_parts=own) for one, own in zip(told, parts, strict=True)]
     return told
+
+
+def _damped(found: PostureModes) -> dict[str, Any]:
+    """Responses, and frequencies (Hz) and loss factors of as many complex modes, where damped."""
+    count = len(found.modes.frequencies)
+    if not count or not found.posture.mechanism.loses_energy:
+        return {}
+    known = found.damped.frequencies[:count], found.damped.losses[:count]
+    return {"responses": found.responses, "damped": known}
 
 
 def _of_body(question: Question, name: str) -> Answer:

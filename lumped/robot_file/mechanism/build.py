@@ -62,7 +62,8 @@ def _body(given: Draft, name: str, folder: Path) -> tuple[Body, Frame]:
     if table["kind"] == "rigid body":
         return _rigid(given, name, table)
     up = None if table["up"] is None else np.array(table["up"])
-    return leg_on(name, leg_of(table, name), table["held"], given.points, up)
+    body, frame = leg_on(name, leg_of(table, name), table["held"], given.points, up)
+    return replace(body, loss=loss_of(table)), frame
 
 
 def _place(given: Draft, place: Any) -> Array:
@@ -87,7 +88,7 @@ def _part(given: Draft, name: str, table: Entry, folder: Path) -> tuple[Body, Fr
     held = {
         point: Frame((seen @ Frame(given.points[point])).position) for point in shape.interfaces
     }
-    return Body(name, shape, held), frame
+    return Body(name, shape, held, loss_of(table)), frame
 
 
 def _rigid(given: Draft, name: str, table: Entry) -> tuple[Body, Frame]:
@@ -107,9 +108,10 @@ def _joint(given: Draft, name: str) -> Joint:
     drive = table["drive"]
     if drive is not None:
         stiffness = None if drive["stiffness"] == "rigid" else drive["stiffness"]
-        drive = Drive(stiffness, drive["simplified"])
+        drive = Drive(stiffness, drive["simplified"], drive["loss"])
     unit = axes / np.linalg.norm(axes, axis=1)[:, None]
-    return Joint(name, table["type"], first, second, unit, drive, table["compliance"])
+    give = table["compliance"], table["loss"]
+    return Joint(name, table["type"], first, second, unit, drive, *give)
 
 
 def _poses(path: Entry) -> Array:
@@ -133,6 +135,12 @@ def leg_of(table: Entry, name: str) -> Leg:
     if given["G"] is not None:
         material = replace(material, G=given["G"])
     return ConstantLeg(length, section, material, table["ends"], name)
+
+
+def loss_of(table: Entry) -> float:
+    """The loss factor of a leg or a part: its material's, or its own beside a compliance."""
+    own = table["loss"] if table["material"] is None else table["material"]["loss"]
+    return own or 0.0
 
 
 def isotropic_of(material: Entry) -> Material:

@@ -43,6 +43,8 @@ def leg_faults(leg: Entry) -> Iterator[str]:
         yield f"{key}: {said}; must have either compliance and mass, or section and material"
     elif leg["ends"] is not None and compliance is not None:
         yield f"{key}.ends: must be left out beside {key}.compliance, whose ends are in its numbers"
+    elif leg["loss"] is not None and material is not None:
+        yield f"{key}.loss: must be left out beside {key}.material, which has it"
     if mass == 0.0:
         yield f"{key}.mass = 0.0: must be above 0 kg for a leg"
     elif compliance is not None:
@@ -164,6 +166,8 @@ def joint_faults(joint: Entry) -> Iterator[str]:
             f"{key}.drive: a {kind} joint has {FREEDOMS[kind] or 'no'} free motions; "
             "must be a revolute or a prismatic one"
         )
+    if joint["loss"] and joint["compliance"] is None:
+        yield f"{key}.loss: must be left out without {key}.compliance, which loses it"
     if joint["one_twice"]:
         yield f"{key}.at = {list(at)}: must be two different points, or one name"
     elif not isinstance(at, str) and kind not in _EXTENDED:

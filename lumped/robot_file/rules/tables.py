@@ -65,6 +65,8 @@ _COMPLIANCE = SquareMatrix(6, "m/N, rad/N and rad/(N m)", compliance=True)
 _INERTIA = SquareMatrix(3, "kg m²", compliance=False)
 # 1: off by as much as there is.
 _SHARE = Number(least=SMALLEST_SHARE, most=1.0, high=_PERCENT, example="(0.05 is 5 %)")
+# 1: rubber loses as much.
+_LOSS = Number(least=0.0, most=1.0, high=_PERCENT)
 # A hundred bodies and two hundred joints close in a second; no robot has as many.
 _MOST_BODIES, _MOST_JOINTS, MOST_POSES = 100, 200, 10_000
 _COUNT = Number(least=1, most=MOST_POSES, whole=True)
@@ -125,6 +127,7 @@ MATERIAL = TableRule(
     needed("nu", _POISSONS_RATIO, "Poisson's ratio"),
     Key("rho", _DENSITY, "density; of a leg its `mass` may stand instead"),
     Key("G", _SHEAR_MODULUS, "shear modulus of a leg; E/2(1 + nu) where left out"),
+    Key("loss", _LOSS, "loss factor", default=0.0),
 )
 
 _ON_IT = Key("point", _POINT, "a point on it; the interface's own where left out")
@@ -159,6 +162,7 @@ BODY = TableRule(
     Key("material", _MATERIAL, "its own, or one of [materials]", of=_LEG + _PART),
     Key("mass", _MASS_OR_NONE, "in place of a density", of=_LEG + _RIGID),
     Key("compliance", _COMPLIANCE, _TIP, of=_LEG),
+    Key("loss", _LOSS, "loss factor beside a compliance; else its material's", of=_LEG),
     Key("ends", OneOf(get_args(Ends)), _ENDS, of=_LEG),
     Key("mass_centre", _OFFSET, "from its root, beside a compliance", of=_LEG),
     Key("points", Several(_POINT_NAME), "where joints can take hold of it", of=_RIGID),
@@ -176,6 +180,7 @@ _SERIES = "its own give, in series: base axes of the reference posture, fixed to
 _DRIVE = TableRule(
     needed("stiffness", Either(_STIFFNESS, OneOf(("rigid",))), "in every model"),
     Key("simplified", _STIFFNESS, "in place of it in the simplified model"),
+    Key("loss", _LOSS, "loss factor of its stiffness", default=0.0),
 )
 JOINT = TableRule(
     needed("type", OneOf(get_args(JointKind)), "which twists it leaves free"),
@@ -185,6 +190,7 @@ JOINT = TableRule(
     Key("axes", Several(_DIRECTION, 2), "if universal: fixed in the first body, in the second"),
     Key("drive", _DRIVE, "of a revolute or prismatic joint; passive where left out"),
     Key("compliance", _COMPLIANCE, _SERIES),
+    Key("loss", _LOSS, "loss factor of its compliance", default=0.0),
 )
 TOOL = TableRule(
     needed("body", _BODY_NAME, "the body that is loaded"),
@@ -215,12 +221,24 @@ LOAD = TableRule(
     Key("acceleration", _PER_SECOND_SQUARED, "of the tool along x, y, z: inertia of all bodies"),
     Key("speed", _SPEED, "of the tool along x, y, z: what turns pulls outward"),
 )
+DAMPING = TableRule(needed("ratio", _LOSS, "damping ratio of every mode"))
+# Hz: no hammer excites more, and reduced bodies are good for it.
+_FREQUENCY = Number("Hz", above=0.0, most=1e4, high="is this in 1/min?")
+RESPONSE = TableRule(
+    needed("name", _NAME, "of the response; judged as response:NAME"),
+    needed("direction", _DIRECTION, "of a force at the tool, and of what is told: base axes"),
+    needed("from", _FREQUENCY, "the first frequency"),
+    needed("to", _FREQUENCY, "the last one"),
+    Key("count", Number(least=2, most=MOST_POSES, whole=True), "how many", default=400),
+    Key("at", _FREQUENCY, "where the response is judged besides its peak"),
+)
 # 10 cm: what a tool may be off is told in micrometres.
 _DISPLACEMENT = Number("m", above=0.0, most=0.1, high="is this in µm?")
 ACCEPT = TableRule(
     Key("deflection", _SHARE, "relative error of deflections", default=Requirement.deflection),
     Key("displacement", _DISPLACEMENT, "in place of `deflection` under each of [[loads]]"),
     Key("frequency", _SHARE, "of frequencies and their order", default=Requirement.frequency),
+    Key("response", _SHARE, "of peaks and sizes of responses", default=Requirement.response),
     Key("modes", _MODES, "how many frequencies are judged", default=Requirement.modes),
     Key("rely", Several(OneOf(MODEL_KINDS)), "models whose inadequacy is exit code 1", default=()),
     *(Key(one, _SHARE, f"in place of `deflection` for {one}") for one in STATIC_QUANTITIES),
@@ -244,6 +262,8 @@ _HEAD = (
 )
 _ASKED = (
     Key("loads", Several(LOAD), "the designer's own loads, each judged", default=()),
+    Key("damping", DAMPING, "of all modes, beside the losses of bodies, joints and drives"),
+    Key("responses", Several(RESPONSE), "to forces that swing, each judged", default=()),
     Key("accept", ACCEPT, "what is asked of a model"),
     Key("measured", MEASURED_VALUES, "measured values", default=()),
     Key("input_uncertainty", Several(_INPUT_UNCERTAINTY), "how well data are known", default=()),
@@ -272,7 +292,7 @@ _ACTUATOR_STIFFNESS = Number(
     low="is this in N/µm or kN/mm?",
     high="more than any drive has; 1e15 is as good as rigid",
 )
-_OF_LEGS = ("ends", "compliance", "section", "inertia", "mass_centre")
+_OF_LEGS = ("ends", "compliance", "loss", "section", "inertia", "mass_centre")
 _BIGLIDE_LEG = TableRule(
     needed("length", _LENGTH, "between its joints"),
     Key("mass", _MASS, "in place of a density"),
@@ -286,10 +306,12 @@ _GEOMETRY = TableRule(
 )
 _FOOT = TableRule(
     needed("compliance", _COMPLIANCE, "at its revolute joint, robot axes"),
+    Key("loss", _LOSS, "loss factor", default=0.0),
     Key("inertia", _INERTIA, "for the audit alone"),
 )
 _SPRING = TableRule(
     needed("compliance", _COMPLIANCE, "in series at the loaded point, robot axes"),
+    Key("loss", _LOSS, "loss factor", default=0.0),
     Key("active", OneOf((True, False)), "false: kept, not used", default=True),
 )
 _CORRECTION = TableRule(
@@ -298,14 +320,16 @@ _CORRECTION = TableRule(
     needed("used", _NUMBER, "what stands in this file"),
     needed("reason", _TEXT, "why"),
 )
+_ACTUATORS = TableRule(
+    needed("stiffness", _ACTUATOR_STIFFNESS, "along y"),
+    Key("loss", _LOSS, "loss factor", default=0.0),
+)
 BIGLIDE = TableRule(
     *_HEAD,
     needed("type", OneOf(("biglide",)), "two slides along y, two legs that meet at B"),
     needed("geometry", _GEOMETRY, "of slides and tool"),
     needed("platform", TableRule(needed("mass", _MASS, "at the loaded point")), "on leg 1"),
-    needed(
-        "actuators", TableRule(needed("stiffness", _ACTUATOR_STIFFNESS, "along y")), "if simplified"
-    ),
+    needed("actuators", _ACTUATORS, "if simplified"),
     needed("leg1", _BIGLIDE_LEG, "from the slide on x = 0 to B"),
     needed("leg2", _BIGLIDE_LEG, "from the slide on x = a to B"),
     Key("foot", _FOOT, "of both legs; rigid where left out"),

@@ -49,7 +49,7 @@ def test_a_robot_file_says_what_is_accepted_and_how_ends_are_held() -> None:
     tables["accept"] = {"deflection": 0.02, "z": 0.2, "modes": 6, "rely": ["vjm", "segments"]}
     tables["leg1"]["ends"] = "rigid"
     mechanism, read = described_by(tables, Path())
-    requirement = requirement_of(read["accept"])
+    requirement = requirement_of(read["accept"], mechanism)
     assert [requirement.limit(q) for q in ("y", "z", "f6")] == [0.02, 0.2, 0.05]
     assert requirement.rely == ("vjm", "segments")
     leg1 = mechanism.bodies["leg1"].shape

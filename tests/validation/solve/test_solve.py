@@ -287,3 +287,28 @@ def test_loads_of_the_file_are_answered_by_name_and_one_that_cannot_be_by_none(t
         assert loads["stop"]["displacement"][0] < 0.0
     assert cli.main(asked) == 0
     assert "stop: none, the mechanism cannot move so here" in capsys.readouterr().out
+
+
+def test_responses_and_losses_are_told_by_models_with_mass(tmp_path, capsys):
+    """Every loss is twice the ratio; what hardly swings is the compliance."""
+    path = tmp_path / "robot.toml"
+    asked = (
+        'responses = [{ name = "hit", direction = [2, 0, 0], from = 0.01, to = 90.0, at = 30.0 }]'
+    )
+    path.write_text(f"damping.ratio = 0.02\n{asked}\n{ONE_ARM}", encoding="utf-8")
+    command = ["solve", str(path), "--model", "beam"]
+    assert cli.main([*command, "--json"]) == 0
+    (found,) = json.loads(capsys.readouterr().out)["results"]
+    np.testing.assert_allclose(found["damped"]["losses"], 0.04, rtol=1e-9)
+    np.testing.assert_allclose(found["damped"]["frequencies"], found["frequencies"], rtol=1e-9)
+    hit = found["responses"]["hit"]
+    assert len(hit["frequencies"]) == len(hit["real"]) == len(hit["imaginary"]) == 400
+    assert hit["real"][0] == pytest.approx(found["compliance"][0][0], rel=1e-6)
+    assert hit["peak"]["size"] >= np.hypot(hit["real"], hit["imaginary"]).max()
+    assert hit["at"]["frequency"] == 30.0
+    assert cli.main(command) == 0
+    said = capsys.readouterr().out
+    assert "loss factors of the modes (%): 4, 4, 4, 4, 4, 4" in said
+    assert f"hit: peak {1e6 * hit['peak']['size']:.4g} at" in said
+    assert cli.main([*command[:3], "links", "--json"]) == 0
+    assert "responses" not in json.loads(capsys.readouterr().out)["results"][0]

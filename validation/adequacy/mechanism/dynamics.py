@@ -1,6 +1,6 @@
 """Natural modes of a robot: what models are held against, and why they are off."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from itertools import product
 
@@ -34,6 +34,7 @@ from validation.adequacy.response import (
     Alternative,
     Reference,
     Response,
+    ResponsesLeftOpen,
     Step,
     Vibration,
     finer_by,
@@ -48,6 +49,8 @@ from validation.parts.meshes import FINEST, MIDDLE
 from validation.solids.legs import COARSEST_WALLS, ELEMENTS, divisions_across
 from validation.solids.size import larger_preset, too_large
 
+# m/N: a logarithm has no zero.
+_NO_SIZE = 1e-30
 _SUPPOSED = "for every plausible distribution of the legs' mass"
 
 
@@ -71,7 +74,13 @@ def dynamic_reference(robot: RobotOnPath) -> Reference:
         dynamic = np.where(np.isnan(uncertainty), UNKNOWN, uncertainty)
         digits = _digit_uncertainty(robot, fine, mass or MASSES[0])
         alternatives.append(
-            Alternative(both, Response(vibration=fine), dynamic=dynamic, dynamic_digits=digits)
+            Alternative(
+                both,
+                Response(vibration=fine),
+                dynamic=dynamic,
+                dynamic_digits=digits,
+                responses=_left_of_responses(robot, hold, mass, fine, digits),
+            )
         )
     mass_unsaid, say_mass = (OPEN_MASSES, SAY_MASSES) if robot.given else ("", "")
     return Reference(
@@ -115,19 +124,81 @@ def _mesh_uncertainty(robot: RobotOnPath, coarse: Vibration, fine: Vibration, en
     """
     weights, judged = robot.samples.weights, robot.judged
     step = frequency_changes(fine, coarse, weights, judged)
-    # Beams free to warp lean on Saint-Venant's constant less than such solids do.
     meshes = solid_meshes(robot.context.meshes)
-    across, walls = meshes.fine
-    warping = None if "free" in ends.values() else ends
-    rough, beams = (
-        modes_of_own_beams(robot, warping, (across, max(walls, COARSEST_WALLS))),
-        modes_of_own_beams(robot, warping),
-    )
+    rough, beams = _beams_on_section_meshes(robot, ends)
     count = beams.frequencies.shape[1]
     changes = frequency_changes(beams, rough, weights, count)
     of_beams = np.broadcast_to(changes[:, None, :], (*fine.frequencies.shape, count))
     section = amounts_by_shape(fine, beams, of_beams, weights, judged)
     return step_uncertainty(step, meshes.ratio) + step_uncertainty(section, SECTION_RATIO)
+
+
+def _beams_on_section_meshes(robot: RobotOnPath, ends: Holds) -> tuple[Vibration, Vibration]:
+    """Beams by the section meshes of the solids, and by their own finer ones."""
+    across, walls = solid_meshes(robot.context.meshes).fine
+    # Beams free to warp lean on Saint-Venant's constant less than such solids do.
+    warping = None if "free" in ends.values() else ends
+    rough = modes_of_own_beams(robot, warping, (across, max(walls, COARSEST_WALLS)))
+    return rough, modes_of_own_beams(robot, warping)
+
+
+def _left_of_responses(
+    robot: RobotOnPath, ends: Holds, masses: Masses | None, fine: Vibration, digits: Array | None
+) -> ResponsesLeftOpen | None:
+    """What meshes and printed digits leave open of the responses of `fine`.
+
+    `digits` as of frequencies (p×K). As if all stiffness were off together by what they leave of
+    the most uncertain frequency: h(ω) becomes h(ω(1 − s))/(1 + 2s).
+    """
+    excitations = robot.mechanism.excitations
+    if not excitations:
+        return None
+
+    def meshes(numbers: Callable[[Vibration], Array]) -> Array:
+        return _left_by_meshes(robot, ends, masses, fine, numbers)
+
+    share = np.zeros(len(robot.postures)) if digits is None else digits.max(axis=1)
+    by_digits, receptances = [], []
+    for number, one in enumerate(excitations):
+
+        def of_response(of: Vibration, number: int = number) -> Array:
+            return np.abs(of.receptances[number])
+
+        sizes, scale = of_response(fine), np.log(one.frequencies)
+        slopes = np.abs(np.gradient(np.log(np.maximum(sizes, _NO_SIZE)), scale, axis=1))
+        left = share[:, None] * (2.0 + slopes)
+        receptances.append(left + meshes(of_response))
+        by_digits += [2.0 * share, share]
+        if one.at is not None:
+            by_digits.append(np.array([np.interp(np.log(one.at), scale, row) for row in left]))
+    peaks = meshes(lambda of: of.peaks)
+    return ResponsesLeftOpen(peaks, np.stack(by_digits, axis=1), receptances)
+
+
+def _left_by_meshes(
+    robot: RobotOnPath,
+    ends: Holds,
+    masses: Masses | None,
+    fine: Vibration,
+    numbers: Callable[[Vibration], Array],
+) -> Array:
+    """What meshes leave open of `numbers` of the responses of `fine`, relative; all if unknown."""
+
+    def step(rough: Vibration, own: Vibration, ratio: float) -> Array:
+        return step_uncertainty(np.abs(numbers(rough) / numbers(own) - 1.0), ratio)
+
+    def of_parts(level: int) -> Array:
+        mass = plausible_masses(robot.given.values())[0]
+        return numbers(modes_of_solids(robot, robot.holding.first, mass, level=level))
+
+    # A peak that nothing damps has no size.
+    with np.errstate(invalid="ignore"):
+        left = np.zeros_like(numbers(fine)) + refinement_share(robot.mechanism, of_parts)
+        if robot.prisms:
+            coarse = modes_of_solids(robot, ends, masses, fine=False)
+            left += step(coarse, fine, solid_meshes(robot.context.meshes).ratio)
+            left += step(*_beams_on_section_meshes(robot, ends), SECTION_RATIO)
+    return np.where(np.isnan(left), UNKNOWN, left)
 
 
 def _digit_uncertainty(robot: RobotOnPath, fine: Vibration, masses: Masses) -> Array | None:

@@ -158,11 +158,21 @@ def _congruent(reference: Array, own: Array, off: Array) -> Array:
 def _scaled(
     robot: RobotOnPath, reference: Vibration | None, own: Vibration | None, off: Vibration | None
 ) -> Vibration | None:
-    """The reference's modes, each as much higher as the beams' mode of its shape has become."""
+    """The reference's modes, each as much higher as the beams' mode of its shape has become.
+
+    The peaks of responses likewise.
+    """
     if reference is None or own is None or off is None:
         return None
     count = min(one.frequencies.shape[1] for one in (reference, own, off))
     number = partners(reference, own, robot.samples.weights, count).number
     number = np.where(number >= 0, number, np.arange(count))
     ratio = np.take_along_axis(off.frequencies[:, :count] / own.frequencies[:, :count], number, 1)
-    return Vibration(reference.frequencies[:, :count] * ratio, reference.samples[:, :, :count])
+    with np.errstate(invalid="ignore"):
+        peaks = reference.peaks * (off.peaks / own.peaks)
+    return replace(
+        reference,
+        frequencies=reference.frequencies[:, :count] * ratio,
+        samples=reference.samples[:, :, :count],
+        peaks=peaks,
+    )

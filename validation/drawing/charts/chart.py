@@ -22,7 +22,8 @@ class Series:
 
     It looks as the model `of` does, or the one that its label names. `bars` (n, or 2×n down and up)
     are the uncertainty of its points, a star marks the `best` of them. In the table it has a column
-    "label: quantity (unit)", none without a `quantity`.
+    "label: quantity (unit)", none without a `quantity`. `left_open` (2×n, lowest and highest) is
+    shaded.
     """
 
     label: str
@@ -32,6 +33,7 @@ class Series:
     of: str = ""
     bars: Array | None = None
     best: int | None = None
+    left_open: Array | None = None
 
     @property
     def look(self) -> str:

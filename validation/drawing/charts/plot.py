@@ -141,6 +141,8 @@ def _draw_series(
         markevery=places,
         zorder=5 if panel.lying else None,
     )
+    if one.left_open is not None:
+        axes.fill_between(one.x, *one.left_open, color=look.colour, alpha=0.2, linewidth=0.0)
     if one.bars is not None:
         bars: dict[str, Any] = {"xerr" if panel.lying else "yerr": one.bars}
         axes.errorbar(*points, **bars, fmt="none", ecolor=look.colour, capsize=3, alpha=0.6)

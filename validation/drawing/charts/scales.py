@@ -47,6 +47,24 @@ def plain_log(axes: "Axes", *, low: float, high: float) -> None:
     axes.yaxis.set_minor_locator(_ticker().NullLocator())
 
 
+def powers(axes: "Axes") -> None:
+    """A logarithmic y axis with ticks at powers of ten, or at 1, 2 and 5 of these."""
+    axes.set_yscale("log")
+    power_ticks(axes.yaxis)
+
+
+def octaves(axes: "Axes") -> None:
+    """A logarithmic x axis likewise."""
+    axes.set_xscale("log")
+    power_ticks(axes.xaxis)
+
+
+def degrees(axes: "Axes") -> None:
+    """A y axis of phases from 0 to −180°."""
+    axes.set_ylim(-190.0, 10.0)
+    axes.set_yticks([0.0, -45.0, -90.0, -135.0, -180.0])
+
+
 def percent(axes: "Axes", *, limit: float = 1.0, steps: Sequence[float] = (1.0,)) -> None:
     """Linear within ± `limit`, logarithmic beyond: curves that agree and such that do not.
 

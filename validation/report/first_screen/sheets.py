@@ -3,13 +3,27 @@
 from typing import TypeAlias
 
 from lumped.acceptance.measured import leg_entry
-from lumped.acceptance.requirement import ANY_FORCE, FREQUENCIES, LOAD, ROTATIONS, is_static
+from lumped.acceptance.requirement import (
+    ANY_FORCE,
+    FREQUENCIES,
+    LOAD,
+    RESPONSE,
+    ROTATIONS,
+    is_static,
+)
 from validation.adequacy.matrix import Entry, Matrix, ModelNote
 from validation.drawing.text import number, percent
 from validation.report.first_screen.words import SIGNS, error_text, force_text
 
 # A word, and what is to be said under it.
 Line: TypeAlias = tuple[str, str]
+
+
+_OF_RESPONSES = {
+    "": "height of the peak",
+    "frequency": "frequency of the peak",
+    "at": "size at one frequency",
+}
 
 
 def sheet_of(matrix: Matrix, note: ModelNote, entry: Entry) -> tuple[str, tuple[Line, ...]]:
@@ -78,14 +92,16 @@ def _reasons(entry: Entry) -> list[Line]:
 def _meaning(quantity: str) -> str:
     if quantity in ROTATIONS:
         return f"rotation under a moment about {ROTATIONS[quantity]}"
-    if quantity == ANY_FORCE:
-        return "displacement under any force"
     if is_static(quantity):
-        own = quantity.startswith(LOAD)
-        what = f"the load {quantity.removeprefix(LOAD)}" if own else f"a force along {quantity}"
+        what = "any force" if quantity == ANY_FORCE else f"a force along {quantity}"
+        if quantity.startswith(LOAD):
+            what = f"the load {quantity.removeprefix(LOAD)}"
         return f"displacement under {what}"
     if quantity in FREQUENCIES:
         return f"natural frequency {FREQUENCIES[quantity]}"
+    if quantity.startswith(RESPONSE):
+        name, _, what = quantity.removeprefix(RESPONSE).partition(".")
+        return f"{_OF_RESPONSES[what]} of the response {name}"
     if (entry := leg_entry(quantity)) is not None:
         leg, row, column = entry
         return f"c{row + 1}{column + 1} of the 6×6 of {leg}"
@@ -93,6 +109,8 @@ def _meaning(quantity: str) -> str:
 
 
 def _unit(quantity: str) -> str:
+    if quantity.startswith(RESPONSE) and not quantity.endswith(".frequency"):
+        return "m/N"
     if not is_static(quantity):
         return "Hz"
     if quantity.startswith(LOAD):
