@@ -231,7 +231,8 @@ def run(
         return complain(["interrupted", summary.how_to_go_on(request)], 3)
     complain([*gathered.remarks, *summary.left_out(gathered)], 0)
     changes, worsened = summary.changes(gathered)
-    say("\n".join([*summary.verdicts(gathered), *changes]))
+    if said := [*summary.verdicts(gathered), *changes]:
+        say("\n".join(said))
     say(f"report: {visible(str(gathered.path / 'report.html'))}")
     for line in summary.adequacy(gathered):
         say(line)
@@ -262,7 +263,8 @@ def compare(before: Place, after: Place, *, json: AsJson = False) -> int:
 
     runs = load_run(before), load_run(after)
     comparison = compare_runs(*runs)
-    if not comparison.seconds and not comparison.different_robots:
+    judged = any(one.before and one.after for one in comparison.adequacy)
+    if not (comparison.seconds or judged or comparison.different_robots):
         raise InputError(f"{before} and {after} have no case in common: nothing compares them")
     if json:
         say(dumps(as_dict(comparison), indent=1))

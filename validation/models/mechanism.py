@@ -314,10 +314,13 @@ def highest_frequency(
     )
     bodies = bodies_of(middle.mechanism, coarse, partial(leg_matrices, "beam"))
     solution = solved(assembly(middle.mechanism, bodies).at(middle))
-    # Parts on their interfaces alone have few modes.
-    lowest = modes_with_mass if middle.mechanism.parts else modes
+    # Parts on their interfaces alone have few modes, and so have rigid bodies.
+    only_legs = legs_of(middle.mechanism) and not middle.mechanism.parts
+    found = (modes if only_legs else modes_with_mass)(solution, count).frequencies
+    if not len(found):
+        raise too_few(middle.mechanism.name, count)
     excited = [one.last for one in middle.mechanism.excitations]
-    return _half_octave_above(max([float(lowest(solution, count).frequencies[-1]), *excited]))
+    return _half_octave_above(max([float(found[-1]), *excited]))
 
 
 def _half_octave_above(frequency: float) -> float:

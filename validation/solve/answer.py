@@ -286,7 +286,7 @@ def _answer_lines(answer: Answer) -> list[str]:
 
 def _deflections(answer: Answer) -> list[str]:
     """µm along x, y and, where it is known, z, each under its own load of 1000 N."""
-    return [f"{value * 1e9:.4g}" for value in np.diag(answer.compliance)[:3]]
+    return [f"{_shown(value * 1e9):.4g}" for value in np.diag(answer.compliance)[:3]]
 
 
 def _moved_text(moved: Array) -> str:
@@ -294,7 +294,7 @@ def _moved_text(moved: Array) -> str:
     if not np.isfinite(moved).all():
         return "none, the mechanism cannot move so here"
     names = ("x", "y", "z", "φx", "φy", "φz")
-    told = [f"{name} {1e6 * value:.4g}" for name, value in zip(names, moved, strict=True)]
+    told = [f"{name} {_shown(1e6 * value):.4g}" for name, value in zip(names, moved, strict=True)]
     told.insert(3, f"{1e6 * np.linalg.norm(moved[:3]):.4g} in all")
     return ", ".join(told)
 
@@ -307,6 +307,11 @@ def _response_text(one: ToolResponse) -> str:
     peak = f"{1e6 * height:.4g}" if np.isfinite(height) else "without bound"
     there = f", {1e6 * at[0]:.4g} at {one.excitation.at:.5g} Hz" if at else ""
     return f"{one.excitation.name}: peak {peak} at {frequency:.5g} Hz{there}"
+
+
+def _shown(micro: float) -> float:
+    """Without what rounding leaves of nothing: less than 1e-12 µm or µrad."""
+    return round(float(micro), 12) + 0.0
 
 
 def _mode_lines(answer: Answer) -> list[str]:
@@ -375,6 +380,9 @@ def _head(place: Place) -> tuple[str, str]:
             return f"{name}, clamped at its first point", "at its second, body axes"
         case {"pose": list(pose)}:
             where = ", ".join(f"{value:.6g}" for value in pose)
-            return f"pose ({where})", "at the loaded point, base axes"
+            return (
+                f"pose ({where})" if pose else "reference posture",
+                "at the loaded point, base axes",
+            )
         case _:
             return f"x = {place['x']:.6g} m", "at the loaded point, robot axes"

@@ -22,6 +22,26 @@ from validation.export.formats import as_exudyn, as_nastran, as_npz, as_simscape
 from validation.export.reduced import Reduced, ReducedRobot, reduced_body, reduced_robot
 from validation.models.mechanism import mechanism_modes, static_bodies
 
+GANTRY = """
+schema = 2
+name = "gantry"
+points = { A = [0.0, 0.0, 0.0], B = [0.3, 0.1, 0.2] }
+bodies.carriage = { points = ["A", "B"], mass = 20.0, centre = "A" }
+bodies.slide = { points = ["B"], mass = 5.0, centre = "B" }
+tool = { body = "slide", point = "B", moves = ["x", "y"], mass = 3.0 }
+[joints.x]
+type = "prismatic"
+between = ["ground", "carriage"]
+at = "A"
+axis = [1.0, 0.0, 0.0]
+drive = { stiffness = 2.0e6 }
+[joints.y]
+type = "prismatic"
+between = ["carriage", "slide"]
+at = "B"
+axis = [0.0, 1.0, 0.0]
+drive = { stiffness = 5.0e6 }
+"""
 FIVE_BAR = load_robot("five-bar").mechanism
 COUNT = 6
 
@@ -121,6 +141,15 @@ def test_exudyn_finds_the_frequencies(robot: ReducedRobot, tmp_path: Path) -> No
     )
     found = np.array(literal_eval(done.stdout.splitlines()[-1]))[:COUNT]
     assert np.allclose(found, robot.matrices.frequencies, rtol=1e-6)
+
+
+def test_rigid_bodies_have_as_many_modes_as_there_are(tmp_path, monkeypatch) -> None:
+    """28 kg on 2e6 N/m along x, 8 kg on 5e6 N/m along y; twenty are asked for."""
+    monkeypatch.chdir(tmp_path)
+    Path("gantry.toml").write_text(GANTRY)
+    assert main(["export", "gantry.toml", "--to", "npz"]) == 0
+    expected = np.sqrt([2.0e6 / 28.0, 5.0e6 / 8.0]) / (2.0 * np.pi)
+    assert np.load("gantry.npz")["frequencies"] == pytest.approx(expected, rel=1e-9)
 
 
 @pytest.mark.parametrize(

@@ -172,6 +172,17 @@ def test_runs_without_a_common_case_are_not_called_the_same(tmp_path, capsys):
         assert len(error.splitlines()) == 1
 
 
+def test_runs_of_models_alone_are_compared_by_these(tmp_path, capsys):
+    entry = AdequacyRecord(model="beam", quantity="x", verdict="adequate", error=0.01)
+    paths = []
+    for verdict in ("adequate", "inadequate"):
+        run = replace(run_of(), adequacy=(replace(entry, verdict=verdict),))
+        paths.append(tmp_path / f"{verdict}.json")
+        paths[-1].write_bytes(encode(run))
+    assert cli.main(["compare", *map(str, paths)]) == 0
+    assert re.search(r"beam +x +\+1\.00 % +adequate +\+1\.00 % +inad", capsys.readouterr().out)
+
+
 def test_drift_stands_beside_the_verdict_and_never_changes_it():
     before = run_of(CaseRecord(id="toy", verdict="agree", value=0.5))
     for value, verdict, moved in ((1.05, "agree", 0.55), (0.5, "disagree", 0.0)):

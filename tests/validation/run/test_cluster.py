@@ -10,7 +10,7 @@ import sys
 import time
 from functools import partial
 from pathlib import Path
-from threading import Event, Thread
+from threading import Event, Thread, Timer
 
 import numpy as np
 import pytest
@@ -81,7 +81,7 @@ def processes():
 
 @pytest.fixture(scope="module")
 def cluster(tmp_path_factory):
-    """Address of a scheduler, its two workers, and the folder of their cache, which is their own.
+    """Address of a scheduler, its two workers and itself, and the folder of the workers' cache.
 
     A busy machine may need a minute for what takes seconds: everything waits so long.
     """
@@ -93,7 +93,7 @@ def cluster(tmp_path_factory):
         scheduler, address = started_scheduler(folder)
         workers = [started_worker(address, folder, f"worker{number}") for number in range(2)]
         patch.delenv("XDG_CACHE_HOME")
-        yield address, workers, folder / "cache"
+        yield address, (*workers, scheduler), folder / "cache"
     for process in (*workers, scheduler):
         process.kill()
         process.wait(timeout=30)
@@ -142,24 +142,28 @@ def test_parts_are_reduced_by_a_worker_and_nothing_of_them_here(tmp_path, monkey
         assert_allclose(mine, its, rtol=1e-12, atol=1e-12 * np.abs(its).max())
 
 
-def test_a_killed_worker_loses_nothing_and_changes_no_number(cluster):
-    """The last test on the workers that all of them share."""
-    address, workers, _ = cluster
+def test_a_killed_worker_loses_nothing_and_a_killed_scheduler_is_said(cluster):
+    """The last test on the cluster that all of them share."""
+    address, (killed, other, scheduler), _ = cluster
     found, places = {}, np.linspace(0.0, 0.1, 8).tolist()
     calls = [partial(api.solve, "five-bar", "beam", poses=[[x, 0.5]], modes=2) for x in places]
     with on_cluster(address, silent) as executor:
         for number, solution in executor(calls):
             found[number] = solution.answers[0]
             if len(found) == 3:
-                workers[0].kill()
+                killed.kill()
         with pytest.raises(InputError, match="no-such-robot"):
             list(executor([partial(load_robot, "no-such-robot")]))
-        # As where the scheduler goes while results are fetched.
-        lost = partial(exec, "raise __import__('distributed').comm.CommClosedError('in <TCP>')")
+        assert killed.wait(timeout=30) == -signal.SIGKILL
+        assert other.poll() is None
+        finished = executor([partial(abs, -1)] * 3)
+        next(finished)
+        # All are computed; it stops answering, and dies while a result is fetched.
+        time.sleep(1.0)
+        scheduler.send_signal(signal.SIGSTOP)
+        Timer(1.0, scheduler.kill).start()
         with pytest.raises(ComputationError, match="the scheduler is gone"):
-            list(executor([lost]))
-    assert workers[0].wait(timeout=30) == -signal.SIGKILL
-    assert workers[1].poll() is None
+            list(finished)
     assert sorted(found) == list(range(8))
     for number, call in enumerate(calls):
         (here,) = call().answers

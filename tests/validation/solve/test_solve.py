@@ -312,3 +312,13 @@ def test_responses_and_losses_are_told_by_models_with_mass(tmp_path, capsys):
     assert f"hit: peak {1e6 * hit['peak']['size']:.4g} at" in said
     assert cli.main([*command[:3], "links", "--json"]) == 0
     assert "responses" not in json.loads(capsys.readouterr().out)["results"][0]
+
+
+def test_what_rounding_leaves_of_nothing_is_shown_as_nothing():
+    compliance, moved = np.zeros((6, 6)), np.array([1.8e-52, -1.57e-5, 0.0, 0.0, 0.0, 0.0])
+    np.fill_diagonal(compliance, [5e-7, 2e-7, 3e-71])
+    answer = Answer({"pose": []}, compliance, np.zeros(0), loads={"weight": moved})
+    text = as_text(Solution("gantry", "beam", {}, (answer,)))
+    assert "reference posture, at the loaded point" in text
+    assert "x 500, y 200, z 0\n" in text
+    assert "weight: x 0, y -15.7, z 0, 15.7 in all" in text
