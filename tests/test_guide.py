@@ -39,7 +39,7 @@ BLOCK = re.compile(r"^```(\w+)[ ]?([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTAL
 LINK = re.compile(r"\]\(([^)#\s]+)(?:#[^)\s]*)?\)")
 # What a page may show without its being run: formulas and excerpts of files.
 INERT = {"text"}
-FEW = ["--only", "*.statics.beam*", "--jobs", "1"]
+FEW = ["--only", "*.statics?simplified*", "--jobs", "1"]
 # Scripts that run as long.
 LONG_SCRIPTS = {"from_python"}
 # So that adding a case stays a matter of minutes.

@@ -25,10 +25,8 @@ from validation.adequacy.robot import judged_robot
 from validation.context import Context, Preset
 from validation.drawing.text import percent
 from validation.models.options import ModelName
-from validation.report.first_screen.sentence import sentence
-from validation.report.first_screen.sheets import pose_text
-from validation.report.first_screen.table import table_of
-from validation.report.first_screen.words import force_text
+from validation.report.table import pose_text, table_of
+from validation.report.words import force_text, sentence
 from validation.solve.answer import Solution, paragraph, table
 from validation.solve.model_answers import solve as answered
 from validation.solve.question import Question

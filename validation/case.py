@@ -161,18 +161,6 @@ class Measurement:
         return hypot(*known) if known else None
 
 
-@dataclass(frozen=True)
-class Sides:
-    """The functions that a comparison holds against each other, those of its two sides.
-
-    `value`: what it puts to the test; `reference`: what says what that must be, none where theory
-    says a plain number. They share named basics alone (tests/validation/test_independence.py).
-    """
-
-    value: tuple[Callable[..., object], ...]
-    reference: tuple[Callable[..., object], ...] = ()
-
-
 class Skip(Exception):  # noqa: N818  not an error: the case says why it cannot be run here
     """Raised by a case that cannot be run on this machine or for this robot, with the reason."""
 
@@ -186,10 +174,10 @@ class Case:
     it is ("segments", "solid"; empty where it is no model's). `subject` tells what a case says
     something about: the run's robot, or one of its legs. `label` is what an axis has room for of
     the quantity. `section` is the heading under which the report shows the case, `figure` the id of
-    the figure that shows what it measured; `sides` the code on either side. `group` names what
-    expensive results the case shares: cases of one group run in the same process, one after the
-    other. `effort` is the expected time in seconds, for the order of work and the time left.
-    `compute` may raise ComputationError (the case has failed) or Skip.
+    the figure that shows what it measured. `group` names what expensive results the case shares:
+    cases of one group run in the same process, one after the other. `effort` is the expected time
+    in seconds, for the order of work and the time left. `compute` may raise ComputationError (the
+    case has failed) or Skip.
     """
 
     id: str
@@ -210,7 +198,6 @@ class Case:
     subject: About = "robot"
     figure: str = ""
     label: str = ""
-    sides: Sides | None = None
 
     def measure(self, context: Context) -> Measurement:
         """What `compute` finds in the `context` of the run.

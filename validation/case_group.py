@@ -24,7 +24,7 @@ from functools import partial
 from inspect import signature
 from typing import Any, Self, TypeAlias, TypedDict, TypeVar, Unpack
 
-from validation.case import Case, Measurement, ReferenceKind, Relation, Sides, Tolerance
+from validation.case import Case, Measurement, ReferenceKind, Relation, Tolerance
 from validation.context import About, Preset
 
 T = TypeVar("T")
@@ -57,7 +57,6 @@ class CaseFields(TypedDict, total=False):
     subject: Field[About]
     figure: Field[str]
     label: Field[str]
-    sides: Field[Sides]
 
 
 class CaseGroup:
@@ -95,11 +94,6 @@ class CaseGroup:
         within = type(self)(over=over, **common)
         self._declared.append(within)
         return within
-
-    def like(self, **fields: Unpack[CaseFields]) -> "CaseGroup":
-        """A group of its own with the same parameters and fields, but for these, and no cases."""
-        common: CaseFields = {**self._common, **fields}
-        return CaseGroup(over=self._over, **common)
 
     def __call__(self, **given: Any) -> tuple[Case, ...]:
         """All cases; `given` parameters are those that a robot's file decides.

@@ -7,11 +7,10 @@ from lumped.robot_file.variation import Variation
 from validation import paper
 from validation.adequacy.matrix import ADEQUACY, MEASURED, Assessment
 from validation.adequacy.robot import robot_adequacy
-from validation.cases import legs, mechanism
+from validation.cases import cases
 from validation.measured.matrix import measured_matrix
 from validation.paper.robot import is_the_papers
-from validation.report.figures.mechanism import curves, energies, pairs, pictures, responses
-from validation.report.figures.mechanism.variations import figures_over
+from validation.report.figures import curves, modes, pictures, responses
 from validation.results.outcome import Task
 from validation.solids.legs import SHARED_SOLIDS
 from validation.variations.cases import cases_over
@@ -40,17 +39,15 @@ def catalogue(robot_file: RobotFile, variations: Sequence[Variation] = ()) -> Se
     described = robot_file.mechanism
     return (
         *(paper.cases() if is_the_papers(robot_file) else ()),
-        *legs.cases(described),
-        *mechanism.cases(described, robot_file.requirement.modes),
+        *cases(described, robot_file.requirement.modes),
         *([_MEASURED] if robot_file.measured else []),
         _ADEQUACY,
         *pictures.portraits(),
         *curves.figures(),
         *pictures.figures(),
-        *pairs.figures(),
-        *energies.figures(),
+        *modes.figures(),
         *responses.figures(described),
         *(paper.figures() if is_the_papers(robot_file) else ()),
         *(cases_over(robot_file, variations) if variations else ()),
-        *figures_over(variations),
+        *curves.figures_over(variations),
     )

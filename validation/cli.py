@@ -256,8 +256,7 @@ def compare(before: Place, after: Place, *, json: AsJson = False) -> int:
     """
     from json import dumps  # noqa: PLC0415
 
-    from validation.results import comparison_text  # noqa: PLC0415
-    from validation.results.compare import as_dict  # noqa: PLC0415
+    from validation.results.compare import as_dict, as_text  # noqa: PLC0415
     from validation.results.compare import compare as compare_runs  # noqa: PLC0415
     from validation.results.records import load_run  # noqa: PLC0415
 
@@ -269,7 +268,7 @@ def compare(before: Place, after: Place, *, json: AsJson = False) -> int:
     if json:
         say(dumps(as_dict(comparison), indent=1))
     else:
-        say(comparison_text.as_text(*runs, comparison))
+        say(as_text(*runs, comparison))
     return 1 if comparison.worsened else 0
 
 

@@ -9,7 +9,7 @@ from validation.case_group import CaseGroup
 from validation.context import Context
 
 stated = CaseGroup(section="My own", reference_kind="paper-statement", citation="Briot et al., §3")
-cases = stated.like(tolerance=Absolute(0.5), tolerance_reason="half a unit in the last digit")
+cases = stated.family(tolerance=Absolute(0.5), tolerance_reason="half a unit in the last digit")
 
 
 @cases.case("mine.f1", "First frequency above 100 Hz", unit="Hz", relation=Relation.AT_LEAST)

@@ -17,8 +17,13 @@ sys.path.insert(0, str(ROOT / "tests" / "helpers" / "plain"))
 
 import further_benchmarks  # noqa: E402
 
-from validation.selftest import robots, solids  # noqa: E402
-from validation.selftest.benchmark import Benchmark, BenchmarkOutcome, KnownNumber, outcome  # noqa: E402
+from validation.selftest.benchmarks import (  # noqa: E402
+    Benchmark,
+    BenchmarkOutcome,
+    KnownNumber,
+    benchmarks,
+    outcome,
+)
 
 PAGE = ROOT / "docs" / "guide" / "verification.md"
 HEAD = (
@@ -38,8 +43,7 @@ WIDTH = 150
 
 def listed() -> tuple[tuple[Benchmark, ...], tuple[Benchmark, ...]]:
     """The benchmarks of the self-test, and those of the tests alone."""
-    own = (*solids.benchmarks(), *robots.benchmarks())
-    return own, further_benchmarks.benchmarks()
+    return benchmarks(), further_benchmarks.benchmarks()
 
 
 def section(number: int, found: BenchmarkOutcome) -> str:

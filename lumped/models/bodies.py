@@ -2,7 +2,8 @@
 
 Links are matrix structural analysis: every leg by its stiffness between its two interfaces. The
 12×12 of a prism is that of its tip's compliance, root clamped, completed by equilibrium; that of a
-leg given by its 6×6 likewise. Static: nothing is said about where a body's mass moves.
+leg given by its 6×6 likewise. Static: nothing is said about where a body's mass moves. Of one leg
+alone, its root clamped, any model with matrices says tip compliance and modes.
 """
 
 from collections.abc import Mapping
@@ -11,7 +12,9 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
-from lumped.arrays import Array
+from lumped.arrays import Array, dense
+from lumped.dense.modes import Modes, solve_modes
+from lumped.dense.statics import balanced_flexibility, solve_statics
 from lumped.errors import InputError
 from lumped.legs import (
     ConstantLeg,
@@ -29,6 +32,7 @@ from lumped.mechanism.mechanism import Mechanism
 from lumped.screws import shift
 
 LegSprings: TypeAlias = Literal["given", "equivalent"]
+_ROOT = 6
 
 
 def leg_of(body: Body) -> Leg:
@@ -108,3 +112,27 @@ def link(length: float, compliance: Array) -> LegMatrices:
         mass=np.zeros((12, 12)),
         centreline=centreline,
     )
+
+
+def tip_compliance_of(leg: LegMatrices) -> Array:
+    """6×6 tip compliance (SI, leg axes) of the leg with its root clamped.
+
+    Raises ComputationError where the clamped leg is not held by its stiffness.
+    """
+    stiffness = leg.stiffness[_ROOT:, _ROOT:]
+    part, loads = f"{leg.model} model of a leg", np.eye(stiffness.shape[0], 6)
+    displacements = solve_statics(stiffness, loads, part)
+    return balanced_flexibility(loads, displacements, stiffness @ displacements, part)
+
+
+def clamped_modes(leg: LegMatrices, count: int) -> Modes:
+    """The lowest `count` modes of the leg with its root clamped.
+
+    Shapes are on all unknowns of the leg (n×count, zero at the root), so that
+    `leg.centreline(stations) @ shapes` draws them. Raises ComputationError as `solve_modes` does.
+    """
+    free = solve_modes(
+        dense(leg.stiffness)[_ROOT:, _ROOT:], dense(leg.mass)[_ROOT:, _ROOT:], count, leg.model
+    )
+    shapes = np.vstack([np.zeros((_ROOT, count)), free.shapes])
+    return Modes(frequencies=free.frequencies, shapes=shapes)

@@ -146,10 +146,3 @@ def printed_release(stiffness: Array) -> Array:
     keep = np.array([1.0, 1.0, 1.0, 1.0, 1.0, 0.0])
     released: Array = stiffness * keep[:, None] * keep
     return released
-
-
-def condensed_release(stiffness: Array) -> Array:
-    """Revolute joint about z in series with a spring: K_S − K_S e₆ e₆ᵀ K_S / k₆₆ (6×6)."""
-    column = stiffness[:, 5]
-    released: Array = stiffness - np.outer(column, column) / stiffness[5, 5]
-    return released

@@ -119,18 +119,6 @@ def rounding(system: System, displacements: Array) -> Array:
     return np.asarray(np.sqrt(squares))
 
 
-def rounding_of_frequencies(system: System, found: Modes) -> Array:
-    """What rounding of K leaves open of frequencies (m, Hz; 95 %, of both signs).
-
-    δω² = φᵀδKφ to first order of mass-normalised shapes φ. Frequencies are told by their number:
-    one that is open as far as the next may have changed places with it.
-    """
-    frequencies = found.frequencies
-    left = np.diag(rounding(system, found.shapes)) / (8.0 * np.pi**2 * frequencies)
-    below, above = np.sort(frequencies - left), np.sort(frequencies + left)
-    return np.asarray(np.maximum(frequencies - below, above - frequencies))
-
-
 def modes(solution: Solved, count: int) -> Modes:
     """The lowest `count` modes (Hz; shapes n×count, mass-normalised), idle motions left out.
 

@@ -1,14 +1,12 @@
 """A leg as hexahedra: its section's mesh extruded, the product of section and line."""
 
-from math import ceil
-
 import numpy as np
 
 from lumped.arrays import Array
 from lumped.errors import InputError
 from lumped.sections import Section
-from meshes.quality import LARGEST_ASPECT, check
-from meshes.section.section_blocks import Divisions, thinnest_layer
+from meshes.quality import check
+from meshes.section.section_blocks import Divisions
 from meshes.section.section_mesh import SectionMesh, require_leg, section_mesh
 from meshes.solid_mesh import EndFace, SolidMesh
 
@@ -43,17 +41,6 @@ def extrude(section: SectionMesh, at: Array) -> SolidMesh:
         tip=EndFace(face + (len(x) - 1) * per_plane, section),
         slices=slices,
     )
-
-
-def slice_count(section: Section, length: float, divisions: Divisions) -> int:
-    """Slices as long as smaller side / divisions, so that all sizes refine together.
-
-    In thin walls they are shorter where they would come near the aspect ratio that is refused.
-    """
-    across = divisions if isinstance(divisions, int) else min(divisions)
-    of_four = ceil(4.0 * length / min(section.extent) - 1e-9)
-    bounded = ceil(length / (LARGEST_ASPECT / 2.0 * thinnest_layer(section, across)) - 1e-9)
-    return max(ceil(across * of_four / 4), bounded)
 
 
 def hexahedra(section: Section, length: float, divisions: Divisions, slices: int) -> SolidMesh:

@@ -16,7 +16,7 @@ So divisions of 4, 8, 16, … are uniform refinements of each other, for every s
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from math import ceil, inf, pi, prod, radians, sqrt, tan
+from math import ceil, pi, prod, radians, sqrt, tan
 from typing import TypeAlias
 
 import numpy as np
@@ -99,20 +99,6 @@ def _along(length: float, thickness: float, side: float, divisions: int) -> int:
 
 def _fitting(length: float, size: float) -> int:
     return max(1, ceil(length / size - _ROUND_OFF))
-
-
-def thinnest_layer(section: Section, divisions: int) -> float:
-    """Thickness (m) of one element across the thinnest wall; infinite for solid shapes."""
-    side = min(section.extent)
-    match section:
-        case HollowRectangle(thickness=thickness) | Tube(thickness=thickness):
-            walls = [thickness]
-        case ISection():
-            walls = [section.flange, section.web]
-        case _:
-            walls = []
-    layers = [thickness / _across(thickness, side, divisions) for thickness in walls]
-    return min(layers, default=inf)
 
 
 def _rectangle(section: Rectangle, divisions: Divisions) -> Blocks:

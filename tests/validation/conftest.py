@@ -13,7 +13,7 @@ from validation.adequacy.matrix import Matrix
 from validation.adequacy.response import Subject
 from validation.adequacy.robot import robot_subject
 from validation.context import Context
-from validation.export import models as exports
+from validation.export import files as exports
 from validation.models import parts
 
 

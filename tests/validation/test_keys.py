@@ -36,8 +36,7 @@ from validation.run.cache import key_of
 from validation.run.folder import mark_of
 from validation.session.validate import Request
 from validation.variations import curves as CURVES  # noqa: N812
-from validation.variations.curves import computed
-from validation.variations.robots import VariedRobot
+from validation.variations.curves import VariedRobot, computed
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 ROCKER, TAPERED = (EXAMPLES / name / "robot.toml" for name in ("rocker", "tapered-biglide"))

@@ -1,1 +1,22 @@
-"""What is compared, one module for each subject; `validation.catalogue` gathers them."""
+"""A robot against what shares nothing with its models: polynomials, waves, other programs.
+
+In: the mechanism of a run. Out: cases whose subject is the robot, or one of its legs alone.
+"""
+
+from lumped.mechanism.mechanism import Mechanism
+from validation.adequacy.mechanism.path import distinct_legs
+from validation.case import Case
+from validation.cases import legs, other_programs, polynomials, solids
+
+
+def cases(described: Mechanism, modes: int) -> tuple[Case, ...]:
+    """All of them, in the order of the report: of legs that are alike of the first.
+
+    `modes` frequencies of the robot are judged.
+    """
+    return (
+        *legs.cases(legs=distinct_legs(described)),
+        *solids.cases(mechanism=described),
+        *other_programs.cases(mechanism=described),
+        *polynomials.cases(mechanism=described, modes=modes),
+    )

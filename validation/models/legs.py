@@ -15,9 +15,7 @@ from lumped.errors import InputError
 from lumped.legs import ConstantLeg, GivenLeg, Leg, equivalent_leg, given_compliance, tip_compliance
 from lumped.mechanism.body_model import BodyModel, LegMatrices
 from lumped.memo import memo
-from lumped.models import cantilever
-from lumped.models.bodies import legs_of
-from lumped.models.cantilever import clamped_modes, tip_compliance_of
+from lumped.models.bodies import clamped_modes, legs_of, tip_compliance_of
 from lumped.models.segments import (
     SegmentChain,
     segment_chain,
@@ -158,10 +156,3 @@ def leg_frequencies(
 def constant_leg_of(context: Context, body: str) -> ConstantLeg:
     """The equivalent constant-section leg of a body of the run's robot."""
     return context.get(equivalent_leg, legs_of(context.robot_file.mechanism)[body])
-
-
-def kind_frequencies(
-    leg: ConstantLeg, model: ModelName, kind: str, count: int, options: ModelOptions
-) -> Array:
-    """First frequencies (Hz) of one kind of deformation of the clamped leg."""
-    return cantilever.kind_frequencies(leg_matrices(model, leg, options), kind, count)

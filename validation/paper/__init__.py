@@ -6,12 +6,12 @@ their deformations and natural frequencies". They hold for the IFW demonstrator 
 
 from validation.case import Case
 from validation.exhibits import PlannedFigure
-from validation.paper.statements import decision, family, frequencies, statics
+from validation.paper import family, frequencies, statics
 
 
 def cases() -> tuple[Case, ...]:
     """One case for each statement about stiffness and frequencies."""
-    tables = (statics, frequencies, family, decision)
+    tables = (statics, frequencies, family)
     return tuple(case for table in tables for case in table.statements())
 
 

@@ -9,8 +9,18 @@ import numpy as np
 
 from lumped.arrays import Array
 from validation.context import Context, Preset
-from validation.drawing.charts.chart import Chart, Note, Panel, Series, compared, lettered
-from validation.drawing.charts.scales import Scale, from_zero, largest, plain_log
+from validation.drawing.chart import (
+    Chart,
+    Note,
+    Panel,
+    Scale,
+    Series,
+    compared,
+    from_zero,
+    largest,
+    lettered,
+    plain_log,
+)
 from validation.drawing.text import percent
 from validation.exhibits import FAMILY, STROKE
 from validation.models.options import DEFAULT_OPTIONS, ModelName, ModelOptions
@@ -25,7 +35,7 @@ from validation.paper.robot import (
     frequencies,
     stroke_of,
 )
-from validation.report.figures.declared import FigureGroup, Shown, compared_with, curves
+from validation.report.declared import FigureGroup, Shown, compared_with, curves
 
 T = TypeVar("T")
 _PLACES = {"centre": "centre of the stroke", "left": "left end", "right": "right end"}
@@ -58,38 +68,10 @@ SEGMENTS = Line("segments", "segments")
 PRINTED = Line("segments, eq. (25) as printed", "segments", ModelOptions(release="printed"))
 BEAM = Line("beam FE", "beam")
 ONE_FORMULATION = (EQUIVALENT, SEGMENTS, BEAM)
-DYNAMIC = (SIMPLIFIED, SEGMENTS, BEAM)
 
 
 @over_stroke.figure(
-    "deflection.simplified",
-    "Planar deflections, simplified model against beams (as the paper's Fig. 3)",
-)
-def simplified_deflections(context: Context) -> Shown:
-    """Two panels on logarithmic axes: a force along x and one along y."""
-    x, found = _over_the_stroke(context, (SIMPLIFIED, BEAM), _deflections)
-    simple, beam = found[SIMPLIFIED], found[BEAM]
-    high = beam.largest_planar
-    scale = partial(plain_log, low=high / 100.0, high=1.6 * high)
-    panels = [
-        _panel(found, x, name, scale, "" if place else f"deflection under {LOAD:g} N (µm)", BEAM)
-        for place, name in enumerate(("planar_x", "planar_y"))
-    ]
-    return curves(
-        stroke_chart(x, lettered(panels)),
-        "Norm of the planar deflection of B: drives alone elastic (simplified), and the legs as "
-        "beams with their feet (finite elements). "
-        f"Simplified: at most {simple.largest_planar:.2f} µm; under a force along x "
-        f"{simple.planar_x[0]:.1f} and {simple.planar_x[-1]:.1f} µm at the ends of the stroke "
-        "(where a curve falls to zero it leaves the logarithmic axis). "
-        f"Beams: up to {high:.1f} µm, {high / simple.largest_planar:.1f} times as much. "
-        "The simplified model is no estimate of the deflection.",
-        compared_with(BEAM.label),
-    )
-
-
-@over_stroke.figure(
-    "deflection.stroke", "Deflections over the stroke, all models (as the paper's Fig. 5)"
+    "deflection.stroke", "Deflections over the stroke, all models (as the paper's Figs 3 and 5)"
 )
 def all_deflections(context: Context) -> Shown:
     """Three panels: planar under a force along x, along y, and out of the plane."""
@@ -98,16 +80,20 @@ def all_deflections(context: Context) -> Shown:
         _panel(found, x, name, from_zero, "" if place else "deflection (µm)", GIVEN)
         for place, name in enumerate(_LOADS)
     ]
-    given, planar = found[GIVEN], found[GIVEN].largest_planar
+    simple, given = found[SIMPLIFIED], found[GIVEN]
+    planar = given.largest_planar
     along_z = float(given.along_z.max())
     alike = [found[line] for line in ONE_FORMULATION]
     apart = max(spread([getattr(one, name) for one in alike]) for name in _LOADS)
     return curves(
         stroke_chart(x, lettered(panels)),
-        "Deflections of the loaded point. Virtual joints with the legs as given reach "
-        f"{planar:.1f} µm in the plane, {planar / found[SIMPLIFIED].largest_planar:.1f} times the "
-        f"simplified model, and {along_z:.1f} µm along z, {along_z / planar:.1f} times the planar "
-        "ones: what the simplified model leaves out is the larger part. With the same equivalent "
+        "Deflections of the loaded point. Drives alone elastic (simplified): at most "
+        f"{simple.largest_planar:.2f} µm; under a force along x {simple.planar_x[0]:.1f} and "
+        f"{simple.planar_x[-1]:.1f} µm at the ends of the stroke. "
+        "Virtual joints with the legs as given reach "
+        f"{planar:.1f} µm in the plane, {planar / simple.largest_planar:.1f} times as much, and "
+        f"{along_z:.1f} µm along z, {along_z / planar:.1f} times the planar ones: "
+        "what the simplified model leaves out is the larger part. With the same equivalent "
         "legs, virtual joints, segments and beam elements lie on one curve (they differ by "
         f"{percent(apart, signed=False)}). What separates it from the legs as given is the data "
         "of the legs, not the formulation.",
@@ -143,98 +129,77 @@ def deflections_of_the_family(context: Context) -> Shown:
 
 
 @over_stroke.figure(
-    "frequency.simplified",
-    "First natural frequency, simplified model against beams (as the paper's Fig. 7)",
-)
-def simplified_frequency(context: Context) -> Shown:
-    """Left all models on a logarithmic axis, right the simplified one alone."""
-    x, found = _over_the_stroke(context, DYNAMIC, _frequencies)
-    first = _of_modes(found, x, 1)
-    alone = [one for one in first if one.label == SIMPLIFIED.label]
-    panels = [
-        Panel(first, "all models", _FIRST, hertz(first)),
-        Panel(alone, "the simplified model alone"),
-    ]
-    simple, beam = found[SIMPLIFIED][:, 0], found[BEAM][:, 0]
-    return curves(
-        stroke_chart(x, lettered(panels), high=2.5),
-        "The lowest frequency of the platform's mass on the drives, and of the whole robot. "
-        f"Simplified: {simple.min():.0f} to {simple.max():.0f} Hz. With elastic legs and feet "
-        f"and the legs' mass: {beam.min():.0f} to {beam.max():.0f} Hz, "
-        f"{(simple / beam).max():.1f} times lower. The mode that limits the robot is not in "
-        "the simplified model at all.",
-    )
-
-
-@over_stroke.figure(
     "frequency.stroke",
-    "First two natural frequencies over the stroke (as the paper's Fig. 10)",
+    "First natural frequencies over the stroke (as the paper's Figs 7 and 10)",
     effort=2.0,
 )
-def refined_frequencies(context: Context) -> Shown:
-    """Both frequencies of segments and beams in one pair of axes, with the printed eq. (25)."""
-    x, found = _over_the_stroke(context, (SEGMENTS, PRINTED, BEAM), _frequencies)
+def frequencies_over_the_stroke(context: Context) -> Shown:
+    """Two of segments and beams, with the printed eq. (25); the first beside the simplified one."""
+    x, found = _over_the_stroke(context, (SIMPLIFIED, SEGMENTS, PRINTED, BEAM), _frequencies)
+    simple, whole = found[SIMPLIFIED][:, 0], {one: found[one] for one in (SEGMENTS, PRINTED, BEAM)}
     beam, printed = (found[line][len(x) // 2] for line in (BEAM, PRINTED))
     apart = spread([found[SEGMENTS], found[BEAM]])
-    series = _of_modes(found, x, _MODES)
-    panel = Panel(series, y_label=_BOTH, scale=from_zero, notes=list(_numbers(x, found)))
+    first = _of_modes({one: found[one] for one in (SIMPLIFIED, SEGMENTS, BEAM)}, x, 1)
+    both, notes = _of_modes(whole, x, _MODES), list(_numbers(x, whole))
+    panels = [
+        compared(panel, BEAM.label)
+        for panel in (
+            Panel(both, "the whole robot", _BOTH, from_zero, notes=notes),
+            Panel(first, "the first, all models", _FIRST, hertz(first)),
+        )
+    ]
     return curves(
-        stroke_chart(x, [compared(panel, BEAM.label)], high=2.8),
+        stroke_chart(x, lettered(panels), high=2.8),
         "First and second natural frequency of the whole robot, 20 elements in each leg. Segments "
         f"and beam elements agree to {percent(apart, signed=False)}; at "
         f"the centre they give {beam[0]:.0f} and {beam[1]:.0f} Hz. Eq. (25) as printed deletes row "
         "and column of φz from the joint's stiffness, which locks whatever motion is coupled to "
         f"φz: with it the second frequency is {printed[1]:.0f} Hz. Static condensation is the "
-        "right release of a joint.",
+        "right release of a joint. The platform's mass on the drives alone (simplified): "
+        f"{simple.min():.0f} to {simple.max():.0f} Hz, up to "
+        f"{(simple / found[BEAM][:, 0]).max():.1f} times the first of the whole robot: the mode "
+        "that limits it is not in the simplified model at all.",
         compared_with(BEAM.label),
     )
 
 
 @over_family.figure(
-    "frequency.family-simplified",
-    "First natural frequency of robots with longer legs, simplified model against beams "
-    "(as the paper's Fig. 12)",
-)
-def simplified_family(context: Context) -> Shown:
-    """First frequency against α at three points, logarithmic axes."""
-    found = _over_the_family(context, DYNAMIC, _frequencies)
-    series = {point: _of_modes(at, np.array(ALPHAS), 1) for point, at in found.items()}
-    scale = hertz([one for at in series.values() for one in at])
-    simple, beam = found["centre"][SIMPLIFIED][:, 0], found["centre"][BEAM][:, 0]
-    return curves(
-        family_chart([family_panel(point, at, _FIRST, scale) for point, at in series.items()]),
-        _LONGER,
-        f"At the centre the simplified first frequency goes from {simple[0]:.0f} to "
-        f"{simple[-1]:.0f} Hz, that of the beams from {beam[0]:.0f} to {beam[-1]:.0f} Hz: the two "
-        "models ask for opposite changes of the design.",
-    )
-
-
-@over_family.figure(
     "frequency.family",
-    "First two natural frequencies of robots with longer legs (as the paper's Fig. 13)",
+    "First natural frequencies of robots with longer legs (as the paper's Figs 12 and 13)",
 )
-def refined_family(context: Context) -> Shown:
-    """Both frequencies against α at three points."""
-    found = _over_the_family(context, (SEGMENTS, BEAM), _frequencies)
-    first, second = found["centre"][BEAM].T
-    apart = max(spread(list(at.values())) for at in found.values())
-    top = largest(values for at in found.values() for values in at.values())
-    panels = []
+def frequencies_of_the_family(context: Context) -> Shown:
+    """Both frequencies against α at three points, of the simplified model the first."""
+    found = _over_the_family(context, (SIMPLIFIED, SEGMENTS, BEAM), _frequencies)
+    alphas = np.array(ALPHAS)
+    shown, apart = {}, 0.0
     for point, at in found.items():
-        heights = np.max([values[:4] for values in at.values()], axis=(0, 1))
-        notes = [
-            Note(f"mode {mode + 1}", ALPHAS[0], float(height), (0.0, 6.0))
-            for mode, height in enumerate(heights)
-        ]
-        series = _of_modes(at, np.array(ALPHAS), _MODES)
-        panels.append(family_panel(point, series, _BOTH, partial(from_zero, top=top), notes))
+        whole = {line: at[line] for line in (SEGMENTS, BEAM)}
+        apart = max(apart, spread(list(whole.values())))
+        first = _of_modes({SIMPLIFIED: at[SIMPLIFIED]}, alphas, 1)
+        shown[point] = [*first, *_of_modes(whole, alphas, _MODES)]
+    scale = hertz([one for series in shown.values() for one in series])
+    panels = [
+        family_panel(
+            point,
+            series,
+            _BOTH,
+            scale,
+            [
+                Note(f"mode {mode + 1}", ALPHAS[0], float(height), (0.0, 6.0))
+                for mode, height in enumerate(found[point][BEAM][0])
+            ],
+        )
+        for point, series in shown.items()
+    ]
+    simple, (first, second) = found["centre"][SIMPLIFIED][:, 0], found["centre"][BEAM].T
     return curves(
         family_chart(panels),
         _LONGER,
         f"At the centre the first frequency goes from {first[0]:.0f} to {first[-1]:.0f} Hz, the "
-        f"second from {second[0]:.0f} to {second[-1]:.0f} Hz. Segments and beam elements agree to "
-        f"{percent(apart, signed=False)}.",
+        f"second from {second[0]:.0f} to {second[-1]:.0f} Hz; segments and beam elements agree to "
+        f"{percent(apart, signed=False)}. The simplified first frequency goes from "
+        f"{simple[0]:.0f} to {simple[-1]:.0f} Hz: the two models ask for opposite changes of the "
+        "design.",
     )
 
 

@@ -8,26 +8,22 @@ from dataclasses import dataclass, replace
 from itertools import chain
 
 import numpy as np
-from scipy.sparse import csr_array
 
-from fem.bodies.solid import solid_leg, solid_leg_matrices, solid_mesh
-from fem.solvers.cholesky import analyse
-from fem.solvers.modes import searched_modes
 from lumped.arrays import Array
 from lumped.dense.modes import Modes
-from lumped.legs import Leg, equivalent_leg
+from lumped.legs import Leg
 from lumped.mechanism.biglide import Stroke
 from lumped.mechanism.kinematics.postures import posture
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.models.bodies import legs_of
 from lumped.robot_file import RobotFile, as_printed
-from lumped.system.assembly import System, assembly
+from lumped.system.assembly import System
 from lumped.system.joint_motion import Portion
 from lumped.system.solution import strain_shares
 from validation.context import BUILT_IN
 from validation.models.mechanism import answers, mechanism_modes
 from validation.models.options import DEFAULT_OPTIONS, ModelName, ModelOptions
-from validation.report.figures.mechanism.mode_names import kinetic_shares
+from validation.report.figures.mode_names import kinetic_shares
 
 LOAD = 1000.0  # N, the paper's loads (§2.1, §2.2)
 # Lengths of the legs over those given, as in the figures of the family.
@@ -177,23 +173,6 @@ def modes(
     """The lowest `count` modes in all places, shares of energy beside them."""
     found = (mechanism_modes(model, at.postures, count, options) for at in places)
     return [_told(one.system, one.modes) for one in chain(*found)]
-
-
-def unreduced_modes(at: Posture, count: int, divisions: int) -> ModeShares:
-    """The lowest `count` modes in a posture, legs as solids on all their unknowns.
-
-    Sixty modes of such solids take less time than bodies reduced for the last of them.
-    """
-    legs = {name: equivalent_leg(leg) for name, leg in legs_of(at.mechanism).items()}
-    solids = {
-        name: solid_leg_matrices(solid_leg(leg, solid_mesh(leg, divisions)))
-        for name, leg in legs.items()
-    }
-    system = assembly(at.mechanism, solids).at(at)
-    stiffness, mass = csr_array(system.stiffness), csr_array(system.mass)
-    # The bodies' insides come last, node by node; before them lie the nodes of the mechanism.
-    factor = analyse(stiffness, leading=(system.outer,)).factorise(system.name)
-    return _told(system, searched_modes(factor, mass, count, system.name))
 
 
 def _told(system: System, found: Modes) -> ModeShares:

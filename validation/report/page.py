@@ -15,7 +15,7 @@ from validation.adequacy.matrix import Matrix
 from validation.drawing import text
 from validation.drawing.turnable import viewer
 from validation.exhibits import PORTRAIT, Figure
-from validation.report.first_screen.screen import FirstScreen, first_screen
+from validation.report.first_screen import FirstScreen, first_screen
 from validation.report.listing import summary
 from validation.report.sections import Chapter, chapters_of
 from validation.results.gathered import Results

@@ -11,8 +11,8 @@ from math import isnan
 from validation.case import Relation, Relative
 from validation.drawing.text import anchor
 from validation.exhibits import FAMILY, MODES, PARAMETERS, PATH, STROKE, Figure
+from validation.report.declared import attempted
 from validation.report.figures.budgets import budget_figure
-from validation.report.figures.declared import attempted
 from validation.report.figures.studies import Family, families, study_figure
 from validation.report.said import SaidTable
 from validation.results.outcome import Outcome, Verdict

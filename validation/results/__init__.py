@@ -1,4 +1,4 @@
 """What a run found, as plain data.
 
-Records between processes and on the disk, results.json and JUnit XML, and runs side by side.
+Records between processes and on the disk, results.json, and runs side by side.
 """

@@ -7,7 +7,7 @@ from fem.machine import TO_COMPUTE, require_room
 from validation.console.streams import say
 
 if TYPE_CHECKING:
-    from validation.selftest.benchmark import BenchmarkOutcome
+    from validation.selftest.benchmarks import BenchmarkOutcome
 
 _ROW = "  {:<62} {:>16} {:>13} {:>11} {:>11}  {}"
 
@@ -18,15 +18,13 @@ def selftest() -> int:
     Exit code 1 where a number differs or cannot be computed. Reports of runs say when it passed.
     """
     from validation.run.provenance import keep_selftest, machine, versions  # noqa: PLC0415
-    from validation.selftest import robots, solids  # noqa: PLC0415
-    from validation.selftest.benchmark import outcome  # noqa: PLC0415
+    from validation.selftest.benchmarks import benchmarks, outcome  # noqa: PLC0415
 
     require_room(TO_COMPUTE)
     begun = perf_counter()
     say(_ROW.format("", "known", "here", "difference", "explained", ""))
-    listed = (*solids.benchmarks(), *robots.benchmarks())
     outcomes = []
-    for benchmark in listed:
+    for benchmark in benchmarks():
         outcomes.append(outcome(benchmark))
         say(_text(outcomes[-1]))
     bad = sum(one.verdict in {"differs", "failed"} for one in outcomes)

@@ -2,9 +2,9 @@
 
 from shlex import join
 
-from validation.report.first_screen.sentence import sentence
 from validation.report.listing import outcome_line, summary
-from validation.results import comparison_text
+from validation.report.words import sentence
+from validation.results import compare
 from validation.results.gathered import Results
 from validation.session.validate import Request
 
@@ -53,7 +53,7 @@ def changes(gathered: Results) -> tuple[list[str], bool]:
     return [
         *lost,
         *worse,
-        f"against the baseline: {comparison_text.sentence(comparison)}",
+        f"against the baseline: {compare.sentence(comparison)}",
     ], comparison.worsened
 
 

@@ -22,10 +22,10 @@ from validation.console.progress import stage
 from validation.console.streams import mention
 from validation.context import Context, Preset
 from validation.paper.errata import paper_findings
-from validation.report.first_screen.sentence import sentence
+from validation.report.listing import junit_xml
 from validation.report.page import Report, render
+from validation.report.words import sentence
 from validation.results.gathered import Results
-from validation.results.junit import junit_xml
 from validation.results.outcome import Record, Task
 from validation.results.records import RunRecord, load_run
 from validation.run import provenance
@@ -96,7 +96,7 @@ class Request:
         """The numbers that are varied; raises InputError where a robot cannot be."""
         if not self.vary:
             return ()
-        from validation.variations.robots import checked_variations  # noqa: PLC0415
+        from validation.variations.curves import checked_variations  # noqa: PLC0415
 
         return checked_variations(self.robot_file, self.vary, self.preset)
 
@@ -169,7 +169,7 @@ def validate(request: Request, catalogue: runner.Catalogue) -> Results:
         with stage("writing the report"):
             publish(gathered, folder, findings)
         if request.exports and not gathered.unfinished:
-            from validation.export.mechanism import export_mechanism  # noqa: PLC0415
+            from validation.export.files import export_mechanism  # noqa: PLC0415
 
             with (
                 stage("exporting meshes, modes and matrices"),
@@ -250,7 +250,7 @@ def _prepare(request: Request, cluster: Executor | None) -> None:
 
 def _refuse_large_exports(request: Request) -> None:
     """Raise InputError for legs whose solids are too large to be written."""
-    from validation.export.models import DIVISIONS  # noqa: PLC0415
+    from validation.export.files import DIVISIONS  # noqa: PLC0415
     from validation.solids.size import too_large  # noqa: PLC0415
 
     legs = list(legs_of(request.robot_file.mechanism).values())

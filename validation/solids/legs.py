@@ -19,7 +19,7 @@ from lumped.errors import InputError, naming
 from lumped.legs import BeamProperties, ConstantLeg, tip_compliance
 from lumped.mechanism.body_model import LegMatrices
 from lumped.memo import memo
-from lumped.models.cantilever import clamped_modes
+from lumped.models.bodies import clamped_modes
 from lumped.sections import HollowRectangle, ISection, Rectangle
 from meshes.prism.hexahedra import hexahedra
 from meshes.section.section_blocks import Divisions

@@ -8,7 +8,6 @@ from math import ceil
 
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, Leg, equivalent_leg
-from lumped.sections import Section
 from lumped.text import counted
 from meshes.section.section_blocks import section_blocks, sides_of
 from validation.context import PRESETS, Preset
@@ -17,16 +16,20 @@ from validation.context import PRESETS, Preset
 # (where a machine has less, the factorisation refuses). A hundred ordinary robots drawn at random
 # have at most 34 000, 108 000 and 675 000.
 LARGEST: dict[Preset, int] = {"quick": 100_000, "standard": 200_000, "fine": 800_000}
-# Unknowns of one end face, between which doubling has full matrices: some 10, 50 and 200 s for a
-# series of lengths, up to 1, 3 and 8 GB. Walls of a fiftieth of their section have a third of it.
-LARGEST_FACE: dict[Preset, int] = {"quick": 1500, "standard": 2500, "fine": 4000}
 
 
 def solid_unknowns(leg: ConstantLeg, divisions: int) -> float:
     """Unknowns of quadratic hexahedra; nodes that blocks of the section share count twice."""
     size = min(leg.section.extent) / divisions
     slices = max(2, ceil(leg.length / size))
-    return 3.0 * _section_nodes(leg.section, divisions, size) * (2.0 * slices + 1.0)
+    try:
+        blocks = section_blocks(leg.section, divisions)
+        sides = (sides_of(blocks, corners) for corners in blocks.corners)
+        nodes = float(sum((2 * across + 1) * (2 * along + 1) for across, along in sides))
+    except InputError:
+        # A shape that a user has added: as many squares as its area holds, four nodes each.
+        nodes = 4.0 * leg.section.area / size**2
+    return 3.0 * nodes * (2.0 * slices + 1.0)
 
 
 def too_large(legs: Sequence[Leg], divisions: Sequence[int], preset: Preset) -> str:
@@ -49,20 +52,6 @@ def too_large(legs: Sequence[Leg], divisions: Sequence[int], preset: Preset) -> 
     )
 
 
-def face_too_large(leg: ConstantLeg, divisions: int, preset: Preset) -> str:
-    """Why a run does not condense `leg`, meshed with so many `divisions`, to its ends; or ""."""
-    size = min(leg.section.extent) / divisions
-    unknowns = 3.0 * _section_nodes(leg.section, divisions, size)
-    most = LARGEST_FACE[preset]
-    if unknowns <= most:
-        return ""
-    return (
-        f"{leg.name or 'a leg'}: an end face of its {leg.section.shape} with "
-        f"{counted(divisions, 'division')} has about {unknowns:.2g} unknowns, preset {preset} "
-        f"takes {most}"
-    )
-
-
 def larger_preset(preset: Preset, takes: Callable[[Preset], bool]) -> str:
     """The first preset beyond this one that `takes` what this one does not: "preset fine".
 
@@ -70,13 +59,3 @@ def larger_preset(preset: Preset, takes: Callable[[Preset], bool]) -> str:
     """
     larger = PRESETS[PRESETS.index(preset) + 1 :]
     return next((f"preset {one}" for one in larger if takes(one)), "no preset")
-
-
-def _section_nodes(section: Section, divisions: int, size: float) -> float:
-    try:
-        blocks = section_blocks(section, divisions)
-    except InputError:
-        # A shape that a user has added: as many squares as its area holds, four nodes each.
-        return 4.0 * section.area / size**2
-    sides = (sides_of(blocks, corners) for corners in blocks.corners)
-    return float(sum((2 * across + 1) * (2 * along + 1) for across, along in sides))

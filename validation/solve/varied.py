@@ -20,7 +20,7 @@ from validation.console.progress import stage
 from validation.console.streams import complain, mention, say
 from validation.console.typed import write
 from validation.drawing.style import OTHERS, csv_of
-from validation.results import comparison_text
+from validation.results import compare
 from validation.run.cluster import on_cluster
 from validation.run.executor import Executor, in_turn, on_cores
 from validation.solve.answer import Answer, Solution, record_of
@@ -181,7 +181,7 @@ def as_text(found: VariedAnswers) -> str:
     ]
     head = f"{first.robot}, {first.model}, {counted(len(found.values), 'robot')}"
     rows = list(zip(*told, strict=True))
-    return f"{head}\n{comparison_text.table(list(numbers), rows, indent='')}"
+    return f"{head}\n{compare.table(list(numbers), rows, indent='')}"
 
 
 def as_json(found: VariedAnswers) -> str:
@@ -218,9 +218,8 @@ def png(robot_file: RobotFile, found: VariedAnswers) -> bytes:
     One for each combination of what else varies.
     """
     # Only who wants a picture waits for what draws it.
-    from validation.drawing.charts.chart import Chart, Panel, Series  # noqa: PLC0415
-    from validation.drawing.charts.plot import chart_png  # noqa: PLC0415
-    from validation.drawing.charts.scales import few_ticks, from_zero  # noqa: PLC0415
+    from validation.drawing.chart import Chart, Panel, Series, few_ticks, from_zero  # noqa: PLC0415  # noqa: PLC0415
+    from validation.drawing.plot import chart_png  # noqa: PLC0415
 
     first, *others = found.variations
     several = len(found.solutions[0].answers) > 1

@@ -1,47 +1,35 @@
 """Decisions by models over a number of the robot file, judged by the reference: cases of a run."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from math import isnan
 
-from fem.bodies import doubling
 from lumped.errors import InputError
 from lumped.robot_file import RobotFile
 from lumped.robot_file.variation import Variation
 from validation.adequacy.compared import compared_models
-from validation.adequacy.models import JUDGED
-from validation.case import Absolute, Case, Measurement, Sides, Skip
+from validation.case import Absolute, Case, Measurement, Skip
 from validation.case_group import CaseGroup, Over
-from validation.cases.mechanism.quantities import ASSEMBLER, MODEL_CODE
 from validation.context import Context
 from validation.exhibits import PARAMETERS
-from validation.solids.legs import held_solid
 from validation.variations.curves import VariedCurves, variation_study
 from validation.variations.decision import MEANING, OBJECTIVES, UNITS, Decision, Objective
 
 # Without two designs there is nothing to choose, without three no order that says anything.
 _TO_CHOOSE, _TO_ORDER = 2, 3
 _BY: Over = {"objective": OBJECTIVES, "model": lambda models, objective: models[objective]}
-# Of prisms, whose deflections and frequencies are found by different code.
-_SOLIDS: Mapping[Objective, tuple[Callable[..., object], ...]] = {
-    "deflection": (doubling.condensed_leg, doubling.tip_compliance),
-    "frequency": (held_solid,),
+_IN_ORDER: Over = {
+    "objective": OBJECTIVES,
+    "model": lambda models, objective, count: models[objective] if count >= _TO_ORDER else (),
 }
 
-
-def _sides(model: str, objective: Objective) -> Sides:
-    return Sides(MODEL_CODE[JUDGED[model].kind] or ASSEMBLER, _SOLIDS[objective])
-
-
-_losses = CaseGroup(
+_cases = CaseGroup(
     section=PARAMETERS,
     group="vary.{number}",
     figure="vary.{number}.decision",
     reference_kind="finer-model",
     citation="the same robots with solids, given 6×6 and parts; the values as typed, none between",
     effort=0.1,
-    sides=_sides,
 )
-_orders = _losses.like()
 
 
 def cases_over(robot_file: RobotFile, variations: Sequence[Variation]) -> tuple[Case, ...]:
@@ -56,10 +44,8 @@ def cases_over(robot_file: RobotFile, variations: Sequence[Variation]) -> tuple[
         models[objective] = relied or [name for name in names if name != "simplified"]
     found: list[Case] = []
     for number, variation in enumerate(variations, start=1):
-        given = {"variation": variation, "number": number, "models": models}
-        count = len(variation.values)
-        found += _losses(**given) if count >= _TO_CHOOSE else ()
-        found += _orders(**given, count=count) if count >= _TO_ORDER else ()
+        if (count := len(variation.values)) >= _TO_CHOOSE:
+            found += _cases(variation=variation, number=number, models=models, count=count)
     return tuple(found)
 
 
@@ -74,7 +60,7 @@ def varied_curves(context: Context, variation: Variation) -> Mapping[Objective, 
         raise Skip("; ".join(error.faults)) from error
 
 
-@_losses.case(
+@_cases.case(
     "decision.{objective}.loss.{model}[{variation.key}]",
     "The {variation.key} that {model} chooses by {objective} is as good as the best",
     over=_BY,
@@ -99,10 +85,10 @@ def _loss(context: Context, variation: Variation, objective: Objective, model: s
     )
 
 
-@_orders.case(
+@_cases.case(
     "decision.{objective}.order.{model}[{variation.key}]",
     "By {objective} {model} puts the values of {variation.key} into the right order",
-    over=_BY,
+    over=_IN_ORDER,
     quantity="Spearman's rank correlation with the reference",
     unit="1",
     tolerance=lambda count: Absolute(18.0 / (count * (count**2 - 1))),

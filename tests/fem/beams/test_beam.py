@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from compliances import scaled_difference
 from numpy.testing import assert_allclose
-from prismatic_legs import LEG_1, LEG_2, STEEL
+from prismatic_legs import LEG_1, LEG_2, STEEL, kind_frequencies
 
 from fem.beams.beam import beam_leg, warping_beam_leg
 from fem.beams.beam_theory import (
@@ -17,7 +17,7 @@ from fem.sections.section_constants import SectionConstants, beam_properties, se
 from lumped.arrays import dense
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, Material, tip_compliance
-from lumped.models.cantilever import clamped_modes, kind_frequencies, tip_compliance_of
+from lumped.models.bodies import clamped_modes, tip_compliance_of
 from lumped.sections import Circle, ISection, Rectangle
 from meshes.section.section_mesh import section_mesh
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from prism_waves import prism_wave_frequency
 from prismatic_legs import STEEL
 
 from fem.couplings.wave_stiffness import prism_waves
@@ -10,9 +11,8 @@ from lumped.errors import ComputationError
 from lumped.legs import ConstantLeg
 from lumped.sections import HollowRectangle, ISection, Rectangle, Tube
 from meshes.section.section_mesh import section_mesh
+from validation.cases.leg_waves import dynamic_stiffness
 from validation.solids.legs import own_beam
-from validation.solids.waves import prism_wave_frequency
-from validation.studies.leg_waves import dynamic_stiffness
 
 LENGTH = 0.9
 BOX = HollowRectangle(0.14, 0.2, 0.01)

@@ -21,7 +21,7 @@ from lumped.sections import Circle, HollowRectangle, Rectangle, Section, Tube
 from meshes.part.boundary import Facets, PartMesh
 from meshes.part.interfaces import find_interfaces
 from meshes.part.reading.read import read_part
-from meshes.prism.hexahedra import hexahedra, slice_count
+from meshes.prism.hexahedra import hexahedra
 from validation.parts.identify import identify
 
 # Rotation about x on the diagonal.
@@ -115,8 +115,9 @@ def true_compliance(part: RandomPart) -> Array:
 
 
 def _on_hexahedra(part: RandomPart, divisions: int) -> Array:
-    slices = slice_count(part.section, part.length, divisions)
-    solid = hexahedra(part.section, part.length, divisions, slices)
+    # As long as elements are wide.
+    slices = np.ceil(4.0 * part.length / min(part.section.extent)) * divisions / 4.0
+    solid = hexahedra(part.section, part.length, divisions, int(np.ceil(slices)))
     nodes = solid.nodes.copy()
     nodes[:, 1:] *= 1.0 - (nodes[:, :1] / part.length) * (1.0 - np.array(part.taper))
     faces = {

@@ -5,6 +5,7 @@ beside those of the self-test.
 """
 
 import numpy as np
+from prismatic_legs import kind_frequencies
 
 from fem.beams.beam import beam_leg
 from lumped.arrays import dense
@@ -14,13 +15,11 @@ from lumped.mechanism.body import Body, Frame, Rigid
 from lumped.mechanism.joint import Joint, Side
 from lumped.mechanism.kinematics.postures import reference_posture
 from lumped.mechanism.mechanism import GROUND, Mechanism, Tool
-from lumped.models.cantilever import kind_frequencies
 from lumped.sections import Rectangle
 from validation.models.mechanism import answers
 from validation.models.options import ModelOptions
-from validation.selftest import solids
-from validation.selftest.benchmark import Benchmark, KnownNumber
-from validation.selftest.solids import Cluster
+from validation.selftest import benchmarks as own
+from validation.selftest.benchmarks import Benchmark, Cluster, KnownNumber
 
 FV2 = "NAFEMS, The Standard NAFEMS Benchmarks, TNSB rev. 3 (1990), Test FV2"
 TEST_71 = (
@@ -32,7 +31,7 @@ REASON = "0.1 % of the theory column, which has four digits; the beams' own erro
 ARM = ConstantLeg(5.0, Rectangle(0.125, 0.5), Material.isotropic(2e11, 0.3, 8000.0))
 ARMS = 8
 SLENDER = ConstantLeg(10.0, Rectangle(0.125, 0.125), Material.isotropic(2e11, 0.3, 8000.0))
-FV5_CLUSTERS = tuple(cluster for cluster, *_ in solids.FV5_MODES)
+FV5_CLUSTERS = tuple(cluster for cluster, *_ in own.FV5_MODES)
 TEST_71_CLUSTERS = tuple(
     Cluster(k, k, target, f"bending {k}")
     for k, target in enumerate((1.010, 6.327, 17.716, 34.717, 57.390, 85.730), start=1)
@@ -52,7 +51,7 @@ def benchmarks() -> tuple[Benchmark, ...]:
             "NAFEMS FV5, deep simply supported beam, by Timoshenko beams",
             "The beam of 10 m with a square section of 2 m, its ends held as those of the solid. "
             "32 elements.",
-            solids.FV5,
+            own.FV5,
             REASON,
             deep_beam,
         ),
@@ -79,7 +78,7 @@ def benchmarks() -> tuple[Benchmark, ...]:
 
 def deep_beam() -> list[KnownNumber]:
     """FV5: simply supported, held along and about its axis at the first end alone."""
-    beam = beam_leg(solids.DEEP.timoshenko, solids.DEEP.length, 32)
+    beam = beam_leg(own.DEEP.timoshenko, own.DEEP.length, 32)
     free = np.delete(np.arange(beam.size), [0, 1, 2, 3, 7, 8])
     stiffness, mass = (dense(matrix)[np.ix_(free, free)] for matrix in (beam.stiffness, beam.mass))
     found = solve_modes(stiffness, mass, FV5_CLUSTERS[-1].last, "NAFEMS FV5").frequencies

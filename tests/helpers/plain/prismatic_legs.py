@@ -1,7 +1,12 @@
 """Steel, the equivalent legs of the paper's demonstrator, and solids of legs on small meshes."""
 
+import numpy as np
+
 from fem.bodies.solid import SolidLeg, solid_leg
+from lumped.arrays import Array, dense
+from lumped.dense.modes import solve_modes
 from lumped.legs import ConstantLeg, Material, constant_leg
+from lumped.mechanism.body_model import LegMatrices
 from meshes.prism.hexahedra import extrude, stations
 from meshes.section.section_mesh import Divisions, section_mesh
 
@@ -15,3 +20,15 @@ def meshed(leg: ConstantLeg, divisions: Divisions, slices: int) -> SolidLeg:
     """A leg in hexahedra of second order, by elements across its section and along it."""
     section = section_mesh(leg.section, divisions)
     return solid_leg(leg, extrude(section, stations(leg.length, slices)))
+
+
+def kind_frequencies(leg: LegMatrices, kind: str, count: int) -> Array:
+    """First frequencies (Hz) of one kind of deformation of the clamped leg.
+
+    The kinds of a straight leg do not couple, so that each is solved on its own unknowns: modes
+    of two kinds at one frequency stay apart.
+    """
+    stiffness = dense(leg.parts[kind])
+    own = np.flatnonzero(np.diag(stiffness) > 0.0)
+    pick = np.ix_(own[own >= 6], own[own >= 6])
+    return solve_modes(stiffness[pick], dense(leg.mass)[pick], count, kind).frequencies

@@ -27,7 +27,7 @@ from validation.adequacy.robot import robot_adequacy
 from validation.context import Context
 from validation.models.mechanism import answers
 from validation.models.options import DEFAULT_OPTIONS
-from validation.report.first_screen.sentence import sentence
+from validation.report.words import sentence
 from validation.solids.legs import COARSEST_WALLS
 
 STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)

@@ -19,7 +19,7 @@ from validation.adequacy.mechanism.parts import (
 from validation.adequacy.mechanism.path import holding, path_postures
 from validation.adequacy.models import JUDGED, judged_models, why_unable
 from validation.adequacy.robot import robot_adequacy
-from validation.cases.mechanism import parts as mechanism_parts
+from validation.cases import solids
 from validation.context import Context
 from validation.models import parts
 from validation.results.outcome import judge
@@ -101,7 +101,8 @@ def test_the_page_says_what_the_reduction_kept_and_what_that_leaves(robot_file):
 
 def test_held_and_free_modes_of_parts_are_compared_in_a_run(robot_file, monkeypatch):
     """Within both bounds, which are worth something; a mistake in either turns the verdict."""
-    case = next(c for c in mechanism_parts.cases() if c.id == "mechanism.parts.frequency[2]")
+    listed = solids.cases(mechanism=robot_file.mechanism)
+    (case,) = (case for case in listed if case.id == "mechanism.parts.frequency[2]")
     found = case.compute(Context(robot_file, "quick"))
     assert judge(case, found, 0.0).verdict == "agree"
     assert 0.0 < found.value_uncertainty + found.reference_uncertainty < 1e-3 * found.value

@@ -14,7 +14,7 @@ from validation.adequacy.robot import robot_subject
 from validation.context import Context
 from validation.models.mechanism import mechanism_modes
 from validation.models.options import ModelOptions
-from validation.report.figures.mechanism import responses
+from validation.report.figures import responses
 
 PATH = """
 [path]

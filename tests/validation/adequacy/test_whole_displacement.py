@@ -18,8 +18,8 @@ from validation.adequacy.mechanism.statics import compliances
 from validation.adequacy.models import judged_models
 from validation.adequacy.response import Subject
 from validation.adequacy.robot import static_subject
+from validation.cases import ritz as by_mechanism
 from validation.context import Context
-from validation.studies import ritz as by_mechanism
 
 
 def statics_of(robot_file: RobotFile) -> tuple[Subject, Matrix]:

@@ -87,8 +87,6 @@ def test_a_family_stands_in_its_place_and_changes_what_is_in_common():
     cases.case("first", "First")(exact)
     family = cases.family(over={"name": "ab"}, group="of {name}")
     cases.case("last", "Last")(exact)
-    other = cases.like(group="other")
-    other.case("other", "Other")(exact)
     family.case("{name}.one", "One")(exact)
     family.case("{name}.two", "Two", over={"at": (1, 2)}, unit="m{at}")(exact)
     found = cases()
@@ -100,9 +98,6 @@ def test_a_family_stands_in_its_place_and_changes_what_is_in_common():
     assert [case.group for case in found] == ["all", *["of a"] * 3, *["of b"] * 3, "all"]
     assert {case.section for case in found} == {"Robot"}
     assert [case.unit for case in found[2:4]] == ["m1", "m2"]
-    # A group like another has its fields, and cases of its own.
-    (like,) = other()
-    assert (like.id, like.group, like.section) == ("other", "other", "Robot")
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ from numpy.testing import assert_allclose
 
 from fem.beams.beam import beam_leg
 from lumped.legs import ConstantLeg, Material
-from lumped.models.cantilever import clamped_modes
+from lumped.models.bodies import clamped_modes
 from lumped.sections import Rectangle
 from validation.agreement.mode_pairing import (
     centreline_samples,

@@ -3,10 +3,9 @@
 import pytest
 from random_robots import SHAPES, alarms, robots
 
-LUMPED = ("leg1.lumped", "leg2.lumped", "mechanism.lumped")
+LUMPED = ("mechanism.lumped",)
 SOLIDS = (
     *(f"leg{n}.{group}" for n in (1, 2) for group in ("solid", "modes")),
-    *(f"restraint.leg{n}" for n in (1, 2)),
     "robot.solid.modes",
 )
 TYPICAL = ("rectangle", "tube", "i-section")

@@ -1,148 +1,121 @@
-"""Differences with a name: the exponents with which they vanish agree, and can fail."""
+"""A leg as a solid: how what sets it apart from beams vanishes, and what no beam has."""
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from like_ifw import file_of, like_ifw
-from perturbed import perturbed
+from prismatic_legs import LEG_1, LEG_2, STEEL, kind_frequencies
 
-from lumped.legs import ConstantLeg, Material
+from fem.beams.beam import beam_leg
+from fem.bodies import doubling
+from lumped.legs import ConstantLeg, Material, tip_compliance
 from lumped.robot_file import load_robot
-from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Tube
+from lumped.sections import Circle, HollowRectangle, Tube
 from validation.case import Skip
-from validation.cases.legs import end_restraint, solids
-from validation.cases.legs.end_restraint import fundamental_ratio, limit_exponent
+from validation.cases import legs
 from validation.context import Context
-from validation.models.legs import constant_leg_of
-from validation.results.outcome import judge
+from validation.solids.legs import face_mesh, own_properties, static_slices
 
-ROBOT_FILE = load_robot("ifw")
-STEEL = Material.isotropic(E=2.1e11, nu=0.3, rho=7850.0)
-RESTRAINT = end_restraint.cases(legs=("leg1", "leg2"))
+# With elements across the smaller side or the walls.
+LEGS = {
+    "leg1": (LEG_1, 3),
+    "leg2": (LEG_2, 2),
+    "box": (ConstantLeg(0.85, HollowRectangle(0.1, 0.16, 0.008), STEEL), 4),
+}
+LENGTHS = 2.0 ** np.arange(5)
+# Powers of the slenderness (docs/guide/theory.md): a held face acts over a fixed length, shear and
+# rotary inertia all along, shear's own warping is held over a fixed length of L/κGA.
+EXPONENTS = {
+    "torsion": -1.0,
+    **dict.fromkeys(("contraction c11", "contraction c22", "contraction c33"), -1.0),
+    "shear": -2.0,
+    "rotary inertia": -2.0,
+    "warping of shear": -3.0,
+}
+# The extrapolated share of torsion and the shear share L/κGA ÷ L³/3EI: leg 1 1.44 % and 1.35 %,
+# leg 2 17.5 % and 17.9 % (the end restraint brings the latter to 17.5 %).
+SHARES = {
+    ("leg1", "torsion"): (0.0140, 0.0160),
+    ("leg1", "shear"): (0.0133, 0.0137),
+    ("leg2", "torsion"): (0.174, 0.177),
+    ("leg2", "shear"): (0.178, 0.180),
+}
 
 
-@pytest.fixture(scope="module")
-def quick():
-    return Context(ROBOT_FILE, "quick")
-
-
-@pytest.fixture(scope="module")
-def walls():
-    """Steel legs: a box, whose section distorts, and an open I, whose warping reaches far."""
-    robot = like_ifw(
-        leg1=ConstantLeg(0.85, HollowRectangle(0.1, 0.16, 0.008), STEEL),
-        leg2=ConstantLeg(0.775, ISection(0.1, 0.16, 0.012, 0.008), STEEL),
+def doubled(leg: ConstantLeg, divisions: int):
+    """Diagonals of the tip compliances (5×6), length doubled: rigid, free ends, slender beam."""
+    pieces = [doubling.condensed_leg(leg, face_mesh(leg, divisions), static_slices(leg, divisions))]
+    for _ in LENGTHS[1:]:
+        pieces.append(doubling.doubled(pieces[-1]))
+    beam = own_properties(leg, divisions).as_euler_bernoulli()
+    return (
+        np.array([np.diag(doubling.tip_compliance(one, "rigid")) for one in pieces]),
+        np.array([np.diag(doubling.tip_compliance(one, "free")) for one in pieces]),
+        np.array([np.diag(tip_compliance(beam, leg.length * by)) for by in LENGTHS]),
     )
-    return Context(file_of(robot), "quick")
 
 
-def named(case):
-    return case.id
+def shear_left_out(lengths, free):
+    """Of the deflection along z; 1/EI is this mesh's own, and what it holds at faces taken off."""
+    turning = free[:, 4]
+    per_length = (turning[-1] - turning[0]) / (lengths[-1] - lengths[0])
+    at_faces = turning - per_length * lengths
+    return free[:, 2] / (per_length * lengths**3 / 3.0 + 0.5 * at_faces * lengths**2) - 1.0
 
 
-def agrees_and_can_fail(case, context):
-    outcome = judge(case, case.measure(context), 0.0)
-    assert outcome.verdict == "agree", (outcome.measurement, outcome.message)
-    assert perturbed(outcome, 3.0) == "disagree"
-    return outcome.measurement
+def rotary_inertia(leg, length):
+    slender = leg.timoshenko.as_euler_bernoulli()
+    beams = slender, replace(slender, rho_Iy=leg.timoshenko.rho_Iy)
+    without, with_it = (kind_frequencies(beam_leg(b, length, 20), "bending y", 1)[0] for b in beams)
+    return without / with_it - 1.0
 
 
-# The robot's own legs in the quick preset are the business of test_cases.
-@pytest.mark.parametrize("case", RESTRAINT, ids=named)
-def test_exponents_of_thin_walled_legs_agree_and_can_fail(case, walls):
-    agrees_and_can_fail(case, walls)
+def differences(leg: ConstantLeg, divisions: int):
+    """Relative differences of two models at all lengths, by their cause."""
+    lengths = leg.length * LENGTHS
+    rigid, free, slender = doubled(replace(leg, material=replace(leg.material, nu=0.0)), divisions)
+    isotropic = Material.isotropic(leg.material.E, 0.3, leg.material.rho)
+    held, loose, beam = doubled(replace(leg, material=isotropic), divisions)
+    own_free = free if leg.material.nu == 0.0 else doubled(leg, divisions)[1]
+    return {
+        "torsion": 1.0 - rigid[:, 3] / free[:, 3],
+        **{f"contraction c{k + 1}{k + 1}": (loose - held)[:, k] / beam[:, k] for k in range(3)},
+        "shear": shear_left_out(lengths, own_free),
+        "rotary inertia": np.array([rotary_inertia(leg, length) for length in lengths]),
+        "warping of shear": (free - rigid)[:, 2] / slender[:, 2],
+    }
 
 
-@pytest.mark.parametrize(
-    ("number", "torsion", "shear"),
-    # The extrapolated share of torsion and the shear share L/κGA ÷ L³/3EI, both in %: leg 1
-    # 1.44 and 1.35, leg 2 17.5 and 17.9 (the end restraint brings the latter to 17.5).
-    [(1, (1.40, 1.60), (1.33, 1.37)), (2, (17.4, 17.7), (17.8, 18.0))],
-)
-def test_differences_of_the_papers_legs_are_shown_with_their_causes(number, torsion, shear, quick):
-    by_id = {case.id: case for case in RESTRAINT}
-    for name, (low, high) in {"torsion": torsion, "shear": shear}.items():
-        found = by_id[f"restraint.leg{number}.exponent[{name}]"].measure(quick)
-        assert low < found.table["relative difference (%)"][0] < high
-        assert end_restraint.CAUSES[name].label in found.notes[0]
+def limit_exponent(amounts):
+    """Exponent −p of C s⁻ᵖ (1 + D/s + …): local ones of the longest legs, extrapolated in 1/s."""
+    before, last = np.diff(np.log2(amounts[-3:]))
+    return 2.0 * last - before
 
 
-def test_shear_left_out_is_what_beam_theory_says_of_it(quick):
-    # Rectangle, ν = 0: (L/κGA) / (L³/3EI) = 3 · 1.2 · E/G · h²/12 / L².
-    for number in (1, 2):
-        leg = constant_leg_of(quick, f"leg{number}")
-        amount = end_restraint.CAUSES["shear"].amounts(quick, f"leg{number}")[0]
-        ratio = leg.material.E / leg.material.G
-        exact = 3.0 * 1.2 * ratio * leg.section.height**2 / 12.0 / leg.length**2
-        # κ on a mesh of three divisions: 2e-3 of it.
-        assert amount == pytest.approx(exact, rel=5e-3)
-
-
-@pytest.mark.exhaustive
-def test_faces_held_by_curved_cells_are_not_taken_for_shear():
-    # 600 times as long as thick and ν = 0.49: of shear 2e-6 is left, where cells of a circle that
-    # cannot contract as they should hold both faces. From the longest legs −1.94 was found.
-    rubber = Material.isotropic(E=1e6, nu=0.49, rho=1100.0)
-    robot = like_ifw(a=21.5, leg1=ConstantLeg(21.6, Circle(0.036), rubber))
-    context = Context(file_of(robot), "quick")
-    (case,) = (c for c in RESTRAINT if c.id == "restraint.leg1.exponent[shear]")
-    assert agrees_and_can_fail(case, context).value == pytest.approx(-2.0, abs=1e-5)
-
-
-def test_rotary_inertia_takes_what_rayleigh_says():
-    # To first order f/f_R − 1 = ½ (r/L)² ∫φ′²/∫φ², with 4.6478 for the first clamped-free mode
-    # (R. D. Blevins, Formulas for Natural Frequency and Mode Shape, table 8-1: β = 1.8751).
-    leg = ConstantLeg(4.0, Rectangle(0.1, 0.1), STEEL)
-    radius = 0.1 / np.sqrt(12.0)
-    first_order = 0.5 * 4.6478 * (radius / 4.0) ** 2
-    found = fundamental_ratio(leg.timoshenko, leg.length) - 1.0
-    # The next order is (r/L)² = 5e-5 of it, the constant has five digits.
-    assert found == pytest.approx(first_order, rel=5e-4)
+@pytest.mark.parametrize("name", LEGS)
+def test_differences_with_a_name_vanish_with_the_exponent_of_their_cause(name):
+    found = differences(*LEGS[name])
+    assert {cause: limit_exponent(one) for cause, one in found.items()} == pytest.approx(
+        EXPONENTS, abs=0.05
+    )
+    for cause, amounts in found.items():
+        low, high = SHARES.get((name, cause), (0.0, 1.0))
+        assert low < amounts[0] < high
 
 
 def test_modes_in_which_walls_bend_are_not_held_against_beams():
     """Solids of these arms are 8 % and 31 % lower in the modes that are left out."""
     delta = Context(load_robot("delta"), "quick")
-    cases = {case.id: case for case in solids.cases(legs=("arm1",))}
+    cases = {case.id: case for case in legs.cases(legs=("arm1",))}
     for mode, why in ((4, "3-D wave of its length is -9.3 % off"), (6, "from 2557 Hz on")):
         with pytest.raises(Skip, match=why):
             cases[f"arm1.frequency.solid[{mode}]"].measure(delta)
 
 
-@pytest.mark.parametrize(("power", "next_term"), [(1.0, 0.0), (1.0, 0.4), (3.0, -0.2)])
-def test_limit_exponent_of_a_power_with_a_second_term(power, next_term):
-    s = 8.0 * 2.0 ** np.arange(4)
-    amounts = 0.3 * s**-power * (1.0 + next_term / s)
-    # What is left is of the order (next/s)², s = 16 at the coarsest of the three used.
-    assert limit_exponent(s, amounts) == pytest.approx(-power, abs=2e-3)
-
-
-def test_a_constant_difference_has_no_exponent_of_a_named_cause():
-    # A wrong stiffness does not vanish with length: no cause's exponent lets it pass.
-    s = 8.0 * 2.0 ** np.arange(4)
-    found = limit_exponent(s, 0.01 + 0.3 / s)
-    assert all(abs(found - cause.exponent) > 0.15 for cause in end_restraint.CAUSES.values())
-
-
-def test_round_legs_skip_the_torsion_that_does_not_warp():
-    robot = like_ifw(leg1=ConstantLeg(0.8, Circle(0.1), STEEL))
-    context = Context(file_of(robot), "quick")
-    case = next(c for c in RESTRAINT if c.id == "restraint.leg1.exponent[torsion]")
-    with pytest.raises(Skip, match="do not warp"):
-        case.measure(context)
-
-
-def test_study_of_all_causes_has_its_orders(quick):
-    case = next(c for c in RESTRAINT if c.id == "restraint.leg1.exponent[torsion]")
-    (study,) = case.measure(quick).studies
-    assert len(study.series) == len(end_restraint.CAUSES)
-    # The exponents of the causes in the order of the catalogue, measured: 1 1 1 1 2 2 3.
-    assert [round(order) for order in study.orders.values()] == [1, 1, 1, 1, 2, 2, 3]
-
-
 @pytest.mark.parametrize("section", [Circle(0.1), Tube(0.12, 0.01)])
 def test_torsion_of_round_legs_knows_no_warping_whatever_rounding_leaves_of_it(section):
     """A tube's warping constant was 2e-33 m⁶, and the reference of its torsion not a number."""
-    wave, tip = solids._warping_waves(ConstantLeg(0.8, section, STEEL), 1)
+    wave, tip = legs._warping_waves(ConstantLeg(0.8, section, STEEL), 1)
     assert tip == 1.0
     # Round sections stay plane: the wave is Saint-Venant's but for the mesh of the rim.
     assert wave == pytest.approx(1.0, abs=1e-6)

@@ -185,7 +185,7 @@ def test_a_verdict_worse_than_in_the_baseline_ends_with_1(with_catalogue, tmp_pa
 def test_export_takes_its_place_in_the_run_folder(with_catalogue, tmp_path, monkeypatch):
     with_catalogue(toys.sound)
     monkeypatch.setattr(
-        "validation.export.mechanism.export_mechanism",
+        "validation.export.files.export_mechanism",
         lambda mechanism, preset, folder: (folder / f"{mechanism.name} {preset}.vtu").touch(),
     )
     arguments = ["run", "--only", "toy.agrees", "--preset", "quick", "--out", str(tmp_path)]

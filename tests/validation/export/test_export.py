@@ -14,15 +14,13 @@ from scipy.sparse import load_npz
 
 from fem.calculix.run import CalculixMissing, calculix_program
 from lumped.legs import tip_compliance
-from lumped.models.bodies import legs_of
-from lumped.models.cantilever import clamped_modes, tip_compliance_of
+from lumped.models.bodies import clamped_modes, legs_of, tip_compliance_of
 from lumped.robot_file import load_robot
 from lumped.sections import Rectangle
 from meshes.prism.hexahedra import hexahedra
 from meshes.prism.tetrahedra import tetrahedra
-from validation.export import models as exports
-from validation.export.mechanism import export_mechanism
-from validation.export.models import DIVISIONS, WRENCHES, grid
+from validation.export import files as exports
+from validation.export.files import DIVISIONS, WRENCHES, export_mechanism, grid
 from validation.kinematics.poses import postures_of
 from validation.models import parts
 from validation.models.legs import clamped_solid, leg_matrices

@@ -15,14 +15,14 @@ from lumped.robot_file import load_robot
 from validation.adequacy.probability import propagated
 from validation.catalogue import catalogue
 from validation.context import Context
-from validation.drawing.charts.plot import chart_svg
+from validation.drawing.plot import chart_svg
 from validation.kinematics.poses import postures_of
 from validation.measured.matrix import Comparison, measured_matrix, predicted
 from validation.models.legs import leg_compliance
 from validation.models.mechanism import answers
 from validation.models.options import ModelOptions
 from validation.report.figures.adequacy import measured_curves
-from validation.report.first_screen.sentence import sentence
+from validation.report.words import sentence
 
 DRAWS = 1000
 LOAD = 1000.0

@@ -6,14 +6,12 @@ import pytest
 from like_ifw import IFW, file_of, like_ifw, placed_at, stations
 from written_robot import robot_of
 
-from fem.bodies import doubling
 from fem.bodies.solid import solid_mesh
 from lumped.acceptance.requirement import Requirement
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, Material
 from lumped.robot_file import load_robot
-from lumped.sections import Circle, HollowRectangle, Rectangle, Tube
-from meshes.section.section_mesh import section_mesh
+from lumped.sections import Circle, Rectangle, Tube
 from validation.adequacy.judgement import judged
 from validation.adequacy.matrix import Coordinate
 from validation.adequacy.mechanism import dynamics as of_mechanisms
@@ -25,15 +23,9 @@ from validation.case import Skip
 from validation.catalogue import catalogue
 from validation.context import Context
 from validation.models.options import ModelOptions
-from validation.report.figures.mechanism import pairs
+from validation.report.figures import modes
 from validation.session.validate import Request, validate
-from validation.solids import size
-from validation.solids.size import (
-    LARGEST,
-    face_too_large,
-    solid_unknowns,
-    too_large,
-)
+from validation.solids.size import LARGEST, solid_unknowns, too_large
 
 STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 # Half a millimetre wide elements over 0.85 m and 50 mm: 1700 slices of 100.
@@ -73,35 +65,6 @@ def test_what_a_run_takes_is_said_leg_by_leg():
     assert f"preset fine takes {LARGEST['fine']}" in said
 
 
-@pytest.mark.parametrize("divisions", [1, 4])
-def test_unknowns_of_an_end_face_are_those_of_its_mesh(divisions, monkeypatch):
-    leg = ConstantLeg(0.5, Rectangle(0.1, 0.06), STEEL, name="leg 1")
-    nodes = len(section_mesh(leg.section, divisions).nodes)
-    monkeypatch.setitem(size.LARGEST_FACE, "quick", 3 * nodes)
-    assert face_too_large(leg, divisions, "quick") == ""
-    monkeypatch.setitem(size.LARGEST_FACE, "quick", 3 * nodes - 1)
-    assert face_too_large(leg, divisions, "quick").startswith("leg 1: an end face of its rectangle")
-
-
-@pytest.mark.parametrize(
-    ("case", "thickness", "said"),
-    [
-        ("restraint.leg2.exponent[torsion]", 3e-4, "takes 1500; preset standard takes it"),
-        ("restraint.leg2.free", 1e-5, "no preset"),
-    ],
-)
-def test_walls_too_thin_for_full_matrices_of_an_end_face_are_skipped(
-    case, thickness, said, monkeypatch
-):
-    # Elements as wide as a wall is thick or so: the matrices of a face grow with its square.
-    monkeypatch.setattr(doubling, "condensed_leg", refused)
-    foil = ConstantLeg(0.85, HollowRectangle(0.05, 0.05, thickness), STEEL, name="leg 2")
-    thin = file_of(like_ifw(leg2=foil))
-    found = next(one for one in catalogue(thin) if one.id == case)
-    with pytest.raises(Skip, match=f"^leg2: an end face of its hollow-rectangle .*{said}"):
-        found.compute(Context(thin, "quick"))
-
-
 def test_frequencies_without_such_a_reference_are_undecided_with_the_reason(context):
     x = stations(SLENDER.mechanism, 3)
     robot = robot_at(context, placed_at(context.robot_file.mechanism, *x))
@@ -129,20 +92,10 @@ def five_bar(section, tmp_path):
     return Context(robot_of(text, tmp_path), "quick")
 
 
-def test_statics_of_a_mechanism_of_too_thin_walls_are_skipped_with_the_leg(tmp_path):
-    paper = 'shape = "hollow-rectangle", width = 0.050, height = 0.060, thickness = 0.0002'
-    context = five_bar(paper, tmp_path)
-    (case,) = (one for one in catalogue(context.robot_file) if one.id == "mechanism.statics.solid")
-    with pytest.raises(
-        Skip, match=r"^crank1: the coarsest section mesh of its hollow-rectangle has"
-    ):
-        case.compute(context)
-
-
 def test_its_modes_have_no_partners_and_the_figure_says_why(tmp_path):
     context = five_bar('shape = "rectangle", width = 0.001, height = 0.050', tmp_path)
     with pytest.raises(Skip, match="no reference of the frequencies: crank1 as a solid"):
-        pairs.pairs(context)
+        modes.pairs(context)
 
 
 def test_their_export_is_refused_before_anything_is_computed(tmp_path):

@@ -7,22 +7,16 @@ from numpy.testing import assert_allclose
 from lumped.errors import InputError
 from lumped.robot_file import load_robot
 from validation.models.options import ModelOptions
-from validation.paper.errata import drive_compliance, jacobian
 from validation.paper.robot import (
-    FEET,
-    Places,
     deflections,
     family,
     frequencies,
     member,
-    modes,
     over_stroke,
     stroke_of,
-    unreduced_modes,
 )
 
 ROBOT = load_robot("ifw")
-CENTRE = Places(ROBOT.mechanism, np.array([0.4975]))
 
 
 def on_drives(stroke, x):
@@ -49,8 +43,6 @@ def test_the_family_on_drives_is_virtual_power(fraction):
         assert [stroke.length1, stroke.length2] == pytest.approx([alpha * 0.85, alpha * 0.775])
         x = stroke.ends[0] + fraction * stroke.length
         compliance = on_drives(stroke, x)
-        by_equations = drive_compliance(jacobian(stroke, x), 1.0e9 * np.eye(2))
-        assert_allclose(by_equations, compliance, rtol=1e-10)
         moved = np.linalg.norm(compliance, axis=0) * 1e9
         assert [found.planar_x[place], found.planar_y[place]] == pytest.approx(moved, rel=1e-9)
         softest = np.linalg.eigvalsh(compliance)[-1]
@@ -83,23 +75,10 @@ def test_longer_legs_are_stiffer_in_the_plane_and_softer_along_z():
     assert found.along_z == pytest.approx([23.0, 85.0], abs=0.5)
 
 
-def test_solids_on_all_their_unknowns_have_the_modes_of_reduced_ones():
-    whole = unreduced_modes(CENTRE.postures[0], 4, 1)
-    (reduced,) = modes("solid", (CENTRE,), 4, ModelOptions(divisions=1))
-    for shares in (reduced.strain, reduced.kinetic):
-        assert_allclose(sum(shares.values()), 1.0)
-    assert set(reduced.strain) > {*FEET}
-    assert {part.of for part in reduced.strain} == {"foot 1", "foot 2", "leg 1", "leg 2"}
-    # The modes that the reduction drops lie above 2.5 times the highest of these.
-    assert_allclose(whole.frequencies, reduced.frequencies, rtol=1e-6)
-    assert_allclose(whole.in_the_feet, reduced.in_the_feet, atol=1e-5)
-    assert_allclose(whole.kinetic["z"], reduced.kinetic["z"], atol=1e-5)
-
-
 def test_both_ends_of_the_stroke_are_rigid_along_x_on_drives():
     stroke = stroke_of(ROBOT.mechanism)
     for x in stroke.ends:
-        assert_allclose(jacobian(stroke, x)[0], 0.0, atol=1e-7)
+        assert_allclose(on_drives(stroke, x)[0], 0.0, atol=1e-16)
     found = frequencies("simplified", over_stroke(ROBOT.mechanism, 2), 2)
     assert_allclose(found[:, 0], np.sqrt(1.0e9 / 46.0) / (2.0 * np.pi), rtol=1e-7)
     assert np.isinf(found[:, 1]).all()

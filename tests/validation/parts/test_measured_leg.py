@@ -17,7 +17,7 @@ from fem.reduction.craig_bampton import reduction
 from fem.reduction.held import held_body
 from lumped.legs import GivenLeg, Material, equivalent_leg, tip_compliance
 from lumped.mechanism.body import ByCylinder, PartInterface
-from lumped.models.cantilever import clamped_modes
+from lumped.models.bodies import clamped_modes
 from meshes.part.interfaces import find_interfaces
 from meshes.part.reading.read import read_part
 from meshes.part.volume import Grading, volume_mesh

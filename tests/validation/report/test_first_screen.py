@@ -11,12 +11,12 @@ from validation.adequacy.matrix import ModelNote
 from validation.drawing.text import anchor, number
 from validation.exhibits import Figure
 from validation.report.figures.adequacy import error_curves
-from validation.report.first_screen.remedies import remedies_of
-from validation.report.first_screen.screen import first_screen
-from validation.report.first_screen.sentence import sentence
-from validation.report.first_screen.table import table_of
+from validation.report.first_screen import first_screen
 from validation.report.page import render
+from validation.report.remedies import remedies_of
 from validation.report.sections import LEGS
+from validation.report.table import table_of
+from validation.report.words import sentence
 
 NO_BREAK = "\u00a0"
 

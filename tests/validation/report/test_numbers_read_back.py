@@ -14,8 +14,7 @@ from validation.case import Absolute, Measurement, Relative
 from validation.drawing import text
 from validation.exhibits import Study, study_record
 from validation.report.figures.studies import family_of, study_figure
-from validation.report.listing import outcome_line, summary
-from validation.results.junit import junit_xml
+from validation.report.listing import junit_xml, outcome_line, summary
 from validation.results.outcome import Outcome, Result, judge
 
 SUPERSCRIPTS = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")

@@ -15,11 +15,11 @@ from random_subjects import MODES, subject
 from lumped.acceptance.requirement import Requirement
 from validation import api
 from validation.adequacy.judgement import judged
-from validation.drawing.charts.chart import chart_table
+from validation.drawing.chart import chart_table
 from validation.report.figures.adequacy import error_curves
-from validation.report.first_screen.remedies import remedies_of
-from validation.report.first_screen.table import csv_of_matrix, table_of
-from validation.report.first_screen.words import SIGNS
+from validation.report.remedies import remedies_of
+from validation.report.table import csv_of_matrix, table_of
+from validation.report.words import SIGNS
 from validation.results.records import adequacy_records
 from validation.solve.answer import as_text
 

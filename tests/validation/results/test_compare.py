@@ -13,8 +13,7 @@ from lumped.errors import InputError
 from validation import cli
 from validation.case import Measurement
 from validation.report.page import Report
-from validation.results.compare import as_dict, compare, drift, with_drift
-from validation.results.comparison_text import as_text
+from validation.results.compare import as_dict, as_text, compare, drift, with_drift
 from validation.results.gathered import Results
 from validation.results.outcome import Result, judge
 from validation.results.records import (

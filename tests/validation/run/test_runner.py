@@ -13,7 +13,7 @@ from toy_runs import lines, partial, run_here
 
 from lumped.errors import ComputationError, InputError
 from lumped.robot_file import load_robot
-from validation.results.junit import junit_xml
+from validation.report.listing import junit_xml
 from validation.results.outcome import Outcome, Result
 from validation.run.opening import open_folder
 from validation.session import runner

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from prism_waves import beam_wave_frequency, prism_wave_frequency
 
 from fem.bodies.solid import section_twists
-from validation.selftest import solids
-from validation.selftest.benchmark import outcome
+from validation.selftest import benchmarks
 
 ROOT = Path(__file__).resolve().parents[3]
 MANUAL = runpy.run_path(str(ROOT / "docs" / "pictures" / "verification.py"))
@@ -24,7 +24,7 @@ OWN, FURTHER = MANUAL["listed"]()
     ids=[benchmark.title for benchmark in (*OWN, *FURTHER)],
 )
 def test_the_numbers_agree_and_are_those_of_the_manual(number, benchmark):
-    found = outcome(benchmark)
+    found = benchmarks.outcome(benchmark)
     if found.verdict == "skipped":
         pytest.skip(found.message)
     assert found.verdict == "agrees", (found.message, found.compared)
@@ -44,8 +44,8 @@ def test_the_selftest_is_short():
 
 
 def test_a_simply_supported_solid_is_held_on_average_and_turns_at_its_ends():
-    beam = solids.extruded(solids.DEEP, 2, 6)
-    shapes = solids.simply_supported(beam).modes(2).shapes
+    beam = benchmarks.extruded(benchmarks.DEEP, 2, 6)
+    shapes = benchmarks.simply_supported(beam).modes(2).shapes
     twists = section_twists(beam.mesh, np.array([0.0, 5.0, 10.0])) @ shapes
     first, middle, last = twists.reshape(3, 6, 2)
     largest = np.abs(middle[1:3]).max()
@@ -54,3 +54,23 @@ def test_a_simply_supported_solid_is_held_on_average_and_turns_at_its_ends():
     assert np.abs(first[[0, 3]]).max() < 0.01 * largest
     # Half a wave of amplitude 1 over 10 m turns its ends by π/10, shear taking a part of it.
     assert 0.8 * pi / 10.0 < np.abs(first[4:]).max() / largest < pi / 10.0
+
+
+@pytest.mark.parametrize(
+    ("mode", "kind", "halves"),
+    [
+        (0, "bending", 1.0),
+        (1, "torsion", 0.5),
+        (2, "tension", 0.5),
+        (3, "bending", 2.0),
+        (4, "torsion", 1.5),
+        (5, "bending", 3.0),
+    ],
+)
+def test_what_beam_theory_neglects_is_that_of_the_prisms_waves(mode, kind, halves):
+    """So many half waves of each mode along the beam."""
+    deep, (_, explained) = benchmarks.DEEP, benchmarks.FV5_MODES[mode]
+    wavenumber = halves * pi / deep.length
+    prism = prism_wave_frequency(deep.section, deep.material, kind, wavenumber)
+    beam = beam_wave_frequency(deep.timoshenko, kind, wavenumber)
+    assert prism / beam - 1.0 == pytest.approx(explained, abs=1e-7)

@@ -18,9 +18,8 @@ from validation.context import Context
 from validation.run.executor import on_cores
 from validation.solids.size import LARGEST
 from validation.variations.cases import cases_over
-from validation.variations.curves import decision_of, variation_study
+from validation.variations.curves import VariedModels, decision_of, variation_study
 from validation.variations.decision import Decision
-from validation.variations.robots import VariedModels
 
 LENGTH, WIDTH, E, RHO, TOOL, DRIVE = 0.5, 0.16, 2.1e11, 7850.0, 2.0, 1.23e7
 BAR = f"""

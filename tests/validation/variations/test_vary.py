@@ -12,8 +12,8 @@ from lumped.acceptance.requirement import AXES
 from lumped.robot_file import load_robot
 from lumped.robot_file.places import unit_of
 from validation.cli import main
-from validation.drawing.charts.scales import short_number
-from validation.variations.robots import checked_variations, varied_robots
+from validation.drawing.chart import short_number
+from validation.variations.curves import checked_variations, varied_robots
 
 ARM = f"{ONE_ARM}[path]\nfrom = [0.0]\nto = [0.2]\ncount = 3\n"
 WIDTH = "bodies.arm.section.width=0.04:0.08:3"

@@ -9,9 +9,8 @@ import numpy as np
 from lumped.acceptance.requirement import ANY_FORCE, AXES
 from lumped.arrays import Array
 from validation.adequacy.matrix import Entry, Matrix
-from validation.drawing.charts.chart import Chart, Column, Panel, Series
-from validation.drawing.charts.scales import few_ticks, percent, side_by_side
-from validation.report.figures.declared import Shown, curves
+from validation.drawing.chart import Chart, Column, Panel, Series, few_ticks, percent, side_by_side
+from validation.report.declared import Shown, curves
 
 _POSE = "pose"
 # The deflections, and the frequencies where there are any: what is read off first.

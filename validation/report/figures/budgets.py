@@ -12,11 +12,10 @@ from textwrap import fill
 import numpy as np
 
 from validation.case import Measurement
-from validation.drawing.charts.chart import Bars, Chart, Panel, Series
-from validation.drawing.charts.scales import around_zero
+from validation.drawing.chart import Bars, Chart, Panel, Series, around_zero
 from validation.drawing.text import function_name
 from validation.exhibits import Figure
-from validation.report.figures.declared import Shown, curves
+from validation.report.declared import Shown, curves
 from validation.results.outcome import Outcome
 
 # Of the causes: the hatch tells them apart in black and white.

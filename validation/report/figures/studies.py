@@ -7,11 +7,10 @@ from functools import partial
 import numpy as np
 
 from lumped.arrays import Array
-from validation.drawing.charts.chart import Chart, Column, Panel, Series
-from validation.drawing.charts.scales import refined
+from validation.drawing.chart import Chart, Column, Panel, Series, refined
 from validation.drawing.text import function_name
 from validation.exhibits import Figure, Study
-from validation.report.figures.declared import curves
+from validation.report.declared import curves
 from validation.results.outcome import Outcome
 
 _DEVIATION = "deviation from the limit (%)"

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from validation.drawing.charts.chart import (
+from validation.drawing.chart import (
     Bars,
     Chart,
     Panel,
@@ -15,9 +15,10 @@ from validation.drawing.charts.chart import (
     chart_table,
     compared,
     lettered,
+    percent,
+    power_ticks,
 )
-from validation.drawing.charts.plot import drawn_chart
-from validation.drawing.charts.scales import percent, power_ticks
+from validation.drawing.plot import drawn_chart
 from validation.drawing.style import LOOKS, marked, plot_style
 
 X = np.array([0.0, 1.0, 2.0])

@@ -12,8 +12,8 @@ from lumped.acceptance.requirement import MODEL_KINDS
 from lumped.robot_file import load_robot
 from validation.adequacy.mechanism.path import holding
 from validation.adequacy.models import JUDGED
-from validation.drawing.charts.chart import chart_table
-from validation.drawing.charts.plot import drawn_chart
+from validation.drawing.chart import chart_table
+from validation.drawing.plot import drawn_chart
 from validation.drawing.style import LOOKS, OTHERS, known_as, plot_style
 from validation.models.loads.leg_masses import MASSES
 from validation.report.figures.adequacy import error_curves, measured_curves

@@ -16,13 +16,13 @@ from lumped.robot_file import load_robot
 from validation.adequacy.compared import Compared
 from validation.context import Context
 from validation.drawing import opengl
-from validation.drawing.charts.chart import chart_table
+from validation.drawing.chart import chart_table
 from validation.kinematics.poses import postures_of
 from validation.models import parts
 from validation.models.mechanism import answers, mechanism_modes
-from validation.report.figures.mechanism import curves, energies, pairs, pictures
-from validation.report.figures.mechanism.bodies import compared_points, moved
-from validation.report.figures.mechanism.drawn_modes import finite_elements, segments
+from validation.report.figures import curves, modes, pictures
+from validation.report.figures.bodies import compared_points, moved
+from validation.report.figures.modes import finite_elements, segments
 
 pytestmark = pytest.mark.usefixtures("coarse_parts")
 
@@ -127,8 +127,8 @@ def test_loads_push_the_tool_by_the_compliance(five_bar, monkeypatch):
 
 
 def test_energies_of_modes_are_whole(five_bar, monkeypatch):
-    monkeypatch.setattr(energies, "SIXTY", 12)
-    rows = table(energies.energies(five_bar))
+    monkeypatch.setattr(modes, "SIXTY", 12)
+    rows = table(modes.energies(five_bar))
     assert len(rows) == 12
     parts = [name for name in rows[0] if name.endswith("(%)")]
     assert {"motor1 drive (%)", "crank1 torsion (%)", "rod2 bending y (%)"} <= set(parts)
@@ -139,7 +139,7 @@ def test_energies_of_modes_are_whole(five_bar, monkeypatch):
 @pytest.mark.exhaustive
 def test_beams_are_paired_with_solids(five_bar):
     """Modes of a five-bar in the reference's order, all alike."""
-    rows = table(pairs.pairs(five_bar))[:6]
+    rows = table(modes.pairs(five_bar))[:6]
     assert [float(row["beam: partner"]) for row in rows] == [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]
     assert min(float(row["beam: MAC"]) for row in rows) >= 0.99
 
@@ -197,7 +197,7 @@ def test_a_part_is_drawn_as_its_solid_moves_and_condensed_ones_beside_it(crane, 
     assert "Parts as solids in the middle of the path" in figure.caption
     assert {row["body"] for row in table(figure)} == {"arm"}
     assert len(figure.scenes) == 4
-    rows = table(energies.energies(crane))
+    rows = table(modes.energies(crane))
     assert len(rows) >= 4
     for row in rows:
         assert float(row["A drive (%)"]) + float(row["arm (%)"]) == pytest.approx(100.0, abs=1e-9)

@@ -8,7 +8,7 @@ from lumped.mechanism.kinematics.postures import reference_posture
 from lumped.robot_file import load_robot
 from lumped.sections import Rectangle
 from validation.models.mechanism import mechanism_modes
-from validation.report.figures.mechanism.mode_names import (
+from validation.report.figures.mode_names import (
     kinetic_energies,
     mode_names,
 )

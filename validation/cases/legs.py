@@ -1,0 +1,407 @@
+"""Each leg alone, root clamped: a 3-D solid against beam theory, differences with their causes."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from math import inf, nan, pi, sqrt
+from typing import Literal, TypeAlias
+
+import numpy as np
+from scipy.linalg import eigh
+
+from fem.beams.beam_theory import CantileverFrequency, cantilever_frequencies
+from fem.bodies.solid import Ends
+from fem.couplings.end_effects import restrained_compliance
+from fem.sections import nonuniform_torsion
+from fem.sections.waveguide import bending_wave, torsion_wave, wall_frequency
+from lumped.arrays import Array
+from lumped.legs import BeamProperties, ConstantLeg, tip_compliance
+from lumped.text import counted
+from validation.case import Absolute, Allowance, Measurement, Relative, Skip
+from validation.case_group import CaseGroup, numbered
+from validation.context import Context, Preset
+from validation.exhibits import Study
+from validation.models.legs import constant_leg_of
+from validation.solids.legs import (
+    FORMAL_ORDER,
+    GRIDS_FOR_ORDER,
+    ROUND_OFF,
+    Refinement,
+    SolidModes,
+    dynamic_ladder,
+    face_mesh,
+    formal_order,
+    leg_constants,
+    own_properties,
+    solid_compliances,
+    solid_frequencies,
+    static_ladder,
+)
+from validation.solids.size import larger_preset
+
+MODES = 6
+# Row and column (from 0), meaning and unit of the entries that a straight leg's compliance has.
+ENTRIES = {
+    "c11": ((0, 0), "tension", "m/N"),
+    "c22": ((1, 1), "deflection along y", "m/N"),
+    "c33": ((2, 2), "deflection along z", "m/N"),
+    "c44": ((3, 3), "torsion", "rad/(N m)"),
+    "c55": ((4, 4), "rotation about y", "rad/(N m)"),
+    "c66": ((5, 5), "rotation about z", "rad/(N m)"),
+    "c26": ((1, 5), "deflection along y under a moment about z", "m/(N m)"),
+    "c35": ((2, 4), "deflection along z under a moment about y", "m/(N m)"),
+}
+TIMOSHENKO = "S. P. Timoshenko, Phil. Mag. 41 (1921) 744; c = ∫ of unit resultants over EA … κGA"
+HUANG = "T. C. Huang, J. Appl. Mech. 28 (1961) 579, exact Timoshenko cantilever, solved here"
+# Divisions of the meshes of a leg that have at most so many unknowns.
+Ladder: TypeAlias = Callable[[ConstantLeg, int], tuple[int, ...]]
+# Unknowns of the largest section mesh for statics by doubling, and of the largest solid for modes.
+STATICS: dict[Preset, int] = {"quick": 1000, "standard": 2000, "fine": 4000}
+DYNAMICS: dict[Preset, int] = {"quick": 9_000, "standard": 30_000, "fine": 100_000}
+# Section constants are to be exact beside the solids' meshes, the waves need dense matrices.
+SECTION_DIVISIONS, WAVE_DIVISIONS = 16, 4
+# Relative tolerances of compliances. Held faces have edges where the mesh loses its order, worst in
+# I-sections (2e-5); solid and beam with free ends have one section mesh, and what is left is how
+# each follows curved walls (1e-7 of a circle).
+_HELD, _FREE = 2e-4, 3e-6
+# Wave length of the shortest mode, in section heights, that beam theory is held to.
+SHORTEST_WAVE = 3.0
+# Relative tolerance of frequencies: what Timoshenko's theory is worth down to such waves.
+_BEAMS = 0.01
+
+
+cases = CaseGroup(
+    over={"body": lambda legs: legs},
+    reference_kind="closed-form",
+    section="{body}",
+    subject="leg",
+    effort=0.5,
+)
+_compliances = cases.family(
+    over={"name, entry, meaning, unit": [(name, *of) for name, of in ENTRIES.items()]},
+    quantity="compliance {name}, {meaning}",
+    label="{name}, {meaning}",
+    citation=f"{TIMOSHENKO}; section constants by finite elements",
+    group="{body}.solid",
+)
+
+
+def compliances(context: Context, body: str, ends: Ends) -> Refinement:
+    """Tip compliances of a leg on the preset's meshes."""
+    leg = constant_leg_of(context, body)
+    divisions = _divisions(context, leg, static_ladder, STATICS, "section meshes")
+    return context.get(solid_compliances, leg, divisions)[ends]
+
+
+def frequencies(context: Context, body: str, ends: Ends) -> SolidModes:
+    """Frequencies of a leg on the preset's meshes."""
+    leg = constant_leg_of(context, body)
+    divisions = _divisions(context, leg, dynamic_ladder, DYNAMICS, "solid meshes")
+    return context.get(solid_frequencies, leg, divisions, ends, MODES)
+
+
+def _divisions(
+    context: Context, leg: ConstantLeg, ladder: Ladder, limits: Mapping[Preset, int], what: str
+) -> tuple[int, ...]:
+    """Divisions of the meshes that the preset allows; Skip where these are fewer than two."""
+    most = limits[context.preset]
+    if divisions := context.get(ladder, leg, most):
+        return divisions
+    takes = larger_preset(context.preset, lambda one: bool(ladder(leg, limits[one])))
+    raise Skip(
+        f"two {what} of this section have more than {most} unknowns, too many for preset "
+        f"{context.preset}; {takes} takes them"
+    )
+
+
+def _own_compliances(leg: ConstantLeg, divisions: tuple[int, ...]) -> Array:
+    """Tip compliances (m×6×6) of the beam, section constants on each of the solids' meshes."""
+    beams = (own_properties(leg, number) for number in divisions)
+    return np.array([tip_compliance(beam, leg.length) for beam in beams])
+
+
+def _restrained(leg: ConstantLeg, divisions: tuple[int, ...]) -> Array:
+    """What rigid faces take from them in theory (m×6×6)."""
+    return np.array(
+        [
+            restrained_compliance(face_mesh(leg, number), leg.material, leg.length)
+            for number in divisions
+        ]
+    )
+
+
+def _own_frequencies(
+    leg: ConstantLeg, divisions: tuple[int, ...], kinds: tuple[tuple[str, int], ...]
+) -> Array:
+    """Frequencies (Hz, m×k) of the beam by kind and order, for each of the solids' meshes."""
+    rows = []
+    for number in divisions:
+        modes = cantilever_frequencies(own_properties(leg, number), leg.length, 2 * MODES)
+        by_kind: dict[tuple[str, int], float] = {
+            (mode.kind, mode.order): float(mode.frequency) for mode in modes
+        }
+        rows.append([by_kind[kind] for kind in kinds])
+    return np.array(rows)
+
+
+@_compliances.case(
+    "{body}.compliance.solid-free[{name}]",
+    "{body}: {name} of the solid with free ends is the Timoshenko cantilever's",
+    over={"ends, fraction": [("free", _FREE)]},
+    tolerance=Relative(_FREE),
+    tolerance_reason="beam theory is exact for ends free to warp and contract, and both have one "
+    "section mesh: 3e-6 where its walls are curved",
+)
+@_compliances.case(
+    "{body}.compliance.solid[{name}]",
+    "{body}: {name} of the solid with rigid faces is the Timoshenko cantilever's less what "
+    "faces held plane take from it",
+    over={"ends, fraction": [("rigid", _HELD)]},
+    tolerance=Relative(_HELD),
+    tolerance_reason="end effects decay as Saint-Venant's theory of the prism says; what is left "
+    "is the mesh at the edges of held faces: 0.02 %",
+    model="solid",
+)
+def _entry(
+    context: Context, body: str, entry: tuple[int, int], ends: Ends, fraction: float
+) -> Measurement:
+    leg = constant_leg_of(context, body)
+    solid, free = (compliances(context, body, one) for one in (ends, "free"))
+    beams = context.get(_own_compliances, leg, solid.divisions)
+    own = Refinement(solid.divisions, beams, formal_order(leg, "free"))
+    value, reference = float(solid.values[-1][entry]), float(own.values[-1][entry])
+    taken = np.zeros_like(beams)
+    allowances: tuple[Allowance, ...] = ()
+    notes: tuple[str, ...] = ()
+    if ends == "rigid":
+        taken = context.get(_restrained, leg, solid.divisions)
+        allowances = (
+            Allowance(
+                cause="end faces kept plane and rigid: warping and contraction restrained",
+                amount=float(taken[-1][entry]),
+                source="fields that decay from held faces of the prism (fem.couplings.end_effects)",
+            ),
+        )
+        by_faces = _percent(value, float(free.values[-1][entry]))
+        notes = (f"the same mesh with free ends: {by_faces} by rigid faces",)
+    # Solid and beam have one section mesh, whose errors they share: what is judged has its own.
+    left = Refinement(solid.divisions, solid.values - own.values - taken)
+    _require_decided(context, body, left, entry, fraction * abs(reference))
+    return Measurement(
+        value,
+        reference,
+        value_uncertainty=solid.uncertainty(*entry),
+        reference_uncertainty=own.uncertainty(*entry),
+        judged_uncertainty=left.uncertainty(*entry),
+        allowances=allowances,
+        notes=notes,
+    )
+
+
+def _require_decided(
+    context: Context, body: str, left: Refinement, entry: tuple[int, int], tolerance: float
+) -> None:
+    """Raise Skip where too few meshes for an order, three times their step, cannot decide."""
+    uncertainty = left.uncertainty(*entry)
+    undecided = abs(left.values[-1][entry]) <= tolerance < uncertainty
+    if undecided and len(left.divisions) < GRIDS_FOR_ORDER:
+        leg, preset = constant_leg_of(context, body), context.preset
+        has = larger_preset(preset, lambda one: static_ladder(leg, STATICS[one]) != left.divisions)
+        meshes = counted(len(left.divisions), "mesh", "meshes")
+        raise Skip(
+            f"affordable in preset {preset}: {meshes} of this section, too few to show an order; "
+            f"the uncertainty is {uncertainty / tolerance:.2g} times the tolerance; {has} has "
+            "finer ones"
+        )
+
+
+def _percent(changed: float, base: float) -> str:
+    return f"{100.0 * (changed / base - 1.0):+.3g} %"
+
+
+@cases.case(
+    "{body}.frequency.solid[{mode}]",
+    "{body}: frequency {mode} of the solid with free ends is the Timoshenko beam's",
+    over={"index, mode": numbered(MODES)},
+    quantity="natural frequency {mode}, clamped-free",
+    label="frequency {mode}",
+    unit="Hz",
+    citation=f"{HUANG}; section constants by finite elements",
+    tolerance=Relative(_BEAMS),
+    tolerance_reason="Timoshenko's theory is approximate in dynamics: below 1 % while the wave is "
+    "longer than three section heights",
+    model="solid",
+    group="{body}.modes",
+    effort=2.0,
+)
+def _mode(context: Context, body: str, index: int) -> Measurement:
+    leg = constant_leg_of(context, body)
+    listed = context.get(exact_modes, leg)
+    exact = listed[index]
+    width, height = leg.section.extent
+    depth = {"bending y": height, "bending z": width}.get(exact.kind, max(width, height))
+    heights = 2.0 * np.pi / _wave_number(leg, exact.order) / depth
+    if heights < SHORTEST_WAVE:
+        raise Skip(
+            f"{exact.kind}, number {exact.order} of its kind: its wave is {heights:.1f} section "
+            f"heights long, below {SHORTEST_WAVE:g} no beam theory is meant to hold"
+        )
+    if walls := context.get(_walls_bend, leg, exact):
+        raise Skip(f"{exact.kind}, number {exact.order} of its kind: {walls}")
+    rigid, free = (frequencies(context, body, ends) for ends in ("rigid", "free"))
+    found = free.frequencies
+    kinds = tuple((one.kind, one.order) for one in listed)
+    beams = context.get(_own_frequencies, leg, found.divisions, kinds)
+    own = Refinement(found.divisions, beams[:, index])
+    # As for compliances: free solid and beam have the errors of one section mesh in common.
+    left = Refinement(found.divisions, found.values[:, index] - own.values)
+    value, reference = float(found.values[-1, index]), float(own.values[-1])
+    torsion = exact.kind == "torsion"
+    wave, tip = context.get(_warping_waves, leg, exact.order) if torsion else (1.0, 1.0)
+    return Measurement(
+        value,
+        reference * wave * tip,
+        value_uncertainty=found.uncertainty(index),
+        reference_uncertainty=own.uncertainty(),
+        judged_uncertainty=left.uncertainty(),
+        notes=(
+            f"{exact.kind}, number {exact.order} of its kind; MAC with the beam's mode "
+            f"{free.mac[-1, index]:.4f}",
+            *_wave_notes(exact.kind, wave, tip),
+            f"with rigid end faces {rigid.frequencies.values[-1, index]:.5g} Hz, "
+            f"{_percent(float(rigid.frequencies.values[-1, index]), value)}",
+        ),
+    )
+
+
+def exact_modes(leg: ConstantLeg) -> tuple[CantileverFrequency, ...]:
+    """The first frequencies of the Timoshenko cantilever, ascending."""
+    return cantilever_frequencies(leg.timoshenko, leg.length, MODES)
+
+
+def _wave_number(leg: ConstantLeg, order: int) -> float:
+    """Of a clamped-free mode (rad/m): so many quarters of a wave, an odd number, fit the leg."""
+    return (2 * order - 1) * np.pi / (2.0 * leg.length)
+
+
+def _walls_bend(leg: ConstantLeg, mode: CantileverFrequency) -> str:
+    """Empty where a mode is one of beams, else why it is not, by waves in an endless leg.
+
+    Bending is, unless the 3-D wave of its length is another one than the beam's; tension and
+    torsion are below the frequency from which on walls vibrate by themselves.
+    """
+    section = face_mesh(leg, WAVE_DIVISIONS)
+    if mode.kind in ("tension", "torsion"):
+        lowest = wall_frequency(section, leg.material) / (2.0 * np.pi)
+        if mode.frequency < lowest:
+            return ""
+        return f"from {lowest:.4g} Hz on its walls vibrate by themselves, which no beam's do"
+    beam = own_properties(leg, WAVE_DIVISIONS)
+    along: Literal["y", "z"] = "z"
+    if mode.kind == "bending z":
+        beam, along = replace(beam, EIy=beam.EIz, GAz=beam.GAy, rho_Iy=beam.rho_Iz), "y"
+    wave_number = _wave_number(leg, mode.order)
+    wave = bending_wave(section, leg.material, wave_number, along) / (2.0 * np.pi)
+    change = wave / _bending_wave_of_beam(beam, wave_number) - 1.0
+    if abs(change) < _BEAMS:
+        return ""
+    return f"a 3-D wave of its length is {100.0 * change:+.2g} % off the beam's"
+
+
+def _bending_wave_of_beam(beam: BeamProperties, wave_number: float) -> float:
+    """Frequency (Hz) of Timoshenko's wave w = sin kx, θ = cos kx, bending y: the lower root."""
+    coupling = -beam.GAz * wave_number
+    stiffness = [
+        [beam.GAz * wave_number**2, coupling],
+        [coupling, beam.EIy * wave_number**2 + beam.GAz],
+    ]
+    lowest = eigh(stiffness, np.diag([beam.mu, beam.rho_Iy]), eigvals_only=True)[0]
+    return sqrt(lowest) / (2.0 * pi)
+
+
+def _warping_waves(leg: ConstantLeg, order: int) -> tuple[float, float]:
+    """What warping along the leg does to a torsional frequency of Saint-Venant's, two factors.
+
+    That of the 3-D wave of the same length in an endless leg, and of the tip's face, free of that
+    wave's normal stress.
+    """
+    wave_number = _wave_number(leg, order)
+    constants, material = leg_constants(leg, SECTION_DIVISIONS), leg.material
+    section = face_mesh(leg, WAVE_DIVISIONS)
+    coarse = leg_constants(leg, WAVE_DIVISIONS)
+    saint_venant = wave_number * nonuniform_torsion.torsional_speed(coarse, material)
+    wave = torsion_wave(section, material, wave_number) / saint_venant
+    relaxed = nonuniform_torsion.cantilever_frequencies(constants, material, leg.length, order)[-1]
+    tip = relaxed / nonuniform_torsion.wave_frequency(constants, material, wave_number)
+    return float(wave), float(tip)
+
+
+def _wave_notes(part: str, wave: float, tip: float) -> tuple[str, ...]:
+    if part != "torsion":
+        return ()
+    return (
+        f"Saint-Venant's frequency times {wave:.5f} for stiffness and inertia of warping along the "
+        "wave (3-D wave of the same length in an endless leg, fem.waveguide) and "
+        f"{tip:.5f} for the tip face, free of the wave's normal stress (Reissner's torsion, "
+        "fem.nonuniform_torsion)",
+    )
+
+
+@cases.case(
+    "refinement.{body}.solid.order[{name}]",
+    "{body}, quadratic solid with free ends: {name} converges with the order of energies",
+    over={"name": ("c22", "c44")},
+    quantity="fitted order in the divisions of the section",
+    unit="1",
+    citation="twice the order of the gradients: h⁴ for smooth solutions. Where a rigid face holds "
+    "contraction or the warping of shear its edges have singular stresses (M. L. Williams, J. "
+    "Appl. Mech. 19 (1952) 526), which leave order 1.2 to 2.7: that is no error of elements",
+    tolerance=Absolute(1.0),
+    tolerance_reason="coarse meshes show less in torsion, 3.4: between 3 and 5 the extrapolation "
+    "holds within the safety factor",
+    model="solid",
+    section="Refinement",
+    group="{body}.solid",
+)
+def _order(context: Context, body: str, name: str) -> Measurement:
+    found = compliances(context, body, "free")
+    if len(found.divisions) < GRIDS_FOR_ORDER:
+        meshes = counted(len(found.divisions), "mesh", "meshes")
+        raise Skip(
+            f"affordable in preset {context.preset}: {meshes} of this section; an order takes "
+            f"{GRIDS_FOR_ORDER}"
+        )
+    entry, meaning, unit = ENTRIES[name]
+    convergence = found.at(*entry)
+    order = convergence.observed_order
+    uncertainty, limit = convergence.uncertainty, convergence.extrapolated
+    notes = (convergence.refusal,) if convergence.refusal else ()
+    study = Study(
+        id=f"refinement.{body}.solid.{name}",
+        title=f"{body} as a solid: {name}, {meaning}",
+        x_label="quadratic elements across the section",
+        y_label=f"{name} ({unit})",
+        unit=unit,
+        x=tuple(float(n) for n in found.divisions),
+        series={name: tuple(found.values[:, *entry].tolist())},
+        formal_order=FORMAL_ORDER,
+        orders={} if order is None else {name: order},
+        uncertainties={} if uncertainty is None else {name: uncertainty},
+        limits={} if limit is None else {name: limit},
+        notes=notes,
+        family=f"refinement.{body}.solid",
+        family_title=f"{body} as a solid",
+        variant=f"{name}, {meaning}",
+    )
+    if order is None:
+        return Measurement(nan, FORMAL_ORDER, value_uncertainty=inf, notes=notes, studies=(study,))
+    return Measurement(
+        order,
+        FORMAL_ORDER,
+        # What the finest mesh has changed of the order, and rounding of its last step.
+        value_uncertainty=float(
+            abs(convergence.orders[-1] - convergence.orders[-2])
+            + ROUND_OFF * abs(convergence.values[-1] / np.diff(convergence.values)[-1])
+        ),
+        notes=notes,
+        studies=(study,),
+    )

@@ -1,0 +1,114 @@
+"""The first screen put together from the matrix of adequacy."""
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
+from math import sqrt
+
+from validation.adequacy.matrix import Matrix
+from validation.drawing.text import percent
+from validation.exhibits import Figure
+from validation.report.declared import attempted
+from validation.report.figures.adequacy import error_curves, measured_curves
+from validation.report.remedies import Remedy, remedies_of
+from validation.report.table import Table, csv_of_matrix, table_of
+from validation.report.words import (
+    capital,
+    listed,
+    model_name,
+    quantities_text,
+    sentence,
+)
+
+
+@dataclass(frozen=True)
+class FirstScreen:
+    """What the reader sees first: the sentence, the table with its CSV, errors over the poses.
+
+    Then `remedies`, and `other_remedies` of the models that are folded; what decides the entries
+    that are `undecided`, by entries; the uncertain `inputs` with the errors that they leave most
+    open; and `notes` on what was not said by the user. `parts` show the same of what stands beside
+    the matrix, each by its `name` under `heading`.
+    """
+
+    sentence: str
+    table: Table
+    csv: str
+    errors: Figure | None
+    remedies: tuple[Remedy, ...]
+    other_remedies: tuple[Remedy, ...]
+    notes: tuple[str, ...]
+    undecided: Mapping[str, str]
+    inputs: tuple[str, ...] = ()
+    name: str = ""
+    heading: str = ""
+    parts: "tuple[FirstScreen, ...]" = ()
+
+
+def first_screen(
+    matrix: Matrix, *, plotted: bool, measured: bool = False, rely: Sequence[str] = ()
+) -> FirstScreen:
+    """The first screen of a matrix; `plotted`: whether the figure is to be drawn.
+
+    `measured`: whether the references are measured values, at poses of their own. `rely`: the
+    models that the user relies on.
+    """
+
+    def errors() -> Figure | None:
+        shown = measured_curves(matrix) if measured else error_curves(matrix)
+        where = ("measured.values", "measured") if measured else ("adequacy.errors", "adequacy")
+        return shown.figure(where[0], shown.title, where[1]) if shown else None
+
+    table = table_of(matrix)
+    folded = [row.note.model for row in table.rows if row.folded]
+    shown = [row.note.model for row in table.rows if not row.folded]
+    return FirstScreen(
+        sentence=sentence(matrix, rely),
+        table=table,
+        csv=csv_of_matrix(matrix),
+        errors=attempted(errors) if plotted else None,
+        remedies=remedies_of(matrix, shown),
+        other_remedies=remedies_of(matrix, folded),
+        notes=matrix.notes,
+        undecided=_undecided(matrix, shown),
+        inputs=_inputs(matrix),
+        name=matrix.robot,
+        parts=tuple(
+            replace(first_screen(one, plotted=False), heading=_heading(matrix, one))
+            for one in matrix.beside
+        ),
+    )
+
+
+def _undecided(matrix: Matrix, shown: Collection[str]) -> Mapping[str, str]:
+    """What decides undecided entries: quantities and models by the reason that they share.
+
+    Models that are folded are named where no other has the reason.
+    """
+    open_ = [entry for entry in matrix.entries if entry.verdict == "undecided"]
+    return {
+        reason: f"{quantities_text(matrix, [e.quantity for e in found])} by {listed(names)}"
+        for reason in dict.fromkeys(entry.reason for entry in open_ if entry.reason)
+        if (found := [entry for entry in open_ if entry.reason == reason])
+        and (models := list(dict.fromkeys(entry.model for entry in found)))
+        and (
+            names := [model_name(one) for one in models if one in shown or not {*models} & {*shown}]
+        )
+    }
+
+
+def _inputs(matrix: Matrix) -> tuple[str, ...]:
+    """Each uncertain input with the error that it leaves most open, and by how much (95 %)."""
+    largest: dict[str, tuple[float, str]] = {}
+    for entry in matrix.entries:
+        half = entry.uncertainties.get("inputs", 0.0)
+        said = f"{quantities_text(matrix, [entry.quantity])} by {model_name(entry.model)}"
+        for key, share in entry.input_shares.items():
+            largest[key] = max(largest.get(key, (0.0, "")), (half * sqrt(share), said))
+    ranked = sorted(((size, key, said) for key, (size, said) in largest.items()), reverse=True)
+    return tuple(f"{key} ±{percent(size, signed=False)} ({said})" for size, key, said in ranked)
+
+
+def _heading(matrix: Matrix, one: Matrix) -> str:
+    if one is matrix.formulation:
+        return "The robot with legs of constant section, against solids of the same legs"
+    return f"{capital(one.robot)} alone, root clamped"

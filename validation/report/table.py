@@ -1,0 +1,290 @@
+"""The matrix model × quantity as a table of the page, with a sheet behind each number; as CSV."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from lumped.acceptance.measured import leg_entry
+from lumped.acceptance.requirement import (
+    ANY_FORCE,
+    FREQUENCIES,
+    LOAD,
+    RESPONSE,
+    ROTATIONS,
+    is_static,
+)
+from validation.adequacy.matrix import Adequacy, Entry, Matrix, ModelNote
+from validation.drawing.style import csv_of
+from validation.drawing.text import anchor, number, percent
+from validation.report.words import (
+    SIGNS,
+    capital,
+    error_text,
+    force_text,
+    model_name,
+)
+
+# A word, and what is to be said under it.
+Line: TypeAlias = tuple[str, str]
+_OF_RESPONSES = {
+    "": "height of the peak",
+    "frequency": "frequency of the peak",
+    "at": "size at one frequency",
+}
+MARKS: Mapping[Adequacy, str] = {"adequate": "✓", "inadequate": "✗", "undecided": "?"}
+# Of which the robot's own deflections are told (N, N m).
+FORCE, MOMENT = 1000.0, 100.0
+# Uncertainties below this share of the reference are not shown in a cell.
+_WORTH_SAYING = 5e-4
+# From here on a verdict is as good as certain.
+_CERTAIN = 0.995
+# Columns of the CSV that go by another name than the field of an entry.
+_HEADINGS = {"along": "error along the load", "expected": "reference value"}
+# A model without a motion is off by all of it.
+_ALL = 1.0 - 1e-9
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One entry as it is shown: its number, its verdict, what a pointer that rests on it is told.
+
+    `title` and `sheet`, pairs of a word and what is to be said under it, stand at its `anchor`.
+    """
+
+    entry: Entry
+    text: str
+    spread: str
+    mark: str
+    hint: str
+    anchor: str
+    title: str
+    sheet: tuple[Line, ...]
+
+
+@dataclass(frozen=True)
+class Row:
+    """A model with its cells, None where it is silent of a quantity.
+
+    `folded`: it is adequate for nothing and lacks whole motions, or is a second theory of another.
+    """
+
+    note: ModelNote
+    name: str
+    cells: tuple[Cell | None, ...]
+    folded: bool
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows of models under `headings` of quantities; `robot` are the robot's own numbers.
+
+    These are deflections (µm, µrad) under `FORCE` and `MOMENT` where it yields most, frequencies
+    (Hz) where the best model is worst, with what is left open of them; "" where not known.
+    """
+
+    headings: tuple[str, ...]
+    robot: tuple[tuple[str, str], ...]
+    rows: tuple[Row, ...]
+
+    @property
+    def cells(self) -> tuple[Cell, ...]:
+        """All cells of all rows."""
+        return tuple(cell for row in self.rows for cell in row.cells if cell)
+
+
+def table_of(matrix: Matrix) -> Table:
+    """The matrix as a table: models in its order, quantities of which any model says anything."""
+    spoken = [q for q in matrix.quantities if any(e.quantity == q for e in matrix.entries)]
+    rows = []
+    for note in matrix.models:
+        found = [matrix.entry(note.model, quantity) for quantity in spoken]
+        cells = tuple(_cell(matrix, note, entry) if entry else None for entry in found)
+        rows.append(Row(note, capital(model_name(note.model)), cells, _folded(matrix, note.model)))
+    headings = tuple(SIGNS.get(quantity, quantity) for quantity in spoken)
+    return Table(headings, tuple(_own(matrix, quantity) for quantity in spoken), tuple(rows))
+
+
+def _cell(matrix: Matrix, note: ModelNote, entry: Entry) -> Cell:
+    open_, text = "", _text(entry)
+    if entry.uncertainty is not None and entry.uncertainty >= _WORTH_SAYING:
+        open_ = f"±\u00a0{percent(entry.uncertainty, signed=False)}"
+    if entry.chance is not None and entry.chance < _CERTAIN:
+        open_ = f"{open_} {percent(entry.chance, signed=False)}\u00a0sure".strip()
+    # Sheets of one model and quantity by different references are told apart.
+    kind = ".measured" if entry.measured else ""
+    meaning, sheet = sheet_of(matrix, note, entry)
+    return Cell(
+        entry=entry,
+        text=text,
+        spread=open_,
+        mark=MARKS[entry.verdict],
+        hint=_hint(matrix, entry),
+        anchor=anchor(f"{matrix.robot}.{entry.model}.{entry.quantity}{kind}"),
+        title=f"{capital(model_name(entry.model))}, {meaning}: {text}",
+        sheet=sheet,
+    )
+
+
+def _folded(matrix: Matrix, model: str) -> bool:
+    entries = matrix.of_model(model)
+    useless = entries and all(entry.verdict != "adequate" for entry in entries)
+    lacking = any(entry.along is not None and entry.along <= -_ALL for entry in entries)
+    return model.endswith("euler-bernoulli") or bool(useless and lacking)
+
+
+def _own(matrix: Matrix, quantity: str) -> tuple[str, str]:
+    """The reference's number and what is left open of it, by what the best model is off."""
+    entries = [
+        entry
+        for entry in matrix.entries
+        if entry.quantity == quantity and entry.error is not None and entry.expected is not None
+    ]
+    static = is_static(quantity)
+    if not entries or not (static or quantity in FREQUENCIES) or entries[0].measured:
+        return "", ""
+    best = min(entries, key=lambda entry: abs(entry.error or 0.0))
+    unit, scale, own = "Hz", 1.0, best.expected or 0.0
+    if static:
+        known = zip(best.values, best.alongs, strict=False)
+        found = (
+            v / (1.0 + off) for v, off in known if v is not None and off is not None and off > -_ALL
+        )
+        own = max(found, default=own)
+        unit, scale = ("µrad", 1e6 * MOMENT) if quantity in ROTATIONS else ("µm", 1e6 * FORCE)
+        scale = 1e6 if quantity.startswith(LOAD) else scale
+    # Errors and what is left open of them are relative to the reference.
+    spread = (best.uncertainty or 0.0) / (1.0 + abs(best.error or 0.0))
+    left = f"±\u00a0{percent(spread, signed=False)}" if spread >= _WORTH_SAYING else ""
+    return f"{number(scale * own, 3)}\u00a0{unit}", left
+
+
+def csv_of_matrix(matrix: Matrix) -> str:
+    """One line per entry with its verdict, numbers, pose, causes and remedy."""
+    poses = {
+        str(coordinate): [entry.pose[place] if entry.pose else "" for entry in matrix.entries]
+        for place, coordinate in enumerate(matrix.coordinates)
+    }
+    named = {
+        _HEADINGS.get(name, name.replace("_", " ")): [getattr(one, name) for one in matrix.entries]
+        for name in (
+            *("model", "quantity", "verdict", "error", "uncertainty", "limit", "along", "value"),
+            *("expected", "reference", "remedy", "error_with_remedy", "reason", "probability"),
+        )
+    }
+    forces = [" ".join(f"{one:.6g}" for one in entry.force) for entry in matrix.entries]
+    causes = [
+        "; ".join(f"{cause.cause} {cause.share:.3g}" for cause in entry.causes)
+        for entry in matrix.entries
+    ]
+    return csv_of({**named, "worst force": forces, **poses, "causes": causes})
+
+
+def _text(entry: Entry) -> str:
+    if entry.error is not None:
+        return error_text(entry.error, signed=entry.signed)
+    return "none" if entry.verdict == "inadequate" else "open"
+
+
+def _hint(matrix: Matrix, entry: Entry) -> str:
+    parts = [f"{entry.verdict} (limit {percent(entry.limit, signed=False)})"]
+    worst = f" under a force along {force_text(entry)}" if entry.force else ""
+    parts.append(f"worst at {pose_text(matrix, entry.pose)}{worst}")
+    if entry.along is not None:
+        parts.append(f"along the load {error_text(entry.along)}")
+    if entry.causes:
+        cause = entry.causes[0]
+        parts.append(f"{cause.cause}: {percent(cause.share, signed=False)} of the error")
+    parts += [entry.reason] if entry.reason else []
+    return "; ".join(parts)
+
+
+def sheet_of(matrix: Matrix, note: ModelNote, entry: Entry) -> tuple[str, tuple[Line, ...]]:
+    """What the quantity of an entry means, and the entry in full."""
+    lines = (("Model", note.title), *_numbers(matrix, entry), *_reasons(entry))
+    return _meaning(entry.quantity), lines
+
+
+def pose_text(matrix: Matrix, pose: tuple[float, ...]) -> str:
+    """A pose by its coordinates: "x = 0.4975 m"."""
+    if not pose:
+        return "the root clamped"
+    return ", ".join(
+        f"{one.name} = {number(value, 4)} {one.unit}"
+        for one, value in zip(matrix.coordinates, pose, strict=True)
+    )
+
+
+def _numbers(matrix: Matrix, entry: Entry) -> list[Line]:
+    unit = entry.unit or _unit(entry.quantity)
+    along = "" if entry.signed else ", along the load"
+    lines = [("Worst at", pose_text(matrix, entry.pose))]
+    if entry.force:
+        lines.append(("Worst force", f"along {force_text(entry)}"))
+    if entry.value is not None:
+        lines.append(("Value", f"{number(entry.value, 6)} {unit}{along}"))
+    if entry.expected is not None:
+        lines.append(("Reference", f"{number(entry.expected, 6)} {unit}{along}"))
+    lines.append(("Source", entry.reference))
+    if entry.error is not None:
+        whole = "" if entry.signed else " of the whole displacement"
+        accepted = f"{'± ' * entry.signed}{percent(entry.limit, signed=False)}"
+        error = error_text(entry.error, signed=entry.signed)
+        lines.append(("Error", f"{error}{whole}, accepted {accepted}"))
+    if entry.along is not None:
+        lines.append(("Along the load", error_text(entry.along)))
+    if entry.probability is not None:
+        chance = percent(entry.probability, signed=False)
+        lines.append(("Within the limit", f"with a probability of {chance}"))
+        shares = [f"{key} {percent(one, signed=False)}" for key, one in entry.input_shares.items()]
+        lines += [("Shares of the inputs", ", ".join(shares))] if shares else []
+    if entry.uncertainty is not None:
+        parts = [
+            f"{name} {percent(size, signed=False)}" for name, size in entry.uncertainties.items()
+        ]
+        detail = f" ({', '.join(parts)})" if parts else ""
+        lines.append(("Uncertainty", f"± {percent(entry.uncertainty, signed=False)}{detail}"))
+    return lines
+
+
+def _reasons(entry: Entry) -> list[Line]:
+    lines = [("Reason", entry.reason)] if entry.reason else []
+    for cause in entry.causes:
+        share = percent(cause.share, signed=False)
+        source = f" (from {cause.source})" if cause.source else ""
+        lines.append(("Cause", f"{cause.cause}: {share} of the error{source}"))
+    if entry.remedy:
+        error = entry.error_with_remedy
+        left = "" if error is None else f": {error_text(error, signed=entry.signed)} left"
+        lines.append(("Remedy", f"{entry.remedy}{left}"))
+    if entry.computed_by:
+        lines.append(("Computed by", ", ".join(entry.computed_by)))
+    return lines
+
+
+def _meaning(quantity: str) -> str:
+    if quantity in ROTATIONS:
+        return f"rotation under a moment about {ROTATIONS[quantity]}"
+    if is_static(quantity):
+        what = "any force" if quantity == ANY_FORCE else f"a force along {quantity}"
+        if quantity.startswith(LOAD):
+            what = f"the load {quantity.removeprefix(LOAD)}"
+        return f"displacement under {what}"
+    if quantity in FREQUENCIES:
+        return f"natural frequency {FREQUENCIES[quantity]}"
+    if quantity.startswith(RESPONSE):
+        name, _, what = quantity.removeprefix(RESPONSE).partition(".")
+        return f"{_OF_RESPONSES[what]} of the response {name}"
+    if (entry := leg_entry(quantity)) is not None:
+        leg, row, column = entry
+        return f"c{row + 1}{column + 1} of the 6×6 of {leg}"
+    return SIGNS.get(quantity, quantity)
+
+
+def _unit(quantity: str) -> str:
+    if quantity.startswith(RESPONSE) and not quantity.endswith(".frequency"):
+        return "m/N"
+    if not is_static(quantity):
+        return "Hz"
+    if quantity.startswith(LOAD):
+        return "m"
+    return "rad/(N m)" if quantity in ROTATIONS else "m/N"

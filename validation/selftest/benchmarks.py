@@ -1,0 +1,377 @@
+"""Problems with known answers, and what this program answers on this machine.
+
+MacNeal–Harder's cantilever and NAFEMS FV5 as solids, torsion of rectangles by finite elements, a
+hexapod and a drawn part in closed form, a leg by CalculiX and a five-bar by EXUDYN. Solids are held
+and loaded as Saint-Venant's theory has it, by means over their end faces, so that beam theory's own
+approximation is all that keeps the two apart.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Literal
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from fem.bodies import solid
+from fem.bodies.part import grips_of, held_part, meshed_part
+from fem.bodies.rooted import RootedBody, rooted_body
+from fem.calculix.leg import compliance_and_frequencies
+from fem.calculix.run import CalculixMissing
+from fem.multibody import ExudynMissing, frequencies
+from fem.sections.section_constants import section_constants
+from lumped.arrays import Array
+from lumped.legs import ConstantLeg, Material
+from lumped.mechanism.body import ByPlane, PartInterface
+from lumped.mechanism.kinematics.postures import posture, reference_posture
+from lumped.mechanism.mechanism import Mechanism
+from lumped.robot_file import load_robot
+from lumped.sections import Rectangle
+from meshes.gmsh_session import gmsh_model
+from meshes.part.interfaces import find_interfaces
+from meshes.part.reading.read import read_part
+from meshes.part.volume import Grading, volume_mesh
+from meshes.prism.hexahedra import extrude, stations
+from meshes.prism.tetrahedra import tetrahedra
+from meshes.section.section_mesh import section_mesh
+from validation.models.mechanism import answers
+from validation.models.options import ModelOptions
+
+TOLERANCE = 1e-3
+
+
+@dataclass(frozen=True)
+class KnownNumber:
+    """One known number in `unit` and ours: the same within `tolerance` (relative).
+
+    `explained` is the part of the relative difference that the two theories are known to have.
+    """
+
+    quantity: str
+    unit: str
+    known: float
+    ours: float
+    tolerance: float
+    explained: float = 0.0
+
+    @property
+    def difference(self) -> float:
+        """Ours less the known number, relative."""
+        return self.ours / self.known - 1.0
+
+    @property
+    def agrees(self) -> bool:
+        """Whether what is not explained is within the tolerance; never for what is no number."""
+        return abs(self.difference - self.explained) <= self.tolerance
+
+
+@dataclass(frozen=True)
+class Benchmark:
+    """A problem, where its numbers are from, why they may differ so far, and what compares them."""
+
+    title: str
+    problem: str
+    source: str
+    tolerance_reason: str
+    compare: Callable[[], Sequence[KnownNumber]]
+
+
+@dataclass(frozen=True)
+class BenchmarkOutcome:
+    """What became of a benchmark; `message` says why nothing was compared."""
+
+    benchmark: Benchmark
+    verdict: Literal["agrees", "differs", "failed", "skipped"]
+    compared: tuple[KnownNumber, ...] = ()
+    message: str = ""
+
+
+def outcome(benchmark: Benchmark) -> BenchmarkOutcome:
+    """Compute a benchmark: whatever goes wrong on this machine is its outcome."""
+    try:
+        compared = tuple(benchmark.compare())
+    except (CalculixMissing, ExudynMissing) as missing:
+        return BenchmarkOutcome(benchmark, "skipped", message=str(missing))
+    except Exception as error:  # noqa: BLE001  libraries of this machine are on trial
+        return BenchmarkOutcome(benchmark, "failed", message=f"{type(error).__name__}: {error}")
+    # A benchmark that compared nothing has shown nothing.
+    agrees = bool(compared) and all(one.agrees for one in compared)
+    return BenchmarkOutcome(benchmark, "agrees" if agrees else "differs", compared)
+
+
+@dataclass(frozen=True)
+class Cluster:
+    """Modes `first` to `last` (from 1) of one frequency `target` (Hz)."""
+
+    first: int
+    last: int
+    target: float
+    meaning: str
+
+    def compared(self, frequencies: Array, explained: float = 0.0) -> KnownNumber:
+        """Of all `frequencies` (Hz) the one of the cluster that is farthest from its target."""
+        own = frequencies[self.first - 1 : self.last]
+        ours = float(own[np.argmax(np.abs(own - self.target))])
+        numbers = f"f{self.first}" + (f" to f{self.last}" if self.last > self.first else "")
+        quantity = f"{numbers}, {self.meaning}"
+        return KnownNumber(quantity, "Hz", self.target, ours, TOLERANCE, explained)
+
+
+# Statics: any density.
+STRAIGHT = ConstantLeg(6.0, Rectangle(0.2, 0.1), Material.isotropic(1e7, 0.3, 1.0))
+# Component of the tip, what it is, unit, target (m or rad per N or N m).
+MACNEAL_TARGETS = (
+    (0, "extension under a unit force", "m", 3.0e-5),
+    (1, "deflection in the plane of the larger side under a unit force", "m", 0.1081),
+    (2, "deflection out of that plane under a unit force", "m", 0.4321),
+    (3, "twist under a unit torque", "rad", 0.034109),
+)
+MACNEAL_HARDER = (
+    "R. H. MacNeal, R. L. Harder, Finite Elem. Anal. Des. 1 (1985) 3, straight cantilever beam; "
+    "the twist published there, 0.03208, is 6 % below Saint-Venant's T L/GJ = 0.034109, taken here"
+)
+FV5 = "NAFEMS, The Standard NAFEMS Benchmarks, TNSB rev. 3 (1990), Test FV5"
+DEEP = ConstantLeg(10.0, Rectangle(2.0, 2.0), Material.isotropic(2e11, 0.3, 8000.0))
+# Modes, and what beam theory neglects in waves so short, relative: a test computes it from the
+# prism's exact waves.
+FV5_MODES = (
+    (Cluster(1, 2, 42.650, "bending 1"), 1.1453e-3),
+    (Cluster(3, 3, 71.20, "torsion 1"), -9.4e-6),
+    (Cluster(4, 4, 125.00, "tension 1"), -7.444e-4),
+    (Cluster(5, 6, 148.15, "bending 2"), 3.4304e-3),
+    (Cluster(7, 7, 213.61, "torsion 2"), -8.827e-5),
+    (Cluster(8, 9, 283.47, "bending 3"), 5.5726e-3),
+)
+# J/(b h³) of rectangles b × h.
+TORSION_CONSTANTS = {
+    1.0: 0.140577,
+    2.0: 0.228682,
+    10.0: 0.312325,
+}
+TIMOSHENKO = "S. P. Timoshenko, J. N. Goodier, Theory of Elasticity, §109, table of k1, six digits"
+# Elements across the section, and slices along the whole beam per element: errors alike.
+_STRAIGHT_DIVISIONS, _STRAIGHT_SLICES = 4, 5
+_DEEP_DIVISIONS, _DEEP_SLICES = 5, 3
+_TORSION_DIVISIONS = 16
+_STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
+_BLOCK = ConstantLeg(0.4, Rectangle(0.08, 0.12), _STEEL)
+_MODES = 3
+# Beams a leg: EXUDYN's are of second order, so that extrapolated ones are of fourth.
+_ELEMENTS = (4, 8)
+# Along x, y and z (m), and elements' size (m).
+_BAR, _SIZE = (0.12, 0.04, 0.024), 0.02
+
+
+def benchmarks() -> tuple[Benchmark, ...]:
+    """Solids and sections, a mechanism, a part, and two other programs."""
+    return (
+        Benchmark(
+            "MacNeal–Harder's straight cantilever as a solid",
+            "Displacement of the tip of a cantilever of 6 × 0.2 × 0.1 under unit loads: "
+            "E = 10⁷, ν = 0.3, the clamped end free to warp and contract. Quadratic hexahedra, "
+            f"{_STRAIGHT_DIVISIONS} across the smaller side.",
+            MACNEAL_HARDER,
+            "0.1 % of the theory column, which has four digits; the mesh leaves up to 0.04 %",
+            straight_cantilever,
+        ),
+        Benchmark(
+            "NAFEMS FV5, deep simply supported beam, as a solid",
+            "Natural frequencies of a beam of 10 m with a square section of 2 m: E = 200 GPa, "
+            "ν = 0.3, ρ = 8000 kg/m³, deflections held at both ends, displacement along and "
+            "rotation about the axis at one, on average over the faces; number of the modes by "
+            f"Sturm's count. Quadratic hexahedra, {_DEEP_DIVISIONS} across the side. "
+            "Explained is what beam theory neglects in such short waves: the exact wave of the "
+            "prism less the beam's.",
+            FV5,
+            "0.1 % of the theory column, which has four digits; the mesh leaves up to 0.04 %",
+            deep_beam,
+        ),
+        Benchmark(
+            "Torsion constants of rectangles by finite elements",
+            "J/(b h³) of rectangles b × h, Saint-Venant's torsion on meshes of biquadratic "
+            f"elements, {_TORSION_DIVISIONS} across the smaller side.",
+            TIMOSHENKO,
+            "the last of six published digits, and as much again for the mesh",
+            lambda: [torsion_constant(ratio) for ratio in TORSION_CONSTANTS],
+        ),
+        Benchmark(
+            "A hexapod as bars between ball joints",
+            "Deflection of the platform of the built-in hexapod under unit forces, "
+            "off its reference pose, legs as beams: whatever they do in bending, only their "
+            "stretching and the drives count.",
+            "K = Σ k j jᵀ, j = (d, p × d), 1/k = L₁/EA₁ + L₂/EA₂ + 1/k_drive, d along a leg",
+            "exact: rounding, grown by the slenderness of the legs",
+            hexapod,
+        ),
+        Benchmark(
+            "A bar drawn and meshed by gmsh, held on average at its ends",
+            "Stretching under a unit force, deflection and rotation under a unit moment of a steel "
+            "bar of 120 × 40 × 24 mm. Even and linear tractions have quadratic displacements, "
+            "which second-order tetrahedra hold on any mesh.",
+            "L/EA; L²/2EI; L/EI",
+            "exact: rounding",
+            bar,
+        ),
+        Benchmark(
+            "A steel block, clamped, by CalculiX on the same tetrahedra",
+            "Compliance of the tip and first frequencies of a block of 0.4 × 0.08 × 0.12 m between "
+            "rigid faces. CalculiX integrates its elements' mass more coarsely.",
+            "CalculiX CrunchiX, G. Dhondt, C3D10 elements, rigid faces by *EQUATION",
+            "CalculiX prints seven digits; its mass rule changes frequencies by up to 0.02 %",
+            by_calculix,
+        ),
+        Benchmark(
+            "A five-bar of beams by EXUDYN",
+            "First frequencies of the built-in five-bar in its reference posture; EXUDYN's "
+            f"frequencies are extrapolated from {_ELEMENTS[0]} and {_ELEMENTS[1]} beams a leg.",
+            "EXUDYN, J. Gerstmayr, Multibody System Dynamics 60 (2024) 617, "
+            "geometrically exact beams, linearised",
+            "what the extrapolation leaves open is a tenth of it",
+            by_exudyn,
+        ),
+    )
+
+
+def straight_cantilever() -> list[KnownNumber]:
+    """The diagonal of the tip's compliance."""
+    beam = extruded(STRAIGHT, _STRAIGHT_DIVISIONS, _STRAIGHT_SLICES * _STRAIGHT_DIVISIONS)
+    found = np.diag(solid.clamped_leg(beam, "free").compliance)
+    return [
+        KnownNumber(quantity, unit, target, float(found[component]), TOLERANCE)
+        for component, quantity, unit, target in MACNEAL_TARGETS
+    ]
+
+
+def extruded(leg: ConstantLeg, divisions: int, slices: int) -> solid.SolidLeg:
+    """The beam as a solid, `divisions` elements across its smaller side, `slices` along it."""
+    section = section_mesh(leg.section, divisions)
+    return solid.solid_leg(leg, extrude(section, stations(leg.length, slices)))
+
+
+def deep_beam() -> list[KnownNumber]:
+    """FV5's nine modes, and that there are no more below the shift above them."""
+    beam = extruded(DEEP, _DEEP_DIVISIONS, _DEEP_SLICES * _DEEP_DIVISIONS)
+    count = FV5_MODES[-1][0].last
+    found = simply_supported(beam).modes(count)
+    counted = KnownNumber("modes up to bending 3", "1", count, found.count, TOLERANCE)
+    return [counted, *(one.compared(found.frequencies, wave) for one, wave in FV5_MODES)]
+
+
+def simply_supported(beam: solid.SolidLeg) -> RootedBody:
+    """The beam held in x, y, z, φx at its root and in y, z at its tip, on average over the faces.
+
+    The averages C are the conjugates of Saint-Venant's tractions, so warping, contraction and both
+    bending rotations are free. The six are statically determinate: L = C (RᵀC)⁻¹ takes the place
+    of the root's six loads, with LᵀR = I for the rigid motions R.
+    """
+    free = solid.coupled_leg(beam, "free")
+    averages = free.twists[:, [0, 1, 2, 3, 7, 8]]
+    held = averages @ np.linalg.inv(free.motions.T @ averages)
+    return rooted_body(replace(free, twists=held), "NAFEMS FV5 as a solid")
+
+
+def torsion_constant(ratio: float) -> KnownNumber:
+    """J/(b h³) of a rectangle with b/h = `ratio`."""
+    mesh = section_mesh(Rectangle(ratio, 1.0), _TORSION_DIVISIONS)
+    found = section_constants(mesh, nu=0.0).torsion_constant / ratio
+    known = TORSION_CONSTANTS[ratio]
+    return KnownNumber(f"J/(b h³), b/h = {ratio:g}", "1", known, found, 2e-6 / known)
+
+
+def hexapod() -> list[KnownNumber]:
+    """Deflections of the platform's point, beside a stiffness summed over the legs."""
+    mechanism = load_robot("hexapod").mechanism
+    at = posture(mechanism, mechanism.poses[0])
+    (own,) = answers("beam", [at], 0, ModelOptions(elements=1))
+    known = np.linalg.inv(hexapod_stiffness(mechanism, at.pose))
+    return _deflections(np.diag(known), np.diag(own.compliance), 1e-8)
+
+
+def hexapod_stiffness(mechanism: Mechanism, pose: Array) -> Array:
+    """Σ k j jᵀ (6×6, SI, base axes) of the built-in hexapod at its platform's point."""
+    centre = mechanism.reference_pose[:3]
+    turn = Rotation.from_rotvec(pose[3:]).as_matrix()
+    drives = {joint.name: joint.drive for joint in mechanism.joints}
+    stiffness = np.zeros((6, 6))
+    for number in range(1, 7):
+        base = mechanism.reference[f"strut{number}"].position
+        rod, drive = f"rod{number}", drives[f"drive{number}"]
+        tip = mechanism.bodies[rod].interfaces[f"Q{number}"]
+        joint = (mechanism.reference[rod] @ tip).position
+        end = pose[:3] + turn @ (joint - centre)
+        shapes = [mechanism.bodies[name].shape for name in (f"strut{number}", rod)]
+        give = sum(
+            shape.length / (shape.material.E * shape.section.area)
+            for shape in shapes
+            if isinstance(shape, ConstantLeg)
+        )
+        give += 1.0 / (drive.stiffness or np.inf) if drive else 0.0
+        along = (end - base) / np.linalg.norm(end - base)
+        screw = np.concatenate([along, np.cross(end - pose[:3], along)])
+        stiffness += np.outer(screw, screw) / give
+    return stiffness
+
+
+def bar() -> list[KnownNumber]:
+    """Columns of pull and bending of one end of a bar from the other, by gmsh and back."""
+    length, width, height = _BAR
+    ends = {
+        name: PartInterface(ByPlane((way, 0.0, 0.0), (x, 0.0, 0.0)), "average")
+        for name, way, x in (("A", -1.0, 0.0), ("B", 1.0, length))
+    }
+    with TemporaryDirectory(prefix="flexproof-bar-") as folder:
+        path = Path(folder) / "bar.brep"
+        with gmsh_model("bar") as gmsh:
+            gmsh.model.occ.addBox(0.0, -width / 2.0, -height / 2.0, length, width, height)
+            gmsh.model.occ.synchronize()
+            gmsh.write(str(path))
+        part = read_part(path, "m")
+        interfaces = find_interfaces(part, ends)
+        mesh = volume_mesh(part, interfaces, Grading(_SIZE))
+    held = held_part(meshed_part(mesh, _STEEL), grips_of(mesh, interfaces), "bar")
+    E, I = _STEEL.E, height * width**3 / 12.0
+    found = held.compliance
+    return [
+        KnownNumber(quantity, unit, known, float(found[row, column]), 1e-8)
+        for quantity, unit, row, column, known in (
+            ("stretching under a unit force", "m", 0, 0, length / (E * width * height)),
+            ("deflection under a unit moment", "m", 1, 5, length**2 / (2.0 * E * I)),
+            ("rotation under a unit moment", "rad", 5, 5, length / (E * I)),
+        )
+    ]
+
+
+def by_calculix() -> list[KnownNumber]:
+    """Deflections and frequencies of one mesh by both programs."""
+    mesh = tetrahedra(_BLOCK.section, _BLOCK.length, 1)
+    theirs, their_frequencies = compliance_and_frequencies(mesh, _STEEL, _MODES)
+    clamped = solid.clamped_leg(solid.solid_leg(_BLOCK, mesh))
+    own, own_frequencies = clamped.compliance, clamped.modes(_MODES).frequencies
+    return [
+        *_deflections(np.diag(theirs), np.diag(own), 1e-6),
+        *_frequencies(their_frequencies, own_frequencies, 5e-4),
+    ]
+
+
+def by_exudyn() -> list[KnownNumber]:
+    """Frequencies of a mechanism in a multibody code."""
+    at = reference_posture(load_robot("five-bar").mechanism)
+    coarse, fine = (frequencies(at, number, _MODES) for number in _ELEMENTS)
+    (own,) = answers("beam", [at], _MODES)
+    return _frequencies(fine + (fine - coarse) / 3.0, own.frequencies, 1e-5)
+
+
+def _deflections(known: Array, found: Array, tolerance: float) -> list[KnownNumber]:
+    return [
+        KnownNumber(f"{name} under a unit force", "m", known[i], found[i], tolerance)
+        for i, name in enumerate("xyz")
+    ]
+
+
+def _frequencies(known: Array, found: Array, tolerance: float) -> list[KnownNumber]:
+    return [
+        KnownNumber(f"f{number}", "Hz", *pair, tolerance)
+        for number, pair in enumerate(zip(known, found, strict=True), start=1)
+    ]
