@@ -482,7 +482,7 @@ def _one_line(error: CycloptsError) -> str:
 def _version() -> str:
     from importlib.metadata import PackageNotFoundError, version  # noqa: PLC0415
 
-    from fem.solvers.cholesky import solver_name  # noqa: PLC0415
+    from fem.solvers.factor import solver_name  # noqa: PLC0415
 
     try:
         own = version("flexproof")

@@ -16,9 +16,8 @@ from scipy.sparse import csr_array, diags_array
 from scipy.sparse.linalg import LinearOperator
 
 from fem.couplings.coupled_solid import CoupledSolid
-from fem.solvers.certificate import Inertia, inertia_below
-from fem.solvers.cholesky import RenewableFactor, analyse
-from fem.solvers.factor import upper_triangle
+from fem.solvers.certificate import count_below
+from fem.solvers.factor import Inertia, RenewableFactor, analyse
 from fem.solvers.modes import CertifiedModes, lowest_modes, searched_modes
 from lumped.arrays import Array, IntArray, fix_signs
 from lumped.dense.statics import balanced_flexibility
@@ -28,10 +27,14 @@ from lumped.screws import shift
 
 @dataclass(frozen=True, eq=False)
 class RootedBody:
-    """A coupled solid held at its first interface, factorised; `name` in errors."""
+    """A coupled solid held at its first interface, factorised; `name` in errors.
+
+    `factor`: of its stiffness with `springs` (n, zero but on six unknowns).
+    """
 
     name: str
     solid: CoupledSolid
+    springs: Array
     factor: RenewableFactor
 
     @property
@@ -156,7 +159,7 @@ class RootedBody:
             size = float(np.ptp(solid.places, axis=0).max())
             constraints = held * np.tile([1.0, 1.0, 1.0, size, size, size], held.shape[1] // 6)
         K, M = solid.stiffness, solid.mass
-        return inertia_below(self.factor, K, M, sigma, solid.places, solid.leading, constraints)
+        return count_below(K, M, sigma, constraints, self.springs, self.factor)
 
 
 def rooted_body(solid: CoupledSolid, name: str) -> RootedBody:
@@ -168,11 +171,11 @@ def rooted_body(solid: CoupledSolid, name: str) -> RootedBody:
     springs = np.zeros(solid.size)
     # Of the size of a node's own stiffness, so that the matrix is no worse conditioned for them.
     springs[held] = solid.stiffness.diagonal()[held]
-    triangle = upper_triangle(csr_array(solid.stiffness + diags_array(springs, format="csr")))
-    factor = RenewableFactor(analyse(triangle, solid.leading), name)
+    sprung = csr_array(solid.stiffness + diags_array(springs, format="csr"))
+    factor = RenewableFactor(analyse(sprung), name)
     # At once, so that a part which cannot be held is refused here.
     _ = factor.numeric
-    return RootedBody(name, solid, factor)
+    return RootedBody(name, solid, springs, factor)
 
 
 def _statically_determinate(solid: CoupledSolid, name: str) -> IntArray:
@@ -180,7 +183,7 @@ def _statically_determinate(solid: CoupledSolid, name: str) -> IntArray:
 
     Springs at a rigid root itself would leave a digit less of a leg 87 diameters long.
     """
-    own = sum(solid.leading)
+    own = solid.size - 3 * len(solid.places)
     size = float(np.ptp(solid.places, axis=0).max())
     scaled = solid.motions[own:] * np.repeat([1.0, 1.0 / size], [3, 3])
     _, triangle, order = qr(scaled.T, mode="economic", pivoting=True)

@@ -25,7 +25,7 @@ class CoupledSolid:
 
     `stiffness`, `mass` (csr n×n); u (3N) = `transformation` x; `twists` (n×6m): the columns Bᵢ;
     `motions` (n×6): x in the rigid motions about the first interface's point; `points` (m×3);
-    `leading`: sizes of the blocks before the nodes, `places` (N'×3) of these.
+    `places` (N'×3): of the nodes, whose unknowns come last, three each.
     """
 
     stiffness: SparseMatrix
@@ -34,7 +34,6 @@ class CoupledSolid:
     twists: Array
     motions: Array
     points: Array
-    leading: tuple[int, ...]
     places: Array
 
     @property
@@ -60,7 +59,6 @@ def coupled_solid(
         twists=np.hstack(twists),
         motions=motions,
         points=np.array([grip.point for grip in grips]),
-        leading=numbering.leading,
         places=nodes[numbering.kept],
     )
 
@@ -74,7 +72,6 @@ class _Numbering:
 
     def __init__(self, nodes: Array, grips: Sequence[Grip]) -> None:
         self.nodes, self.grips = nodes, grips
-        self.leading = tuple(OWN[grip.kind] for grip in grips if OWN[grip.kind])
         self.first = np.cumsum([0, *(OWN[grip.kind] for grip in grips)])
         is_kept = np.ones(len(nodes), dtype=bool)
         self.is_free = np.ones(3 * len(nodes), dtype=bool)

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.linalg import cholesky, eigh, solve_triangular
 
 from fem.bodies.rooted import RootedBody
-from fem.solvers.certificate import Inertia
+from fem.solvers.factor import Inertia
 from lumped.arrays import Array, SparseMatrix, fix_signs
 from lumped.dense.modes import Modes
 

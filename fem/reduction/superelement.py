@@ -14,8 +14,7 @@ from scipy.sparse import csr_array
 from fem.bodies.rooted import RootedBody
 from fem.bodies.solid import centreline_of
 from fem.reduction.held import Held, held_body
-from fem.solvers.cholesky import analyse
-from fem.solvers.factor import Factor
+from fem.solvers.factor import Factor, analyse
 from lumped.arrays import Array, SparseMatrix
 from lumped.dense.statics import ELIMINATION, balanced_flexibility, rounding_of_flexibility
 from lumped.errors import ComputationError
@@ -159,13 +158,9 @@ def _symmetric(matrix: Array) -> Array:
 
 
 def _interior_factor(model: str, stiffness: SparseMatrix) -> Factor | None:
-    size = stiffness.shape[0]
-    if size == 0:
+    if stiffness.shape[0] == 0:
         return None
-    # The order of elimination works on nodes of three unknowns; what is over goes first.
-    over = size % 3
-    symbolic = analyse(stiffness, leading=(over,) if over else ())
-    return symbolic.factorise(f"{model} leg, both ends held")
+    return analyse(stiffness).factorise(f"{model} leg, both ends held")
 
 
 def _refuse_unbalanced(leg: LegMatrices, stiffness: SparseMatrix, modes: Array) -> None:

@@ -1,5 +1,5 @@
 """Sparse factorisations, searches for modes, and counts that prove none is missing.
 
-Four verbs: `analyse` a matrix, `factorise` it, `solve` (cholesky), count what lies below a shift
+Four verbs: `analyse` a matrix, `factorise` it, `solve` (factor), count what lies below a shift
 (certificate). In: symmetric matrices as arrays. Out: solutions, modes, numbers of eigenvalues.
 """

@@ -1,81 +1,96 @@
-"""What the backends of fem.solvers.cholesky have in common: analysed patterns, factors, errors."""
+"""Sparse factors of symmetric matrices: order, factorise, solve, count (rslab).
 
-from collections.abc import Callable
+rslab factorises PᵀAP = L D Lᵀ (Bunch and Kaufman, Math. Comp. 31 (1977) 163) along a nested
+dissection. The signs of D are those of A's eigenvalues (Sylvester): all positive for a stiffness,
+and counted for K − σM. The bits of a factor do not depend on the number of threads.
+"""
+
 from dataclasses import dataclass, field
-from typing import Protocol, runtime_checkable
+from functools import cached_property
+from importlib.metadata import version
+from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.sparse import csr_array, diags_array
+import rslab
+from scipy.sparse import csc_array, csr_array
 
-from fem.machine import available_memory
-from fem.solvers.ordering import Elimination
-from lumped.arrays import Array, IntArray, SparseMatrix
+from fem.machine import available_memory, threads
+from lumped.arrays import Array, SparseMatrix
 from lumped.errors import ComputationError
 
-# A pivot that lost this part of its diagonal entry is rounding error: the matrix is singular.
-_SINGULAR_PIVOT = 100.0 * np.finfo(np.float64).eps
+# Right-hand sides solved together, for which memory is foretold.
+_COLUMNS_AT_ONCE = 32
+# An unknown whose own stiffness is this part of its diagonal entry is held by rounding alone.
+_SINGULAR = 100.0 * np.finfo(np.float64).eps
+# Two factors at once where the memory that is left holds this many more; the machine is not ours.
+_ROOM = 4
+_SEED = 3
 
 
 class NotPositiveDefiniteError(ComputationError):
-    """A Cholesky factorisation met a pivot that is not positive; `unknown` is its number."""
+    """A matrix that must be positive definite is not, or only to rounding."""
 
-    def __init__(self, part: str, unknown: int) -> None:
-        self.unknown = unknown
+    def __init__(self, part: str) -> None:
+        self.part = part
         super().__init__(
-            f"{part}: the matrix is not positive definite at unknown {unknown} (a part free to "
-            "move as a rigid body, a negative material constant, stiffnesses that differ by more "
-            "than rounding allows, or a shift above the first eigenvalue)"
+            f"{part}: the matrix is not positive definite (a part free to move as a rigid body, a "
+            "negative material constant, stiffnesses that differ by more than rounding allows, or "
+            "a shift above the first eigenvalue)"
         )
 
+    def __reduce__(self) -> tuple[type, tuple[str]]:
+        """Made anew in another process."""
+        return type(self), (self.part,)
 
-def out_of_memory(part: str, unknowns: int) -> ComputationError:
-    """The error of a factorisation that was refused memory although it had been foretold."""
-    return ComputationError(f"{part}: memory ran out in the factorisation of {unknowns} unknowns")
+
+class Inertia(NamedTuple):
+    """Numbers of negative, zero (to rounding) and positive eigenvalues."""
+
+    negative: int
+    zero: int
+    positive: int
 
 
-class Factor(Protocol):
-    """A factorised symmetric positive definite matrix."""
+@dataclass(frozen=True, eq=False)
+class Factor:
+    """A factorised symmetric matrix A (n×n) and the signs of its eigenvalues."""
+
+    size: int
+    inertia: Inertia
+    handle: Any = field(repr=False)
 
     def solve(self, right_hand_sides: Array) -> Array:
         """A⁻¹ times one (n) or several (n×k) right-hand sides, in the same shape."""
-        ...
-
-
-@runtime_checkable
-class SeparatedFactor(Factor, Protocol):
-    """A factor A = L Lᵀ that shows its separators."""
-
-    def separators(self, count: int) -> list[IntArray]:
-        """Unknowns of the `count` largest separators, the largest first."""
-        ...
-
-    def gram(self, columns: SparseMatrix) -> Array:
-        """WᵀA⁻¹W (k×k) of `columns` W (csr n×k).
-
-        Little of L is read where W has entries on large separators only.
-        """
-        ...
+        columns = right_hand_sides.reshape(self.size, -1)
+        solution = np.empty_like(columns, dtype=np.float64)
+        for start in range(0, columns.shape[1], _COLUMNS_AT_ONCE):
+            some = slice(start, start + _COLUMNS_AT_ONCE)
+            solution[:, some] = self.handle.solve_many(np.ascontiguousarray(columns[:, some]))
+        return solution.reshape(right_hand_sides.shape)
 
 
 @dataclass(frozen=True, eq=False)
 class Symbolic:
-    """An analysed symmetric matrix, with what its factor will cost.
-
-    `peak_bytes`: the memory that the factorisation takes at its height. `elimination` is None for
-    backends that keep their own. `numeric` factorises the matrix; its argument names it in errors.
-    """
+    """An analysed symmetric matrix; its factor takes `peak_bytes` of memory at its height."""
 
     size: int
-    elimination: Elimination | None
     peak_bytes: int
-    numeric: Callable[[str], Factor] = field(repr=False)
+    triangle: SparseMatrix = field(repr=False)
+    handle: Any = field(repr=False)
 
     def factorise(self, part: str = "stiffness matrix") -> Factor:
-        """The factor of the matrix, which errors call `part`.
+        """The factor of a positive definite matrix, which errors call `part`.
 
-        Raises NotPositiveDefiniteError, a ComputationError, where a pivot is not positive or is
-        lost in rounding, and ComputationError, before it starts, where memory will not suffice.
+        Raises NotPositiveDefiniteError, a ComputationError, where an eigenvalue is not positive or
+        is lost in rounding, and ComputationError, before it starts, where memory will not suffice.
         """
+        factor = self.indefinite(part)
+        if factor.inertia.positive < self.size or self._held_by_rounding(factor):
+            raise NotPositiveDefiniteError(part)
+        return factor
+
+    def indefinite(self, part: str) -> Factor:
+        """The factor of any symmetric matrix; ComputationError where memory will not suffice."""
         available = available_memory()
         if available is not None and self.peak_bytes > available:
             raise ComputationError(
@@ -83,7 +98,71 @@ class Symbolic:
                 f"{self.peak_bytes / 1e9:.1f} GB and {available / 1e9:.1f} GB are available: use "
                 "fewer divisions, a shorter leg, or condensation by doubling (statics)"
             )
-        return self.numeric(part)
+        handle = self.handle.factor(self.triangle, threads=threads(), force_accept=True)
+        # A pivot that is zero is lifted, and then counted among the others.
+        _, negative, zero = handle.inertia
+        zero += handle.n_perturbed
+        return Factor(self.size, Inertia(negative, zero, self.size - negative - zero), handle)
+
+    def _held_by_rounding(self, factor: Factor) -> bool:
+        """Whether the unknown that gives way most has a stiffness that is rounding error.
+
+        1/(A⁻¹)ₖₖ is what elimination leaves of Aₖₖ when unknown k comes last: the smallest that its
+        pivot can be.
+        """
+        if not self.size:
+            return False
+        diagonal = self.triangle.diagonal()
+        loads = np.random.default_rng(_SEED).standard_normal(self.size) * np.sqrt(diagonal)
+        softest = int(np.argmax(np.abs(factor.solve(loads)) * np.sqrt(diagonal)))
+        unit = np.zeros(self.size)
+        unit[softest] = 1.0
+        compliance = float(factor.solve(unit)[softest])
+        return not 0.0 < compliance * diagonal[softest] < 1.0 / _SINGULAR
+
+
+def solver_name() -> str:
+    """What a report calls the solver."""
+    return f"rslab {version('rslab')} (sparse LDLᵀ)"
+
+
+def analyse(matrix: SparseMatrix) -> Symbolic:
+    """Order the unknowns of a symmetric matrix (csr n×n) and foretell what its factor takes.
+
+    The upper triangle of the matrix is enough.
+    """
+    triangle = upper_triangle(matrix)
+    # Read by columns it is the lower one.
+    lower = csc_array((triangle.data, triangle.indices, triangle.indptr), shape=triangle.shape)
+    handle = rslab.analyze(lower, "ldlt", threads=threads())
+    plan = handle.memory_plan(nrhs=_COLUMNS_AT_ONCE, threads=threads())
+    return Symbolic(matrix.shape[0], int(plan["peak_bytes"]), lower, handle)
+
+
+@dataclass(eq=False)
+class RenewableFactor:
+    """A factor that is given up where another one needs its memory, and made anew when asked for.
+
+    `part` names its matrix in errors; these are those of `Symbolic.factorise`.
+    """
+
+    symbolic: Symbolic
+    part: str
+
+    @cached_property
+    def numeric(self) -> Factor:
+        """The factor itself."""
+        return self.symbolic.factorise(self.part)
+
+    def solve(self, right_hand_sides: Array) -> Array:
+        """A⁻¹ times one (n) or several (n×k) right-hand sides, in the same shape."""
+        return self.numeric.solve(right_hand_sides)
+
+    def make_room(self) -> None:
+        """Release the factor unless a second one beside it takes a small part of the memory."""
+        available = available_memory()
+        if available is not None and available < _ROOM * self.symbolic.peak_bytes:
+            vars(self).pop("numeric", None)
 
 
 def upper_triangle(matrix: SparseMatrix) -> SparseMatrix:
@@ -111,19 +190,3 @@ def upper_triangle(matrix: SparseMatrix) -> SparseMatrix:
     )
     triangle.has_canonical_format = True
     return triangle
-
-
-def whole_matrix(triangle: SparseMatrix) -> SparseMatrix:
-    """The symmetric matrix (csr n×n) of an upper triangle."""
-    return csr_array(triangle + triangle.T - diags_array(triangle.diagonal(), format="csr"))
-
-
-def refuse_lost_pivots(pivots: Array, diagonal: Array, unknowns: IntArray, part: str) -> None:
-    """Raise NotPositiveDefiniteError where a pivot (m) is rounding error of its diagonal entry.
-
-    `unknowns` (m): to which the pivots belong.
-    """
-    shares = pivots / diagonal
-    smallest = int(np.argmin(shares))
-    if shares[smallest] < _SINGULAR_PIVOT:
-        raise NotPositiveDefiniteError(part, int(unknowns[smallest]))

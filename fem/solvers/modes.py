@@ -13,8 +13,7 @@ import numpy as np
 from scipy.sparse.linalg import LinearOperator
 
 from fem.solvers.block_lanczos import NotConvergedError, Ritz, block_lanczos, first_modes, merged
-from fem.solvers.certificate import Inertia
-from fem.solvers.factor import Factor
+from fem.solvers.factor import Factor, Inertia, RenewableFactor
 from lumped.arrays import Array, SparseMatrix, fix_signs
 from lumped.dense.modes import Modes, too_few
 from lumped.errors import ComputationError, InputError
@@ -93,7 +92,7 @@ def certify(values: Array, beyond: float, count: Count, part: str) -> float:
 
 
 def lowest_modes(
-    factor: Factor,
+    factor: Factor | RenewableFactor,
     M: SparseMatrix | LinearOperator,
     mode_count: int,
     count: Count,
@@ -141,7 +140,7 @@ def lowest_modes(
 
 
 def searched_modes(
-    factor: Factor, M: SparseMatrix | LinearOperator, mode_count: int, part: str
+    factor: Factor | RenewableFactor, M: SparseMatrix | LinearOperator, mode_count: int, part: str
 ) -> Modes:
     """The first search of `lowest_modes`, without its count, which takes as long."""
     block = _noise(M.shape[0], np.random.default_rng(_SEED))
@@ -149,7 +148,7 @@ def searched_modes(
 
 
 def _searched(
-    factor: Factor,
+    factor: Factor | RenewableFactor,
     M: SparseMatrix | LinearOperator,
     start: Array,
     count: int,

@@ -4,7 +4,7 @@
 
 Each measurement is a process of its own, on two threads, with nothing kept by an earlier one. The
 rows take turns, N times (three unless told), and medians are printed. What is not installed is left
-out: CalculiX (`ccx`), MKL (pypardiso). A ROW is a name of the list, or how it begins.
+out: CalculiX (`ccx`), NGSolve, MKL (pypardiso). A ROW is a name of the list, or how it begins.
 """
 
 # ruff: noqa: T201, E402, PLC0415  a script that prints its figures; each imports what it measures
@@ -12,6 +12,7 @@ out: CalculiX (`ccx`), MKL (pypardiso). A ROW is a name of the list, or how it b
 import argparse
 import json
 import os
+import platform
 import resource
 import subprocess
 import sys
@@ -31,6 +32,7 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 
 import numpy as np
+from scipy.sparse import csr_array, triu
 
 MODES, FREQUENCIES, POSTURES, UNKNOWNS = 20, 10, 1000, 150_000
 TAPERED = ROOT / "examples" / "tapered-biglide" / "robot.toml"
@@ -38,6 +40,7 @@ TAPERED = ROOT / "examples" / "tapered-biglide" / "robot.toml"
 # with the section: the large leg is eight times as long as deep.
 LEGS = {
     "134k": (0.85, 0.16, 0.26, 9),
+    "400k": (1.0, 0.0765, 0.12, 10),
     "841k": (1.0, 0.0765, 0.12, 13),
 }
 Figures = dict[str, float]
@@ -54,11 +57,22 @@ def _leg(size: str) -> tuple[Any, Any]:
     return leg, tetrahedra(leg.section, length, divisions)
 
 
-def solid(size: str, solver: str = "cholmod") -> Figures:
+def _matrices(size: str) -> tuple[Any, Any, Any]:
+    """K and M (csr 3n×3n) of a leg whose root is held, and its free nodes (n×3, m)."""
+    from fem.elements.elasticity import on_three_components, stiffness_and_mass
+
+    leg, mesh = _leg(size)
+    nodes = np.setdiff1d(np.arange(len(mesh.nodes)), mesh.root.nodes)
+    free = np.add.outer(3 * nodes, range(3)).ravel()
+    K, M = stiffness_and_mass(mesh, leg.material)
+    M = on_three_components(M)
+    return K[free][:, free].tocsr(), M[free][:, free].tocsr(), mesh.nodes[nodes]
+
+
+def solid(size: str) -> Figures:
     """Six load cases and certified modes of a leg, from its mesh in memory."""
-    os.environ["FLEXPROOF_SOLVER"] = solver
     from fem.bodies.solid import clamped_leg, solid_leg
-    from fem.solvers.certificate import Inertia
+    from fem.solvers.factor import Inertia
     from fem.solvers.modes import lowest_modes
 
     leg, mesh = _leg(size)
@@ -99,6 +113,94 @@ def calculix(size: str) -> Figures:
             [calculix_program(), "leg"], cwd=folder, check=True, stdout=subprocess.DEVNULL
         )
     return {"s": perf_counter() - start}
+
+
+def own(size: str) -> Figures:
+    """Analysis, factor and six solutions with K, and the count of K − σM, by our own way."""
+    from fem.solvers.certificate import count_below
+    from fem.solvers.factor import analyse
+
+    K, M, _ = _matrices(size)
+    start = perf_counter()
+    symbolic = analyse(K)
+    analysed = perf_counter()
+    factor = symbolic.factorise("leg")
+    return _times(
+        start, analysed, factor.solve, K, lambda: count_below(K, M, _sigma(size)).negative
+    )
+
+
+def mkl(size: str) -> Figures:
+    """The same by MKL PARDISO's LLᵀ, without the count."""
+    from pypardiso import PyPardisoSolver  # type: ignore[import-not-found]
+
+    K, *_ = _matrices(size)
+    triangle = csr_array(triu(K))
+    solver = PyPardisoSolver(mtype=2)
+
+    def call(phase: int, loads: Any) -> Any:
+        solver.set_phase(phase)
+        return np.asarray(solver._call_pardiso(triangle, np.asfortranarray(loads)))
+
+    start = perf_counter()
+    call(11, np.zeros((K.shape[0], 1)))
+    analysed = perf_counter()
+    call(22, np.zeros((K.shape[0], 1)))
+    return _times(start, analysed, lambda loads: call(33, loads), K, None)
+
+
+def ngsolve(size: str) -> Figures:
+    """The same by NGSolve's sparse Cholesky, which has no count."""
+    from ngsolve import SetNumThreads, TaskManager  # type: ignore[import-not-found]
+    from ngsolve.la import BaseVector, SparseMatrixd  # type: ignore[import-not-found]
+
+    K, *_ = _matrices(size)
+    entries = K.tocoo()
+    SetNumThreads(int(os.environ["OMP_NUM_THREADS"]))
+    with TaskManager():
+        matrix = SparseMatrixd.CreateFromCOO(
+            entries.row.tolist(), entries.col.tolist(), entries.data.tolist(), *K.shape
+        )
+        del entries
+        start = perf_counter()
+        inverse = matrix.Inverse(inverse="sparsecholesky")
+
+        def solve(loads: Any) -> Any:
+            columns = []
+            for load in loads.T:
+                right = BaseVector(len(load))
+                right.FV().NumPy()[:] = load
+                columns.append((inverse * right).Evaluate().FV().NumPy().copy())
+            return np.array(columns).T
+
+        return _times(start, start, solve, K, None)
+
+
+def _sigma(size: str) -> float:
+    """Above the first bending modes: (rad/s)², from the beam of the leg's sides."""
+    length, width, _, _ = LEGS[size]
+    return float((3.0 * 3.516 / length**2 * np.sqrt(2.1e11 / 7850.0 / 12.0) * width) ** 2)
+
+
+def _times(
+    start: float, analysed: float, solve: Any, K: Any, count: Callable[[], int] | None
+) -> Figures:
+    factorised = perf_counter()
+    loads = np.random.default_rng(0).normal(size=(K.shape[0], 6))
+    found = solve(loads)
+    solved = perf_counter()
+    off = np.abs(K @ found - loads).max()
+    assert off < 1e-3, f"residual {off:.1e}"
+    figures = {
+        "s": factorised - start,
+        "analysis": analysed - start,
+        "six loads": solved - factorised,
+    }
+    if count is not None:
+        begun = perf_counter()
+        figures["below"] = count()
+        figures["count"] = perf_counter() - begun
+    return figures | {"unknowns": K.shape[0]}
 
 
 def doubled() -> Figures:
@@ -166,13 +268,18 @@ def rows() -> dict[str, tuple[Callable[[], Figures], bool]]:
     """What is measured by name, and whether its program is installed."""
     table: dict[str, tuple[Callable[[], Figures], bool]] = {
         "doubling 512 slices": (doubled, True),
+        "solid 134k": (partial(solid, "134k"), True),
         "solid 134k, CalculiX": (partial(calculix, "134k"), which("ccx") is not None),
+        "solid 841k": (partial(solid, "841k"), True),
         "postures": (postures, True),
         "identify 150k": (identified, True),
     }
     for size in LEGS:
-        by_mkl = partial(solid, size, "mkl"), find_spec("pypardiso") is not None
-        table |= {f"solid {size}": (partial(solid, size), True), f"solid {size}, MKL": by_mkl}
+        table |= {
+            f"factor {size}": (partial(own, size), True),
+            f"factor {size}, MKL": (partial(mkl, size), find_spec("pypardiso") is not None),
+            f"factor {size}, NGSolve": (partial(ngsolve, size), find_spec("ngsolve") is not None),
+        }
     for words in (
         ("--help",),
         ("solve", "five-bar", "--model", "beam"),
@@ -207,6 +314,28 @@ def measured(name: str) -> Figures:
     return dict(json.loads(done.stdout.splitlines()[-1]))
 
 
+def machine() -> str:
+    """Processor, cores, GFLOP/s of a product by numpy, and the solver."""
+    from fem.machine import usable_cores
+    from fem.solvers.factor import solver_name
+
+    n = 1500
+    dense = np.random.default_rng(0).normal(size=(n, n))
+    _ = dense @ dense
+    start = perf_counter()
+    for _ in range(5):
+        _ = dense @ dense
+    speed = 10.0 * n**3 / (perf_counter() - start) / 1e9
+    names = [
+        line for line in Path("/proc/cpuinfo").read_text().splitlines() if "model name" in line
+    ]
+    return (
+        f"{names[0].partition(':')[2].strip() if names else platform.machine()}, {usable_cores()} "
+        f"cores, Python {platform.python_version()}; dgemm {speed:.0f} GFLOP/s by numpy; "
+        f"{solver_name()}"
+    )
+
+
 def main() -> None:
     """Measure the rows asked for, all of them unless told, and print the table."""
     reader = argparse.ArgumentParser(description=__doc__)
@@ -230,6 +359,7 @@ def main() -> None:
     if told.list:
         print("\n".join(chosen))
         return
+    print(machine(), end="\n\n")
     found: dict[str, list[Figures]] = defaultdict(list)
     for _ in range(told.repeats):
         for name in chosen:

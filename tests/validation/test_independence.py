@@ -67,6 +67,7 @@ BASICS = {
     "fem.bodies.solid:SolidLeg": "a leg's mesh",
     "fem.couplings.grips:rigid_motions": "rigid motions of nodes",
     "fem.solvers.certificate": "counting eigenvalues",
+    "fem.solvers.factor:Inertia": "counted eigenvalues",
     "fem.sections.saint_venant": "tractions on free ends, of which a solid's strains are its own",
     "fem.sections.section_constants:poisson_shear_ratio": "νG/E for those tractions",
 }

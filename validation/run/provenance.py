@@ -16,7 +16,7 @@ from typing import Any
 
 from fem.calculix.run import calculix_version
 from fem.machine import usable_cores
-from fem.solvers.cholesky import solver_name
+from fem.solvers.factor import solver_name
 from lumped.robot_file import RobotFile
 from lumped.text import counted
 from validation.context import Preset
@@ -29,8 +29,7 @@ _LIBRARIES = (
     "scipy",
     "scikit-fem",
     "gmsh",
-    "cvxopt",
-    "pymetis",
+    "rslab",
     "pyvista",
     "vtk",
     "matplotlib",

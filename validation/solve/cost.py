@@ -12,8 +12,8 @@ from lumped.errors import InputError
 from lumped.legs import ConstantLeg
 from validation.solids.size import solid_unknowns
 
-# Entries of a Cholesky factor of a solid leg over n^(4/3), 9 to 14 for legs of all shapes with
-# 3000 to 120 000 unknowns; bytes for each with CHOLMOD's own copies; flops of the factorisation in
+# Entries of the factor of a solid leg over n^(4/3), 9 to 14 for legs of all shapes with 3000 to
+# 120 000 unknowns; bytes for each with the copies at the height of a factorisation; its flops in
 # entries²/n.
 _ENTRIES, _BYTES_PER_ENTRY, _FLOPS = 12.0, 23.0, 1.7
 # Stiffness, mass and what their assembly takes at its height, for each unknown of a solid.

@@ -5,8 +5,8 @@ from scipy.linalg import eigh, null_space
 from scipy.sparse import csr_array, eye_array
 
 from fem.bodies.solid import clamped_leg, solid_leg
-from fem.solvers.certificate import Inertia, count_below
-from fem.solvers.cholesky import analyse
+from fem.solvers.certificate import count_below
+from fem.solvers.factor import Inertia, analyse
 from fem.solvers.modes import MissedModesError, certify, lowest_modes
 from lumped.errors import ComputationError, InputError
 from lumped.legs import ConstantLeg

@@ -7,7 +7,7 @@ import pytest
 from toy_runs import ENVIRONMENT, on_terminal
 
 from fem.bodies.solid import coupled_leg, solid_leg, solid_mesh
-from fem.solvers.cholesky import analyse
+from fem.solvers.factor import analyse
 from lumped.legs import ConstantLeg, Material
 from lumped.robot_file import write_template
 from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Tube
@@ -28,7 +28,7 @@ def test_the_estimate_of_a_solid_is_near_to_its_mesh_and_factor(section):
     solid = solid_leg(leg, solid_mesh(leg, 4))
     unknowns = solid.stiffness.shape[0]
     coupled = coupled_leg(solid)
-    factor = analyse(coupled.stiffness, coupled.leading)
+    factor = analyse(coupled.stiffness)
     cost = solid_cost((leg,), 4, modes=0)
     # Nodes that blocks share count twice: in a circle's small blocks half of them.
     assert unknowns <= cost.unknowns < 1.7 * unknowns
