@@ -394,7 +394,9 @@ def solve(
         tell_varied(question, vary, jobs or 1, cluster, csv, picture, json=json)
         return 0
     cost = checked(question)
-    with stage(f"{model} model, {cost.size}", cost.seconds):
+    # Parts are not counted.
+    size = f", {cost.size}" if cost.unknowns else ""
+    with stage(f"{model} model{size}", cost.seconds):
         long = cost.seconds > _PATIENCE
         solution = in_own_process(solved, question) if long else solved(question)
     say(as_json(solution) if json else as_text(solution))

@@ -384,15 +384,19 @@ def _name(entry: AdequacyRecord) -> str:
     return f"{entry.quantity} (measured)" if entry.measured else entry.quantity
 
 
-def _flat(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:
-    if isinstance(value, Mapping):
-        for key, entry in value.items():
-            yield from _flat(entry, f"{path}.{key}" if path else str(key))
-    elif isinstance(value, Sequence) and not isinstance(value, str):
-        for number, entry in enumerate(value, start=1):
-            yield from _flat(entry, f"{path}[{number}]")
-    else:
-        yield path, value
+def _flat(tables: Any) -> Iterator[tuple[str, Any]]:
+    """Every entry of the tables by its key, however deep they are."""
+    waiting: list[tuple[str, Any]] = [("", tables)]
+    while waiting:
+        path, value = waiting.pop()
+        if isinstance(value, Mapping):
+            inner = [(f"{path}.{key}" if path else str(key), one) for key, one in value.items()]
+            waiting += reversed(inner)
+        elif isinstance(value, Sequence) and not isinstance(value, str):
+            inner = [(f"{path}[{number}]", one) for number, one in enumerate(value, start=1)]
+            waiting += reversed(inner)
+        else:
+            yield path, value
 
 
 def _valued(entry: AdequacyRecord | None) -> list[tuple[tuple[float, ...], float]]:

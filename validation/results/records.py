@@ -214,7 +214,7 @@ def parse_run(content: bytes | str, source: str) -> RunRecord:
     """The run from the text of a results.json; `source` names it in messages."""
     try:
         run = msgspec.json.decode(content, type=RunRecord)
-    except (msgspec.MsgspecError, RecursionError) as error:
+    except (msgspec.MsgspecError, RecursionError, UnicodeDecodeError) as error:
         raise InputError(f"{source}: not a {_FILE} of flexproof: {error}") from error
     if run.schema != 1:
         raise InputError(f"{source}: schema = {run.schema}: only schema 1 is understood")

@@ -35,12 +35,12 @@ from validation.run.folder import RunFolder
 from validation.run.opening import Start, open_folder
 from validation.run.provenance import last_selftest
 from validation.session import progress, runner
+from validation.solve.cost import PER_PART
 
 # How many times as long as results.json takes to write it is left alone.
 _SPARING = 20.0
-# Seconds of an idle core for a unit of effort, and for a part that nothing is kept of.
+# Seconds of an idle core for a unit of effort.
 _PER_EFFORT: Mapping[Preset, float] = {"quick": 0.25, "standard": 0.4, "fine": 1.5}
-_PER_PART = 15.0
 
 
 @dataclass(frozen=True)
@@ -243,7 +243,7 @@ def _prepare(request: Request, cluster: Executor | None) -> None:
 
     context = Context(request.robot_file, request.preset)
     parts = len(request.robot_file.mechanism.parts)
-    told = stage("meshing and reducing parts", _PER_PART * parts / request.jobs)
+    told = stage("meshing and reducing parts", PER_PART * parts / request.jobs)
     with told, _ahead(cluster, request.jobs) as executor:
         prepare_parts(context, executor, carried=cluster is not None)
 

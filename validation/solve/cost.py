@@ -24,6 +24,8 @@ _SOLVES, _SOLVES_PER_MODE = 100, 10
 # Dense models: matrices alive at once, and flops of all eigenvalues in n³.
 _DENSE_COPIES, _DENSE_FLOPS = 6.0, 12.0
 _LONGEST = 3600.0
+# Seconds of a CAD part that nothing is kept of.
+PER_PART = 15.0
 
 
 @dataclass(frozen=True)

@@ -30,7 +30,7 @@ from validation.models.options import ModelName, ModelOptions
 from validation.models.roundings import roundings_of, share_by_digits
 from validation.solids.legs import formal_order
 from validation.solve.answer import Answer, LeftOpen, Place, Solution
-from validation.solve.cost import Cost, dense_cost, require_affordable, solid_cost
+from validation.solve.cost import PER_PART, Cost, dense_cost, require_affordable, solid_cost
 from validation.solve.question import OF_ELEMENTS, Question
 from validation.solve.uncertainty import beside, extrapolated, of_parts, with_uncertainty
 
@@ -295,8 +295,9 @@ def _shown(question: Question, compliance: Array) -> Array:
 
 
 def _cost(question: Question) -> Cost:
-    """Of the legs that differ, each made once, and of the postures."""
+    """Of the legs that differ, each made once, and of the parts."""
     model, options = question.model, question.options
+    seconds = PER_PART * len(question.mechanism.parts)
     shapes = _shapes(question)
     if model == "solid":
         cost, what = solid_cost(tuple(shapes), options.divisions, question.count), "divisions"
@@ -304,9 +305,9 @@ def _cost(question: Question) -> Cost:
         # Legs are reduced one by one, and small then.
         cost, what = dense_cost(6 * (options.elements + 1), len(shapes)), "elements"
     else:
-        return Cost(0.0, 0.0, 0.0)
+        return Cost(0.0, 0.0, seconds)
     require_affordable(cost, f"--{what} {getattr(options, what)}")
-    return cost
+    return replace(cost, seconds=cost.seconds + seconds)
 
 
 def _without_own_ends(mechanism: Mechanism) -> Mechanism:

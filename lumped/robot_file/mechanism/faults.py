@@ -39,13 +39,11 @@ def description_faults(tables: Mapping[str, Any]) -> list[str]:
     ):
         faults += [fault for entry in entries for fault in relations(entry)]
     faults += [*_unknown_names(given), *_not_held(given)]
+    if faults:
+        return faults
     # Who is connected to whom is known once every joint says what it joins.
-    loaded = {one.get("at") for one in tables.get("loads", ()) if not faults}
-    return faults or [
-        *_loose_bodies(given),
-        *_idle_interfaces(given, loaded),
-        *_idle_points(given, loaded),
-    ]
+    loaded = {one.get("at") for one in tables.get("loads", ())}
+    return [*_loose_bodies(given), *_idle_interfaces(given, loaded), *_idle_points(given, loaded)]
 
 
 def _unknown_names(given: Draft) -> Iterator[str]:

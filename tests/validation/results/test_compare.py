@@ -141,6 +141,7 @@ def test_compare_ends_with_1_when_a_verdict_worsened(tmp_path, capsys):
         ("", "not a results.json"),
         ('{"cases": [], "run": ' + "[" * 100_000, "not a results.json"),
         ('{"schema": 2, "cases": []}', "only schema 1"),
+        ('{"cases": [], "run": {"\udcf0": 1}}', "not a results.json"),
         (json.dumps({"cases": [CASE, CASE]}), "two of its cases have the same id"),
         (json.dumps({"cases": [CASE | {"value": 1e300}]}), "Expected `float` <= 1e+150"),
     ],
@@ -148,7 +149,7 @@ def test_compare_ends_with_1_when_a_verdict_worsened(tmp_path, capsys):
 def test_what_is_no_run_ends_with_2_and_one_line(content, said, tmp_path, capsys):
     path = tmp_path / "x.json"
     if content is not None:
-        path.write_text(content)
+        path.write_bytes(content.encode(errors="surrogateescape"))
     assert cli.main(["compare", str(path), str(path)]) == 2
     printed = capsys.readouterr()
     assert printed.out == ""
@@ -156,6 +157,16 @@ def test_what_is_no_run_ends_with_2_and_one_line(content, said, tmp_path, capsys
     assert said in printed.err
     with pytest.raises(InputError, match=r"holds no results\.json"):
         load_run(tmp_path)
+
+
+def test_inputs_are_compared_however_deep_they_are():
+    deep = 1.0
+    for _ in range(5000):
+        deep = [deep]
+    (change,) = compare(
+        run_of(robot_tables={"a": deep, "b": 1}), run_of(robot_tables={"a": deep, "b": 2})
+    ).inputs
+    assert (change.key, change.before, change.after) == ("b", 1, 2)
 
 
 def outcome(value):
