@@ -1,20 +1,54 @@
 import fcntl
+import json
 import os
 import pickle
 from pathlib import Path
+from typing import Any
 
 import pytest
 from like_ifw import IFW
 
 from meshes.part import slices, volume
 from meshes.part.reading import read
+from validation import cli
 from validation.adequacy.judgement import judged
 from validation.adequacy.matrix import Matrix
+from validation.adequacy.mechanism import legs
 from validation.adequacy.response import Subject
 from validation.adequacy.robot import robot_subject
 from validation.context import Context
 from validation.export import files as exports
 from validation.models import parts
+
+
+class CommandLine:
+    """The command line, called in this process."""
+
+    def __init__(self, capsys: pytest.CaptureFixture[str]) -> None:
+        self._capsys = capsys
+
+    def told(self, *words: object, code: int = 0) -> str:
+        """What it prints to stdout when it ends with the code."""
+        assert cli.main([str(word) for word in words]) == code
+        return self._capsys.readouterr().out
+
+    def json(self, *words: object) -> Any:
+        """What it prints as JSON."""
+        return json.loads(self.told(*words, "--json"))
+
+    def refused(self, *words: object) -> str:
+        """Its one line on stderr when it refuses what is typed, and prints nothing else."""
+        assert cli.main([str(word) for word in words]) == 2
+        printed = self._capsys.readouterr()
+        assert printed.out == ""
+        (line,) = printed.err.splitlines()
+        assert line.startswith("flexproof: ")
+        return line
+
+
+@pytest.fixture
+def command(capsys: pytest.CaptureFixture[str]) -> CommandLine:
+    return CommandLine(capsys)
 
 
 @pytest.fixture(scope="session")
@@ -47,3 +81,11 @@ def coarse_parts():
         for module in (read, volume, slices):
             patch.setattr(module, "within_limits", lambda _, function, *given: function(*given))
         yield patch
+
+
+@pytest.fixture(scope="module")
+def coarse_legs():
+    """Legs' solids on section meshes of a hundred nodes in the place of those of a quick run."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setitem(legs.UNKNOWNS, "quick", (300, 2500))
+        yield

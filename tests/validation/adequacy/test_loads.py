@@ -15,6 +15,8 @@ from validation.context import Context
 from validation.models.loads.displacements import displacements
 from validation.models.options import ModelOptions
 
+pytestmark = pytest.mark.usefixtures("coarse_legs")
+
 PATH = """
 [path]
 from = [-0.1]

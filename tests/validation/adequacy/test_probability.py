@@ -2,26 +2,23 @@
 
 from dataclasses import replace
 from math import sqrt
-from pathlib import Path
 
 import numpy as np
 import pytest
 from one_arm import ONE_ARM
-from scipy.stats import norm, qmc, sobol_indices
+from scipy.stats import norm, sobol_indices
 from written_robot import robot_of
 
 from lumped.acceptance.requirement import Requirement
 from lumped.arrays import Array
-from lumped.mechanism.mechanism import Mechanism
 from lumped.robot_file import RobotFile, load_robot
 from validation.adequacy.judgement import judged
 from validation.adequacy.probability import ErrorOfInputs, Slope, probability
 from validation.adequacy.response import Subject
 from validation.adequacy.robot import robot_subject
 from validation.context import Context
-from validation.kinematics.poses import postures_of
-from validation.models.mechanism import answers
-from validation.models.options import ModelOptions
+
+pytestmark = pytest.mark.usefixtures("coarse_legs")
 
 LIMIT, ERROR = 0.05, 0.04
 
@@ -47,6 +44,14 @@ def test_a_linear_error_is_normal() -> None:
     assert found.of_value == pytest.approx(1.96 * 0.01, rel=1e-4)
     assert found.shares == pytest.approx({"input1": 0.64, "input0": 0.36})
     assert found.settled("adequate") == "undecided"
+
+
+def test_a_verdict_is_that_of_all_poses() -> None:
+    """An input that raises the error in one pose and lowers it in the other."""
+    own, way = np.full((2, 2), ERROR), np.array([0.01, -0.01])
+    error = ErrorOfInputs(own, [Slope("input", 0.02, own - way, own + way, np.zeros((2, 2)))])
+    found = probability(error, "adequate", LIMIT, 0)
+    assert found.within == pytest.approx(1.0 - 2.0 * norm.sf(1.0), abs=2e-3)
 
 
 def test_an_input_is_to_be_known_so_well_that_the_verdict_is_95_percent_sure() -> None:
@@ -190,53 +195,3 @@ def test_without_a_table_moduli_lengths_and_stiffnesses_can_be_supposed_uncertai
     ]
     # What the file says goes before.
     assert replace(arm, supposed=0.5).uncertain_inputs == arm.uncertain_inputs
-
-
-# Robots with their uncertain inputs; the quantity of a model, and the limit in errors of its own.
-UNCERTAIN = {
-    "ifw": ({"foot.compliance": 0.1, "leg1.compliance": 0.1, "leg2.compliance": 0.15}, 1.04),
-    "five-bar": (
-        {"joints.motor1.drive.stiffness": 0.1, "materials.steel.E": 0.05, "tool.mass": 0.1},
-        1.03,
-    ),
-}
-
-
-@pytest.mark.soak
-@pytest.mark.parametrize("name", UNCERTAIN)
-def test_probabilities_are_those_of_2000_robots(name: str, tmp_path: Path) -> None:
-    inputs, times = UNCERTAIN[name]
-    robot = load_robot(name)
-    said = "".join(
-        f"[[input_uncertainty]]\nkey = '{k}'\nrelative = {u}\n" for k, u in inputs.items()
-    )
-    robot = robot_of(robot.text.replace("count = 9", "count = 3") + said, tmp_path)
-    subject = robot_subject(Context(robot, "quick"))
-    model, quantity = ("vjm-equivalent", "y") if name == "ifw" else ("simplified", "f1")
-    first = judged(subject, robot.requirement).entry(model, quantity)
-    limit = times * abs(first.error)
-    entry = judged(subject, Requirement(limits={quantity: limit})).entry(model, quantity)
-    own = _errors(robot.mechanism, subject.poses, name)
-    told, spread = (np.array(one, dtype=float) for one in (entry.errors, entry.spreads))
-    within = 0
-    # As many robots drawn by a random generator scatter by 0.01, these by 0.002.
-    points = norm.ppf(qmc.Sobol(len(inputs), seed=7).random_base2(11))
-    for draw in points * list(inputs.values()):
-        off = robot.with_factors(dict(zip(inputs, draw, strict=True)))
-        # What the reference has beyond its beams stays, as a factor of 1 + error.
-        errors = (1.0 + told) * (1.0 + _errors(off, subject.poses, name)) / (1.0 + own) - 1.0
-        within += bool((np.abs(errors) + spread <= limit).all())
-    assert entry.probability == pytest.approx(within / len(points), abs=0.02)
-
-
-def _errors(robot: Mechanism, poses: Array, name: str) -> Array:
-    """Errors of the judged model against beams, or the 6×6 of the legs themselves."""
-    at = postures_of(robot, poses)
-    if name == "ifw":
-        model = answers("vjm", at, 0, ModelOptions(legs="equivalent"))
-        due = answers("links", at, 0, ModelOptions())
-        both = [(a.compliance[:3, 1], b.compliance[:3, 1]) for a, b in zip(model, due, strict=True)]
-        return np.array([np.linalg.norm(a - b) / np.linalg.norm(b) for a, b in both])
-    rigid, beams = (answers(kind, at, 2, ModelOptions()) for kind in ("simplified", "beam"))
-    pairs = zip(rigid, beams, strict=True)
-    return np.array([a.frequencies[0] / b.frequencies[0] - 1.0 for a, b in pairs])

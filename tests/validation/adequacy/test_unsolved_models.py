@@ -1,16 +1,21 @@
-"""One model that cannot be solved leaves its own entries undecided, and all others judged."""
+"""What cannot be solved, or not well enough: undecided with the reason, and the rest judged."""
 
+from dataclasses import replace
 from functools import wraps
+from pathlib import Path
 
 import pytest
 from one_arm import ONE_ARM
 from written_robot import robot_of
 
 from lumped.errors import ComputationError
+from lumped.mechanism import biglide
+from lumped.robot_file import RobotFile, load_robot
 from validation.adequacy.judgement import REST
+from validation.adequacy.matrix import Matrix
 from validation.adequacy.mechanism import statics, vibration
 from validation.adequacy.robot import robot_adequacy
-from validation.context import Context
+from validation.context import Context, Preset
 
 
 @pytest.fixture(scope="module")
@@ -68,3 +73,97 @@ def test_a_step_that_is_not_solved_ends_the_causes_and_says_why(monkeypatch, arm
     ]
     assert rests
     assert all("refused: lost in rounding" in source for source in rests)
+
+
+FOIL = '{ shape = "tube", diameter = 0.12, thickness = 5e-5 }'
+SOLID = '{ shape = "rectangle", width = 0.1, height = 0.06 }'
+ROBOT = """schema = 1
+name = "one sound leg"
+type = "biglide"
+geometry = {{ a = 0.9 }}
+platform = {{ mass = 30.0 }}
+actuators = {{ stiffness = 5.0e8 }}
+[leg1]
+length = 0.8
+section = {sound}
+material = {{ E = 2.1e11, nu = 0.3, rho = 7850.0 }}
+ends = "rigid"
+[leg2]
+length = 0.8
+section = {section}
+material = {{ E = 2.1e11, nu = {nu}, rho = 7850.0 }}
+ends = "rigid"
+"""
+
+
+@pytest.mark.parametrize(
+    ("section", "nu", "said"),
+    [
+        (FOIL, "0.3", "leg2: the coarsest section mesh of its tube has"),
+        (SOLID, "0.4999999999999", "solid elements lose the softer in rounding"),
+    ],
+    ids=["walls too thin", "incompressible"],
+)
+def test_one_leg_without_solids_leaves_the_robot_undecided_and_the_other_judged(
+    tmp_path: Path, section: str, nu: str, said: str
+) -> None:
+    robot = robot_of(ROBOT.format(sound=SOLID, section=section, nu=nu), tmp_path)
+    matrix = robot_adequacy(Context(robot, "quick"))
+    statics = [entry for entry in matrix.entries if entry.quantity in ("x", "z", "phi_x")]
+    assert {entry.model for entry in statics} >= {"simplified", "vjm", "segments", "beam"}
+    assert {entry.verdict for entry in matrix.entries} == {"undecided"}
+    assert all(said in entry.reason for entry in statics)
+    sound, other = matrix.parts
+    assert {entry.verdict for entry in sound.entries} >= {"adequate"}
+    assert {entry.verdict for entry in other.entries} == {"undecided"}
+
+
+def test_postures_that_are_none_of_the_robot_are_not_left_undecided(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    sound = biglide.rotation_z
+    monkeypatch.setattr(biglide, "rotation_z", lambda angle: sound(1.001 * angle))
+    with pytest.raises(ComputationError, match="leaves the joints open"):
+        robot_adequacy(Context(load_robot("ifw"), "quick"))
+
+
+def by(arm: RobotFile, preset: Preset, accuracy: float | None = None, **limits: float) -> Matrix:
+    requirement = replace(arm.requirement, deflection=0.05, accuracy=accuracy, limits=limits)
+    return robot_adequacy(Context(replace(arm, requirement=requirement), preset))
+
+
+def left_by_meshes(matrix: Matrix) -> float:
+    return max(entry.uncertainties.get("meshes", 0.0) for entry in matrix.entries)
+
+
+@pytest.mark.exhaustive
+def test_an_accuracy_is_reached_or_it_is_said_that_it_is_not(arm: RobotFile) -> None:
+    rough = by(arm, "quick")
+    left = left_by_meshes(rough)
+    better = by(arm, "quick", 0.5 * left)
+    assert left_by_meshes(better) <= 0.5 * left
+    assert better.notes[-1].startswith("accuracy ±")
+    assert ";" not in better.notes[-1]
+    best = by(arm, "quick", 1e-6)
+    assert best.notes[-1].endswith("; no preset has finer meshes of its bodies")
+    # What finer meshes say lies within what coarser ones left open.
+    for one in rough.entries:
+        other = best.entry(one.model, one.quantity)
+        if one.error is not None and other.error is not None:
+            assert abs(one.error - other.error) <= (one.uncertainty or 0.0) + 1e-9
+
+
+@pytest.mark.exhaustive
+def test_a_verdict_that_hangs_on_meshes_is_decided_by_finer_ones(arm: RobotFile) -> None:
+    standard, finer = by(arm, "standard"), by(arm, "fine")
+    entry = max(
+        (one for one in standard.entries if "meshes" in one.uncertainties),
+        key=lambda one: one.uncertainties["meshes"],
+    )
+    best = finer.entry(entry.model, entry.quantity)
+    # A limit that the meshes of this preset leave open, and those of the next one do not.
+    size = abs(best.error) + best.uncertainty
+    limit = 0.5 * (size + abs(entry.error) + entry.uncertainty)
+    decided = by(arm, "standard", **{entry.quantity: limit}).entry(entry.model, entry.quantity)
+    assert decided.verdict == "adequate"
+    assert decided.uncertainty == pytest.approx(best.uncertainty, rel=1e-6)

@@ -12,6 +12,7 @@ COMMON = {
     "citation": "by hand",
     "tolerance": Absolute(0.5),
     "tolerance_reason": "a count",
+    "model": "none",
 }
 
 
@@ -20,84 +21,41 @@ def exact(*values):
 
 
 def test_cases_stand_in_the_order_of_parameters_of_the_group_then_of_declaration():
-    cases = CaseGroup(over={"leg": (1, 2)}, **COMMON)
+    """Fields are said by the case, its parameters, its family or the group; the nearest counts."""
+    cases = CaseGroup(over={"leg": (1, 2)}, group="all", **COMMON)
 
     @cases.case(
-        "leg{leg}.{name}",
-        "Leg {leg}: {name}, {size:.1f}",
-        over={"name, size": [("a", 1.25), ("b", 2.5)]},
+        "leg{leg}.{model}.{mode}",
+        "Leg {leg}: {model}, {size:.1f}",
+        over={
+            "model, size": [("beam", 1.25), ("rigid", 2.5)],
+            "index, mode": lambda model, modes: numbered(modes[model]),
+        },
         tolerance=lambda size: Absolute(2.0 * size),
         effort=3.0,
     )
-    def named(context, leg, size):
-        return exact(context, leg, size)
+    def named(context, leg, size, index):
+        return exact(context, leg, size, 0.01 * index)
+
+    family = cases.family(group="of {leg}")
 
     @cases.case("leg{leg}.last", "Leg {leg}", unit="{leg} m")
     def last(context):
         return exact(context)
 
-    found = cases()
-    assert [case.id for case in found] == [
-        *("leg1.a", "leg1.b", "leg1.last"),
-        *("leg2.a", "leg2.b", "leg2.last"),
-    ]
-    assert [case.title for case in found[:2]] == ["Leg 1: a, 1.2", "Leg 1: b, 2.5"]
-    assert [case.tolerance for case in found[:3]] == [Absolute(a) for a in (2.5, 5.0, 0.5)]
-    assert [case.effort for case in found[1:3]] == [3.0, 0.1]
-    assert found[5].unit == "2 m"
-    # 100 + leg + size; what names no parameter is given none.
-    assert [case.compute(100.0).value for case in found] == [
-        *(102.25, 103.5, 100.0),
-        *(103.25, 104.5, 100.0),
-    ]
-    assert found[2].compute is last
-
-
-def test_parameters_may_follow_from_others_and_from_what_a_robot_file_gives():
-    cases = CaseGroup(**COMMON)
-
-    @cases.case(
-        "{model}.{mode}",
-        "{model}",
-        over={
-            "model": ("beam", "rigid"),
-            "index, mode": lambda model, modes: numbered(modes[model]),
-        },
-    )
-    def one(context, index):
-        return exact(context, index)
-
+    family.case("leg{leg}.one", "One", over={"model": ("own",)}, model="")(last)
     found = cases(modes={"beam": 2, "rigid": 1})
-    assert [case.id for case in found] == ["beam.1", "beam.2", "rigid.1"]
-    assert [case.compute(10.0).value for case in found] == [10.0, 11.0, 10.0]
-
-
-def test_a_parameter_with_the_name_of_a_field_is_that_field():
-    cases = CaseGroup(section="Robot", model="none", **COMMON)
-    rows = [("beam", Absolute(1.0)), ("solid", Absolute(2.0))]
-    cases.case("{model}", "One", over={"model, tolerance": rows})(exact)
-    cases.case("own.{model}", "Two", over={"model, tolerance": rows}, model="")(exact)
-    found = cases()
-    assert [case.model for case in found] == ["beam", "solid", "", ""]
-    assert [case.tolerance.amount for case in found] == [1.0, 2.0, 1.0, 2.0]
-
-
-def test_a_family_stands_in_its_place_and_changes_what_is_in_common():
-    cases = CaseGroup(section="Robot", group="all", **COMMON)
-    cases.case("first", "First")(exact)
-    family = cases.family(over={"name": "ab"}, group="of {name}")
-    cases.case("last", "Last")(exact)
-    family.case("{name}.one", "One")(exact)
-    family.case("{name}.two", "Two", over={"at": (1, 2)}, unit="m{at}")(exact)
-    found = cases()
-    assert [case.id for case in found] == [
-        "first",
-        *("a.one", "a.two", "a.two", "b.one", "b.two", "b.two"),
-        "last",
-    ]
-    assert [case.group for case in found] == ["all", *["of a"] * 3, *["of b"] * 3, "all"]
-    assert {case.section for case in found} == {"Robot"}
-    assert [case.unit for case in found[2:4]] == ["m1", "m2"]
+    names = ("beam.1", "beam.2", "rigid.1", "one", "last")
+    assert [case.id for case in found] == [f"leg{leg}.{name}" for leg in (1, 2) for name in names]
+    assert [case.title for case in found[1:3]] == ["Leg 1: beam, 1.2", "Leg 1: rigid, 2.5"]
+    assert [case.tolerance.amount for case in found[:5]] == [2.5, 2.5, 5.0, 0.5, 0.5]
+    assert [case.effort for case in found[2:4]] == [3.0, 0.1]
+    assert [case.model for case in found[:5]] == ["beam", "beam", "rigid", "", "none"]
+    assert [case.group for case in found[5:]] == [*["all"] * 3, "of 2", "all"]
+    assert found[9].unit == "2 m"
+    # 100 + leg + size + index; what names no parameter is given none.
+    assert [case.compute(100.0).value for case in found[:4]] == [102.25, 102.26, 103.5, 100.0]
+    assert found[4].compute is last
 
 
 @pytest.mark.parametrize(
@@ -116,10 +74,3 @@ def test_a_wrong_declaration_is_an_error_when_cases_are_listed(declaration, faul
     cases.case("{length}", **own)(compute)
     with pytest.raises(fault):
         cases()
-
-
-def test_without_parameters_braces_are_braces_and_the_title_is_the_quantity():
-    cases = CaseGroup(**{name: field for name, field in COMMON.items() if name != "quantity"})
-    cases.case("one", "Legs of {a}")(exact)
-    cases.case("two", "Number of feet", quantity="feet")(exact)
-    assert [case.quantity for case in cases()] == ["Legs of {a}", "feet"]

@@ -10,6 +10,9 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 
+from lumped.errors import InputError
+from validation.agreement import accuracy
+from validation.agreement.accuracy import Accuracy, refined
 from validation.agreement.convergence import (
     analyse,
     classify,
@@ -38,12 +41,6 @@ def test_the_order_of_a_pure_power_is_found_on_unequal_grids(seed):
     found = three_grid_order(coarse, middle, fine, first, second)
     # Differences lose digits where the coarse value is large beside them: 1e-6 is far above that.
     assert found == pytest.approx(order, rel=1e-6)
-
-
-@pytest.mark.parametrize("values", [(1.0, 2.0, 1.5), (1.0, 1.0, 1.0), (1.0, 2.0, 4.0)])
-def test_no_order_where_differences_do_not_shrink_on_one_side(values):
-    assert isnan(three_grid_order(*values, 2.0, 2.0))
-    assert isnan(three_grid_order(*values, 2.0, 1.5))
 
 
 @pytest.mark.parametrize(
@@ -156,6 +153,9 @@ def test_a_published_study_has_its_printed_order_and_limit():
     order = three_grid_order(coarse, middle, fine, 2.0, 2.0)
     assert order == pytest.approx(1.78618, rel=2e-5)
     assert richardson(middle, fine, 2.0, order) == pytest.approx(0.9713, rel=1e-6)
+    # There is none where differences do not shrink on one side.
+    for values in ((1.0, 2.0, 1.5), (1.0, 1.0, 1.0), (1.0, 2.0, 4.0)):
+        assert isnan(three_grid_order(*values, 2.0, 2.0))
 
 
 def test_two_grids_state_three_times_what_their_formal_order_leaves():
@@ -178,3 +178,44 @@ def test_every_number_of_a_refinement_has_its_own_uncertainty_and_is_held_by_it(
             assert series.uncertainty(number) == pytest.approx(alone.uncertainty(0), rel=1e-9)
             assert error <= series.uncertainty(number) <= 4.0 * error
             assert series.at(number).extrapolated == pytest.approx(limit, rel=1e-6)
+
+
+LIMIT = 64
+
+
+def finer(divisions: int, factor: float) -> int:
+    """At most twice the divisions of an answer that converges with h²."""
+    wanted = min(2 * divisions, int(divisions * factor**0.5) + 1)
+    if wanted > LIMIT:
+        raise InputError(f"--divisions {wanted}: takes more memory than there is")
+    return wanted
+
+
+def left(divisions: int) -> float:
+    return 0.1 / divisions**2
+
+
+@pytest.mark.parametrize("asked", [0.2, 0.01, 1e-4])
+def test_the_first_mesh_that_is_fine_enough_answers(asked: float) -> None:
+    found, told = refined(2, lambda one: one, left, finer, asked)
+    assert left(found) <= asked
+    assert told == Accuracy(asked, left(found))
+    assert found == 2 or left(found // 2) > asked
+
+
+def test_what_memory_does_not_allow_is_missed_with_what_was_reached() -> None:
+    found, told = refined(2, lambda one: one, left, finer, 1e-6)
+    assert found == LIMIT
+    assert told.reached == left(LIMIT)
+    assert "takes more memory than there is" in told.missed
+    assert told.text.startswith("accuracy ±0.0024 %, asked for ±0.0001 %; --divisions 128")
+
+
+def test_nothing_is_begun_that_takes_longer_than_one_waits(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    clock = iter(range(0, 1000, 90))
+    monkeypatch.setattr(accuracy, "perf_counter", lambda: float(next(clock)))
+    found, told = refined(2, lambda one: one, left, finer, 1e-6)
+    assert found == 2
+    assert told.missed == "a finer mesh would take over 600 s"

@@ -1,6 +1,5 @@
 """flexproof from Python: what the command line gives, as frozen data that shows itself."""
 
-import json
 from dataclasses import FrozenInstanceError
 from html import escape
 
@@ -10,7 +9,7 @@ from like_ifw import IFW
 
 from lumped.errors import InputError
 from lumped.robot_file import load_robot
-from validation import api, cli
+from validation import api
 
 
 @pytest.fixture(scope="module")
@@ -18,10 +17,9 @@ def judged(paper, paper_subject):
     return api.Adequacy(paper, IFW.requirement, paper_subject)
 
 
-def test_solve_gives_the_numbers_of_the_command(capsys):
-    options = ["--model", "segments", "--x", "0.3", "--theory", "euler-bernoulli", "--json"]
-    assert cli.main(["solve", "ifw", *options, "--modes", "2"]) == 0
-    (printed,) = json.loads(capsys.readouterr().out)["results"]
+def test_solve_gives_the_numbers_of_the_command(command):
+    options = ["--model", "segments", "--x", "0.3", "--theory", "euler-bernoulli", "--modes", 2]
+    (printed,) = command.json("solve", "ifw", *options)["results"]
     # A pose of one coordinate may be a number.
     for pose in (0.3, [0.3]):
         asked = {"poses": [pose], "modes": 2, "theory": "euler-bernoulli"}

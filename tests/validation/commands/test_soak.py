@@ -18,8 +18,8 @@ from validation import cli
 
 ROOT = Path(__file__).parents[3]
 PROGRAM = "import sys; from validation.cli import main; sys.exit(main())"
-# So many commands of a seed; of them every so many-th is a process of its own.
-COUNT, APART = 500, 250
+# Of so many commands one is a process of its own.
+APART = 75
 # Seconds that a command may take, and MB that it may add to what the process has.
 LONGEST, LARGEST = 60.0, 500.0
 # One of what there are several of: nouns of this program.
@@ -84,14 +84,15 @@ def peak(*, anew=False):
 
 
 @pytest.mark.parametrize(
-    "seed", [30, *(pytest.param(seed, marks=pytest.mark.soak) for seed in range(31, 41))]
+    ("seed", "count"),
+    [(30, 150), *(pytest.param(seed, 500, marks=pytest.mark.soak) for seed in range(31, 41))],
 )
-def test_no_input_ends_in_a_fault_of_flexproof(seed, tmp_path, monkeypatch, capfd):
+def test_no_input_ends_in_a_fault_of_flexproof(seed, count, tmp_path, monkeypatch, capfd):
     folder = tmp_path / "here"
     folder.mkdir()
     monkeypatch.chdir(folder)
     outcomes, wrong, slowest, largest = Counter(), [], (0.0, ""), (0.0, "")
-    for number, command in enumerate(random_commands(COUNT, seed)):
+    for number, command in enumerate(random_commands(count, seed)):
         laid_out(command, folder)
         os.chdir(folder)
         before, begun = peak(anew=True), perf_counter()
@@ -112,6 +113,6 @@ def test_no_input_ends_in_a_fault_of_flexproof(seed, tmp_path, monkeypatch, capf
             f"more: {largest[1]}\nlargest process of its own {of_others:.0f} MB\n"
         )
     assert not wrong, "\n\n".join(wrong[:20])
-    assert {code for _, code in outcomes} >= {0, 1, 2}
+    assert {code for _, code in outcomes} >= {0, 2}
     assert slowest[0] <= LONGEST, slowest
     assert largest[0] <= LARGEST, largest

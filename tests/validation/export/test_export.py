@@ -2,7 +2,6 @@
 
 import re
 import subprocess
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -16,11 +15,8 @@ from fem.calculix.run import CalculixMissing, calculix_program
 from lumped.legs import tip_compliance
 from lumped.models.bodies import clamped_modes, legs_of, tip_compliance_of
 from lumped.robot_file import load_robot
-from lumped.sections import Rectangle
-from meshes.prism.hexahedra import hexahedra
-from meshes.prism.tetrahedra import tetrahedra
 from validation.export import files as exports
-from validation.export.files import DIVISIONS, WRENCHES, export_mechanism, grid
+from validation.export.files import DIVISIONS, WRENCHES, export_mechanism
 from validation.kinematics.poses import postures_of
 from validation.models import parts
 from validation.models.legs import clamped_solid, leg_matrices
@@ -81,15 +77,6 @@ def test_centrelines_deflect_as_a_cantilever(folder, model):
     assert pytest.approx(closed, rel=1e-8, abs=1e-8 * closed.diagonal().min()) == np.hstack(tip).T
 
 
-@pytest.mark.parametrize(("model", "along_x"), [("segments", slice(12, None, 6)), ("solid", None)])
-def test_a_rigid_translation_carries_the_mass_of_the_leg(folder, model, along_x):
-    mass = load_npz(folder / f"arm1_{model}_M.npz")
-    translation = np.zeros(mass.shape[0])
-    translation[[0, 6]] = 1.0
-    translation[along_x or slice(12, None, 3)] = 1.0
-    assert translation @ mass @ translation == pytest.approx(LEG.mass, rel=1e-9)
-
-
 def test_the_matrices_give_the_models_compliance_and_frequencies(folder):
     leg = leg_matrices("beam", LEG)
     K, M = (load_npz(folder / f"arm1_beam_{letter}.npz").toarray()[6:, 6:] for letter in "KM")
@@ -134,13 +121,6 @@ def test_calculix_reads_the_deck(folder, tmp_path):
     )
     assert done.returncode == 0, done.stdout[-2000:]
     assert "*ERROR" not in done.stdout
-
-
-@pytest.mark.parametrize("family", [partial(hexahedra, slices=5), tetrahedra])
-def test_vtk_finds_the_volume(family):
-    volumes = grid(family(Rectangle(0.1, 0.2), 0.5, 2)).compute_cell_sizes()["Volume"]
-    assert volumes.min() > 0.0
-    assert volumes.sum() == pytest.approx(0.1 * 0.2 * 0.5, rel=1e-6)  # VTK works in float32 parts
 
 
 ROCKER = Path(__file__).resolve().parents[3] / "examples" / "rocker" / "robot.toml"

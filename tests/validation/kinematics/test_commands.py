@@ -1,7 +1,5 @@
 """`flexproof kinematics`, `check` and `new` on mechanisms: text, JSON, picture, exit codes."""
 
-import json
-
 import matplotlib.image
 import numpy as np
 import pytest
@@ -14,9 +12,8 @@ COUNTS = {"delta": (9, 6, 69, 0), "biglide": (2, 0, 31, 3)}
 
 
 @pytest.mark.parametrize("robot", COUNTS)
-def test_json_counts_what_moves_and_closes_every_loop(robot, capsys):
-    assert cli.main(["kinematics", robot, "--json"]) == 0
-    found = json.loads(capsys.readouterr().out)
+def test_json_counts_what_moves_and_closes_every_loop(robot, command):
+    found = command.json("kinematics", robot)
     counts = COUNTS[robot]
     reference = found["reference"]
     assert tuple(reference[k] for k in ("mobility", "idle", "constraints", "redundant")) == counts
@@ -33,30 +30,26 @@ def test_json_counts_what_moves_and_closes_every_loop(robot, capsys):
         ("biglide", "drive1", "0.2", "x = 0.2 m", 1e3, " mm"),
     ],
 )
-def test_people_read_degrees_and_millimetres(robot, joint, pose, told, factor, unit, capsys):
-    assert cli.main(["kinematics", robot, "--pose", pose, "--json"]) == 0
-    (found,) = json.loads(capsys.readouterr().out)["results"]
+def test_people_read_degrees_and_millimetres(robot, joint, pose, told, factor, unit, command):
+    (found,) = command.json("kinematics", robot, "--pose", pose)["results"]
     (value,) = found["coordinates"][joint]
     assert abs(value) > 1e-3
-    assert cli.main(["kinematics", robot, "--pose", pose]) == 0
-    printed = capsys.readouterr().out
+    printed = command.told("kinematics", robot, "--pose", pose)
     assert f"pose 1: {told}" in printed
     (line,) = (one for one in printed.splitlines() if f"  {joint} " in f"{one} ")
     assert f"{factor * value:+.3f}{unit}" in line
 
 
-def test_every_wrong_pose_is_named_with_exit_code_2(capsys):
+def test_every_wrong_pose_is_named(command, capsys):
     assert cli.main(["kinematics", "five-bar", "--pose", "1,2,3", "--pose", "a,b"]) == 2
     faults = capsys.readouterr().err.splitlines()
     assert len(faults) == 2
     assert "--pose 1,2,3: must be x,y as finite numbers parted by commas" in faults[0]
-    assert cli.main(["kinematics", "five-bar", "--pose", "0.7,0.9", "--pose", "0,0.5"]) == 2
-    captured = capsys.readouterr()
-    assert captured.out == ""
-    assert "pose x = 0.7 m, y = 0.9 m: cannot be reached: joint" in captured.err
-    assert cli.main(["kinematics", "five-bar", "--pose=1e300,1e300"]) == 2
-    (line,) = capsys.readouterr().err.splitlines()
-    assert line.endswith("five-bar: a pose must be 2 finite numbers up to 100 m or rad (x, y)")
+    for typed, said in (
+        ("0.7,0.9", "pose x = 0.7 m, y = 0.9 m: cannot be reached: joint"),
+        ("1e300,1e300", "five-bar: a pose must be 2 finite numbers up to 100 m or rad (x, y)"),
+    ):
+        assert said in command.refused("kinematics", "five-bar", f"--pose={typed}")
 
 
 def test_many_poses_say_how_long_they_take(monkeypatch, capsys):
@@ -72,22 +65,19 @@ def test_many_poses_say_how_long_they_take(monkeypatch, capsys):
         *(pytest.param(name, marks=pytest.mark.exhaustive) for name in ("orthoglide", "hexapod")),
     ],
 )
-def test_a_new_file_of_each_kind_is_sound_and_commented(robot, tmp_path, capsys):
+def test_a_new_file_of_each_kind_is_sound_and_commented(robot, tmp_path, command):
     path = tmp_path / "robot.toml"
-    assert cli.main(["new", "--type", robot, str(path)]) == 0
+    command.told("new", "--type", robot, path)
     assert "#" in path.read_text(encoding="utf-8")
-    capsys.readouterr()
-    assert cli.main(["check", str(path)]) == 0
-    printed = capsys.readouterr().out
+    printed = command.told("check", path)
     assert "sound" in printed
     assert "all 9 poses of its path within reach" in printed
 
 
-def test_the_picture_shows_bodies_joints_and_drives(tmp_path, capsys):
+def test_the_picture_shows_bodies_joints_and_drives(tmp_path, command):
     path = tmp_path / "robot.png"
     pose = ",".join(f"{value:g}" for value in load_robot("five-bar").mechanism.reference_pose)
-    assert cli.main(["kinematics", "five-bar", f"--pose={pose}", "--picture", str(path)]) == 0
-    capsys.readouterr()
+    command.told("kinematics", "five-bar", f"--pose={pose}", "--picture", path)
     pixels = matplotlib.image.imread(path)[:, :, :3]
     # Steel blue legs, orange drives: each covers some of the picture, and more is left white.
     red, _, blue = np.moveaxis(pixels, 2, 0)

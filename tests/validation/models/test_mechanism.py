@@ -1,28 +1,26 @@
 """Models of the built-in mechanisms: one answer where they must agree, and what symmetry asks."""
 
-import json
 import pickle
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
 
+from lumped.mechanism.free_twists import interface_position
 from lumped.mechanism.kinematics.postures import posture, reference_posture
 from lumped.models.bodies import legs_of
 from lumped.models.serial_chains import NoChainError
 from lumped.robot_file import load_robot
-from lumped.system.assembly import assemble
-from lumped.system.solution import compliance, solved, strain_shares
-from validation.cli import main
+from lumped.system.joint_motion import Portion
 from validation.models.mechanism import (
     answers,
     constant_legs,
     dynamic_bodies,
-    static_bodies,
+    mechanism_modes,
 )
 from validation.models.options import DEFAULT_OPTIONS, ModelOptions
 
-SERIAL = ("five-bar", "hexapod")
 EULER_BERNOULLI = ModelOptions(theory="euler-bernoulli")
 # One third of a turn about z, of twists.
 THIRD = np.kron(
@@ -30,26 +28,16 @@ THIRD = np.kron(
 )
 
 
-def along_the_path(name: str):
-    mechanism = load_robot(name).mechanism
-    poses = mechanism.poses[:: max(1, len(mechanism.poses) // 3)]
-    return [reference_posture(mechanism), *(posture(mechanism, pose) for pose in poses)]
-
-
-def apart(found, expected) -> float:
-    return max(
-        np.abs(one.compliance - other.compliance).max() / np.abs(other.compliance).max()
-        for one, other in zip(found, expected, strict=True)
-    )
-
-
-@pytest.mark.parametrize("name", [*SERIAL, "delta"])
-def test_beams_links_segments_and_chains_have_one_static_answer(name):
-    at = along_the_path(name)
-    expected = answers("links", at, 0, EULER_BERNOULLI)
-    others = ("beam", "segments", "vjm") if name in SERIAL else ("beam", "segments")
-    for model in others:
-        assert apart(answers(model, at, 0, EULER_BERNOULLI), expected) < 1e-9, model
+def test_beams_links_and_segments_have_one_static_answer():
+    """Of loops in space, away from the reference; serial chains are held against closed forms."""
+    mechanism = load_robot("delta").mechanism
+    at = [posture(mechanism, pose) for pose in mechanism.poses[::4]]
+    for one in zip(
+        *(answers(m, at, 0, EULER_BERNOULLI) for m in ("links", "beam", "segments")), strict=True
+    ):
+        links, *others = (answer.compliance for answer in one)
+        for other in others:
+            assert np.abs(other - links).max() < 1e-9 * np.abs(links).max()
 
 
 def test_why_legs_are_no_chains_arrives_from_another_process():
@@ -101,22 +89,6 @@ def test_simplified_knows_nothing_of_what_its_joints_give():
     assert found.compliance == pytest.approx(expected.compliance, rel=1e-12)
 
 
-def test_strain_energy_is_shared_by_bodies_and_joints():
-    at = reference_posture(load_robot("delta").mechanism)
-    bodies = static_bodies("beam", at.mechanism)
-    system = assemble(at, bodies)
-    solution = solved(system)
-    forces = np.eye(6, 3)
-    displacements = solution.displacements(system.tool.T @ forces)
-    shares = strain_shares(system, displacements)
-    assert sum(shares.values()) == pytest.approx(np.ones(3), abs=1e-12)
-    # What the drives take is what a rigid robot on them yields.
-    simplified = compliance(solved(assemble(at, {})))
-    drives = sum(share for part, share in shares.items() if part.kind == "drive")
-    whole = np.diag(compliance(solution))[:3]
-    assert drives * whole == pytest.approx(np.diag(simplified)[:3], rel=1e-9)
-
-
 def test_legs_are_one_only_where_they_are_alike_to_the_last_digits_typed():
     described = load_robot("five-bar").mechanism
     lengths = {name: leg.length for name, leg, _ in constant_legs(described, DEFAULT_OPTIONS)}
@@ -129,44 +101,90 @@ def test_legs_are_one_only_where_they_are_alike_to_the_last_digits_typed():
         assert (known["rod1"] != known["rod2"]) is apart
 
 
-def solve(capsys, *arguments):
-    code = main(["solve", *arguments])
-    streams = capsys.readouterr()
-    return code, streams.out, streams.err
-
-
-def test_solve_gives_poses_and_idle_mobilities(capsys):
-    pose = ("--pose", "-0.01,0,-0.5")
-    code, out, _ = solve(capsys, "delta", "--model", "beam", "--modes", "2", "--json", *pose)
-    (result,) = json.loads(out)["results"]
-    assert code == 0
-    assert result["pose"] == [-0.01, 0.0, -0.5]
-    assert result["idle"] == 6
-    assert np.shape(result["compliance"]) == (6, 6)
-    assert len(result["frequencies"]) == 2
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (["delta", "--model", "beam", "--x", "1"], "--x: poses of a mechanism are typed as --pose"),
-        (["delta", "--model", "beam", "--leg", "1"], "--leg: bodies of a mechanism have names"),
-        (["delta", "--model", "beam", "--pose", "1,2"], "--pose 1,2: must be x,y,z as finite"),
-        (["delta", "--model", "beam", "--body", "arm"], "--body arm: no such body; must be one of"),
-        (["delta", "--model", "beam", "--body", "bar1"], "--body bar1: is rigid; must be one of"),
-        (["delta", "--model", "links", "--modes", "3"], "--modes: the links model is static"),
-        (["delta", "--model", "links", "--legs", "given"], "--legs: no leg that is asked about is"),
-        (["delta", "--model", "segments", "--release", "printed"], "--release: not an option of"),
-    ],
-)
-def test_what_is_typed_wrong_is_refused_in_one_line(capsys, arguments, message):
-    code, out, err = solve(capsys, *arguments)
-    assert (code, out) == (2, "")
-    assert message in err
-    assert err.count("\n") == 1
-
-
 def test_more_modes_can_be_asked_for_than_two_elements_a_leg_have():
     middle = reference_posture(load_robot("ifw").mechanism)
     (answer,) = answers("beam", [middle], 60, ModelOptions(elements=10))
     assert len(answer.frequencies) == 60
+
+
+COUNT = 8
+ELEMENTS = 20
+
+
+def strains_of(leg, twists_at):
+    """Energies (J) of the four kinds of deformation, by Gauss quadrature of difference quotients.
+
+    `twists_at(x)` gives the sections' twists (m×6) of a centreline.
+    """
+    p, size = leg.timoshenko, leg.length / ELEMENTS
+    places, weights = np.polynomial.legendre.leggauss(4)
+    x = ((np.arange(ELEMENTS)[:, None] + 0.5 + 0.5 * places) * size).ravel()
+    weight = np.tile(0.5 * size * weights, ELEMENTS)
+    step = 1e-3 * size
+    slope = (twists_at(x + step) - twists_at(x - step)) / (2.0 * step)
+    turned = twists_at(x)
+    shear_y, shear_z = slope[:, 1] - turned[:, 5], slope[:, 2] + turned[:, 4]
+    return {
+        "tension": 0.5 * weight @ (p.EA * slope[:, 0] ** 2),
+        "torsion": 0.5 * weight @ (p.GJ * slope[:, 3] ** 2),
+        "bending y": 0.5 * weight @ (p.EIy * slope[:, 4] ** 2 + p.GAz * shear_z**2),
+        "bending z": 0.5 * weight @ (p.EIz * slope[:, 5] ** 2 + p.GAy * shear_y**2),
+    }
+
+
+def twists_of(model, own, x):
+    return (model.centreline(x) @ own).reshape(-1, 6)
+
+
+def test_shares_of_energy_are_those_of_the_strains_of_the_same_modes():
+    """Shares to 1e-5: difference quotients of 1e-3 of an element."""
+    mechanism = load_robot("five-bar").mechanism
+    at = reference_posture(mechanism)
+    (found,) = mechanism_modes("beam", [at], COUNT)
+    for mode, (frequency, shape) in enumerate(
+        zip(found.modes.frequencies, found.modes.shapes.T, strict=True)
+    ):
+        whole = 0.5 * (2.0 * np.pi * frequency) ** 2  # Rayleigh, unit modal mass
+        for name, leg in legs_of(mechanism).items():
+            model, own = found.system.models[name], found.system.own(name, shape[:, None])
+            expected = strains_of(leg, partial(twists_of, model, own))
+            for kind, energy in expected.items():
+                share = found.strain[Portion(name, kind)][mode]
+                assert share == pytest.approx(energy / whole, abs=1e-5), (mode, name, kind)
+        for joint in mechanism.joints:
+            if joint.drive is not None:
+                place = interface_position(at, joint.second)
+                turning = found.system.motions.at(joint.second.body, joint.second.point, place)
+                angle = turning[5] @ shape[: found.system.outer]
+                energy = 0.5 * joint.drive.stiffness * angle**2
+                share = found.strain[Portion(joint.name, "drive")][mode]
+                assert share == pytest.approx(energy / whole, abs=1e-9)
+
+
+def test_shares_of_sixty_modes_sum_to_one():
+    at = [reference_posture(load_robot("hexapod").mechanism)]
+    (found,) = mechanism_modes("segments", at, 60)
+    (expected,) = answers("segments", at, 60)
+    np.testing.assert_allclose(sum(found.strain.values()), np.ones(60), rtol=1e-12)
+    np.testing.assert_allclose(found.modes.frequencies, expected.frequencies, rtol=1e-12)
+    # Relative to the largest entry: by symmetry some are rounding alone.
+    scale = np.abs(expected.compliance).max()
+    np.testing.assert_allclose(found.compliance, expected.compliance, rtol=0, atol=1e-12 * scale)
+
+
+def test_rigid_bodies_leave_all_energy_to_the_drives():
+    """Three moves, three drives: three modes."""
+    at = [reference_posture(load_robot("delta").mechanism)]
+    (found,) = mechanism_modes("simplified", at, 6)
+    assert set(found.strain) == {Portion(f"motor{k}", "drive") for k in (1, 2, 3)}
+    np.testing.assert_allclose(sum(found.strain.values()), np.ones(3), rtol=1e-12)
+
+
+def test_a_model_is_its_own_partner(command):
+    asked = ("--model", "beam", "--modes", "12", "--against", "beam")
+    (result,) = command.json("solve", "orthoglide", *asked)["results"]
+    pairs = result["partners"]["pairs"]
+    assert [pair["partner"] for pair in pairs] == list(range(1, 13))
+    assert [pair["mac"] for pair in pairs] == pytest.approx([1.0] * 12, abs=1e-9)
+    assert [pair["frequency"] for pair in pairs] == pytest.approx(result["frequencies"])
+    assert sum(shares[0] for shares in result["strain"].values()) == pytest.approx(1.0)

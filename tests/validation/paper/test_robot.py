@@ -1,13 +1,24 @@
 """What the paper's statements compute from, by hand and solved once more."""
 
+import csv
+import io
+import pickle
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
 from lumped.errors import InputError
 from lumped.robot_file import load_robot
+from validation import paper
+from validation.context import Context
 from validation.models.options import ModelOptions
+from validation.paper.curves import (
+    cosine_spaced,
+    frequencies_over_the_stroke,
+)
 from validation.paper.robot import (
+    Places,
     deflections,
     family,
     frequencies,
@@ -51,22 +62,6 @@ def test_the_family_on_drives_is_virtual_power(fraction):
     assert np.isnan(found.along_z).all()
 
 
-def test_deflections_and_frequencies_on_drives_are_the_papers():
-    """Known values: 1.063 µm near x = 0.497 under fx (paper §2.1: below 1.1), 0.503 under fy in
-    the middle, 1.0 at both ends; first frequencies of 713.4 to 756.2 Hz (§3.1: above 710)."""
-    (places,) = over_stroke(ROBOT.mechanism, 201)
-    found = deflections("simplified", [places])
-    assert found.planar_x.max() == pytest.approx(1.063, abs=0.0005)
-    # The maximum is flat: 0.01 m beside it the deflection has changed by its fourth digit.
-    assert places.x[found.planar_x.argmax()] == pytest.approx(0.497, abs=0.01)
-    assert found.planar_y[[0, 100, -1]] == pytest.approx([1.0, 0.503, 1.0], abs=0.0005)
-    assert found.largest_planar == pytest.approx(1.063, abs=0.0005)
-    at_ends = deflections("simplified", over_stroke(ROBOT.mechanism, 2))
-    assert at_ends.largest_planar == pytest.approx(1.0, abs=0.0005)
-    first = frequencies("simplified", [places], 1)
-    assert [first.min(), first.max()] == pytest.approx([713.4, 756.2], abs=0.05)
-
-
 def test_longer_legs_are_stiffer_in_the_plane_and_softer_along_z():
     """Known values, α = 1 and 2 at the centre, to half a unit of the last digit (physics notes)."""
     slender = ModelOptions(legs="equivalent", theory="euler-bernoulli")
@@ -89,3 +84,42 @@ def test_a_member_that_cannot_be_is_refused():
         member(ROBOT, 0.4)
     with pytest.raises(InputError, match="foot"):
         ROBOT.with_values({"foot.compliance[6,6]": 3.16e-9})
+
+
+@pytest.fixture(scope="module")
+def context():
+    return Context(load_robot("ifw"), preset="quick")
+
+
+def test_stations_reach_both_ends_and_the_centre(context):
+    x = cosine_spaced(0.145, 0.85, 21)
+    assert (x[0], x[10], x[-1]) == pytest.approx((0.145, 0.4975, 0.85), rel=1e-12)
+    assert (np.diff(x) > 0.0).all()
+    # Every posture is one of the robot's: none is outside by rounding.
+    assert [at.pose[0] for at in Places(context.robot_file.mechanism, x).postures] == pytest.approx(
+        x
+    )
+
+
+def rows(data: str) -> list[dict[str, float]]:
+    return [{k: float(v) for k, v in row.items()} for row in csv.DictReader(io.StringIO(data))]
+
+
+def test_the_printed_release_has_a_curve_of_its_own(context):
+    figure = frequencies_over_the_stroke(context)
+    centre = rows(figure.data)[10]
+    assert centre["x (m)"] == pytest.approx(0.4975)
+    # Orientation values of an independent computation: 184 Hz, and about 300 Hz as printed.
+    assert centre["beam FE: frequency 2 (Hz)"] == pytest.approx(184.0, rel=0.005)
+    assert centre["segments, eq. (25) as printed: frequency 2 (Hz)"] == pytest.approx(
+        300.0, rel=0.02
+    )
+    assert figure.svg.startswith("<svg")
+
+
+def test_the_figures_can_be_sent_to_another_process():
+    found = paper.figures()
+    assert len({figure.id for figure in found}) == len(found) == 4
+    assert [figure.id for figure in pickle.loads(pickle.dumps(found))] == [  # noqa: S301  our own
+        figure.id for figure in found
+    ]

@@ -119,7 +119,7 @@ def test_condensed_it_moves_rigidly_with_its_own_mass_and_averaged_ends_give_mor
 @pytest.fixture(scope="module")
 def crank(mesh_file):
     """The shaft on a drive about z, turned, with a heavy mass at its point beside the axis."""
-    ends = "\n".join(
+    ends = ", ".join(
         f"{name} = {{ plane = {{ normal = {(way * ALONG).tolist()}, "
         f'point = {place.tolist()} }}, coupling = "average" }}'
         for name, way, place in PLANES
@@ -130,32 +130,18 @@ def crank(mesh_file):
 schema = 2
 name = "crank"
 points = {{ A = {START.tolist()}, B = {END.tolist()} }}
-
+joints.A.type = "revolute"
+joints.A.between = ["ground", "shaft"]
+joints.A.at = "A"
+joints.A.axis = [0.0, 0.0, 1.0]
+joints.A.drive = {{ stiffness = {DRIVE} }}
+tool = {{ body = "shaft", point = "B", moves = ["phi_z"], mass = {TIP_MASS} }}
+path = {{ poses = [[{ANGLE}]] }}
 [bodies.shaft]
 mesh = "shaft.msh"
 unit = "mm"
 material = {{ E = {STEEL.E}, nu = {STEEL.nu}, rho = {STEEL.rho} }}
-
-[bodies.shaft.interfaces]
-{ends}
-
-[joints.A]
-type = "revolute"
-between = ["ground", "shaft"]
-at = "A"
-axis = [0.0, 0.0, 1.0]
-drive = {{ stiffness = {DRIVE} }}
-
-[tool]
-body = "shaft"
-point = "B"
-moves = ["phi_z"]
-mass = {TIP_MASS}
-
-[path]
-from = [{ANGLE}]
-to = [{ANGLE}]
-count = 1
+interfaces = {{ {ends} }}
 """,
         "utf-8",
     )

@@ -10,7 +10,6 @@ from report_sample import sample_report
 from validation.adequacy.matrix import ModelNote
 from validation.drawing.text import anchor, number
 from validation.exhibits import Figure
-from validation.report.figures.adequacy import error_curves
 from validation.report.first_screen import first_screen
 from validation.report.page import render
 from validation.report.remedies import remedies_of
@@ -80,21 +79,16 @@ def test_the_sentence_answers_what_was_asked(rely, entries, expected):
     assert plain(sentence(matrix_of(*entries), rely)) == expected
 
 
-def test_the_sentence_is_short():
+def test_what_verdicts_on_frequencies_suppose_stands_behind_them_and_nowhere_else():
     assert plain(sentence(sample_matrix())) == (
         "For your limits use vjm (deflections and rotations); undecided: frequencies."
     )
-
-
-def test_what_verdicts_on_frequencies_suppose_stands_behind_them_and_nowhere_else():
     supposed = "for every plausible distribution of the legs' mass"
-    decided = (entry("beam", "f1", (0.3, 0.3, 0.3)),)
-    assert sentence(sample_matrix(entries=decided, supposed=supposed)).endswith(
-        f". Frequencies are judged {supposed}."
-    )
+    decided = sample_matrix(entries=(entry("beam", "f1", (0.3, 0.3, 0.3)),), supposed=supposed)
+    assert sentence(decided).endswith(f". Frequencies are judged {supposed}.")
     assert supposed not in sentence(sample_matrix(supposed=supposed))
     # Solids of such legs are of other legs: they help nobody.
-    assert "solid" not in sentence(sample_matrix(entries=decided, supposed=supposed))
+    assert "solid" not in sentence(decided)
 
 
 def test_the_table_has_a_column_for_every_quantity_that_is_spoken_of():
@@ -152,15 +146,11 @@ def test_entries_of_the_same_cause_and_remedy_share_a_line():
         "0.1 %",
     )
     assert lines[1].causes == ("it knows no such motion",)
-    # A model that is folded in the table has its lines folded, too.
+    # A model that is folded in the table has its lines folded, too; an unfinished run no figure.
     screen = first_screen(matrix, plotted=False)
+    assert screen.errors is None
+    assert first_screen(matrix, plotted=True).errors.svg
     assert (screen.remedies, screen.other_remedies) == (tuple(lines[2:]), tuple(lines[:2]))
-
-
-def test_an_unfinished_run_waits_for_no_figure():
-    assert first_screen(sample_matrix(), plotted=True).errors.svg
-    assert error_curves(sample_matrix(entries=(undecided("beam", "f1"),))) is None
-    assert first_screen(sample_matrix(), plotted=False).errors is None
 
 
 def test_legs_and_measured_values_have_tables_and_sheets_of_their_own():

@@ -1,27 +1,35 @@
-"""Everything that is told of a matrix and of a solution, read back and held against its numbers.
+"""Everything that is told of a matrix and of comparisons, read back and held against its numbers.
 
-Sheets, cells, hints, CSV, curves with their axes, records, the API's line and the text of `solve`
+Sheets, cells, hints, CSV, curves with their axes, records, the API's line, the run's list and JUnit
 are parsed as a reader would; a factor, a sign, a unit or another entry's number differs.
 """
 
 import csv
 import io
 import re
+from dataclasses import replace
+from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
 from random_subjects import MODES, subject
+from toy_catalogue import agrees, case
 
 from lumped.acceptance.requirement import Requirement
 from validation import api
 from validation.adequacy.judgement import judged
+from validation.case import Absolute, Measurement, Relative
+from validation.drawing import text
 from validation.drawing.chart import chart_table
+from validation.exhibits import Study, study_record
 from validation.report.figures.adequacy import error_curves
+from validation.report.figures.studies import family_of, study_figure
+from validation.report.listing import junit_xml, outcome_line, summary
 from validation.report.remedies import remedies_of
 from validation.report.table import csv_of_matrix, table_of
 from validation.report.words import SIGNS
+from validation.results.outcome import Outcome, Result, judge
 from validation.results.records import adequacy_records
-from validation.solve.answer import as_text
 
 LIMITS = {"x": 0.011, "f1": 0.023, "phi_y": 0.37}
 MARKS = {"adequate": "✓", "inadequate": "✗", "undecided": "?"}
@@ -234,25 +242,68 @@ def test_the_record_and_the_line_of_the_api():
                 assert matrix.poses[pose_of(matrix, line)] == entry.pose
 
 
-@pytest.mark.parametrize(("robot", "model"), [("ifw", "vjm"), ("five-bar", "beam")])
-def test_the_text_of_solve(robot, model):
-    """Deflections in µm under 1000 N, the compliance in SI, frequencies in Hz: of the answer."""
-    solution = api.solve(robot, model, **({} if model == "vjm" else {"modes": 2}))
-    (answer,) = solution.answers
-    size = len(answer.compliance)
-    lines = as_text(solution).splitlines()
-    (at,) = (n for n, line in enumerate(lines) if "deflection (µm) along a force of 1000 N" in line)
-    deflections = dict(part.split() for part in lines[at + 1].split(","))
-    assert {axis: float(text) for axis, text in deflections.items()} == {
-        axis: pytest.approx(1000.0 * answer.compliance[i, i] * 1e6, rel=6e-4)
-        for i, axis in enumerate("xyz"[: min(size, 3)])
-    }
-    rows = [[float(one) for one in line.split()] for line in lines[at + 3 : at + 3 + size]]
-    np.testing.assert_allclose(rows, answer.compliance, rtol=6e-5, atol=1e-16)
-    (cells,) = re.findall(r"<tbody><tr>(.*)</tr></tbody>", solution._repr_html_())
-    shown = re.findall(r"<td>([^<]*)</td>", cells)[1 : 1 + min(size, 3)]
-    assert [float(one) for one in shown] == [float(text) for text in deflections.values()]
-    if model != "vjm":
-        (said,) = (line for line in lines if "natural frequencies (Hz)" in line)
-        frequencies = [float(one) for one in said.partition(":")[2].split(",")]
-        np.testing.assert_allclose(frequencies, answer.frequencies, rtol=6e-5)
+CASE = case("toy", agrees, quantity="deflection", unit="µm", tolerance=Relative(0.1))
+
+
+def test_numbers_shares_and_tolerances_at_random_are_read_back():
+    rng = np.random.default_rng(16)
+    for _ in range(60):
+        value, share = (
+            float(rng.choice([-1.0, 1.0]) * 10.0 ** rng.uniform(*powers))
+            for powers in ((-7.0, 7.0), (-5.0, 1.0))
+        )
+        amount = float(10.0 ** rng.uniform(-4.0, 0.0))
+        for said, number, digits in (
+            (text.number(value), value, 1e-4),
+            (text.percent(share), share, 0.06),
+            (text.share_text(amount), amount, 0.06),
+            (text.tolerance(Absolute(amount), "µm"), amount, 6e-3),
+            (text.tolerance(Relative(amount), "µm"), amount, 6e-3),
+        ):
+            assert numbers(said) == [pytest.approx(number, rel=digits)], said
+
+
+def test_lines_sum_and_junit_say_the_verdicts():
+    values = np.random.default_rng(18).uniform(1.5, 2.5, 9).tolist()
+    outcomes = [
+        judge(replace(CASE, id=f"toy[{n}]"), Measurement(value, 2.0, exact=True), 0.0)
+        for n, value in enumerate(values)
+    ]
+    wrong = [abs(value - 2.0) > 0.2 for value in values]
+    assert 0 < sum(wrong) < 9
+    assert [outcome_line(one).startswith("disagree") for one in outcomes] == wrong
+    failed = Outcome(replace(CASE, id="broken"), Result("broken", "failed", 0.1, "it broke"))
+    told = summary([*outcomes, failed])
+    assert told.startswith(f"{9 - sum(wrong)} of 10 comparisons agree")
+    assert f"{sum(wrong)} disagree" in told
+    assert "1 failed" in told
+    suite = ET.fromstring(junit_xml([*outcomes, failed], "toys")).find("testsuite")  # noqa: S314
+    assert suite is not None
+    assert [one.find("failure") is not None for one in suite] == [*wrong, False]
+    counts = [suite.attrib[name] for name in ("tests", "failures", "errors")]
+    assert counts == ["10", str(sum(wrong)), "1"]
+    line = outcome_line(judge(CASE, Measurement(9.5, 2.0, exact=True), 0.0))
+    assert "deflection 9.5 µm, should be 2 µm (tolerance 0.2 µm)" in line
+
+
+def test_data_of_curves_belong_to_their_names():
+    series = {"c22": (1.0, 2.0, 3.0), "c33": (1.5, 2.5, 3.5)}
+    study = Study(
+        id="toy",
+        title="toy",
+        x_label="elements",
+        y_label="compliance",
+        unit="m/N",
+        x=(1.0, 2.0, 4.0),
+        series=series,
+        uncertainties={"c33": 0.01},
+        limits={"c22": 4.0},
+    )
+    rows = list(csv.DictReader(io.StringIO(study_figure(family_of([study])).data)))
+    columns = {name: tuple(float(row[name]) for row in rows) for name in rows[0]}
+    named = {f"{name} (m/N)": values for name, values in series.items()}
+    assert columns == {"elements": study.x} | named
+    record = study_record(study)
+    assert record["series"] == series
+    assert (record["uncertainty"], record["limit"]) == ({"c33": 0.01}, {"c22": 4.0})
+    assert record["x"] == study.x

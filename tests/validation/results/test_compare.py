@@ -7,23 +7,15 @@ from itertools import permutations
 import pytest
 from msgspec.json import encode
 from msgspec.structs import replace
-from toy_catalogue import agrees, case
 
 from lumped.errors import InputError
-from validation import cli
-from validation.case import Measurement
-from validation.report.page import Report
-from validation.results.compare import as_dict, as_text, compare, drift, with_drift
-from validation.results.gathered import Results
-from validation.results.outcome import Result, judge
+from validation.results.compare import as_dict, as_text, compare, drift
 from validation.results.records import (
     AdequacyRecord,
     CaseRecord,
     RunRecord,
-    case_record,
     load_run,
 )
-from validation.session.summary import changes
 
 STEADY = CaseRecord(
     id="steady", verdict="agree", value=1.0, reference=1.0, tolerance=0.1, seconds=1.0
@@ -86,52 +78,44 @@ def test_drift_is_what_exceeds_the_uncertainty(value, then, now, beyond):
     assert drift(before, moved).beyond
 
 
-def test_programs_are_told_what_moved_from_where_to_where_and_nothing_else():
-    moved = replace(STEADY, value=1.25, numerical_uncertainty=0.02, seconds=3.5, unit="Hz")
-    moved = replace(moved, reference=0.5)
-    told, same = (
-        json.loads(json.dumps(as_dict(compare(run_of(STEADY), run_of(one)))))
-        for one in (moved, STEADY)
-    )
-    drift = {"before": 1.0, "after": 1.25, "drift": 0.25, "allowed": 0.02}
-    value, reference = told["drifted"]
-    assert value == {"id": "steady", "what": "value", "unit": "Hz", **drift}
-    assert (reference["what"], reference["drift"]) == ("reference", -0.5)
-    assert told["seconds"] == [{"id": "steady", "before": 1.0, "after": 3.5}]
-    told_of_same = same | {"seconds": [], "schema": 0}
-    assert same["seconds"] == [{"id": "steady", "before": 1.0, "after": 1.0}]
-    assert not any(told_of_same.values())
-
-
-def test_the_text_names_everything_that_changed():
+def test_people_and_programs_are_told_what_changed_and_nothing_else():
     before = run_of(STEADY, replace(STEADY, id="worse"), replace(STEADY, id="gone"))
+    moved = replace(STEADY, value=1.25, numerical_uncertainty=0.02, seconds=3.5, unit="Hz")
     after = run_of(
-        replace(STEADY, value=1.25, seconds=3.5),
+        replace(moved, reference=0.5),
         replace(STEADY, id="worse", verdict="disagree"),
         replace(STEADY, id="came"),
         preset="fine",
     )
-    lines = as_text(before, after, compare(before, after)).splitlines()
+    found = compare(before, after)
+    lines = as_text(before, after, found).splitlines()
     assert "The runs differ in preset." in lines
     assert "1 verdict worse, 0 better, 1 case drifted, 1 new, 1 removed." in lines
     assert "  worse  agree   disagree  worse" in lines
     assert any(line.split()[:3] == ["1", "1.25", "+0.25"] for line in lines)
     assert any(line.split() == ["1.00", "3.50", "+2.50", "steady"] for line in lines)
     assert {"  came", "  gone"} <= set(lines)
+    told, same = (json.loads(json.dumps(as_dict(one))) for one in (found, compare(before, before)))
+    drift = {"before": 1.0, "after": 1.25, "drift": 0.25, "allowed": 0.02}
+    value, reference = told["drifted"]
+    assert value == {"id": "steady", "what": "value", "unit": "Hz", **drift}
+    assert (reference["what"], reference["drift"]) == ("reference", -0.5)
+    assert told["seconds"][0] == {"id": "steady", "before": 1.0, "after": 3.5}
+    assert told["verdicts"] == [
+        {"id": "worse", "before": "agree", "after": "disagree", "worse": True}
+    ]
+    assert not any((same | {"seconds": [], "schema": 0}).values())
 
 
-def test_compare_ends_with_1_when_a_verdict_worsened(tmp_path, capsys):
+def test_compare_ends_with_1_when_a_verdict_worsened(tmp_path, command):
     good = saved(tmp_path / "good.json", STEADY)
     (tmp_path / "bad").mkdir()
     saved(tmp_path / "bad" / "results.json", replace(STEADY, verdict="failed", value=None))
-    assert cli.main(["compare", str(good), str(good)]) == 0
-    assert cli.main(["compare", str(good), str(tmp_path / "bad")]) == 1
-    assert "agree   failed  steady" in capsys.readouterr().out
-    assert cli.main(["compare", str(tmp_path / "bad"), str(good), "--json"]) == 0
-    printed = json.loads(capsys.readouterr().out)
-    assert printed["verdicts"] == [
-        {"id": "steady", "before": "failed", "after": "agree", "worse": False}
-    ]
+    command.told("compare", good, good)
+    said = command.told("compare", good, tmp_path / "bad", code=1)
+    assert "agree   failed  steady" in said
+    (change,) = command.json("compare", tmp_path / "bad", good)["verdicts"]
+    assert (change["before"], change["worse"]) == ("failed", False)
 
 
 @pytest.mark.parametrize(
@@ -146,15 +130,11 @@ def test_compare_ends_with_1_when_a_verdict_worsened(tmp_path, capsys):
         (json.dumps({"cases": [CASE | {"value": 1e300}]}), "Expected `float` <= 1e+150"),
     ],
 )
-def test_what_is_no_run_ends_with_2_and_one_line(content, said, tmp_path, capsys):
+def test_what_is_no_run_ends_with_2_and_one_line(content, said, tmp_path, command):
     path = tmp_path / "x.json"
     if content is not None:
         path.write_bytes(content.encode(errors="surrogateescape"))
-    assert cli.main(["compare", str(path), str(path)]) == 2
-    printed = capsys.readouterr()
-    assert printed.out == ""
-    assert len(printed.err.splitlines()) == 1
-    assert said in printed.err
+    assert said in command.refused("compare", path, path)
     with pytest.raises(InputError, match=r"holds no results\.json"):
         load_run(tmp_path)
 
@@ -169,69 +149,22 @@ def test_inputs_are_compared_however_deep_they_are():
     assert (change.key, change.before, change.after) == ("b", 1, 2)
 
 
-def outcome(value):
-    return judge(case("toy", agrees), Measurement(value, 1.0, exact=True), 0.0)
-
-
-def test_runs_without_a_common_case_are_not_called_the_same(tmp_path, capsys):
+def test_runs_without_a_common_case_are_not_called_the_same(tmp_path, command):
     some, others = saved(tmp_path / "a.json", STEADY), saved(tmp_path / "b.json")
     for pair in ((some, others), (others, others)):
-        assert cli.main(["compare", *map(str, pair)]) == 2
-        error = capsys.readouterr().err
-        assert "have no case in common: nothing compares them" in error
-        assert len(error.splitlines()) == 1
+        said = command.refused("compare", *pair)
+        assert "have no case in common: nothing compares them" in said
 
 
-def test_runs_of_models_alone_are_compared_by_these(tmp_path, capsys):
+def test_runs_of_models_alone_are_compared_by_these(tmp_path, command):
     entry = AdequacyRecord(model="beam", quantity="x", verdict="adequate", error=0.01)
     paths = []
     for verdict in ("adequate", "inadequate"):
         run = replace(run_of(), adequacy=(replace(entry, verdict=verdict),))
         paths.append(tmp_path / f"{verdict}.json")
         paths[-1].write_bytes(encode(run))
-    assert cli.main(["compare", *map(str, paths)]) == 0
-    assert re.search(r"beam +x +\+1\.00 % +adequate +\+1\.00 % +inad", capsys.readouterr().out)
-
-
-def test_drift_stands_beside_the_verdict_and_never_changes_it():
-    before = run_of(CaseRecord(id="toy", verdict="agree", value=0.5))
-    for value, verdict, moved in ((1.05, "agree", 0.55), (0.5, "disagree", 0.0)):
-        # 0.05 from the reference agrees within 0.1, far from the earlier value; that itself not.
-        now = outcome(value)
-        entry = with_drift(case_record(now), before.by_id["toy"])
-        assert (entry.verdict, entry.reference, entry.earlier) == (verdict, 1.0, 0.5)
-        assert entry.drift == pytest.approx(moved, rel=1e-12)
-        assert entry.drifted is (moved > 0.0)
-    assert with_drift(case_record(outcome(1.0)), None).drift is None
-
-
-AGREED = CaseRecord(id="toy", verdict="agree", value=1.0)
-
-
-@pytest.mark.parametrize(
-    ("before", "now", "warned"),
-    [("agree", "skipped", True), ("undecided", "skipped", False), ("agree", "agree", False)],
-)
-def test_what_agreed_and_is_skipped_is_a_warning(before, now, warned):
-    """CalculiX gone from the machine, say: what it protected is protected no more."""
-    one = outcome(1.0)
-    result = one.result
-    if now == "skipped":
-        result = Result("toy", "skipped", 0.0, "CalculiX is not installed")
-    earlier = run_of(replace(AGREED, verdict=before))
-    gathered = Results(
-        {"robot": "r", "preset": "quick", "options": {}},
-        [one.case],
-        baseline=earlier,
-        done={"toy": result},
-    )
-    lines, worsened = changes(gathered)
-    told = [line for line in lines if line.startswith("warning: toy agreed in the baseline")]
-    assert len(told) == warned
-    assert all(line.endswith("CalculiX is not installed") for line in told)
-    assert worsened is warned
-    assert ("skipped now: toy." in Report(gathered).checks) is warned
-    assert gathered.exit_code() == 0
+    said = command.told("compare", *paths)
+    assert re.search(r"beam +x +\+1\.00 % +adequate +\+1\.00 % +inad", said)
 
 
 def judged(quantity, verdict, *values):
@@ -282,28 +215,24 @@ def test_values_of_two_postures_are_not_set_against_each_other():
         assert bool(compare(at_start, other).drifted) is drifts_there
 
 
-def test_different_robots_are_neither_better_nor_worse(tmp_path, capsys):
+def test_different_robots_are_neither_better_nor_worse(tmp_path, command):
     """Cases of one name in runs of two robots have nothing to do with each other."""
     good = CaseRecord(id="steady", verdict="disagree", value=9.0, reference=1.0, tolerance=0.1)
     first = saved(tmp_path / "first.json", good, robot="five-bar", robot_tables={"a": 1})
     second = saved(tmp_path / "second.json", STEADY, robot="delta", robot_tables={"b": 1})
     for pair in ((first, second), (second, first)):
-        assert cli.main(["compare", *map(str, pair)]) == 0
-        said = capsys.readouterr().out
+        said = command.told("compare", *pair)
         assert "Two different robots, " in said
         assert not re.search(r"\d+ (better|verdicts worse)|drifted|New cases|Removed", said)
-        assert cli.main(["compare", *map(str, pair), "--json"]) == 0
-        record = json.loads(capsys.readouterr().out)
+        record = command.json("compare", *pair)
         assert record["different_robots"] == [
             json.loads(p.read_bytes())["run"]["robot"] for p in pair
         ]
         assert not any(record[key] for key in ("verdicts", "new", "removed", "worsened"))
 
 
-def test_a_baseline_of_another_robot_is_refused_before_anything_is_written(tmp_path, capsys):
+def test_a_baseline_of_another_robot_is_refused_before_anything_is_written(tmp_path, command):
     baseline, out = saved(tmp_path / "delta.json", STEADY, robot="delta"), tmp_path / "out"
-    asked = ["run", "five-bar", "--preset", "quick", "--only", "adequacy", "--out", str(out)]
-    assert cli.main([*asked, "--baseline", str(baseline)]) == 2
-    said = capsys.readouterr().err
-    assert "is of another robot" in said
+    asked = ["run", "five-bar", "--preset", "quick", "--only", "adequacy", "--out", out]
+    assert "is of another robot" in command.refused(*asked, "--baseline", baseline)
     assert not out.exists()

@@ -17,12 +17,10 @@ import pytest
 from crane import write_meshed_crane
 from forgetting import forget
 from numpy.testing import assert_allclose
-from one_arm import ONE_ARM
 from toy_runs import content
 
 from lumped.errors import ComputationError, InputError
 from lumped.robot_file import load_robot
-from lumped.robot_file.variation import variations_of
 from validation import api, cli
 from validation.adequacy.mechanism.parts import highest_of_parts, solid_parts
 from validation.adequacy.mechanism.path import holding, offered, path_postures
@@ -30,10 +28,8 @@ from validation.context import Context
 from validation.models import parts
 from validation.run import cluster as on_dask
 from validation.run.cluster import on_cluster
-from validation.run.executor import in_turn
 from validation.run.opening import open_folder
 from validation.session.parts_ahead import prepare_parts
-from validation.variations.curves import variation_study
 
 ROOT = Path(__file__).resolve().parents[3]
 
@@ -103,12 +99,9 @@ def silent(_line):
     """Nothing is expected to be said."""
 
 
-def test_varied_robots_are_the_same_on_the_cluster(cluster, capsys):
+def test_varied_robots_are_the_same_on_the_cluster(cluster, command):
     asked = ["solve", "five-bar", "--model", "beam", "--modes", "2", "--vary", "tool.mass=1:2:2"]
-    assert cli.main([*asked, "--json"]) == 0
-    here = capsys.readouterr().out
-    assert cli.main([*asked, "--json", "--cluster", cluster[0]]) == 0
-    assert capsys.readouterr().out == here
+    assert command.json(*asked, "--cluster", cluster[0]) == command.json(*asked)
 
 
 def test_parts_are_reduced_by_a_worker_and_nothing_of_them_here(tmp_path, monkeypatch, cluster):
@@ -246,33 +239,6 @@ def test_no_worker_is_said_and_the_run_goes_on_when_one_comes(tmp_path, monkeypa
         processes[1].kill()
         assert len(list(finished)) == 3
     assert ["no workers" in line for line in said] == [True, False, True, False]
-
-
-@pytest.mark.exhaustive
-def test_a_scheduler_that_dies_loses_nothing_that_was_finished(tmp_path, monkeypatch, processes):
-    monkeypatch.setattr("validation.run.cluster._PATIENCE", 1.0)
-    scheduler, address = started_scheduler(tmp_path)
-    processes += [scheduler, started_worker(address, tmp_path, "worker")]
-    kept = tmp_path / "cache"
-    monkeypatch.setenv("FLEXPROOF_CACHE", str(kept))
-    (tmp_path / "arm.toml").write_text(f"{ONE_ARM}[path]\nposes = [[0.0], [0.1]]\n")
-    robot = load_robot(tmp_path / "arm.toml")
-    (variation,) = variations_of(robot, ["bodies.arm.section.width=0.04:0.06:2"])
-
-    def killing(calls):
-        for number, result in executor(calls):
-            if number == 1:
-                scheduler.kill()
-            yield number, result
-
-    gone = "the scheduler is gone; what was finished is kept"
-    with on_cluster(address, silent) as executor, pytest.raises(ComputationError, match=gone):
-        variation_study(robot, variation, "quick", killing)
-    before = {file.name for file in kept.glob("*.npz")}
-    assert before
-    again = []
-    variation_study(robot, variation, "quick", lambda calls: again.extend(calls) or in_turn(calls))
-    assert 0 < len(again) < 4
 
 
 @pytest.mark.exhaustive

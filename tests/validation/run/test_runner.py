@@ -2,14 +2,11 @@
 
 import json
 import os
-import signal
-import threading
-import time
 from xml.etree import ElementTree as ET
 
 import pytest
 import toy_catalogue as toys
-from toy_runs import lines, partial, run_here
+from toy_runs import lines, run_here
 
 from lumped.errors import ComputationError, InputError
 from lumped.robot_file import load_robot
@@ -89,27 +86,6 @@ def test_whatever_happens_in_a_case_is_its_verdict(troubled_run):
     log = (path / "log.txt").read_text()
     assert "Traceback" in log
     assert "this belongs into the log" in log
-
-
-def test_an_interrupted_run_keeps_what_was_finished_and_goes_on(robot_file, tmp_path):
-    out = tmp_path / "run"
-
-    def interrupt_when_one_is_finished():
-        while not lines(out):
-            time.sleep(0.01)
-        os.kill(os.getpid(), signal.SIGINT)
-
-    threading.Thread(target=interrupt_when_one_is_finished).start()
-    before = signal.getsignal(signal.SIGINT)
-    gathered = validate(asked(robot_file, out, 1), toys.endless)
-    assert signal.getsignal(signal.SIGINT) is before
-    assert gathered.exit_code() == 3
-    assert list(gathered.done) == ["toy.agrees"]
-    assert gathered.unfinished == 1
-    assert gathered.path == partial(out)
-    cases = json.loads((gathered.path / "results.json").read_text())["cases"]
-    assert [entry["id"] for entry in cases] == ["toy.agrees"]
-    assert "1 not computed" in (gathered.path / "report.html").read_text()
 
 
 def test_a_resumed_run_computes_only_what_is_missing(robot_file, troubled_run, capfd):

@@ -57,11 +57,10 @@ NOT_THERE = raising(CalculixMissing("CalculiX is not installed"))
         ([raising(ComputationError("no mesh"))], 1, "failed: ComputationError: no mesh"),
     ],
 )
-def test_it_says_what_agrees_and_runs_quote_it(with_benchmarks, computations, code, said, capsys):
+def test_it_says_what_agrees_and_runs_quote_it(with_benchmarks, computations, code, said, command):
     with_benchmarks(*computations)
     assert provenance.last_selftest(HEADER) == "not run"
-    assert cli.main(["selftest"]) == code
-    printed = capsys.readouterr().out
+    printed = command.told("selftest", code=code)
     assert said in printed
     assert "source 0" in printed
     assert provenance.last_selftest(HEADER) == f"{'FAILED' if code else 'passed'} on {TODAY}"

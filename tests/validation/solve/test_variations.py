@@ -1,18 +1,12 @@
 """`solve --vary`: what a file with that number would say, whoever computes it."""
 
 import csv
-import json
 
 import numpy as np
 import pytest
 
 from lumped.robot_file import load_robot
 from validation.cli import main
-
-
-def solved(capsys, *arguments):
-    assert main(["solve", *arguments, "--json"]) == 0
-    return json.loads(capsys.readouterr().out)
 
 
 def same(found, expected):
@@ -29,27 +23,27 @@ def same(found, expected):
         ("biglide", "leg2.section.diameter", "diameter = 0.12,", "beam"),
     ],
 )
-def test_each_value_is_what_a_file_with_it_says(name, key, was, model, tmp_path, capsys):
+def test_each_value_is_what_a_file_with_it_says(name, key, was, model, tmp_path, command):
     """Held against files with the number typed into them, solved one by one."""
     text = load_robot(name).text
     start = was.rsplit(" ", 1)[-1].strip("[,")
     values = np.linspace(float(start), 1.1 * float(start), 3).tolist()
-    asked = ("--model", model, "--modes", "2")
-    found = solved(capsys, name, *asked, "--vary", f"{key}={values[0]!r}:{values[-1]!r}:3")
+    asked = ("--model", model, "--modes", 2)
+    found = command.json("solve", name, *asked, "--vary", f"{key}={values[0]!r}:{values[-1]!r}:3")
     assert [one["vary"][key] for one in found["results"]] == pytest.approx(values)
     for value, one in zip(values, found["results"], strict=True):
         path = tmp_path / "typed.toml"
         assert was in text
         path.write_text(text.replace(was, was.replace(start, repr(value)), 1))
-        (expected,) = solved(capsys, str(path), *asked)["results"]
+        (expected,) = command.json("solve", path, *asked)["results"]
         same(one, expected)
 
 
-def test_numbers_that_match_vary_together_and_several_in_every_combination(tmp_path, capsys):
+def test_numbers_that_match_vary_together_and_several_in_every_combination(tmp_path, command):
     """A Delta of six thicker rods keeps its symmetry: two first modes of one frequency."""
     asked = ["delta", "--model", "beam", "--modes", "2", "--csv", str(tmp_path / "table.csv")]
     asked += ["--vary", "bodies.rod*.section.diameter=0.02:0.03:2", "--vary", "tool.mass=1:2:3"]
-    found = solved(capsys, *asked)
+    found = command.json("solve", *asked)
     values = [tuple(one["vary"].values()) for one in found["results"]]
     assert values == [(d, m) for d in (0.02, 0.03) for m in (1, 1.5, 2)]
     frequencies = np.array([one["frequencies"] for one in found["results"]])
@@ -68,10 +62,9 @@ def test_numbers_that_match_vary_together_and_several_in_every_combination(tmp_p
 
 
 @pytest.mark.exhaustive
-def test_processes_give_the_same_numbers(capsys):
-    asked = ("five-bar", "--model", "beam", "--modes", "2", "--vary", "tool.mass=1:3:3")
-    alone, together = solved(capsys, *asked), solved(capsys, *asked, "--jobs", "2")
-    assert alone == together
+def test_processes_give_the_same_numbers(command):
+    asked = ("solve", "five-bar", "--model", "beam", "--modes", "2", "--vary", "tool.mass=1:3:3")
+    assert command.json(*asked) == command.json(*asked, "--jobs", "2")
 
 
 @pytest.mark.parametrize(
@@ -89,13 +82,10 @@ def test_processes_give_the_same_numbers(capsys):
         ("*=1:1:1", "schema"),
     ],
 )
-def test_what_cannot_be_varied_is_one_clear_line(typed, said, capsys):
-    assert main(["solve", "five-bar", "--model", "beam", "--vary", typed]) == 2
-    captured = capsys.readouterr()
-    (line,) = captured.err.splitlines()
+def test_what_cannot_be_varied_is_one_clear_line(typed, said, command):
+    line = command.refused("solve", "five-bar", "--model", "beam", "--vary", typed)
     assert line.startswith("flexproof: --vary ")
     assert said in line
-    assert not captured.out
 
 
 def test_a_number_that_changes_no_answer_is_told(capsys):
@@ -106,17 +96,3 @@ def test_a_number_that_changes_no_answer_is_told(capsys):
     assert main([*asked, "beam", "--modes", "1", "--vary", "path.count=3:9:2"]) == 0
     said = "flexproof: --vary path.count: changes no answer of the beam model\n"
     assert capsys.readouterr().err == said
-
-
-def test_a_pose_out_of_reach_is_named_with_the_value(capsys):
-    asked = ["solve", "delta", "--model", "beam", "--pose", "0.1,0.0,-0.95"]
-    assert main([*asked, "--vary", "tool.mass=1:2:2"]) == 2
-    (line,) = capsys.readouterr().err.splitlines()
-    assert line.startswith("flexproof: --vary tool.mass=1: ")
-    assert "cannot be reached" in line
-
-
-@pytest.mark.parametrize("option", [["--csv", "table.csv"], ["--cluster", ""]])
-def test_options_of_variations_alone_are_refused(option, capsys):
-    assert main(["solve", "five-bar", "--model", "beam", *option]) == 2
-    assert "belong to --vary" in capsys.readouterr().err

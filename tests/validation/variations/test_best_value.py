@@ -9,19 +9,21 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from forgetting import forget
+from scipy import stats
 from scipy.optimize import brentq
 from written_robot import robot_of
 
 from lumped.robot_file.variation import variations_of
+from validation.adequacy.mechanism.legs import UNKNOWNS
 from validation.case import Skip
 from validation.context import Context
 from validation.run.executor import on_cores
 from validation.solids.size import LARGEST
 from validation.variations.cases import cases_over
 from validation.variations.curves import VariedModels, decision_of, variation_study
-from validation.variations.decision import Decision
+from validation.variations.decision import Decision, choice, equally_good, losses, spearman
 
-LENGTH, WIDTH, E, RHO, TOOL, DRIVE = 0.5, 0.16, 2.1e11, 7850.0, 2.0, 1.23e7
+LENGTH, WIDTH, E, RHO, TOOL, DRIVE = 0.5, 0.17, 2.1e11, 7850.0, 2.0, 2.7e7
 BAR = f"""
 schema = 2
 name = "bar on a slide"
@@ -48,8 +50,8 @@ poses = [[0.0]]
 [accept]
 modes = 2
 """
-VARY = "bodies.bar.section.height=0.030:0.054:3"
-HEIGHTS = np.linspace(0.030, 0.054, 3)
+VARY = "bodies.bar.section.height=0.040:0.056:3"
+HEIGHTS = np.linspace(0.040, 0.056, 3)
 
 
 def written(folder, height):
@@ -66,7 +68,10 @@ def stout(tmp_path_factory):
 def found(tmp_path_factory):
     bar = written(tmp_path_factory.mktemp("bar"), 0.03)
     (variation,) = variations_of(bar, [VARY])
-    return variation_study(bar, variation, "quick")
+    with pytest.MonkeyPatch.context() as patch:
+        # Section meshes of a hundred nodes are enough for closed forms.
+        patch.setitem(UNKNOWNS, "quick", (300, 2500))
+        return variation_study(bar, variation, "quick")
 
 
 def bending(height):
@@ -207,3 +212,40 @@ def test_uncertain_references_leave_losses_open():
     assert decision.loss_uncertainty(0) == pytest.approx(0.02, rel=0.01)
     # One exchange of three: ρ = 0.5; within its uncertainty, and by the second, the order is 1.
     assert decision.correlation("model") == pytest.approx((0.5, 0.5))
+
+
+def test_losses_of_a_known_table():
+    # The first chooses its 1.0, where the reference has 2.0 instead of its best 1.6.
+    own, reference = np.array([1.0, 2.0, 4.0, 3.0]), np.array([2.0, 1.6, 3.0, 5.0])
+    found = choice(own, reference, "deflection")
+    assert (found.design, found.equally_good) == (0, (0,))
+    assert found.loss == pytest.approx(0.25)
+    # Of frequencies the largest is best: 4.0, where the reference has 3.0 of its 5.0.
+    assert choice(own, reference, "frequency").loss == pytest.approx(0.4)
+    np.testing.assert_allclose(losses(reference, "frequency"), [0.6, 0.68, 0.4, 0.0])
+
+
+def test_the_indifferent_are_held_in_their_favour():
+    # A model of rigid legs finds 1 µm throughout, but for rounding and one design.
+    own = 1.0 + np.array([3e-9, 0.5, 0.0, -2e-9])
+    reference = np.array([4.0, 1.0, 3.0, 2.0])
+    assert equally_good(own, "deflection").tolist() == [0, 2, 3]
+    found = choice(own, reference, "deflection")
+    assert (found.design, found.loss) == (3, pytest.approx(1.0))
+    assert choice(np.zeros(4), reference, "deflection").design == 1
+
+
+@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("levels", [4, 1000])
+def test_spearman_is_scipys(seed, levels):
+    """With few levels there are ties, which share their mean rank."""
+    one, other = np.random.default_rng(seed).integers(1, levels, (2, 9)).astype(float)
+    assert spearman(one, other) == pytest.approx(stats.spearmanr(one, other).statistic, abs=1e-12)
+
+
+def test_rounding_makes_no_order():
+    reference = np.arange(1.0, 7.0)
+    assert np.isnan(spearman(1.0 + 1e-9 * reference, reference))
+    # One exchange of neighbours among n costs 12/(n(n² − 1)).
+    exchanged = reference[[1, 0, 2, 3, 4, 5]]
+    assert spearman(exchanged, reference) == pytest.approx(1.0 - 12.0 / 210.0)

@@ -2,7 +2,6 @@
 
 import csv
 import json
-import re
 
 import numpy as np
 import pytest
@@ -11,8 +10,6 @@ from one_arm import ONE_ARM
 from lumped.acceptance.requirement import AXES
 from lumped.robot_file import load_robot
 from lumped.robot_file.places import unit_of
-from validation.cli import main
-from validation.drawing.chart import short_number
 from validation.variations.curves import checked_variations, varied_robots
 
 ARM = f"{ONE_ARM}[path]\nfrom = [0.0]\nto = [0.2]\ncount = 3\n"
@@ -33,26 +30,19 @@ def table(folder, name):
     return {key: np.array([float(row[key]) for row in columns]) for key in columns[0]}
 
 
-def run_of(arm, folder, *options, only="*y.*"):
-    asked = ["run", str(arm), "--preset", "quick", "--only", only, "--out", str(folder)]
-    return main([*asked, *options])
-
-
 @pytest.mark.exhaustive
-def test_curves_are_what_the_models_answer(arm, tmp_path, capsys):
+def test_curves_are_what_the_models_answer(arm, tmp_path, command):
     """Those of `solve --vary`; a slender bar's solid is its beam but for what held ends take."""
     folder = tmp_path / "report"
-    assert run_of(arm, folder, "--vary", WIDTH, "--vary", MASS) == 0
-    capsys.readouterr()
+    asked = ["run", arm, "--preset", "quick", "--only", "*y.*", "--out", folder]
+    command.told(*asked, "--vary", WIDTH, "--vary", MASS)
     deflections = table(folder, "vary.1.deflections")
     frequencies = table(folder, "vary.1.frequencies")
     label = "bodies.arm.section.width (m)"
     np.testing.assert_allclose(deflections[label], [0.04, 0.06, 0.08])
-    pose = "0.1"
     for model in ("beam", "segments", "simplified"):
-        asked = ["solve", str(arm), "--model", model, "--pose", pose, "--vary", WIDTH]
-        assert main([*asked, "--modes", "2", "--json"]) == 0
-        found = json.loads(capsys.readouterr().out)["results"]
+        asked = ["solve", arm, "--model", model, "--pose", "0.1", "--vary", WIDTH]
+        found = command.json(*asked, "--modes", "2")["results"]
         compliances = np.array([one["compliance"] for one in found])
         np.testing.assert_allclose(
             deflections[f"{model}: along x (µm)"], 1e9 * compliances[:, 0, 0], rtol=1e-9
@@ -97,12 +87,10 @@ def test_a_biglide_is_varied_like_any_mechanism():
         ),
     ],
 )
-def test_what_cannot_be_varied_is_one_clear_line(typed, said, arm, tmp_path, capsys):
-    folder = tmp_path / "report"
-    assert run_of(arm, folder, *typed) == 2
-    (line,) = capsys.readouterr().err.splitlines()
-    assert said in line
-    assert not folder.exists()
+def test_what_cannot_be_varied_is_one_clear_line(typed, said, arm, tmp_path, command):
+    asked = ["run", arm, "--preset", "quick", "--only", "*y.*", "--out", tmp_path / "report"]
+    assert said in command.refused(*asked, *typed)
+    assert not (tmp_path / "report").exists()
 
 
 @pytest.mark.parametrize(
@@ -125,10 +113,3 @@ def test_what_cannot_be_varied_is_one_clear_line(typed, said, arm, tmp_path, cap
 )
 def test_units(robot, key, unit):
     assert unit_of(load_robot(robot).tables, key) == unit
-
-
-def test_ticks_say_the_number():
-    told = {0.0: "0", 0.0125: "0.0125", -1000.0: "-1000", 1250.0: "1250", 150000.0: "1.5 × 10⁵"}
-    told |= {1e-6: "10⁻⁶", 2e-6: "2 × 10⁻⁶", 500.0: "500"}
-    assert {value: short_number(value) for value in told} == told
-    assert not any(re.search("e[+-]", text) for text in told.values())

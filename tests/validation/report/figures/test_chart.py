@@ -1,12 +1,18 @@
-"""Declared charts: differences, tables, scales and legends against numbers by hand."""
+"""Declared charts: differences, tables, scales, legends and looks against numbers by hand."""
 
 import csv
 import io
+from itertools import combinations
 
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
+from matrix_sample import POSES, entry, sample_matrix
 
+from lumped.acceptance.requirement import MODEL_KINDS
+from lumped.robot_file import load_robot
+from validation.adequacy.mechanism.path import holding
+from validation.adequacy.models import JUDGED
 from validation.drawing.chart import (
     Bars,
     Chart,
@@ -17,9 +23,12 @@ from validation.drawing.chart import (
     lettered,
     percent,
     power_ticks,
+    short_number,
 )
 from validation.drawing.plot import drawn_chart
-from validation.drawing.style import LOOKS, marked, plot_style
+from validation.drawing.style import LOOKS, OTHERS, known_as, marked, plot_style
+from validation.models.loads.leg_masses import MASSES
+from validation.report.figures.adequacy import error_curves, measured_curves
 
 X = np.array([0.0, 1.0, 2.0])
 
@@ -125,16 +134,6 @@ def test_bars_stack_away_from_zero_and_lie_in_rows_from_above():
     assert set(legend) == {"shear", "unexplained", "measured difference E", "tolerance", "0", "1"}
 
 
-def test_rows_of_a_matrix_count_from_above():
-    matrix = np.array([[1.0, 0.0], [0.5, 0.25], [0.0, 1.0]])
-    with plot_style():
-        (axes,) = drawn_chart(Chart([Panel(matrix=matrix)], "mode", 1)).axes
-    (mesh,) = axes.collections
-    np.testing.assert_array_equal(np.asarray(mesh.get_array()), matrix)
-    assert axes.get_ylim() == (3.5, 0.5)
-    assert axes.get_xlim() == (0.5, 2.5)
-
-
 def test_rows_of_differences_stand_below_their_panels():
     panel = compared(Panel([series("a", [1, 2, 4]), series("b", [1, 1, 1])], "one"), "a")
     with plot_style():
@@ -160,25 +159,91 @@ def test_percent_has_ticks_at_the_limit_and_beyond_as_far_as_curves_go():
     assert sorted(finer.get_yticks()) == [-5.0, 0.0, 5.0, 10.0, 30.0]
 
 
+def test_ticks_say_the_number_and_logarithmic_axes_have_plain_ones():
+    told = {0.0: "0", 0.0125: "0.0125", -1000.0: "-1000", 1250.0: "1250", 150000.0: "1.5 × 10⁵"}
+    told |= {1e-6: "10⁻⁶", 2e-6: "2 × 10⁻⁶", 500.0: "500"}
+    assert {value: short_number(value) for value in told} == told
+    with plot_style():
+        picture = Figure()
+        axes = picture.subplots()
+        axes.set(yscale="log", ylim=(0.8, 7.0))
+        power_ticks(axes.yaxis)
+        picture.draw_without_rendering()
+    ticks = zip(axes.get_yticks(), axes.yaxis.get_ticklabels(), strict=True)
+    shown = [label.get_text() for value, label in ticks if 0.8 <= value <= 7.0]
+    assert shown == ["1", "2", "5"]
+
+
 def test_every_line_has_a_marker_even_where_there_are_more_lines_than_points():
     assert [marked(1, rank, 3)[0] for rank in range(3)] == [0, 0, 0]
     assert [marked(2, rank, 4)[0] for rank in range(4)] == [0, 1, 0, 1]
     assert [marked(41, rank, 2) for rank in range(2)] == [(0, 10), (5, 10)]
 
 
-@pytest.mark.parametrize(
-    ("low", "high", "shown"),
-    [
-        (2e-7, 3e-2, ["10⁻⁶", "10⁻⁵", "10⁻⁴", "0.001", "0.01"]),
-        (0.8, 7.0, ["1", "2", "5"]),
-    ],
-)
-def test_logarithmic_axes_have_plain_labels(low, high, shown):
+HELD = [
+    ("ends as given",),
+    ("interfaces as given",),
+    ("ends rigid", "ends free"),
+    ("interfaces rigid", "interfaces averaged"),
+    ("ends and interfaces rigid", "ends and interfaces free"),
+]
+
+
+def test_every_model_has_a_look_that_no_other_curve_has():
+    """Told apart without colours, too: by marker and dashes, and points alone by their markers."""
+    assert set(MODEL_KINDS) | set(JUDGED) <= set(LOOKS)
+    looks = [*LOOKS.values(), *OTHERS]
+    assert len({(look.marker, look.line) for look in looks}) == len(looks)
+    as_points = [LOOKS[name].marker for name in (*MODEL_KINDS, "measured", "solid", "solid, free")]
+    assert len(set(as_points)) == len(as_points)
+
+
+@pytest.mark.parametrize("names", HELD)
+def test_alternatives_of_a_reference_have_looks_of_their_own(names):
+    """As solids, and where legs are known by a 6×6 and a mass."""
+    for curves in (
+        [f"solid, {name}" for name in names],
+        [f"{name}, {MASSES[0]}" for name in names],
+        ["solid", "solid, ends free"],
+    ):
+        found = [LOOKS[known_as(name)] for name in curves]
+        assert all(a != b for a, b in combinations(found, 2))
+
+
+@pytest.mark.parametrize("name", ["five-bar", "examples/tapered-biglide/robot.toml"])
+def test_names_of_alternatives_are_those_that_are_tested(name):
+    assert tuple(holding(load_robot(name).mechanism).alternatives) in HELD
+
+
+@pytest.mark.parametrize("declare", [error_curves, measured_curves], ids=["errors", "measured"])
+def test_panels_legend_and_table_agree_on_every_model(declare):
+    """Some models are missing in some panels; each curve is its model's numbers in its look."""
+    quantities = {"x": MODEL_KINDS, "y": MODEL_KINDS[2:], "f1": MODEL_KINDS[4::2]}
+    generator = np.random.default_rng(1)
+    matrix = sample_matrix(
+        quantities=tuple(quantities),
+        entries=tuple(
+            entry(model, quantity, tuple(generator.uniform(-0.3, 0.3, len(POSES))))
+            for quantity, models in quantities.items()
+            for model in models
+        ),
+    )
+    chart = declare(matrix).chart
+    (row, *_) = rows = list(csv.DictReader(io.StringIO(chart_table(chart))))
     with plot_style():
-        picture = Figure()
-        axes = picture.subplots()
-        axes.set(yscale="log", ylim=(low, high))
-        power_ticks(axes.yaxis)
-        picture.draw_without_rendering()
-    ticks = zip(axes.get_yticks(), axes.yaxis.get_ticklabels(), strict=True)
-    assert [label.get_text() for value, label in ticks if low <= value <= high] == shown
+        drawn = drawn_chart(chart)
+    for axes in (one for one in drawn.axes if one.axison):
+        quantity = axes.get_title("left").removeprefix("force along ")
+        lines = {line.get_label(): line for line in axes.lines if line.get_label()[0] != "_"}
+        assert set(lines) - {"measured"} == set(quantities[quantity])
+        for name, line in lines.items():
+            look = LOOKS[name]
+            assert (line.get_color(), line.get_marker()) == (look.colour, look.marker)
+            if f"{name}: error of {quantity}" in row:
+                column = [float(one[f"{name}: error of {quantity}"]) for one in rows]
+                np.testing.assert_allclose(line.get_ydata(), 100.0 * np.array(column), rtol=1e-12)
+    (legend,) = drawn.legends
+    for handle, text in zip(legend.legend_handles, legend.get_texts(), strict=True):
+        look = LOOKS[text.get_text()]
+        assert (handle.get_color(), handle.get_marker()) == (look.colour, look.marker)
+        assert handle.get_linestyle().lower() == look.line

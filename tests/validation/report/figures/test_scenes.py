@@ -24,7 +24,7 @@ from validation.drawing.scene import (
     fitted_view,
     readable_factor,
 )
-from validation.drawing.surfaces import Surface, ball, joined, prism
+from validation.drawing.surfaces import Surface, joined, prism
 from validation.drawing.turnable import turnable
 from validation.kinematics.poses import postures_of
 from validation.kinematics.solids import outlines, solids
@@ -54,15 +54,10 @@ def volume(surface: Surface) -> float:
 )
 def test_a_prism_is_closed_and_faces_outwards(section, area):
     whole = prism(outlines(section)[0], np.array([0.0, 0.4, 2.0]))
-    assert volume(whole) == pytest.approx(2.0 * area, rel=ROUNDING)
+    assert volume(whole) == pytest.approx(2.0 * area, rel=1e-11)
     turned = whole.placed(np.array([1.0, 2.0, 3.0]), np.array([[0, -1, 0], [1, 0, 0], [0, 0, 1.0]]))
     assert volume(turned) == pytest.approx(2.0 * area, rel=1e-11)
-    assert volume(joined([whole, whole])) == pytest.approx(4.0 * area, rel=ROUNDING)
-
-
-def test_a_ball_is_closed():
-    """Of a polygon of 20 sides and 8 slices it holds less than a ball, by some percent."""
-    assert volume(ball(0.5)) == pytest.approx(np.pi / 6.0, rel=0.07)
+    assert volume(joined([whole, whole])) == pytest.approx(4.0 * area, rel=1e-11)
 
 
 @pytest.mark.parametrize(
@@ -143,13 +138,6 @@ def test_a_fitted_view_shows_every_point_and_fills_the_picture():
     used = np.ptp(seen, axis=0) / [800.0, 600.0]
     # 7 % are left free on both sides of the tighter direction.
     assert used.max() == pytest.approx(0.86, rel=1e-9)
-
-
-def test_seen_from_above_x_goes_right_and_y_goes_up():
-    points = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
-    view = fitted_view(points, *ABOVE, (300, 300))
-    expected = [[21.0, 279.0], [279.0, 279.0], [21.0, 21.0], [21.0, 279.0]]
-    assert view.pixels(points) == pytest.approx(np.array(expected), abs=1e-9)
 
 
 def test_what_a_browser_is_told_of_a_scene_is_what_is_drawn():

@@ -1,0 +1,135 @@
+"""EXUDYN and CalculiX as cases of a mechanism's run: what they are given, and may be missing."""
+
+import shutil
+from importlib.util import find_spec
+
+import numpy as np
+import pytest
+from perturbed import assert_agrees_and_can_turn
+from written_robot import robot_of
+
+from fem import multibody
+from fem.calculix import run as calculix_run
+from lumped.errors import InputError
+from lumped.mechanism.kinematics.postures import reference_posture
+from lumped.robot_file import load_robot
+from validation.case import Skip
+from validation.cases import other_programs
+from validation.cases.other_programs import by_both, farthest_entry
+from validation.cases.polynomials import farthest
+from validation.context import Context
+from validation.kinematics.poses import postures_of
+from validation.results.outcome import judge
+from validation.solids.bars import with_bars
+
+needs_exudyn = pytest.mark.skipif(
+    find_spec("exudyn") is None, reason="EXUDYN (extra exudyn) is not installed"
+)
+
+
+def listed(mechanism, program):
+    cases = other_programs.cases(mechanism=mechanism)
+    return [case for case in cases if case.group == f"mechanism.{program}"]
+
+
+_PROPPED = """
+schema = 2
+name = "propped"
+points = { A = [0.0, 0.0, 0.0], B = [0.3, 0.1, 0.05], C = [0.3, 0.1, 0.25] }
+materials.steel = { E = 2.1e11, nu = 0.3, rho = 7850.0 }
+tool = { body = "arm", point = "C", moves = [], mass = 1.0 }
+[bodies.base]
+from = "A"
+to = "B"
+section = { shape = "circle", diameter = 0.03 }
+material = "steel"
+[bodies.arm]
+from = "B"
+to = "C"
+section = { shape = "i-section", width = 0.03, height = 0.04, flange = 0.004, web = 0.004 }
+material = "steel"
+[joints]
+foot = { type = "fixed", between = ["ground", "base"], at = "A" }
+elbow = { type = "fixed", between = ["base", "arm"], at = "B" }
+table = { type = "planar", between = ["ground", "arm"], at = "C", axis = [0.0, 1.0, 1.0] }
+"""
+
+
+@needs_exudyn
+def test_a_frame_on_a_plane(tmp_path):
+    """Planar and fixed joints, a section of two stiffnesses; one posture, hence one case."""
+    mechanism = robot_of(_PROPPED, tmp_path).mechanism
+    assert len(listed(mechanism, "exudyn")) == 1
+    own, theirs, uncertain = by_both(reference_posture(mechanism))
+    np.testing.assert_allclose(own.frequencies, theirs, rtol=5e-4)
+    assert (np.abs(own.frequencies - theirs) < uncertain).all()
+
+
+def test_without_exudyn_the_cases_say_so(monkeypatch):
+    robot = load_robot("five-bar")
+
+    def missing(_name):
+        raise multibody.PackageNotFoundError
+
+    monkeypatch.setattr(multibody, "version", missing)
+    for case in listed(robot.mechanism, "exudyn"):
+        with pytest.raises(Skip, match=r"flexproof\[exudyn\]"):
+            case.measure(Context(robot, "quick"))
+
+
+def test_what_is_not_written_for_it_is_named():
+    """A leg of a 6×6, a body without mass and a joint that gives, each on a line of its own."""
+    mechanism = load_robot("ifw").mechanism
+    with pytest.raises(InputError) as raised:
+        multibody.require_beams(mechanism)
+    said = "\n".join(raised.value.faults)
+    assert "leg1: EXUDYN's beams have a section; this body is a 6×6" in said
+    assert "without mass" in said
+    assert "joints that give" in said
+
+
+@pytest.mark.exhaustive
+@pytest.mark.skipif(
+    not any(map(shutil.which, calculix_run.PROGRAMS)), reason="CalculiX (ccx) is not installed"
+)
+def test_a_five_bar_of_bars_agrees_and_can_turn():
+    robot = load_robot("five-bar")
+    for case in listed(robot.mechanism, "calculix"):
+        assert_agrees_and_can_turn(judge(case, case.measure(Context(robot, "standard")), 0.0))
+
+
+def test_bars_have_the_outer_size_of_the_legs():
+    mechanism = load_robot("delta").mechanism
+    (at,) = postures_of(mechanism, mechanism.poses[:1])
+    for name, body in with_bars(at).mechanism.bodies.items():
+        shape = at.mechanism.bodies[name].shape
+        if hasattr(shape, "section"):
+            assert body.shape.section.extent == shape.section.extent
+            assert body.shape.section.area > shape.section.area
+
+
+def test_without_calculix_both_cases_say_so(monkeypatch):
+    monkeypatch.setattr(calculix_run, "PROGRAMS", ("no-such-program",))
+    robot = load_robot("five-bar")
+    asked = listed(robot.mechanism, "calculix")
+    assert len(asked) == 2
+    for case in asked:
+        with pytest.raises(Skip, match="is not installed"):
+            case.measure(Context(robot, "standard"))
+
+
+@pytest.mark.parametrize("off", [0.01, -0.01, np.nan])
+@pytest.mark.parametrize("place", range(4))
+def test_the_posture_shown_is_the_one_that_is_farthest_off(off, place):
+    even, anywhere = np.array([2.0, 4.0, 8.0, 16.0]), np.ones(4, dtype=bool)
+    found = even * (1.0 + np.where(np.arange(4) == place, off, 0.005))
+    assert farthest(found, even, anywhere) == place
+    # Of those that are looked at; of those off by rounding alone the largest number.
+    assert farthest(found, even, np.arange(4) == 3 - place) == 3 - place
+    assert farthest(even * (1.0 + 1e-12 * np.arange(4)[::-1]), even, anywhere) == 3
+
+
+def test_the_entry_shown_is_in_units_of_its_diagonal():
+    reference = np.diag([1.0, 4.0, 16.0])
+    found = reference + np.diag([0.01, 0.08, 0.17])
+    assert farthest_entry(found, reference) == pytest.approx((1.02, 1.0))
