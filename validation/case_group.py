@@ -1,15 +1,15 @@
 """Cases declared where they are computed, and said once what many of them have in common.
 
-    cases = CaseGroup(section="The mechanism over its path", group="mechanism.statics", unit="1")
+    cases = CaseGroup(section="The mechanism over its path", group="mine", unit="Hz")
 
     @cases.case(
-        "mechanism.statics.{model}[{theory}]",
-        "Links and {model} of {theory} theory are one statics",
+        "mine.{model}[{theory}]",
+        "First frequency by {model} of {theory} theory above 100 Hz",
         over={"model": ("beam", "segments"), "theory": ("euler-bernoulli", "timoshenko")},
-        quantity="entry of the 6×6 that differs most",
+        quantity="lowest over the path",
         ...
     )
-    def _same_statics(context: Context, model: ModelName, theory: Theory) -> Measurement: ...
+    def _lowest(context: Context, model: ModelName, theory: Theory) -> Measurement: ...
 
 `cases()` has them in the order of their declaration. One declaration is as many cases as there are
 parameters to take it over: texts, and tuples of texts, are templates of them ("{kind}",

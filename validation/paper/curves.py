@@ -185,7 +185,7 @@ def frequencies_of_the_family(context: Context) -> Shown:
             _BOTH,
             scale,
             [
-                Note(f"mode {mode + 1}", ALPHAS[0], float(height), (0.0, 6.0))
+                Note(f"mode {mode + 1}", ALPHAS[0], float(height), (0.0, 6.0 if mode else -12.0))
                 for mode, height in enumerate(found[point][BEAM][0])
             ],
         )
