@@ -1,6 +1,6 @@
 """A leg as a solid on series of similar meshes and as a beam of their sections: how uncertain."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from itertools import takewhile
 from math import ceil
@@ -16,7 +16,7 @@ from fem.reduction.superelement import HeldLeg, held_solid_leg
 from fem.sections.section_constants import SectionConstants, beam_properties, section_constants
 from lumped.arrays import Array
 from lumped.errors import InputError, naming
-from lumped.legs import BeamProperties, ConstantLeg, tip_compliance
+from lumped.legs import BeamProperties, ConstantLeg
 from lumped.mechanism.body_model import LegMatrices
 from lumped.memo import memo
 from lumped.models.bodies import clamped_modes
@@ -234,21 +234,17 @@ def decay_of_warping(leg: ConstantLeg, divisions: int) -> float:
 
 def solid_compliances(leg: ConstantLeg, divisions: tuple[int, ...]) -> dict[Ends, Refinement]:
     """Tip compliances (m×6×6, SI, leg axes) with rigid and with free ends, by doubling."""
-    rigid, free = (
-        np.array(
-            [doubled_tip(leg, number, static_slices(leg, number), ends) for number in divisions]
-        )
-        for ends in _ENDS
-    )
+    tips = [doubled_tips(leg, number, static_slices(leg, number)) for number in divisions]
+    rigid, free = (np.array([one[ends] for one in tips]) for ends in _ENDS)
     relaxed = Refinement(divisions, free, formal_order(leg, "free"))
     held = Refinement(divisions, rigid, formal_order(leg, "rigid"), relaxed)
     return {"rigid": held, "free": relaxed}
 
 
-def doubled_tip(leg: ConstantLeg, divisions: int, along: int, ends: Ends) -> Array:
-    """Tip compliance (6×6, SI, leg axes) of the solid leg of `along` slices by doubling."""
+def doubled_tips(leg: ConstantLeg, divisions: int, along: int) -> Mapping[Ends, Array]:
+    """Tip compliance (6×6, SI, leg axes) of the solid leg of `along` slices by its ends."""
     # Both kinds of ends are computed together, whichever the leg says that it has.
-    return _doubled_tips(replace(leg, ends=None), divisions, along)[ends].copy()
+    return _doubled_tips(replace(leg, ends=None), divisions, along)
 
 
 # A robot's legs are asked for by studies of the leg, of the robot and of the models' adequacy.
@@ -300,41 +296,28 @@ def own_beam(leg: ConstantLeg, divisions: int) -> LegMatrices:
 
 
 @dataclass(frozen=True)
-class TipCompliances:
-    """6×6 tip compliances (SI, leg axes) of one mesh of a leg and of its section.
+class TwoMeshes:
+    """Tip compliances (6×6, SI, leg axes) of a solid leg by its ends, on two similar meshes.
 
-    The solid's with `rigid` and with `free` ends, `own`: the Timoshenko cantilever's with the
-    constants of the same section mesh, and `restrained`: what rigid faces take from it in theory.
+    Sizes of the `coarse` one are `ratio` times the `fine` one's. `restrained`: what rigid faces
+    take from a Timoshenko cantilever in theory, on the finer mesh of the section.
     """
 
-    rigid: Array
-    free: Array
-    own: Array
+    coarse: Mapping[Ends, Array]
+    fine: Mapping[Ends, Array]
     restrained: Array
-
-    @property
-    def held(self) -> Array:
-        """The cantilever's with end faces held plane and rigid."""
-        return np.asarray(self.own + self.restrained)
-
-
-@dataclass(frozen=True)
-class TwoMeshes:
-    """A leg on two similar meshes; sizes of the `coarse` one are `ratio` times the `fine` one's."""
-
-    coarse: TipCompliances
-    fine: TipCompliances
     ratio: float
 
 
 def two_meshes(leg: ConstantLeg, most: int) -> TwoMeshes:
-    """Tip compliances of a leg by doubling, on the meshes of `mesh_pair`."""
+    """A leg by doubling, on the meshes of `mesh_pair`."""
     coarse, fine = mesh_pair(leg, most)
     with naming(leg.name):
         return TwoMeshes(
-            coarse=_compliances(leg, *coarse),
-            fine=_compliances(leg, *fine),
-            ratio=fine[1] / coarse[1],
+            doubled_tips(leg, *coarse),
+            doubled_tips(leg, *fine),
+            restrained_compliance(face_mesh(leg, fine[0]), leg.material, leg.length),
+            fine[1] / coarse[1],
         )
 
 
@@ -366,12 +349,3 @@ def has_meshes(leg: ConstantLeg, most: int) -> bool:
 
 def _coarsest_unknowns(leg: ConstantLeg) -> int:
     return 3 * len(face_mesh(leg, COARSEST_WALLS).nodes)
-
-
-def _compliances(leg: ConstantLeg, divisions: int, along: int) -> TipCompliances:
-    return TipCompliances(
-        rigid=doubled_tip(leg, divisions, along, "rigid"),
-        free=doubled_tip(leg, divisions, along, "free"),
-        own=tip_compliance(own_properties(leg, divisions), leg.length),
-        restrained=restrained_compliance(face_mesh(leg, divisions), leg.material, leg.length),
-    )

@@ -104,8 +104,7 @@ def solid_tip(context: Context, leg: Leg, ends: Ends, *, fine: bool) -> Array:
     if isinstance(leg, GivenLeg):
         return given_compliance(leg)
     meshes = solid_leg(context, leg)
-    found = meshes.fine if fine else meshes.coarse
-    return found.rigid if ends == "rigid" else found.free
+    return (meshes.fine if fine else meshes.coarse)[ends]
 
 
 def straight_spring(leg: Leg) -> Array:
@@ -138,7 +137,7 @@ def restrained_spring(context: Context, leg: Leg, ends: Ends) -> Array:
     """The own spring, less all that rigid faces take where ends are held."""
     spring = own_spring(context, leg)
     if isinstance(leg, ConstantLeg) and ends == "rigid":
-        spring = spring + solid_leg(context, leg).fine.restrained
+        spring = spring + solid_leg(context, leg).restrained
     return spring
 
 
