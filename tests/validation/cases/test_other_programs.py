@@ -1,11 +1,13 @@
 """EXUDYN and CalculiX as cases of a mechanism's run: what they are given, and may be missing."""
 
 import shutil
+from dataclasses import replace
 from importlib.util import find_spec
 
 import numpy as np
 import pytest
 from perturbed import assert_agrees_and_can_turn
+from scipy.linalg import eigh
 from written_robot import robot_of
 
 from fem import multibody
@@ -13,12 +15,15 @@ from fem.calculix import run as calculix_run
 from lumped.errors import InputError
 from lumped.mechanism.kinematics.postures import reference_posture
 from lumped.robot_file import load_robot
+from lumped.system.response import damped_modes
 from validation.case import Skip
 from validation.cases import other_programs
 from validation.cases.other_programs import by_both, farthest_entry
 from validation.cases.polynomials import farthest
 from validation.context import Context
 from validation.kinematics.poses import postures_of
+from validation.models.mechanism import mechanism_modes
+from validation.models.options import ModelOptions
 from validation.results.outcome import judge
 from validation.solids.bars import with_bars
 
@@ -63,6 +68,42 @@ def test_a_frame_on_a_plane(tmp_path):
     own, theirs, uncertain = by_both(reference_posture(mechanism))
     np.testing.assert_allclose(own.frequencies, theirs, rtol=5e-4)
     assert (np.abs(own.frequencies - theirs) < uncertain).all()
+
+
+class _WithLoad(multibody._ExudynModel):
+    """Remembers the node of the load at the tool: the last that is made."""
+
+    def _node(self, position, rotation):
+        self.last = super()._node(position, rotation)
+        return self.last
+
+
+@needs_exudyn
+def test_the_tool_of_the_frame_swings_as_exudyn_linearises_it(tmp_path):
+    """All damped modes of its own matrices on the null space of its constraints.
+
+    Its elements are of second order: frequencies a tenth of a per cent off shift peaks by that.
+    """
+    ratio, options = 0.02, ModelOptions(elements=32)
+    at = reference_posture(replace(robot_of(_PROPPED, tmp_path).mechanism, damping=ratio))
+    (found,) = mechanism_modes("beam", [at], 3, options)
+    frequencies = np.outer(found.modes.frequencies, [0.3, 0.95, 1.0, 1.05]).ravel()
+    system = _WithLoad(at, options.elements)
+    system.mbs.Assemble()
+    mass, stiffness, _, _, free = system.mbs.ComputeLinearizedSystem(
+        projectIntoConstraintNullspace=True,
+        singularValuesTolerance=1e-6,
+        returnConstraintNullspace=True,
+    )
+    place = system.mbs.GetNodeODE2Index(system.last)
+    squares, shapes = eigh(stiffness, mass)
+    speeds = 2.0 * np.pi * frequencies[:, None]
+    swing = squares - speeds**2 + 2j * ratio * speeds * np.sqrt(squares)
+    for axis in np.eye(3):
+        theirs = ((axis @ free[:, place : place + 3].T @ shapes) ** 2 / swing).sum(axis=1)
+        own = damped_modes(found.solution, frequencies.max()).along(axis)
+        off = np.abs(own.receptance(frequencies) - theirs)
+        assert off.max() < 0.02 * np.abs(theirs).max()
 
 
 def test_without_exudyn_the_cases_say_so(monkeypatch):

@@ -145,11 +145,7 @@ def _beams_on_section_meshes(robot: RobotOnPath, ends: Holds) -> tuple[Vibration
 def _left_of_responses(
     robot: RobotOnPath, ends: Holds, masses: Masses | None, fine: Vibration, digits: Array | None
 ) -> ResponsesLeftOpen | None:
-    """What meshes and printed digits leave open of the responses of `fine`.
-
-    `digits` as of frequencies (p×K). As if all stiffness were off together by what they leave of
-    the most uncertain frequency: h(ω) becomes h(ω(1 − s))/(1 + 2s).
-    """
+    """What meshes and printed digits (`digits` of frequencies, p×K) leave open of responses."""
     excitations = robot.mechanism.excitations
     if not excitations:
         return None
@@ -157,22 +153,38 @@ def _left_of_responses(
     def meshes(numbers: Callable[[Vibration], Array]) -> Array:
         return _left_by_meshes(robot, ends, masses, fine, numbers)
 
-    share = np.zeros(len(robot.postures)) if digits is None else digits.max(axis=1)
-    by_digits, receptances = [], []
+    known = np.zeros((len(robot.postures), robot.judged)) if digits is None else digits
+    of_peaks: list[Array] = []
+    receptances = []
     for number, one in enumerate(excitations):
 
-        def of_response(of: Vibration, number: int = number) -> Array:
+        def sizes(of: Vibration, number: int = number) -> Array:
             return np.abs(of.receptances[number])
 
-        sizes, scale = of_response(fine), np.log(one.frequencies)
-        slopes = np.abs(np.gradient(np.log(np.maximum(sizes, _NO_SIZE)), scale, axis=1))
-        left = share[:, None] * (2.0 + slopes)
-        receptances.append(left + meshes(of_response))
-        by_digits += [2.0 * share, share]
+        peak = fine.peaks[:, [len(of_peaks) + 1]]
+        nearest, left = _left_by_digits(fine, known, one.frequencies, sizes(fine), peak)
+        of_peaks += [2.0 * nearest, nearest]
         if one.at is not None:
-            by_digits.append(np.array([np.interp(np.log(one.at), scale, row) for row in left]))
-    peaks = meshes(lambda of: of.peaks)
-    return ResponsesLeftOpen(peaks, np.stack(by_digits, axis=1), receptances)
+            of_peaks.append(np.array([np.interp(one.at, one.frequencies, row) for row in left]))
+        receptances.append(left + meshes(sizes))
+    left_by_meshes = meshes(lambda of: of.peaks)
+    return ResponsesLeftOpen(left_by_meshes, np.stack(of_peaks, axis=1), receptances)
+
+
+def _left_by_digits(
+    fine: Vibration, digits: Array, frequencies: Array, sizes: Array, peak: Array
+) -> tuple[Array, Array]:
+    """What printed digits leave open of the frequency of a peak (p) and of sizes (p×n), relative.
+
+    `sizes` at `frequencies` (n, Hz), `peak` (p×1, Hz). As if all stiffness were off together by
+    what `digits` leave of the frequency nearest to each: h(ω) becomes h(ω(1 − s))/(1 + 2s).
+    """
+    modes = np.nan_to_num(fine.frequencies[:, : digits.shape[1]], nan=np.inf)
+    asked = np.hstack([peak, np.broadcast_to(frequencies, sizes.shape)])
+    nearest = np.argmin(np.abs(modes[:, None] - asked[:, :, None]), axis=2)
+    shares = np.take_along_axis(digits, nearest, axis=1)
+    slopes = np.gradient(np.log(np.maximum(sizes, _NO_SIZE)), np.log(frequencies), axis=1)
+    return shares[:, 0], shares[:, 1:] * (2.0 + np.abs(slopes))
 
 
 def _left_by_meshes(
