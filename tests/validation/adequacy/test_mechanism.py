@@ -8,12 +8,11 @@ from written_robot import robot_of
 
 from lumped.legs import ConstantLeg, Material, tip_compliance
 from lumped.mechanism.body import Rigid
-from lumped.mechanism.kinematics.postures import posture, reference_posture
+from lumped.mechanism.kinematics.postures import posture
 from lumped.models.bodies import legs_of
 from lumped.robot_file import load_robot
 from lumped.sections import Rectangle
 from lumped.system.assembly import assembly
-from lumped.system.solution import modes, solved
 from validation.adequacy.mechanism.path import (
     MOST_POSES,
     holding,
@@ -25,9 +24,7 @@ from validation.adequacy.models import judged_models
 from validation.adequacy.robot import robot_adequacy
 from validation.catalogue import catalogue
 from validation.context import Context
-from validation.models.legs import leg_matrices
-from validation.models.mechanism import constant_legs, on_drives_alone
-from validation.models.options import ModelOptions
+from validation.models.mechanism import on_drives_alone
 
 pytestmark = pytest.mark.usefixtures("coarse_legs")
 
@@ -84,21 +81,6 @@ def test_a_mechanism_has_a_matrix_of_its_own(short, matrix):
         assert (entry.error, entry.along) == (pytest.approx(1.0), pytest.approx(-1.0))
         assert entry.causes[0].cause == "elastic drives only: bodies and joints rigid"
         assert entry.remedy == "use vjm"
-
-
-def test_samples_have_the_mass_of_the_mechanism():
-    """Mass-normalised modes are orthonormal in what the samples stand for."""
-    mechanism = load_robot("delta").mechanism
-    bodies = {
-        name: leg_matrices("beam", leg, own)
-        for name, leg, own in constant_legs(mechanism, ModelOptions(elements=6))
-    }
-    system = assembly(mechanism, bodies).at(reference_posture(mechanism))
-    found = modes(solved(system), 8)
-    samples = samples_of(mechanism)
-    rows = samples.at(system, found.shapes, samples.of_models(bodies))
-    gram = rows.T @ (samples.weights[:, None] * rows)
-    assert np.allclose(gram, np.eye(8), atol=2e-3)
 
 
 def test_legs_that_branch_are_no_chains_of_virtual_joints():

@@ -176,22 +176,14 @@ def test_what_scales_model_and_reference_alike_leaves_the_error_as_it_is(of_arm:
 def test_without_a_table_moduli_lengths_and_stiffnesses_can_be_supposed_uncertain(
     arm: RobotFile,
 ) -> None:
-    plain = load_robot("five-bar")
-    assert plain.uncertain_inputs == {}
-    assert replace(plain, supposed=0.05).uncertain_inputs == {
-        "materials.steel.E": 0.05,
-        "materials.aluminium.E": 0.05,
-        "joints.motor1.drive.stiffness": 0.05,
-        "joints.motor2.drive.stiffness": 0.05,
-    }
-    assert list(replace(load_robot("ifw"), supposed=0.1).uncertain_inputs) == [
-        "actuators.stiffness",
-        "foot.compliance",
-        "leg1.length",
-        "leg1.compliance",
-        "leg2.length",
-        "leg2.compliance",
-        "tool.compliance",
+    five_bar, ifw = (load_robot(name) for name in ("five-bar", "ifw"))
+    assert five_bar.uncertain_inputs == {}
+    drives = [f"joints.motor{k}.drive.stiffness" for k in (1, 2)]
+    supposed = ["materials.steel.E", "materials.aluminium.E", *drives]
+    assert replace(five_bar, supposed=0.05).uncertain_inputs == dict.fromkeys(supposed, 0.05)
+    of_legs = [f"leg{k}.{what}" for k in (1, 2) for what in ("length", "compliance")]
+    assert list(replace(ifw, supposed=0.1).uncertain_inputs) == [
+        *("actuators.stiffness", "foot.compliance", *of_legs, "tool.compliance")
     ]
     # What the file says goes before.
     assert replace(arm, supposed=0.5).uncertain_inputs == arm.uncertain_inputs

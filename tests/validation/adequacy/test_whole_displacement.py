@@ -4,7 +4,7 @@ import warnings
 
 import numpy as np
 import pytest
-from like_ifw import IFW, LEG1, LEG2, file_of, like_ifw, placed_at, stations
+from like_ifw import LEG1, LEG2, file_of, like_ifw
 from plain_displacement import plain_errors
 
 from lumped.acceptance.requirement import STATIC_QUANTITIES
@@ -18,8 +18,6 @@ from validation.adequacy.models import judged_models
 from validation.adequacy.response import Subject
 from validation.adequacy.robot import static_subject
 from validation.context import Context
-from validation.models.mechanism import answers
-from validation.models.options import ModelOptions
 
 
 def statics_of(robot_file: RobotFile) -> tuple[Subject, Matrix]:
@@ -147,25 +145,6 @@ def test_constant_sections_distort_the_papers_legs(
     assert "6×6" in entry.remedy
     # The middle between nothing and what the digits of the 6×6 leave open.
     assert 0.0 < (entry.error_with_remedy or 0.0) < 1e-3
-
-
-def test_errors_are_those_of_the_models_themselves(paper: Matrix) -> None:
-    # 27.9 µm along z by the legs given and 23.7 by those of constant section, at their largest.
-    places = placed_at(IFW.mechanism, *stations(IFW.mechanism, 65))
-    given, equivalent = (
-        np.array([one.compliance for one in answers("vjm", places, 0, ModelOptions(legs=legs))])
-        for legs in ("given", "equivalent")
-    )
-    given, equivalent = given[:, :3, 2], equivalent[:, :3, 2]
-    assert given[:, 2].max() * 1e9 == pytest.approx(27.9, abs=0.05)
-    assert equivalent[:, 2].max() * 1e9 == pytest.approx(23.7, abs=0.05)
-    entry = paper.entry("segments", "z")
-    along = (equivalent / given - 1.0)[::8, 2]
-    assert entry.alongs == pytest.approx(along, rel=1e-6)
-    whole = np.linalg.norm(equivalent - given, axis=1) / np.linalg.norm(given, axis=1)
-    assert entry.errors == pytest.approx(whole[::8], rel=1e-6)
-    assert entry.error == pytest.approx(whole[::8].max(), rel=1e-6)
-    assert entry.along == pytest.approx(along[whole[::8].argmax()], rel=1e-6)
 
 
 def test_a_rigid_model_knows_no_motion_along_z(paper: Matrix) -> None:

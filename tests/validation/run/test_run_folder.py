@@ -353,11 +353,14 @@ def test_a_new_run_without_room_beside_the_earlier_one_is_refused(tmp_path, monk
     assert content(tmp_path) == before
 
 
-def test_a_full_disk_leaves_the_old_file_and_nothing_half_written(tmp_path, monkeypatch):
+def test_what_is_not_written_whole_leaves_the_old_file_and_is_cleared(tmp_path, monkeypatch):
     path = tmp_path / "run"
 
     def full(_descriptor):
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    def dies(_descriptor):
+        raise Killed
 
     with open_folder(path, HEADER, "afresh") as folder, monkeypatch.context() as patch:
         fill(folder)
@@ -368,18 +371,10 @@ def test_a_full_disk_leaves_the_old_file_and_nothing_half_written(tmp_path, monk
         assert content(folder.path) == before
         with pytest.raises(StoreError, match="No space left on device"):
             folder.keep({"id": "b"}, 6.0)
-
-
-def test_what_a_kill_left_half_written_is_cleared(tmp_path, monkeypatch):
-    def dies(_descriptor):
-        raise Killed
-
-    with open_folder(tmp_path / "run", HEADER, "afresh") as folder, monkeypatch.context() as patch:
-        fill(folder)
         patch.setattr(os, "fsync", dies)
         with pytest.raises(Killed):
             folder.write({"figures/a.svg": "new"})
         assert len(list(folder.path.rglob(".*.tmp"))) == 1
-    with open_folder(tmp_path / "run", HEADER, "resumed") as folder:
+    with open_folder(path, HEADER, "resumed") as folder:
         assert not list(folder.path.rglob(".*.tmp"))
         assert (folder.path / "figures" / "a.svg").read_text() == "figure 1.0"

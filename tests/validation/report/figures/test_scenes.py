@@ -31,7 +31,6 @@ from validation.kinematics.solids import outlines, solids
 
 needs_opengl = pytest.mark.skipif(opengl.usable_window() is None, reason=opengl.MESSAGE)
 ROUNDING = 1e-12  # lengths of about 1 m, a few operations each
-NONE = np.zeros((0, 2), dtype=int)
 
 
 def volume(surface: Surface) -> float:
