@@ -139,11 +139,14 @@ def _own(matrix: Matrix, quantity: str) -> tuple[str, str]:
         for entry in matrix.entries
         if entry.quantity == quantity and entry.error is not None and entry.expected is not None
     ]
-    static = is_static(quantity)
-    if not entries or not (static or quantity in FREQUENCIES) or entries[0].measured:
+    static, of_response = is_static(quantity), quantity.startswith(RESPONSE)
+    shown = static or of_response or quantity in FREQUENCIES
+    if not entries or not shown or entries[0].measured:
         return "", ""
     best = min(entries, key=lambda entry: abs(entry.error or 0.0))
     unit, scale, own = "Hz", 1.0, best.expected or 0.0
+    if of_response and _unit(quantity) != unit:
+        unit, scale = "µm/N", 1e6
     if static:
         known = zip(best.values, best.alongs, strict=False)
         found = (

@@ -6,7 +6,13 @@ Of the models relied on, else which models to use; at most forty words, unless m
 from collections.abc import Collection, Mapping, Sequence
 from math import ceil
 
-from lumped.acceptance.requirement import ANY_FORCE, FREQUENCIES, STATIC_QUANTITIES, is_static
+from lumped.acceptance.requirement import (
+    ANY_FORCE,
+    FREQUENCIES,
+    RESPONSE,
+    STATIC_QUANTITIES,
+    is_static,
+)
 from validation.adequacy.matrix import VERDICTS, Entry, Matrix
 from validation.drawing.text import number, percent
 
@@ -42,6 +48,7 @@ def quantities_text(matrix: Matrix, quantities: Collection[str]) -> str:
     for words, kind in (
         ("deflections and rotations", STATIC_QUANTITIES),
         ("frequencies", FREQUENCIES),
+        ("responses", [name for name in spoken if name.startswith(RESPONSE)]),
     ):
         asked = spoken.intersection(kind)
         if len(asked) > 1 and asked <= set(left):

@@ -15,6 +15,8 @@ from validation.context import Context
 from validation.models.mechanism import mechanism_modes
 from validation.models.options import ModelOptions
 from validation.report.figures import responses
+from validation.report.table import table_of
+from validation.report.words import quantities_text
 
 PATH = """
 [path]
@@ -80,6 +82,15 @@ def test_a_limit_of_its_own_and_one_for_all(arm, subject):
     wanted = replace(arm.requirement, limits={NAMES[0]: 0.3}, response=0.01)
     matrix = judged(subject, wanted)
     assert [matrix.entry("beam", name).limit for name in NAMES] == [0.3, 0.01, 0.01]
+
+
+def test_the_table_tells_peaks_in_micrometres_and_the_sentence_all_responses_at_once(arm, subject):
+    matrix = judged(subject, arm.requirement)
+    told = dict(zip(table_of(matrix).headings, table_of(matrix).robot, strict=True))
+    peak, frequency, _ = (matrix.entry("beam", name).expected for name in NAMES)
+    assert told[NAMES[0]][0] == f"{1e6 * peak:.3g}\u00a0µm/N"
+    assert told[NAMES[1]][0] == f"{frequency:.3g}\u00a0Hz"
+    assert quantities_text(matrix, NAMES) == "responses"
 
 
 def test_the_chart_has_all_models_the_reference_and_its_band(arm):

@@ -35,7 +35,12 @@ def _response(context: Context, number: int) -> Shown:
     robot = robot_on_path(context)
     asked, at = robot.mechanism.excitations[number], len(robot.postures) // 2
     try:
-        found = {name: one.receptances[number][at] for name, one in answering_modes(robot).items()}
+        found = {
+            name: own
+            for name, one in answering_modes(robot).items()
+            # Models that are rigid along the force have neither size nor phase.
+            if (own := one.receptances[number][at]).any()
+        }
         reference = dynamic_reference(robot)
     except UNSOLVED as error:
         raise Skip(str(error)) from error
