@@ -61,6 +61,7 @@ PENDULUM = """
 schema = 2
 name = "pendulum"
 points = { A = [0.0, 0.0, 0.0], P = [0.0, -0.8, 0.0] }
+tool = { body = "bob", point = "P", moves = ["x"] }
 [bodies.bob]
 points = ["A", "P"]
 mass = 3.0
@@ -72,10 +73,6 @@ between = ["ground", "bob"]
 at = "A"
 axis = [0.0, 0.0, 1.0]
 drive = { stiffness = 4.0e4 }
-[tool]
-body = "bob"
-point = "P"
-moves = ["x"]
 """
 
 

@@ -28,6 +28,9 @@ BAR = f"""
 schema = 2
 name = "bar on a slide"
 points = {{ A = [0.0, 0.0, 0.0], P = [{LENGTH}, 0.0, 0.0] }}
+tool = {{ body = "bar", point = "P", moves = ["y"], mass = {TOOL} }}
+path = {{ poses = [[0.0]] }}
+accept = {{ modes = 2 }}
 [bodies.bar]
 from = "A"
 to = "P"
@@ -40,15 +43,6 @@ between = ["ground", "bar"]
 at = "A"
 axis = [0.0, 1.0, 0.0]
 drive = {{ stiffness = {DRIVE} }}
-[tool]
-body = "bar"
-point = "P"
-moves = ["y"]
-mass = {TOOL}
-[path]
-poses = [[0.0]]
-[accept]
-modes = 2
 """
 VARY = "bodies.bar.section.height=0.040:0.056:3"
 HEIGHTS = np.linspace(0.040, 0.056, 3)

@@ -242,19 +242,13 @@ BLADE = f"""
 schema = 2
 name = "blade"
 points = {{ A = [0.0, 0.0, 0.0], P = [{LENGTH}, 0.0, 0.0] }}
+joints.clamp = {{ type = "fixed", between = ["ground", "blade"], at = "A" }}
+tool = {{ body = "blade", point = "P", moves = [] }}
 [bodies.blade]
 from = "A"
 to = "P"
 section = {{ shape = "rectangle", width = {WIDTH}, height = {HEIGHT} }}
 material = {{ E = {E}, nu = {NU}, rho = {RHO} }}
-[joints.clamp]
-type = "fixed"
-between = ["ground", "blade"]
-at = "A"
-[tool]
-body = "blade"
-point = "P"
-moves = []
 """
 
 
