@@ -56,6 +56,11 @@ def require_beams(mechanism: Mechanism) -> None:
         for joint in mechanism.joints
         if joint.compliance is not None
     ]
+    faults += [
+        f"{joint.name}: rotors of drives are not written for EXUDYN"
+        for joint in mechanism.joints
+        if joint.drive is not None and joint.drive.inertia
+    ]
     if faults:
         raise InputError(faults)
 

@@ -36,12 +36,13 @@ class _Freedoms:
     """Twists (6 each) of rigid bodies and end faces, then springs, from n independent freedoms.
 
     `places` (m, base axes) by (body, interface), "" for a rigid body; `twists` 6×n likewise;
-    `springs`: rows (n) with their stiffness; `idle` rows (n) likewise for what nothing holds.
+    `springs`: rows (n) with their stiffness, and the inertia that moves by them; `idle` rows (n)
+    likewise for what nothing holds.
     """
 
     places: Mapping[tuple[str, str], Array]
     twists: Mapping[tuple[str, str], Array]
-    springs: tuple[tuple[Array, float], ...]
+    springs: tuple[tuple[Array, float, float], ...]
     idle: Array
 
 
@@ -120,8 +121,11 @@ def mechanism_deck(posture: Posture, legs: Mapping[str, SolidLeg], modes: int) -
         build.carry(np.array([first]), at[None], carrier)
         masses.append((first, tool.mass))
     springs = []
-    for row, stiffness in (*found.springs, *((row, _IDLE_STIFFNESS) for row in found.idle)):
+    idle = ((row, _IDLE_STIFFNESS, 0.0) for row in found.idle)
+    for row, stiffness, inertia in (*found.springs, *idle):
         number = build.add(np.zeros((1, 3)))
+        if inertia:
+            masses.append((number, inertia))
         build.tie((number, 0), row)
         build.held += [(number, 1), (number, 2)]
         springs.append(((number, 0), stiffness))
@@ -197,7 +201,11 @@ def _freedoms(posture: Posture, legs: Mapping[str, SolidLeg]) -> _Freedoms:
         apart = twist(joint.second, at) - twist(joint.first, at)
         mine = slice(first, first + len(stiffnesses))
         apart[:, mine] -= unit[:, None] * directions
-        springs += [(k, stiffness) for k, stiffness in enumerate(stiffnesses, start=first)]
+        # A drive's spring is a joint's first one.
+        rotor = joint.drive.inertia if joint.drive is not None and joint.drive.stiffness else 0.0
+        springs += [
+            (first + k, stiffness, 0.0 if k else rotor) for k, stiffness in enumerate(stiffnesses)
+        ]
         first = mine.stop
         free = free_twists(posture, joint)
         passive = unit[:, None] * (free if joint.drive is None else free[:, 1:])
@@ -216,7 +224,7 @@ def _freedoms(posture: Posture, legs: Mapping[str, SolidLeg]) -> _Freedoms:
     return _Freedoms(
         places=places,
         twists={key: all_of[i : i + 6] / unit[:, None] for key, i in order.items()},
-        springs=tuple((all_of[k], stiffness) for k, stiffness in springs),
+        springs=tuple((all_of[k], *rest) for k, *rest in springs),
         idle=right[int(np.sum(values > _DEPENDENT)) :],
     )
 

@@ -55,12 +55,14 @@ class Drive:
 
     `simplified`: the stiffness that the model of rigid bodies on elastic drives takes instead,
     where it stands for more than the drive; None where it does not. `loss` is the loss factor of
-    either.
+    either. `inertia` (kg or kg m²) of the rotor, times its ratio squared: it moves as the stiffness
+    gives way.
     """
 
     stiffness: float | None = None
     simplified: float | None = None
     loss: float = 0.0
+    inertia: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,5 +1,6 @@
 """Loads of a robot's own: a wrench at a point, what acts on mass, and forces that swing."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -43,6 +44,24 @@ class Applied:
     point: str
     position: Array
     wrench: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Loading:
+    """What a load does in a posture: `at_points`, and `along` bodies with mass.
+
+    The latter comes to their interfaces. `on_rotors`: forces (N or N m) on the rotors of drives
+    along their joints' coordinates, by the joints' names.
+    """
+
+    at_points: Sequence[Applied]
+    along: Sequence[Applied] = ()
+    on_rotors: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def everywhere(self) -> list[Applied]:
+        """All wrenches on interfaces."""
+        return [*self.at_points, *self.along]
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,7 +18,7 @@ from lumped.errors import ComputationError, InputError
 from lumped.mechanism.free_twists import free_twists, interface_position, turned_since_reference
 from lumped.mechanism.joint import FREEDOMS, Joint, Side
 from lumped.mechanism.kinematics.postures import shown_pose
-from lumped.mechanism.load import Applied
+from lumped.mechanism.load import Loading
 from lumped.mechanism.mechanism import GROUND, Mechanism, Posture
 from lumped.models import vjm
 from lumped.screws import shift, turn_matrix
@@ -73,7 +73,7 @@ def serial_chains(
 
 
 def tool_displacements(
-    posture: Posture, legs: Mapping[str, Array], loads: Sequence[Sequence[Applied]]
+    posture: Posture, legs: Mapping[str, Array], loads: Sequence[Loading]
 ) -> Array:
     """Displacements (l×6, m and rad, base axes) of the loaded point; `legs` as in `compliance`.
 
@@ -87,29 +87,42 @@ def tool_displacements(
     end = interface_position(posture, Side(tool.body, tool.point))
     carrier = _carriers(mechanism, legs, [*onward, *(step for path in paths for step in path)])
 
-    def moved(ones: Sequence[Applied]) -> Array:
+    def moved(load: Loading) -> Array:
         at: dict[_Node, Array] = defaultdict(lambda: np.zeros(6))
-        for one in ones:
+        for one in load.everywhere:
             node = carrier[_node(one.body, one.point, legs)]
             at[node] = at[node] + shift(one.position - end).T @ one.wrench
         on_platform, beyond = np.zeros(6), np.zeros(6)
         for path, chain in zip(paths, chains, strict=True):
             slip, work, here = np.zeros(6), np.zeros(chain.passive.shape[1]), carrier[_BASE]
             for count, step in enumerate(path[:-1], start=1):
+                slip += _given_way(posture, step, load, end)
                 here = _other(step, here)
                 before = _chain(posture, legs, path[:count])
                 slip += before.compliance @ at[here]
                 work[: before.passive.shape[1]] += before.passive.T @ at[here]
+            slip += _given_way(posture, path[-1], load, end)
             on_platform += vjm.carried(chain, slip, work)
             here = _other(path[-1], here)
         on_platform += at[here]
         for count, step in enumerate(onward, start=1):
             here = _other(step, here)
+            beyond += _given_way(posture, step, load, end)
             beyond += _chain(posture, legs, onward[:count]).compliance @ at[here]
             on_platform += at[here]
         return np.asarray(platform @ on_platform + beyond)
 
-    return np.reshape([moved(ones) for ones in loads], (-1, 6))
+    return np.reshape([moved(load) for load in loads], (-1, 6))
+
+
+def _given_way(posture: Posture, step: _Step, load: Loading, end: Array) -> Array:
+    """Twist (6) at `end` by which a drive gives way to the force on its rotor."""
+    joint = step.across
+    if isinstance(joint, str) or joint.drive is None or joint.drive.stiffness is None:
+        return np.zeros(6)
+    arm = shift(end - interface_position(posture, joint.first))
+    given = load.on_rotors.get(joint.name, 0.0) / joint.drive.stiffness
+    return np.asarray(given * (arm @ free_twists(posture, joint)[:, 0]))
 
 
 def _carriers(

@@ -21,7 +21,7 @@ from lumped.mechanism.joint import Joint
 from lumped.mechanism.kinematics.postures import shown_pose
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.screws import shift, turn
-from lumped.system.joint_motion import carried
+from lumped.system.joint_motion import Portion, carried
 from lumped.system.motions import Frames, Motions, Structure, frames_of, motions, structure_of
 
 
@@ -171,6 +171,11 @@ class Assembly:
             _add(mass, ends[name], own_mass)
         for rows in moved.springs.values():
             _add(stiffness, rows, None)
+        for joint in self.mechanism.joints:
+            drive = joint.drive
+            if drive is not None and drive.stiffness is not None and drive.inertia:
+                rows = moved.springs[Portion(joint.name, "drive")]
+                _add(mass, np.sqrt(drive.inertia / drive.stiffness) * rows, None)
         for number, (name, point) in enumerate(self.structure.nodes):
             shape_of = self.mechanism.bodies[name].shape
             if not point and isinstance(shape_of, Rigid) and (own := rigid_mass(shape_of)).any():

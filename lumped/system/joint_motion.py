@@ -75,14 +75,34 @@ def joint_motion(joint: Joint, first: Array, second: Array, length: float) -> Jo
         gives[Portion(joint.name, "compliance")] = _root(turned * unit * unit.T)
     if not gives:
         return _sized(passive, {}, 0, unit)
+    alone: dict[Portion, Array] = {}
+    if rotor_moves_alone(joint):
+        alone = {part: gives.pop(part) for part in list(gives) if part.kind == "drive"}
+    before = np.concatenate([passive, *alone.values()], axis=-1)
     wrenches, deflections = _condensed(passive, np.concatenate(list(gives.values()), axis=-1))
-    felt = np.concatenate([np.zeros_like(passive), wrenches], axis=-1)
+    felt = np.concatenate([np.zeros_like(before), wrenches], axis=-1)
+    count = felt.shape[-1]
+    # Of unit energy, as the twists of the other springs are.
+    springs = {
+        part: np.broadcast_to(np.eye(count)[passive.shape[-1]], (*felt.shape[:-2], 1, count))
+        for part in alone
+    }
     return _sized(
-        np.concatenate([passive, deflections], axis=-1),
-        {part: np.swapaxes(give, -1, -2) @ felt for part, give in gives.items()},
-        wrenches.shape[-1],
+        np.concatenate([before, deflections], axis=-1),
+        springs | {part: np.swapaxes(give, -1, -2) @ felt for part, give in gives.items()},
+        wrenches.shape[-1] + len(alone),
         unit,
     )
+
+
+def rotor_moves_alone(joint: Joint) -> bool:
+    """Whether a drive's rotor has inertia and springs on both sides, so that neither tells where.
+
+    Its motion then is one of the joint's own, beside what the joint's compliance gives.
+    """
+    drive = joint.drive
+    sprung = drive is not None and drive.stiffness is not None and bool(drive.inertia)
+    return sprung and joint.compliance is not None
 
 
 def carried(joint: Joint, first: Array, second: Array, apart: Array) -> Array:

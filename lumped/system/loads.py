@@ -14,17 +14,18 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.mechanism.body import Rigid
-from lumped.mechanism.free_twists import interface_position
-from lumped.mechanism.joint import Side
+from lumped.mechanism.free_twists import free_twists, interface_position
+from lumped.mechanism.joint import Joint, Side
 from lumped.mechanism.kinematics.accelerations import REST, Motion, accelerations
-from lumped.mechanism.load import Applied, Load
+from lumped.mechanism.load import Applied, Load, Loading
 from lumped.mechanism.mechanism import GROUND, Posture
 from lumped.screws import shift, skew, turn
-from lumped.system.assembly import rigid_mass
+from lumped.system.assembly import System, rigid_mass
+from lumped.system.joint_motion import Portion
 from lumped.system.solution import Solved, with_idle
 
 
-def applied(posture: Posture, load: Load, masses: Mapping[str, Array]) -> list[Applied]:
+def loading(posture: Posture, load: Load, masses: Mapping[str, Array]) -> Loading:
     """All that a load does in a posture.
 
     `masses` (6m×6m, SI, body axes) of the bodies on the twists of their interfaces; rigid bodies
@@ -32,9 +33,10 @@ def applied(posture: Posture, load: Load, masses: Mapping[str, Array]) -> list[A
     """
     mechanism = posture.mechanism
     place = interface_position(posture, Side(load.body, load.point))
-    found = [Applied(load.body, load.point, place, load.wrench)]
+    at_points = [Applied(load.body, load.point, place, load.wrench)]
     if not load.acts_on_mass:
-        return found
+        return Loading(at_points)
+    along: list[Applied] = []
     motions: Mapping[str, Motion] = dict.fromkeys(mechanism.bodies, REST)
     if load.moves:
         motions = accelerations(posture, load.speed, load.acceleration)
@@ -50,14 +52,43 @@ def applied(posture: Posture, load: Load, masses: Mapping[str, Array]) -> list[A
         axes = turn(frame.rotation)
         own = _in_axes(frame.rotation, motions[name], load.gravity)
         wrenches = _inertia(mass, points, own).reshape(-1, 6) @ axes.T
+        if isinstance(body.shape, Rigid):
+            # Where it acts, which matters to what turns under it.
+            points = body.shape.centre[None]
+            arm = frame.rotation @ body.shape.centre
+            wrenches = wrenches @ shift(-arm)
         places = frame.position + points @ frame.rotation.T
         each = zip(body.interfaces, places, wrenches, strict=False)
-        found += [Applied(name, *one) for one in each]
+        along += [Applied(name, *one) for one in each]
     tool = mechanism.tool
     place = interface_position(posture, Side(tool.body, tool.point))
     moved = motions[tool.body].at(place - posture.frames[tool.body].position)
     weight = np.concatenate([tool.mass * (load.gravity - moved), np.zeros(3)])
-    return [*found, Applied(tool.body, tool.point, place, weight)]
+    on_rotors = {
+        joint.name: -joint.drive.inertia * _acceleration(posture, joint, motions)
+        for joint in mechanism.joints
+        if joint.drive is not None and joint.drive.inertia and load.moves
+    }
+    return Loading([*at_points, Applied(tool.body, tool.point, place, weight)], along, on_rotors)
+
+
+def _acceleration(posture: Posture, joint: Joint, motions: Mapping[str, Motion]) -> float:
+    """Of the coordinate (m/s² or rad/s²) of a joint with one free twist."""
+    along, about = np.split(free_twists(posture, joint)[:, 0], 2)
+    first, second = (motions[side.body] for side in (joint.first, joint.second))
+    if about.any():
+        return float(about @ (second.angular - first.angular))
+    places = [interface_position(posture, side) for side in (joint.first, joint.second)]
+    apart = along @ (places[1] - places[0])
+    moved = [
+        motion.at(place - posture.frames[side.body].position)
+        for motion, place, side in zip(
+            (first, second), places, (joint.first, joint.second), strict=True
+        )
+    ]
+    # The axis turns with the first body while the second is away along it.
+    swung = np.cross(first.turning, along)
+    return float(along @ (moved[1] - moved[0]) + apart * swung @ swung)
 
 
 def _in_axes(rotation: Array, motion: Motion, gravity: Array) -> Motion:
@@ -89,15 +120,26 @@ def _inertia(mass: Array, points: Array, motion: Motion) -> Array:
     return np.asarray(found - mass @ (rigid @ missed))
 
 
-def tool_displacements(solution: Solved, loads: Sequence[Sequence[Applied]]) -> Array:
+def work_on(system: System, load: Loading) -> Array:
+    """Work (n) of a load on each of the unknowns of a system."""
+    work = np.zeros(system.size)
+    outer = work[: system.outer]
+    for one in load.everywhere:
+        outer += system.motions.at(one.body, one.point, one.position).T @ one.wrench
+    for joint in system.motions.structure.mechanism.joints:
+        force = load.on_rotors.get(joint.name, 0.0)
+        if force and joint.drive is not None and joint.drive.stiffness is not None:
+            # ½|D y|² is the energy of the drive: D y over √k is how far it gives way.
+            (rows,) = system.motions.springs[Portion(joint.name, "drive")]
+            outer += force / np.sqrt(joint.drive.stiffness) * rows
+    return work
+
+
+def tool_displacements(solution: Solved, loads: Sequence[Loading]) -> Array:
     """Displacements (l×6, m and rad, base axes) of the loaded point under each of the loads.
 
     Where a load would set off an idle motion that follows freely.
     """
     system = solution.system
-    work = np.zeros((system.size, len(loads)))
-    for column, ones in enumerate(loads):
-        for one in ones:
-            rows = system.motions.at(one.body, one.point, one.position)
-            work[: system.outer, column] += rows.T @ one.wrench
-    return np.asarray(work.T @ with_idle(solution, solution.displacements(system.tool.T)))
+    work = np.reshape([work_on(system, load) for load in loads], (-1, system.size))
+    return np.asarray(work @ with_idle(solution, solution.displacements(system.tool.T)))

@@ -17,10 +17,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lumped.arrays import Array
+from lumped.errors import ComputationError
 from lumped.mechanism.joint import AXES, Joint, Side
 from lumped.mechanism.mechanism import GROUND, Mechanism, Posture
 from lumped.screws import shift
-from lumped.system.joint_motion import JointMotion, Portion, joint_motion, same_rank
+from lumped.system.joint_motion import (
+    JointMotion,
+    Portion,
+    joint_motion,
+    rotor_moves_alone,
+    same_rank,
+)
 
 # Loops are closed to 1e-12 of the mechanism's size: conditions that depend on each other differ by
 # as much, those that do not by the sine of an angle that a designer can see.
@@ -225,6 +232,11 @@ def _closed(
     forbidden, locks = [], [motions.locks]
     springs = dict(motions.springs)
     for joint, motion in closing:
+        if rotor_moves_alone(joint):
+            raise ComputationError(
+                f"joint {joint.name}: closes a loop of rigid bodies, where the rotor of its drive "
+                "needs a body of its own beside the joint's compliance"
+            )
         at = frames.interface(joint.first.body, joint.first.point)
         first, second = (
             motions.at(side.body, side.point, at) for side in (joint.first, joint.second)

@@ -274,7 +274,7 @@ def _system(at: Posture, legs: Mapping[str, RitzLeg], *, simplified: bool = Fals
         block_diag(
             *(getattr(legs[name], kind) if name in legs else np.zeros((6, 6)) for name in shapes),
             *(
-                np.diag(joint.springs if kind == "stiffness" else 0.0 * joint.springs)
+                np.diag(joint.springs if kind == "stiffness" else joint.inertias)
                 for joint in joints
             ),
         )
@@ -299,26 +299,33 @@ def _system(at: Posture, legs: Mapping[str, RitzLeg], *, simplified: bool = Fals
 
 @dataclass(frozen=True, eq=False)
 class _Joint:
-    """Relative twists (6×k, base axes) at `place` that a joint lets happen, and their springs."""
+    """Relative twists (6×k, base axes) at `place` that a joint lets happen.
+
+    With their springs and the inertia that moves by them (k each).
+    """
 
     first: Side
     second: Side
     place: Array
     motions: Array
     springs: Array
+    inertias: Array
 
     @classmethod
     def of(cls, at: Posture, joint: Joint, *, simplified: bool) -> "_Joint":
         turned, _ = _turned(at, joint)
-        motions, springs = [], []
+        motions, springs, inertias = [], [], []
         for number, twist in enumerate(_free(at, joint).T):
             stiffness: float | None = 0.0
+            inertia = 0.0
             if joint.drive is not None and number == 0:
                 special = joint.drive.simplified if simplified else None
                 stiffness = joint.drive.stiffness if special is None else special
+                inertia = joint.drive.inertia
             if stiffness is not None:
                 motions.append(twist)
                 springs.append(stiffness)
+                inertias.append(inertia)
         if joint.compliance is not None and not simplified:
             # Along eigenvectors of its compliance, in series with all the rest.
             gives, along = np.linalg.eigh(joint.compliance)
@@ -327,8 +334,10 @@ class _Joint:
                 if give > 0.0:
                     motions.append(twist)
                     springs.append(1.0 / give)
+                    inertias.append(0.0)
         columns = np.array(motions).reshape(len(motions), 6).T
-        return cls(joint.first, joint.second, _place(at, joint.first), columns, np.array(springs))
+        place = _place(at, joint.first)
+        return cls(joint.first, joint.second, place, columns, np.array(springs), np.array(inertias))
 
 
 def _free(at: Posture, joint: Joint) -> Array:

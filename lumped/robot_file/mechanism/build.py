@@ -108,7 +108,8 @@ def _joint(given: Draft, name: str) -> Joint:
     drive = table["drive"]
     if drive is not None:
         stiffness = None if drive["stiffness"] == "rigid" else drive["stiffness"]
-        drive = Drive(stiffness, drive["simplified"], drive["loss"])
+        inertia = (drive["inertia"] or 0.0) * (drive["ratio"] or 1.0) ** 2
+        drive = Drive(stiffness, drive["simplified"], drive["loss"], inertia)
     unit = axes / np.linalg.norm(axes, axis=1)[:, None]
     give = table["compliance"], table["loss"]
     return Joint(name, table["type"], first, second, unit, drive, *give)

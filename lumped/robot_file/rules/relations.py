@@ -168,6 +168,7 @@ def joint_faults(joint: Entry) -> Iterator[str]:
         )
     if joint["loss"] and joint["compliance"] is None:
         yield f"{key}.loss: must be left out without {key}.compliance, which loses it"
+    yield from _rotor_faults(joint["drive"] or {}, f"{key}.drive")
     if joint["one_twice"]:
         yield f"{key}.at = {list(at)}: must be two different points, or one name"
     elif not isinstance(at, str) and kind not in _EXTENDED:
@@ -197,6 +198,18 @@ def joint_faults(joint: Entry) -> Iterator[str]:
         yield (
             f"{key}.axis = {list(directions[0])}: must point from {at[0]} to {at[1]} or back, "
             f"which are {np.linalg.norm(way):.3g} m apart; left out, it does"
+        )
+
+
+def _rotor_faults(drive: Entry, key: str) -> Iterator[str]:
+    """Keys of a rotor that would change nothing."""
+    if drive.get("ratio") is not None and drive["inertia"] is None:
+        yield f"{key}.ratio: must be left out without `inertia`, which it multiplies"
+    held = drive.get("stiffness") == "rigid" and drive["simplified"] is None
+    if held and drive["inertia"] is not None:
+        yield (
+            f"{key}.inertia: the rotor of a rigid drive stands still; "
+            "must be left out, or have a stiffness"
         )
 
 

@@ -61,6 +61,9 @@ _DENSITY = Number("kg/m³", least=25.0, most=25e3, low="is this in g/cm³?", hig
 # 1e15: stiffer than any drive; a larger number would only cost digits.
 _STIFFEST = 'more than any drive has; "rigid" holds it'
 _STIFFNESS = Number("N/m or N m/rad", above=0.0, most=1e15, high=_STIFFEST)
+# 1e4 kg m²: a flywheel of two metres. 1e6 rad/m: a screw of 6 µm pitch.
+_ROTOR = Number("kg m²", above=0.0, most=1e4, high="is this in g cm²?")
+_RATIO = Number("rad/rad or rad/m", above=0.0, most=1e6)
 _COMPLIANCE = SquareMatrix(6, "m/N, rad/N and rad/(N m)", compliance=True)
 _INERTIA = SquareMatrix(3, "kg m²", compliance=False)
 # 1: off by as much as there is.
@@ -181,6 +184,8 @@ _DRIVE = TableRule(
     needed("stiffness", Either(_STIFFNESS, OneOf(("rigid",))), "in every model"),
     Key("simplified", _STIFFNESS, "in place of it in the simplified model"),
     Key("loss", _LOSS, "loss factor of its stiffness", default=0.0),
+    Key("inertia", _ROTOR, "of its rotor; kg where it slides itself"),
+    Key("ratio", _RATIO, "turns of the rotor for one of the joint, or rad for 1 m; 1 if left out"),
 )
 JOINT = TableRule(
     needed("type", OneOf(get_args(JointKind)), "which twists it leaves free"),

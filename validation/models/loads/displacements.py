@@ -16,12 +16,12 @@ from lumped.arrays import Array, dense
 from lumped.errors import ComputationError
 from lumped.legs import ConstantLeg, GivenLeg
 from lumped.mechanism.body_model import BodyModel, LegMatrices
-from lumped.mechanism.load import Applied
+from lumped.mechanism.load import Loading
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.models import serial_chains
 from lumped.models.bodies import legs_of
 from lumped.system.assembly import assembly
-from lumped.system.loads import applied, tool_displacements
+from lumped.system.loads import loading, tool_displacements
 from lumped.system.solution import solved
 from validation.models.legs import condensed_leg, leg_matrices
 from validation.models.loads.leg_masses import MASSES, Masses, ends_mass
@@ -49,7 +49,7 @@ def displacements(
     mechanism = postures[0].mechanism
     if not mechanism.loads:
         return np.zeros((len(postures), 0, 6))
-    masses = _masses(model, mechanism, options)
+    masses = load_masses(model, mechanism, options)
     if model == "vjm":
         springs = springs_of(mechanism, options)
         return displacements_by(by_chains(springs), postures, masses)
@@ -63,13 +63,13 @@ def displacements(
     )
 
 
-def by_chains(springs: Mapping[str, Array]) -> Callable[[Posture, list[list[Applied]]], Array]:
+def by_chains(springs: Mapping[str, Array]) -> Callable[[Posture, list[Loading]], Array]:
     """How far loads move the tool by serial chains with such tip compliances of their legs."""
     return lambda at, loads: serial_chains.tool_displacements(at, springs, loads)
 
 
 def displacements_by(
-    solve: Callable[[Posture, list[list[Applied]]], Array],
+    solve: Callable[[Posture, list[Loading]], Array],
     postures: Sequence[Posture],
     masses: BodyMasses,
 ) -> Array:
@@ -80,7 +80,7 @@ def displacements_by(
         known, ones = [], []
         for number, load in enumerate(loads):
             try:
-                ones.append(applied(at, load, masses))
+                ones.append(loading(at, load, masses))
             except ComputationError:
                 continue
             known.append(number)
@@ -127,8 +127,8 @@ def _of_leg(leg: ConstantLeg | GivenLeg, masses: Masses) -> Array:
     return ends_mass(leg, masses)
 
 
-def _masses(model: ModelName, mechanism: Mechanism, options: ModelOptions) -> BodyMasses:
-    """Of a model that has mass its own, of all others as `masses_of` has them."""
+def load_masses(model: ModelName, mechanism: Mechanism, options: ModelOptions) -> BodyMasses:
+    """Masses that loads act on: a model's own where it has mass, else as `masses_of` has them."""
     if model == "simplified" or model in STATIC:
         return masses_of(mechanism)
     if not any(load.acts_on_mass for load in mechanism.loads):
