@@ -68,14 +68,14 @@ def solved(system: System) -> Solved:
     """
     stiffness = dense(system.stiffness)
     kept = np.arange(system.size)
-    factor = _factor(stiffness)
+    factor = factorised(stiffness)
     even = is_even(stiffness[: system.outer, : system.outer])
     if factor is not None and even and _smallest_pivot(factor) > DOUBTFUL:
         return Solved(system, *factor, kept, np.zeros((system.size, 0)))
     idle = idle_motions(system)
     if len(idle.pinned):
         kept = np.delete(kept, idle.pinned)
-        factor = _factor(stiffness[np.ix_(kept, kept)])
+        factor = factorised(stiffness[np.ix_(kept, kept)])
     if factor is None or _smallest_pivot(factor) < _SMALLEST_PIVOT:
         raise ComputationError(
             f"{system.name}: the stiffness matrix is not positive definite; a stiffness is "
@@ -169,6 +169,14 @@ def with_idle(solution: Solved, displacements: Array) -> Array:
     return np.asarray(displacements - solution.motions @ (with_mass @ (momenta.T @ displacements)))
 
 
+def without_idle(solution: Solved, loads: Array) -> Array:
+    """Loads (n×m) less the inertia of idle motions that they set off: what is left strains."""
+    if not solution.idle:
+        return loads
+    momenta, with_mass = _of_idle(solution, dense(solution.system.mass))
+    return np.asarray(loads - momenta @ (with_mass @ (solution.motions.T @ loads)))
+
+
 def _of_idle(solution: Solved, mass: Array) -> tuple[Array, Array]:
     """Momenta M N (n×k) of the idle motions, and (NᵀMN)⁺."""
     momenta = mass @ solution.motions
@@ -201,7 +209,7 @@ def is_even(stiffness: Array) -> bool:
     return bool((diagonal > DOUBTFUL * largest).all())
 
 
-def _factor(stiffness: Array) -> tuple[Array, Array] | None:
+def factorised(stiffness: Array) -> tuple[Array, Array] | None:
     """Cholesky factor of a matrix scaled to a unit diagonal, and the scale; None without one."""
     try:
         scale = unit_diagonal(stiffness)

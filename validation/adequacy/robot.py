@@ -57,6 +57,7 @@ from validation.adequacy.response import (
 )
 from validation.agreement.accuracy import PATIENCE, refined
 from validation.context import PRESETS, Context, Preset
+from validation.models.loads.stability_notes import stability_notes
 from validation.models.options import STATIC
 
 _ROOT, _TIP = "root", "tip"
@@ -257,6 +258,8 @@ def _notes(robot: RobotOnPath, dynamics: Reference) -> tuple[str, ...]:
         notes.append(f"{what} not move the tool; their zero frequencies are left out")
     with suppress(*UNSOLVED):
         notes += reduction_note(robot.postures, robot.offered, robot.holding.first, robot.judged)
+    with suppress(*UNSOLVED):
+        notes += stability_notes(robot.postures, robot.context.robot_file.requirement)
     if supposed := robot.context.robot_file.supposed:
         notes.append(
             f"Probabilities suppose that every modulus, length and stiffness of the file has a "

@@ -11,6 +11,7 @@ import numpy as np
 from lumped.arrays import Array
 from lumped.system.joint_motion import Portion
 from lumped.system.response import ToolResponse
+from lumped.system.stability import Stability
 from validation.agreement.accuracy import Accuracy
 from validation.models.options import ModelName, ReductionBy
 
@@ -19,6 +20,8 @@ Place: TypeAlias = dict[str, float | int | str | list[float]]
 _COLOURS = {"adequate": "#d3f0e4", "inadequate": "#fbdcc8", "undecided": "#eceef1"}
 # Parts that are named of those that carry a mode: how many, and from which share on.
 _MOST_PARTS, _TOLD = 3, 0.005
+# Share of a stiffness from which on it is told that a load takes it.
+_WORTH_TELLING = 5e-5
 
 
 @dataclass(frozen=True)
@@ -82,9 +85,10 @@ class Answer:
 
     `place` is {"x": m}, {"pose": [m or rad]}, {"leg": 1 or 2} or {"body": name}; `idle` counts the
     mobilities of a mechanism that do not move its tool; `loads` are displacements of the tool (6, m
-    and rad, base axes) under loads of the file by name, NaN where it cannot move so; `responses`
-    are its answers to forces that swing, `damped` the complex modes (frequencies, Hz, and loss
-    factors) where anything damps; `strain` maps
+    and rad, base axes) under loads of the file by name, NaN where it cannot move so, `stability`
+    how near to buckling these bring it, None where it cannot; `responses` are its answers to forces
+    that swing, `damped` the complex modes (frequencies, Hz, and loss factors) where anything damps;
+    `strain` maps
     its drives, joints and bodies to their shares of each mode's strain energy, `pairs` is the
     record of the modes' partners in another model; `uncertainty` is that of the mesh of prisms
     where one is known, None else, `of_parts` that of CAD parts, and `of_digits` what the printed
@@ -98,6 +102,7 @@ class Answer:
     loads: Mapping[str, Array] = field(default_factory=dict)
     responses: Sequence[ToolResponse] = ()
     damped: tuple[Array, Array] | None = None
+    stability: Mapping[str, Stability | None] = field(default_factory=dict)
     uncertainty: MeshUncertainty | None = None
     of_parts: PartUncertainty | None = None
     of_digits: LeftOpen | None = None
@@ -180,6 +185,7 @@ def record_of(answer: Answer) -> dict[str, Any]:
     if answer.loads:
         found["loads"] = {
             name: {"displacement": moved.tolist() if np.isfinite(moved).all() else None}
+            | _stability_record(answer.stability.get(name))
             for name, moved in answer.loads.items()
         }
     if answer.damped:
@@ -225,6 +231,26 @@ def _response_record(one: ToolResponse) -> dict[str, Any]:
     return found | ({"at": {"size": at[0], "frequency": one.excitation.at}} if at else {})
 
 
+def _stability_record(found: Stability | None) -> dict[str, Any]:
+    """What goes beside a displacement; a mechanism that has buckled has no stiffness."""
+    if found is None:
+        return {}
+    stands = bool(np.isfinite(found.lost).all())
+    record: dict[str, Any] = {
+        "buckling": {
+            "factor": found.factor,
+            "reversed": found.reversed,
+            "body": next(iter(found.shares), None),
+            "shares": found.shares,
+        },
+        "stiffness_lost": found.lost.tolist() if stands else None,
+        "farther": found.farther if stands else None,
+    }
+    if len(found.frequencies):
+        record["frequencies"] = found.frequencies.tolist()
+    return record
+
+
 def as_text(solution: Solution) -> str:
     """The answers for people: deflections at 1000 N, the compliance, the frequencies."""
     heard = ", ".join(f"{name} {value}" for name, value in solution.options.items())
@@ -248,6 +274,8 @@ def _answer_lines(answer: Answer) -> list[str]:
     if answer.loads:
         lines.append("  displacement (µm, µrad) under the loads of the robot file:")
         lines += [f"    {name}: {_moved_text(moved)}" for name, moved in answer.loads.items()]
+        lines.append("  stability under them, legs bending as beams between their ends:")
+        lines += [f"    {name}: {_stability_text(one)}" for name, one in answer.stability.items()]
     if len(answer.frequencies):
         listed = ", ".join(f"{value:.5g}" for value in answer.frequencies)
         lines.append(f"  natural frequencies (Hz): {listed}")
@@ -312,6 +340,28 @@ def _response_text(one: ToolResponse) -> str:
 def _shown(micro: float) -> float:
     """Without what rounding leaves of nothing: less than 1e-12 µm or µrad."""
     return round(float(micro), 12) + 0.0
+
+
+def _stability_text(found: Stability | None) -> str:
+    """When it buckles, where most, and the stiffness of the tool that the load takes."""
+    if found is None:
+        return "none, the mechanism cannot move so here"
+    said = "does not buckle"
+    if found.factor is not None:
+        where = list(found.shares.items())[:_MOST_PARTS]
+        told = ", ".join(f"{name} {100.0 * share:.0f} %" for name, share in where if share >= _TOLD)
+        said = f"buckles at {found.factor:.4g} times the load ({told})"
+    if not np.isfinite(found.lost).all():
+        return f"{said}; no stiffness is left"
+    names = ("x", "y", "z", "φx", "φy", "φz")
+    worth = [
+        f"{name} {100.0 * share:.2g} %"
+        for name, share in zip(names, found.lost, strict=True)
+        if abs(share) >= _WORTH_TELLING
+    ]
+    lost = f"takes {', '.join(worth)} of the stiffness" if worth else "takes no stiffness"
+    more = ", ".join(f"{value:.5g}" for value in found.frequencies)
+    return f"{said}; {lost}" + (f"; then {more} Hz" if more else "")
 
 
 def _mode_lines(answer: Answer) -> list[str]:

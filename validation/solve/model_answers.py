@@ -18,6 +18,7 @@ from validation.adequacy.partners import partners
 from validation.agreement.accuracy import refined
 from validation.models.legs import leg_compliance, leg_frequencies
 from validation.models.loads.displacements import displacements
+from validation.models.loads.stability import stabilities
 from validation.models.mechanism import (
     PostureAnswer,
     PostureModes,
@@ -163,9 +164,15 @@ def _answers(question: Question, at: Sequence[Posture], *, whole: bool = True) -
     if whole and (loads := question.mechanism.loads):
         names = [load.name for load in loads]
         moved = displacements(model, at, options)
+        # Frequencies of other models have a stiffness inside their legs that is not a beam's.
+        held = stabilities(model, at, options, count if model == "beam" else 0)
         told = [
-            replace(one, loads=dict(zip(names, own, strict=True)))
-            for one, own in zip(told, moved, strict=True)
+            replace(
+                one,
+                loads=dict(zip(names, own, strict=True)),
+                stability=dict(zip(names, near, strict=True)),
+            )
+            for one, own, near in zip(told, moved, held, strict=True)
         ]
     if question.against:
         pairs = _paired(found, question.against, options)

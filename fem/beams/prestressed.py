@@ -1,0 +1,167 @@
+"""A leg that is loaded already: what the forces in it add to its stiffness, or take from it.
+
+Its sections carry a force n and a moment m. To second order in displacements u and rotation vectors
+θ, x along the leg, they do the work (Simo and Vu-Quoc, Comput. Methods Appl. Mech. Eng. 58 (1986)
+79)
+
+    ∫ −n·(θ × u′) + ½ n·(θ × (θ × eₓ)) − ½ m·(θ × θ′) + ½ N γ² + ½ N i² φx′² dx.
+
+With the force N along the leg the first two and the fourth term are ½ N (v′² + w′²), Euler's. The
+fourth is Engesser's: Green's strains have the shear modulus of solids, columns buckle at
+P/(1 + P/κGA) (Bažant, J. Appl. Mech. 38 (1971) 919, on Haringx, who leaves it out). The last is
+Wagner's, of sections that turn about the leg, i their polar radius of inertia. Shear forces,
+bending and twisting moments are in the rest, so that legs buckle sideways, too, and a body that
+turns as a whole meets nothing but its own forces turned. What the leg has bent before it buckles is
+left out, as in any linear theory of buckling.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.polynomial import legendre
+from scipy.linalg import block_diag
+from scipy.sparse import csr_array
+
+from fem.beams.beam import beam_leg
+from fem.reduction.superelement import ENDS, held_leg
+from lumped.arrays import Array, SparseMatrix, dense
+from lumped.dense.modes import solve_modes
+from lumped.legs import BeamProperties
+from lumped.mechanism.body_model import LegMatrices
+from lumped.screws import skew
+
+# Exact for a moment of third degree, from a load that grows along the leg, with two quadratic
+# rotations.
+_POINTS = 4
+_ALONG = np.array([1.0, 0.0, 0.0])
+_ACROSS = np.diag([0.0, 1.0, 1.0])
+
+
+@dataclass(frozen=True, eq=False)
+class PrestressedLeg:
+    """A leg on the twists of its ends and modes with these held, r unknowns: `matrices`.
+
+    At s stations with `weights` (m) `fields` (s×9×r) are u′, θ and θ′ from the unknowns. `gyration`
+    is i² (m²).
+    """
+
+    matrices: LegMatrices
+    stations: Array
+    weights: Array
+    fields: Array
+    gyration: float
+
+    def geometric_stiffness(self, ends: Array, spread: Array) -> Array:
+        """What forces add to its stiffness (r×r, SI).
+
+        `ends` (12, N and N m, leg axes) are the forces on root and tip that its stiffness takes,
+        `spread` the part of them that acts along it.
+        """
+        force, moment = _resultants(ends, spread, self.matrices.length, self.stations)
+        turned = skew(force)
+        work = np.zeros((len(force), 9, 9))
+        work[:, 3:6, :3] = turned
+        outer = force[:, :, None] * _ALONG
+        work[:, 3:6, 3:6] = 0.5 * (outer + np.swapaxes(outer, 1, 2))
+        work[:, 3:6, 6:] = 0.5 * skew(moment)
+        work[:, :3, 3:6] = np.swapaxes(turned, 1, 2)
+        work[:, 6:, 3:6] = np.swapaxes(work[:, 3:6, 6:], 1, 2)
+        tension = force[:, 0, None, None]
+        work[:, 3:6, 3:6] -= tension * np.eye(3)
+        shear = np.hstack([_ACROSS, _ACROSS @ skew(_ALONG), np.zeros((3, 3))])
+        work += tension * (shear.T @ shear)
+        work[:, 6, 6] += self.gyration * force[:, 0]
+        rows = self.fields.shape[2]
+        worked = (self.weights[:, None, None] * (work @ self.fields)).reshape(-1, rows)
+        found = self.fields.reshape(-1, rows).T @ worked
+        return np.asarray(0.5 * (found + found.T))
+
+
+def prestressed_leg(
+    properties: BeamProperties, length: float, elements: int, modes: int
+) -> PrestressedLeg:
+    """A beam in `elements` on its ends and its lowest `modes` with these held, as many as it has.
+
+    Buckling loads converge with the fourth power of the length of the elements.
+    """
+    beam = beam_leg(properties, length, elements)
+    held = held_leg(beam)
+    inner = beam.size - ENDS
+    inside = solve_modes(
+        dense(beam.stiffness)[ENDS:, ENDS:],
+        dense(beam.mass)[ENDS:, ENDS:],
+        min(modes, inner),
+        beam.model,
+    )
+    recovery = np.hstack(
+        [
+            held.constraint_modes,
+            np.vstack([np.zeros((ENDS, inside.shapes.shape[1])), inside.shapes]),
+        ]
+    )
+    mass = recovery.T @ (beam.mass @ recovery)
+
+    def centreline(stations: Array) -> SparseMatrix:
+        return csr_array(beam.centreline(stations) @ recovery)
+
+    matrices = LegMatrices(
+        model="prestressed beam",
+        length=length,
+        stiffness=block_diag(held.stiffness, np.diag((2.0 * np.pi * inside.frequencies) ** 2)),
+        mass=0.5 * (mass + mass.T),
+        centreline=centreline,
+    )
+    points, weights = legendre.leggauss(_POINTS)
+    piece = length / elements
+    stations = (piece * (np.arange(elements)[:, None] + 0.5 * (1.0 + points))).ravel()
+    twists = dense(centreline(stations)).reshape(elements, _POINTS, 6, -1)
+    # Fields are cubics within an element: their slopes follow from four values.
+    values = legendre.legvander(points, _POINTS - 1)
+    slopes = legendre.legval(points, legendre.legder(np.eye(_POINTS))).T @ np.linalg.inv(values)
+    sloping = 2.0 / piece * np.einsum("pq,eqij->epij", slopes, twists)
+    fields = np.concatenate([sloping[:, :, :3], twists[:, :, 3:], sloping[:, :, 3:]], axis=2)
+    return PrestressedLeg(
+        matrices=matrices,
+        stations=stations,
+        weights=np.tile(0.5 * piece * weights, elements),
+        fields=fields.reshape(len(stations), 9, -1),
+        gyration=properties.rho_J / properties.mu,
+    )
+
+
+def between(leg: PrestressedLeg, ends: Array) -> LegMatrices:
+    """The leg with another stiffness (12×12) of its ends."""
+    stiffness = dense(leg.matrices.stiffness).copy()
+    stiffness[:ENDS, :ENDS] = ends
+    return replace(leg.matrices, stiffness=stiffness)
+
+
+def _resultants(ends: Array, spread: Array, length: float, stations: Array) -> tuple[Array, Array]:
+    """Force n and moment m (s×3 each) that the rest of the leg puts on the one before a station.
+
+    What acts along the leg grows or falls linearly: it has the resultant that comes to both ends,
+    and along and about the leg their shares, too.
+    """
+    first, last = _density(spread[:6], spread[6:], length)
+    at_root = ends[:6] - spread[:6]
+    x = stations[:, None]
+    slope = (last - first) / length
+    gone = first * x + slope * x**2 / 2.0
+    moved = first * x**2 / 2.0 + slope * x**3 / 6.0
+    force = -at_root[:3] - gone[:, :3]
+    twisted = -at_root[3:] - gone[:, 3:]
+    lever = -at_root[:3] * x - moved[:, :3]
+    return force, twisted - np.cross(_ALONG, lever)
+
+
+def _density(root: Array, tip: Array, length: float) -> tuple[Array, Array]:
+    """Forces and moments per length (6, N/m and N) at both ends, from those that come to them."""
+    first, last = 2.0 * (2.0 * root - tip) / length, 2.0 * (2.0 * tip - root) / length
+    total = root + tip
+    # Across, moments tell where the forces act: that of a force along z about y is its opposite.
+    for across, about, sign in ((1, 5, 1.0), (2, 4, -1.0)):
+        lever = sign * total[about] + length * tip[across]
+        last[across] = 6.0 * lever / length**2 - 2.0 * total[across] / length
+        first[across] = 2.0 * total[across] / length - last[across]
+        first[about] = last[about] = 0.0
+    return first, last

@@ -1,0 +1,60 @@
+"""What no linear model sees: how near to buckling a robot comes under its own loads on its path."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from lumped.acceptance.requirement import AXES, LOAD, Requirement
+from lumped.mechanism.kinematics.postures import shown_pose
+from lumped.mechanism.mechanism import Posture
+from lumped.system.stability import Stability
+from validation.drawing.text import number, percent
+from validation.models.loads.stability import stabilities
+
+# Less is told of as nothing.
+_NOTHING = 5e-5
+
+
+def stability_notes(postures: Sequence[Posture], requirement: Requirement) -> tuple[str, ...]:
+    """A line for each load: where it is nearest to buckling the robot, and the stiffness it takes.
+
+    By links, which have each leg's own stiffness. Raises as `stabilities` does.
+    """
+    found = stabilities("links", postures)
+    loads = [f"{LOAD}{load.name}" for load in postures[0].mechanism.loads]
+    return tuple(
+        f"{load} {'; '.join(_said(load, requirement, known))}"
+        for load, row in zip(loads, zip(*found, strict=True), strict=True)
+        if (known := [(at, one) for at, one in zip(postures, row, strict=True) if one])
+    )
+
+
+def _said(
+    load: str, requirement: Requirement, found: Sequence[tuple[Posture, Stability]]
+) -> Iterator[str]:
+    buckling = [(one.factor, at, one) for at, one in found if one.factor is not None]
+    if buckling:
+        factor, at, one = min(buckling, key=lambda place: place[0])
+        place = shown_pose(at.mechanism, at.pose)
+        where = f", nearest at {place}" if place else ""
+        most = next(iter(one.shares))
+        yield f"buckles the robot at {number(factor, 3)} times its size{where}, most in {most}"
+    else:
+        yield "buckles the robot nowhere"
+    lost = np.array([one.lost for _, one in found])
+    if not np.isfinite(lost).all():
+        yield "nothing that is said of the robot under it holds"
+        return
+    axis = AXES[int(np.argmax(lost.max(axis=0)))]
+    taken, moved = (
+        percent(share, signed=False) if share > _NOTHING else "nothing"
+        for share in (float(lost.max()), max(one.farther for _, one in found))
+    )
+    said = (
+        f"it takes {taken} of the tool's stiffness at most ({axis}) and changes its displacement "
+        f"by {moved}, which no linear model sees"
+    )
+    limit = requirement.limit(load)
+    if requirement.absolute(load) is None and max(one.farther for _, one in found) > limit:
+        said += f": more than the {percent(limit, signed=False)} that are accepted"
+    yield said
