@@ -184,7 +184,8 @@ def run(
         A model that is relied on: where it is inadequate the exit code is 1. May be given again.
     accuracy
         Refine the meshes of references until they leave no more than this share of any number open,
-        0.002 say, or as far as the presets' meshes and ten minutes allow.
+        0.002 say, or as far as the presets' meshes, memory for those of CAD parts, and ten minutes
+        allow.
     inputs
         How probable verdicts are if moduli, lengths and stiffnesses were known to such a relative
         standard uncertainty, 0.05 say; for a file without [[input_uncertainty]].
@@ -310,7 +311,7 @@ def solve(
     x
         Position of B (m); may be given several times; the middle of the stroke if left out.
     pose
-        Pose of a mechanism's tool, numbers parted by commas in the order of its moves; may be
+        Pose of a mechanism's tool, numbers separated by commas in the order of its moves; may be
         given several times; the reference posture if left out.
     leg
         One leg alone, its root clamped: 1 or 2.

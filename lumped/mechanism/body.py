@@ -78,13 +78,14 @@ class Part:
     """A solid from a STEP, BREP or mesh `file`; body axes are the file's, in metres.
 
     `material` is isotropic; `unit` of length where the file itself names none; `interfaces` by the
-    name of their point.
+    name of their point. `unknowns` of the finest of its meshes, where others than usual are wanted.
     """
 
     file: Path
     material: Material
     interfaces: Mapping[str, PartInterface]
     unit: LengthUnit | None = None
+    unknowns: int | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,7 +17,6 @@ from validation.adequacy.mechanism import legs
 from validation.adequacy.response import Subject
 from validation.adequacy.robot import robot_subject
 from validation.context import Context
-from validation.export import files as exports
 from validation.models import parts
 
 
@@ -76,8 +75,7 @@ def paper(paper_subject: Subject) -> Matrix:
 def coarse_parts():
     """Meshes of some thousand unknowns in the place of those of a run, made in this process."""
     with pytest.MonkeyPatch.context() as patch:
-        for module in (parts, exports):
-            patch.setattr(module, "UNKNOWNS", 6_000)
+        patch.setattr(parts, "UNKNOWNS", 6_000)
         for module in (read, volume, slices):
             patch.setattr(module, "within_limits", lambda _, function, *given: function(*given))
         yield patch

@@ -59,6 +59,7 @@ from validation.agreement.accuracy import PATIENCE, refined
 from validation.context import PRESETS, Context, Preset
 from validation.models.loads.stability_notes import stability_notes
 from validation.models.options import STATIC
+from validation.models.parts import with_finer_parts
 
 _ROOT, _TIP = "root", "tip"
 # Seconds that a run of the preset waits for finer meshes that nobody has asked for.
@@ -81,8 +82,8 @@ def judged_robot(context: Context) -> tuple[Subject, Matrix]:
     """The run's robot and its matrix, by references whose meshes leave little enough open.
 
     As little as is asked; where nothing is, a fifth of the limit of each error that they leave
-    undecided; as far as the presets' meshes go and a run of the preset may wait. Raises InputError
-    as `robot_subject` does.
+    undecided; as far as the presets' meshes of prisms go, memory allows those of parts, and a run
+    of the preset may wait. Raises InputError as `robot_subject` does.
     """
     requirement = context.robot_file.requirement
 
@@ -112,12 +113,21 @@ def _left_by_meshes(matrix: Matrix, accuracy: float | None) -> float:
     return max(shares, default=0.0)
 
 
-def _with_finer_meshes(context: Context, _factor: float) -> Context:
-    """The same with the next preset's meshes; raises InputError where no preset has finer ones."""
+def _with_finer_meshes(context: Context, factor: float) -> Context:
+    """The same with the next preset's meshes of prisms, and parts on so much finer ones.
+
+    Raises InputError where there are neither, ComputationError where memory does not allow it.
+    """
+    robot_file = context.robot_file
     larger = PRESETS[PRESETS.index(context.meshes) + 1 :]
-    if context.robot_file.mechanism.parts or not larger:
+    if not robot_file.mechanism.parts and not larger:
         raise InputError("no preset has finer meshes of its bodies")
-    return replace(context, finer=larger[0])
+    finer = with_finer_parts(robot_file.mechanism, factor)
+    return replace(
+        context,
+        robot_file=replace(robot_file, mechanism=finer),
+        finer=larger[0] if larger else context.finer,
+    )
 
 
 def robot_subject(context: Context) -> Subject:

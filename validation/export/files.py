@@ -31,7 +31,7 @@ from validation.context import Preset
 from validation.models.legs import leg_matrices
 from validation.models.mechanism import constant_legs, mechanism_modes
 from validation.models.options import DEFAULT_OPTIONS
-from validation.models.parts import UNKNOWNS, found_in, shape_of
+from validation.models.parts import found_in, shape_of, unknowns_of
 from validation.parts.meshes import part_mesh
 from validation.solids.bars import bar_solids, with_bars
 
@@ -250,7 +250,7 @@ def _write_part(body: Body, folder: Path) -> str:
     OSError where the disk refuses.
     """
     file, interfaces = found_in(body)
-    mesh = part_mesh(file, interfaces, UNKNOWNS)
+    mesh = part_mesh(file, interfaces, unknowns_of(body))
     meshed = meshed_part(mesh, shape_of(body).material)
     held = held_part(meshed, grips_of(mesh, interfaces), body.name)
     swung = held.modes(MODES)

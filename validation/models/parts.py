@@ -3,7 +3,7 @@
 Meshed, factorised and reduced once, kept on the disk and in memory (validation.run.cache).
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
@@ -13,7 +13,7 @@ from scipy.linalg import eigh
 from scipy.sparse import csr_array
 from scipy.spatial import cKDTree
 
-from fem.bodies.part import grips_of, held_part, meshed_part
+from fem.bodies.part import grips_of, held_part, meshed_part, require_memory
 from fem.reduction.craig_bampton import Reduction, heavier_at_interfaces, reduction
 from fem.reduction.free_interface import FreeTruncation, free_interface
 from fem.reduction.held import held_body
@@ -21,6 +21,7 @@ from lumped.arrays import Array, SparseMatrix, dense
 from lumped.errors import ComputationError, InputError
 from lumped.mechanism.body import Body, Frame, Part
 from lumped.mechanism.body_model import BodyModel
+from lumped.mechanism.mechanism import Mechanism
 from lumped.mechanism.placing import leg_frame
 from lumped.memo import memo
 from lumped.text import counted
@@ -28,11 +29,12 @@ from meshes.part.boundary import PartMesh
 from meshes.part.interfaces import Interface, find_interfaces
 from meshes.part.reading.read import PartFile, read_part
 from validation.models.options import ReductionBy
-from validation.parts.identify import Identified, identify
+from validation.parts.identify import Identified, identify, more_unknowns
 from validation.parts.meshes import COARSE, FINEST, part_key, part_mesh
 from validation.run.cache import Arrays, kept, require_shape
 
-# Unknowns of the finest of the three meshes on which a robot's part is identified and reduced.
+# Unknowns of the finest of the three meshes on which a robot's part is identified and reduced, if
+# no others are wanted.
 UNKNOWNS = 60_000
 _MODES = 6
 # Nodes that a displacement between them is taken from; nearer than this share of the part a point
@@ -132,16 +134,46 @@ def found_in(body: Body) -> tuple[PartFile, tuple[Interface, ...]]:
         raise InputError(f"bodies.{body.name}: {fault}" for fault in error.faults) from error
 
 
+def unknowns_of(body: Body) -> int:
+    """Unknowns of the finest of the three meshes of a part."""
+    return shape_of(body).unknowns or UNKNOWNS
+
+
+def with_unknowns(mechanism: Mechanism, unknowns: Mapping[str, int]) -> Mechanism:
+    """The mechanism with so many unknowns in the finest meshes of these parts."""
+    parts = mechanism.parts
+    finer = {
+        name: replace(parts[name], shape=replace(shape_of(parts[name]), unknowns=count))
+        for name, count in unknowns.items()
+    }
+    return replace(mechanism, bodies={**mechanism.bodies, **finer})
+
+
+def with_finer_parts(mechanism: Mechanism, factor: float) -> Mechanism:
+    """The mechanism with meshes of its parts that leave so many times less open.
+
+    Raises InputError where one is a mesh, which has no finer one, and ComputationError where there
+    is not memory enough.
+    """
+    finer = {}
+    for name, body in mechanism.parts.items():
+        if found_in(body)[0].mesh is not None:
+            raise InputError(f"bodies.{name}: a mesh that is given has no finer one")
+        finer[name] = more_unknowns(unknowns_of(body), factor)
+        require_memory(finer[name], name)
+    return with_unknowns(mechanism, finer)
+
+
 def identified(body: Body, unknowns: int | None = None, modes: int = _MODES) -> Identified:
     """The part by its interfaces, in body axes, with its uncertainties."""
     file, interfaces = found_in(body)
-    return identify(file, interfaces, shape_of(body).material, unknowns or UNKNOWNS, modes)
+    return identify(file, interfaces, shape_of(body).material, unknowns or unknowns_of(body), modes)
 
 
 def coarsest_mesh(body: Body) -> PartMesh:
     """The coarsest of the part's meshes, body axes, or the one that is given: enough to draw it."""
     file, interfaces = found_in(body)
-    return part_mesh(file, interfaces, UNKNOWNS, COARSE)
+    return part_mesh(file, interfaces, unknowns_of(body), COARSE)
 
 
 def condensed(body: Body) -> BodyModel:
@@ -165,7 +197,7 @@ def reduced(
     interfaces fixed or free. Raises ComputationError where it has not the modes that were counted.
     """
     file, known = found_in(body)
-    shape = shape_of(body)
+    shape, unknowns = shape_of(body), unknowns_of(body)
     if file.mesh is not None:
         # A mesh is on one level alone: it is not reduced anew for the others.
         level = FINEST
@@ -174,7 +206,7 @@ def reduced(
     )
 
     def compute() -> dict[str, Any]:
-        mesh = part_mesh(file, known, UNKNOWNS, level)
+        mesh = part_mesh(file, known, unknowns, level)
         meshed = meshed_part(mesh, shape.material)
         rooted = held_part(meshed, grips_of(mesh, interfaces), body.name)
         dropped: dict[str, Array] = {}
@@ -195,7 +227,7 @@ def reduced(
         }
 
     key = part_key(
-        file, interfaces, shape.material, "reduced", UNKNOWNS, level, highest, cutoff, by
+        file, interfaces, shape.material, "reduced", unknowns, level, highest, cutoff, by
     )
 
     def read(found: Arrays) -> ReducedPart:

@@ -46,10 +46,11 @@ def stepped(body: Body, pieces: int = PIECES) -> SteppedLeg:
     file, interfaces = parts.found_in(body)
     material = parts.shape_of(body).material
     frame = parts.leg_axes(body)
-    key = part_key(file, interfaces, material, "stepped", parts.UNKNOWNS, pieces)
+    unknowns = parts.unknowns_of(body)
+    key = part_key(file, interfaces, material, "stepped", unknowns, pieces)
 
     def compute() -> dict[str, Any]:
-        mesh = part_mesh(file, interfaces, parts.UNKNOWNS, MIDDLE)
+        mesh = part_mesh(file, interfaces, unknowns, MIDDLE)
         own = (mesh.nodes - frame.position) @ frame.rotation
         reach = [
             own[np.unique(np.concatenate([mesh.faces[n].nodes for n in one.faces])), 0]

@@ -28,6 +28,7 @@ from validation.models.mechanism import (
     static_bodies,
 )
 from validation.models.options import ModelName, ModelOptions
+from validation.models.parts import with_finer_parts
 from validation.models.roundings import roundings_of, share_by_digits
 from validation.solids.legs import formal_order
 from validation.solve.answer import Answer, LeftOpen, Place, Solution
@@ -59,14 +60,14 @@ def solve(question: Question) -> Solution:
     checked(question)
     if "ends" in question.given:
         question = _of(question, _without_own_ends(question.mechanism))
-    at, reached = question.postures(), None
+    reached = None
     if question.accuracy is None:
-        _, found = _on_its_mesh(question, at, {})
+        _, found = _on_its_mesh(question, {})
     else:
         meshes: dict[int, list[Answer]] = {}
         (question, found), reached = refined(
             question,
-            lambda one: _on_its_mesh(one, at, meshes),
+            lambda one: _on_its_mesh(one, meshes),
             _left_open,
             _finer,
             question.accuracy,
@@ -74,14 +75,18 @@ def solve(question: Question) -> Solution:
     options = asdict(question.options)
     heard = {name: value for name, value in options.items() if name in question.listens}
     if question.digits and question.model != "simplified":
-        found = _with_digits(question, at, found)
+        found = _with_digits(question, question.postures(), found)
     return Solution(question.mechanism.name, question.model, heard, tuple(found), reached)
 
 
 def _on_its_mesh(
-    question: Question, at: Sequence[Posture], meshes: dict[int, list[Answer]]
+    question: Question, meshes: dict[int, list[Answer]]
 ) -> tuple[Question, list[Answer]]:
     """The answers, of solids with what their meshes leave open; `meshes` gather those of each."""
+    if question.mechanism.parts:
+        # Parts have other meshes every time: no step is that of the divisions alone.
+        meshes = {}
+    at = question.postures()
     found, options = _answers(question, at), question.options
     if question.model == "solid" and (legs := _shapes(question)):
         divisions = beside(options, legs)
@@ -104,13 +109,15 @@ def _left_open(found: tuple[Question, list[Answer]]) -> float:
 
 
 def _finer(question: Question, factor: float) -> Question:
-    """The question on a mesh that leaves so many times less open, of at most twice the divisions.
+    """The question on meshes that leave so many times less open, of at most twice the divisions.
 
-    Raises InputError where it takes too much, or there are CAD parts, whose meshes have their size.
+    Raises InputError where it takes too much, or a part is a mesh, which has no finer one.
     """
-    if question.mechanism.parts:
-        raise InputError("the meshes of CAD parts are as fine as they get")
+    if question.alone is None:
+        question = _of(question, with_finer_parts(question.mechanism, factor))
     own, legs = question.options.divisions, _shapes(question)
+    if not legs:
+        return question
     order = min(formal_order(leg, question.options.ends) for leg in legs)
     # The fewest divisions that promise enough; where these are too many, as many as there can be.
     wanted = min(max(ceil(own * factor ** (1.0 / order)), own + 1), 2 * own)

@@ -62,6 +62,20 @@ def test_the_equivalent_leg_of_a_tapered_arm_is_far_too_soft(robot_file, matrix)
 
 
 @pytest.mark.exhaustive
+def test_an_accuracy_refines_the_parts_of_a_robot(robot_file):
+    def by(accuracy):
+        requirement = replace(robot_file.requirement, accuracy=accuracy, modes=1)
+        matrix = robot_adequacy(Context(replace(robot_file, requirement=requirement), "quick"))
+        return matrix, max(entry.uncertainties.get("meshes", 0.0) for entry in matrix.entries)
+
+    _, left = by(None)
+    matrix, finer = by(0.8 * left)
+    assert finer <= 0.8 * left
+    assert matrix.notes[-1].startswith("accuracy ±")
+    assert ";" not in matrix.notes[-1]
+
+
+@pytest.mark.exhaustive
 def test_what_is_condensed_is_the_solid_within_what_is_open(matrix):
     for model in ("vjm", "links", "segments-condensed"):
         for quantity in ("x", "y", "z"):

@@ -15,7 +15,6 @@ from fem.calculix.run import CalculixMissing, calculix_program
 from lumped.legs import tip_compliance
 from lumped.models.bodies import clamped_modes, legs_of, tip_compliance_of
 from lumped.robot_file import load_robot
-from validation.export import files as exports
 from validation.export.files import DIVISIONS, WRENCHES, export_mechanism
 from validation.kinematics.poses import postures_of
 from validation.models import parts
@@ -128,8 +127,7 @@ ROCKER = Path(__file__).resolve().parents[3] / "examples" / "rocker" / "robot.to
 
 @pytest.fixture(scope="module")
 def exported(tmp_path_factory, coarse_parts):
-    for module in (parts, exports):
-        coarse_parts.setattr(module, "UNKNOWNS", 3_000)
+    coarse_parts.setattr(parts, "UNKNOWNS", 3_000)
     mechanism = load_robot(ROCKER).mechanism
     folder = tmp_path_factory.mktemp("export")
     export_mechanism(mechanism, "quick", folder)

@@ -54,6 +54,24 @@ def test_the_meshes_leave_open_what_a_far_finer_one_changes(solution, file, coar
     assert (half_widths <= 0.1 * values(own)).all()
 
 
+@pytest.mark.exhaustive
+def test_parts_are_meshed_as_finely_as_an_accuracy_asks(file, coarse_parts):
+    with coarse_parts.context() as patch:
+        patch.setattr(parts, "UNKNOWNS", 1500)
+        (rough,) = solution_of(file, 0).answers
+        left = rough.of_parts.compliance / np.diag(rough.compliance)
+        asked = 0.8 * float(left.max())
+        finer = solve(Question(load_robot(file), "solid", {}, 0, accuracy=asked))
+    assert finer.accuracy.reached <= asked
+    assert finer.accuracy.missed == ""
+    (own,) = finer.answers
+    # Other meshes, whose intervals meet those of the coarser ones; one of ten may miss.
+    apart = np.abs(np.diag(own.compliance - rough.compliance))
+    assert (apart > 0.0).all()
+    assert (apart <= rough.of_parts.compliance + own.of_parts.compliance).sum() >= 5
+    assert (apart <= 1.5 * rough.of_parts.compliance).all()
+
+
 def test_the_bracket_is_what_the_file_changes_when_it_says_so(solution, file):
     (own,) = solution.answers
     other = file.with_name("average.toml")

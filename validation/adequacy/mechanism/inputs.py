@@ -37,6 +37,7 @@ from validation.adequacy.response import (
 from validation.context import Preset
 from validation.kinematics.poses import postures_of
 from validation.models.loads.leg_masses import plausible_masses
+from validation.models.parts import unknowns_of, with_unknowns
 
 # Robots with all inputs off at once, by which one at a time are checked.
 _CHECKS: Mapping[Preset, int] = {"quick": 4, "standard": 8, "fine": 32}
@@ -54,8 +55,10 @@ def inputs_off(
     if not inputs or not subject.statics.alternatives:
         return None
     own = _beams(robot)
+    unknowns = {name: unknowns_of(body) for name, body in robot.mechanism.parts.items()}
 
     def at(mechanism: Mechanism) -> Subject:
+        mechanism = with_unknowns(mechanism, unknowns)
         postures = postures_of(mechanism, [posture.pose for posture in robot.postures])
         off = robot_at(robot.context, postures)
         return _carried(subject, off, models, own, _beams(off))
