@@ -25,6 +25,7 @@ from validation.adequacy.probability import Probability, UncertainInputs, probab
 from validation.adequacy.response import (
     OPEN_MASSES,
     SAY_MASSES,
+    USE,
     Candidate,
     Reference,
     Response,
@@ -380,12 +381,14 @@ def _amount(
 def remedied(
     scale: Scale, candidate: Candidate, quantity: str, errors: Errors, limit: float, pose: int
 ) -> tuple[str, float | None]:
-    """The shortest way up the ladder that brings the error within its limit, or nearest to it.
+    """The shortest way up the ladder that brings the error within its limit, with what it leaves.
 
-    With the error that it leaves: the largest over all poses, in the middle of what is left open.
-    Only those steps are named that change anything worth the name. ("", None) where none helps.
+    Where all leave it inadequate, the model that answers as the reference; without one the way that
+    comes nearest to the limit. What is left is the largest over all poses, in the middle of what is
+    left open. Only those steps are named that change anything worth the name; one that names
+    another model takes the place of those before. ("", None) where none helps.
     """
-    tried: list[tuple[float, float, str]] = []
+    tried: list[tuple[float, float, str, bool]] = []
     remedies: list[str] = []
     start = before = float(errors.middle[pose])
     for step in steps_of(candidate, quantity):
@@ -394,16 +397,20 @@ def remedied(
             break
         middle = after.middle
         if step.remedy and not abs(middle[pose] - before) < _WORTH_TAKING * limit:
-            remedies.append(step.remedy)
+            remedies = [*([] if step.remedy.startswith(USE) else remedies), step.remedy]
         if step.remedy and remedies and np.isfinite(middle).all():
             worst = float(middle[np.argmax(np.abs(middle))])
-            tried.append((abs(worst), worst, ", ".join(dict.fromkeys(remedies))))
+            beyond = "inadequate" in verdicts_of(after, np.full(len(middle), limit))
+            tried.append((abs(worst), worst, ", ".join(dict.fromkeys(remedies)), beyond))
         # A step without a remedy of its own is taken together with the next one.
         before = float(middle[pose]) if step.remedy else before
+    enough = [one for one in tried if one[0] <= limit]
+    model = scale.reference(quantity).remedy
+    if model and not enough and all(beyond for *_, beyond in tried):
+        return model, 0.0
     if not tried:
         return "", None
-    enough = [one for one in tried if one[0] <= limit]
-    size, error, remedy = enough[0] if enough else min(tried)
+    size, error, remedy, _ = enough[0] if enough else min(tried)
     if np.isfinite(start) and size >= abs(start):
         return "", None
     return remedy, error

@@ -17,6 +17,9 @@ SAY_MASSES = (
     "give the legs' mass distribution: mass_centre and inertia beside the 6×6, or a section and a "
     "material instead"
 )
+# How remedies begin that name another model; and that which answers as a reference of solids.
+USE = "use "
+USE_SOLID = f"{USE}solid"
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,8 +96,9 @@ class Reference:
     """The best there is for a robot: one or more alternatives, where the user left something open.
 
     `title` says what it is, `open` what was left open and `decides` what would settle it; `finer`
-    what would make it more certain. `supposed`: what the alternatives are taken to cover, where
-    nothing that could be computed would tell.
+    what would make it more certain. `remedy` names the model that answers as it does, "" where
+    there is none. `supposed`: what the alternatives are taken to cover, where nothing that could be
+    computed would tell.
     """
 
     title: str
@@ -102,6 +106,7 @@ class Reference:
     open: str = ""
     decides: str = ""
     finer: str = "needs a finer reference"
+    remedy: str = ""
     supposed: str = ""
     computed_by: tuple[str, ...] = ()
 
@@ -135,7 +140,7 @@ def no_reference(error: Exception) -> Reference:
 
 
 def finer_by(preset: str) -> str:
-    """What would make a reference finer: "preset fine", say, or "no preset"."""
+    """What would make a reference finer: "--preset fine", say, or "no preset"."""
     return f"needs a finer reference: {preset} computes one"
 
 
@@ -144,7 +149,8 @@ class Step:
     """A step from a model towards the reference: one cause removed, the others left.
 
     `responses` holds what the model answers after this step and all before it, by alternative of
-    the reference; `remedy` says what a designer does to take it, `source` what it is computed from.
+    the reference; `remedy` names the option or the model that takes it, `source` what it is
+    computed from.
     """
 
     cause: str

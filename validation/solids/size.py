@@ -53,9 +53,9 @@ def too_large(legs: Sequence[Leg], divisions: Sequence[int], preset: Preset) -> 
 
 
 def larger_preset(preset: Preset, takes: Callable[[Preset], bool]) -> str:
-    """The first preset beyond this one that `takes` what this one does not: "preset fine".
+    """The first preset beyond this one that `takes` what this one does not: "--preset fine".
 
     "no preset" where none does.
     """
     larger = PRESETS[PRESETS.index(preset) + 1 :]
-    return next((f"preset {one}" for one in larger if takes(one)), "no preset")
+    return next((f"--preset {one}" for one in larger if takes(one)), "no preset")

@@ -85,7 +85,7 @@ def subject(seed: int) -> Subject:
 
     def ladder(start: float) -> tuple[Step, ...]:
         sizes = start * np.array([0.6, 0.2, 0.05])
-        remedies = [("take the beam", "", "take the solid"), ("", "a", "b"), ("a", "b", "c")]
+        remedies = [("take the beam", "", "use the shell"), ("", "a", "b"), ("a", "b", "c")]
         words = remedies[int(rng.integers(3))]
         return tuple(
             Step(cause, f"from {cause}", {name: answer(size) for name in names}, word)
@@ -100,6 +100,7 @@ def subject(seed: int) -> Subject:
     ]
     what = "ends" if len(names) > 1 else ""
     decides = "say how ends are held" if what else ""
+    remedy = "use the solid" if seed % 2 else ""
     return Subject(
         robot="random",
         coordinates=(Coordinate("x", "m"), Coordinate("phi_z", "rad")),
@@ -107,5 +108,5 @@ def subject(seed: int) -> Subject:
         weights=np.full(SAMPLES, 1.0 / SAMPLES),
         candidates=candidates,
         statics=Reference("solids", alternatives, what, decides),
-        dynamics=Reference("solid modes", alternatives, what, decides),
+        dynamics=Reference("solid modes", alternatives, what, decides, remedy=remedy),
     )

@@ -181,7 +181,10 @@ class Rule:
         return {name: one / total for name, one in amounts.items()}
 
     def remedy(self, limit: float, pose: int) -> tuple[str, float | None]:
-        """The first step that is enough, else the best one; none that is no better than nothing."""
+        """The first step that is enough, else the reference's model, else the best step.
+
+        The model only where all steps leave it inadequate; none that is no better than nothing.
+        """
         start = before = self.at(self.model, pose)
         words, tried = list[str](), []
         for step, responses in self.steps:
@@ -189,12 +192,17 @@ class Rule:
             lost = before.missing or after[pose].missing
             if step.remedy:
                 if lost or abs(after[pose].middle - before.middle) >= 0.1 * limit:
+                    if step.remedy.startswith("use "):
+                        words = []
                     words += [step.remedy] if step.remedy not in words else []
                 if words and not any(one.missing for one in after):
                     worst = max((one.middle for one in after), key=abs)
-                    tried.append((abs(worst), worst, ", ".join(words)))
+                    beyond = any(one.verdict(limit) == "inadequate" for one in after)
+                    tried.append((abs(worst), worst, ", ".join(words), beyond))
                 before = after[pose]
         enough = [one for one in tried if one[0] <= limit]
-        size, error, said = (enough or [min(tried, default=(inf, 0.0, ""))])[0]
+        if self.reference.remedy and not enough and all(one[3] for one in tried):
+            return self.reference.remedy, 0.0
+        size, error, said, _ = (enough or [min(tried, default=(inf, 0.0, "", True))])[0]
         better = size < (inf if start.missing else abs(start.middle))
         return (said, error) if better else ("", None)

@@ -110,8 +110,8 @@ def test_an_undecided_entry_is_sent_to_a_preset_that_is_finer_if_any():
     # 0.1 m by 0.06 m: 900 unknowns are six divisions, and so they are at standard; fine has more.
     leg = ConstantLeg(0.5, Rectangle(0.1, 0.06), STEEL)
     for preset, said in (
-        ("quick", "preset fine"),
-        ("standard", "preset fine"),
+        ("quick", "--preset fine"),
+        ("standard", "--preset fine"),
         ("fine", "no preset"),
     ):
         assert (

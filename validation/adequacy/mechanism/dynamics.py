@@ -31,6 +31,8 @@ from validation.adequacy.response import (
     OPEN_MASSES,
     SAY_MASSES,
     UNSOLVED,
+    USE,
+    USE_SOLID,
     Alternative,
     Reference,
     Response,
@@ -89,6 +91,7 @@ def dynamic_reference(robot: RobotOnPath) -> Reference:
         open=" and ".join(filter(None, (holding.unsaid, mass_unsaid))),
         decides="; ".join(filter(None, (holding.decides, say_mass))),
         finer=FINER_PARTS if parts else _finer_preset(robot.prisms, preset),
+        remedy="" if robot.given else USE_SOLID,
         supposed=_SUPPOSED if robot.given else "",
         computed_by=("validation.adequacy.mechanism.vibration.solid_vibration",),
     )
@@ -312,38 +315,39 @@ def dynamic_ladders(
     if "own" in by_step:
         holds = robot.holding.alternatives
         by_step["warping"] = {name: own(ends) for name, ends in holds.items()}
-    return ladders(_LADDERS, _STEPS, by_step)
+    return ladders(_LADDERS, DYNAMIC_STEPS, by_step)
 
 
 _SHEAR = "shear deformation and rotary inertia neglected"
+_TIMOSHENKO = "take Timoshenko's beams: --theory timoshenko"
 _DISCRETE = f"discretisation (n = {ELEMENTS})"
-_STEPS: Mapping[str, tuple[str, str, str]] = {
-    "drives": ("elastic drives only: legs rigid and massless", "beam elements", "use beam"),
-    "shear of segments": (_SHEAR, "Timoshenko segments", "use Timoshenko: --theory timoshenko"),
-    "shear of beams": (_SHEAR, "Timoshenko beams", "use Timoshenko: --theory timoshenko"),
+DYNAMIC_STEPS: Mapping[str, tuple[str, str, str]] = {
+    "drives": ("elastic drives only: legs rigid and massless", "beam elements", f"{USE}beam"),
+    "shear of segments": (_SHEAR, "Timoshenko segments", _TIMOSHENKO),
+    "shear of beams": (_SHEAR, "Timoshenko beams", _TIMOSHENKO),
     "twice as many": (
         _DISCRETE,
         f"{2 * ELEMENTS} segments, then beam elements",
-        f"use more segments: --elements {2 * ELEMENTS}",
+        f"take more segments: --elements {2 * ELEMENTS}",
     ),
-    "beams": (_DISCRETE, "beam elements of the same constants", ""),
+    "beams": (_DISCRETE, "beam elements of the same constants", f"{USE}beam"),
     **PART_STEPS,
     # From Guyan's mass.
     "modes inside": (
         "inertia inside the parts (Guyan's mass)",
         "parts reduced by Craig and Bampton, the middle one of their meshes",
-        "use solid, which has the modes inside the parts",
+        "",
     ),
     # From textbook constants to the sections' own, and to warping by alternative.
     "own": (
         "textbook section constants",
         "fem.sections.section_constants, beam elements",
-        "compute the section's constants by finite elements",
+        "",
     ),
     "warping": (
         "warping held at the ends, non-uniform torsion between them",
         "beams with Reissner's torsion, the section's own Γ",
-        "add the warping stiffness",
+        "",
     ),
 }
 _TO_SOLIDS = ("own", "warping")

@@ -31,13 +31,13 @@ _FEWEST = 8
 # Share of an answer that is left open where nothing tells it: all of it.
 UNKNOWN = 1.0
 # The meshes of parts are of one size in all presets.
-FINER_PARTS = "needs finer meshes of the parts: --accuracy 0.002, say, makes them"
+FINER_PARTS = "needs finer meshes of the parts, such as --accuracy 0.002 makes"
 # Above models with equivalent legs.
 PART_STEPS: Mapping[str, tuple[str, str, str]] = {
     "stepped": (
         "one constant section instead of the part",
         "ten prismatic pieces with the part's own sections, beam elements",
-        "model the parts as stepped legs: --parts stepped",
+        "step the parts: --parts stepped",
     ),
     "condensed": (
         "beam pieces instead of the part",

@@ -42,6 +42,8 @@ from validation.adequacy.mechanism.parts import (
 from validation.adequacy.mechanism.path import Holds, RobotOnPath, Springs
 from validation.adequacy.response import (
     UNSOLVED,
+    USE,
+    USE_SOLID,
     Alternative,
     Reference,
     Response,
@@ -117,6 +119,7 @@ def static_reference(robot: RobotOnPath) -> Reference:
         open=robot.holding.unsaid,
         decides=robot.holding.decides,
         finer=FINER_PARTS if parts else finer_statics(context, robot.legs.values()),
+        remedy="" if robot.given else USE_SOLID,
         computed_by=(
             *((own,) if robot.legs else ()),
             *(("validation.models.parts.reduced",) if parts else ()),
@@ -231,19 +234,19 @@ def static_ladders(robot: RobotOnPath) -> dict[str, tuple[Step, ...]]:
         answered["own"] = climbed(lambda leg, _: own_spring(context, leg))
         answered["warping"] = climbed(partial(held_spring, context))
         answered["contraction"] = climbed(partial(restrained_spring, context))
-    return ladders(_LADDERS, _STEPS, answered, by=_BY[robot.climbs], climbs=robot.climbs)
+    return ladders(_LADDERS, STATIC_STEPS, answered, by=_BY[robot.climbs], climbs=robot.climbs)
 
 
-_STEPS: Mapping[str, tuple[str, str, str]] = {
+STATIC_STEPS: Mapping[str, tuple[str, str, str]] = {
     "drives": (
         "elastic drives only: bodies and joints rigid",
         "{by}the legs as given",
-        "use {climbs}",
+        f"{USE}{{climbs}}",
     ),
     "shear": (
         "shear deformation neglected",
         "{by}Timoshenko's cantilever",
-        "use Timoshenko: --theory timoshenko",
+        "take Timoshenko's beams: --theory timoshenko",
     ),
     # From legs of constant section to the 6×6 that they were made of, then from parts as such legs,
     "diagonal": (
@@ -254,24 +257,24 @@ _STEPS: Mapping[str, tuple[str, str, str]] = {
     "couplings": (
         "equivalent leg: couplings of the 6×6 neglected",
         "{by}the 6×6 as given",
-        "use {climbs} with the 6×6 as given: --legs given",
+        f"{USE}{{climbs}} with the 6×6 as given: --legs given",
     ),
     **PART_STEPS,
     # and from textbook constants to solids with rigid end faces.
     "own": (
         "textbook section constants",
         "fem.sections.section_constants, tip of the cantilever",
-        "compute the section's constants by finite elements",
+        "",
     ),
     "warping": (
         "warping held at the ends",
         "Reissner's torsion with held ends, the section's own Γ",
-        "add the warping stiffness",
+        "",
     ),
     "contraction": (
         "contraction and shear warping held at the ends",
         "fem.couplings.end_effects, exact along the leg",
-        "add the stiffness of rigid end faces",
+        "",
     ),
 }
 _TO_SOLIDS = ("own", "warping", "contraction")
