@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal, TypeAlias
 
-from lumped.acceptance.requirement import is_static
+from lumped.acceptance.requirement import ROTATIONS, is_static
 from validation.context import PRESETS, Context, Preset
 
 Adequacy: TypeAlias = Literal["adequate", "inadequate", "undecided"]
@@ -14,13 +14,19 @@ ADEQUACY, MEASURED = "adequacy", "adequacy.measured"
 
 @dataclass(frozen=True)
 class Coordinate:
-    """What a pose prescribes: "x" in "m"."""
+    """What a pose prescribes: "x" in "m", "phi_z" in "rad"."""
 
     name: str
     unit: str
 
     def __str__(self) -> str:
         return f"{self.name} ({self.unit})"
+
+    @property
+    def axis(self) -> str:
+        """What an axis of a figure is labelled: "x (m)", "rotation about z (rad)"."""
+        about = ROTATIONS.get(self.name)
+        return f"rotation about {about} ({self.unit})" if about else str(self)
 
 
 @dataclass(frozen=True)

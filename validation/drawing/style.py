@@ -52,7 +52,7 @@ LOOKS: Mapping[str, Look] = {
     "mass along the legs, free": Look(VERMILLION, "2", "--"),
     "measured": Look(BLACK, "d", "none"),
     # Of comparisons: the difference as measured, and what no cause explains of it.
-    "measured difference E": Look(BLACK, "D", "none"),
+    "difference E": Look(BLACK, "D", "none"),
     "numerical uncertainty of both sides": Look(BLACK, "o", "none"),
     "slope": Look("#999999", ""),
 }

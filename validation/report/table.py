@@ -17,10 +17,10 @@ from validation.adequacy.matrix import Adequacy, Entry, Matrix, ModelNote
 from validation.drawing.style import csv_of
 from validation.drawing.text import anchor, number, percent
 from validation.report.words import (
-    SIGNS,
     capital,
     error_text,
     force_text,
+    heading,
     model_name,
 )
 
@@ -100,7 +100,7 @@ def table_of(matrix: Matrix) -> Table:
         found = [matrix.entry(note.model, quantity) for quantity in spoken]
         cells = tuple(_cell(matrix, note, entry) if entry else None for entry in found)
         rows.append(Row(note, capital(model_name(note.model)), cells, _folded(matrix, note.model)))
-    headings = tuple(SIGNS.get(quantity, quantity) for quantity in spoken)
+    headings = tuple(map(heading, spoken))
     return Table(headings, tuple(_own(matrix, quantity) for quantity in spoken), tuple(rows))
 
 
@@ -212,7 +212,7 @@ def pose_text(matrix: Matrix, pose: tuple[float, ...]) -> str:
     if not pose:
         return "the root clamped"
     return ", ".join(
-        f"{one.name} = {number(value, 4)} {one.unit}"
+        f"{heading(one.name)} = {number(value, 4)} {one.unit}"
         for one, value in zip(matrix.coordinates, pose, strict=True)
     )
 
@@ -280,7 +280,7 @@ def _meaning(quantity: str) -> str:
     if (entry := leg_entry(quantity)) is not None:
         leg, row, column = entry
         return f"c{row + 1}{column + 1} of the 6×6 of {leg}"
-    return SIGNS.get(quantity, quantity)
+    return heading(quantity)
 
 
 def _unit(quantity: str) -> str:

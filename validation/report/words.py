@@ -9,6 +9,7 @@ from math import ceil
 from lumped.acceptance.requirement import (
     ANY_FORCE,
     FREQUENCIES,
+    ORDER,
     RESPONSE,
     STATIC_QUANTITIES,
     is_static,
@@ -31,7 +32,7 @@ SIGNS: Mapping[str, str] = {
     "phi_y": "φy",
     "phi_z": "φz",
     ANY_FORCE: "any force",
-    "order": "order of modes",
+    ORDER: "order of modes",
 }
 _NOTHING = 5e-5
 
@@ -42,19 +43,25 @@ def model_name(model: str) -> str:
 
 
 def quantities_text(matrix: Matrix, quantities: Collection[str]) -> str:
-    """Quantities as the table heads them, all of a kind together."""
+    """Quantities as in a sentence, all of a kind together."""
     spoken = {entry.quantity for entry in matrix.entries}
-    told, left = [], [name for name in matrix.quantities if name in quantities]
+    told: list[str] = []
+    left = [name for name in matrix.quantities if name in quantities]
     for words, kind in (
-        ("deflections and rotations", STATIC_QUANTITIES),
-        ("frequencies", FREQUENCIES),
-        ("responses", [name for name in spoken if name.startswith(RESPONSE)]),
+        (("deflections", "rotations"), STATIC_QUANTITIES),
+        (("frequencies",), FREQUENCIES),
+        (("responses",), [name for name in spoken if name.startswith(RESPONSE)]),
     ):
         asked = spoken.intersection(kind)
         if len(asked) > 1 and asked <= set(left):
-            told.append(words)
+            told += words
             left = [name for name in left if name not in asked]
-    return ", ".join([*told, *(SIGNS.get(name, name) for name in left)])
+    return listed([*told, *(f"the {SIGNS[ORDER]}" if q == ORDER else heading(q) for q in left)])
+
+
+def heading(quantity: str) -> str:
+    """A quantity as the table heads it: "φx", "load cutting"."""
+    return SIGNS.get(quantity, quantity.replace(":", " "))
 
 
 def capital(text: str) -> str:

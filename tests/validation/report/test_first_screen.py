@@ -66,7 +66,7 @@ MIXED = (flat("beam", "x", 0.012), flat("beam", "z", -0.12), undecided("beam", "
                 *(flat("beam", q, 0.01) for q in ("z", "f1")),
                 flat("beam", "f2", 0.3),
             ],
-            "For your limits use beam (deflections and rotations, f1), solid (f2).",
+            "For your limits use beam (deflections, rotations and f1), solid (f2).",
         ),
         ([], [flat(m, "x", 0.0) for m in ("vjm", "beam")], "For your limits use vjm (x)."),
         ([], MIXED, "For your limits use beam (x), solid (z); undecided: f1."),
@@ -133,7 +133,7 @@ def test_entries_of_the_same_cause_and_remedy_share_a_line():
     matrix = sample_matrix()
     lines = remedies_of(matrix, {entry.model for entry in matrix.entries})
     assert [(one.models, one.quantities, plain(one.without)) for one in lines] == [
-        ("The simplified model", "x, y", "87 to 100 % too stiff"),
+        ("The simplified model", "x and y", "87 to 100 % too stiff"),
         ("The simplified model", "z", "100 % too stiff"),
         (
             "VJM on equivalent legs, segments and beams",

@@ -65,7 +65,9 @@ def told(number, digits=TWO):
 
 def pose_of(matrix, text):
     """The number of the pose that a text names."""
-    names = [f"{one.name} = ({NUMBER}) {one.unit}" for one in matrix.coordinates]
+    names = [
+        f"{SIGNS.get(one.name, one.name)} = ({NUMBER}) {one.unit}" for one in matrix.coordinates
+    ]
     values = numbers(" ".join(re.search(", ".join(names), text).groups()))
     (place,) = (
         p for p, pose in enumerate(matrix.poses) if values == [told(one, FOUR) for one in pose]

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from lumped.acceptance.requirement import ANY_FORCE, AXES
+from lumped.acceptance.requirement import ANY_FORCE, AXES, ROTATIONS
 from lumped.arrays import Array
 from validation.adequacy.matrix import Entry, Matrix
 from validation.drawing.chart import Chart, Column, Panel, Series, few_ticks, percent, side_by_side
@@ -17,6 +17,7 @@ _POSE = "pose"
 _STATIC, _MODES = (*AXES[:3], ANY_FORCE), 2
 _MEANINGS = {
     **{axis: f"force along {axis}" for axis in AXES[:3]},
+    **{name: f"moment about {axis}" for name, axis in ROTATIONS.items()},
     ANY_FORCE: "worst direction of force",
 }
 _COLUMNS = 3
@@ -52,7 +53,8 @@ def measured_curves(matrix: Matrix) -> Shown | None:
     }
     panels = []
     for place, (quantity, entries) in enumerate(found.items()):
-        named = {"title": quantity, "y_label": "" if place % 3 else "value / measured value"}
+        label = "" if place % 3 else "value / measured value"
+        named = {"title": _MEANINGS.get(quantity, quantity), "y_label": label}
         shape: dict[str, Any] = {**named, "levels": (1.0,), "staggered": False}
         if any(sum(error is not None for error in entry.errors) > 1 for entry in entries):
             panels.append(Panel(_over_poses(matrix, entries), **shape))
@@ -86,7 +88,7 @@ def _abscissa(matrix: Matrix) -> tuple[Array, str]:
     """The poses' only coordinate, or their number along the path."""
     poses = np.array(matrix.poses)
     if len(matrix.coordinates) == 1:
-        return poses[:, 0], str(matrix.coordinates[0])
+        return poses[:, 0], matrix.coordinates[0].axis
     return np.arange(1.0, len(poses) + 1.0), _POSE
 
 

@@ -61,7 +61,7 @@ def budget_curves(found: Sequence[tuple[Outcome, Measurement]]) -> Shown:
     ]
     panel = partial(Panel, names=names, levels=(0.0,), lying=True)
     whole = panel(
-        [Series("measured difference E", rows, share * difference)],
+        [Series("difference E", rows, share * difference)],
         bars=[*bars, Bars("unexplained", share * left)],
         x_label="value − reference\n(% of the reference)",
     )
@@ -86,7 +86,7 @@ def budget_curves(found: Sequence[tuple[Outcome, Measurement]]) -> Shown:
     }
     return curves(
         Chart([whole, rest], "", 2, 0.0, {"case": [one.case.id for one, _ in found], **table}),
-        "Left: the measured difference (diamond) and the named causes that explain it, each "
+        "Left: the difference (diamond) and the named causes that explain it, each "
         "computed on its own. Right: what no cause explains, with the numerical uncertainty "
         "of both sides; the shaded band is the tolerance.",
     )

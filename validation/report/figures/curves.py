@@ -110,12 +110,12 @@ def _panel(found: Compared, x: Array, place: int, title: str, factor: float) -> 
 
 def _path(context: Context) -> tuple[Array, str, Mapping[str, Column]]:
     """The only coordinate that changes along the path, or the poses' numbers along it."""
-    named = [str(one) for one in coordinates(context.robot_file.mechanism)]
+    known = coordinates(context.robot_file.mechanism)
     poses = np.array([at.pose for at in path_postures(context)])
-    columns = {name: poses[:, place].tolist() for place, name in enumerate(named)}
+    columns = {str(one): poses[:, place].tolist() for place, one in enumerate(known)}
     changing = np.flatnonzero(np.ptp(poses, axis=0) > 0.0)
     if len(changing) == 1:
-        return poses[:, changing[0]], named[changing[0]], columns
+        return poses[:, changing[0]], known[changing[0]].axis, columns
     return np.arange(1.0, len(poses) + 1.0), _POSE, columns
 
 

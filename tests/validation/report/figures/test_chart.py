@@ -104,7 +104,7 @@ def test_a_legend_shows_all_of_its_entries_above_the_axes(names):
 def test_bars_stack_away_from_zero_and_lie_in_rows_from_above():
     bars = [Bars("shear", np.array([1.0, -2.0])), Bars("unexplained", np.array([-3.0, -4.0]))]
     lying = Panel(
-        [Series("measured difference E", X[:2], np.array([-2.0, -6.0]), bars=np.array([0.1, 0.2]))],
+        [Series("difference E", X[:2], np.array([-2.0, -6.0]), bars=np.array([0.1, 0.2]))],
         bars=bars,
         names=["upper", "lower\nin two lines"],
         lying=True,
@@ -131,7 +131,7 @@ def test_bars_stack_away_from_zero_and_lie_in_rows_from_above():
     faces = {box.get_facecolor() for box in (*rows.patches[1:], *columns.patches)}
     assert len(faces) == 4
     legend = [text.get_text() for text in picture.legends[0].get_texts()]
-    assert set(legend) == {"shear", "unexplained", "measured difference E", "tolerance", "0", "1"}
+    assert set(legend) == {"shear", "unexplained", "difference E", "tolerance", "0", "1"}
 
 
 def test_rows_of_differences_stand_below_their_panels():
