@@ -2,21 +2,26 @@
 
 from dataclasses import replace
 from math import sqrt
+from pathlib import Path
 
 import numpy as np
 import pytest
 from one_arm import ONE_ARM
-from scipy.stats import norm, sobol_indices
+from scipy.stats import norm, qmc, sobol_indices
 from written_robot import robot_of
 
 from lumped.acceptance.requirement import Requirement
 from lumped.arrays import Array
+from lumped.mechanism.mechanism import Mechanism
 from lumped.robot_file import RobotFile, load_robot
 from validation.adequacy.judgement import judged
+from validation.adequacy.models import JUDGED
 from validation.adequacy.probability import ErrorOfInputs, Slope, probability
 from validation.adequacy.response import Subject
 from validation.adequacy.robot import robot_subject
 from validation.context import Context
+from validation.kinematics.poses import postures_of
+from validation.models.mechanism import answers
 
 pytestmark = pytest.mark.usefixtures("coarse_legs")
 
@@ -187,3 +192,60 @@ def test_without_a_table_moduli_lengths_and_stiffnesses_can_be_supposed_uncertai
     ]
     # What the file says goes before.
     assert replace(arm, supposed=0.5).uncertain_inputs == arm.uncertain_inputs
+
+
+# Of robots a model, a quantity, the limit in errors of its own, and the uncertain inputs.
+UNCERTAIN: dict[str, tuple[str, str, float, dict[str, float]]] = {
+    "ifw": (
+        *("vjm-equivalent", "y", 1.04),
+        {"foot.compliance": 0.1, "leg1.compliance": 0.1, "leg2.compliance": 0.15},
+    ),
+    "five-bar": (
+        *("simplified", "f1", 1.03),
+        {"joints.motor1.drive.stiffness": 0.1, "materials.steel.E": 0.05, "tool.mass": 0.1},
+    ),
+    "3-rrr": (
+        *("simplified", "x", 1.03),
+        {"joints.motor1.drive.stiffness": 0.1, "joints.motor2.drive.stiffness": 0.15}
+        | {"materials.steel.E": 0.05},
+    ),
+}
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("name", UNCERTAIN)
+def test_probabilities_are_those_of_2000_robots(name: str, tmp_path: Path) -> None:
+    model, quantity, times, inputs = UNCERTAIN[name]
+    said = "".join(
+        f"[[input_uncertainty]]\nkey = '{k}'\nrelative = {u}\n" for k, u in inputs.items()
+    )
+    robot = robot_of(load_robot(name).text.replace("count = 9", "count = 3") + said, tmp_path)
+    subject = robot_subject(Context(robot, "quick"))
+    limit = times * abs(judged(subject, robot.requirement).entry(model, quantity).error)
+    entry = judged(subject, Requirement(limits={quantity: limit})).entry(model, quantity)
+    own = errors_of(robot.mechanism, subject.poses, model, quantity)
+    told, spread = (np.array(one, dtype=float) for one in (entry.errors, entry.spreads))
+    within = 0
+    # As many robots drawn by a random generator scatter by 0.01, these by 0.002.
+    points = norm.ppf(qmc.Sobol(len(inputs), seed=7).random_base2(11))
+    for draw in points * list(inputs.values()):
+        off = robot.with_factors(dict(zip(inputs, draw, strict=True)))
+        # What the reference has beyond its beams stays, as a factor of 1 + error.
+        found = errors_of(off, subject.poses, model, quantity)
+        errors = (1.0 + told) * (1.0 + found) / (1.0 + own) - 1.0
+        within += bool((np.abs(errors) + spread <= limit).all())
+    assert entry.probability == pytest.approx(within / len(points), abs=0.02)
+
+
+def errors_of(robot: Mechanism, poses: Array, model: str, quantity: str) -> Array:
+    """Errors of a model against beams in frequency, against links in deflections."""
+    at = postures_of(robot, poses)
+    if quantity == "f1":
+        rigid, beams = (answers(kind, at, 2) for kind in ("simplified", "beam"))
+        pairs = zip(rigid, beams, strict=True)
+        return np.array([a.frequencies[0] / b.frequencies[0] - 1.0 for a, b in pairs])
+    asked, axis = JUDGED[model], "xyz".index(quantity)
+    both = answers(asked.kind, at, 0, asked.options), answers("links", at, 0)
+    own, due = (np.array([one.compliance[:3, axis] for one in found]) for found in both)
+    off, size = (np.linalg.norm(one, axis=1) for one in (own - due, due))
+    return np.asarray(off / size)
