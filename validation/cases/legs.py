@@ -294,7 +294,7 @@ def _walls_bend(leg: ConstantLeg, mode: CantileverFrequency) -> str:
         lowest = wall_frequency(section, leg.material) / (2.0 * np.pi)
         if mode.frequency < lowest:
             return ""
-        return f"from {lowest:.4g} Hz on its walls vibrate by themselves, which no beam's do"
+        return f"from {lowest:.4g} Hz on its walls vibrate on their own, as those of no beam do"
     beam = own_properties(leg, WAVE_DIVISIONS)
     along: Literal["y", "z"] = "z"
     if mode.kind == "bending z":
@@ -367,7 +367,7 @@ def _order(context: Context, body: str, name: str) -> Measurement:
     if len(found.divisions) < GRIDS_FOR_ORDER:
         meshes = counted(len(found.divisions), "mesh", "meshes")
         raise Skip(
-            f"affordable in preset {context.preset}: {meshes} of this section; an order takes "
+            f"affordable in preset {context.preset}: {meshes} of this section; an order needs "
             f"{GRIDS_FOR_ORDER}"
         )
     entry, meaning, unit = ENTRIES[name]

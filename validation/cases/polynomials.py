@@ -111,7 +111,7 @@ def _model(context: Context, model: str) -> tuple[ModelName, ModelOptions]:
 
 @cases.case(
     "mechanism.anchor.statics[{model}, {entry}]",
-    "The mechanism: {said} by {model}, computed once more without its code",
+    "The mechanism: {said} by {model}, recomputed without its code",
     over={"model": _models, "entry, said, unit": SHOWN},
     quantity="{said}, pose of the largest difference",
     effort=0.05,
@@ -131,7 +131,7 @@ def _static(context: Context, model: str, entry: str) -> Measurement:
     size = postures[0].mechanism.size
     known = _yielding(expected, size) | _yielding(found, size)
     if not known[:, index].any():
-        raise Skip(f"{model}: bodies and drives do not let the tool move so")
+        raise Skip(f"{model}: bodies and drives do not let the tool move that way")
     at = farthest(found[:, index], expected[:, index], known[:, index])
     left_open = 0.0
     if kind != "simplified":
@@ -187,7 +187,7 @@ def _yielding(numbers: Array, size: float) -> NDArray[np.bool_]:
 
 @cases.case(
     "mechanism.anchor.frequencies[{model}, {mode}]",
-    "The mechanism: frequency {mode} by {model}, computed once more without its code",
+    "The mechanism: frequency {mode} by {model}, recomputed without its code",
     over={
         "model, tolerance, tolerance_reason": _of_modes,
         "index, mode": numbered,

@@ -127,7 +127,7 @@ def _meshes(context: Context) -> tuple[tuple[Posture, ...], SolidMeshes]:
         if decay_of_warping(leg, number) > _SHORT * leg.length:
             raise Skip(
                 f"{leg.name}: warping of its open section reaches over more than a tenth of its "
-                "length, and beams without warping are none of its theory"
+                "length, where the theory of beams without warping does not hold"
             )
     return middle, meshes
 

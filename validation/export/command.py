@@ -36,7 +36,7 @@ def export(
         wrench at the tool to the tool's twist, of a robot. simscape: a Reduced Order Flexible Solid
         (.mat), nastran: DMIG (needs the extra "nastran"), both of a body.
     pose
-        Pose of the tool, numbers parted by commas; the reference posture if left out.
+        Pose of the tool, numbers separated by commas; the reference posture if left out.
     body
         A leg with a section, or a CAD part; the whole robot if left out.
     modes

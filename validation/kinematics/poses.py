@@ -17,7 +17,7 @@ _FEW, _PATIENCE = 10, 2.0
 
 
 def parsed_pose(mechanism: Mechanism, text: str) -> Array:
-    """A typed pose, numbers parted by commas; raises InputError where it is none."""
+    """A typed pose, numbers separated by commas; raises InputError where it is none."""
     moves = mechanism.tool.moves
     try:
         values = np.array([float(number) for number in text.split(",")])
@@ -25,7 +25,7 @@ def parsed_pose(mechanism: Mechanism, text: str) -> Array:
         values = np.full(len(moves), np.nan)
     if len(values) != len(moves) or not np.isfinite(values).all():
         wanted = ",".join(moves) or "nothing: the tool has no moves"
-        raise InputError(f"--pose {text}: must be {wanted} as finite numbers parted by commas")
+        raise InputError(f"--pose {text}: must be {wanted} as finite numbers separated by commas")
     return values
 
 

@@ -36,8 +36,8 @@ def given_leg(body: Body) -> GivenLeg:
 def require_legs(mechanism: Mechanism) -> None:
     """Raise InputError for parts that are no legs: those of one interface, or of three and more."""
     others = [
-        f"bodies.{name}: a part of {counted(len(body.interfaces), 'interface')} is no link of a "
-        "serial chain; use links"
+        f"bodies.{name}: a part of {counted(len(body.interfaces), 'interface')} cannot be a link "
+        "of a serial chain; use links"
         for name, body in mechanism.parts.items()
         if not is_leg(body)
     ]

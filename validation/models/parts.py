@@ -100,7 +100,7 @@ def _written(path: Path) -> tuple[int, int] | None:
 def shape_of(body: Body) -> Part:
     """The part that a body is; raises InputError for a body that is none."""
     if not isinstance(body.shape, Part):
-        raise InputError(f"bodies.{body.name}: is no part from a file")
+        raise InputError(f"bodies.{body.name}: is not a part from a file")
     return body.shape
 
 

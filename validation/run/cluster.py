@@ -53,7 +53,7 @@ def on_cluster(address: str, say: Callable[[str], object]) -> Iterator[Executor]
         client = distributed.Client(address, timeout=_ANSWER, set_as_default=False)
     except (OSError, TimeoutError, ValueError) as error:
         raise InputError(
-            f"--cluster {address}: what answers there is no Dask scheduler (or one that is busy)"
+            f"--cluster {address}: what answers there is not a Dask scheduler (or one that is busy)"
         ) from error
     waiting = _Waiting(client, address, say)
     try:
@@ -78,7 +78,7 @@ def require_scheduler(address: str) -> None:
     """
     form = _ADDRESS.fullmatch(address)
     if form is None or int(form["port"]) > 65535:
-        raise InputError(f'--cluster "{address}": no address of a scheduler (tcp://host:port)')
+        raise InputError(f'--cluster "{address}": not the address of a scheduler (tcp://host:port)')
     place = form["host"].strip("[]"), int(form["port"])
     try:
         with socket.create_connection(place, _ANSWER) as connection:
@@ -91,7 +91,7 @@ def require_scheduler(address: str) -> None:
         ) from error
     # A scheduler speaks first: the length of its greeting, 64 bits, little end first.
     if address.startswith("tcp:") and not 0 < int.from_bytes(greeting, "little") < _LONGEST:
-        raise InputError(f"--cluster {address}: what answers there is no Dask scheduler")
+        raise InputError(f"--cluster {address}: what answers there is not a Dask scheduler")
 
 
 @dataclass
@@ -123,7 +123,7 @@ class _Waiting:
             )
             self._said = True
         if not amiss and self._said:
-            self.say(f"--cluster {self.address}: a worker has come; going on")
+            self.say(f"--cluster {self.address}: a worker has joined; going on")
             self._said = False
         return not amiss
 

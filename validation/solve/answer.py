@@ -320,7 +320,7 @@ def _deflections(answer: Answer) -> list[str]:
 def _moved_text(moved: Array) -> str:
     """Displacement, its whole length and rotation."""
     if not np.isfinite(moved).all():
-        return "none, the mechanism cannot move so here"
+        return "none, the mechanism cannot move that way here"
     names = ("x", "y", "z", "φx", "φy", "φz")
     told = [f"{name} {_shown(1e6 * value):.4g}" for name, value in zip(names, moved, strict=True)]
     told.insert(3, f"{1e6 * np.linalg.norm(moved[:3]):.4g} in all")

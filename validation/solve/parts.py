@@ -137,7 +137,9 @@ def identify(
         bodies = load_robot(part).mechanism.parts
         if body not in bodies:
             known = ", ".join(bodies) or "none"
-            raise InputError(f"--body {body}: is no part from a file; the parts of {part}: {known}")
+            raise InputError(
+                f"--body {body}: is not a part from a file; the parts of {part}: {known}"
+            )
 
         def at(size: int) -> Identified:
             return identified(bodies[body], size, count)

@@ -74,7 +74,9 @@ def _shortest(posture: Posture, jacobian: Array, right: Array) -> Array:
     found = np.asarray(lstsq(jacobian, right, cond=_DEPENDENT, check_finite=False)[0])
     if np.linalg.norm(jacobian @ found - right) > _LEFT * np.linalg.norm(right):
         place = shown_pose(posture.mechanism, posture.pose)
-        raise ComputationError(f"{posture.mechanism.name}, pose {place}: the tool cannot move so")
+        raise ComputationError(
+            f"{posture.mechanism.name}, pose {place}: the tool cannot move that way"
+        )
     return found
 
 

@@ -66,7 +66,9 @@ def require_plausible(extent: list[float], unit: str, source: str, *, said: bool
     if not _SMALLEST <= max(extent) <= _LARGEST:
         is_millimetres = unit == "m" and not said and max(extent) > _LARGEST
         advice = 'is it in mm? then say unit = "mm"' if is_millimetres else "is its unit right?"
-        raise InputError(f"{source}: {describe(extent, unit)} is no part of a robot; {advice}")
+        raise InputError(
+            f"{source}: {describe(extent, unit)} is not the size of a robot's part; {advice}"
+        )
 
 
 def describe(extent: list[float], unit: str) -> str:

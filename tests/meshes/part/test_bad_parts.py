@@ -141,7 +141,7 @@ def test_files_that_are_no_parts_and_units_that_contradict_them(tmp_path, box_st
     assert "its unit of length, 'pico', is not known here" in refused(path)
     points = re.compile(r"CARTESIAN_POINT\('',\((.*?)\)\)", re.DOTALL)
     path.write_text(points.sub(_astronomical, box_step.read_text()))
-    assert "mm is no part of a robot; is its unit right?" in refused(path)
+    assert "mm is not the size of a robot's part; is its unit right?" in refused(path)
 
 
 def _astronomical(point: re.Match) -> str:

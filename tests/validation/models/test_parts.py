@@ -37,7 +37,7 @@ def test_a_rocker_of_three_bores_in_every_model_that_takes_it():
     assert scaled_difference(links.compliance, solid.compliance) < 0.02
     # Guyan's mass lies above in frequency, by little for the first.
     assert condensed.frequencies[0] == pytest.approx(solid.frequencies[0], rel=0.02)
-    with pytest.raises(InputError, match="3 interfaces is no link of a serial chain"):
+    with pytest.raises(InputError, match="3 interfaces cannot be a link of a serial chain"):
         answers("vjm", at, 0)
 
 

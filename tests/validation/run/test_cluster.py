@@ -167,8 +167,8 @@ def test_a_killed_worker_loses_nothing_and_a_killed_scheduler_is_said(cluster):
 @pytest.mark.parametrize(
     ("address", "said"),
     [
-        ("http://127.0.0.1:80", "no address of a scheduler"),
-        ("tcp://127.0.0.1:99999", "no address of a scheduler"),
+        ("http://127.0.0.1:80", "not the address of a scheduler"),
+        ("tcp://127.0.0.1:99999", "not the address of a scheduler"),
         ("tcp://a..b:1", "no Dask scheduler answers there: no name of a host"),
         ("tcp://127.0.0.1:1", "no Dask scheduler answers there: Connection refused"),
     ],
@@ -188,7 +188,7 @@ def test_an_earlier_run_survives_a_scheduler_that_is_not_there(address, said, tm
 
 @pytest.mark.parametrize(
     ("greeting", "answer", "said"),
-    [(b"HTTP/1.1 400", 60.0, "is no Dask scheduler"), (b"", 0.2, "timed out")],
+    [(b"HTTP/1.1 400", 60.0, "is not a Dask scheduler"), (b"", 0.2, "timed out")],
 )
 def test_something_else_at_the_address(greeting, answer, said, monkeypatch):
     monkeypatch.setattr(on_dask, "_ANSWER", answer)
@@ -232,7 +232,7 @@ def test_no_worker_is_said_and_the_run_goes_on_when_one_comes(tmp_path, monkeypa
 
     with on_cluster(address, say) as executor:
         assert "the scheduler has no workers; waiting for one" in said[0]
-        assert "a worker has come" in said[1]
+        assert "a worker has joined" in said[1]
         finished = executor([partial(time.sleep, 0.5)] * 4)
         next(finished)
         # The only worker dies in the middle of it.

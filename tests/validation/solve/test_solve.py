@@ -278,7 +278,7 @@ def test_loads_of_the_file_are_answered_by_name_and_one_that_cannot_be_by_none(t
         np.testing.assert_allclose(loads["cutting"]["displacement"], due, rtol=1e-9, atol=1e-18)
         assert last["loads"]["stop"] == {"displacement": None}
         assert loads["stop"]["displacement"][0] < 0.0
-    assert "stop: none, the mechanism cannot move so here" in command.told(*asked)
+    assert "stop: none, the mechanism cannot move that way here" in command.told(*asked)
 
 
 def test_responses_and_losses_are_told_by_models_with_mass(tmp_path, command):

@@ -115,7 +115,7 @@ def test_bad_meshes_say_what_is_wrong(tmp_path):
     assert "1 element is there twice, the first is element 1" in (
         refused(CUBE, "hexahedron", doubled)
     )
-    assert "is no part of a robot" in refused(1e4 * CUBE, "hexahedron", HEXAHEDRON)
+    assert "is not the size of a robot's part" in refused(1e4 * CUBE, "hexahedron", HEXAHEDRON)
     assert "finite" in refused(np.where(CUBE == 1.0, np.nan, CUBE), "hexahedron", HEXAHEDRON)
     with np.errstate(all="ignore"):
         assert "inverted or folded" in refused(CUBE, "tetra", np.array([[0, 0, 1, 2]]))

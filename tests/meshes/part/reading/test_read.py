@@ -83,5 +83,7 @@ def test_a_brep_file_has_no_unit_and_takes_the_one_that_is_said(part_file):
     part = read_part(path, "mm")
     assert part.extent == pytest.approx([0.1, 0.02, 0.03], rel=1e-6)
     assert part.exact.volume == pytest.approx(6e-5, rel=1e-9)
-    with pytest.raises(InputError, match=r"100 × 20 × 30 m is no part of a robot; is it in mm"):
+    with pytest.raises(
+        InputError, match=r"100 × 20 × 30 m is not the size of a robot's part; is it in mm"
+    ):
         read_part(path)
