@@ -145,6 +145,14 @@ def _response(modes: DampedModes, asked: Excitation) -> ToolResponse:
     return ToolResponse(asked, modes.receptance(asked.frequencies), judged)
 
 
+def modal_losses(solution: Solved, found: Modes) -> Array:
+    """Loss factors (m) of real modes to first order, from strain energies, and of their damping."""
+    system = solution.system
+    lost = np.sum(found.shapes * _lost(system, found.shapes), axis=0)
+    ratio = system.motions.structure.mechanism.damping
+    return np.asarray(lost / (2.0 * np.pi * found.frequencies) ** 2 + 2.0 * ratio)
+
+
 def damped_modes(solution: Solved, highest: float) -> DampedModes:
     """Complex modes of a mechanism in one posture, good for the tool up to `highest` (Hz)."""
     system, motions = solution.system, _motions(solution, _BEYOND * highest)

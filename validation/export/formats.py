@@ -7,6 +7,7 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.errors import InputError
+from lumped.system.response import modal_losses
 from lumped.text import counted, visible
 from validation.export.reduced import TWIST, Reduced, ReducedRobot
 
@@ -135,11 +136,13 @@ def as_statespace(robot: ReducedRobot, kind: str) -> bytes:
     """A, B, C, D of the robot about its pose, in a .npz or .mat (`kind`) file.
 
     States: modal amplitudes q (kg^½ m) and their rates. Inputs: forces of the elastic drives along
-    their axes, then the wrench at the tool. Outputs: the tool's twist. Undamped; D holds what all
-    modes that are left out give statically, so that the static answer is exact.
+    their axes, then the wrench at the tool. Outputs: the tool's twist. Every mode is damped by
+    what it loses at its own frequency; D holds what all modes that are left out give statically, so
+    that the static answer is exact.
     """
     reduced, solution, found = robot.matrices, robot.solution, robot.modes
-    squared = (2.0 * np.pi * found.frequencies) ** 2
+    speeds = 2.0 * np.pi * found.frequencies
+    squared, damping = speeds**2, modal_losses(solution, found) * speeds
     count, tool = len(squared), reduced.ports["tool"]
     drives = {name: rows for name, rows in reduced.ports.items() if name != "tool"}
     inputs = np.vstack([*drives.values(), tool])
@@ -147,7 +150,7 @@ def as_statespace(robot: ReducedRobot, kind: str) -> bytes:
     static = solution.displacements(tool.T).T @ inputs.T
     none = np.zeros((count, count))
     arrays = {
-        "A": np.block([[none, np.eye(count)], [-np.diag(squared), none]]),
+        "A": np.block([[none, np.eye(count)], [-np.diag(squared), -np.diag(damping)]]),
         "B": np.vstack([np.zeros_like(felt.T), felt.T]),
         "C": np.hstack([seen, np.zeros_like(seen)]),
         "D": static - seen / squared @ felt.T,

@@ -51,6 +51,22 @@ def test_sound_file_is_read(robot_path):
     assert "spring" not in {joint.name for joint in loaded.mechanism.joints}
 
 
+def test_what_loses_energy_is_said_of_materials_legs_joints_and_drives(robot_path):
+    """Of the biglide by what it names; of other robots by body and joint."""
+    lossy = SOUND.replace("rho = 7850.0 }", "rho = 7850.0, loss = 0.01 }")
+    lossy += f"\n[tool]\ncompliance = {(1e-9 * np.eye(6)).tolist()}\n"
+    for table, loss in (("leg2", 0.02), ("foot", 0.03), ("actuators", 0.04), ("tool", 0.05)):
+        lossy = lossy.replace(f"[{table}]", f"[{table}]\nloss = {loss}")
+    found = load_robot(robot_path(lossy)).mechanism
+    assert [found.bodies[name].loss for name in ("leg1", "leg2", "platform")] == [0.01, 0.02, 0.0]
+    joints = {joint.name: joint for joint in found.joints}
+    assert [joints[name].loss for name in ("foot1", "foot2", "spring")] == [0.03, 0.03, 0.05]
+    assert [joints[name].drive.loss for name in ("drive1", "drive2")] == [0.04, 0.04]
+    text = load_robot("five-bar").text.replace("rho = 7850.0 }", "rho = 7850.0, loss = 0.01 }")
+    found = load_robot(robot_path(text)).mechanism
+    assert found.bodies["crank1"].loss == 0.01
+
+
 def test_mass_stands_for_the_density_and_g_for_that_of_an_isotropic_material(robot_path):
     text = SOUND.replace(", rho = 7850.0", "").replace("length = 0.85", "length = 0.85\nmass = 60")
     leg = legs_of(load_robot(robot_path(text)).mechanism)["leg1"]

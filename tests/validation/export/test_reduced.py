@@ -12,6 +12,7 @@ import pytest
 from one_arm import ONE_ARM
 from scipy.io import loadmat
 from scipy.linalg import eigh, eigvals
+from written_robot import robot_of
 
 from fem.multibody import ExudynMissing, exudyn_version
 from lumped.mechanism.kinematics.postures import posture, reference_posture
@@ -79,6 +80,19 @@ def test_the_state_space_rings_as_the_solids_do_and_rests_where_statics_say(
     statics = compliance(solved(assemble(reference_posture(FIVE_BAR), bodies)))
     still = D - C @ np.linalg.solve(A, B)
     assert np.allclose(still[:, -6:], statics, rtol=1e-7, atol=1e-9 * statics.max())
+
+
+def test_the_state_space_is_damped_as_each_mode_at_its_own_frequency(tmp_path: Path) -> None:
+    """Two slides that do not touch each other: at √(k/m) by 1/iηk, η of the drive and 2ζ."""
+    text = f"damping.ratio = 0.01\n{GANTRY.replace('2.0e6', '2.0e6, loss = 0.06')}"
+    gantry = robot_of(text, tmp_path).mechanism
+    found = np.load(BytesIO(as_statespace(reduced_robot(reference_posture(gantry), 2), ".npz")))
+    A, B, C, D = (found[name] for name in "ABCD")
+    tool = list(found["inputs"]).index("tool Fx")
+    for axis, (stiffness, mass, loss) in enumerate(((2.0e6, 28.0, 0.08), (5.0e6, 8.0, 0.02))):
+        speed = np.sqrt(stiffness / mass)
+        answer = C @ np.linalg.solve(1j * speed * np.eye(4) - A, B) + D
+        assert answer[axis, tool + axis] == pytest.approx(-1j / (loss * stiffness), rel=1e-9)
 
 
 def test_a_drive_pushes_as_its_stiffness_gives(robot: ReducedRobot) -> None:
