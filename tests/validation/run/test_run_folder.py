@@ -26,12 +26,11 @@ def fill(folder, number=1.0):
     folder.write({"figures/a.svg": f"figure {number}"})
 
 
-def finished(path, header=HEADER, number=1.0):
-    """A finished run in a folder: one record, results, a report and a figure."""
+def finished(path, header=HEADER, number=1.0, *, whole=True):
+    """A run in a folder, whole or given up: one record, results, a report and a figure."""
     with open_folder(path, header, "afresh") as folder:
         fill(folder, number)
-        folder.complete = True
-    return folder
+        folder.complete = whole
 
 
 def assert_refused(said, path, header, start):
@@ -182,9 +181,7 @@ def test_no_link_is_followed(tmp_path, kind, whole):
     # One of the two witnesses of what was run, the mark and the records, is left in each.
     for number, names in enumerate((NAMES[:3], NAMES[3:])):
         path, precious = tmp_path / f"{number}" / "run", tmp_path / "precious"
-        with open_folder(path, HEADER, "afresh") as folder:
-            fill(folder)
-            folder.complete = whole
+        finished(path, whole=whole)
         precious.write_text("precious")
         for name in names:
             tampered = (path if whole else partial(path)) / name
@@ -213,9 +210,7 @@ def test_no_link_is_followed(tmp_path, kind, whole):
 @pytest.mark.parametrize("whole", [True, False])
 def test_a_folder_that_is_a_link_is_not_written_into(tmp_path, whole):
     path, elsewhere = tmp_path / "run", tmp_path / "elsewhere"
-    with open_folder(path, HEADER, "afresh") as folder:
-        fill(folder)
-        folder.complete = whole
+    finished(path, whole=whole)
     figures = (path if whole else partial(path)) / "figures"
     figures.rename(elsewhere)
     figures.symlink_to(elsewhere)
@@ -285,8 +280,7 @@ def test_a_second_run_in_the_same_folder_is_refused(tmp_path):
 
 @pytest.mark.parametrize("whole", [True, False])
 def test_a_different_run_is_not_resumed(tmp_path, whole):
-    with open_folder(tmp_path / "run", HEADER, "afresh") as folder:
-        folder.complete = whole
+    finished(tmp_path / "run", whole=whole)
     for change, named in (
         ({"preset": "fine"}, "preset"),
         ({"robot_sha256": "2"}, "robot file"),
