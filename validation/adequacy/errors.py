@@ -30,7 +30,8 @@ class Loaded:
     `load` (a×p×(6+l)) is the unit wrench, of any force the worst one, and how much there is of each
     load of the file; `along` (a×p) the signed error of the displacement along it. `off` (a×p×3) is
     the difference of displacements, relative to `length` (a×p, m/N or rad/(N m), of the
-    reference's). `masses` (a×p): what the places of the legs' masses leave open of the error.
+    reference's). `masses` (a×p): what the places of the legs' masses leave open of the error, and
+    `linear` (a×p) that loads change the stiffness.
     """
 
     load: Array
@@ -38,6 +39,7 @@ class Loaded:
     off: Array
     length: Array
     masses: Array
+    linear: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,8 +86,10 @@ class Errors:
 
     @property
     def bounds(self) -> tuple[Array, Array]:
-        """Lowest and highest error (a×p each) that meshes and digits leave open."""
-        spread = self.numerical + self.digits + (self.loaded.masses if self.loaded else 0.0)
+        """Lowest and highest error (a×p each) that meshes, digits and the rest leave open."""
+        spread = self.numerical + self.digits
+        if self.loaded is not None:
+            spread = spread + self.loaded.masses + self.loaded.linear
         return self.error - spread, self.error + spread
 
     @property
@@ -227,13 +231,13 @@ class Scale:
         if quantity != ANY_FORCE:
             along = due / np.where(yields, length, np.inf)[:, None]
             reach = np.linalg.norm(off + along, axis=1)
-        numerical, digits, masses = (
+        numerical, digits, masses, linear = (
             np.zeros(len(size))
             if left is None
             else np.multiply(left[:, column], reach, out=np.zeros_like(size), where=yields)
-            for left in (one.static, one.digits, one.masses)
+            for left in (one.static, one.digits, one.masses, one.linear)
         )
         error = np.where(np.isinf(size), np.nan, size)
         unknown = np.zeros(len(size), bool)
-        of_load = found.load, found.along, off, length, masses
+        of_load = found.load, found.along, off, length, masses, linear
         return value, expected, error, numerical, digits, unknown, *of_load

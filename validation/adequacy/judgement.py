@@ -23,7 +23,9 @@ from validation.adequacy.errors import Errors, Scale
 from validation.adequacy.matrix import Adequacy, Cause, Entry, Matrix, ModelNote, worst_of
 from validation.adequacy.probability import Probability, UncertainInputs, probability
 from validation.adequacy.response import (
+    OPEN_LINEAR,
     OPEN_MASSES,
+    SAY_LINEAR,
     SAY_MASSES,
     USE,
     Candidate,
@@ -39,6 +41,7 @@ REST = "rest, not attributed"
 _DECIDED_BY = {
     DIGITS: "give the 6×6 in the robot file with more digits",
     OPEN_MASSES: SAY_MASSES,
+    OPEN_LINEAR: SAY_LINEAR,
 }
 # Causes below this share of an error are not named, steps below this part of a limit not taken.
 _WORTH_NAMING, _WORTH_TAKING = 0.005, 0.1
@@ -305,8 +308,9 @@ def _parts(errors: Errors, reference: Reference, pose: int) -> dict[str, float]:
     parts = {"meshes": float(np.max(errors.numerical[told, pose]))}
     if (errors.digits > 0.0).any():
         parts[DIGITS] = float(np.max(errors.digits[told, pose]))
-    if errors.loaded is not None and (errors.loaded.masses > 0.0).any():
-        parts[OPEN_MASSES] = float(np.max(errors.loaded.masses[:, pose]))
+    if errors.loaded is not None:
+        loaded = {OPEN_MASSES: errors.loaded.masses, OPEN_LINEAR: errors.loaded.linear}
+        parts |= {name: float(np.max(of[:, pose])) for name, of in loaded.items() if of.any()}
     if reference.open and errors.numbers is None:
         parts[reference.open] = float(0.5 * (np.max(error) - np.min(error)))
     return parts

@@ -20,6 +20,9 @@ SAY_MASSES = (
 # How remedies begin that name another model; and that which answers as a reference of solids.
 USE = "use "
 USE_SOLID = f"{USE}solid"
+# What neither models nor references know, all linear, and what would.
+OPEN_LINEAR = "stiffness that the load takes or adds"
+SAY_LINEAR = "needs large displacements: the load changes the stiffness, all models are linear"
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,8 +68,9 @@ class Alternative:
     Relative numerical uncertainties (half-widths, 95 %): `static` (p×(7+l), of the displacement
     that each static quantity is of, then each load), `dynamic` (p×m, of the frequencies). `digits`,
     as `static`, and `dynamic_digits`, as `dynamic`: what the printed digits of the robot's 6×6
-    leave open; `masses`, as `static`: what plausible places of the legs' masses do. `responses`:
-    what is left open of those.
+    leave open; `masses`, as `static`: what plausible places of the legs' masses do, `linear`, as
+    `static`: what loads change of the stiffness that they meet. `responses`: what is left open of
+    those.
     """
 
     name: str
@@ -76,6 +80,7 @@ class Alternative:
     digits: Array | None = None
     dynamic_digits: Array | None = None
     masses: Array | None = None
+    linear: Array | None = None
     responses: "ResponsesLeftOpen | None" = None
 
 

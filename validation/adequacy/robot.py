@@ -57,6 +57,7 @@ from validation.adequacy.response import (
 )
 from validation.agreement.accuracy import PATIENCE, refined
 from validation.context import PRESETS, Context, Preset
+from validation.models.loads.stability import stabilities
 from validation.models.loads.stability_notes import stability_notes
 from validation.models.options import STATIC
 from validation.models.parts import with_finer_parts
@@ -269,7 +270,9 @@ def _notes(robot: RobotOnPath, dynamics: Reference) -> tuple[str, ...]:
     with suppress(*UNSOLVED):
         notes += reduction_note(robot.postures, robot.offered, robot.holding.first, robot.judged)
     with suppress(*UNSOLVED):
-        notes += stability_notes(robot.postures, robot.context.robot_file.requirement)
+        found = robot.context.get(stabilities, "links", robot.postures)
+        requirement = robot.context.robot_file.requirement
+        notes += stability_notes(robot.postures, found, requirement)
     if supposed := robot.context.robot_file.supposed:
         notes.append(
             f"Probabilities suppose that every modulus, length and stiffness of the file has a "

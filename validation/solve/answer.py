@@ -345,7 +345,7 @@ def _shown(micro: float) -> float:
 def _stability_text(found: Stability | None) -> str:
     """When it buckles, where most, and the stiffness of the tool that the load takes."""
     if found is None:
-        return "none, the mechanism cannot move so here"
+        return "none, the mechanism cannot move that way here"
     said = "does not buckle"
     if found.factor is not None:
         where = list(found.shares.items())[:_MOST_PARTS]

@@ -11,10 +11,12 @@ from lumped.robot_file import load_robot
 from validation.adequacy.judgement import judged
 from validation.adequacy.mechanism.path import robot_on_path
 from validation.adequacy.models import judged_models
-from validation.adequacy.response import OPEN_MASSES, Subject
+from validation.adequacy.response import OPEN_LINEAR, OPEN_MASSES, SAY_LINEAR, Subject
 from validation.adequacy.robot import static_subject
 from validation.context import Context
 from validation.models.loads.displacements import displacements
+from validation.models.loads.stability import stabilities
+from validation.models.loads.stability_notes import stability_notes
 from validation.models.options import ModelOptions
 
 pytestmark = pytest.mark.usefixtures("coarse_legs")
@@ -97,3 +99,28 @@ def test_where_masses_of_given_legs_lie_is_an_interval_of_weight_alone(tmp_path)
     # At both ends of its stroke nothing can stop: there is nothing to be wrong about.
     assert stop.errors[0] == 0.0 == stop.errors[-1]
     assert stop.uncertainty > 0.0
+
+
+def test_a_load_that_softens_what_it_meets_is_judged_by_no_linear_model(tmp_path):
+    """Pressed with a fifth of k/L, which turns the drive over, the arm yields 1/(5 − 1) more."""
+    press = '[[loads]]\nname = "press"\nwrench = [10.0, -2.0e4, 0.0, 0.0, 0.0, 0.0]\n'
+    path = tmp_path / "arm.toml"
+    path.write_text(ONE_ARM + PATH.replace("-0.1", "-0.001").replace("0.2", "0.001") + press)
+    robot = robot_on_path(Context(load_robot(str(path)), "quick"))
+    found = stabilities("links", robot.postures)
+    requirement = robot.context.robot_file.requirement
+    middle = found[1][0]
+    assert middle.factor == pytest.approx(5.0, rel=0.1)
+    assert middle.farther == pytest.approx(1.0 / (middle.factor - 1.0), rel=0.1)
+    assert middle.lost[0] == pytest.approx(1.0 / middle.factor, rel=0.1)
+    (note,) = stability_notes(robot.postures, found, requirement)
+    assert note.startswith("load:press buckles the robot at 4.")
+    assert note.endswith(
+        "no linear model sees: more than the 5\N{NO-BREAK SPACE}% that are accepted"
+    )
+    matrix = judged(static_subject(robot, judged_models(robot.mechanism)), requirement)
+    pressed, free = (matrix.entry("vjm", one) for one in ("load:press", "x"))
+    assert (pressed.verdict, free.verdict) == ("undecided", "adequate")
+    assert pressed.reason == SAY_LINEAR
+    assert pressed.uncertainties[OPEN_LINEAR] == pytest.approx(middle.farther, rel=0.1)
+    assert OPEN_LINEAR not in free.uncertainties

@@ -278,6 +278,12 @@ def test_loads_of_the_file_are_answered_by_name_and_one_that_cannot_be_by_none(t
         np.testing.assert_allclose(loads["cutting"]["displacement"], due, rtol=1e-9, atol=1e-18)
         assert last["loads"]["stop"] == {"displacement": None}
         assert loads["stop"]["displacement"][0] < 0.0
+        buckling = loads["weight"]["buckling"]
+        assert buckling["factor"] == pytest.approx(-buckling["reversed"], rel=1e-6)
+        assert buckling["body"] == "arm" == next(iter(buckling["shares"]))
+        assert np.abs(loads["weight"]["stiffness_lost"]).max() < 1e-6
+        assert "frequencies" not in loads["weight"]
+    assert "weight: buckles at" in command.told(*asked)
     assert "stop: none, the mechanism cannot move that way here" in command.told(*asked)
 
 

@@ -60,6 +60,7 @@ from validation.models.loads.displacements import (
     with_loads,
 )
 from validation.models.loads.leg_masses import MASSES, Masses, plausible_masses
+from validation.models.loads.stability import stabilities
 from validation.models.mechanism import answers
 from validation.models.options import ModelName, ModelOptions, PartLegs
 from validation.parts.meshes import FINEST
@@ -71,6 +72,8 @@ Spring: TypeAlias = Callable[[Leg, Ends], Array]
 # By how much the weight of solid legs moves the tool otherwise than that of beams of the same mass:
 # 0.3 % of legs five times as long as high with held ends (ν = 0.3), a tenth of it with free ones.
 _MASS_OF_BEAMS = 5e-3
+# A displacement that a load's own softening changes by less is a linear one.
+_LINEAR = 1e-3
 _BY = {"vjm": "virtual joints with ", "links": "links with "}
 
 
@@ -97,6 +100,7 @@ def static_reference(robot: RobotOnPath) -> Reference:
     digits = None
     if robot.text:
         digits = context.get(left_by_digits, robot.text, robot.postures)
+    linear = _left_by_linearity(robot)
     alternatives = []
     for name, ends in robot.holding.alternatives.items():
         fine = _of_solids(robot, ends)
@@ -110,7 +114,14 @@ def static_reference(robot: RobotOnPath) -> Reference:
         response = Response(compliance=fine)
         masses = _left_by_masses(robot, ends, fine)
         alternatives.append(
-            Alternative(name, response, static=step + further, digits=digits, masses=masses)
+            Alternative(
+                name,
+                response,
+                static=step + further,
+                digits=digits,
+                masses=masses,
+                linear=linear,
+            )
         )
     own = "fem.bodies.doubling.condensed_leg" if robot.prisms else "lumped.legs.given_compliance"
     return Reference(
@@ -155,6 +166,23 @@ def _left_by_masses(robot: RobotOnPath, ends: Holds, own: Array) -> Array | None
     others = (masses for masses in plausible_masses(robot.given.values()) if masses)
     found = (_of_solids(robot, ends, masses=masses) for masses in others)
     return np.asarray(np.max([sizes(one - own, own) for one in found], axis=0))
+
+
+def _left_by_linearity(robot: RobotOnPath) -> Array | None:
+    """What loads change of the stiffness that they meet (p×(7+l), relative), where that counts.
+
+    All of it where the robot has buckled.
+    """
+    if not robot.mechanism.loads:
+        return None
+    try:
+        found = robot.context.get(stabilities, "links", robot.postures)
+    except UNSOLVED:
+        return None
+    farther = np.array([[one.farther if one else 0.0 for one in row] for row in found])
+    left = np.nan_to_num(farther, nan=1.0)
+    left[left < _LINEAR] = 0.0
+    return np.pad(left, ((0, 0), (len(STATIC_QUANTITIES), 0)))
 
 
 def _section_uncertainty(robot: RobotOnPath) -> Array | float:

@@ -9,18 +9,20 @@ from lumped.mechanism.kinematics.postures import shown_pose
 from lumped.mechanism.mechanism import Posture
 from lumped.system.stability import Stability
 from validation.drawing.text import number, percent
-from validation.models.loads.stability import stabilities
 
 # Less is told of as nothing.
 _NOTHING = 5e-5
 
 
-def stability_notes(postures: Sequence[Posture], requirement: Requirement) -> tuple[str, ...]:
+def stability_notes(
+    postures: Sequence[Posture],
+    found: Sequence[Sequence[Stability | None]],
+    requirement: Requirement,
+) -> tuple[str, ...]:
     """A line for each load: where it is nearest to buckling the robot, and the stiffness it takes.
 
-    By links, which have each leg's own stiffness. Raises as `stabilities` does.
+    `found` in each posture under each load.
     """
-    found = stabilities("links", postures)
     loads = [f"{LOAD}{load.name}" for load in postures[0].mechanism.loads]
     return tuple(
         f"{load} {'; '.join(_said(load, requirement, known))}"
@@ -50,6 +52,9 @@ def _said(
         percent(share, signed=False) if share > _NOTHING else "nothing"
         for share in (float(lost.max()), max(one.farther for _, one in found))
     )
+    if taken == moved == "nothing":
+        yield "it takes no stiffness"
+        return
     said = (
         f"it takes {taken} of the tool's stiffness at most ({axis}) and changes its displacement "
         f"by {moved}, which no linear model sees"
