@@ -2,7 +2,8 @@
 
 Quantities: x y z phi_x phi_y phi_z, the deflection (m) or rotation (rad) of the loaded point under
 its own force or moment; f1 f2 …, natural frequencies (Hz); leg1.c22 …, entries of a leg's 6×6
-compliance at its tip, root clamped, leg axes (SI).
+compliance at its tip, root clamped, leg axes (SI); response:NAME, response:NAME.frequency and
+response:NAME.at, what is judged of a response (m/N, Hz, m/N).
 """
 
 import re
@@ -16,6 +17,7 @@ from lumped.acceptance.requirement import (
     AXES,
     FREQUENCIES,
     MOST_MODES,
+    RESPONSE,
     ROTATIONS,
 )
 from lumped.errors import InputError
@@ -27,7 +29,10 @@ from lumped.text import shown
 _OF_LEG = re.compile(r"([\w-]{1,40})\.c([1-6])([1-6])")
 # Units of translations, then of rotations, under a force and under a moment.
 _OF_COMPLIANCE = (("m/N", "1/N"), ("1/N", "rad/(N m)"))
-_NAMES = f"{' '.join(AXES)}, f1 to f{MOST_MODES} or an entry of a leg's 6×6 like leg1.c22"
+_NAMES = (
+    f"{' '.join(AXES)}, f1 to f{MOST_MODES}, an entry of a leg's 6×6 like leg1.c22 or a response "
+    f"like {RESPONSE}NAME"
+)
 
 
 def leg_entry(quantity: str) -> tuple[str, int, int] | None:
@@ -61,9 +66,16 @@ class Measured:
         if self.leg_entry is not None:
             _, row, column = self.leg_entry
             return _OF_COMPLIANCE[row > 2][column > 2]
-        if self.mode is not None:
+        if self.mode is not None or (self.of_response and self.quantity.endswith(".frequency")):
             return "Hz"
+        if self.of_response:
+            return "m/N"
         return "rad" if self.quantity in ROTATIONS else "m"
+
+    @property
+    def of_response(self) -> bool:
+        """Whether it is one of the numbers that are judged of a response."""
+        return self.quantity.startswith(RESPONSE)
 
     @property
     def mode(self) -> int | None:
@@ -74,7 +86,7 @@ class Measured:
 def measured_faults(one: Measured, place: str) -> list[str]:
     """What is wrong with a measured value, one line each, starting with its place."""
     faults = []
-    known = one.quantity in AXES or one.leg_entry is not None
+    known = one.quantity in AXES or one.leg_entry is not None or one.of_response
     if not known and one.mode is None:
         faults.append(f"{place}.quantity = {shown(one.quantity)}: must be one of {_NAMES}")
     elif one.leg_entry is not None and one.pose:
@@ -89,6 +101,8 @@ def measured_faults(one: Measured, place: str) -> list[str]:
 
 def _why_positive(one: Measured) -> str:
     """What the value is of which no elastic robot has a negative one; "" for couplings."""
+    if one.of_response:
+        return "the size or the frequency of a response"
     if one.leg_entry is None:
         return "a natural frequency" if one.mode else "a deflection along its load"
     _, row, column = one.leg_entry
@@ -107,6 +121,10 @@ def pose_faults(robot: Mechanism, one: Measured, place: str) -> list[str]:
         known = one.leg_entry[0] in legs
         allowed = f"must be of one of {', '.join(legs) or 'no legs'}"
         return [] if known else [f"{place}.quantity = {shown(one.quantity)}: {allowed}"]
+    responses = [f"{RESPONSE}{name}" for asked in robot.excitations for name in asked.judged]
+    if one.of_response and one.quantity not in responses:
+        allowed = f"must be one of {', '.join(responses)}" if responses else "has no [[responses]]"
+        return [f"{place}.quantity = {shown(one.quantity)}: {allowed}"]
     moves = robot.tool.moves
     if len(one.pose) != len(moves):
         said = f"as many numbers as the tool's moves ({', '.join(moves) or 'none'}; m, rad)"

@@ -234,7 +234,6 @@ def described_by(tables: Mapping[str, Any], folder: Path) -> tuple[Mechanism, di
     read = rules.read(tables)
     mechanism = mechanism_of(tables, folder) if any_robot else biglide_of(read)
     faults = motion_faults(mechanism) if any_robot else []
-    faults = faults or evidence_faults(tables, read, mechanism)
     damped = replace(mechanism, damping=read["damping"]["ratio"] if read["damping"] else 0.0)
     faults = faults or [
         *load_faults(read["loads"], mechanism),
@@ -243,7 +242,10 @@ def described_by(tables: Mapping[str, Any], folder: Path) -> tuple[Mechanism, di
     if faults:
         raise InputError(faults)
     loads, excitations = loads_of(read["loads"], mechanism), excitations_of(read["responses"])
-    return replace(damped, loads=loads, excitations=excitations), read
+    whole = replace(damped, loads=loads, excitations=excitations)
+    if faults := evidence_faults(tables, read, whole):
+        raise InputError(faults)
+    return whole, read
 
 
 def _built_in(name: str) -> bytes:

@@ -7,12 +7,12 @@ u_val² = u_num² + u_input² + u_D², three independent standard uncertainties.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from math import hypot
+from math import hypot, isfinite
 
 import numpy as np
 
-from lumped.acceptance.measured import Measured
-from lumped.acceptance.requirement import AXES, Requirement
+from lumped.acceptance.measured import Measured, leg_entry
+from lumped.acceptance.requirement import AXES, RESPONSE, Requirement
 from lumped.mechanism.kinematics.postures import posture
 from lumped.mechanism.mechanism import Mechanism
 from lumped.models.bodies import legs_of
@@ -23,7 +23,7 @@ from validation.adequacy.models import judged_models
 from validation.adequacy.probability import COVERAGE, propagated
 from validation.context import Context
 from validation.models.legs import leg_compliance
-from validation.models.mechanism import answers
+from validation.models.mechanism import answers, mechanism_modes
 from validation.models.options import STATIC, ModelName, ModelOptions
 
 # Models of elements; the others have none and no discretisation.
@@ -113,8 +113,18 @@ def predicted(
         name, row, column = one.leg_entry
         return float(leg_compliance(model, legs_of(robot)[name], options)[row, column])
     at = [posture(robot, np.array(one.pose))]
-    if (one.mode and model in STATIC) or (model == "vjm" and why_not_serial(at)):
+    of_modes = one.mode or one.of_response
+    if (of_modes and model in STATIC) or (model == "vjm" and why_not_serial(at)):
         return None
+    if one.of_response:
+        (modes,) = mechanism_modes(model, at, 1, options)
+        numbers = {
+            f"{RESPONSE}{name}": number
+            for own in modes.responses
+            for name, number in zip(own.excitation.judged, own.judged, strict=True)
+        }
+        told = numbers[one.quantity]
+        return told if len(modes.modes.frequencies) and isfinite(told) else None
     (found,) = answers(model, at, one.mode or 0, options)
     if one.mode:
         known = len(found.frequencies) >= one.mode
@@ -155,7 +165,7 @@ def _entry(
     requirement: Requirement,
     poses: Sequence[tuple[float, ...]],
 ) -> Entry:
-    limit = requirement.limit(quantity) if "." not in quantity else requirement.deflection
+    limit = requirement.deflection if leg_entry(quantity) else requirement.limit(quantity)
     verdict = worst_of([compared.verdict(limit) for compared in found.values()])
     # The farthest off decides, of the whole and of several in one pose.
     ordered = sorted(found.items(), key=lambda pair: abs(pair[1].error), reverse=True)

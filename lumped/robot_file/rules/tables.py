@@ -249,8 +249,8 @@ ACCEPT = TableRule(
     *(Key(one, _SHARE, f"in place of `deflection` for {one}") for one in STATIC_QUANTITIES),
 )
 MEASURED = TableRule(
-    needed("quantity", _TEXT, "x y z phi_x phi_y phi_z, f1 f2 … or leg1.c22 …"),
-    needed("value", _NUMBER, "m or rad under `load`, Hz, or SI of a compliance"),
+    needed("quantity", _TEXT, "x y z phi_x phi_y phi_z, f1 f2 …, leg1.c22 … or response:NAME …"),
+    needed("value", _NUMBER, "m or rad under `load`, Hz, or SI of a compliance or response"),
     needed("uncertainty", _POSITIVE, "its standard uncertainty, in the same unit"),
     needed("source", _TEXT, "who measured it"),
     Key("pose", Several(_NUMBER), "where, in the order of the moves", default=()),

@@ -7,11 +7,14 @@ import pytest
 from one_arm import ONE_ARM
 from written_robot import robot_of
 
+from lumped.errors import InputError
 from lumped.robot_file import RobotFile
 from validation.adequacy.judgement import judged
 from validation.adequacy.mechanism.path import robot_on_path
 from validation.adequacy.robot import robot_subject
 from validation.context import Context
+from validation.kinematics.poses import postures_of
+from validation.measured.matrix import measured_matrix
 from validation.models.mechanism import mechanism_modes
 from validation.models.options import ModelOptions
 from validation.report.figures import responses
@@ -109,6 +112,47 @@ def test_the_chart_has_all_models_the_reference_and_its_band(arm):
     assert ((phase <= 0.0) & (phase >= -180.0)).all()
     # Below its resonance the arm follows, above it goes against the force.
     assert phase[0] > -10.0 > -170.0 > phase[-1] or size.argmax() == len(size) - 1
+
+
+MEASURED = """
+[[measured]]
+quantity = "response:hit"
+value = 2.0e-5
+uncertainty = 1.0e-7
+source = "hammer"
+pose = [0.0]
+[[measured]]
+quantity = "response:hit.frequency"
+value = 130.0
+uncertainty = 0.1
+source = "hammer"
+pose = [0.0]
+[[input_uncertainty]]
+key = "damping.ratio"
+relative = 0.1
+"""
+
+
+def test_measured_peaks_are_compared_with_what_the_damping_leaves_open(tmp_path, arm):
+    """A peak is as 1/2ζ, of which (1/0.9 − 1/1.1)/2 is a standard uncertainty of a tenth."""
+    robot = robot_of(arm.text + MEASURED, tmp_path)
+    matrix = measured_matrix(Context(robot, "quick"))
+    (at,) = postures_of(robot.mechanism, np.zeros((1, 1)))
+    for model, options in (("beam", ModelOptions()), ("segments", ModelOptions())):
+        (found,) = mechanism_modes(model, [at], 2, options)
+        size, frequency, _ = found.responses[0].judged
+        entry = matrix.entry(model, "response:hit")
+        assert (entry.unit, entry.value) == ("m/N", pytest.approx(size, rel=1e-9))
+        assert entry.error == pytest.approx(size / 2.0e-5 - 1.0, rel=1e-9)
+        spread = 1.96 * 0.5 * (1.0 / 0.9 - 1.0 / 1.1) * size / 2.0e-5
+        assert entry.uncertainties["inputs"] == pytest.approx(spread, rel=2e-3)
+        entry = matrix.entry(model, "response:hit.frequency")
+        assert (entry.unit, entry.value) == ("Hz", pytest.approx(frequency, rel=1e-9))
+        # As √(1 − 2ζ²).
+        assert entry.uncertainties["inputs"] == pytest.approx(1.96 * 0.1 * 2.0 * 0.02**2, rel=0.2)
+    assert matrix.entry("vjm", "response:hit") is None
+    with pytest.raises(InputError, match=r"response:hut\": must be one of response:hit, respon"):
+        robot_of(arm.text + MEASURED.replace("hit.frequency", "hut"), tmp_path)
 
 
 LOSSES = """
