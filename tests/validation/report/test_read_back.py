@@ -12,12 +12,14 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
+from msgspec import to_builtins
 from random_subjects import MODES, subject
 from toy_catalogue import agrees, case
 
 from lumped.acceptance.requirement import Requirement
 from validation import api
 from validation.adequacy.judgement import judged
+from validation.adequacy.matrix import Assessment
 from validation.case import Absolute, Measurement, Relative
 from validation.drawing import text
 from validation.drawing.chart import chart_table
@@ -28,7 +30,7 @@ from validation.report.listing import junit_xml, outcome_line, summary
 from validation.report.remedies import remedies_of
 from validation.report.table import csv_of_matrix, table_of
 from validation.report.words import SIGNS
-from validation.results.outcome import Outcome, Result, judge
+from validation.results.outcome import Outcome, Result, from_plain, judge, plain
 from validation.results.records import adequacy_records
 
 LIMITS = {"x": 0.011, "f1": 0.023, "phi_y": 0.37}
@@ -226,6 +228,16 @@ def test_every_remedy_names_its_entries_and_their_range():
                 # "3.1 to 12 %": the percent sign stands for both.
                 ends = [abs(one) for one in numbers(re.sub(r"(?<=\d) to ", " % to ", shown))]
                 assert all(any(end == told(one) for one in known) for end in ends), shown
+
+
+def test_a_matrix_survives_its_record_whose_keys_programs_read():
+    record = to_builtins(adequacy_records(MATRICES[0])[0])
+    keys = "model quantity error uncertainty limit verdict pose reference causes remedy"
+    assert list(record)[:11] == [*keys.split(), "error_with_remedy"]
+    assessment = Assessment("adequacy", "title", pytest.fail)
+    for matrix in MATRICES:
+        result = Result("adequacy", "made", 1.0, found=matrix)
+        assert from_plain(assessment, plain(result)) == result
 
 
 def test_the_record_and_the_line_of_the_api():
