@@ -4,6 +4,7 @@ Every step of a model's ladder removes one named cause by a computation of its o
 knows the reference; what the ladder does not reach is the rest, and is shown as such.
 """
 
+import re
 from collections.abc import Sequence
 from itertools import compress
 
@@ -45,6 +46,7 @@ _DECIDED_BY = {
 }
 # Causes below this share of an error are not named, steps below this part of a limit not taken.
 _WORTH_NAMING, _WORTH_TAKING = 0.005, 0.1
+_OPTION = re.compile(r"--\w+")
 
 
 def judged(subject: Subject, requirement: Requirement) -> Matrix:
@@ -389,11 +391,11 @@ def remedied(
 
     Where all leave it inadequate, the model that answers as the reference; without one the way that
     comes nearest to the limit. What is left is the largest over all poses, in the middle of what is
-    left open. Only those steps are named that change anything worth the name; one that names
-    another model takes the place of those before. ("", None) where none helps.
+    left open. Only those steps are named that change anything worth the name. ("", None) where
+    none helps.
     """
     tried: list[tuple[float, float, str, bool]] = []
-    remedies: list[str] = []
+    remedies: dict[str, str] = {}
     start = before = float(errors.middle[pose])
     for step in steps_of(candidate, quantity):
         after = scale.errors([step.responses[name] for name in errors.names], quantity)
@@ -401,11 +403,13 @@ def remedied(
             break
         middle = after.middle
         if step.remedy and not abs(middle[pose] - before) < _WORTH_TAKING * limit:
-            remedies = [*([] if step.remedy.startswith(USE) else remedies), step.remedy]
+            # Another model takes the place of what was before, an option that of its other value.
+            remedies = {} if step.remedy.startswith(USE) else remedies
+            remedies[(_OPTION.findall(step.remedy) or [step.remedy])[0]] = step.remedy
         if step.remedy and remedies and np.isfinite(middle).all():
             worst = float(middle[np.argmax(np.abs(middle))])
             beyond = "inadequate" in verdicts_of(after, np.full(len(middle), limit))
-            tried.append((abs(worst), worst, ", ".join(dict.fromkeys(remedies)), beyond))
+            tried.append((abs(worst), worst, ", ".join(remedies.values()), beyond))
         # A step without a remedy of its own is taken together with the next one.
         before = float(middle[pose]) if step.remedy else before
     enough = [one for one in tried if one[0] <= limit]

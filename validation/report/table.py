@@ -65,7 +65,8 @@ class Cell:
 class Row:
     """A model with its cells, None where it is silent of a quantity.
 
-    `folded`: it is adequate for nothing and lacks whole motions, or is a second theory of another.
+    `folded`: it cannot answer, is adequate for nothing and lacks whole motions, or is a second
+    theory of another.
     """
 
     note: ModelNote
@@ -127,9 +128,11 @@ def _cell(matrix: Matrix, note: ModelNote, entry: Entry) -> Cell:
 
 def _folded(matrix: Matrix, model: str) -> bool:
     entries = matrix.of_model(model)
-    useless = entries and all(entry.verdict != "adequate" for entry in entries)
+    if not entries:
+        return True
+    useless = all(entry.verdict != "adequate" for entry in entries)
     lacking = any(entry.along is not None and entry.along <= -_ALL for entry in entries)
-    return model.endswith("euler-bernoulli") or bool(useless and lacking)
+    return model.endswith("euler-bernoulli") or (useless and lacking)
 
 
 def _own(matrix: Matrix, quantity: str) -> tuple[str, str]:

@@ -85,7 +85,11 @@ def subject(seed: int) -> Subject:
 
     def ladder(start: float) -> tuple[Step, ...]:
         sizes = start * np.array([0.6, 0.2, 0.05])
-        remedies = [("take the beam", "", "use the shell"), ("", "a", "b"), ("a", "b", "c")]
+        remedies = [
+            ("take the beam", "", "use the shell"),
+            ("", "a", "b"),
+            ("a: --p one", "b", "c: --p two"),
+        ]
         words = remedies[int(rng.integers(3))]
         return tuple(
             Step(cause, f"from {cause}", {name: answer(size) for name in names}, word)

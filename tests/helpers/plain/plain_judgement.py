@@ -186,19 +186,20 @@ class Rule:
         The model only where all steps leave it inadequate; none that is no better than nothing.
         """
         start = before = self.at(self.model, pose)
-        words, tried = list[str](), []
+        words, tried = dict[str, str](), []
         for step, responses in self.steps:
             after = [self.at(responses, p) for p in self.poses]
             lost = before.missing or after[pose].missing
             if step.remedy:
                 if lost or abs(after[pose].middle - before.middle) >= 0.1 * limit:
                     if step.remedy.startswith("use "):
-                        words = []
-                    words += [step.remedy] if step.remedy not in words else []
+                        words = {}
+                    option = step.remedy.partition("--")[2].split(" ")[0]
+                    words[option or step.remedy] = step.remedy
                 if words and not any(one.missing for one in after):
                     worst = max((one.middle for one in after), key=abs)
                     beyond = any(one.verdict(limit) == "inadequate" for one in after)
-                    tried.append((abs(worst), worst, ", ".join(words), beyond))
+                    tried.append((abs(worst), worst, ", ".join(words.values()), beyond))
                 before = after[pose]
         enough = [one for one in tried if one[0] <= limit]
         if self.reference.remedy and not enough and all(one[3] for one in tried):

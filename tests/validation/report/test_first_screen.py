@@ -167,7 +167,7 @@ def test_legs_and_measured_values_have_tables_and_sheets_of_their_own():
         figures=(figure,),
     )
     markup = render(report)
-    assert markup.count('<table class="adequacy"') == 7
+    assert markup.count('<table class="adequacy"') == 8
     links = re.findall(r'<td class="[a-z]+" title="[^"]+"><a href="#([^"]+)"', markup)
     assert len(links) == len(set(links)) == 3 * len(leg.entries) + len(by_gauge)
     assert all(markup.count(f'id="{link}"') == 1 for link in links)
@@ -177,7 +177,7 @@ def test_legs_and_measured_values_have_tables_and_sheets_of_their_own():
     assert "measured.values" in {figure.id for figure in report.shown}
     # By itself it is the answer.
     alone = render(sample_report(matrix=None, measured=report.results.measured))
-    assert alone.count('<table class="adequacy"') == 1
+    assert alone.count('<table class="adequacy"') == 2
     assert "For your limits use vjm (z)." in alone
     assert '<a href="#measured">' in alone
     assert f"<dd>{number(by_gauge[1].value, 6)} m</dd>" in alone
