@@ -130,8 +130,10 @@ def free_mass(motions, mass):
     return (vectors[:, heavy] / values[heavy]) @ vectors[:, heavy].T
 
 
-@pytest.mark.parametrize("planar", [False, True])
-@pytest.mark.parametrize("seed", range(12))
+# Universal joints that give, away from the reference posture, come up from the fifteenth on.
+@pytest.mark.parametrize(
+    ("seed", "planar"), [*((n, False) for n in range(27)), *((n, True) for n in range(8))]
+)
 def test_compliance_idle_motions_and_frequencies_are_those_of_the_null_space(seed, planar):
     posture = random_posture(seed, planar=planar)
     legs = tip_compliances(posture.mechanism)
