@@ -114,7 +114,7 @@ def test_a_load_that_softens_what_it_meets_is_judged_by_no_linear_model(tmp_path
     assert middle.farther == pytest.approx(1.0 / (middle.factor - 1.0), rel=0.1)
     assert middle.lost[0] == pytest.approx(1.0 / middle.factor, rel=0.1)
     (note,) = stability_notes(robot.postures, found, requirement)
-    assert note.startswith("load:press buckles the robot at 4.")
+    assert note.startswith("Load press: buckles the robot at 4.")
     assert note.endswith(
         "no linear model sees: more than the 5\N{NO-BREAK SPACE}% that are accepted"
     )

@@ -23,9 +23,9 @@ def stability_notes(
 
     `found` in each posture under each load.
     """
-    loads = [f"{LOAD}{load.name}" for load in postures[0].mechanism.loads]
+    loads = [load.name for load in postures[0].mechanism.loads]
     return tuple(
-        f"{load} {'; '.join(_said(load, requirement, known))}"
+        f"Load {load}: {'; '.join(_said(f'{LOAD}{load}', requirement, known))}"
         for load, row in zip(loads, zip(*found, strict=True), strict=True)
         if (known := [(at, one) for at, one in zip(postures, row, strict=True) if one])
     )
