@@ -18,6 +18,8 @@ from lumped.robot_file.rules.rule import is_finite_number, too_many
 from lumped.robot_file.rules.tables import ACCEPT, MEASURED, MEASURED_VALUES
 from lumped.text import shown
 
+# What is no property of the robot: uncertain it would change nothing, or be refused in mid-run.
+_OF_NO_ROBOT = {"schema", "accept", "path"}
 _COLUMNS = ("quantity", "pose", "value", "uncertainty", "source")
 
 
@@ -139,9 +141,10 @@ def evidence_faults(
     faults += [f"{fault}; must be named once" for one in twice for fault in one]
     return faults + [
         f"input_uncertainty[{number}].key = {shown(one['key'])}: must name a number or a matrix "
-        'of this file, like "leg1.length" or "foot.compliance"'
+        'of the robot in this file, like "leg1.length" or "foot.compliance"'
         for number, one in enumerate(read["input_uncertainty"], start=1)
-        if not _are_numbers(_value_or_none(tables, one["key"]))
+        if one["key"].partition(".")[0].strip() in _OF_NO_ROBOT
+        or not _are_numbers(_value_or_none(tables, one["key"]))
     ]
 
 
