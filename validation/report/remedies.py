@@ -81,7 +81,7 @@ def _causes(entries: Sequence[Entry]) -> tuple[str, ...]:
         partial(_range, told=error_text, signed=True) if interact else partial(_range, told=percent)
     )
     found = [f"{cause}: {size(values)}" for cause, values in told.items()]
-    return tuple([f"interact: {found[0]}", *found[1:]] if interact else found)
+    return (*found[:-1], f"{found[-1]} (they interact)") if interact else tuple(found)
 
 
 def _range(

@@ -79,7 +79,7 @@ def test_a_mechanism_has_a_matrix_of_its_own(short, matrix):
     for quantity in ("z", "phi_x", "phi_y"):
         entry = matrix.entry("simplified", quantity)
         assert (entry.error, entry.along) == (pytest.approx(1.0), pytest.approx(-1.0))
-        assert entry.causes[0].cause == "elastic drives only: bodies and joints rigid"
+        assert entry.causes[0].cause == "elastic drives only, bodies and joints rigid"
         assert entry.remedy == "use vjm"
 
 

@@ -111,7 +111,7 @@ def test_a_coupling_that_is_left_out_is_not_adequate_however_good_the_diagonals_
         assert x.verdict == "inadequate"
         assert x.error == pytest.approx(0.148, abs=0.003)
         assert abs(x.along or 1.0) < 0.002
-        assert x.causes[0].cause == "equivalent leg: couplings of the 6×6 neglected"
+        assert x.causes[0].cause == "equivalent leg without the couplings of the 6×6"
         assert (x.remedy, matrix.verdict("vjm")) == (
             "use vjm with the 6×6 as given: --legs given",
             "adequate",

@@ -322,7 +322,7 @@ _SHEAR = "shear deformation and rotary inertia neglected"
 _TIMOSHENKO = "take Timoshenko's beams: --theory timoshenko"
 _DISCRETE = f"discretisation (n = {ELEMENTS})"
 DYNAMIC_STEPS: Mapping[str, tuple[str, str, str]] = {
-    "drives": ("elastic drives only: legs rigid and massless", "beam elements", f"{USE}beam"),
+    "drives": ("elastic drives only, legs rigid and massless", "beam elements", f"{USE}beam"),
     "shear of segments": (_SHEAR, "Timoshenko segments", _TIMOSHENKO),
     "shear of beams": (_SHEAR, "Timoshenko beams", _TIMOSHENKO),
     "twice as many": (

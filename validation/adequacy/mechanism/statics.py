@@ -267,7 +267,7 @@ def static_ladders(robot: RobotOnPath) -> dict[str, tuple[Step, ...]]:
 
 STATIC_STEPS: Mapping[str, tuple[str, str, str]] = {
     "drives": (
-        "elastic drives only: bodies and joints rigid",
+        "elastic drives only, bodies and joints rigid",
         "{by}the legs as given",
         f"{USE}{{climbs}}",
     ),
@@ -278,12 +278,12 @@ STATIC_STEPS: Mapping[str, tuple[str, str, str]] = {
     ),
     # From legs of constant section to the 6×6 that they were made of, then from parts as such legs,
     "diagonal": (
-        "equivalent leg: diagonal unlike that of the 6×6",
+        "equivalent leg with another diagonal than the 6×6",
         "{by}the straight leg's entries of the 6×6",
         "",
     ),
     "couplings": (
-        "equivalent leg: couplings of the 6×6 neglected",
+        "equivalent leg without the couplings of the 6×6",
         "{by}the 6×6 as given",
         f"{USE}{{climbs}} with the 6×6 as given: --legs given",
     ),
