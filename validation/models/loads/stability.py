@@ -84,4 +84,9 @@ def prestressed_assembly(
 
 @memo(64)
 def _prestressed(leg: ConstantLeg, theory: Theory) -> PrestressedLeg:
-    return prestressed_leg(leg.properties(theory), leg.length, _ELEMENTS, _MODES)
+    try:
+        properties = leg.properties(theory)
+    except ComputationError:
+        # Where the formula of κ does not hold solids have stiff ends all the same.
+        properties = leg.properties("euler-bernoulli")
+    return prestressed_leg(properties, leg.length, _ELEMENTS, _MODES)
