@@ -132,6 +132,8 @@ _SETTINGS: Any = {
     "legend.frameon": False,
     "legend.fontsize": 8.5,
     "figure.facecolor": "white",
+    # A robot's name may have dollar signs.
+    "text.parse_math": False,
 }
 
 

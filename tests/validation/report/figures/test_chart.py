@@ -247,3 +247,10 @@ def test_panels_legend_and_table_agree_on_every_model(declare):
         look = LOOKS[text.get_text()]
         assert (handle.get_color(), handle.get_marker()) == (look.colour, look.marker)
         assert handle.get_linestyle().lower() == look.line
+
+
+def test_names_are_no_formulas():
+    with plot_style():
+        picture = Figure()
+        picture.suptitle("a $\\frac{1$")
+        picture.savefig(io.BytesIO(), format="svg")
