@@ -8,6 +8,8 @@ from validation import paper
 from validation.adequacy.matrix import ADEQUACY, MEASURED, Assessment
 from validation.adequacy.robot import robot_adequacy
 from validation.cases import cases
+from validation.maps.figure import figures as maps
+from validation.maps.workspace import directions
 from validation.measured.matrix import measured_matrix
 from validation.paper.robot import is_the_papers
 from validation.report.figures import curves, modes, pictures, responses
@@ -44,6 +46,7 @@ def catalogue(robot_file: RobotFile, variations: Sequence[Variation] = ()) -> Se
         _ADEQUACY,
         *pictures.portraits(),
         *curves.figures(),
+        *(maps() if directions(described) else ()),
         *pictures.figures(),
         *modes.figures(),
         *responses.figures(described),

@@ -409,20 +409,20 @@ def check(robot: RobotName) -> int:
     """Say everything that is wrong with a robot file."""
     from lumped.audit import audit  # noqa: PLC0415
     from lumped.robot_file import load_robot  # noqa: PLC0415
-    from validation.kinematics.poses import postures_of  # noqa: PLC0415
+    from validation.kinematics.poses import postures_on_path  # noqa: PLC0415
     from validation.paper.errata import paper_findings  # noqa: PLC0415
     from validation.report.listing import audit_text  # noqa: PLC0415
 
     robot_file = load_robot(robot)
     mechanism, of_parts = robot_file.mechanism, ""
-    postures_of(mechanism, mechanism.poses)
+    reached = len(postures_on_path(mechanism, mechanism.poses))
     # Only where there are parts: reading them needs gmsh.
     if mechanism.parts:
         from validation.models.part_check import parts_text  # noqa: PLC0415
 
         of_parts = parts_text(mechanism)
     findings = (*audit(robot_file), *paper_findings(robot_file))
-    say(audit_text(robot, mechanism, findings))
+    say(audit_text(robot, mechanism, findings, reached))
     if of_parts:
         say(of_parts)
     return 0

@@ -78,7 +78,7 @@ class Figure:
 
     `id` also names its files; `section` is the part of the report it belongs to; `scenes` show the
     panels of the picture in three dimensions; `computed_by` names the functions its numbers are
-    from.
+    from; `studies` are its entries in results.json, as plain data.
     """
 
     id: str
@@ -91,6 +91,7 @@ class Figure:
     left_out: str = ""
     scenes: tuple[InteractiveScene, ...] = ()
     computed_by: tuple[str, ...] = ()
+    studies: tuple[Mapping[str, Any], ...] = ()
 
     def __post_init__(self) -> None:
         _require_file_name(self.id)

@@ -12,9 +12,9 @@ from lumped.arrays import Array
 class Load:
     """A load by its `name`; base axes, SI.
 
-    `wrench` (6) acts at the interface `point` of `body`. `gravity` (3), and the inertia of all
-    bodies where the tool moves with `speed` (3, m/s) and `acceleration` (3, m/s²) of its point,
-    act on distributed mass.
+    `wrench` (6) acts at the interface `point` of `body`, in its place `over_path` (p×6), one for
+    each pose of the path. `gravity` (3), and the inertia of all bodies where the tool moves with
+    `speed` (3, m/s) and `acceleration` (3, m/s²) of its point, act on distributed mass.
     """
 
     name: str
@@ -24,6 +24,7 @@ class Load:
     gravity: Array = field(default_factory=lambda: np.zeros(3))
     acceleration: Array = field(default_factory=lambda: np.zeros(3))
     speed: Array = field(default_factory=lambda: np.zeros(3))
+    over_path: Array | None = None
 
     @property
     def acts_on_mass(self) -> bool:

@@ -13,6 +13,8 @@ from lumped.mechanism.load import Excitation, Load
 GROUND = "ground"
 # What a pose may prescribe of the loaded point, in the order of a twist.
 MOVES = ("x", "y", "z", "phi_x", "phi_y", "phi_z")
+# m or rad: what typed digits of a pose leave open.
+_SAME_POSE = 1e-6
 UNITS_OF_MOVES = dict(zip(MOVES, ("m", "m", "m", "rad", "rad", "rad"), strict=True))
 
 
@@ -42,6 +44,7 @@ class Mechanism:
     `poses` (p×len(moves)) are in the order of the tool's `moves`; `loads` are the designer's own.
     `damping` is the damping ratio of every mode, beside the loss factors of bodies, joints and
     drives; `excitations` are the responses that are asked for.
+    Where poses are a grid, `grid` has the values along each move.
     `inverse_kinematics` gives the frames of all bodies in a pose in closed form; where it is None,
     loops are closed by iteration.
     """
@@ -55,6 +58,7 @@ class Mechanism:
     loads: Sequence[Load] = ()
     damping: float = 0.0
     excitations: Sequence[Excitation] = ()
+    grid: Sequence[Array] = ()
     inverse_kinematics: Callable[[Array], Mapping[str, Frame]] | None = None
 
     @property
@@ -66,6 +70,11 @@ class Mechanism:
         return np.append(place.position - self.tool.datum, np.zeros(3))[
             [MOVES.index(move) for move in self.tool.moves]
         ]
+
+    def number_of(self, pose: Array) -> int | None:
+        """Number of a pose along the path, from 0 and of equal ones the first; None: not on it."""
+        near = np.abs(self.poses - pose).max(axis=1, initial=0.0) <= _SAME_POSE
+        return int(np.argmax(near)) if near.any() else None
 
     @property
     def loses_energy(self) -> bool:

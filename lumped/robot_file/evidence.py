@@ -1,20 +1,18 @@
 """What a robot file says beside its robot: what is asked, measured, uncertain and misprinted."""
 
-import csv
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from io import StringIO
 from pathlib import Path
 from typing import Any
 
 from lumped.acceptance.measured import Measured, measured_faults, pose_faults
 from lumped.acceptance.requirement import MODEL_KINDS, STATIC_QUANTITIES, Requirement
 from lumped.errors import InputError
-from lumped.files import read_ordinary
 from lumped.mechanism.mechanism import Mechanism
 from lumped.robot_file.places import value_at
+from lumped.robot_file.reading import number_or_text, table_rows
 from lumped.robot_file.rules.relations import named_twice
-from lumped.robot_file.rules.rule import is_finite_number, too_many
+from lumped.robot_file.rules.rule import is_finite_number
 from lumped.robot_file.rules.tables import ACCEPT, MEASURED, MEASURED_VALUES
 from lumped.text import shown
 
@@ -38,26 +36,16 @@ def read_measured(path: Path) -> tuple[Measured, ...]:
 
     Coordinates of a pose stand apart by spaces. Raises InputError with one line per fault.
     """
-    try:
-        text = read_ordinary(path, "a CSV file of measured values").decode("utf-8-sig")
-        reader = csv.DictReader(StringIO(text, newline=""))
-        lacking = [name for name in _COLUMNS if name not in (reader.fieldnames or ())]
-        if lacking:
-            raise InputError(f"{path}: lacks the column {', '.join(lacking)}")
-        rows = list(reader)
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise InputError(f"{path}: cannot be read: {error}") from error
-    found, faults = [], [] if rows else [f"{path}: holds no measured value"]
-    if len(rows) > MEASURED_VALUES.most:
-        raise InputError(too_many(str(path), len(rows), MEASURED_VALUES.most))
-    for number, row in enumerate(rows, start=2):
-        table = {name: _value(name, row[name] or "") for name in _COLUMNS}
-        if row.get("load"):
-            table["load"] = _value("load", row["load"])
-        own = MEASURED.faults_within(table, f"{path}: line {number}.")
+    rows = table_rows(path, "a CSV file of measured values", _COLUMNS, MEASURED_VALUES.most)
+    found, faults = [], []
+    for place, cells in rows:
+        table = {name: _value(name, cells[name]) for name in _COLUMNS}
+        if cells.get("load"):
+            table["load"] = _value("load", cells["load"])
+        own = MEASURED.faults_within(table, f"{place}.")
         if not own:
             found.append(Measured(**MEASURED.read(table)))
-            own = measured_faults(found[-1], f"{path}: line {number}")
+            own = measured_faults(found[-1], place)
         faults += own
     if faults:
         raise InputError(faults)
@@ -70,10 +58,7 @@ def _value(name: str, text: str) -> Any:
         return [_value("", part) for part in text.split()]
     if name in {"quantity", "source"}:
         return text.strip() or ("unnamed" if name == "source" else "")
-    try:
-        return float(text)
-    except ValueError:
-        return text
+    return number_or_text(text)
 
 
 def requirement_of(accept: Mapping[str, Any] | None, robot: Mechanism) -> Requirement:

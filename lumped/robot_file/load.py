@@ -2,7 +2,7 @@
 
 import hashlib
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from importlib import resources
@@ -59,7 +59,7 @@ class RobotFile:
     """A robot and the file it came from.
 
     `source` is the path as given or, if `built_in`, the robot's name; `text` the file's text and
-    `sha256` the digest (hexadecimal) of its bytes and those of its parts' files; `corrections` of
+    `sha256` the digest (hexadecimal) of its bytes and those of files it names; `corrections` of
     misprints in its source; `requirement` what is asked of its models, `measured` what was measured
     of the robot. `supposed`: how well moduli, lengths and stiffnesses are taken to be known where
     the file does not say it of any number.
@@ -145,14 +145,13 @@ class RobotFile:
         return tomllib.loads(self.text)
 
 
-def _digest(content: bytes, mechanism: Mechanism) -> str:
-    """Digest of the text and of the parts' files; who needs one that is missing says so then."""
+def _digest(content: bytes, files: Iterable[Path]) -> str:
+    """Digest of the text and of the files it names; who needs one that is missing says so then."""
     digest = hashlib.sha256(content)
-    for body in mechanism.bodies.values():
-        if isinstance(body.shape, Part):
-            with suppress(OSError, InputError):
-                require_ordinary(body.shape.file, "a part")
-                digest.update(hashlib.sha256(body.shape.file.read_bytes()).digest())
+    for file in files:
+        with suppress(OSError, InputError):
+            require_ordinary(file, "a part")
+            digest.update(hashlib.sha256(file.read_bytes()).digest())
     return digest.hexdigest()
 
 
@@ -173,16 +172,19 @@ def load_robot(name_or_path: str | Path) -> RobotFile:
     content = _built_in(source) if built_in else _read(source)
     text = decoded(content, source)
     tables = parsed(text, source)
+    folder = Path() if built_in else Path(source).parent
     try:
-        mechanism, read = described_by(tables, Path() if built_in else Path(source).parent)
+        mechanism, read = described_by(tables, folder)
     except InputError as error:
         raise InputError(visible(f"{source}: {fault}") for fault in error.faults) from None
+    loads = read["loads"]
+    parts = [one.shape.file for one in mechanism.bodies.values() if isinstance(one.shape, Part)]
     return RobotFile(
         mechanism=mechanism,
         source=source,
         built_in=built_in,
         text=text,
-        sha256=_digest(content, mechanism),
+        sha256=_digest(content, [*parts, *(folder / one["file"] for one in loads if one["file"])]),
         corrections=tuple(Correction(**one) for one in read.get("corrections", ())),
         requirement=requirement_of(read["accept"], mechanism),
         measured=tuple(Measured(**one) for one in read["measured"]),
@@ -225,7 +227,7 @@ def write_template(path: str | Path, kind: RobotType = FIRST_TYPE) -> None:
 def described_by(tables: Mapping[str, Any], folder: Path) -> tuple[Mechanism, dict[str, Any]]:
     """What the tables of a file of either schema describe, and the tables as they are read.
 
-    Files of parts are sought in `folder`. Raises InputError with one line per fault.
+    Files that they name are sought in `folder`. Raises InputError with one line per fault.
     """
     rules = rules_of(tables)
     any_robot = rules is MECHANISM
@@ -236,12 +238,13 @@ def described_by(tables: Mapping[str, Any], folder: Path) -> tuple[Mechanism, di
     faults = motion_faults(mechanism) if any_robot else []
     damped = replace(mechanism, damping=read["damping"]["ratio"] if read["damping"] else 0.0)
     faults = faults or [
-        *load_faults(read["loads"], mechanism),
+        *load_faults(read["loads"], mechanism, folder),
         *response_faults(read["responses"], damped),
     ]
     if faults:
         raise InputError(faults)
-    loads, excitations = loads_of(read["loads"], mechanism), excitations_of(read["responses"])
+    loads = loads_of(read["loads"], mechanism, folder)
+    excitations = excitations_of(read["responses"])
     whole = replace(damped, loads=loads, excitations=excitations)
     if faults := evidence_faults(tables, read, whole):
         raise InputError(faults)

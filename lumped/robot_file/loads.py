@@ -1,41 +1,50 @@
 """The designer's own loads, table [[loads]]: on the robot, or what is wrong with them."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from lumped.errors import each
 from lumped.mechanism.load import Load
 from lumped.mechanism.mechanism import GROUND, MOVES, Mechanism
+from lumped.robot_file.wrenches import wrenches_over
 from lumped.text import did_you_mean, shown
 
 _WHAT = ("wrench", "gravity", "acceleration", "speed")
 
 
-def loads_of(read: Sequence[Mapping[str, Any]], robot: Mechanism) -> tuple[Load, ...]:
-    """The loads that tables without faults describe."""
+def loads_of(read: Sequence[Mapping[str, Any]], robot: Mechanism, folder: Path) -> tuple[Load, ...]:
+    """The loads that tables without faults describe; their files lie in `folder`."""
     return tuple(
         Load(
             one["name"],
             _body_of(one, robot) or robot.tool.body,
             one["at"] or robot.tool.point,
             **{key: np.array(one[key]) for key in _WHAT if one[key] is not None},
+            over_path=wrenches_over(folder / one["file"], robot) if one["file"] else None,
         )
         for one in read
     )
 
 
-def load_faults(read: Sequence[Mapping[str, Any]], robot: Mechanism) -> Iterator[str]:
+def load_faults(read: Sequence[Mapping[str, Any]], robot: Mechanism, folder: Path) -> Iterator[str]:
     """What is wrong with loads whose keys are sound, one line each."""
     names = [one["name"] for one in read]
     for number, one in enumerate(read, start=1):
         key = f"loads[{number}]"
         if one["name"] in names[: number - 1]:
             yield f"{key}.name = {shown(one['name'])}: named twice; must be named once"
-        if all(one[what] is None for what in _WHAT):
-            yield f"{key}: loads nothing; must have one of {', '.join(_WHAT)}"
+        if all(one[what] is None for what in (*_WHAT, "file")):
+            yield f"{key}: loads nothing; must have one of {', '.join(_WHAT)}, file"
+        if one["file"] is not None:
+            if one["wrench"] is not None:
+                yield f"{key}.wrench: must be left out beside a file of wrenches"
+            faults = each(lambda file: wrenches_over(folder / file, robot), [one["file"]])[1]
+            yield from (f"{key}.file: {fault}" for fault in faults)
         for what in ("at", "body"):
-            if one[what] is not None and one["wrench"] is None:
+            if one[what] is not None and one["wrench"] is None and one["file"] is None:
                 yield f"{key}.{what}: must be left out without a wrench, which acts there"
         if one["at"] is not None and _body_of(one, robot) is None:
             bodies = robot.bodies if one["body"] is None else {one["body"]: None}

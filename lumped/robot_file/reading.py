@@ -5,17 +5,22 @@ between 1.665e-10 and 1.675e-10. Zeros and whole numbers are taken as exact, and
 fewer than three digits throughout: a round figure that somebody chose, as a drive's stiffness is.
 """
 
+import csv
 import re
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from decimal import Decimal
+from io import StringIO
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from lumped.arrays import Array
 from lumped.errors import InputError
+from lumped.files import read_ordinary
 from lumped.robot_file.rules.matrices import symmetric
+from lumped.robot_file.rules.rule import too_many
 from lumped.text import cut
 
 # Of a key "a.b.c": tomllib takes the square of that time.
@@ -32,6 +37,47 @@ class Printed(NamedTuple):
 
     compliance: Array
     half: Array
+
+
+class Row(NamedTuple):
+    """A row of a CSV file: where it stands, and its `cells` by the headings."""
+
+    place: str
+    cells: Mapping[str, str]
+
+
+def table_rows(path: Path, kind: str, columns: Sequence[str], most: int) -> list[Row]:
+    """The rows of a CSV file that has such columns, one at least; `kind` is what it must be.
+
+    Raises InputError with one line per fault.
+    """
+    try:
+        text = read_ordinary(path, kind).decode("utf-8-sig")
+        reader = csv.DictReader(StringIO(text, newline=""), restval="")
+        lacking = [name for name in columns if name not in (reader.fieldnames or ())]
+        rows = [(f"{path}: line {reader.line_num}", row) for row in reader if not lacking]
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise InputError(f"{path}: cannot be read: {error}") from error
+    faults = [f"{path}: lacks the column {', '.join(lacking)}"] if lacking else []
+    if not (rows or faults):
+        faults = [f"{path}: holds no row; must be {kind}"]
+    if len(rows) > most:
+        faults = [too_many(str(path), len(rows), most)]
+    # A comma in the place of a decimal point makes two cells of one.
+    faults += [f"{place}: more cells than headings" for place, row in rows if None in row]
+    if faults:
+        raise InputError(faults)
+    return [Row(*row) for row in rows]
+
+
+def number_or_text(cell: str) -> int | float | str:
+    """What a cell of a CSV file says, as a robot file would: a text where it is no number."""
+    for kind in (int, float):
+        try:
+            return kind(cell)
+        except ValueError:
+            continue
+    return cell
 
 
 def decoded(content: bytes, source: str) -> str:

@@ -13,10 +13,12 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from lumped.arrays import Array
+from lumped.errors import ComputationError
 from lumped.mechanism.body import Rigid
 from lumped.mechanism.free_twists import free_twists, interface_position
 from lumped.mechanism.joint import Joint, Side
 from lumped.mechanism.kinematics.accelerations import REST, Motion, accelerations
+from lumped.mechanism.kinematics.postures import shown_pose
 from lumped.mechanism.load import Applied, Load, Loading
 from lumped.mechanism.mechanism import GROUND, Posture
 from lumped.screws import shift, skew, turn
@@ -29,11 +31,12 @@ def loading(posture: Posture, load: Load, masses: Mapping[str, Array]) -> Loadin
     """All that a load does in a posture.
 
     `masses` (6m×6m, SI, body axes) of the bodies on the twists of their interfaces; rigid bodies
-    have their own. Raises ComputationError where the tool cannot move as the load says.
+    have their own. Raises ComputationError where the tool cannot move as the load says, and where
+    nothing is said of this pose.
     """
     mechanism = posture.mechanism
     place = interface_position(posture, Side(load.body, load.point))
-    at_points = [Applied(load.body, load.point, place, load.wrench)]
+    at_points = [Applied(load.body, load.point, place, _wrench(posture, load))]
     if not load.acts_on_mass:
         return Loading(at_points)
     along: list[Applied] = []
@@ -89,6 +92,18 @@ def _acceleration(posture: Posture, joint: Joint, motions: Mapping[str, Motion])
     # The axis turns with the first body while the second is away along it.
     swung = np.cross(first.turning, along)
     return float(along @ (moved[1] - moved[0]) + apart * swung @ swung)
+
+
+def _wrench(posture: Posture, load: Load) -> Array:
+    """The wrench (6) in a posture; raises ComputationError where it has none for this pose."""
+    if load.over_path is None:
+        return load.wrench
+    mechanism = posture.mechanism
+    number = mechanism.number_of(posture.pose)
+    if number is None:
+        place = shown_pose(mechanism, posture.pose)
+        raise ComputationError(f"{mechanism.name}: {load.name} has no wrench for {place}")
+    return np.asarray(load.over_path[number])
 
 
 def _in_axes(rotation: Array, motion: Motion, gravity: Array) -> Motion:

@@ -60,6 +60,20 @@ class Bars:
     hatch: str = ""
 
 
+@dataclass(frozen=True, eq=False)
+class Contours:
+    """Values (n×m, NaN: blank) over x (n) and y (m), shaded in steps; a `star` marks (x, y).
+
+    Panels of one quantity have one `span`, from the lowest value to the highest.
+    """
+
+    x: Array
+    y: Array
+    values: Array
+    span: tuple[float, float]
+    star: tuple[float, float] | None = None
+
+
 @dataclass(frozen=True)
 class Note:
     """A small text `away` (pt) from a point of the axes."""
@@ -77,9 +91,9 @@ class Panel:
     Curves of one label (of several modes, say) share their look and their entry in the legend.
     Their markers are `staggered` unless each point says something. `bars` stand on 1, 2, … or lie
     in rows from above (`lying`), each with its name; curves in lying panels have a value for each
-    row. A `matrix` of values from 0 to 1 is shaded. `levels` are grey lines, `band` a shaded
-    stripe, in the legend if it is named; `place` heads the columns of the table; `x_label` if it
-    is not the chart's.
+    row. A `matrix` of values from 0 to 1 is shaded, or `contours`. `levels` are grey lines, `band`
+    a shaded stripe, in the legend if it is named; `place` heads the columns of the table; `x_label`
+    if it is not the chart's.
     """
 
     series: Sequence[Series] = ()
@@ -98,6 +112,7 @@ class Panel:
     names: Sequence[str] = ()
     lying: bool = False
     matrix: Array | None = None
+    contours: Contours | None = None
 
 
 @dataclass(frozen=True, eq=False)

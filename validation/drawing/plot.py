@@ -12,10 +12,20 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure as Canvas
+from matplotlib.ticker import MaxNLocator
 
 from lumped.arrays import Array
-from validation.drawing.chart import Chart, Panel, Series, percent
-from validation.drawing.style import WIDTH, Look, fills_of, looks_of, marked, plot_style
+from validation.drawing.chart import Chart, Contours, Panel, Series, percent
+from validation.drawing.style import (
+    COLOUR_MAP,
+    VERMILLION,
+    WIDTH,
+    Look,
+    fills_of,
+    looks_of,
+    marked,
+    plot_style,
+)
 
 # in, of a row of differences below its panels, of labels around all, and between rows of panels.
 _LOW, _AROUND, _BETWEEN = 1.1, 0.55, 0.25
@@ -24,7 +34,9 @@ _LINE, _ROW, _BAR = 0.13, 0.1, 0.14
 # Letters that fit below all axes of a row, and into all entries of a row of the legend; a handle
 # takes as much as so many of them.
 _ROOM, _LEGEND_ROOM, _HANDLE = 87, 140, 12
-_GREY, _BAND = "#999999", "#009E73"
+_GREY, _BAND, _BLANK = "#999999", "#009E73", "#e4e4e4"
+# Steps of contours at most; and of a value, how much less counts as the same.
+_STEPS, _SAME = 8, 1e-3
 # Bars, and shares from this one on, have room for numbers.
 _FEW, _LABELLED = 8, 6.0
 
@@ -93,6 +105,8 @@ def _draw_panel(
         span(*panel.band, color=_BAND, alpha=0.12, linewidth=0.0, label=panel.band_label or None)
     if panel.matrix is not None:
         _draw_matrix(axes, panel.matrix)
+    if panel.contours is not None:
+        _draw_contours(axes, panel.contours)
     at = _rows(panel) if panel.lying else np.arange(1.0, len(panel.names) + 1.0)
     _draw_bars(axes, panel, at, fills)
     labels = list(dict.fromkeys(one.label for one in panel.series))
@@ -182,6 +196,26 @@ def _draw_matrix(axes: Axes, matrix: Array) -> None:
     axes.set(aspect="equal")
     axes.grid(visible=False)
     axes.invert_yaxis()
+
+
+def _draw_contours(axes: Axes, one: Contours) -> None:
+    """Shaded steps with their bar; points that have a value are dots, blanks grey."""
+    low, high = one.span
+    # A value that is the same everywhere has a step, too.
+    levels = MaxNLocator(_STEPS).tick_values(low, max(high, low + (_SAME * abs(low) or _SAME)))
+    known = np.isfinite(one.values)
+    shaded = axes.contourf(
+        one.x, one.y, np.ma.masked_where(~known, one.values).T, levels, cmap=COLOUR_MAP
+    )
+    axes.figure.colorbar(shaded, ax=axes, pad=0.03).outline.set_visible(False)
+    x, y = np.meshgrid(one.x, one.y, indexing="ij")
+    axes.plot(x[known], y[known], ".", color="white", markersize=2.0)
+    if one.star:
+        star: dict[str, Any] = {"markersize": 13.0, "markeredgecolor": "black", "clip_on": False}
+        axes.plot(*one.star, "*", **star, color=VERMILLION, mfc=VERMILLION, label="worst posture")
+    extent = {"xlim": (one.x.min(), one.x.max()), "ylim": (one.y.min(), one.y.max())}
+    axes.set(**extent, facecolor=_BLANK)
+    axes.grid(visible=False)
 
 
 def _rows(panel: Panel) -> Array:

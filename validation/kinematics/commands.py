@@ -27,11 +27,18 @@ def kinematics(
     """
     from lumped.robot_file import load_robot  # noqa: PLC0415
     from validation.kinematics import listing  # noqa: PLC0415
-    from validation.kinematics.poses import parsed_poses, postures_of  # noqa: PLC0415
+    from validation.kinematics.poses import (  # noqa: PLC0415
+        parsed_poses,
+        postures_of,
+        postures_on_path,
+    )
 
     require_place(picture, ".png")
     mechanism = load_robot(robot).mechanism
-    found = postures_of(mechanism, parsed_poses(mechanism, pose) if pose else mechanism.poses)
+    if pose:
+        found = postures_of(mechanism, parsed_poses(mechanism, pose))
+    else:
+        found = postures_on_path(mechanism, mechanism.poses)
     say((listing.as_json if json else listing.as_text)(mechanism, found))
     if picture is not None:
         from validation.drawing.rendering import pictured  # noqa: PLC0415

@@ -42,12 +42,26 @@ def postures_of(mechanism: Mechanism, poses: Sequence[Array] | Array) -> list[Po
 
     Raises InputError with the faults of all that have none.
     """
+    found, faults = _tried(mechanism, poses)
+    if faults:
+        raise InputError(faults)
+    return found
+
+
+def postures_on_path(mechanism: Mechanism, poses: Sequence[Array] | Array) -> list[Posture]:
+    """The same of poses of the path; of a grid those within reach, if there are any."""
+    found, faults = _tried(mechanism, poses)
+    if faults and not (mechanism.grid and found):
+        raise InputError(faults)
+    return found
+
+
+def _tried(mechanism: Mechanism, poses: Sequence[Array] | Array) -> tuple[list[Posture], list[str]]:
+    """The postures of those poses that have one, and why the others have none."""
     find, begun = partial(posture, mechanism), perf_counter()
     found, faults = each(find, poses[:_FEW])
     seconds = (perf_counter() - begun) * (len(poses) / _FEW - 1.0)
     if seconds > _PATIENCE:
         mention(f"{len(poses)} poses, about {seconds:.2g} s")
     more, others = each(find, poses[_FEW:])
-    if faults or others:
-        raise InputError([*faults, *others])
-    return [*found, *more]
+    return [*found, *more], [*faults, *others]

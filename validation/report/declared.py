@@ -1,10 +1,10 @@
 """Figures declared where they are drawn: what they are called, and where they stand in the page."""
 
 import logging
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import wraps
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 from validation.context import PRESETS, Context
 from validation.drawing.chart import Chart, chart_table
@@ -20,7 +20,7 @@ class Shown:
 
     Scenes stand in `columns`, `height` inches each, in a picture of so much `width` (see
     `rendering.pictured`); each can be turned if they are `turned`. `title` where it says more than
-    that of the plan.
+    that of the plan. `studies`: its entries in results.json.
     """
 
     caption: str
@@ -32,6 +32,7 @@ class Shown:
     turned: bool = True
     data: str = ""
     title: str = ""
+    studies: Sequence[Mapping[str, Any]] = ()
 
     def figure(
         self, identifier: str, title: str, section: str, computed_by: tuple[str, ...] = ()
@@ -55,6 +56,7 @@ class Shown:
             left_out=picture.left_out,
             scenes=tuple(map(turnable, self.scenes)) if self.turned else (),
             computed_by=computed_by,
+            studies=tuple(self.studies),
         )
 
 

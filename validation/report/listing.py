@@ -51,10 +51,11 @@ def as_json(tasks: Sequence[Task]) -> str:
     )
 
 
-def audit_text(source: str, robot: Mechanism, findings: Sequence[Finding]) -> str:
+def audit_text(source: str, robot: Mechanism, findings: Sequence[Finding], reached: int) -> str:
     """What an audit found, first whether the data that are used are sound.
 
-    Faults of a printed source that its corrections remove stand apart from doubts that remain.
+    `reached`: how many poses of the path are within reach. Faults of a printed source that its
+    corrections remove stand apart from doubts that remain.
     """
     remaining = [finding for finding in findings if finding.used in _UNCHANGED]
     removed = [finding for finding in findings if finding.used not in _UNCHANGED]
@@ -65,7 +66,10 @@ def audit_text(source: str, robot: Mechanism, findings: Sequence[Finding]) -> st
         sound = (
             f"usable, but {counted(wrong, 'of its data is', 'of its data are')} wrong, see below"
         )
-    poses = f"all {len(robot.poses)} poses" if len(robot.poses) > 1 else "the one pose"
+    count = len(robot.poses)
+    poses = f"all {count} poses" if count > 1 else "the one pose"
+    if reached < count:
+        poses = f"{reached} of the {count} poses"
     motion = f"{poses} of its path within reach\n{mobility_text(robot)}"
     lines = [f"{source}: {sound}; {robot.name}, {motion}"]
     if remaining:

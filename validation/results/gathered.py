@@ -160,4 +160,4 @@ class Results:
 
     def _record(self) -> RunRecord:
         header = dict(self.header) | {"unfinished": self.unfinished}
-        return run_record(header, self.records, self.outcomes, self.matrices)
+        return run_record(header, self.records, self.outcomes, self.matrices, self.figures)

@@ -12,7 +12,7 @@ from lumped.errors import InputError
 from lumped.files import read_ordinary
 from validation.adequacy.matrix import Adequacy, Matrix
 from validation.claims import Claim, claim_records, gathered
-from validation.exhibits import Study, study_record
+from validation.exhibits import Figure, Study, study_record
 from validation.results.outcome import Outcome, Verdict
 
 _FILE = "results.json"
@@ -126,6 +126,7 @@ def run_record(
     cases: Sequence[CaseRecord],
     outcomes: Sequence[Outcome],
     matrices: Sequence[Matrix],
+    figures: Sequence[Figure] = (),
 ) -> RunRecord:
     """What a run found: its cases, and what came with their outcomes."""
     return RunRecord(
@@ -139,7 +140,10 @@ def run_record(
             for record in adequacy_records(part, part.robot)
         ),
         statements=tuple(claim_records(claims_of(outcomes))),
-        studies=tuple(study_record(study) for study in studies_of(outcomes)),
+        studies=(
+            *(study_record(study) for study in studies_of(outcomes)),
+            *(study for figure in figures for study in figure.studies),
+        ),
     )
 
 

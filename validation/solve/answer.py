@@ -26,10 +26,14 @@ _WORTH_TELLING = 5e-5
 
 @dataclass(frozen=True)
 class LeftOpen:
-    """Half-widths, of the diagonal of a 6×6 (SI) and of frequencies (Hz); infinite if unknown."""
+    """Half-widths, of the diagonal of a 6×6 (SI) and of frequencies (Hz); infinite if unknown.
+
+    `loads`: of the six components of displacements under the file's loads, by name.
+    """
 
     compliance: Array
     frequencies: Array
+    loads: Mapping[str, Array] = field(default_factory=dict, kw_only=True)
 
     @property
     def known(self) -> bool:
@@ -39,9 +43,21 @@ class LeftOpen:
     @property
     def record(self) -> dict[str, Any]:
         """Its entry in the results."""
-        return {
+        found: dict[str, Any] = {
             "compliance": self.compliance.tolist(),
             "frequencies": self.frequencies.tolist(),
+        }
+        if self.loads:
+            found["loads"] = {name: _numbers(left) for name, left in self.loads.items()}
+        return found
+
+    def shares_of_loads(self, loads: Mapping[str, Array]) -> dict[str, float]:
+        """What is open of displacements under `loads`, of the length of each; of none nothing."""
+        lengths = {name: float(np.linalg.norm(loads[name][:3])) for name in self.loads}
+        return {
+            name: float(np.linalg.norm(self.loads[name][:3])) / length
+            for name, length in lengths.items()
+            if length > 0.0
         }
 
 
@@ -85,8 +101,8 @@ class Answer:
 
     `place` is {"x": m}, {"pose": [m or rad]}, {"leg": 1 or 2} or {"body": name}; `idle` counts the
     mobilities of a mechanism that do not move its tool; `loads` are displacements of the tool (6, m
-    and rad, base axes) under loads of the file by name, NaN where it cannot move so, `stability`
-    how near to buckling these bring it, None where it cannot; `responses` are its answers to forces
+    and rad, base axes) under loads of the file by name, NaN where there is none, `stability` how
+    near to buckling these bring it, None where it cannot; `responses` are its answers to forces
     that swing, `damped` the complex modes (frequencies, Hz, and loss factors) where anything damps;
     `strain` maps
     its drives, joints and bodies to their shares of each mode's strain energy, `pairs` is the
@@ -184,8 +200,7 @@ def record_of(answer: Answer) -> dict[str, Any]:
         found["idle"] = answer.idle
     if answer.loads:
         found["loads"] = {
-            name: {"displacement": moved.tolist() if np.isfinite(moved).all() else None}
-            | _stability_record(answer.stability.get(name))
+            name: {"displacement": _numbers(moved)} | _stability_record(answer.stability.get(name))
             for name, moved in answer.loads.items()
         }
     if answer.damped:
@@ -249,6 +264,10 @@ def _stability_record(found: Stability | None) -> dict[str, Any]:
     if len(found.frequencies):
         record["frequencies"] = found.frequencies.tolist()
     return record
+
+
+def _numbers(values: Array) -> list[float] | None:
+    return values.tolist() if np.isfinite(values).all() else None
 
 
 def as_text(solution: Solution) -> str:
@@ -320,7 +339,9 @@ def _deflections(answer: Answer) -> list[str]:
 def _moved_text(moved: Array) -> str:
     """Displacement, its whole length and rotation."""
     if not np.isfinite(moved).all():
-        return "none, the mechanism cannot move that way here"
+        return (
+            "none: the mechanism cannot move that way here, or the load has no wrench for this pose"
+        )
     names = ("x", "y", "z", "φx", "φy", "φz")
     told = [f"{name} {_shown(1e6 * value):.4g}" for name, value in zip(names, moved, strict=True)]
     told.insert(3, f"{1e6 * np.linalg.norm(moved[:3]):.4g} in all")
@@ -418,6 +439,9 @@ def _share_lines(answer: Answer, left_open: LeftOpen, digits: str = ".2g") -> li
     if len(answer.frequencies):
         shares = 100.0 * left_open.frequencies / answer.frequencies
         lines.append("    frequencies " + ", ".join(f"{share:{digits}} %" for share in shares))
+    if shares_of_loads := left_open.shares_of_loads(answer.loads):
+        told = (f"{name} {100.0 * share:.2g} %" for name, share in shares_of_loads.items())
+        lines.append("    under loads " + ", ".join(told))
     return lines
 
 

@@ -100,12 +100,16 @@ def _on_its_mesh(
 def _left_open(found: tuple[Question, list[Answer]]) -> float:
     """The largest relative half-width of all answers that meshes leave."""
     shares = [
-        np.concatenate([left.compliance, left.frequencies]) / _sizes(one)
+        abs(share)
         for one in found[1]
         for left in (one.uncertainty, one.of_parts)
         if left is not None
+        for share in (
+            *(np.concatenate([left.compliance, left.frequencies]) / _sizes(one)),
+            *left.shares_of_loads(one.loads).values(),
+        )
     ]
-    return float(np.max(np.abs(shares), initial=0.0))
+    return float(np.max(shares, initial=0.0))
 
 
 def _finer(question: Question, factor: float) -> Question:
@@ -152,7 +156,7 @@ def _on_other_mesh(
 
 
 def _answers(question: Question, at: Sequence[Posture], *, whole: bool = True) -> list[Answer]:
-    """The answers, `whole` with loads, and with what parts among solids leave open."""
+    """The answers, `whole` with what parts among solids leave open."""
     if question.alone is not None:
         return [_of_body(question, question.alone)]
     model, count, options = question.model, question.count, question.options
@@ -168,7 +172,7 @@ def _answers(question: Question, at: Sequence[Posture], *, whole: bool = True) -
         )
         for one in found or answers(model, at, 0, options)
     ]
-    if whole and (loads := question.mechanism.loads):
+    if loads := question.mechanism.loads:
         names = [load.name for load in loads]
         moved = displacements(model, at, options)
         # Frequencies of other models have a stiffness inside their legs that is not a beam's.

@@ -2,7 +2,9 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import cache
 from math import cbrt, inf, sqrt
+from typing import Any
 
 import numpy as np
 
@@ -16,8 +18,9 @@ from lumped.sections import Rectangle, Section
 from lumped.system.assembly import System, assembly
 from lumped.system.sweep import swept
 from meshes.section.section_blocks import element_count
-from validation.adequacy.mechanism.parts import UNKNOWN, refinement_share
+from validation.adequacy.mechanism.parts import UNKNOWN, number_by_number, refinement_share
 from validation.agreement.convergence import richardson_limits, step_factor
+from validation.models.loads.displacements import displacements_of
 from validation.models.mechanism import CUTOFF
 from validation.models.options import ModelOptions, ReductionBy
 from validation.models.parts import Hold, ReducedPart, is_held_as_said, reduced
@@ -74,7 +77,8 @@ def with_uncertainty(
     """
     if others is None:
         frequencies = np.full_like(answers[0].frequencies, inf)
-        unknown = MeshUncertainty(np.full(6, inf), frequencies, divisions)
+        loads = dict.fromkeys(answers[0].loads, np.full(6, inf))
+        unknown = MeshUncertainty(np.full(6, inf), frequencies, divisions, loads=loads)
         return [replace(one, uncertainty=unknown) for one in answers]
     own = options.divisions
     solid = [equivalent_leg(leg, options.equivalent) for leg in legs]
@@ -88,6 +92,9 @@ def with_uncertainty(
             factor * np.abs(np.diag(one.compliance - other.compliance)),
             factor * np.abs(one.frequencies - other.frequencies),
             divisions,
+            loads={
+                name: factor * np.abs(one.loads[name] - other.loads[name]) for name in one.loads
+            },
         )
         found.append(replace(one, uncertainty=left_open))
     return found
@@ -130,6 +137,7 @@ def extrapolated(
             _known(left[count:], stated.frequencies),
             stated.divisions,
             divisions,
+            loads=stated.loads,
         )
         found.append(
             replace(one, compliance=compliance, frequencies=numbers[count:], uncertainty=left_open)
@@ -149,47 +157,71 @@ def of_parts(
 ) -> list[PartUncertainty]:
     """What the parts of a mechanism, solids among its `models`, leave open in every posture.
 
-    Of its compliance and `count` frequencies: each part on its three meshes, and with averaged
-    interfaces in the place of rigid ones where the robot file does not say how they are held. All
-    other bodies as they are; parts are reduced `by` their modes with interfaces fixed or free.
+    Of its compliance, `count` frequencies and displacements under its loads: each part on its three
+    meshes, and with averaged interfaces in the place of rigid ones where the robot file does not
+    say how they are held. All other bodies as they are; parts are reduced `by` their modes with
+    interfaces fixed or free.
     """
     mechanism = postures[0].mechanism
-    bodies = mechanism.parts
+    bodies, names = mechanism.parts, [load.name for load in mechanism.loads]
     solids = {name: one for name, one in models.items() if isinstance(one, ReducedPart)}
     highest = max((one.highest for one in solids.values()), default=_STILL)
 
+    @cache
     def again(level: int, hold: Hold = "rigid") -> Array:
         own = {
             name: reduced(body, highest, CUTOFF["solid"] * highest, level, hold, by)
             for name, body in bodies.items()
         }
-        found = swept(assembly(mechanism, {**models, **own}), postures, count)
+        whole = {**models, **own}
+        found = swept(assembly(mechanism, whole), postures, count)
         diagonals = np.diagonal(found.compliances, axis1=1, axis2=2)
-        return np.hstack([diagonals, found.frequencies])
+        moved = displacements_of(whole, postures).reshape(len(postures), -1)
+        return np.hstack([diagonals, found.frequencies, moved])
 
     fine = again(FINEST)
+    scale = np.hstack([np.abs(fine[:, : 6 + count]), _lengths(fine[:, 6 + count :])])
 
     def left_by_meshes(own: slice) -> Array:
-        share = refinement_share(mechanism, lambda level: again(level)[:, own])
+        share = refinement_share(
+            mechanism,
+            lambda level: again(level)[:, own],
+            lambda change, _: number_by_number(change, scale[:, own]),
+        )
         return np.broadcast_to(share, fine[:, own].shape)
 
-    # Deflections show one order together, frequencies another.
-    share = np.hstack([left_by_meshes(slice(6)), left_by_meshes(slice(6, None))])
-    left = np.where(np.equal(share, UNKNOWN), np.inf, share * np.abs(fine))
+    # Compliances show one order together, frequencies another, displacements a third.
+    kinds = slice(6), slice(6, 6 + count), slice(6 + count, None)
+    share = np.hstack([left_by_meshes(own) for own in kinds])
+    left = np.where(np.equal(share, UNKNOWN), np.inf, share * scale)
     said = all(is_held_as_said(body) for body in bodies.values())
     bracket = np.zeros_like(fine) if said else again(FINEST, "average") - fine
     prepared = assembly(mechanism, models)
+
+    def split(values: Array) -> dict[str, Any]:
+        loads = zip(names, values[6 + count :].reshape(-1, 6), strict=True)
+        return {
+            "compliance": values[:6],
+            "frequencies": values[6 : 6 + count],
+            "loads": dict(loads),
+        }
+
     return [
         PartUncertainty(
-            compliance=of_meshes[:6],
-            frequencies=of_meshes[6:],
-            bracket=LeftOpen(of_holding[:6], of_holding[6:]),
+            **split(of_meshes),
+            bracket=LeftOpen(**split(of_holding)),
             reduction=_bound(prepared.at(at), solids, count),
             counted={name: (one.counted, one.cutoff) for name, one in solids.items()},
             by=by,
         )
         for at, of_meshes, of_holding in zip(postures, left, bracket, strict=True)
     ]
+
+
+def _lengths(moved: Array) -> Array:
+    """Lengths of translations and rotations (p×6l), one for each of their components."""
+    sizes = np.linalg.norm(moved.reshape(len(moved), -1, 3), axis=2)
+    return np.repeat(sizes, 3, axis=1)
 
 
 def _bound(system: System, solids: Mapping[str, ReducedPart], count: int) -> Array:

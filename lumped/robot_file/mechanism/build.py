@@ -51,8 +51,9 @@ def mechanism_of(tables: Mapping[str, Any], folder: Path) -> Mechanism:
         reference={body.name: frame for body, frame in placed},
         poses=np.zeros((0, len(tool["moves"]))),
     )
-    poses = mechanism.reference_pose[None] if given.path is None else _poses(given.path)
-    return replace(mechanism, poses=poses)
+    if given.path is None:
+        return replace(mechanism, poses=mechanism.reference_pose[None])
+    return replace(mechanism, poses=_poses(given.path), grid=_grid(given.path))
 
 
 def _body(given: Draft, name: str, folder: Path) -> tuple[Body, Frame]:
@@ -118,11 +119,17 @@ def _joint(given: Draft, name: str) -> Joint:
 def _poses(path: Entry) -> Array:
     if path["poses"] is not None:
         return np.array(path["poses"], dtype=float).reshape(len(path["poses"]), -1)
-    start, to, counts = path["from"], path["to"], path["counts"]
-    if counts is None:
-        return np.linspace(start, to, path["count"])
-    steps = zip(start, to, counts, strict=True)
-    return np.array(list(product(*(np.linspace(a, b, count) for a, b, count in steps))))
+    if path["counts"] is None:
+        return np.linspace(path["from"], path["to"], path["count"])
+    return np.array(list(product(*_grid(path))))
+
+
+def _grid(path: Entry) -> tuple[Array, ...]:
+    """Values along each move; none where poses are no grid."""
+    if path["counts"] is None:
+        return ()
+    steps = zip(path["from"], path["to"], path["counts"], strict=True)
+    return tuple(np.linspace(*one) for one in steps)
 
 
 def leg_of(table: Entry, name: str) -> Leg:

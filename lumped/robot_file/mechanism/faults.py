@@ -162,9 +162,14 @@ def _mobility_faults(mechanism: Mechanism, found: Mobility) -> Iterator[str]:
 
 def _path_faults(mechanism: Mechanism) -> Iterator[str]:
     count = len(mechanism.poses)
-    for i in np.unique(np.linspace(0, count - 1, min(count, _TRIED)).round().astype(int)):
+    tried = np.unique(np.linspace(0, count - 1, min(count, _TRIED)).round().astype(int))
+    faults: dict[int, list[str]] = {}
+    for i in tried:
         try:
             posture(mechanism, mechanism.poses[i])
         except InputError as error:
-            said = (fault.removeprefix(f"{mechanism.name}, pose ") for fault in error.faults)
-            yield from (f"path, pose {i + 1}, {fault}" for fault in said)
+            own = (fault.removeprefix(f"{mechanism.name}, pose ") for fault in error.faults)
+            faults[i] = [f"path, pose {i + 1}, {fault}" for fault in own]
+    # Of a grid what is out of reach is left out, as long as something is not.
+    if len(faults) == len(tried) or not mechanism.grid:
+        yield from (fault for own in faults.values() for fault in own)

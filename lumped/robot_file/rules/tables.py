@@ -44,7 +44,8 @@ _LENGTH = Number("m", above=0.0, most=100.0, high=_MM, slip=1e-4)
 _OFFSET = Number("m", least=-10.0, most=10.0, low=_MM, high=_MM)
 _POINT = Several(Number("m", least=-100.0, most=100.0, low=_MM, high=_MM), 3)
 # Metres and radians alike; what is out of reach is found by closing the loops.
-_POSE = Several(Number("m or rad", least=-100.0, most=100.0, low=_MM, high=_MM))
+COORDINATE = Number("m or rad", least=-100.0, most=100.0, low=_MM, high=_MM)
+_POSE = Several(COORDINATE)
 # Any length: a direction is made a unit vector.
 _DIRECTION = Several(Number(least=-1e6, most=1e6), 3)
 # 1e5 kg: a hundred tonnes in one leg or platform. 1 µg: less than the smallest silicon part.
@@ -211,7 +212,7 @@ PATH = TableRule(
     Key("poses", Several(_POSE, most=MOST_POSES), "in place of all these: one by one"),
 )
 
-_FORCES = Several(Number("N or N m", least=-1e9, most=1e9), 6)
+FORCE = Number("N or N m", least=-1e9, most=1e9)
 # 1e5 m/s²: ten thousand g; km/s: no tool.
 _PER_SECOND_SQUARED = Several(Number("m/s²", least=-1e5, most=1e5), 3)
 _SPEED = Several(Number("m/s", least=-1e3, most=1e3, low=_MM, high=_MM), 3)
@@ -219,7 +220,8 @@ _THERE = "where the wrench acts: a point of a body; the tool's where left out"
 _WHOSE = "whose point; the tool's body, else the first that has it, where left out"
 LOAD = TableRule(
     needed("name", _NAME, "of the load; judged as load:NAME"),
-    Key("wrench", _FORCES, "forces and moments, base axes"),
+    Key("wrench", Several(FORCE, 6), "forces and moments, base axes"),
+    Key("file", _FILE, "in its place: a CSV file with one for every pose of the path"),
     Key("at", _POINT_NAME, _THERE),
     Key("body", _BODY_NAME, _WHOSE),
     Key("gravity", _PER_SECOND_SQUARED, "on the mass of all bodies, base axes"),

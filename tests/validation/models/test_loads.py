@@ -183,6 +183,30 @@ def test_what_the_mechanism_cannot_do_is_no_load():
     assert np.isnan(stopped).all()
 
 
+def test_a_wrench_over_the_path_is_that_of_its_pose_and_none_beside_it():
+    arm = described(ARM + "path = { poses = [[0.1], [-0.2]] }")
+    rows = np.array([[3.0, 0, 5.0, 0, 0, 0], [0, 2.0, 0, 0, 0.4, 0]])
+    over = Load("cutting", "inner", "M", over_path=rows)
+    plain = [Load("now", "inner", "M", wrench=row) for row in rows]
+    for number, pose in enumerate(arm.poses):
+        (found,), due = under(arm, over, pose=pose), under(arm, *plain, pose=pose)
+        np.testing.assert_array_equal(found, due[number])
+    assert np.isnan(under(arm, over, pose=[0.15])).all()
+
+
+@pytest.mark.parametrize("model", ["vjm", "beam"])
+def test_loads_add_up_and_what_spins_pulls_with_the_square_of_its_speed(model):
+    robot = load_robot("five-bar").mechanism
+    kinds = (LOADS[0], LOADS[2], {"acceleration": [5.0, 0, 0]}, {"speed": [0.8, -0.3, 0]})
+    whole = on(robot, **{key: value for kind in kinds for key, value in kind.items()})
+    faster = on(robot, speed=[1.6, -0.6, 0])
+    ones = [on(robot, **kind) for kind in kinds]
+    *parts, four_times, together = under(robot, *ones, faster, whole, model=model, pose=[0.1, 0.5])
+    sizes = np.abs(parts).max()
+    np.testing.assert_allclose(np.sum(parts, axis=0), together, rtol=0, atol=1e-9 * sizes)
+    np.testing.assert_allclose(four_times, 4.0 * parts[3], rtol=1e-7, atol=1e-9 * sizes)
+
+
 LOADS = (
     {"gravity": [1.0, 2.0, -9.81]},
     {"acceleration": [5.0, 0.0, 0.0], "speed": [0.8, 0.0, 0.0]},

@@ -284,7 +284,7 @@ def test_loads_of_the_file_are_answered_by_name_and_one_that_cannot_be_by_none(t
         assert np.abs(loads["weight"]["stiffness_lost"]).max() < 1e-6
         assert "frequencies" not in loads["weight"]
     assert "weight: buckles at" in command.told(*asked)
-    assert "stop: none, the mechanism cannot move that way here" in command.told(*asked)
+    assert "stop: none: the mechanism cannot move that way here" in command.told(*asked)
 
 
 def test_responses_and_losses_are_told_by_models_with_mass(tmp_path, command):

@@ -16,7 +16,7 @@ from lumped.models.bodies import legs_of, tip_compliances
 from validation.adequacy.matrix import Coordinate
 from validation.adequacy.mechanism.samples import Samples, samples_of
 from validation.context import Context, Preset
-from validation.kinematics.poses import postures_of
+from validation.kinematics.poses import postures_on_path
 from validation.models.mechanism import constant_legs
 from validation.models.options import DEFAULT_OPTIONS
 from validation.models.part_legs import part_springs, require_legs
@@ -127,7 +127,7 @@ def path_postures(context: Context) -> tuple[Posture, ...]:
 def _postures(mechanism: Mechanism, most: int) -> tuple[Posture, ...]:
     count = len(mechanism.poses)
     chosen = np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(int))
-    return tuple(postures_of(mechanism, mechanism.poses[chosen]))
+    return tuple(postures_on_path(mechanism, mechanism.poses[chosen]))
 
 
 def offered(judged: int) -> int:

@@ -20,7 +20,7 @@ from lumped.mechanism.load import Loading
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.models import serial_chains
 from lumped.models.bodies import legs_of
-from lumped.system.assembly import assembly
+from lumped.system.assembly import Assembly, assembly
 from lumped.system.loads import loading, tool_displacements
 from lumped.system.solution import solved
 from validation.models.legs import condensed_leg, leg_matrices
@@ -58,9 +58,18 @@ def displacements(
     else:
         ready = released(postures, options)[0].mechanism
         prepared = assembly(ready, static_bodies(model, mechanism, options))
-    return displacements_by(
-        lambda at, loads: tool_displacements(solved(prepared.at(at)), loads), postures, masses
-    )
+    return displacements_by(_assembled(prepared), postures, masses)
+
+
+def displacements_of(bodies: Mapping[str, BodyModel], postures: Sequence[Posture]) -> Array:
+    """The same of a mechanism whose `bodies` have these models, with their masses."""
+    mechanism = postures[0].mechanism
+    masses = {name: _of_ends(body) for name, body in bodies.items()}
+    return displacements_by(_assembled(assembly(mechanism, bodies)), postures, masses)
+
+
+def _assembled(prepared: Assembly) -> Callable[[Posture, list[Loading]], Array]:
+    return lambda at, loads: tool_displacements(solved(prepared.at(at)), loads)
 
 
 def by_chains(springs: Mapping[str, Array]) -> Callable[[Posture, list[Loading]], Array]:

@@ -1,0 +1,147 @@
+"""Maps over the workspace: contours of each quantity, three directions in slices, worst marked."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from math import prod
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from lumped.arrays import Array
+from lumped.mechanism.kinematics.postures import shown_pose
+from validation.adequacy.mechanism.path import coordinates
+from validation.case import Skip
+from validation.context import Context, Preset
+from validation.drawing.chart import Chart, Column, Contours, Panel, few_ticks
+from validation.drawing.text import number
+from validation.exhibits import PATH
+from validation.maps.quantities import Mapped, mapped
+from validation.maps.workspace import (
+    Place,
+    Workspace,
+    Worst,
+    evenly,
+    values_on,
+    workspace,
+    worst_posture,
+)
+from validation.report.declared import FigureGroup, Shown
+from validation.report.words import capital
+from validation.solids.legs import SHARED_SOLIDS
+
+# Postures of a large grid that are looked at.
+_MOST: Mapping[Preset, int] = {"quick": 81, "standard": 400, "fine": 2500}
+_SLICES, _FEWEST, _HIGH = 4, 4, 2.1
+# A quantity with its values over the grid and its worst posture.
+Map: TypeAlias = tuple[Mapped, Array, Worst]
+figures = FigureGroup(PATH, SHARED_SOLIDS)
+
+
+@figures.figure("mechanism.maps", "Maps over the workspace", effort=3.0)
+def maps(context: Context) -> Shown:
+    """A column for each quantity, a row for each slice."""
+    mechanism = replace(context.robot_file.mechanism, loads=())
+    space = workspace(mechanism, _MOST[context.preset])
+    if len(space.postures) < _FEWEST:
+        raise Skip("fewer than four postures of the grid can be reached")
+    found: list[Map] = []
+    for one in mapped(context, mechanism):
+        values = values_on(space, one.solve)
+        if worst := worst_posture(space, values, one.solve, largest=one.largest):
+            found.append((one, values, worst))
+    if not found:
+        raise Skip("no posture of the grid can be solved")
+    names = [str(coordinates(mechanism)[move]) for move in space.moves]
+    chart = Chart(
+        _panels(space, names, found),
+        names[0],
+        len(found),
+        _HIGH,
+        _table(space, names, found),
+        few_ticks,
+    )
+    return Shown(_caption(space, found), chart, studies=[_study(space, *one) for one in found])
+
+
+def _panels(space: Workspace, names: Sequence[str], found: Sequence[Map]) -> list[Panel]:
+    """Row by row: one in two directions, slices of the grid across the third."""
+    x, y, *across = space.axes
+    slices: list[Place] = [()]
+    if across:
+        slices = [(int(k),) for k in evenly(len(across[0]), _SLICES)]
+    panels = []
+    for place in slices:
+        level = [f"{names[2]} = {across[0][k]:.4g}\n" for k in place]
+        for one, values, worst in found:
+            star = worst.pose[list(space.moves)]
+            nearest = min(slices, key=lambda own: [abs(across[0][k] - star[2]) for k in own])
+            contours = Contours(
+                x,
+                y,
+                values[:, :, place[0]] if place else values,
+                (float(np.nanmin(values)), float(np.nanmax(values))),
+                (float(star[0]), float(star[1])) if place == nearest else None,
+            )
+            panels.append(
+                Panel(
+                    title=f"{one.title} ({one.unit})" if place == slices[0] else "",
+                    y_label="".join((*level, names[1])) if one is found[0][0] else "",
+                    contours=contours,
+                )
+            )
+    return panels
+
+
+def _caption(space: Workspace, found: Sequence[Map]) -> str:
+    mechanism, poses = space.mechanism, prod(space.shape)
+    said = [
+        f"{capital(one.title)}: {one.said}, by {one.model}; at its worst "
+        f"{number(worst.value, 4)} {one.unit} at {shown_pose(mechanism, worst.pose)}."
+        for one, _, worst in found
+    ]
+    said.append(
+        "Stars: the worst postures, searched between the points of the grid, loops closed and "
+        "models solved in every posture that the search looks at"
+        + (", in the nearest slice." if len(space.axes) > 2 else ".")
+    )
+    if poses < len(mechanism.poses):
+        said.append(f"{poses} of the {len(mechanism.poses)} poses of the grid were looked at.")
+    if blank := poses - int(np.isfinite(found[0][1]).sum()):
+        said.append(f"Blank: {blank} of {poses} poses, out of reach or singular.")
+    return " ".join(said)
+
+
+def _table(space: Workspace, names: Sequence[str], found: Sequence[Map]) -> dict[str, Column]:
+    """Every pose of the grid with its values, then the worst postures."""
+    poses = [space.pose(place) for place in np.ndindex(*space.shape)]
+    poses += [worst.pose for *_, worst in found]
+    kinds = ["grid"] * (len(poses) - len(found)) + [f"worst {one.title}" for one, *_ in found]
+    table: dict[str, Column] = {"posture": kinds}
+    for name, move in zip(names, space.moves, strict=True):
+        table[name] = [float(pose[move]) for pose in poses]
+    for k, (one, values, worst) in enumerate(found):
+        column = [*_optional(values).ravel(), *[None] * len(found)]
+        column[k - len(found)] = worst.value
+        table[f"{one.title} ({one.unit})"] = column
+    return table
+
+
+def _study(space: Workspace, one: Mapped, values: Array, worst: Worst) -> dict[str, Any]:
+    """The map's entry among the studies of results.json."""
+    return {
+        "id": one.id,
+        "kind": "map",
+        "title": one.title,
+        "unit": one.unit,
+        "model": one.model,
+        "moves": [space.mechanism.tool.moves[move] for move in space.moves],
+        "x": [axis.tolist() for axis in space.axes],
+        "values": _optional(values).tolist(),
+        "worst": {"pose": worst.pose.tolist(), "value": worst.value},
+    }
+
+
+def _optional(values: Array) -> Any:
+    found = values.astype(object)
+    found[np.isnan(values)] = None
+    return found
