@@ -25,7 +25,7 @@ Place: TypeAlias = tuple[int, ...]
 
 # A search begins at so many of the grid's local extrema, the worst ones, and looks at so many
 # postures at most, until its steps are this part of the distance between points of the grid.
-_STARTS, _LOOKS, _CLOSE = 2, 60, 1e-3
+_STARTS, _LOOKS, _CLOSE = 2, 40, 1e-2
 # First steps of a search, in distances of grid points: where a parabola through three of them does
 # not say where it is lowest, and at least.
 _STEP, _LEAST = 0.3, 0.1

@@ -111,7 +111,7 @@ def test_the_worst_posture_is_found_between_the_points_of_the_grid(bipod):
     for name, value in (("map.stiffness", at.fun * 1e-6), ("map.f1", None)):
         study = read(bipod)[name]
         worst = study["worst"]
-        assert worst["pose"] == pytest.approx([at.x, 0.1], abs=1e-3)
+        assert worst["pose"] == pytest.approx([at.x, 0.1], abs=2e-3)
         assert min(abs(at.x - x) for x in study["x"][0]) > 0.02
         assert worst["value"] < np.min(study["values"])
         if value:
