@@ -47,6 +47,10 @@ def solve_modes(
     return Modes(frequencies=1.0 / (2.0 * np.pi * np.sqrt(values)), shapes=shapes)
 
 
-def too_few(part: str, count: int) -> ComputationError:
+class FewerModesError(ComputationError):
+    """More modes were asked for than have mass."""
+
+
+def too_few(part: str, count: int) -> FewerModesError:
     """The refusal of more modes than have mass."""
-    return ComputationError(f"{part}: {counted(count, 'mode')} asked for, but fewer have mass")
+    return FewerModesError(f"{part}: {counted(count, 'mode')} asked for, but fewer have mass")

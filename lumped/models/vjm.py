@@ -22,6 +22,10 @@ _RIGID = 1e-13
 _FREE = 1e-12
 
 
+class RigidChainError(ComputationError):
+    """A chain that yields to some load in nothing: it has no stiffness."""
+
+
 @dataclass(frozen=True, eq=False)
 class Chain:
     """What yields between the base and the end of a serial chain, at its end in base axes (SI).
@@ -92,7 +96,7 @@ def _bordered_solution(chain: Chain, name: str) -> _Bordered:
     values, vectors = np.linalg.eigh(bordered)
     if (rigid := np.abs(values) <= _RIGID).any():
         wrenches = vectors[:6, rigid].T * unit
-        raise ComputationError(
+        raise RigidChainError(
             f"{name} is rigid against {name_wrenches(wrenches, length)}: neither a spring nor a "
             "passive joint yields to it, so its stiffness is infinite"
         )

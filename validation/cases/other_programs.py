@@ -12,6 +12,7 @@ from fem.multibody import ExudynMissing, exudyn_version, frequencies
 from fem.reduction.craig_bampton import craig_bampton
 from fem.reduction.superelement import held_leg
 from lumped.arrays import Array
+from lumped.dense.modes import FewerModesError
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg
 from lumped.mechanism.kinematics.postures import reference_posture
@@ -160,7 +161,7 @@ def _beam_frequencies(context: Context, place: str) -> Measurement:
     at = reference_posture(at.mechanism) if place == "reference" else at
     try:
         own, theirs, uncertain = context.get(by_both, at)
-    except ExudynMissing as missing:
+    except (ExudynMissing, FewerModesError) as missing:
         raise Skip(str(missing)) from None
     except InputError as error:
         raise Skip("; ".join(error.faults)) from None

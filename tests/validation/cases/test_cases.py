@@ -16,11 +16,39 @@ from ingredients import DATA, Asked, disturbed, quick_context
 from perturbed import assert_agrees_and_can_turn
 
 from lumped.errors import ComputationError
+from lumped.robot_file import load_robot
 from validation.case import Allowance, Case, Measurement, Relation, Skip
 from validation.catalogue import catalogue
 from validation.context import Context
 from validation.results.outcome import judge
+from validation.session.runner import execute
 
+RIGID = """
+schema = 2
+name = "slide"
+[points]
+O = [0.0, 0.0, 0.0]
+P = [0.0, 0.0, 0.2]
+[bodies.slide]
+points = ["O", "P"]
+mass = 5.0
+centre = "P"
+inertia = [[0.1, 0.0, 0.0], [0.0, 0.1, 0.0], [0.0, 0.0, 0.1]]
+[joints.a]
+type = "prismatic"
+between = ["ground", "slide"]
+at = "O"
+axis = [1.0, 0.0, 0.0]
+drive = { stiffness = 1e7 }
+[tool]
+body = "slide"
+point = "P"
+moves = ["x"]
+[path]
+from = [0.0]
+to = [0.3]
+count = 2
+"""
 # The cheapest preset: what a case claims and how it judges is the same in all of them.
 CONTEXTS = {name: quick_context(name) for name in ("ifw", "five-bar")}
 LISTED = {
@@ -53,6 +81,19 @@ OTHERS = [
     for of in GROUPS
     if of[1] != "paper"
 ]
+
+
+def test_a_robot_of_one_mode_and_no_give_is_told_what_cannot_be_compared(tmp_path):
+    """Fewer modes than are judged, and a chain without any compliance: not a failed run."""
+    (tmp_path / "robot.toml").write_text(RIGID)
+    robot_file = load_robot(tmp_path / "robot.toml")
+    context = Context(robot_file, "quick")
+    compared = [
+        execute(case, context).verdict
+        for case in catalogue(robot_file)
+        if isinstance(case, Case) and "quick" in case.presets
+    ]
+    assert set(compared) == {"agree", "skipped"}
 
 
 def measured(case, context):

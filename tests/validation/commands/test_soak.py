@@ -85,7 +85,11 @@ def peak(*, anew=False):
 
 @pytest.mark.parametrize(
     ("seed", "count"),
-    [(30, 150), *(pytest.param(seed, 500, marks=pytest.mark.soak) for seed in range(31, 41))],
+    [
+        (30, 150),
+        pytest.param(29, 350, marks=pytest.mark.exhaustive),
+        *(pytest.param(seed, 500, marks=pytest.mark.soak) for seed in range(31, 41)),
+    ],
 )
 def test_no_input_ends_in_a_fault_of_flexproof(seed, count, tmp_path, monkeypatch, capfd):
     folder = tmp_path / "here"
