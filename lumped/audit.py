@@ -164,7 +164,7 @@ def _definiteness(part: DescribedPart) -> Iterator[Finding]:
         f"{part.name}.compliance",
         "definiteness",
         printed=f"diagonal {diagonal}",
-        wrong="the compliance matrix is indefinite: some load would gain energy",
+        wrong="the compliance matrix is indefinite: some load would do negative work",
         evidence=f"smallest eigenvalue {smallest:.2g}",
         severity="error",
         numbers={"smallest eigenvalue": smallest},

@@ -125,7 +125,7 @@ class ConstantLeg:
             raise ComputationError(
                 f"{self.name or 'leg'}, {section.shape}: the shear stiffness κGA = "
                 f"{min(kappas) * material.G * section.area:.3g} N is negative; the formula of κ "
-                f"does not hold for this section and ν = {material.nu:g}, Euler–Bernoulli does"
+                f"does not hold for this section and ν = {material.nu:g}; use Euler–Bernoulli"
             )
         return self._beam(kappas)
 

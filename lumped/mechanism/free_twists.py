@@ -145,7 +145,7 @@ def axes_of_drive(joint: Joint) -> tuple[Array, Array]:
     Raises InputError for a joint that leaves more or less than one twist free.
     """
     if FREEDOMS[joint.kind] != 1:
-        raise InputError(f"joint {joint.name}: a {joint.kind} joint has no one motion to drive")
+        raise InputError(f"joint {joint.name}: a {joint.kind} joint has no single motion to drive")
     translations, rotations = free_axes(joint)
     return translations.sum(axis=0), rotations.sum(axis=0)
 

@@ -148,8 +148,8 @@ def platform_compliance(stiffness: Array, name: str = "platform") -> Array:
     if (free := values <= _FREE * np.abs(values).max()).any():
         motions = name_twists(vectors[:, free].T * unit, length)
         raise ComputationError(
-            f"{name} is free to {motions}: no chain holds it, or none by {_FREE:g} of what holds "
-            "the platform elsewhere, or a stiffness is negative"
+            f"{name} is free to {motions}: its stiffness there is zero, negative or below "
+            f"{_FREE:g} of the largest"
         )
     # Cholesky keeps the digits of a graded matrix that an eigenvalue decomposition loses.
     inverse: Array = cho_solve(cho_factor(K * unit[:, None] * unit), np.eye(6))

@@ -142,7 +142,7 @@ def _correction_faults(tables: Mapping[str, Any], place: str, one: Correction) -
         )
         return
     if value != one.used:
-        yield f"{place}.used = {one.used!r}: must be what stands at {one.key}, {value!r}"
+        yield f"{place}.used = {one.used!r}: must be the value of {one.key}, {value!r}"
     if one.printed == one.used:
         said = "must differ from used, or there is nothing to correct"
         yield f"{place}.printed = {one.printed!r}: {said}"

@@ -37,7 +37,7 @@ def load_faults(read: Sequence[Mapping[str, Any]], robot: Mechanism, folder: Pat
         if one["name"] in names[: number - 1]:
             yield f"{key}.name = {shown(one['name'])}: named twice; must be named once"
         if all(one[what] is None for what in (*_WHAT, "file")):
-            yield f"{key}: loads nothing; must have one of {', '.join(_WHAT)}, file"
+            yield f"{key}: has no load; must have one of {', '.join(_WHAT)}, file"
         if one["file"] is not None:
             if one["wrench"] is not None:
                 yield f"{key}.wrench: must be left out beside a file of wrenches"

@@ -64,4 +64,4 @@ def _take(found: dict[int, Array], robot: Mechanism, where: Mapping[str, Number]
         raise InputError(f"{row.place}: {said}: must be a pose of the path")
     wrench = np.array([values[name] for name in _COMPONENTS], dtype=float)
     if (found.setdefault(number, wrench) != wrench).any():
-        raise InputError(f"{row.place}: {said}: another wrench than in a line before")
+        raise InputError(f"{row.place}: {said}: differs from the wrench of an earlier line")

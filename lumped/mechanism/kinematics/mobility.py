@@ -135,7 +135,7 @@ def undetermined(found: Mobility, size: float, *, singular: bool = False) -> str
         if len(found.unprescribed)
         else f"drives {', '.join(found.stirring)} are free to move"
     )
-    return f"while they stand {left}; must prescribe all that moves"
+    return f"with these held {left}; must prescribe every free motion"
 
 
 def _null_space(matrix: Array) -> Array:

@@ -95,7 +95,7 @@ def _loose_bodies(given: Draft) -> Iterator[str]:
         new = {body for pair in pairs if reached & set(pair) for body in pair} - reached
     for name in given.bodies:
         if name not in reached:
-            yield f"bodies.{name}: no way of joints leads to ground; must be connected to it"
+            yield f"bodies.{name}: no chain of joints leads to ground; must be connected to it"
 
 
 def _idle_interfaces(given: Draft, loaded: Collection[str | None]) -> Iterator[str]:

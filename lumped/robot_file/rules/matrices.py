@@ -120,7 +120,7 @@ def _matrix_faults(value: object, kind: SquareMatrix) -> list[str]:
     if not faults and kind.compliance and not is_positive_definite(matrix):
         faults.append(
             f": smallest eigenvalue {smallest_eigenvalue(matrix):.3g}: the matrix must be positive "
-            "definite, or some load would gain energy"
+            "definite, or some load would do negative work"
         )
     return faults
 

@@ -167,7 +167,7 @@ def joint_faults(joint: Entry) -> Iterator[str]:
             "must be a revolute or a prismatic one"
         )
     if joint["loss"] and joint["compliance"] is None:
-        yield f"{key}.loss: must be left out without {key}.compliance, which loses it"
+        yield f"{key}.loss: must be left out without {key}.compliance, to which it belongs"
     yield from _rotor_faults(joint["drive"] or {}, f"{key}.drive")
     if joint["one_twice"]:
         yield f"{key}.at = {list(at)}: must be two different points, or one name"
@@ -197,7 +197,7 @@ def joint_faults(joint: Entry) -> Iterator[str]:
     if slides and directions and not _parallel(directions[0], way, SMALLEST_SINE):
         yield (
             f"{key}.axis = {list(directions[0])}: must point from {at[0]} to {at[1]} or back, "
-            f"which are {np.linalg.norm(way):.3g} m apart; left out, it does"
+            f"which are {np.linalg.norm(way):.3g} m apart; or be left out"
         )
 
 
@@ -209,7 +209,7 @@ def _rotor_faults(drive: Entry, key: str) -> Iterator[str]:
     if held and drive["inertia"] is not None:
         yield (
             f"{key}.inertia: the rotor of a rigid drive stands still; "
-            "must be left out, or have a stiffness"
+            "must be left out, or the drive be given a stiffness"
         )
 
 

@@ -43,7 +43,7 @@ def test_a_pose_that_comes_again_has_one_wrench(tmp_path):
     rows = f"pose,{HEAD}\n1,{TEXTS[0]}\n2,"
     (load,) = read(tmp_path, f"{rows}{TEXTS[0]}\n", there_and_back).mechanism.loads
     np.testing.assert_array_equal(load.over_path, ROWS[[0, 0]])
-    with pytest.raises(InputError, match=r"line 3: x = 0\.1 m: another wrench than in a line"):
+    with pytest.raises(InputError, match=r"line 3: x = 0\.1 m: differs from the wrench of an"):
         read(tmp_path, f"{rows}{TEXTS[1]}\n", there_and_back)
 
 
@@ -58,7 +58,7 @@ def test_a_pose_that_comes_again_has_one_wrench(tmp_path):
         (SOUND.replace("0.5", "0,5"), "line 4: more cells than headings"),
         (SOUND.replace("3,", "4,"), "line 4, column pose = 4: must be at most 3"),
         (SOUND.replace("3,", "1.5,"), "line 4, column pose = 1.5: must be a whole number"),
-        (SOUND.replace("3,", "2,"), "line 4: x = 0.05 m: another wrench than in a line before"),
+        (SOUND.replace("3,", "2,"), "line 4: x = 0.05 m: differs from the wrench of"),
         (SOUND.rpartition("3,")[0], "no wrench for pose 3, x = 0.2 m"),
         (f"x,{HEAD}\n0.07,{TEXTS[0]}\n", "line 2: x = 0.07 m: must be a pose of the path"),
     ],
