@@ -122,8 +122,8 @@ class SectionRule(Rule):
 def _shape_table(shape: str) -> TableRule:
     """Rules of a shape with its sizes, in their usual order."""
     kind: Any = SHAPES[shape]
-    sizes = (needed(field.name, _SIZE, "outer size or wall") for field in fields(kind))
-    return TableRule(needed("shape", OneOf((shape,)), "which it is"), *sizes)
+    sizes = (needed(field.name, _SIZE, "outer dimension or wall") for field in fields(kind))
+    return TableRule(needed("shape", OneOf((shape,)), "kind of section"), *sizes)
 
 
 MATERIAL = TableRule(
@@ -144,7 +144,7 @@ INTERFACE = TableRule(
     Key("name", _TEXT, "faces by the name that the file gives them"),
     Key("cylinder", _CYLINDER, "faces on one cylinder"),
     Key("plane", _PLANE, "flat faces in one plane"),
-    Key("coupling", OneOf(get_args(Coupling)), "how they follow the joint"),
+    Key("coupling", OneOf(get_args(Coupling)), "how the faces follow the joint"),
     Key("point", _POINT, "reference point of a part by itself; in a robot it is that of its name"),
 )
 
@@ -153,14 +153,14 @@ _LEG, _RIGID, _PART = ("leg",), ("rigid body",), ("part",)
 _PLACE = TableRule(
     needed("at", Either(_POINT_NAME, _POINT), "where the file's origin is"),
     Key("x", _DIRECTION, "where its x axis points", default=(1.0, 0.0, 0.0)),
-    Key("y", _DIRECTION, "where its y axis points as nearly", default=(0.0, 1.0, 0.0)),
+    Key("y", _DIRECTION, "where its y axis points as nearly as it can", default=(0.0, 1.0, 0.0)),
 )
 _UP = "where its z axis points as nearly as it can; [0, 0, 1] where left out, along z [1, 0, 0]"
 _ENDS = "whether its end faces are kept plane or may warp; both are computed where left out"
 _TIP = "at `to`, `from` clamped, leg axes; with `mass`, in place of section and material"
 BODY = TableRule(
     Key("from", _POINT_NAME, "the point at its root", of=_LEG),
-    Key("to", _POINT_NAME, "the point at its tip, where its x axis leads", of=_LEG),
+    Key("to", _POINT_NAME, "the point at its tip; its x axis points there", of=_LEG),
     Key("up", _DIRECTION, _UP, of=_LEG),
     Key("section", SectionRule(), "width along its y, height along its z", of=_LEG),
     Key("material", _MATERIAL, "its own, or one of [materials]", of=_LEG + _PART),
@@ -193,7 +193,7 @@ JOINT = TableRule(
     needed("between", Several(_BODY_NAME, 2), 'two bodies; "ground" is one'),
     needed("at", _TWO_NAMES, "a point of both, or one of each, apart along a sliding axis"),
     Key("axis", _DIRECTION, "along which it slides, about which it turns; a plane's normal"),
-    Key("axes", Several(_DIRECTION, 2), "if universal: fixed in the first body, in the second"),
+    Key("axes", Several(_DIRECTION, 2), "of a universal joint: the first body's, the second's"),
     Key("drive", _DRIVE, "of a revolute or prismatic joint; passive where left out"),
     Key("compliance", _COMPLIANCE, _SERIES),
     Key("loss", _LOSS, "loss factor of its compliance", default=0.0),
@@ -207,7 +207,7 @@ TOOL = TableRule(
 PATH = TableRule(
     Key("from", _POSE, "the first pose"),
     Key("to", _POSE, "the last pose"),
-    Key("count", _COUNT, "how many on the line between them"),
+    Key("count", _COUNT, "how many poses on the line between them"),
     Key("counts", Several(_COUNT), "in place of it: how many along each move, a grid"),
     Key("poses", Several(_POSE, most=MOST_POSES), "in place of all these: one by one"),
 )
@@ -217,7 +217,7 @@ FORCE = Number("N or N m", least=-1e9, most=1e9)
 _PER_SECOND_SQUARED = Several(Number("m/s²", least=-1e5, most=1e5), 3)
 _SPEED = Several(Number("m/s", least=-1e3, most=1e3, low=_MM, high=_MM), 3)
 _THERE = "where the wrench acts: a point of a body; the tool's where left out"
-_WHOSE = "whose point; the tool's body, else the first that has it, where left out"
+_WHOSE = "the body of `at`; the tool's, else the first that has the point, where left out"
 LOAD = TableRule(
     needed("name", _NAME, "of the load; judged as load:NAME"),
     Key("wrench", Several(FORCE, 6), "forces and moments, base axes"),
@@ -226,7 +226,7 @@ LOAD = TableRule(
     Key("body", _BODY_NAME, _WHOSE),
     Key("gravity", _PER_SECOND_SQUARED, "on the mass of all bodies, base axes"),
     Key("acceleration", _PER_SECOND_SQUARED, "of the tool along x, y, z: inertia of all bodies"),
-    Key("speed", _SPEED, "of the tool along x, y, z: what turns pulls outward"),
+    Key("speed", _SPEED, "of the tool along x, y, z: inertia forces that grow as its square"),
 )
 DAMPING = TableRule(needed("ratio", _LOSS, "damping ratio of every mode"))
 # 3 kHz: tenfold the first frequencies of stiff machines. What bodies need to be good for it takes a
@@ -234,10 +234,10 @@ DAMPING = TableRule(needed("ratio", _LOSS, "damping ratio of every mode"))
 _FREQUENCY = Number("Hz", above=0.0, most=3e3, high="is this in 1/min?")
 RESPONSE = TableRule(
     needed("name", _NAME, "of the response; judged as response:NAME"),
-    needed("direction", _DIRECTION, "of a force at the tool, and of what is told: base axes"),
+    needed("direction", _DIRECTION, "of the force at the tool and of the displacement: base axes"),
     needed("from", _FREQUENCY, "the first frequency"),
     needed("to", _FREQUENCY, "the last one"),
-    Key("count", Number(least=2, most=MOST_POSES, whole=True), "how many", default=400),
+    Key("count", Number(least=2, most=MOST_POSES, whole=True), "how many frequencies", default=400),
     Key("at", _FREQUENCY, "where the response is judged besides its peak"),
 )
 # 10 cm: what a tool may be off is told in micrometres.
@@ -265,13 +265,13 @@ _INPUT_UNCERTAINTY = TableRule(
     needed("relative", _SHARE, "its relative standard uncertainty"),
 )
 _HEAD = (
-    needed("schema", OneOf((1, 2)), "version of this format: 2, of the biglide's own 1"),
+    needed("schema", OneOf((1, 2)), "version of this format: 2; 1 for the biglide's own"),
     needed("name", _TITLE, "appears in the report"),
 )
 _ASKED = (
     Key("loads", Several(LOAD), "the designer's own loads, each judged", default=()),
     Key("damping", DAMPING, "of all modes, beside the losses of bodies, joints and drives"),
-    Key("responses", Several(RESPONSE), "to forces that swing, each judged", default=()),
+    Key("responses", Several(RESPONSE), "to harmonic forces, each judged", default=()),
     Key("accept", ACCEPT, "what is asked of a model"),
     Key("measured", MEASURED_VALUES, "measured values", default=()),
     Key("input_uncertainty", Several(_INPUT_UNCERTAINTY), "how well data are known", default=()),
@@ -285,7 +285,7 @@ MECHANISM = TableRule(
     needed("joints", Named(_NAME, JOINT, _MOST_JOINTS), "what holds the bodies together"),
     needed("tool", TOOL, "the loaded point"),
     Key("materials", Named(_NAME, MATERIAL), "materials that several bodies have", default={}),
-    Key("path", PATH, "where `run` looks; the reference posture where left out"),
+    Key("path", PATH, "poses at which `run` judges; the reference posture where left out"),
     *_ASKED,
 )
 
@@ -337,7 +337,7 @@ BIGLIDE = TableRule(
     needed("type", OneOf(("biglide",)), "two slides along y, two legs that meet at B"),
     needed("geometry", _GEOMETRY, "of slides and tool"),
     needed("platform", TableRule(needed("mass", _MASS, "at the loaded point")), "on leg 1"),
-    needed("actuators", _ACTUATORS, "if simplified"),
+    needed("actuators", _ACTUATORS, "drives of the simplified model"),
     needed("leg1", _BIGLIDE_LEG, "from the slide on x = 0 to B"),
     needed("leg2", _BIGLIDE_LEG, "from the slide on x = a to B"),
     Key("foot", _FOOT, "of both legs; rigid where left out"),
