@@ -97,7 +97,7 @@ def slice_meshes(pieces: Sequence[Slice]) -> list[SectionMesh]:
     try:
         return within_limits(_SECONDS, _slice_meshes, pieces)
     except Crashed as crash:
-        raise InputError(f"gmsh does not survive meshing its sections ({crash})") from crash
+        raise InputError(f"gmsh fails to mesh the sections of the part ({crash})") from crash
 
 
 def _slice_meshes(pieces: Sequence[Slice]) -> list[SectionMesh]:

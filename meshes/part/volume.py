@@ -156,8 +156,7 @@ def ladder(part: PartFile, interfaces: Sequence[Interface], unknowns: int) -> tu
         return within_limits(_SECONDS, _ladder, part, interfaces, unknowns)
     except Crashed as crash:
         raise InputError(
-            f"{part.path}: gmsh does not survive meshing it ({crash}); ask for another number of "
-            "unknowns"
+            f"{part.path}: gmsh fails to mesh it ({crash}); ask for another number of unknowns"
         ) from crash
 
 

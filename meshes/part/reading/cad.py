@@ -241,17 +241,17 @@ def _one_solid(gmsh: ModuleType, path: Path) -> int:
         raise InputError(f"{path}: holds no faces; a part is one solid")
     raise InputError(
         f"{path}: {counted(len(faces), 'face')}, but no solid: sheet bodies, or a shell that is "
-        f"open {_opening(gmsh)}; close it in the CAD system"
+        f"open{_opening(gmsh)}; close it in the CAD system"
     )
 
 
 def _opening(gmsh: ModuleType) -> str:
-    """Where a shell is open: an edge that belongs to one face alone."""
+    """Where a shell is open: at an edge that belongs to one face alone; "" if none does."""
     for _, tag in gmsh.model.getEntities(1):
         faces, _ = gmsh.model.getAdjacencies(1, tag)
         if len(faces) == 1:
-            return f"at the edge near {_place(gmsh, 1, tag)}"
-    return "nowhere in particular"
+            return f" at the edge near {_place(gmsh, 1, tag)}"
+    return ""
 
 
 def _place(gmsh: ModuleType, dimension: int, tag: int) -> str:

@@ -39,6 +39,7 @@ def require_filled(mesh: PartMesh, model: CadModel, path: Path) -> None:
     if not abs(filled - volume) <= allowed:
         raise InputError(
             f"{path}: its faces enclose {1e6 * volume:.6g} cm³, tetrahedra between them fill "
-            f"{1e6 * filled:.6g} cm³, and the mesh explains {1e6 * allowed:.2g} cm³: a face looks "
-            "the wrong way or is bounded wrongly; export it anew from the CAD system"
+            f"{1e6 * filled:.6g} cm³, and the mesh explains a difference of "
+            f"{1e6 * allowed:.2g} cm³: a face looks the wrong way or is bounded wrongly; export it "
+            "anew from the CAD system"
         )

@@ -64,8 +64,8 @@ def read_mesh(path: Path, unit: str | None = None) -> tuple[PartMesh, str]:
     size = inflated_size(path.read_bytes()) if path.suffix.lower() == ".vtu" else 0
     if size > LARGEST:
         raise InputError(
-            f"{source}: what it holds compressed are {size / 1e6:.6g} MB, at most "
-            f"{LARGEST / 1e6:g} MB are read"
+            f"{source}: its compressed arrays unpack to {size / 1e6:.6g} MB; must be at "
+            f"most {LARGEST / 1e6:g} MB"
         )
     with inflating(size):
         raw = _raw(path)
@@ -110,7 +110,7 @@ def _require_followed(path: Path) -> None:
             wrong.append("the place of *INSTANCE")
         if wrong:
             raise InputError(
-                f"{path}: line {number}: {wrong[0]} is not followed; write all nodes and elements "
+                f"{path}: line {number}: {wrong[0]} is not supported; write all nodes and elements "
                 "of the part into this file, in Cartesian coordinates"
             )
 
@@ -160,9 +160,9 @@ def _require_one_solid(mesh: VolumeMesh, source: str) -> None:
     _, first, counts = np.unique(rounded, axis=0, return_index=True, return_counts=True)
     if np.any(counts > 1):
         x, y, z = mesh.nodes[first[counts > 1][0]]
-        lie = counted(int((counts - 1).sum()), "node lies", "nodes lie")
+        lie = counted(int((counts - 1).sum()), "node coincides", "nodes coincide")
         raise InputError(
-            f"{source}: {lie} twice in one place, the first at ({x:.4g}, {y:.4g}, {z:.4g}) m: the "
+            f"{source}: {lie} with another, the first at ({x:.4g}, {y:.4g}, {z:.4g}) m: the "
             "mesh is torn there; merge them"
         )
     own = np.sort(mesh.cells, axis=1)
@@ -170,7 +170,7 @@ def _require_one_solid(mesh: VolumeMesh, source: str) -> None:
     if np.any(counts > 1):
         there = counted(int((counts - 1).sum()), "element is", "elements are")
         raise InputError(
-            f"{source}: {there} there twice, the first is element "
+            f"{source}: {there} given twice, the first is element "
             f"{first[counts > 1].min() + 1}; delete one of each"
         )
     # Not a number where nodes are the same.
@@ -184,8 +184,8 @@ def _require_one_solid(mesh: VolumeMesh, source: str) -> None:
     pieces = _pieces(mesh)
     if pieces > 1:
         raise InputError(
-            f"{source}: the mesh is in {pieces} pieces that share no side of an element; what "
-            "meets in a point or an edge alone turns there"
+            f"{source}: the mesh is in {pieces} pieces that share no face of an element; "
+            "joined at a point or an edge alone they can turn"
         )
 
 

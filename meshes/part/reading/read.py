@@ -103,7 +103,7 @@ def read_part(path: Path, unit: str | None = None) -> PartFile:
         return within_limits(seconds, _read, path, unit)
     except ComputationError as error:
         raise InputError(
-            f"{path}: what reads it fails ({error}): the file is damaged, or much too large; "
+            f"{path}: its reader fails ({error}): the file is damaged, or much too large; "
             "export it anew"
         ) from error
 

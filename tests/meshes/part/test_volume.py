@@ -58,7 +58,7 @@ def test_what_has_no_sound_mesh_is_said(bar, monkeypatch, error, kind):
     with pytest.raises(kind, match=rf"box.step: gmsh makes no sound .* m: {error}; ask for"):
         volume.volume_mesh(*bar, volume.Grading(0.02))
     if isinstance(error, Crashed):
-        with pytest.raises(kind, match=rf"box.step: gmsh does not survive .* \({error}\); ask for"):
+        with pytest.raises(kind, match=rf"box.step: gmsh fails to mesh .* \({error}\); ask for"):
             volume.ladder(*bar, 20_000)
 
 

@@ -54,7 +54,7 @@ def test_a_file_that_ends_the_kernel_is_a_line_and_nothing_else(tmp_path, capfd,
     out, err = capfd.readouterr()
     assert out == ""
     assert err.count("\n") == 1
-    assert f"{part}: what reads it fails" in err
+    assert f"{part}: its reader fails" in err
 
 
 def test_json_is_in_metres(command):

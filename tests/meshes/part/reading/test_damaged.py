@@ -132,7 +132,7 @@ NAMED = {
         r"the cavity about \(0\.006, 0\.03, 0\.018\) m sticks out of the solid",
     ),
     # Ends the process, and never comes back.
-    "a class cast": ("leg", "#3413 = VECTOR(", "#3413 = SOLID_ANGLE_UNIT(", "what reads it fails"),
+    "a class cast": ("leg", "#3413 = VECTOR(", "#3413 = SOLID_ANGLE_UNIT(", "its reader fails"),
 }
 
 
