@@ -41,8 +41,8 @@ def exudyn_version() -> str:
 def require_beams(mechanism: Mechanism) -> None:
     """Raise InputError, one line per fault, for what is no prism, rigid body or rigid joint."""
     faults = [
-        f"{name}: EXUDYN's beams have a section; this body is a {what}"
-        for kind, what in ((GivenLeg, "6×6"), (Part, "part"))
+        f"{name}: EXUDYN's beams need a section; this body is a {what}"
+        for kind, what in ((GivenLeg, "leg given by its 6×6"), (Part, "part"))
         for name, body in mechanism.bodies.items()
         if isinstance(body.shape, kind)
     ]
@@ -52,7 +52,7 @@ def require_beams(mechanism: Mechanism) -> None:
         if isinstance(body.shape, Rigid) and name != GROUND and not body.shape.mass
     ]
     faults += [
-        f"{joint.name}: joints that give are not written for EXUDYN"
+        f"{joint.name}: joints with a compliance are not written for EXUDYN"
         for joint in mechanism.joints
         if joint.compliance is not None
     ]

@@ -79,7 +79,7 @@ def run_calculix(deck: Deck, timeout: float = 600.0) -> CalculixResults:
         return read_results(text, deck)
     except ComputationError as error:
         last = next((line for line in reversed(said.splitlines()) if line.strip()), "nothing")
-        raise ComputationError(f"{error}; its last words were: {last.strip()}") from None
+        raise ComputationError(f"{error}; its output ends with: {last.strip()}") from None
 
 
 def _run(program: str, job: Path, title: str, timeout: float) -> str:

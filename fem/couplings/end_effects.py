@@ -93,7 +93,7 @@ def _change(fields: SectionFields, length: float) -> Array:
     sizes = np.sqrt(np.maximum(np.diag(free), 0.0))
     if not np.all(np.abs(taken - taken.T) <= _UNEVEN * np.outer(sizes, sizes)):
         raise ComputationError(
-            "end effects: what rigid faces take from the leg is lost in rounding; it is too long "
-            "for its section, or its moduli differ by too much"
+            "end effects: the end restraint of rigid faces is lost in rounding; the leg is "
+            "too long for its section, or its moduli differ by too much"
         )
     return np.asarray(0.5 * (taken + taken.T))

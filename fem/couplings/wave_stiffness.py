@@ -117,7 +117,7 @@ def _wave(kind: PrismWaves, omega: float, sign: float) -> tuple[float, Array]:
             if not np.isfinite(following).all():
                 # Beside the section's own stiffness nothing is left of the frequency.
                 raise ComputationError(
-                    f"waves: that of {fields.name} at {omega / (2.0 * np.pi):.4g} Hz is lost in "
+                    f"waves: {fields.name} at {omega / (2.0 * np.pi):.4g} Hz is lost in "
                     "rounding; moduli or masses of the robot's parts differ by too much"
                 )
             before, square = square, shift + float(shape @ shape) / float(shape @ following)
@@ -127,6 +127,6 @@ def _wave(kind: PrismWaves, omega: float, sign: float) -> tuple[float, Array]:
                     return square, shape
                 break
     raise ComputationError(
-        f"waves: none of {fields.name} as a beam has it at {omega / (2.0 * np.pi):.4g} Hz, near "
-        "which walls of the section move by themselves"
+        f"waves: no {fields.name} like a beam's at {omega / (2.0 * np.pi):.4g} Hz: near it the "
+        "walls of the section move by themselves"
     )

@@ -52,7 +52,7 @@ def test_error_of_calculix_is_quoted_with_the_deck() -> None:
     ("behaviour", "timeout", "message"),
     [
         ("exec sleep 60", 0.2, "took more than 0.2 s"),
-        ("echo Job finished; echo", 60.0, "0 of 1 load cases; its last words were: Job finished"),
+        ("echo Job finished; echo", 60.0, "0 of 1 load cases; its output ends with: Job finished"),
     ],
 )
 def test_calculix_that_misbehaves(
