@@ -215,4 +215,6 @@ class RunFolder:
                 self.records[told["record"]["id"]] = told["record"]
             elif line:
                 place = self.path / RECORDS
-                self.remarks.append(f"{place}, line {number} does not hold: not finished")
+                self.remarks.append(
+                    f"{place}, line {number} is damaged or of another run: passed over"
+                )

@@ -52,7 +52,9 @@ def open_folder(path: Path, header: Header, start: Start) -> Iterator[RunFolder]
         "the folder that you are in": Path(os.path.realpath(place)) in {here, *here.parents},
     }.items():
         if stays:
-            raise InputError(f"--out {path}: is {what}, never renamed; name a folder in it")
+            raise InputError(
+                f"--out {path}: is {what}, which cannot be renamed; name a folder in it"
+            )
     partial = place.with_name(f"{place.name}.partial")
     with _refused(path):
         _require_ours(path, place, partial)
@@ -108,7 +110,7 @@ def _begun_last(path: Path, place: Path, partial: Path, mark: Mark) -> Path:
         spoken = f"{', '.join(differing)} differ"
         raise InputError(
             f"--resume: {path} belongs to another run "
-            f"({spoken if found else 'what it says of itself cannot be read'}); "
+            f"({spoken if found else 'its run.json cannot be read'}); "
             "start afresh without --resume, or name another folder with --out"
         )
     return begun
@@ -195,7 +197,7 @@ def _merge(source: Path, target: Path, remarks: list[str]) -> None:
             continue
         moved = entry.rename(free(there) if os.path.lexists(there) else there)
         if moved != there:
-            remarks.append(f"{there} was no run's: kept as {moved.name}")
+            remarks.append(f"{there} was not written by a run: kept as {moved.name}")
 
 
 @contextmanager

@@ -303,7 +303,7 @@ def _answer_lines(answer: Answer) -> list[str]:
         listed = ", ".join(f"{100.0 * loss:.3g}" for loss in answer.damped[1])
         lines.append(f"  loss factors of the modes (%): {listed}")
     if answer.responses:
-        lines.append("  responses of the tool (µm/N) to the forces of the robot file that swing:")
+        lines.append("  responses of the tool (µm/N) to the harmonic forces of the robot file:")
         lines += [f"    {_response_text(one)}" for one in answer.responses]
     if answer.idle:
         lines.append(f"  idle mobilities, which do not move the tool: {answer.idle}")
@@ -315,12 +315,12 @@ def _answer_lines(answer: Answer) -> list[str]:
             if mesh.meshes:
                 lines.append(
                     "    numbers are extrapolated where the meshes of "
-                    f"{', '.join(map(str, mesh.meshes))} divisions show an order"
+                    f"{', '.join(map(str, mesh.meshes))} divisions show an order of convergence"
                 )
             lines += _share_lines(answer, mesh)
         else:
             lines.append(
-                "  uncertainty of the mesh: not known; the mesh that would tell it, --divisions "
+                "  uncertainty of the mesh: not known; the mesh that would show it, --divisions "
                 f"{mesh.divisions}, is too large"
             )
     if answer.of_parts is not None:

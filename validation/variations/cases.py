@@ -92,20 +92,20 @@ def _loss(context: Context, variation: Variation, objective: Objective, model: s
     quantity="Spearman's rank correlation with the reference",
     unit="1",
     tolerance=lambda count: Absolute(18.0 / (count * (count**2 - 1))),
-    tolerance_reason="12/(n(n² − 1)): one exchange of neighbours among n designs, and half of one",
+    tolerance_reason="one and a half exchanges of neighbours among n designs, 12/(n(n² − 1)) each",
 )
 def _order(context: Context, variation: Variation, objective: Objective, model: str) -> Measurement:
     decision = _decision(context, variation, objective, model)
     correlation, uncertainty = decision.correlation(model)
     if isnan(correlation):
-        raise Skip(f"all values of {variation.key} are equally good to {model} or its reference")
+        raise Skip(f"all values of {variation.key} are equally good by {model} or its reference")
     return Measurement(correlation, reference=1.0, reference_uncertainty=uncertainty)
 
 
 def _decision(context: Context, variation: Variation, objective: Objective, model: str) -> Decision:
     found = varied_curves(context, variation)[objective].decision
     if model not in found.models:
-        raise Skip(f"{model} does not answer for every value of {variation.key}")
+        raise Skip(f"{model} gives no answer for some value of {variation.key}")
     return found
 
 
@@ -113,4 +113,4 @@ def _indifference(variation: Variation, places: Sequence[int]) -> tuple[str, ...
     if len(places) == 1:
         return ()
     values = ", ".join(f"{variation.values[place]:.6g}" for place in places)
-    return (f"{values} are equally good to it; the best of them is held in its favour.",)
+    return (f"{values} are equally good by this model; the best of them counts.",)

@@ -166,7 +166,7 @@ def test_only_what_a_run_wrote_is_ever_removed(tmp_path):
     assert (path / "data" / "precious.dat").read_text() == "measured"
     assert (path / "report.html").read_text() == "new"
     assert (path / "report.html.kept").read_text() == "report with remarks of its reader"
-    assert "report.html was no run's: kept as report.html.kept" in folder.remarks[0]
+    assert "report.html was not written by a run: kept as report.html.kept" in folder.remarks[0]
     assert not (path / "figures" / "a.svg").exists()
     assert (path / "linked").is_symlink()
     assert {file.read_text() for file in elsewhere.iterdir()} == {"precious"}
@@ -242,7 +242,7 @@ def test_odd_records_are_not_finished_and_what_holds_is(tmp_path):
     with open_folder(path, HEADER, "resumed") as folder:
         assert folder.records == {"a": {"id": "a", "value": 1.0}}
         folder.keep({"id": "b"}, 6.0)
-        assert all("does not hold" in remark for remark in folder.remarks)
+        assert all("is damaged or of another run" in remark for remark in folder.remarks)
         assert len(folder.remarks) == len(ODD)
     with open_folder(path, HEADER, "resumed") as folder:
         assert list(folder.records) == ["a", "b"]

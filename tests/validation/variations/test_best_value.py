@@ -143,8 +143,8 @@ def test_what_the_file_relies_on_is_judged(stout):
     assert (loss.value, loss.reference_uncertainty) == (0.0, 0.0)
     # No mass changes a deflection: nothing is to choose, and there is no order.
     stiff = cases["decision.deflection.loss.simplified[tool.mass]"].measure(context)
-    assert "2, 3, 4 are equally good to it" in stiff.notes[1]
-    with pytest.raises(Skip, match="equally good to simplified or its reference"):
+    assert "2, 3, 4 are equally good by this model" in stiff.notes[1]
+    with pytest.raises(Skip, match="equally good by simplified or its reference"):
         cases["decision.deflection.order.simplified[tool.mass]"].measure(context)
     two = cases_over(relied, variations_of(stout, ["tool.mass=2:4:2"]))
     assert [case.id.split(".")[2] for case in two] == ["loss", "loss"]
