@@ -340,9 +340,9 @@ def _wave_notes(part: str, wave: float, tip: float) -> tuple[str, ...]:
         return ()
     return (
         f"Saint-Venant's frequency times {wave:.5f} for stiffness and inertia of warping along the "
-        "wave (3-D wave of the same length in an endless leg, fem.waveguide) and "
+        "wave (3-D wave of the same length in an endless leg, fem.sections.waveguide) and "
         f"{tip:.5f} for the tip face, free of the wave's normal stress (Reissner's torsion, "
-        "fem.nonuniform_torsion)",
+        "fem.sections.nonuniform_torsion)",
     )
 
 
