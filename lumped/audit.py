@@ -206,7 +206,7 @@ def _slender_axis(part: DescribedPart) -> Iterator[Finding]:
         "slender axis",
         printed="diagonal " + ", ".join(f"{moment:g}" for moment in diagonal),
         wrong=f"smallest moment of inertia about {'xyz'[axis]}, but x is the leg's direction; "
-        "likely the axes of the drawing",
+        "likely given in the axes of the drawing",
         evidence=f"smallest principal moment {moments[0]:.3f} kg m² about {'xyz'[axis]}, "
         f"against {diagonal[0]:.3f} kg m² about x",
         severity="warning",

@@ -77,8 +77,8 @@ def certify(values: Array, beyond: float, count: Count, part: str) -> float:
         missing = found.negative - wanted
         message = (
             f"{part}: certificate of the modes failed: {found.negative} lie below "
-            f"{np.sqrt(sigma) / (2.0 * np.pi):.6g} Hz, {wanted} were found; the start has no share "
-            "in a mode or the factor of the stiffness is inaccurate"
+            f"{np.sqrt(sigma) / (2.0 * np.pi):.6g} Hz, {wanted} were found; the start vectors have "
+            "no share in a mode or the factor of the stiffness is inaccurate"
         )
         if missing > 0:
             raise MissedModesError(message, missing)

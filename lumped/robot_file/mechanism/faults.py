@@ -111,7 +111,7 @@ def _idle_interfaces(given: Draft, loaded: Collection[str | None]) -> Iterator[s
         for point in body["held"] or ():
             if name in joined and (name, point) not in used and point not in loaded:
                 yield (
-                    f'bodies.{name}: nothing takes hold of it at "{point}"; must be joined there, '
+                    f'bodies.{name}: no joint holds it at "{point}"; must be joined there, '
                     "or hold the tool, or end elsewhere"
                 )
 

@@ -80,7 +80,7 @@ def body_faults(body: Entry) -> Iterator[str]:
     """Faults of a leg on its points, a rigid body or a part."""
     key, kind = body["key"], body["kind"]
     if key == f"bodies.{GROUND}":
-        yield f"{key}: the base, on which the joints stand; must have another name"
+        yield f"{key}: ground is the name of the base; must have another name"
     if kind is None:
         yield (
             f"{key}: must be a leg (from and to), a rigid body (points) or a part (step or mesh), "
