@@ -43,6 +43,8 @@ LEGS = {
     "400k": (1.0, 0.0765, 0.12, 10),
     "841k": (1.0, 0.0765, 0.12, 13),
 }
+# How the sentence on the models begins.
+SENTENCES = ("You rely", "For your limits", "No model")
 Figures = dict[str, float]
 
 
@@ -253,11 +255,11 @@ def command(*words: str) -> Figures:
         out = ["--out", f"{folder}/out"] if words[0] == "run" else []
         start = perf_counter()
         with subprocess.Popen(
-            [*program, *out], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
+            [*program, *out], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
         ) as process:
             told = None
             for line in process.stdout or ():
-                if told is None and line.startswith(("You rely", "For your limits", "No model")):
+                if told is None and any(begun in line for begun in SENTENCES):
                     told = perf_counter() - start
         seconds = perf_counter() - start
     assert process.returncode in {0, 1}, process.returncode
