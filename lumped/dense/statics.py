@@ -60,7 +60,7 @@ def balanced_flexibility(loads: Array, displacements: Array, forces: Array, part
     worst = float(share.max(initial=0.0))
     if not worst <= _UNBALANCED:
         raise ComputationError(
-            f"{part}: the work of the loads and the energy stored differ by {100.0 * worst:.1g} %: "
+            f"{part}: the work of the loads and the energy stored differ by {100.0 * worst:.2g} %: "
             "stiffnesses in the model differ by more than double precision resolves"
         )
     return np.asarray(0.5 * (flexibility + np.swapaxes(flexibility, -1, -2)))

@@ -17,7 +17,6 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.optimize import minimize_scalar
 
 from lumped.arrays import Array, ComplexArray
 from lumped.dense.modes import Modes
@@ -94,6 +93,9 @@ class DampedModes:
 
         Infinite where a mode that takes part loses nothing, 0 and NaN where the tool is rigid.
         """
+        # A fifth of a second, which most commands have no use for.
+        from scipy.optimize import minimize_scalar  # noqa: PLC0415
+
         sizes = np.abs(self.gives)
         if not sizes.any():
             return 0.0, np.nan

@@ -63,8 +63,10 @@ from validation.models.options import STATIC
 from validation.models.parts import with_finer_parts
 
 _ROOT, _TIP = "root", "tip"
-# Seconds that a run of the preset waits for finer meshes that nobody has asked for.
+# Seconds that a run of the preset waits for finer meshes that nobody has asked for; those of CAD
+# parts take minutes that the first ones do not show, since these are often kept.
 _PATIENCE: Mapping[Preset, float] = {"quick": 0.0, "standard": 300.0, "fine": 600.0}
+_PATIENCE_WITH_PARTS = {**_PATIENCE, "standard": 0.0}
 # Rigid legs say nothing of a leg alone, and links are virtual joints there.
 _NOT_OF_A_LEG = ("simplified", "links", "segments-stepped", "segments-condensed")
 _STATIC = "a static model: without masses it has no frequencies"
@@ -87,6 +89,7 @@ def judged_robot(context: Context) -> tuple[Subject, Matrix]:
     of the preset may wait. Raises InputError as `robot_subject` does.
     """
     requirement = context.robot_file.requirement
+    waits = _PATIENCE_WITH_PARTS if context.robot_file.mechanism.parts else _PATIENCE
 
     def judge(context: Context) -> tuple[Subject, Matrix]:
         subject = robot_subject(context)
@@ -98,7 +101,7 @@ def judged_robot(context: Context) -> tuple[Subject, Matrix]:
         lambda found: _left_by_meshes(found[1], requirement.accuracy),
         _with_finer_meshes,
         requirement.accuracy or 1.0,
-        PATIENCE if requirement.accuracy else _PATIENCE[context.preset],
+        PATIENCE if requirement.accuracy else waits[context.preset],
     )
     said = (reached.text,) if requirement.accuracy else ()
     return subject, replace(matrix, notes=(*matrix.notes, *said))

@@ -156,7 +156,7 @@ def test_a_platform_without_chains_and_one_on_a_negative_spring():
         vjm.platform_compliance(np.zeros((6, 6)))
     # What rounding leaves of a free motion may be negative, too.
     for left in (-1e3, -1e-2):
-        with pytest.raises(ComputationError, match=r"free to translate along z: .* is negative"):
+        with pytest.raises(ComputationError, match=r"free to translate along z: .* negative"):
             vjm.platform_compliance(np.diag([1e9, 1e9, left, 1e7, 1e7, 1e7]))
 
 

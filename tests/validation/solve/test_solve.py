@@ -204,7 +204,7 @@ def test_a_mesh_that_nothing_stands_beside_says_so(robot, command, monkeypatch):
     leg = equivalent_leg(legs_of(load_robot(robot).mechanism)["leg1"])
     only = 1.2 * solid_cost((leg,), 2, 6).memory
     monkeypatch.setattr("validation.solve.cost.available_memory", lambda: only)
-    told = "uncertainty of the mesh: not known; the mesh that would tell"
+    told = "uncertainty of the mesh: not known; the mesh that would show it"
     assert told in command.told(*asked)
     assert command.json(*asked)["results"][0]["uncertainty"] is None
 
