@@ -39,14 +39,14 @@ class Printed(NamedTuple):
     half: Array
 
 
-class Row(NamedTuple):
+class TableRow(NamedTuple):
     """A row of a CSV file: where it stands, and its `cells` by the headings."""
 
     place: str
     cells: Mapping[str, str]
 
 
-def table_rows(path: Path, kind: str, columns: Sequence[str], most: int) -> list[Row]:
+def table_rows(path: Path, kind: str, columns: Sequence[str], most: int) -> list[TableRow]:
     """The rows of a CSV file that has such columns, one at least; `kind` is what it must be.
 
     Raises InputError with one line per fault.
@@ -67,7 +67,7 @@ def table_rows(path: Path, kind: str, columns: Sequence[str], most: int) -> list
     faults += [f"{place}: more cells than headings" for place, row in rows if None in row]
     if faults:
         raise InputError(faults)
-    return [Row(*row) for row in rows]
+    return [TableRow(*row) for row in rows]
 
 
 def number_or_text(cell: str) -> int | float | str:

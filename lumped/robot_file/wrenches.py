@@ -10,7 +10,7 @@ from lumped.arrays import Array
 from lumped.errors import InputError, each
 from lumped.mechanism.kinematics.postures import shown_pose
 from lumped.mechanism.mechanism import Mechanism
-from lumped.robot_file.reading import Row, number_or_text, table_rows
+from lumped.robot_file.reading import TableRow, number_or_text, table_rows
 from lumped.robot_file.rules.rule import Number
 from lumped.robot_file.rules.tables import COORDINATE, FORCE, MOST_POSES
 
@@ -46,7 +46,9 @@ def wrenches_over(path: Path, robot: Mechanism) -> Array:
     return np.array([found[number] for number in numbers if number is not None])
 
 
-def _take(found: dict[int, Array], robot: Mechanism, where: Mapping[str, Number], row: Row) -> None:
+def _take(
+    found: dict[int, Array], robot: Mechanism, where: Mapping[str, Number], row: TableRow
+) -> None:
     """Put the wrench of a row with that of its pose; raises InputError where there is another."""
     rules = {**where, **dict.fromkeys(_COMPONENTS, FORCE)}
     values = {name: number_or_text(row.cells[name]) for name in rules}

@@ -19,7 +19,7 @@ from validation.maps.quantities import Mapped, mapped
 from validation.maps.workspace import (
     Place,
     Workspace,
-    Worst,
+    WorstPosture,
     evenly,
     values_on,
     workspace,
@@ -33,7 +33,7 @@ from validation.solids.legs import SHARED_SOLIDS
 _MOST: Mapping[Preset, int] = {"quick": 81, "standard": 400, "fine": 2500}
 _SLICES, _FEWEST, _HIGH = 4, 4, 2.1
 # A quantity with its values over the grid and its worst posture.
-Map: TypeAlias = tuple[Mapped, Array, Worst]
+Map: TypeAlias = tuple[Mapped, Array, WorstPosture]
 figures = FigureGroup(PATH, SHARED_SOLIDS)
 
 
@@ -126,7 +126,7 @@ def _table(space: Workspace, names: Sequence[str], found: Sequence[Map]) -> dict
     return table
 
 
-def _study(space: Workspace, one: Mapped, values: Array, worst: Worst) -> dict[str, Any]:
+def _study(space: Workspace, one: Mapped, values: Array, worst: WorstPosture) -> dict[str, Any]:
     """The map's entry among the studies of results.json."""
     return {
         "id": one.id,

@@ -57,7 +57,7 @@ class Workspace:
         return pose
 
 
-class Worst(NamedTuple):
+class WorstPosture(NamedTuple):
     """The worst posture that was found, by its pose, and its value."""
 
     pose: Array
@@ -99,7 +99,7 @@ def values_on(space: Workspace, solve: Solve) -> Array:
 
 def worst_posture(
     space: Workspace, values: Array, solve: Solve, *, largest: bool = False
-) -> Worst | None:
+) -> WorstPosture | None:
     """The posture of the smallest value, or the `largest`: between the grid's points, too.
 
     `values` as `values_on` gives them. None where there is none.
@@ -114,7 +114,7 @@ def worst_posture(
     if not found:
         return None
     value, pose = min(found, key=lambda one: one[0])
-    return Worst(pose, sign * float(value))
+    return WorstPosture(pose, sign * float(value))
 
 
 def _searched(
