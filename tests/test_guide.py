@@ -33,31 +33,25 @@ from validation.variations.cases import cases_over
 ROOT = Path(__file__).resolve().parents[1]
 EXAMPLES = ROOT / "docs" / "examples"
 PAGES = (ROOT / "README.md", *sorted((ROOT / "docs" / "guide").glob("*.md")))
-# Pages whose examples take ten seconds and more.
-LONG = {"using", "mechanisms", "cases", "paper"}
+# Pages and scripts whose examples take ten seconds and more.
+LONG = {"using", "mechanisms", "cases", "paper", "from_python"}
 BLOCK = re.compile(r"^```(\w+)[ ]?([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 LINK = re.compile(r"\]\(([^)#\s]+)(?:#[^)\s]*)?\)")
-# What a page may show without its being run: formulas and excerpts of files.
-INERT = {"text"}
-FEW = ["--only", "*.statics?simplified*", "--jobs", "1"]
-# Scripts that run as long.
-LONG_SCRIPTS = {"from_python"}
-# So that adding a case stays a matter of minutes.
-LONGEST = 10
+FEW = ["--preset", "quick", "--only", "*.statics?simplified*", "--jobs", "1"]
 
 
 def blocks(page: Path) -> list[tuple[str, str, str]]:
     return BLOCK.findall(page.read_text(encoding="utf-8"))
 
 
-@pytest.mark.parametrize(
-    "page",
-    [
-        pytest.param(page, marks=pytest.mark.exhaustive if page.stem in LONG else ())
-        for page in PAGES
-    ],
-    ids=lambda page: page.stem,
-)
+def long_apart(paths):
+    exhaustive = pytest.mark.exhaustive
+    return [
+        pytest.param(one, id=one.stem, marks=[exhaustive] * (one.stem in LONG)) for one in paths
+    ]
+
+
+@pytest.mark.parametrize("page", long_apart(PAGES))
 def test_the_examples_of_the_page_work(page, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     namespace = {"__name__": "example"}
@@ -72,28 +66,26 @@ def test_the_examples_of_the_page_work(page, tmp_path, monkeypatch, capsys):
         elif language == "python":
             exec(compile(text, f"{page.name}", "exec"), namespace)  # noqa: S102  our own pages
         else:
-            assert language in INERT, f"```{language} is not known to this test"
+            # What a page may show without its being run: formulas and excerpts of files.
+            assert language == "text", f"```{language} is not known to this test"
 
 
-@pytest.mark.parametrize(
-    "script",
-    [
-        pytest.param(path, marks=pytest.mark.exhaustive if path.stem in LONG_SCRIPTS else ())
-        for path in sorted(EXAMPLES.glob("*.py"))
-    ],
-    ids=lambda path: path.stem,
-)
+@pytest.mark.parametrize("script", long_apart(sorted(EXAMPLES.glob("*.py"))))
 def test_the_examples_run(script, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    restored(monkeypatch)
+    # What the guide puts in place from outside is taken back afterwards.
+    monkeypatch.setattr(sections, "SHAPES", dict(sections.SHAPES))
+    monkeypatch.setattr(section_mesh, "section_blocks", section_mesh.section_blocks)
     runpy.run_path(str(script), run_name="__main__")
 
 
 @pytest.mark.exhaustive
 def test_the_example_of_a_design_team_is_a_test_that_passes(tmp_path):
-    options = "-p no:cacheprovider -q --flexproof-preset quick"
+    line = (
+        f"-m pytest -p no:cacheprovider -q --flexproof-preset quick --rootdir . {EXAMPLES}/design"
+    )
     done = subprocess.run(
-        [sys.executable, "-m", "pytest", *options.split(), "--rootdir", ".", EXAMPLES / "design"],
+        [sys.executable, *line.split()],
         cwd=tmp_path,
         env=os.environ | {"PYTHONPATH": str(ROOT)},
         capture_output=True,
@@ -103,48 +95,31 @@ def test_the_example_of_a_design_team_is_a_test_that_passes(tmp_path):
     assert "1 passed" in done.stdout, done.stdout + done.stderr
 
 
-def restored(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Let what the guide puts in place from outside be taken back afterwards."""
-    monkeypatch.setattr(sections, "SHAPES", dict(sections.SHAPES))
-    monkeypatch.setattr(section_mesh, "section_blocks", section_mesh.section_blocks)
-
-
 def run_console(text: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """Runs each command, a run on a few comparisons whatever the page asks for."""
     for example in re.split(r"^\$ ", text, flags=re.MULTILINE)[1:]:
         command, *expected = example.rstrip().splitlines()
         program, *arguments = shlex.split(command.split(";")[0], comments=True)
         assert program in {"flexproof", "./flexproof"}
         if arguments == ["test"]:
             continue
-        code = cli.main(quickly(arguments))
+        running = arguments[0] == "run"
+        if running:
+            line = re.sub(r"--(preset|only) \S+", "", shlex.join(arguments))
+            arguments = [*shlex.split(line), *FEW]
+        code = cli.main(arguments)
         printed = capsys.readouterr()
         actual = (printed.err + printed.out).splitlines()
         if command.endswith("; echo $?"):
             actual.append(str(code))
         else:
             assert code == 0, f"{command}\n{printed.err}"
-        if arguments[0] != "run":
-            assert_printed(expected, actual, command)
-
-
-def quickly(arguments: list[str]) -> list[str]:
-    """A run restricted to a few comparisons, whatever the page asks for."""
-    if arguments[0] != "run":
-        return arguments
-    kept = list(arguments)
-    for option in ("--preset", "--only"):
-        if option in kept:
-            place = kept.index(option)
-            del kept[place : place + 2]
-    return [*kept, "--preset", "quick", *FEW]
-
-
-def assert_printed(expected: list[str], actual: list[str], command: str) -> None:
-    """The expected lines are there, in their order."""
-    rest = iter(line.strip() for line in actual)
-    for line in expected:
-        if line.strip() != "…":
-            assert line.strip() in rest, f"{command} did not print {line!r} but\n{actual}"
+        if running:
+            continue
+        # The expected lines are there, in their order.
+        rest = map(str.strip, actual)
+        for line in map(str.strip, expected):
+            assert line == "…" or line in rest, f"{command} did not print {line!r} but\n{actual}"
 
 
 def test_every_block_and_link_of_the_pages_is_understood():
@@ -167,23 +142,21 @@ def test_the_mechanisms_of_the_guide_are_the_built_in_ones():
 
 
 def test_a_new_case_takes_ten_lines():
-    """Imports and all but what tries it."""
+    """Imports and all but what tries it: adding one stays a matter of minutes."""
     case, _, _ = (EXAMPLES / "new_case.py").read_text(encoding="utf-8").partition("if __name__")
-    code = case.rpartition('"""\n')[2].splitlines()
-    assert len([line for line in code if line.strip()]) <= LONGEST
+    assert len(re.findall(r"^.*\S", case.rpartition('"""\n')[2], re.MULTILINE)) <= 10
 
 
 def test_the_guide_to_the_cases_covers_the_catalogue_and_nothing_else():
     page = (ROOT / "docs" / "guide" / "cases.md").read_text(encoding="utf-8")
     rows = re.findall(r"^\| (`.*?) \|", page, re.MULTILINE)
     patterns = [pattern for row in rows for pattern in re.findall(r"`([^`]+)`", row)]
-    tasks = catalogue(load_robot("ifw"))
-    ids = [task.id.replace("leg2", "leg1") for task in tasks if isinstance(task, Case)]
-    unsaid = [one for one in ids if not any(fnmatchcase(one, pattern) for pattern in patterns)]
-    assert unsaid == []
-    for other in ("five-bar", ROOT / "examples" / "tapered-biglide" / "robot.toml"):
-        ids += [task.id for task in catalogue(load_robot(other)) if isinstance(task, Case)]
-    five_bar = load_robot("five-bar")
+    robots = ("ifw", "five-bar", ROOT / "examples" / "tapered-biglide" / "robot.toml")
+    ifw, five_bar, tapered = map(load_robot, robots)
+    ids = [task.id for task in catalogue(ifw) if isinstance(task, Case)]
+    named = [one.replace("leg2", "leg1") for one in ids]
+    assert [one for one in named if not any(fnmatchcase(one, p) for p in patterns)] == []
+    ids += [task.id for one in (five_bar, tapered) for task in catalogue(one)]
     ids += [one.id for one in cases_over(five_bar, variations_of(five_bar, ["tool.mass=1:2:3"]))]
     assert [one for one in patterns if not any(fnmatchcase(i, one) for i in ids)] == []
 

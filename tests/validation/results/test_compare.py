@@ -10,38 +10,32 @@ from msgspec.structs import replace
 
 from lumped.errors import InputError
 from validation.results.compare import as_dict, as_text, compare, drift
-from validation.results.records import (
-    AdequacyRecord,
-    CaseRecord,
-    RunRecord,
-    load_run,
-)
-
-STEADY = CaseRecord(
-    id="steady", verdict="agree", value=1.0, reference=1.0, tolerance=0.1, seconds=1.0
-)
-
+from validation.results.records import AdequacyRecord, CaseRecord, RunRecord, load_run
 
 CASE = {"id": "steady", "verdict": "agree"}
+STEADY = CaseRecord(**CASE, value=1.0, reference=1.0, tolerance=0.1, seconds=1.0)
 
 
-def run_of(*cases, **header):
-    return RunRecord(cases=cases, run={"robot": "r", "preset": "quick"} | header)
+def run_of(*cases, adequacy=(), **header):
+    return RunRecord(cases=cases, adequacy=adequacy, run={"robot": "r", "preset": "quick"} | header)
 
 
-def saved(path, *cases, **header):
-    path.write_bytes(encode(run_of(*cases, **header)))
-    return path
+@pytest.fixture
+def saved(tmp_path):
+    def save(name, *cases, **more):
+        (tmp_path / name).write_bytes(encode(run_of(*cases, **more)))
+        return tmp_path / name
+
+    return save
 
 
 def test_verdicts_worsen_in_one_direction_and_cases_come_and_go():
     from_good_to_bad = ("agree", "skipped", "undecided", "disagree", "failed")
     for (i, before), (j, after) in permutations(enumerate(from_good_to_bad), 2):
-        old, new = (
-            run_of(replace(STEADY, verdict=verdict), replace(STEADY, id=other))
-            for verdict, other in ((before, "old"), (after, "new"))
+        comparison = compare(
+            run_of(replace(STEADY, verdict=before), replace(STEADY, id="old")),
+            run_of(replace(STEADY, verdict=after), replace(STEADY, id="new")),
         )
-        comparison = compare(old, new)
         (change,) = comparison.verdicts
         assert (change.before, change.after, change.worse) == (before, after, j > i)
         assert comparison.worsened is (j > i)
@@ -49,33 +43,32 @@ def test_verdicts_worsen_in_one_direction_and_cases_come_and_go():
 
 
 @pytest.mark.parametrize(
-    ("value", "then", "now", "beyond"),
+    ("values", "uncertainties", "reference", "beyond"),
     [
         # Without an uncertainty 1e-9 of the value is allowed.
-        (1.0 + 0.9e-9, None, None, False),
-        (1.0 + 1.1e-9, None, None, True),
-        (1.0 - 1.1e-9, None, None, True),
+        ((1.0, 1.0 + 0.9e-9), (None, None), 1.0, False),
+        ((1.0, 1.0 + 1.1e-9), (None, None), 1.0, True),
+        ((1.0, 1.0 - 1.1e-9), (None, None), 1.0, True),
         # The larger of the two uncertainties counts.
-        (1.09, 0.1, 0.01, False),
-        (1.09, 0.01, 0.1, False),
-        (1.09, 0.01, None, True),
+        ((1.0, 1.09), (0.1, 0.01), 1.0, False),
+        ((1.0, 1.09), (0.01, 0.1), 1.0, False),
+        ((1.0, 1.09), (0.01, None), 1.0, True),
         # An uncertainty of zero still rounds.
-        (1.0 + 0.9e-9, 0.0, 0.0, False),
+        ((1.0, 1.0 + 0.9e-9), (0.0, 0.0), 1.0, False),
+        # 1e-16 held against zero within 1e-9: a value that is all rounding may double.
+        ((1e-16, 2e-16), (None, None), 0.0, False),
+        ((1e-16, 2e-12), (None, None), 0.0, True),
     ],
 )
-def test_drift_is_what_exceeds_the_uncertainty(value, then, now, beyond):
+def test_drift_is_what_exceeds_the_uncertainty(values, uncertainties, reference, beyond):
+    tolerance = 0.1 if reference else 1e-9
     before, after = (
-        replace(STEADY, value=number, numerical_uncertainty=uncertainty)
-        for number, uncertainty in ((1.0, then), (value, now))
+        replace(
+            STEADY, value=value, numerical_uncertainty=u, reference=reference, tolerance=tolerance
+        )
+        for value, u in zip(values, uncertainties, strict=True)
     )
     assert drift(before, after).beyond is beyond
-    # 1e-16 held against zero within 1e-9: a value that is all rounding may double.
-    before, rounded, moved = (
-        replace(STEADY, value=number, reference=0.0, tolerance=1e-9)
-        for number in (1e-16, 2e-16, 2e-12)
-    )
-    assert not drift(before, rounded).beyond
-    assert drift(before, moved).beyond
 
 
 def test_people_and_programs_are_told_what_changed_and_nothing_else():
@@ -96,9 +89,9 @@ def test_people_and_programs_are_told_what_changed_and_nothing_else():
     assert any(line.split() == ["1.00", "3.50", "+2.50", "steady"] for line in lines)
     assert {"  came", "  gone"} <= set(lines)
     told, same = (json.loads(json.dumps(as_dict(one))) for one in (found, compare(before, before)))
-    drift = {"before": 1.0, "after": 1.25, "drift": 0.25, "allowed": 0.02}
+    numbers = {"before": 1.0, "after": 1.25, "drift": 0.25, "allowed": 0.02}
     value, reference = told["drifted"]
-    assert value == {"id": "steady", "what": "value", "unit": "Hz", **drift}
+    assert value == {"id": "steady", "what": "value", "unit": "Hz", **numbers}
     assert (reference["what"], reference["drift"]) == ("reference", -0.5)
     assert told["seconds"][0] == {"id": "steady", "before": 1.0, "after": 3.5}
     assert told["verdicts"] == [
@@ -107,15 +100,20 @@ def test_people_and_programs_are_told_what_changed_and_nothing_else():
     assert not any((same | {"seconds": [], "schema": 0}).values())
 
 
-def test_compare_ends_with_1_when_a_verdict_worsened(tmp_path, command):
-    good = saved(tmp_path / "good.json", STEADY)
+def test_compare_ends_with_1_when_a_verdict_worsened(tmp_path, saved, command):
     (tmp_path / "bad").mkdir()
-    saved(tmp_path / "bad" / "results.json", replace(STEADY, verdict="failed", value=None))
+    good = saved("good.json", STEADY)
+    saved("bad/results.json", replace(STEADY, verdict="failed", value=None))
     command.told("compare", good, good)
     said = command.told("compare", good, tmp_path / "bad", code=1)
     assert "agree   failed  steady" in said
     (change,) = command.json("compare", tmp_path / "bad", good)["verdicts"]
     assert (change["before"], change["worse"]) == ("failed", False)
+    # Runs without a common case are not called the same.
+    empty = saved("empty.json")
+    for one in (good, empty):
+        said = command.refused("compare", one, empty)
+        assert "have no case in common: nothing compares them" in said
 
 
 @pytest.mark.parametrize(
@@ -143,65 +141,52 @@ def test_inputs_are_compared_however_deep_they_are():
     deep = 1.0
     for _ in range(5000):
         deep = [deep]
-    (change,) = compare(
-        run_of(robot_tables={"a": deep, "b": 1}), run_of(robot_tables={"a": deep, "b": 2})
-    ).inputs
-    assert (change.key, change.before, change.after) == ("b", 1, 2)
-
-
-def test_runs_without_a_common_case_are_not_called_the_same(tmp_path, command):
-    some, others = saved(tmp_path / "a.json", STEADY), saved(tmp_path / "b.json")
-    for pair in ((some, others), (others, others)):
-        said = command.refused("compare", *pair)
-        assert "have no case in common: nothing compares them" in said
-
-
-def test_runs_of_models_alone_are_compared_by_these(tmp_path, command):
-    entry = AdequacyRecord(model="beam", quantity="x", verdict="adequate", error=0.01)
-    paths = []
-    for verdict in ("adequate", "inadequate"):
-        run = replace(run_of(), adequacy=(replace(entry, verdict=verdict),))
-        paths.append(tmp_path / f"{verdict}.json")
-        paths[-1].write_bytes(encode(run))
-    said = command.told("compare", *paths)
-    assert re.search(r"beam +x +\+1\.00 % +adequate +\+1\.00 % +inad", said)
+    runs = [run_of(robot_tables={"a": deep, "b": {"c": value}}) for value in (1, 2)]
+    (change,) = compare(*runs).inputs
+    assert (change.key, change.before, change.after) == ("b.c", 1, 2)
 
 
 def judged(quantity, verdict, *values):
+    """Where a run has a value in the first poses of three."""
     poses = ((0.1,), (0.2,), (0.3,))[: len(values)]
     return AdequacyRecord(
         model="vjm", quantity=quantity, verdict=verdict, error=0.02, poses=poses, values=values
     )
 
 
+def test_runs_of_models_alone_are_compared_by_these(saved, command):
+    verdicts = ("adequate", "inadequate")
+    paths = [saved(f"{one}.json", adequacy=(judged("x", one),)) for one in verdicts]
+    said = command.told("compare", *paths)
+    assert re.search(r"vjm +x +\+2\.00 % +adequate +\+2\.00 % +inad", said)
+
+
 def test_variants_of_a_robot_differ_in_input_and_adequacy_and_do_not_drift():
     """Values side by side where both runs have the pose; numbers of two inputs are no drift."""
-    thick = replace(
-        run_of(STEADY, robot_tables={"leg1": {"section": {"thickness": 0.004}, "length": 0.8}}),
+    tables = [{"leg1": {"section": {"t": [4, t]}, "length": 0.8}} for t in (0.004, 0.003)]
+    thick = run_of(
+        STEADY,
+        robot_tables=tables[0],
         adequacy=(judged("x", "adequate", 1.0, 2.0, 3.0), judged("y", "adequate", 1.0)),
     )
-    thin = replace(
-        run_of(
-            replace(STEADY, value=2.0),
-            robot_tables={"leg1": {"section": {"thickness": 0.003}, "length": 0.8}},
-        ),
+    thin = run_of(
+        replace(STEADY, value=2.0),
+        robot_tables=tables[1],
         adequacy=(judged("x", "inadequate", 1.5, None, 4.0), judged("f1", "adequate")),
     )
     found = compare(thick, thin)
     (change,) = found.inputs
-    assert (change.key, change.before, change.after) == ("leg1.section.thickness", 0.004, 0.003)
+    assert (change.key, change.before, change.after) == ("leg1.section.t[2]", 0.004, 0.003)
     assert found.drifted == ()
     assert compare(thick, replace(thin, run=thick.run)).drifted != ()
     x, y, f1 = found.adequacy
-    assert [(v.pose, v.before, v.after) for v in x.values] == [
-        ((0.1,), 1.0, 1.5),
-        ((0.3,), 3.0, 4.0),
-    ]
+    values = [(one.pose, one.before, one.after) for one in x.values]
+    assert values == [((0.1,), 1.0, 1.5), ((0.3,), 3.0, 4.0)]
     assert (x.before.verdict, x.after.verdict, x.after.error) == ("adequate", "inadequate", 0.02)
     assert (y.after, f1.before) == (None, None)
     told = as_text(thick, thin, found)
     assert "The input differs" in told
-    assert "leg1.section.thickness" in told
+    assert "leg1.section.t[2]" in told
     assert as_dict(found)["adequacy"][0]["values"][0].keys() == {"pose", "before", "after"}
     same = compare(thick, thick)
     assert same.inputs == ()
@@ -215,24 +200,31 @@ def test_values_of_two_postures_are_not_set_against_each_other():
         assert bool(compare(at_start, other).drifted) is drifts_there
 
 
-def test_different_robots_are_neither_better_nor_worse(tmp_path, command):
+def test_different_robots_are_neither_better_nor_worse(saved, tmp_path, command):
     """Cases of one name in runs of two robots have nothing to do with each other."""
-    good = CaseRecord(id="steady", verdict="disagree", value=9.0, reference=1.0, tolerance=0.1)
-    first = saved(tmp_path / "first.json", good, robot="five-bar", robot_tables={"a": 1})
-    second = saved(tmp_path / "second.json", STEADY, robot="delta", robot_tables={"b": 1})
-    for pair in ((first, second), (second, first)):
+    wrong = replace(STEADY, verdict="disagree", value=9.0)
+    first = saved("first.json", wrong, robot="five-bar", robot_tables={"a": 1})
+    second = saved("second.json", STEADY, robot="delta", robot_tables={"b": 1})
+    for *pair, robots in (
+        (first, second, ["five-bar", "delta"]),
+        (second, first, ["delta", "five-bar"]),
+    ):
         said = command.told("compare", *pair)
         assert "Two different robots, " in said
         assert not re.search(r"\d+ (better|verdicts worse)|drifted|New cases|Removed", said)
         record = command.json("compare", *pair)
-        assert record["different_robots"] == [
-            json.loads(p.read_bytes())["run"]["robot"] for p in pair
-        ]
+        assert record["different_robots"] == robots
         assert not any(record[key] for key in ("verdicts", "new", "removed", "worsened"))
-
-
-def test_a_baseline_of_another_robot_is_refused_before_anything_is_written(tmp_path, command):
-    baseline, out = saved(tmp_path / "delta.json", STEADY, robot="delta"), tmp_path / "out"
-    asked = ["run", "five-bar", "--preset", "quick", "--only", "adequacy", "--out", out]
-    assert "is of another robot" in command.refused(*asked, "--baseline", baseline)
-    assert not out.exists()
+    # As a baseline it is refused before anything is written.
+    asked = [
+        "run",
+        "five-bar",
+        "--preset",
+        "quick",
+        "--only",
+        "adequacy",
+        "--out",
+        tmp_path / "out",
+    ]
+    assert "is of another robot" in command.refused(*asked, "--baseline", second)
+    assert not (tmp_path / "out").exists()
