@@ -1,4 +1,4 @@
-"""Beam finite elements of a prismatic leg against closed forms and published frequencies."""
+"""Beams of a prismatic leg: elements against closed forms, and those against published roots."""
 
 import numpy as np
 import pytest
@@ -9,6 +9,7 @@ from prismatic_legs import LEG_1, LEG_2, STEEL, kind_frequencies
 from fem.beams.beam import beam_leg, warping_beam_leg
 from fem.beams.beam_theory import (
     bending_frequencies,
+    euler_bernoulli_roots,
     tension_frequencies,
     torsion_frequencies,
 )
@@ -16,56 +17,112 @@ from fem.sections.nonuniform_torsion import cantilever_frequencies, held_torsion
 from fem.sections.section_constants import SectionConstants, beam_properties, section_constants
 from lumped.arrays import dense
 from lumped.errors import InputError
-from lumped.legs import ConstantLeg, Material, tip_compliance
+from lumped.legs import BeamProperties, ConstantLeg, tip_compliance
 from lumped.models.bodies import clamped_modes, tip_compliance_of
 from lumped.sections import Circle, ISection, Rectangle
 from meshes.section.section_mesh import section_mesh
 
-THEORIES = ("euler-bernoulli", "timoshenko")
 PARTS = ("tension", "torsion", "bending y", "bending z")
+both_theories = pytest.mark.parametrize("theory", ["euler-bernoulli", "timoshenko"])
 
 
-@pytest.mark.parametrize("theory", THEORIES)
+def square_leg(slenderness: float) -> ConstantLeg:
+    return ConstantLeg(slenderness * 0.1, Rectangle(0.1, 0.1), STEEL)
+
+
+def test_euler_bernoulli_roots_are_the_tabulated_ones():
+    # Young and Felgar, Tables of Characteristic Functions (1949): cos x cosh x = −1.
+    tabulated = [1.8751041, 4.6940911, 7.8547574, 10.9955407, 14.1371684]
+    roots = euler_bernoulli_roots(300)
+    assert_allclose(roots[:5], tabulated, atol=6e-8)
+    # 1/cosh x is below rounding from the twelfth root on; the 300th would overflow cosh itself.
+    assert_allclose(roots[11:], (2.0 * np.arange(12, 301) - 1.0) * np.pi / 2.0, rtol=1e-14)
+
+
+def huang_function(p: BeamProperties, L: float, plane: str, omega):
+    """Huang's frequency equation of the clamped–free beam, J. Appl. Mech. 28 (1961) 579, Table 1.
+
+    Divided by (1 + cosh bα), which is positive, so that its size stays moderate. Complex α takes
+    care of frequencies above the cut-off, where cosh and sinh become cos and sin.
+    """
+    EI, GA, rho_I = (p.EIy, p.GAz, p.rho_Iy) if plane == "y" else (p.EIz, p.GAy, p.rho_Iz)
+    b = np.asarray(omega, dtype=complex) * np.sqrt(p.mu * L**4 / EI)
+    r2, s2 = rho_I / (p.mu * L**2), EI / (GA * L**2)
+    root = np.sqrt((r2 - s2) ** 2 + 4.0 / b**2)
+    alpha, beta = np.sqrt((root - r2 - s2) / 2.0), np.sqrt((root + r2 + s2) / 2.0)
+    value = (
+        2.0
+        + (b**2 * (r2 - s2) ** 2 + 2.0) * np.cosh(b * alpha) * np.cos(b * beta)
+        - b * (r2 + s2) / np.sqrt(1.0 - b**2 * r2 * s2) * np.sinh(b * alpha) * np.sin(b * beta)
+    )
+    return (value / (1.0 + np.abs(np.cosh(b * alpha)))).real
+
+
+@pytest.mark.parametrize("plane", ["y", "z"])
+@pytest.mark.parametrize("leg", [LEG_1, square_leg(1.0)])
+def test_timoshenko_frequencies_are_all_the_roots_of_huang_s_equation(leg, plane):
+    p, L = leg.timoshenko, leg.length
+    omega = 2.0 * np.pi * bending_frequencies(p, L, plane, 20)
+    # The cut-off of the second spectrum, √(κGA/ρI), lies below the 20th root of these legs.
+    assert (
+        omega[0] < np.sqrt((p.GAz / p.rho_Iy) if plane == "y" else (p.GAy / p.rho_Iz)) < omega[-1]
+    )
+    # Each is a root: the sign changes within 1e-9 of it; and there are no others in between.
+    below, above = (huang_function(p, L, plane, omega * near) for near in (1 - 1e-9, 1 + 1e-9))
+    assert np.all(np.sign(below) == -np.sign(above))
+    scan = huang_function(p, L, plane, np.linspace(0.5 * omega[0], omega[-1] * 1.000001, 50_001))
+    assert np.count_nonzero(np.diff(np.sign(scan))) == 20
+
+
+def test_tension_and_torsion_are_odd_quarter_waves():
+    # Steel bar of 1 m: √(E/ρ)/4L = 5172.2/4 Hz; torsion slower by √(GJ/E(Iy + Iz)).
+    p = square_leg(10.0).timoshenko
+    tension = tension_frequencies(p, 1.0, 3)
+    assert_allclose(tension, 1293.05 * np.array([1.0, 3.0, 5.0]), rtol=1e-5)
+    # Square: J = 0.140577 b⁴ (Timoshenko and Goodier, §109), polar moment b⁴/6.
+    slower = np.sqrt(0.140577 * 6.0 / 2.6)
+    assert_allclose(torsion_frequencies(p, 1.0, 3), slower * tension, rtol=5e-6)
+
+
+@both_theories
+@pytest.mark.parametrize("part", PARTS)
+def test_frequencies_converge_with_order_four(theory, part):
+    p, L = LEG_2.properties(theory), LEG_2.length
+    kind, _, plane = part.partition(" ")
+    exact = {
+        "tension": lambda: tension_frequencies(p, L, 2),
+        "torsion": lambda: torsion_frequencies(p, L, 2),
+        "bending": lambda: bending_frequencies(p, L, plane, 2),
+    }[kind]()[1]
+    counts = [6, 8, 12, 16]
+    errors = np.array([kind_frequencies(beam_leg(p, L, n), part, 2)[1] for n in counts]) / exact - 1
+    # The fit still sees the next term of the error, (kl)² of the leading one.
+    assert np.polyfit(np.log(counts), np.log(errors), 1)[0] == pytest.approx(-4.0, abs=0.1)
+    # From above, as Rayleigh and Ritz have it. With 16 elements the leading error (kl)⁴/1440 is
+    # 5.2e-6, kl = 3π/32, in tension and torsion, and 5.1e-6, 4.694/16, in bending; shear lowers it.
+    assert (errors > 0.0).all()
+    assert errors[-1] < 6e-6
+
+
+@both_theories
 @pytest.mark.parametrize("slenderness", [1.0, 1e4])
 def test_tip_compliance_is_exact_for_any_slenderness_and_number_of_elements(slenderness, theory):
-    steel = Material.isotropic(2.1e11, 0.3, 7850.0)
-    stub = ConstantLeg(slenderness * 0.1, Rectangle(0.06, 0.1), steel)
-    for leg in (stub, LEG_2):
+    for leg in (ConstantLeg(slenderness * 0.1, Rectangle(0.06, 0.1), STEEL), LEG_2):
         properties = leg.properties(theory)
-        expected = tip_compliance(properties, leg.length)
         for elements in (1, 2, 7):
-            compliance = tip_compliance_of(beam_leg(properties, leg.length, elements))
+            found = tip_compliance_of(beam_leg(properties, leg.length, elements))
             # Rounding alone, which the condition of n elements raises as n⁴: 2400 eps for n = 7.
-            assert scaled_difference(compliance, expected) < 1e-12
+            assert scaled_difference(found, tip_compliance(properties, leg.length)) < 1e-12
 
 
-def test_parts_sum_to_the_stiffness_and_carry_their_own_load_only():
-    p, L = LEG_1.timoshenko, LEG_1.length
-    leg = beam_leg(p, L, 4)
-    assert set(leg.parts) == set(PARTS)
-    total = sum(dense(part) for part in leg.parts.values())
-    assert_allclose(total, dense(leg.stiffness), rtol=0, atol=0)
-    loads = {0: "tension", 1: "bending z", 2: "bending y", 3: "torsion"}
-    compliance = tip_compliance(p, L)
-    for direction, own in loads.items():
-        force = np.zeros(leg.size - 6)
-        force[direction] = 1.0
-        u = np.r_[np.zeros(6), np.linalg.solve(dense(leg.stiffness)[6:, 6:], force)]
-        for name, part in leg.parts.items():
-            energy = compliance[direction, direction] if name == own else 0.0
-            # Clapeyron: uᵀKu = F² c; rounding alone.
-            assert u @ (part @ u) == pytest.approx(energy, rel=1e-11, abs=1e-30)
-
-
-@pytest.mark.parametrize("theory", THEORIES)
-def test_centreline_under_tip_loads_follows_the_deflection_curves(theory):
+@both_theories
+def test_tip_loads_bend_the_centreline_as_they_must_and_strain_their_own_part_alone(theory):
     p, L = LEG_2.properties(theory), LEG_2.length
     leg = beam_leg(p, L, 3)
     x = np.linspace(0.0, L, 14)
     loads = np.zeros((leg.size - 6, 6))
     loads[:6] = np.eye(6)
     u = np.vstack([np.zeros((6, 6)), np.linalg.solve(dense(leg.stiffness)[6:, 6:], loads)])
-    curves = (leg.centreline(x) @ u).reshape(len(x), 6, 6)
     # Elementary beam theory, unit loads at the tip; the section leans by the bending part only.
     expected = np.zeros((len(x), 6, 6))
     expected[:, 0, 0] = x / p.EA
@@ -78,35 +135,18 @@ def test_centreline_under_tip_loads_follows_the_deflection_curves(theory):
     expected[:, 4, 4] = x / p.EIy
     expected[:, 1, 5] = x**2 / (2.0 * p.EIz)
     expected[:, 5, 5] = x / p.EIz
+    curves = (leg.centreline(x) @ u).reshape(len(x), 6, 6)
     # Rounding alone: the static solution is in the space everywhere, not at the nodes only.
     assert_allclose(curves, expected, rtol=1e-11, atol=1e-12 * expected.max(axis=0).max())
-
-
-# The second frequency with 16 elements. Leading error (kl)⁴/1440, with kl = 3π/32 in tension and
-# torsion and 4.694/16 in bending: 5.2e-6 and 5.1e-6. Shear lowers it.
-CAP = 6e-6
-
-
-@pytest.mark.parametrize("part", PARTS)
-@pytest.mark.parametrize("theory", THEORIES)
-def test_frequencies_converge_with_order_four(theory, part):
-    p, L = LEG_2.properties(theory), LEG_2.length
-    exact = {
-        "tension": lambda: tension_frequencies(p, L, 2),
-        "torsion": lambda: torsion_frequencies(p, L, 2),
-        "bending y": lambda: bending_frequencies(p, L, "y", 2),
-        "bending z": lambda: bending_frequencies(p, L, "z", 2),
-    }[part]()[1]
-    counts = np.array([6, 8, 12, 16])
-    errors = np.array(
-        [kind_frequencies(beam_leg(p, L, int(n)), part, 2)[1] / exact - 1.0 for n in counts]
-    )
-    order = -np.polyfit(np.log(counts), np.log(errors), 1)[0]
-    # The fit still sees the next term of the error, (kl)² of the leading one.
-    assert order == pytest.approx(4.0, abs=0.1)
-    # Rayleigh–Ritz: from above, always.
-    assert np.all(errors > 0.0)
-    assert errors[-1] < CAP
+    assert_allclose(sum(map(dense, leg.parts.values())), dense(leg.stiffness), rtol=0, atol=0)
+    # Clapeyron: uᵀKu = F² c; rounding alone.
+    energies = {name: np.diag(u.T @ (part @ u)) for name, part in leg.parts.items()}
+    own = ("tension", "bending z", "bending y", "torsion", "bending y", "bending z")
+    compliance = np.diag(tip_compliance(p, L))
+    for name in PARTS:
+        due = np.where(np.array(own) == name, compliance, 0.0)
+        assert energies.pop(name) == pytest.approx(due, rel=1e-11, abs=1e-30)
+    assert not energies
 
 
 def test_no_elements_and_stations_beyond_the_tip_are_refused():
@@ -130,8 +170,7 @@ def test_free_ends_leave_statics_to_saint_venant_and_have_the_frequencies_of_the
     expected = tip_compliance(beam_properties(flanged, STEEL), LENGTH)
     assert tip_compliance_of(leg) == pytest.approx(expected, rel=1e-8, abs=1e-16)
     modes = clamped_modes(leg, 12)
-    twist = leg.centreline(np.array([LENGTH]))[3].toarray().ravel()
-    twists = np.abs(twist @ modes.shapes)
+    twists = np.abs(leg.centreline(np.array([LENGTH]))[3].toarray().ravel() @ modes.shapes)
     torsional = modes.frequencies[twists > 0.1 * twists.max()]
     frequencies = cantilever_frequencies(flanged, STEEL, LENGTH, 2)
     assert torsional[:2] == pytest.approx(frequencies, rel=1e-4)

@@ -1,3 +1,7 @@
+"""Modes of clamped legs against dense solutions, and the certificate that none is missing."""
+
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from prismatic_legs import STEEL, meshed
@@ -21,6 +25,11 @@ def leg(section, length=0.6, slices=6, ends="rigid"):
     return clamped_leg(meshed(ConstantLeg(length, section, STEEL), 1, slices), ends)
 
 
+def of_tetrahedra():
+    one = ConstantLeg(0.3, Rectangle(0.1, 0.1), STEEL)
+    return clamped_leg(solid_leg(one, tetrahedra(one.section, one.length, 1)))
+
+
 def dense_solution(clamped):
     """Eigenvalues and vectors (on the leg's unknowns) by LAPACK, constraints eliminated.
 
@@ -39,13 +48,8 @@ def hertz(values):
 
 @pytest.fixture(scope="module")
 def bar():
-    clamped = leg(Rectangle(0.08, 0.12))
+    clamped = leg(Rectangle(0.08, 0.12), slices=4)
     return clamped, *dense_solution(clamped)
-
-
-def of_tetrahedra():
-    one = ConstantLeg(0.3, Rectangle(0.1, 0.1), STEEL)
-    return clamped_leg(solid_leg(one, tetrahedra(one.section, one.length, 1)))
 
 
 @pytest.mark.parametrize(
@@ -54,7 +58,7 @@ def of_tetrahedra():
         # Near squares: bending modes in pairs up to 0.01 % apart.
         lambda: leg(Rectangle(0.1, 0.1 * (1.0 + 1e-6)), slices=3),
         lambda: leg(Rectangle(0.1, 0.1 * (1.0 + 1e-4)), slices=3, ends="free"),
-        lambda: leg(Circle(0.1), slices=4, ends="free"),
+        lambda: leg(Circle(0.1), slices=3, ends="free"),
         of_tetrahedra,
     ],
     ids=["nearly square", "nearly square, free", "circle", "tetrahedra"],
@@ -66,10 +70,9 @@ def test_modes_equal_a_dense_solution(clamped):
         found = clamped.modes(number)
         np.testing.assert_allclose(found.frequencies, hertz(values[:number]), rtol=SAME)
         assert found.count == (values < found.shift).sum() >= number
-    mass = clamped.solid.mass
     whole = clamped.solid.transformation
     amplitudes = np.linalg.lstsq(whole.toarray(), found.shapes, rcond=None)[0]
-    gram = amplitudes.T @ (mass @ amplitudes)
+    gram = amplitudes.T @ (clamped.solid.mass @ amplitudes)
     np.testing.assert_allclose(gram, np.eye(8), atol=1e-12)
 
 
@@ -83,7 +86,7 @@ def test_errors_bound_the_true_ones(bar):
 
 
 def test_a_pair_stays_whole_although_the_number_of_modes_or_the_start_would_cut_it():
-    clamped = leg(Rectangle(0.1, 0.1))
+    clamped = leg(Rectangle(0.1, 0.1), slices=4)
     values, vectors = dense_solution(clamped)
     assert values[1] / values[0] - 1.0 < 1e-9
     found = clamped.modes(1)
@@ -95,54 +98,15 @@ def test_a_pair_stays_whole_although_the_number_of_modes_or_the_start_would_cut_
 
 
 @pytest.mark.parametrize("missing", [0, 4])
-def test_a_missing_mode_fails_the_certificate(bar, missing):
+def test_a_missing_mode_and_one_too_many_fail_the_certificate(bar, missing):
     clamped, values, _ = bar
-    count = clamped.rooted_inertia
+    count, message = clamped.rooted_inertia, "leg: certificate of the modes failed: 6 lie"
     assert values[5] < certify(values[:6], values[6], count, "leg") < values[6]
-    with pytest.raises(
-        MissedModesError, match="leg: certificate of the modes failed: 6 lie"
-    ) as one:
+    with pytest.raises(MissedModesError, match=message) as one:
         certify(np.delete(values[:6], missing), values[6], count, "leg")
     assert one.value.missing == 1
-    with pytest.raises(ComputationError, match="leg: certificate of the modes failed: 6 lie"):
+    with pytest.raises(ComputationError, match=message):
         certify(np.sort(np.append(values[:6], values[missing])), values[6], count, "leg")
-
-
-class Blind:
-    """A factor that loses one mode from every solution, as a faulty solver would.
-
-    One that sees again does so from the first count on.
-    """
-
-    def __init__(self, clamped, lost, *, sees_again):
-        self.clamped, self.lost, self.sees_again = clamped, lost, sees_again
-        self.counts = 0
-
-    def solve(self, right_hand_sides):
-        x = self.clamped.factor.solve(right_hand_sides)
-        if self.sees_again and self.counts:
-            return x
-        return x - self.lost[:, None] * (self.lost @ (self.clamped.rooted_mass() @ x))
-
-    def count(self, sigma):
-        self.counts += 1
-        return self.clamped.rooted_inertia(sigma)
-
-    def modes(self):
-        return lowest_modes(self, self.clamped.rooted_mass(), 6, self.count, "leg")
-
-
-@pytest.mark.parametrize("lost", [0, 5])
-def test_missed_mode_is_found_beside_the_others_or_an_error(bar, lost):
-    clamped, values, vectors = bar
-    with pytest.raises(ComputationError, match="certificate of the modes failed"):
-        Blind(clamped, vectors[:, lost], sees_again=False).modes()
-    found = Blind(clamped, vectors[:, lost], sees_again=True).modes()
-    np.testing.assert_allclose(found.frequencies, hertz(values[:6]), rtol=SAME)
-    gram = found.shapes.T @ (clamped.rooted_mass() @ found.shapes)
-    np.testing.assert_allclose(gram, np.eye(6), atol=1e-12)
-    # Whatever the first search has found is not searched for again.
-    assert found.count == 7
 
 
 def test_a_shift_on_a_mode_moves_and_zero_pivots_at_every_shift_are_an_error(bar):
@@ -159,10 +123,37 @@ def test_a_shift_on_a_mode_moves_and_zero_pivots_at_every_shift_are_an_error(bar
         certify(values[:1], values[1], lambda _: Inertia(1, 1, 0), "leg")
 
 
+def blinded_modes(clamped, lost, *, sees_again):
+    """Modes by a factor that loses one from every solution, or does so up to the first count."""
+    mass, counts = clamped.rooted_mass(), []
+
+    def solve(right_hand_sides):
+        x = clamped.factor.solve(right_hand_sides)
+        return x if sees_again and counts else x - lost[:, None] * (lost @ (mass @ x))
+
+    def count(sigma):
+        counts.append(sigma)
+        return clamped.rooted_inertia(sigma)
+
+    return lowest_modes(SimpleNamespace(solve=solve), mass, 6, count, "leg")
+
+
+@pytest.mark.parametrize("lost", [0, 5])
+def test_missed_mode_is_found_beside_the_others_or_an_error(bar, lost):
+    clamped, values, vectors = bar
+    with pytest.raises(ComputationError, match="certificate of the modes failed"):
+        blinded_modes(clamped, vectors[:, lost], sees_again=False)
+    found = blinded_modes(clamped, vectors[:, lost], sees_again=True)
+    np.testing.assert_allclose(found.frequencies, hertz(values[:6]), rtol=SAME)
+    gram = found.shapes.T @ (clamped.rooted_mass() @ found.shapes)
+    np.testing.assert_allclose(gram, np.eye(6), atol=1e-12)
+    # Whatever the first search has found is not searched for again.
+    assert found.count == 7
+
+
 def test_double_mode_of_a_very_slender_leg():
     """87 diameters long: K's largest eigenvalue is 1e11 times its lowest mode's."""
-    one = ConstantLeg(7.6, Circle(0.0873), STEEL)
-    found = clamped_leg(meshed(one, 1, 40)).modes(2)
+    found = leg(Circle(0.0873), length=7.6, slices=40).modes(2)
     assert found.count == 2
     # Bernoulli's cantilever 1.8751²/2π √(EI/ρA)/L²; shear and rotary inertia take 1e-4, and
     # slices of two diameters and the held face add no more than that.
@@ -170,19 +161,15 @@ def test_double_mode_of_a_very_slender_leg():
     np.testing.assert_allclose(found.frequencies, exact, rtol=3e-3)
 
 
-def test_wrong_input_and_more_modes_than_have_mass_are_refused(bar):
-    clamped = bar[0]
-    with pytest.raises(InputError, match="modes = 0"):
-        clamped.modes(0)
-    with pytest.raises(InputError, match="start has shape"):
-        clamped.modes(2, start=np.ones((3, 1)))
-    light = csr_array(np.diag(np.arange(clamped.solid.size) < 4).astype(float))
-    with pytest.raises(ComputationError, match="leg: 5 modes asked for, but fewer have mass"):
-        lowest_modes(clamped.factor, light, 5, lambda _: None, "leg")
-
-
-def test_every_mode_of_a_small_matrix():
+def test_every_mode_is_found_and_wrong_input_and_more_modes_than_have_mass_are_refused(bar):
     K, M = csr_array(np.diag(np.arange(1.0, 13.0))), csr_array(eye_array(12))
     factor = analyse(K).factorise()
     found = lowest_modes(factor, M, 12, lambda sigma: count_below(K, M, sigma), "matrix")
     np.testing.assert_allclose(found.frequencies, hertz(np.arange(1.0, 13.0)), rtol=1e-13)
+    light = csr_array(np.diag((np.arange(12) < 4).astype(float)))
+    with pytest.raises(ComputationError, match="leg: 5 modes asked for, but fewer have mass"):
+        lowest_modes(factor, light, 5, lambda _: None, "leg")
+    with pytest.raises(InputError, match="modes = 0"):
+        bar[0].modes(0)
+    with pytest.raises(InputError, match="start has shape"):
+        bar[0].modes(2, start=np.ones((3, 1)))

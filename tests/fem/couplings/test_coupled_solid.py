@@ -23,7 +23,6 @@ from meshes.part.reading.read import read_part
 
 # The second bore is referred to a point beside its axis.
 OFF = np.array([1e-3, 2e-3, 0.0])
-KINDS = ("rigid", "average", "pin")
 
 
 @pytest.fixture(scope="module")
@@ -42,80 +41,56 @@ def lug(tmp_path_factory):
 def grips_on(file, *kinds):
     """Both bores, and the flat end where there are three kinds."""
     choices = ByCylinder(0.008), ByCylinder(0.005), ByPlane((1.0, 0.0, 0.0), (0.2, 0.0, 0.0))
-    wanted = {
-        f"I{k}": PartInterface(choice, kind)
-        for k, (choice, kind) in enumerate(zip(choices, kinds, strict=False))
-    }
+    chosen = enumerate(zip(choices, kinds, strict=False))
+    wanted = {f"I{k}": PartInterface(choice, kind) for k, (choice, kind) in chosen}
     first, second, *others = find_interfaces(file, wanted)
     second = replace(second, point=second.point + OFF)
     return grips_of(file.mesh, (first, second, *others))
 
 
-def tied(part, grips):
-    """Rows G with G [u; q] = 0, dense."""
-    nodes, m = part.mesh.nodes, len(grips)
-    size = 3 * len(nodes)
-    rows = []
-    for k, grip in enumerate(grips):
-        own = np.arange(size + 6 * k, size + 6 * k + 6)
-        held = grip.nodes
-        at = (3 * held[:, None] + np.arange(3)).ravel()
-        R = rigid_motions(nodes[held], grip.point)
-        if grip.kind == "rigid":
-            G = np.zeros((len(at), size + 6 * m))
-            G[:, at], G[:, own] = np.eye(len(at)), -R
-        else:
-            W = np.kron(area_weights(nodes, grip.facets).toarray(), np.eye(3))
-            mean = np.linalg.solve(R.T @ W @ R, R.T @ W)
-            G = np.zeros((6, size + 6 * m))
-            G[:, at], G[:, own] = mean, -np.eye(6)
-            if grip.kind == "pin":
-                axis = grip.axis
-                away = nodes[held] - grip.point
-                # Bores in these tests run along z, the second off its reference point.
-                assert abs(axis[2]) == pytest.approx(1.0)
-                radial = away[:, :2] + (OFF[:2] if k else 0.0)
-                radial = np.column_stack([radial, np.zeros(len(radial))])
-                radial /= np.linalg.norm(radial, axis=1)[:, None]
-                N = np.zeros((len(held), len(at)))
-                for i, n in enumerate(radial):
-                    N[i, 3 * i : 3 * i + 3] = n
-                tangent = np.cross([0.0, 0.0, 1.0], radial)
-                w = area_weights(nodes, grip.facets).toarray().sum(axis=0)
-                slides = np.zeros((2, len(at)))
-                slides[0, 2::3] = w
-                slides[1] = (w[:, None] * tangent).ravel()
-                G = np.zeros((len(held) + 2, size + 6 * m))
-                ties = np.vstack([N, slides])
-                G[:, at], G[:, own] = ties, -ties @ R
-        rows.append(G)
-    return np.vstack(rows)
+def ties(grip, nodes):
+    """Rows by which a face's displacements (3 a node) are those of its twist; pins are off."""
+    weights = area_weights(nodes, grip.facets).toarray()
+    if grip.kind == "rigid":
+        return np.eye(3 * len(weights))
+    if grip.kind == "average":
+        return rigid_motions(nodes[grip.nodes], grip.point).T @ np.kron(weights, np.eye(3))
+    # Along z.
+    radial = (nodes[grip.nodes] - (grip.point - OFF)) * [1.0, 1.0, 0.0]
+    radial /= np.linalg.norm(radial, axis=1)[:, None]
+    away = np.eye(len(radial))[:, :, None] * radial
+    turned, along = np.cross([0.0, 0.0, 1.0], radial), np.array([[0.0, 0.0, 1.0]])
+    slides = [weights.sum(axis=0)[:, None] * one for one in (turned, along)]
+    return np.vstack([one.reshape(-1, radial.size) for one in (away, *slides)])
 
 
 def test_the_compliance_is_that_of_lagrange_multipliers(lug):
     file, part = lug
-    grips = grips_on(file, "pin", "rigid", "average")
-    body = held_part(part, grips, "lug")
-    size, m = part.stiffness.shape[0], len(grips)
+    grips = grips_on(file, "rigid", "pin", "average")
+    nodes, size, m = part.mesh.nodes, part.stiffness.shape[0], len(grips)
+    rows = []
+    for k, grip in enumerate(grips):
+        own = ties(grip, nodes)
+        rows.append(np.zeros((len(own), size + 6 * m)))
+        rows[-1][:, np.add.outer(3 * grip.nodes, range(3)).ravel()] = own
+        motion = rigid_motions(nodes[grip.nodes], grip.point)
+        rows[-1][:, size + 6 * k : size + 6 * k + 6] = -own @ motion
     # Unknowns: displacements, twists, multipliers; the first twist is held.
-    ties = csr_array(tied(part, grips))
-    kept = np.delete(np.arange(size + 6 * m), np.arange(size, size + 6))
-    ties = ties[:, kept]
+    tied = csr_array(np.delete(np.vstack(rows), range(size, size + 6), axis=1))
     energy = block_diag([part.stiffness, csr_array((6 * m - 6, 6 * m - 6))], format="csr")
     scale = float(np.abs(part.stiffness.diagonal()).mean())
-    system = csc_array(block_array([[energy, scale * ties.T], [scale * ties, None]]))
+    system = csc_array(block_array([[energy, scale * tied.T], [scale * tied, None]]))
     loads = np.zeros((system.shape[0], 6 * m - 6))
     loads[size : size + 6 * m - 6] = np.eye(6 * m - 6)
-    compliance = splu(system).solve(loads)[size : size + 6 * m - 6]
-    sizes = np.sqrt(np.diag(body.compliance))
+    expected = splu(system).solve(loads)[size : size + 6 * m - 6]
+    body = held_part(part, grips, "lug")
+    sizes = np.sqrt(np.outer(np.diag(expected), np.diag(expected)))
     # 1e-7: the indefinite system's rounding.
-    assert body.compliance / np.outer(sizes, sizes) == pytest.approx(
-        compliance / np.outer(sizes, sizes), abs=1e-7
-    )
+    assert body.compliance / sizes == pytest.approx(expected / sizes, abs=1e-7)
     assert body.stiffness.shape == (6 * m, 6 * m)
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", ["rigid", "average", "pin"])
 def test_rigid_motions_are_exact_and_loads_have_exact_resultants(lug, kind):
     file, part = lug
     grips = grips_on(file, kind, kind)
@@ -129,17 +104,15 @@ def test_rigid_motions_are_exact_and_loads_have_exact_resultants(lug, kind):
     assert abs(solid.mass - T.T @ M @ T).max() < 1e-14 * abs(solid.mass).max()
     forces = solid.stiffness @ solid.motions
     assert abs(forces).max() < 1e-12 * abs(solid.stiffness).max()
-    first = solid.twists[:, :6].T @ solid.motions
-    assert first == pytest.approx(np.eye(6), abs=1e-12)
-    fields = T @ solid.motions
+    twists = solid.twists.T @ solid.motions
+    assert twists[:6] == pytest.approx(np.eye(6), abs=1e-12)
     expected = rigid_motions(part.mesh.nodes, grips[0].point)
-    assert fields == pytest.approx(expected, abs=1e-12)
+    assert T @ solid.motions == pytest.approx(expected, abs=1e-12)
     body = held_part(part, grips, "lug")
-    properties = part.properties()
-    motions = np.vstack([np.eye(6), solid.twists[:, 6:].T @ solid.motions])
-    rigid = motions.T @ body.condensed_mass @ motions
-    assert rigid[:3, :3] == pytest.approx(properties.mass * np.eye(3), rel=1e-9, abs=1e-9)
-    assert abs(body.stiffness @ motions).max() < 1e-9 * abs(body.stiffness).max()
+    rigid = twists.T @ body.condensed_mass @ twists
+    mass = part.properties().mass * np.eye(3)
+    assert rigid[:3, :3] == pytest.approx(mass, rel=1e-9, abs=1e-9)
+    assert abs(body.stiffness @ twists).max() < 1e-9 * abs(body.stiffness).max()
 
 
 def test_averaged_bores_move_as_the_means_of_fields_by_hand(lug):
@@ -154,16 +127,16 @@ def test_averaged_bores_move_as_the_means_of_fields_by_hand(lug):
     away = part.mesh.nodes - first.point
     fields = np.zeros((len(away), 3, 3))
     fields[:, 2, 0], fields[:, 0, 1], fields[:, 0, 2] = away[:, 0] ** 2, away[:, 2] ** 3, away[:, 0]
-    means = []
-    for interface in (first, both):
-        grips = grips_of(file.mesh, [interface])
-        mass = on_three_components(part.scalar_mass)
-        solid = coupled_solid(part.stiffness, mass, part.mesh.nodes, grips)
-        means.append(solid.twists.T @ fields.reshape(-1, 3))
+    mass = on_three_components(part.scalar_mass)
+    of_one, of_both = (
+        coupled_solid(part.stiffness, mass, part.mesh.nodes, grips_of(file.mesh, [one])).twists.T
+        @ fields.reshape(-1, 3)
+        for one in (first, both)
+    )
     radius, top = 0.008, 0.015
     turned = top**4 / 5.0 / (top**2 / 3.0 + radius**2 / 2.0)
     # Circles of nine quadratic sides: off by 2e-5 and 2e-4.
-    assert means[0][:3, 0] / radius**2 == pytest.approx([0.0, 0.0, 0.5], abs=2e-4)
-    assert means[0][3:, 1] / turned == pytest.approx([0.0, 1.0, 0.0], abs=2e-3)
-    stretched = means[1][:, 2] / (0.16 * 5.0 / (8.0 + 5.0))
+    assert of_one[:3, 0] / radius**2 == pytest.approx([0.0, 0.0, 0.5], abs=2e-4)
+    assert of_one[3:, 1] / turned == pytest.approx([0.0, 1.0, 0.0], abs=2e-3)
+    stretched = of_both[:, 2] / (0.16 * 5.0 / (8.0 + 5.0))
     assert stretched == pytest.approx([1.0, *[0.0] * 5], abs=2e-4)

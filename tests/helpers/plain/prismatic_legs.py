@@ -11,6 +11,8 @@ from meshes.prism.hexahedra import extrude, stations
 from meshes.section.section_mesh import Divisions, section_mesh
 
 STEEL = Material.isotropic(E=2.1e11, nu=0.3, rho=7850.0)
+# Its G is half as much again as the isotropic one: as far from isotropy as the legs below.
+CUBIC = Material(E=2.1e11, G=1.3e11, nu=0.25, rho=7850.0)
 # Paper §2.3 applied to its appendix.
 LEG_1 = constant_leg(0.85, EA=8.613e8, EIy=4.771e6, EIz=1.832e6, GJ=9.212e6, mass=69.705)
 LEG_2 = constant_leg(0.775, EA=4.316e9, EIy=5.980e7, EIz=4.182e6, GJ=6.478e6, mass=49.366)

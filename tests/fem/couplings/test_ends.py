@@ -1,0 +1,120 @@
+"""Ends of a prism: free ones against their definition, rigid ones against closed forms and slices.
+
+Thin-wall theory, decays known from plane elasticity, and solids of ever thinner slices.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from compliances import scaled_difference
+from prismatic_legs import CUBIC, STEEL, meshed
+from scipy.sparse import bmat
+from scipy.sparse.linalg import spsolve
+
+from fem.bodies import doubling
+from fem.bodies.solid import clamped_leg, solid_leg
+from fem.couplings.end_effects import _decays, restrained_compliance
+from fem.couplings.grips import rigid_motions, saint_venant_loads
+from fem.couplings.section_fields import section_fields
+from fem.sections.section_constants import section_constants
+from lumped.errors import ComputationError, InputError
+from lumped.legs import ConstantLeg, Material
+from lumped.sections import HollowRectangle, ISection, Rectangle, Tube
+from meshes.prism.tetrahedra import tetrahedra
+from meshes.section.section_mesh import section_mesh
+
+BLOCK = ConstantLeg(0.5, Rectangle(0.10, 0.16), STEEL)
+
+
+def block_of_tetrahedra():
+    return tetrahedra(BLOCK.section, BLOCK.length, 1)
+
+
+@pytest.mark.parametrize("section", [None, Tube(0.12, 0.01), ISection(0.10, 0.16, 0.012, 0.008)])
+def test_saint_venant_loads_are_unit_wrenches(section):
+    """BᵀR = I: resultants and moments about (L, 0, 0) are those of unit wrenches."""
+    mesh = block_of_tetrahedra()
+    if section:
+        mesh = meshed(replace(BLOCK, section=section), 3, 2).mesh
+    points, reference = mesh.nodes[mesh.tip.nodes], np.array([BLOCK.length, 0.0, 0.0])
+    loads = saint_venant_loads(mesh.tip, points, reference, CUBIC)
+    np.testing.assert_allclose(loads.T @ rigid_motions(points, reference), np.eye(6), atol=1e-12)
+
+
+@pytest.mark.parametrize("mesh", [lambda: meshed(BLOCK, 1, 3).mesh, block_of_tetrahedra])
+def test_free_ends_equal_the_bordered_system(mesh):
+    """K u + B_root λ = f, B_rootᵀu = 0 solved as it stands, without springs."""
+    solid = solid_leg(BLOCK, mesh())
+    clamped = clamped_leg(solid, "free")
+    K, root, tip = solid.stiffness, clamped.root, clamped.loads
+    # In units of E, so that the stiffness and the constraint are of one size.
+    system = bmat([[K / STEEL.E, root], [root.T, None]], format="csc")
+    u = spsolve(system, np.vstack([tip / STEEL.E, np.zeros((6, 6))]))[:-6]
+    size = np.abs(u).max(axis=0)
+    # Rounding times the condition of a small mesh, about 1e5.
+    np.testing.assert_allclose(clamped.response / size, u / size, rtol=0, atol=1e-10)
+    assert scaled_difference(clamped.compliance, tip.T @ u) < 1e-10
+
+
+def test_a_strip_decays_with_the_roots_of_papkovich_and_fadle():
+    """sin 2s ± 2s = 0 (tension, bending), s = γc: first roots by Fadle (1940)."""
+    half = 0.05
+    mesh = section_mesh(Rectangle(0.001, 2.0 * half), (1, 16))
+    rates = {fields.name: _decays(fields)[0] for fields in section_fields(mesh, STEEL)}
+    for name, root in {"tension": 2.10620 + 1.12536j, "bending y": 3.74884 + 1.38434j}.items():
+        slowest = min(rates[name], key=lambda rate: rate.real) * half
+        assert slowest.real == pytest.approx(root.real, rel=2e-3)
+        assert abs(slowest.imag) == pytest.approx(root.imag, rel=2e-3)
+
+
+def test_what_rounding_loses_of_soft_sections_and_of_long_legs_is_refused():
+    tube = section_mesh(Tube(0.01, 0.001), 4)
+    short, long = (restrained_compliance(tube, STEEL, length) for length in (1.0, 10.0))
+    assert np.array_equal(long, long.T)
+    # Of tension each face holds a fixed length, of bending by the lever besides.
+    assert long[0, 0] == pytest.approx(short[0, 0], rel=1e-9)
+    assert long[1, 5] == pytest.approx(10.0 * short[1, 5], rel=1e-6)
+    # Ten million times as long as wide.
+    with pytest.raises(ComputationError, match="too long for its section"):
+        restrained_compliance(tube, STEEL, 1e5)
+    with pytest.raises(ComputationError, match="slowest decay along the leg is lost in rounding"):
+        restrained_compliance(section_mesh(Tube(1.0, 0.15), 4), Material(1e11, 1e6, 0.3, 1.0), 5.0)
+    mesh = section_mesh(BLOCK.section, (2, 3))
+    skew = replace(mesh, nodes=mesh.nodes + 0.1 * np.square(mesh.nodes[:, ::-1]))
+    with pytest.raises(InputError, match="not symmetric"):
+        restrained_compliance(skew, STEEL, 0.5)
+
+
+def test_held_torsion_of_an_open_section_is_vlasovs():
+    """θ/T = (L − 2d tanh(L/2d))/GJ with warping held at both ends, d² = EΓ/GJ (Vlasov 1961)."""
+    mesh, material = section_mesh(ISection(0.1, 0.16, 0.0012, 0.0012), 2), replace(STEEL, nu=0.0)
+    constants = section_constants(mesh, 0.0, material.G / material.E)
+    rigidity = material.G * constants.torsion_constant
+    depth = np.sqrt(material.E * constants.warping_constant / rigidity)
+    for length in (0.5, 4.0):
+        taken = restrained_compliance(mesh, material, length)[3, 3]
+        expected = -2.0 * depth * np.tanh(length / (2.0 * depth)) / rigidity
+        # Both faces act on each other. What the flanges' shear adds falls with the length.
+        assert taken == pytest.approx(expected, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("section", "counts", "length"),
+    [
+        (BLOCK.section, (2, 3), 0.85),
+        (HollowRectangle(0.1, 0.16, 0.01), 4, 0.16),
+        (ISection(0.1, 0.16, 0.012, 0.008), 4, 0.85),
+    ],
+)
+def test_solids_of_ever_thinner_slices_lose_what_the_theory_says(section, counts, length):
+    mesh = section_mesh(section, counts)
+    taken = restrained_compliance(mesh, STEEL, length)
+    left = []
+    for slices in (64, 256):
+        condensed = doubling.condensed_leg(ConstantLeg(length, section, STEEL), mesh, slices)
+        rigid, free = (doubling.tip_compliance(condensed, ends) for ends in ("rigid", "free"))
+        left.append(np.abs(rigid - free - taken) / np.sqrt(np.outer(np.diag(free), np.diag(free))))
+    # Decays are exact along x, so that slices alone are left: order two at least, four in the end.
+    assert left[1].max() < 0.1 * left[0].max()
+    assert left[1].max() < (2e-4 if length > 0.5 else 2e-3)
