@@ -1,12 +1,24 @@
-"""A report from made-up outcomes, with everything that a report can show."""
+"""A report from made-up outcomes, with everything that a report can show.
+
+Its matrix is like that of a robot whose legs are given by a 6×6.
+"""
 
 import base64
 
 import toy_catalogue
-from matrix_sample import sample_matrix
 
+from lumped.acceptance.requirement import STATIC_QUANTITIES
 from lumped.audit import Finding
-from validation.adequacy.matrix import ADEQUACY, MEASURED, Assessment
+from validation.adequacy.matrix import (
+    ADEQUACY,
+    MEASURED,
+    Assessment,
+    Cause,
+    Coordinate,
+    Entry,
+    Matrix,
+    ModelNote,
+)
 from validation.case import Absolute, Allowance, Measurement, Relation, Relative
 from validation.exhibits import Figure, PlannedFigure, Study
 from validation.report.figures.studies import family_of, study_figure
@@ -17,6 +29,71 @@ from validation.results.outcome import Outcome, Result, judge
 PIXEL = base64.b64decode(
     "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJRU5ErkJggg=="
 )
+POSES = ((0.145,), (0.4975,), (0.85,))
+
+
+def entry(model, quantity, *curve, **fields):
+    """An entry judged by the largest of the errors along `curve`, or one for all; else undecided.
+
+    Of deflections the whole displacement is off by what it is along the load, which has a sign.
+    """
+    own = {"error": None, "uncertainty": None, "verdict": "undecided", "pose": POSES[0]}
+    if curve:
+        errors = curve if len(curve) > 1 else curve * len(POSES)
+        worst = max(errors, key=abs)
+        own = {
+            "error": worst,
+            "uncertainty": 0.001,
+            "uncertainties": {"meshes": 0.001},
+            "verdict": "adequate" if abs(worst) <= 0.05 else "inadequate",
+            "pose": POSES[errors.index(worst)],
+            "errors": errors,
+            "spreads": (0.001,) * len(errors),
+            "value": 1e-8 * (1.0 + worst),
+            "expected": 1e-8,
+            "computed_by": (f"validation.models.robot_compliance({model!r})",),
+        }
+        if quantity in STATIC_QUANTITIES and not fields.get("measured"):
+            own |= {"error": abs(worst), "errors": tuple(map(abs, errors))}
+            own |= {"along": worst, "alongs": errors}
+    elif "verdict" not in fields:
+        own["reason"] = "say how the mass is distributed"
+    own |= {"limit": 0.05, "reference": "robot assembled from the legs' own 6×6"}
+    return Entry(model, quantity, **own | fields)
+
+
+def sample_matrix(**fields):
+    drives = Cause("drives only: legs and feet rigid", 1.2, "virtual joints")
+    simple = {"causes": (drives,), "remedy": "use vjm", "error_with_remedy": 0.002}
+    couplings = Cause("equivalent leg: couplings of the 6×6 left out", 0.9, "virtual joints")
+    remedy = "take the 6×6 with its couplings"
+    off = {"causes": (couplings,), "remedy": remedy, "error_with_remedy": 0.001}
+    entries = [
+        entry("simplified", "x", -0.85, -0.88, -1.0, **simple),
+        entry("simplified", "y", -0.86, -0.87, -0.857, **simple),
+        entry("simplified", "z", -1.0, reason="it knows no such motion"),
+        *(entry("vjm", q, 0.0, 0.001, 0.0) for q in "xyz"),
+        *(
+            entry(model, q, -size, -size + 0.01, -size + 0.02, **off)
+            for model in ("vjm-equivalent", "segments", "beam")
+            for q, size in zip("xyz", (0.17, 0.15, 0.16), strict=True)
+        ),
+        *(entry(model, q) for model in ("simplified", "segments", "beam") for q in ("f1", "f2")),
+    ]
+    models = dict.fromkeys(one.model for one in fields.get("entries", entries))
+    silent = {"vjm": "static", "vjm-equivalent": "static"}
+    return Matrix(
+        **{
+            "robot": "sample",
+            "coordinates": (Coordinate("x", "m"),),
+            "poses": POSES,
+            "models": tuple(ModelNote(m, f"title of {m}", silent.get(m, "")) for m in models),
+            "quantities": ("x", "y", "z", "phi_x", "f1", "f2", "order"),
+            "entries": tuple(entries),
+            "notes": ("f1 between 113 and 131 Hz",),
+        }
+        | fields
+    )
 
 
 def never(_context):
@@ -31,11 +108,10 @@ def case(identifier="legs.a", **changes):
         "citation": "Timoshenko & Gere, Table 1",
         "tolerance": Relative(0.01),
         "tolerance_reason": "shear is in both models",
-        "compute": never,
         "section": "The legs",
         "subject": "leg",
     }
-    return toy_catalogue.case(identifier, **fields | changes)
+    return toy_catalogue.case(identifier, never, **fields | changes)
 
 
 CONVERGENCE = Study(
@@ -44,9 +120,9 @@ CONVERGENCE = Study(
     x_label="elements per leg",
     y_label="bending frequencies",
     unit="Hz",
-    x=(5.0, 10.0, 20.0, 40.0, 80.0, 160.0),
+    x=(5.0, 10.0, 20.0, 40.0),
     series={
-        f"mode {mode}": tuple(f * (1.0 - 0.65 * mode / n**2) for n in (5, 10, 20, 40, 80, 160))
+        f"mode {mode}": tuple(f * (1.0 - 0.65 * mode / n**2) for n in (5, 10, 20, 40))
         for mode, f in ((1, 186.8), (2, 1170.0), (3, 3278.0))
     },
     formal_order=2.0,
@@ -64,57 +140,55 @@ FINDING = Finding(
     kind="computed",
     severity="error",
 )
-
-
-def unmeasured(identifier, verdict, message, **changes):
-    return Outcome(case(identifier, **changes), Result(identifier, verdict, 0.2, message))
-
-
 # Drawn once for all tests of a page.
 MATRIX = sample_matrix()
 DRAWN = study_figure(family_of([CONVERGENCE]))
+FIG_5 = Figure("fig5", "Fig. 5", "Made up.", "The paper's statements", png=PIXEL, data="x\n1\n")
+
+
+def measured(identifier, value, reference, *spreads, exact=True, **own):
+    """An outcome; what a case and a measurement are made of by the names of their fields."""
+    of_measurement = {
+        name: own.pop(name) for name in ("allowances", "studies", "table") if name in own
+    }
+    found = Measurement(value, reference, *spreads, exact=exact, **of_measurement)
+    return judge(case(identifier, **own), found, 0.1)
+
+
+def unmeasured(identifier, verdict, message):
+    return Outcome(case(identifier), Result(identifier, verdict, 0.2, message))
 
 
 def sample_outcomes():
-    agreeing = judge(
-        case("legs.agrees", title="Agrees easily"),
-        Measurement(1.001e-8, 1.0e-8, 1e-12, 2e-12, studies=(CONVERGENCE,)),
-        0.8,
+    bound = measured(
+        "paper.deflection-bound",
+        1.063,
+        1.1,
+        title="Simplified deflections stay below 1.1 µm",
+        unit="µm",
+        relation=Relation.AT_MOST,
+        tolerance=Absolute(0.05),
+        section="The paper's statements",
     )
-    tight = judge(
-        case("legs.tight", title="Agrees barely"), Measurement(1.0095e-8, 1.0e-8, exact=True), 0.1
+    disagreeing = measured(
+        "robot.beam-vjm.planar[x=0.4975]",
+        8.97,
+        8.81,
+        title="Planar deflection at the centre under fx, beam against VJM",
+        quantity="planar deflection",
+        unit="µm",
+        tolerance=Absolute(0.05),
+        section="The robot over its stroke",
+        allowances=(Allowance("shear deformation", 0.02, "physics of the beam"),),
+        table={"x (m)": (0.145, 0.4975), "planar (µm)": (0.42, 8.81)},
     )
-    disagreeing = judge(
-        case(
-            "robot.beam-vjm.planar[x=0.4975]",
-            title="Planar deflection at the centre under fx, beam against VJM",
-            quantity="planar deflection",
-            unit="µm",
-            tolerance=Absolute(0.05),
-            section="The robot over its stroke",
-        ),
-        Measurement(
-            8.97,
-            8.81,
-            exact=True,
-            allowances=(Allowance("shear deformation", 0.02, "physics of the beam"),),
-            notes=("A note.",),
-            table={"x (m)": (0.145, 0.4975), "planar (µm)": (0.42, 8.81)},
-        ),
-        2.0,
+    agreeing = measured(
+        *("legs.agrees", 1.001e-8, 1.0e-8, 1e-12, 2e-12),
+        exact=False,
+        title="Agrees easily",
+        studies=(CONVERGENCE,),
     )
-    bound = judge(
-        case(
-            "paper.deflection-bound",
-            title="Simplified deflections stay below 1.1 µm",
-            unit="µm",
-            relation=Relation.AT_MOST,
-            tolerance=Absolute(0.05),
-            section="The paper's statements",
-        ),
-        Measurement(1.063, 1.1, exact=True),
-        0.01,
-    )
+    tight = measured("legs.tight", 1.0095e-8, 1.0e-8, title="Agrees barely")
     failed = unmeasured("legs.failed", "failed", "leg 2: matrix is <singular>")
     skipped = unmeasured("legs.skipped", "skipped", "CalculiX is not installed")
     return (bound, agreeing, tight, failed, skipped, disagreeing)
@@ -133,7 +207,6 @@ HEADER = {
     "versions": {"python": "3.11.7", "numpy": "2.4.6", "flexproof": "1.2"},
     "selftest": "passed on 2026-01-01",
 }
-FIG_5 = Figure("fig5", "Fig. 5", "Made up.", "The paper's statements", png=PIXEL, data="x\n1\n")
 
 
 def sample_report(
@@ -143,7 +216,7 @@ def sample_report(
     missing=("fig7",),
     matrix=MATRIX,
     measured=None,
-    unjudged=(),
+    unjudged=None,
     unfinished=0,
     findings=(FINDING,),
 ):
@@ -152,17 +225,16 @@ def sample_report(
     `unjudged` has assessments that failed, and why.
     """
     outcomes = sample_outcomes() if outcomes is None else outcomes
-    matrices = {name: one for name, one in ((ADEQUACY, matrix), (MEASURED, measured)) if one}
-    done = {outcome.case.id: outcome.result for outcome in outcomes}
-    made = {**{figure.id: figure for figure in figures}, **matrices}
-    done |= {name: Result(name, "made", 0.1, found=found) for name, found in made.items()}
-    done |= {name: Result(name, "failed", 0.1, "no OpenGL") for name in missing}
-    done |= {name: Result(name, "failed", 0.1, why) for name, why in dict(unjudged).items()}
-    left = [f"left.{number}" for number in range(unfinished)]
-    planned = [*(figure.id for figure in figures), *missing, *left]
+    made = {figure.id: figure for figure in figures} | {ADEQUACY: matrix, MEASURED: measured}
+    lost = dict.fromkeys(missing, "no OpenGL") | (unjudged or {})
+    results = [outcome.result for outcome in outcomes]
+    results += [Result(name, "made", 0.1, found=one) for name, one in made.items() if one]
+    results += [Result(name, "failed", 0.1, why) for name, why in lost.items()]
+    done = {result.id: result for result in results}
+    drawn = [*(figure.id for figure in figures), *missing, *map(str, range(unfinished))]
     tasks = [
         *(outcome.case for outcome in outcomes),
-        *(PlannedFigure(name, "Fig. 7, mode shapes", never) for name in planned),
+        *(PlannedFigure(name, "Fig. 7, mode shapes", never) for name in drawn),
         *(Assessment(name, "", never) for name in (ADEQUACY, MEASURED) if name in done),
     ]
     return Report(Results(HEADER, tasks, done=done), findings)

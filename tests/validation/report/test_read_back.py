@@ -7,30 +7,27 @@ are parsed as a reader would; a factor, a sign, a unit or another entry's number
 import csv
 import io
 import re
-from dataclasses import replace
 from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
 from msgspec import to_builtins
 from random_subjects import MODES, subject
-from toy_catalogue import agrees, case
+from report_sample import measured, unmeasured
 
 from lumped.acceptance.requirement import Requirement
 from validation import api
 from validation.adequacy.judgement import judged
 from validation.adequacy.matrix import Assessment
-from validation.case import Absolute, Measurement, Relative
+from validation.case import Absolute, Relative
 from validation.drawing import text
 from validation.drawing.chart import chart_table
-from validation.exhibits import Study, study_record
 from validation.report.figures.adequacy import error_curves
-from validation.report.figures.studies import family_of, study_figure
 from validation.report.listing import junit_xml, outcome_line, summary
 from validation.report.remedies import remedies_of
 from validation.report.table import csv_of_matrix, table_of
 from validation.report.words import SIGNS
-from validation.results.outcome import Outcome, Result, from_plain, judge, plain
+from validation.results.outcome import Result, from_plain, plain
 from validation.results.records import adequacy_records
 
 LIMITS = {"x": 0.011, "f1": 0.023, "phi_y": 0.37}
@@ -65,6 +62,14 @@ def told(number, digits=TWO):
     return pytest.approx(number, rel=digits, abs=NOTHING if digits == TWO else 0.0)
 
 
+def known(cell):
+    return float(cell) if cell else None
+
+
+def close(number):
+    return None if number is None else pytest.approx(number, rel=1e-9)
+
+
 def pose_of(matrix, text):
     """The number of the pose that a text names."""
     names = [
@@ -82,24 +87,18 @@ def test_numbers_are_read_as_they_are_printed():
 
 
 @pytest.mark.parametrize("matrix", MATRICES)
-def test_every_cell(matrix):
+def test_every_cell_and_its_sheet(matrix):
     shown = table_of(matrix)
-    cells = {
-        (row.note.model, cell.entry.quantity): (heading, cell)
+    cells = [
+        (row.note.model, heading, cell)
         for row in shown.rows
         for heading, cell in zip(shown.headings, row.cells, strict=True)
         if cell
-    }
-    assert list(cells) == [(entry.model, entry.quantity) for entry in matrix.entries]
-    for entry in matrix.entries:
-        heading, cell = cells[entry.model, entry.quantity]
-        assert heading == SIGNS.get(entry.quantity, entry.quantity)
+    ]
+    assert len({cell.anchor for cell in shown.cells}) == len(cells)
+    for entry, (model, heading, cell) in zip(matrix.entries, cells, strict=True):
+        assert (model, heading) == (entry.model, SIGNS.get(entry.quantity, entry.quantity))
         assert cell.mark == MARKS[entry.verdict]
-        if entry.error is None:
-            assert cell.text == ("none" if entry.verdict == "inadequate" else "open")
-        else:
-            assert numbers(cell.text) == [told(entry.error)]
-            assert cell.text.startswith("+") == (entry.signed and entry.error >= NOTHING)
         if cell.spread:
             assert numbers(cell.spread) == [told(entry.uncertainty)]
         else:
@@ -107,40 +106,33 @@ def test_every_cell(matrix):
         assert cell.hint.startswith(f"{entry.verdict} (limit ")
         assert numbers(cell.hint)[0] == told(entry.limit)
         assert matrix.poses[pose_of(matrix, cell.hint)] == entry.pose
-
-
-@pytest.mark.parametrize("matrix", MATRICES)
-def test_every_sheet(matrix):
-    sheets = {(one.entry.model, one.entry.quantity): one for one in table_of(matrix).cells}
-    assert len({one.anchor for one in sheets.values()}) == len(matrix.entries)
-    for entry in matrix.entries:
-        lines = sheets[entry.model, entry.quantity].sheet
-        said = {word: text for word, text in lines if word != "Cause"}
+        said = {word: text for word, text in cell.sheet if word != "Cause"}
         assert matrix.poses[pose_of(matrix, said["Worst at"])] == entry.pose
         assert said["Source"] == entry.reference
         if entry.error is None:
+            assert cell.text == ("none" if entry.verdict == "inadequate" else "open")
             assert "Error" not in said
             continue
+        assert numbers(cell.text) == [told(entry.error)]
+        assert cell.text.startswith("+") == (entry.signed and entry.error >= NOTHING)
         assert numbers(said["Error"]) == [told(entry.error), told(entry.limit)]
         assert numbers(said["Uncertainty"])[0] == told(entry.uncertainty)
         detail = dict(re.findall(r"(\w+) ([^,)]*\s%)", said["Uncertainty"].partition("(")[2]))
         assert {name: numbers(size)[0] for name, size in detail.items()} == {
             name: told(size) for name, size in entry.uncertainties.items()
         }
+        unit = UNITS.get(entry.quantity, "Hz")
         for word, number in (("Value", entry.value), ("Reference", entry.expected)):
-            unit = UNITS.get(entry.quantity, "Hz")
             assert re.search(rf"^{NUMBER} {re.escape(unit)}(, along the load)?$", said[word])
             assert numbers(said[word])[0] == told(number, SIX)
-        assert ("Along the load" in said) == (entry.along is not None)
-        if entry.along is not None:
-            assert numbers(said["Along the load"]) == [told(entry.along)]
+        along = [] if entry.along is None else [told(entry.along)]
+        assert numbers(said.get("Along the load", "")) == along
         if entry.quantity == "any_force":
-            assert numbers(said["Worst force"]) == [
-                pytest.approx(one, rel=TWO, abs=0.006) for one in entry.force
-            ]
-        causes = [text for word, text in lines if word == "Cause"]
-        assert [text.partition(":")[0] for text in causes] == [one.cause for one in entry.causes]
-        assert [numbers(text)[0] for text in causes] == [told(one.share) for one in entry.causes]
+            assert numbers(said["Worst force"]) == pytest.approx(entry.force, rel=TWO, abs=0.006)
+        causes = [text for word, text in cell.sheet if word == "Cause"]
+        assert [(text.partition(":")[0], numbers(text)[0]) for text in causes] == [
+            (one.cause, told(one.share)) for one in entry.causes
+        ]
         if entry.remedy:
             assert said["Remedy"].startswith(f"{entry.remedy}: ")
             assert numbers(said["Remedy"]) == [told(entry.error_with_remedy)]
@@ -150,9 +142,8 @@ def test_every_sheet(matrix):
 def test_every_line_of_the_csv(matrix):
     rows = list(csv.DictReader(io.StringIO(csv_of_matrix(matrix))))
     for row, entry in zip(rows, matrix.entries, strict=True):
-        assert [row["model"], row["quantity"], row["verdict"]] == [
-            *(entry.model, entry.quantity, entry.verdict)
-        ]
+        for name in ("model", "quantity", "verdict", "remedy", "reason", "reference"):
+            assert row[name] == getattr(entry, name)
         columns = {
             "error": entry.error,
             "uncertainty": entry.uncertainty,
@@ -164,16 +155,11 @@ def test_every_line_of_the_csv(matrix):
             **dict(zip(("x (m)", "phi_z (rad)"), entry.pose, strict=True)),
         }
         for name, number in columns.items():
-            assert (float(row[name]) if row[name] else None) == (
-                number if number is None else pytest.approx(number, rel=1e-9)
-            ), name
+            assert known(row[name]) == close(number), name
         causes = re.findall(r"(?:^|; )(.*?) (-?[\d.e-]+)(?=;|$)", row["causes"])
         assert {cause: float(share) for cause, share in causes} == {
             one.cause: pytest.approx(one.share, rel=6e-3) for one in entry.causes
         }
-        assert [row["remedy"], row["reason"], row["reference"]] == [
-            *(entry.remedy, entry.reason, entry.reference)
-        ]
 
 
 @pytest.mark.parametrize("matrix", MATRICES)
@@ -208,9 +194,7 @@ def test_every_curve_and_its_table(matrix):
         assert (float(row["x (m)"]), float(row["phi_z (rad)"])) == pytest.approx(pose)
         for entry in matrix.entries:
             cell = row[f"{entry.model}: error of {entry.quantity}"]
-            assert (float(cell) if cell else None) == (
-                None if entry.errors[p] is None else pytest.approx(entry.errors[p], rel=1e-9)
-            )
+            assert known(cell) == close(entry.errors[p])
 
 
 def test_every_remedy_names_its_entries_and_their_range():
@@ -256,9 +240,6 @@ def test_the_record_and_the_line_of_the_api():
                 assert matrix.poses[pose_of(matrix, line)] == entry.pose
 
 
-CASE = case("toy", agrees, quantity="deflection", unit="µm", tolerance=Relative(0.1))
-
-
 def test_numbers_shares_and_tolerances_at_random_are_read_back():
     rng = np.random.default_rng(16)
     for _ in range(60):
@@ -278,46 +259,16 @@ def test_numbers_shares_and_tolerances_at_random_are_read_back():
 
 
 def test_lines_sum_and_junit_say_the_verdicts():
-    values = np.random.default_rng(18).uniform(1.5, 2.5, 9).tolist()
-    outcomes = [
-        judge(replace(CASE, id=f"toy[{n}]"), Measurement(value, 2.0, exact=True), 0.0)
-        for n, value in enumerate(values)
-    ]
-    wrong = [abs(value - 2.0) > 0.2 for value in values]
-    assert 0 < sum(wrong) < 9
+    values = (1.6, 2.19, 2.21, 1.79, 1.81, 2.0, 9.5)
+    wrong = [True, False, True, True, False, False, True]
+    own = {"quantity": "deflection", "unit": "µm", "tolerance": Relative(0.1)}
+    outcomes = [measured(f"toy[{value}]", value, 2.0, **own) for value in values]
     assert [outcome_line(one).startswith("disagree") for one in outcomes] == wrong
-    failed = Outcome(replace(CASE, id="broken"), Result("broken", "failed", 0.1, "it broke"))
-    told = summary([*outcomes, failed])
-    assert told.startswith(f"{9 - sum(wrong)} of 10 comparisons agree")
-    assert f"{sum(wrong)} disagree" in told
-    assert "1 failed" in told
-    suite = ET.fromstring(junit_xml([*outcomes, failed], "toys")).find("testsuite")  # noqa: S314
+    line = outcome_line(outcomes[-1])
+    assert "deflection 9.5 µm, should be 2 µm (tolerance 0.2 µm)" in line
+    outcomes.append(unmeasured("broken", "failed", "it broke"))
+    assert summary(outcomes) == "3 of 8 comparisons agree, 4 disagree, 1 failed."
+    suite = ET.fromstring(junit_xml(outcomes, "toys")).find("testsuite")  # noqa: S314
     assert suite is not None
     assert [one.find("failure") is not None for one in suite] == [*wrong, False]
-    counts = [suite.attrib[name] for name in ("tests", "failures", "errors")]
-    assert counts == ["10", str(sum(wrong)), "1"]
-    line = outcome_line(judge(CASE, Measurement(9.5, 2.0, exact=True), 0.0))
-    assert "deflection 9.5 µm, should be 2 µm (tolerance 0.2 µm)" in line
-
-
-def test_data_of_curves_belong_to_their_names():
-    series = {"c22": (1.0, 2.0, 3.0), "c33": (1.5, 2.5, 3.5)}
-    study = Study(
-        id="toy",
-        title="toy",
-        x_label="elements",
-        y_label="compliance",
-        unit="m/N",
-        x=(1.0, 2.0, 4.0),
-        series=series,
-        uncertainties={"c33": 0.01},
-        limits={"c22": 4.0},
-    )
-    rows = list(csv.DictReader(io.StringIO(study_figure(family_of([study])).data)))
-    columns = {name: tuple(float(row[name]) for row in rows) for name in rows[0]}
-    named = {f"{name} (m/N)": values for name, values in series.items()}
-    assert columns == {"elements": study.x} | named
-    record = study_record(study)
-    assert record["series"] == series
-    assert (record["uncertainty"], record["limit"]) == ({"c33": 0.01}, {"c22": 4.0})
-    assert record["x"] == study.x
+    assert [suite.attrib[name] for name in ("tests", "failures", "errors")] == ["8", "4", "1"]

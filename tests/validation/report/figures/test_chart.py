@@ -7,7 +7,7 @@ from itertools import combinations
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
-from matrix_sample import POSES, entry, sample_matrix
+from report_sample import POSES, entry, sample_matrix
 
 from lumped.acceptance.requirement import MODEL_KINDS
 from lumped.robot_file import load_robot
@@ -223,7 +223,7 @@ def test_panels_legend_and_table_agree_on_every_model(declare):
     matrix = sample_matrix(
         quantities=tuple(quantities),
         entries=tuple(
-            entry(model, quantity, tuple(generator.uniform(-0.3, 0.3, len(POSES))))
+            entry(model, quantity, *generator.uniform(-0.3, 0.3, len(POSES)))
             for quantity, models in quantities.items()
             for model in models
         ),
