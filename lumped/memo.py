@@ -53,13 +53,17 @@ def likeness(value: object) -> str:
 
 def _hashed(value: object, told: Callable[[Any], Iterable[Field[Any]]]) -> str:
     digest = blake2b(digest_size=16)
-    _feed(digest.update, value, told)
+    _feed(digest.update, value, told, {})
     return digest.hexdigest()
 
 
 def _feed(
-    update: Callable[[bytes], object], value: Any, told: Callable[[Any], Iterable[Field[Any]]]
+    update: Callable[[bytes], object],
+    value: Any,
+    told: Callable[[Any], Iterable[Field[Any]]],
+    known: dict[int, bytes],
 ) -> None:
+    """`known` digests of records by identity: many postures are of one mechanism."""
     match value:
         case np.ndarray():
             update(f"array {value.dtype.str} {value.shape} ".encode())
@@ -71,20 +75,30 @@ def _feed(
         case tuple() | list():
             update(f"sequence {len(value)} ".encode())
             for item in value:
-                _feed(update, item, told)
+                _feed(update, item, told, known)
         case dict():
             update(f"mapping {len(value)} ".encode())
             for key in sorted(value):
-                _feed(update, key, told)
-                _feed(update, value[key], told)
+                _feed(update, key, told, known)
+                _feed(update, value[key], told, known)
         case _ if is_dataclass(value) and not isinstance(value, type):
-            update(f"record {type(value).__module__}.{type(value).__qualname__} ".encode())
-            for entry in told(value):
-                _feed(update, getattr(value, entry.name), told)
+            if id(value) not in known:
+                known[id(value)] = _record(value, told, known)
+            update(known[id(value)])
         case msgspec.Struct():
             update(f"record {type(value).__module__}.{type(value).__qualname__} ".encode())
-            _feed(update, msgspec.structs.astuple(value), told)
+            _feed(update, msgspec.structs.astuple(value), told, known)
         case _ if callable(value) and hasattr(value, "__qualname__"):
             update(f"function {value.__module__}.{value.__qualname__};".encode())
         case _:
             raise TypeError(f"{type(value).__name__} is no plain data: it has no fingerprint")
+
+
+def _record(
+    value: Any, told: Callable[[Any], Iterable[Field[Any]]], known: dict[int, bytes]
+) -> bytes:
+    kind = f"record {type(value).__module__}.{type(value).__qualname__} "
+    digest = blake2b(kind.encode(), digest_size=16)
+    for entry in told(value):
+        _feed(digest.update, getattr(value, entry.name), told, known)
+    return digest.digest()

@@ -5,6 +5,7 @@ The mechanism's bodies and joints have the paper's words here: leg 1 and leg 2, 
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import chain
 
 import numpy as np
@@ -42,7 +43,7 @@ class Places:
     mechanism: Mechanism
     x: Array
 
-    @property
+    @cached_property
     def postures(self) -> list[Posture]:
         """The robot's posture for each x."""
         return [posture(self.mechanism, np.array([station])) for station in self.x]

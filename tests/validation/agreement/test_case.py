@@ -1,4 +1,4 @@
-"""Verdicts: when a case agrees, and that every case is able to fail."""
+"""Cases: how they are declared, when they agree, and that every one is able to fail."""
 
 from dataclasses import replace
 from math import hypot, inf, isnan, nan
@@ -9,18 +9,8 @@ import toy_catalogue
 from msgspec.json import encode
 from perturbed import perturbed
 
-from lumped.robot_file import load_robot
-from validation.case import (
-    Absolute,
-    Allowance,
-    Case,
-    Elsewhere,
-    Measurement,
-    Relation,
-    Relative,
-)
-from validation.catalogue import catalogue
-from validation.exhibits import PlannedFigure
+from validation.case import Absolute, Allowance, Elsewhere, Measurement, Relation, Relative
+from validation.case_group import CaseGroup, numbered
 from validation.results.outcome import judge
 from validation.results.records import case_record, parse_run, run_record
 
@@ -32,31 +22,36 @@ INTERFACE = {
 EQUAL = toy_catalogue.case("toy.equal[x=1]", toy_catalogue.agrees)
 
 
+def exact(*values, **more):
+    return Measurement(float(sum(values)), 1.0, exact=True, **more)
+
+
 @pytest.mark.parametrize("relation", list(Relation))
 @pytest.mark.parametrize(("value", "reference"), [(nan, 1.0), (1.0, nan), (inf, 1.0), (-inf, 1.0)])
 def test_what_is_no_finite_number_never_agrees(relation, value, reference):
-    outcome = judge(
-        replace(EQUAL, relation=relation), Measurement(value, reference, exact=True), 0.0
-    )
+    measured = Measurement(value, reference, exact=True)
+    outcome = judge(replace(EQUAL, relation=relation), measured, 0.0)
     assert outcome.verdict == "disagree"
     assert "no finite number" in outcome.message
 
 
-def test_a_relative_tolerance_about_zero_is_refused():
-    with pytest.raises(ValueError, match="other than zero"):
-        judge(replace(EQUAL, tolerance=Relative(0.01)), Measurement(0.0, 0.0, exact=True), 0.0)
-
-
-@pytest.mark.parametrize("amount", [0.0, -1.0, nan, inf])
-@pytest.mark.parametrize("kind", [Absolute, Relative])
-def test_a_tolerance_that_cannot_judge_is_refused(kind, amount):
-    with pytest.raises(ValueError, match="positive and finite"):
-        kind(amount)
-
-
-def test_a_case_without_a_source_is_refused():
-    with pytest.raises(ValueError, match="citation is empty"):
-        replace(EQUAL, citation=" ")
+@pytest.mark.parametrize(
+    ("make", "said"),
+    [
+        *(
+            (lambda kind=kind, amount=amount: kind(amount), "positive and finite")
+            for kind in (Absolute, Relative)
+            for amount in (0.0, -1.0, nan, inf)
+        ),
+        (lambda: Relative(0.01).at(0.0), "other than zero"),
+        (lambda: replace(EQUAL, citation=" "), "citation is empty"),
+        (lambda: Measurement(1.0, 1.0), "states its numerical uncertainty"),
+        (lambda: exact(1.0, value_uncertainty=0.1), "exact to rounding"),
+    ],
+)
+def test_what_cannot_be_judged_is_refused(make, said):
+    with pytest.raises(ValueError, match=said):
+        make()
 
 
 @pytest.mark.parametrize("uncertainty", [0.11, inf, nan])
@@ -83,12 +78,12 @@ def test_verdicts_and_records_of_measurements_at_random_are_those_of_the_rule():
         measured = Measurement(
             reference + sum(parts) + left,
             reference,
-            own,
+            own if number % 5 else None,
             other,
             judged if number % 2 else None,
             tuple(Allowance("made up", part) for part in parts),
         )
-        spread = judged if number % 2 else hypot(own, other)
+        spread = judged if number % 2 else hypot(own if number % 5 else 0.0, other)
         wrong = {"equal": abs(left), "at most": left, "at least": -left}[relation.value]
         wanted = "agree" if wrong <= limit else "disagree"
         if spread > limit and wrong - limit <= spread:
@@ -101,33 +96,23 @@ def test_verdicts_and_records_of_measurements_at_random_are_those_of_the_rule():
         assert (record.value, record.reference) == (measured.value, reference)
         assert record.error == pytest.approx(sum(parts) + left)
         assert record.unexplained == pytest.approx(left, abs=1e-12)
-        assert (record.value_uncertainty, record.reference_uncertainty) == (own, other)
+        assert record.value_uncertainty == (own if number % 5 else None)
+        assert record.reference_uncertainty == other
         assert record.numerical_uncertainty == pytest.approx(spread)
         assert record.tolerance == pytest.approx(limit)
+        assert not record.exact
 
 
 def test_the_record_has_no_numbers_that_json_cannot_carry():
     measurement = Measurement(nan, 10.0, inf, table={"x": (nan, 1.0), "name": ("a", "b")})
-    (record,) = parse_run(
-        encode(run_record({}, [case_record(judge(EQUAL, measurement, 0.0))], (), ())), "test"
-    ).cases
-    assert set(record.__struct_fields__) >= INTERFACE
-    assert record.table == {"x": (None, 1.0), "name": ("a", "b")}
-    assert record.value is None
-    assert record.error is None
-    assert record.numerical_uncertainty is None
-
-
-def test_a_measurement_states_its_uncertainty_or_that_it_is_exact():
-    with pytest.raises(ValueError, match="states its numerical uncertainty"):
-        Measurement(1.0, 1.0)
-    with pytest.raises(ValueError, match="exact to rounding"):
-        Measurement(1.0, 1.0, value_uncertainty=0.1, exact=True)
-    assert Measurement(1.0, 1.0, exact=True).numerical_uncertainty is None
-    assert Measurement(1.0, 1.0, None, 0.4).numerical_uncertainty == 0.4
-    assert case_record(judge(EQUAL, Measurement(10.0, 10.0, exact=True), 0.0)).exact is True
-    stated = judge(EQUAL, Measurement(10.0, 10.0, reference_uncertainty=0.01), 0.0)
-    assert case_record(stated).exact is False
+    other = replace(EQUAL, id="toy.other")
+    judged = judge(EQUAL, measurement, 0.0), judge(other, exact(1.0), 0.0)
+    records = list(map(case_record, judged))
+    unknown, known = parse_run(encode(run_record({}, records, (), ())), "test").cases
+    assert set(unknown.__struct_fields__) >= INTERFACE
+    assert unknown.table == {"x": (None, 1.0), "name": ("a", "b")}
+    assert (unknown.value, unknown.error, unknown.numerical_uncertainty) == (None, None, None)
+    assert (known.exact, known.numerical_uncertainty) == (True, None)
 
 
 @pytest.mark.parametrize(
@@ -144,34 +129,82 @@ def test_a_measurement_states_its_uncertainty_or_that_it_is_exact():
 def test_a_case_is_judged_at_every_place_it_looks_at(value, uncertainty, expected):
     # 2.5 % of what the reference is there, not of the 1.0 in the measurement's own place.
     there = Elsewhere("x = 0.2 m", value, 2.0, uncertainty)
-    measured = Measurement(1.0, 1.0, exact=True, elsewhere=(Elsewhere("x = 0", 3.0, 3.0), there))
+    measured = exact(1.0, elsewhere=(Elsewhere("x = 0", 3.0, 3.0), there))
     outcome = judge(replace(EQUAL, tolerance=Relative(0.025)), measured, 0.0)
     assert outcome.verdict == expected
     assert ("x = 0.2 m" in outcome.message) is (expected != "agree")
-    if not isnan(value):
-        assert outcome.share == pytest.approx(abs(value - 2.0) / 0.05)
+    assert isnan(value) or outcome.share == pytest.approx(abs(value - 2.0) / 0.05)
 
 
 def test_the_graver_verdict_is_kept_wherever_it_was_given():
-    undecided = Elsewhere("there", 1.0, 1.0, 1.0)
-    measured = Measurement(2.0, 1.0, exact=True, elsewhere=(undecided,))
-    assert judge(EQUAL, measured, 0.0).verdict == "disagree"
-    wrong = Elsewhere("far", 2.0, 1.0)
-    measured = Measurement(1.0, 1.0, exact=True, elsewhere=(undecided, wrong, undecided))
-    outcome = judge(EQUAL, measured, 0.0)
+    undecided, wrong = Elsewhere("there", 1.0, 1.0, 1.0), Elsewhere("far", 2.0, 1.0)
+    assert judge(EQUAL, exact(2.0, elsewhere=(undecided,)), 0.0).verdict == "disagree"
+    outcome = judge(EQUAL, exact(1.0, elsewhere=(undecided, wrong, undecided)), 0.0)
     assert (outcome.verdict, outcome.message.split(":")[0]) == ("disagree", "disagree at far")
 
 
+COMMON = {
+    "quantity": "a number",
+    "unit": "1",
+    "reference_kind": "closed-form",
+    "citation": "by hand",
+    "tolerance": Absolute(0.5),
+    "tolerance_reason": "a count",
+    "model": "none",
+}
+
+
+def test_cases_stand_in_the_order_of_parameters_of_the_group_then_of_declaration():
+    """Fields are said by the case, its parameters, its family or the group; the nearest counts."""
+    cases = CaseGroup(over={"leg": (1, 2)}, group="all", **COMMON)
+
+    @cases.case(
+        "leg{leg}.{model}.{mode}",
+        "Leg {leg}: {model}, {size:.1f}",
+        over={
+            "model, size": [("beam", 1.25), ("rigid", 2.5)],
+            "index, mode": lambda model, modes: numbered(modes[model]),
+        },
+        tolerance=lambda size: Absolute(2.0 * size),
+        effort=3.0,
+    )
+    def named(context, leg, size, index):
+        return exact(context, leg, size, 0.01 * index)
+
+    family = cases.family(group="of {leg}")
+
+    @cases.case("leg{leg}.last", "Leg {leg}", unit="{leg} m")
+    def last(context):
+        return exact(context)
+
+    family.case("leg{leg}.one", "One", over={"model": ("own",)}, model="")(last)
+    found = cases(modes={"beam": 2, "rigid": 1})
+    names = ("beam.1", "beam.2", "rigid.1", "one", "last")
+    assert [case.id for case in found] == [f"leg{leg}.{name}" for leg in (1, 2) for name in names]
+    assert [case.title for case in found[1:3]] == ["Leg 1: beam, 1.2", "Leg 1: rigid, 2.5"]
+    assert [case.tolerance.amount for case in found[:5]] == [2.5, 2.5, 5.0, 0.5, 0.5]
+    assert [case.effort for case in found[2:4]] == [3.0, 0.1]
+    assert [case.model for case in found[:5]] == ["beam", "beam", "rigid", "", "none"]
+    assert [case.group for case in found[5:]] == [*["all"] * 3, "of 2", "all"]
+    assert found[9].unit == "2 m"
+    # 100 + leg + size + index; what names no parameter is given none.
+    assert [case.compute(100.0).value for case in found[:4]] == [102.25, 102.26, 103.5, 100.0]
+    assert found[4].compute is last
+
+
 @pytest.mark.parametrize(
-    ("name", "shown"),
+    ("declaration", "fault"),
     [
-        ("ifw", {"mechanism.deflections", "deflection.stroke"}),
-        ("five-bar", {f"mechanism.{n}" for n in ("deflections", "frequencies", "mode-shapes")}),
+        ({"compute": lambda _context, lenght: exact(lenght)}, TypeError),
+        ({"title": "{lenght}"}, KeyError),
+        ({"quantity": ""}, ValueError),
+        ({"effrot": 1.0}, TypeError),
     ],
 )
-def test_figures_that_cases_lead_to_are_drawn(name, shown):
-    tasks = catalogue(load_robot(name))
-    drawn = {task.id for task in tasks if isinstance(task, PlannedFigure)}
-    named = {task.figure for task in tasks if isinstance(task, Case) and task.figure}
-    assert shown <= named
-    assert named <= drawn
+def test_a_wrong_declaration_is_an_error_when_cases_are_listed(declaration, fault):
+    cases = CaseGroup(over={"length": (1, 2)}, **COMMON)
+    fields = {"title": "One", "compute": exact, **declaration}
+    compute = fields.pop("compute")
+    cases.case("{length}", **fields)(compute)
+    with pytest.raises(fault):
+        cases()

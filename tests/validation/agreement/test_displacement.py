@@ -13,28 +13,10 @@ from validation.agreement.displacement import FLOOR, relative, sizes, worst_forc
 
 def fraction(difference: Array, reference: Array, forces: Array) -> Array:
     """|D f| / max(|C f|, s/20) of forces (3×n)."""
-    largest = np.linalg.svd(reference)[1][0]
-    moved = np.linalg.norm(reference @ forces, axis=0) / np.linalg.norm(forces, axis=0)
-    off = np.linalg.norm(difference @ forces, axis=0) / np.linalg.norm(forces, axis=0)
-    return off / np.maximum(moved, FLOOR * largest)
-
-
-def searched(difference: Array, reference: Array) -> float:
-    """The largest by sampling the sphere and climbing from the best samples."""
-    azimuth, height = np.meshgrid(np.linspace(0.0, np.pi, 90), np.linspace(-1.0, 1.0, 90))
-    radius = np.sqrt(1.0 - height**2)
-    forces = np.array([radius * np.cos(azimuth), radius * np.sin(azimuth), height]).reshape(3, -1)
-    found = fraction(difference, reference, forces)
-    climbed = [
-        minimize(
-            lambda f: -fraction(difference, reference, f[:, None])[0],
-            forces[:, k],
-            method="Nelder-Mead",
-            options={"xatol": 1e-10, "fatol": 1e-12},
-        )
-        for k in np.argsort(found)[-6:]
-    ]
-    return max(-float(one.fun) for one in climbed)
+    force = forces / np.linalg.norm(forces, axis=0)
+    moved = np.linalg.norm(reference @ force, axis=0)
+    floor = FLOOR * np.linalg.norm(reference, 2)
+    return np.linalg.norm(difference @ force, axis=0) / np.maximum(moved, floor)
 
 
 def compliance(rng: np.random.Generator, yields: Array) -> Array:
@@ -57,8 +39,18 @@ def test_the_worst_direction_of_force_is_found(seed: int) -> None:
     assert np.linalg.norm(found.force[0]) == pytest.approx(1.0)
     at = fraction(difference, reference, found.force.T)
     assert at == pytest.approx(found.error, rel=1e-9)
-    # Neither above what the sphere has nor below it.
-    assert found.error[0] == pytest.approx(searched(difference, reference), rel=1e-6)
+    # Neither above what the sphere has nor below it: climbed to from the best of many directions.
+    forces = rng.normal(size=(3, 8000))
+    climbed = max(
+        -minimize(
+            lambda force: -fraction(difference, reference, force[:, None])[0],
+            forces[:, start],
+            method="Nelder-Mead",
+            options={"xatol": 1e-10, "fatol": 1e-12},
+        ).fun
+        for start in np.argsort(fraction(difference, reference, forces))[-6:]
+    )
+    assert found.error[0] == pytest.approx(climbed, rel=1e-6)
 
 
 def test_a_direction_that_hardly_yields_does_not_decide() -> None:
@@ -66,9 +58,7 @@ def test_a_direction_that_hardly_yields_does_not_decide() -> None:
     found = worst_force(difference[None], reference[None])
     # Along z alone ten times too soft: 2 % of a twentieth. The worst force has both errors in it.
     assert found.error[0] == pytest.approx(np.hypot(0.03, 0.02), rel=1e-3)
-    assert np.abs(found.force[0]) == pytest.approx([FLOOR, 0.0, 1.0], abs=2e-3)
-    # A fifth of a twentieth is what counts of a hundred times too soft.
-    assert worst_force(np.diag([0.03, 0.0, 0.01])[None], reference[None]).error[0] > 0.2
+    assert np.abs(found.force[0]) == pytest.approx([0.05, 0.0, 1.0], abs=2e-3)
 
 
 def test_sizes_are_of_the_whole_displacement_and_along_is_signed() -> None:
@@ -88,16 +78,13 @@ def test_sizes_are_of_the_whole_displacement_and_along_is_signed() -> None:
 
 
 def test_what_is_rigid_in_both_is_right_and_what_yields_alone_is_infinite() -> None:
-    reference = np.zeros((2, 6, 6))
+    reference, rigid, yielding = np.zeros((3, 2, 6, 6))
     reference[:, 0, 0] = 1e-8
-    rigid = np.zeros((2, 6, 6))
-    yielding = np.zeros((2, 6, 6))
     yielding[1, 1, 1] = 1e-9
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        nothing, alone = sizes(rigid, reference), sizes(yielding, reference)
-        everywhere = sizes(yielding, np.zeros((2, 6, 6)))
-    assert not nothing.any()
+        assert not sizes(rigid, reference).any()
+        alone, everywhere = sizes(yielding, reference), sizes(yielding, rigid)
     assert alone[1] == pytest.approx([0.0, np.inf, 0.0, 0.0, 0.0, 0.0, 2.0], rel=1e-9)
     assert everywhere[1, 6] == np.inf
     assert not everywhere[0].any()

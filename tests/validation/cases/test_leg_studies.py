@@ -7,16 +7,16 @@ import pytest
 from like_ifw import placed_at
 from numpy.testing import assert_allclose
 from prismatic_legs import LEG_1, LEG_2, STEEL, kind_frequencies
-from written_robot import robot_of
 
 from fem.beams.beam import beam_leg
 from fem.bodies import doubling
 from fem.reduction.craig_bampton import craig_bampton
 from fem.reduction.superelement import Superelement
 from lumped.legs import ConstantLeg, Material, tip_compliance
+from lumped.mechanism.biglide import biglide
 from lumped.models.bodies import legs_of
 from lumped.robot_file import load_robot
-from lumped.sections import Circle, HollowRectangle, Tube
+from lumped.sections import Circle, HollowRectangle, Rectangle, Tube
 from lumped.system.assembly import assemble
 from lumped.system.solution import modes, solved
 from validation.case import Skip
@@ -42,10 +42,8 @@ LENGTHS = 2.0 ** np.arange(5)
 # Powers of the slenderness (docs/guide/theory.md): a held face acts over a fixed length, shear and
 # rotary inertia all along, shear's own warping is held over a fixed length of L/κGA.
 EXPONENTS = {
-    "torsion": -1.0,
-    **dict.fromkeys(("contraction c11", "contraction c22", "contraction c33"), -1.0),
-    "shear": -2.0,
-    "rotary inertia": -2.0,
+    **dict.fromkeys(("torsion", "contraction c11", "contraction c22", "contraction c33"), -1.0),
+    **dict.fromkeys(("shear", "rotary inertia"), -2.0),
     "warping of shear": -3.0,
 }
 # The extrapolated share of torsion and the shear share L/κGA ÷ L³/3EI: leg 1 1.44 % and 1.35 %,
@@ -137,29 +135,15 @@ def test_torsion_of_round_legs_knows_no_warping_whatever_rounding_leaves_of_it(s
     assert wave == pytest.approx(1.0, abs=1e-6)
 
 
-OFFERED = 12
-# A leg so light bends between ends at rest. With ν = −0.9 its κ by strain energy is 0.007; waves
-# are much stiffer in shear.
-ROBOT = """
-schema = 1
-name = "a leg between ends at rest"
-type = "biglide"
-geometry = { a = 0.12 }
-platform = { mass = 10.0 }
-actuators = { stiffness = 3e11 }
-[leg1]
-length = 0.06
-section = { shape = "rectangle", width = 0.0017, height = 0.0008 }
-material = { E = 2.1e11, nu = -0.9, rho = 7850.0 }
-[leg2]
-length = 0.07
-section = { shape = "rectangle", width = 0.01, height = 0.01 }
-material = { E = 2.1e11, nu = 0.0, rho = 7850.0 }
-"""
+def test_a_leg_that_swings_between_ends_at_rest_has_its_waves():
+    """So light a leg bends between ends at rest.
 
-
-def test_a_leg_that_swings_between_ends_at_rest_has_its_waves(tmp_path):
-    mechanism = robot_of(ROBOT, tmp_path).mechanism
+    With ν = −0.9 its κ by strain energy is 0.007; waves are much stiffer in shear.
+    """
+    soft, stiff = (Material.isotropic(2.1e11, nu, 7850.0) for nu in (-0.9, 0.0))
+    thin = ConstantLeg(0.06, Rectangle(0.0017, 0.0008), soft)
+    thick = ConstantLeg(0.07, Rectangle(0.01, 0.01), stiff)
+    mechanism = biglide("rest", 0.12, thin, thick, platform_mass=10.0, drive_stiffness=3e11)
     legs, divisions = legs_of(mechanism), {"leg1": 2, "leg2": 2}
     beams = {name: own_beam(leg, divisions[name]) for name, leg in legs.items()}
     places = placed_at(mechanism)
@@ -169,7 +153,7 @@ def test_a_leg_that_swings_between_ends_at_rest_has_its_waves(tmp_path):
         beams,
         waves_of(legs, divisions),
         elements=ELEMENTS,
-        offered=OFFERED,
+        offered=12,
         count=5,
     )[0]
     own = modes(solved(assemble(places[0], beams)), 5).frequencies

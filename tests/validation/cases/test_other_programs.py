@@ -21,7 +21,6 @@ from validation.cases import other_programs
 from validation.cases.other_programs import by_both, farthest_entry
 from validation.cases.polynomials import farthest
 from validation.context import Context
-from validation.kinematics.poses import postures_of
 from validation.models.mechanism import mechanism_modes
 from validation.models.options import ModelOptions
 from validation.results.outcome import judge
@@ -30,6 +29,7 @@ from validation.solids.bars import with_bars
 needs_exudyn = pytest.mark.skipif(
     find_spec("exudyn") is None, reason="EXUDYN (extra exudyn) is not installed"
 )
+FIVE_BAR = Context(load_robot("five-bar"), "standard")
 
 
 def listed(mechanism, program):
@@ -60,12 +60,16 @@ table = { type = "planar", between = ["ground", "arm"], at = "C", axis = [0.0, 1
 """
 
 
+@pytest.fixture
+def propped(tmp_path):
+    """A frame on a plane: planar and fixed joints, a section of two stiffnesses, one posture."""
+    return robot_of(_PROPPED, tmp_path).mechanism
+
+
 @needs_exudyn
-def test_a_frame_on_a_plane(tmp_path):
-    """Planar and fixed joints, a section of two stiffnesses; one posture, hence one case."""
-    mechanism = robot_of(_PROPPED, tmp_path).mechanism
-    assert len(listed(mechanism, "exudyn")) == 1
-    own, theirs, uncertain = by_both(reference_posture(mechanism))
+def test_a_frame_on_a_plane(propped):
+    assert len(listed(propped, "exudyn")) == 1
+    own, theirs, uncertain = by_both(reference_posture(propped))
     np.testing.assert_allclose(own.frequencies, theirs, rtol=5e-4)
     assert (np.abs(own.frequencies - theirs) < uncertain).all()
 
@@ -79,13 +83,13 @@ class _WithLoad(multibody._ExudynModel):
 
 
 @needs_exudyn
-def test_the_tool_of_the_frame_swings_as_exudyn_linearises_it(tmp_path):
+def test_the_tool_of_the_frame_swings_as_exudyn_linearises_it(propped):
     """All damped modes of its own matrices on the null space of its constraints.
 
     Its elements are of second order: frequencies a tenth of a per cent off shift peaks by that.
     """
     ratio, options = 0.02, ModelOptions(elements=32)
-    at = reference_posture(replace(robot_of(_PROPPED, tmp_path).mechanism, damping=ratio))
+    at = reference_posture(replace(propped, damping=ratio))
     (found,) = mechanism_modes("beam", [at], 3, options)
     frequencies = np.outer(found.modes.frequencies, [0.3, 0.95, 1.0, 1.05]).ravel()
     system = _WithLoad(at, options.elements)
@@ -106,23 +110,26 @@ def test_the_tool_of_the_frame_swings_as_exudyn_linearises_it(tmp_path):
         assert off.max() < 0.02 * np.abs(theirs).max()
 
 
-def test_without_exudyn_the_cases_say_so(monkeypatch):
-    robot = load_robot("five-bar")
-
+@pytest.mark.parametrize(
+    ("program", "said"), [("exudyn", r"flexproof\[exudyn\]"), ("calculix", "is not installed")]
+)
+def test_cases_say_which_program_is_missing(monkeypatch, program, said):
     def missing(_name):
         raise multibody.PackageNotFoundError
 
     monkeypatch.setattr(multibody, "version", missing)
-    for case in listed(robot.mechanism, "exudyn"):
-        with pytest.raises(Skip, match=r"flexproof\[exudyn\]"):
-            case.measure(Context(robot, "quick"))
+    monkeypatch.setattr(calculix_run, "PROGRAMS", ("no-such-program",))
+    cases = listed(FIVE_BAR.robot_file.mechanism, program)
+    assert cases
+    for case in cases:
+        with pytest.raises(Skip, match=said):
+            case.measure(FIVE_BAR)
 
 
 def test_what_is_not_written_for_it_is_named():
     """A leg of a 6×6, a body without mass and a joint that gives, each on a line of its own."""
-    mechanism = load_robot("ifw").mechanism
     with pytest.raises(InputError) as raised:
-        multibody.require_beams(mechanism)
+        multibody.require_beams(load_robot("ifw").mechanism)
     said = "\n".join(raised.value.faults)
     assert "leg1: EXUDYN's beams need a section; this body is a leg given by" in said
     assert "without mass" in said
@@ -134,29 +141,19 @@ def test_what_is_not_written_for_it_is_named():
     not any(map(shutil.which, calculix_run.PROGRAMS)), reason="CalculiX (ccx) is not installed"
 )
 def test_a_five_bar_of_bars_agrees_and_can_turn():
-    robot = load_robot("five-bar")
-    for case in listed(robot.mechanism, "calculix"):
-        assert_agrees_and_can_turn(judge(case, case.measure(Context(robot, "standard")), 0.0))
+    cases = listed(FIVE_BAR.robot_file.mechanism, "calculix")
+    assert len(cases) == 2
+    for case in cases:
+        assert_agrees_and_can_turn(judge(case, case.measure(FIVE_BAR), 0.0))
 
 
 def test_bars_have_the_outer_size_of_the_legs():
-    mechanism = load_robot("delta").mechanism
-    (at,) = postures_of(mechanism, mechanism.poses[:1])
+    at = reference_posture(load_robot("delta").mechanism)
     for name, body in with_bars(at).mechanism.bodies.items():
         shape = at.mechanism.bodies[name].shape
         if hasattr(shape, "section"):
             assert body.shape.section.extent == shape.section.extent
             assert body.shape.section.area > shape.section.area
-
-
-def test_without_calculix_both_cases_say_so(monkeypatch):
-    monkeypatch.setattr(calculix_run, "PROGRAMS", ("no-such-program",))
-    robot = load_robot("five-bar")
-    asked = listed(robot.mechanism, "calculix")
-    assert len(asked) == 2
-    for case in asked:
-        with pytest.raises(Skip, match="is not installed"):
-            case.measure(Context(robot, "standard"))
 
 
 @pytest.mark.parametrize("off", [0.01, -0.01, np.nan])

@@ -6,12 +6,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 from compliances import scaled_difference
+from prismatic_legs import STEEL
 from scipy.linalg import solve
 
 from lumped.errors import ComputationError
 from lumped.legs import ConstantLeg, Material, tip_compliance
 from lumped.mechanism.body import Frame
-from lumped.mechanism.joint import Drive
+from lumped.mechanism.kinematics.postures import reference_posture
 from lumped.robot_file import load_robot
 from lumped.sections import Rectangle, Tube
 from validation.cases import ritz
@@ -19,17 +20,14 @@ from validation.kinematics.poses import postures_of
 from validation.models.mechanism import answers
 from validation.selftest.benchmarks import hexapod_stiffness
 
-EXAMPLES = Path(__file__).resolve().parents[3] / "examples"
+ROCKER = Path(__file__).resolve().parents[3] / "examples" / "rocker" / "robot.toml"
+# Beside the stiffness along such a leg rounding took 2e-4 of its torsion, 3e-5 without shear.
+FOIL = ConstantLeg(90.0, Tube(2e-4, 1e-6), Material(2.1e11, 1.05e9, -0.9, 7850.0))
 
 
 def first_pose(name):
     described = load_robot(name).mechanism
     return postures_of(described, described.poses[:1])[0]
-
-
-STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
-# Beside the stiffness along such a leg rounding took 2e-4 of its torsion, 3e-5 without shear.
-FOIL = ConstantLeg(90.0, Tube(2e-4, 1e-6), Material(2.1e11, 1.05e9, -0.9, 7850.0))
 
 
 @pytest.mark.parametrize("theory", ["timoshenko", "euler-bernoulli"])
@@ -53,42 +51,35 @@ def test_a_hexapod_has_the_stiffness_of_its_bars():
 def test_frequencies_may_be_of_any_size(softer):
     """Rods that idle among them: of all stiffnesses the root."""
     at = first_pose("delta")
-    described = at.mechanism
+
+    def scaled(thing, *names):
+        return replace(thing, **{name: softer * getattr(thing, name) for name in names})
+
     bodies = {
-        name: body
-        if not isinstance(body.shape, ConstantLeg)
-        else replace(body, shape=replace(body.shape, material=scaled(body.shape.material, softer)))
-        for name, body in described.bodies.items()
+        name: replace(
+            body, shape=replace(body.shape, material=scaled(body.shape.material, "E", "G"))
+        )
+        for name, body in at.mechanism.bodies.items()
+        if isinstance(body.shape, ConstantLeg)
     }
     joints = [
-        joint
-        if joint.drive is None
-        else replace(joint, drive=Drive(softer * joint.drive.stiffness))
-        for joint in described.joints
+        replace(joint, drive=scaled(joint.drive, "stiffness")) if joint.drive else joint
+        for joint in at.mechanism.joints
     ]
-    found = ritz.frequencies(
-        replace(at, mechanism=replace(described, bodies=bodies, joints=joints)), 4
-    )
+    changed = replace(at.mechanism, bodies={**at.mechanism.bodies, **bodies}, joints=joints)
+    found = ritz.frequencies(replace(at, mechanism=changed), 4)
     np.testing.assert_allclose(found, np.sqrt(softer) * ritz.frequencies(at, 4), rtol=1e-6)
-
-
-def scaled(material, factor):
-    return replace(material, E=factor * material.E, G=factor * material.G)
 
 
 def test_idle_rods_count_as_no_frequency():
     """Six rods of a Delta spin about themselves; in a symmetric pose its modes come in pairs."""
-    at = first_pose("delta")
-    found = ritz.frequencies(at, 4)
-    assert found[0] > 10.0
-    described = load_robot("delta").mechanism
-    (symmetric,) = postures_of(described, described.reference_pose[None])
-    pair = ritz.frequencies(symmetric, 2)
+    pair = ritz.frequencies(reference_posture(load_robot("delta").mechanism), 2)
+    assert pair[0] > 10.0
     assert pair[1] == pytest.approx(pair[0], rel=1e-7)
 
 
 def test_parts_are_rigid_bodies_on_the_drives():
-    at = first_pose(EXAMPLES / "rocker" / "robot.toml")
+    at = first_pose(ROCKER)
     (own,) = answers("simplified", [at], 1)
     compliance, frequencies = ritz.on_drives(at, 1)
     atol = 1e-10 * np.abs(compliance).max()
@@ -98,8 +89,7 @@ def test_parts_are_rigid_bodies_on_the_drives():
 
 def test_a_posture_that_is_none_is_refused():
     at = first_pose("five-bar")
-    moved = dict(at.frames)
-    rod = moved["rod2"]
-    moved["rod2"] = Frame(rod.position + np.array([1e-5, 0.0, 0.0]), rod.rotation)
+    rod = at.frames["rod2"]
+    moved = Frame(rod.position + np.array([1e-5, 0.0, 0.0]), rod.rotation)
     with pytest.raises(ComputationError, match="elbow2: open by"):
-        ritz.compliance(replace(at, frames=moved))
+        ritz.compliance(replace(at, frames={**at.frames, "rod2": moved}))
