@@ -9,7 +9,6 @@ from itertools import pairwise
 from typing import Any, assert_never
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from lumped.arrays import Array
 from lumped.errors import InputError
@@ -19,6 +18,7 @@ from lumped.mechanism.free_twists import free_twists, interface_position
 from lumped.mechanism.joint import Joint, Side
 from lumped.mechanism.mechanism import GROUND, Mechanism, Posture
 from lumped.models.bodies import leg_of
+from lumped.screws import rotation_vector
 
 # Its projection on the joints takes singular values below this one for none.
 _TOLERANCE = 1e-6
@@ -107,7 +107,7 @@ class _ExudynModel:
             self._add_joint(joint)
 
     def _node(self, position: Array, rotation: Array) -> int:
-        vector = Rotation.from_matrix(rotation).as_rotvec()
+        vector = rotation_vector(rotation)
         placed = self.items.NodeRigidBodyRotVecLG(referenceCoordinates=[*position, *vector])
         node: int = self.mbs.AddNode(placed)
         return node

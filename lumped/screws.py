@@ -8,6 +8,7 @@ or moment): the line runs through r = u × w / |u|², the pitch is u·w / |u|².
 """
 
 import numpy as np
+import scipy
 
 from lumped.arrays import Array
 
@@ -51,6 +52,18 @@ def rotation_z(angle: float) -> Array:
     """3×3 rotation about z by `angle` (rad), right-handed."""
     c, s = np.cos(angle), np.sin(angle)
     return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+
+
+def rotation_about(vector: Array) -> Array:
+    """…×3×3 rotations of rotation vectors (…×3, rad)."""
+    matrix: Array = scipy.spatial.transform.Rotation.from_rotvec(vector).as_matrix()
+    return matrix
+
+
+def rotation_vector(rotation: Array) -> Array:
+    """Rotation vectors (…×3, rad) of …×3×3 rotations, at most half a turn long."""
+    vector: Array = scipy.spatial.transform.Rotation.from_matrix(rotation).as_rotvec()
+    return vector
 
 
 def move_compliance(compliance: Array, offset: Array) -> Array:

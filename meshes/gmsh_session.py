@@ -10,7 +10,6 @@ from contextlib import contextmanager
 from threading import RLock
 from types import ModuleType
 
-import gmsh
 import numpy as np
 
 from lumped.arrays import Array, IntArray
@@ -53,6 +52,8 @@ def gmsh_model(part: str) -> Iterator[ModuleType]:
     Works in any thread, one model at a time, and may be nested: the inner model is removed and the
     outer one current again at the end. Raises ComputationError naming `part` where gmsh fails.
     """
+    import gmsh  # noqa: PLC0415  slow to load, and most answers need no mesh
+
     with _LOCK:
         outermost = not gmsh.isInitialized()
         if outermost:

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 import numpy as np
+import scipy
 from scipy.linalg import eigvalsh, expm
-from scipy.optimize import brentq
 
 from lumped.arrays import Array
 from lumped.errors import ComputationError
@@ -114,7 +114,9 @@ def euler_bernoulli_roots(count: int) -> Array:
     # One sign change between consecutive multiples of π, where cos is ±1 and 1/cosh below 1.
     return np.array(
         [
-            brentq(bounded, k * np.pi, (k + 1) * np.pi, xtol=1e-15, rtol=_ROOT_TOLERANCE)
+            scipy.optimize.brentq(
+                bounded, k * np.pi, (k + 1) * np.pi, xtol=1e-15, rtol=_ROOT_TOLERANCE
+            )
             for k in range(count)
         ]
     )
@@ -148,7 +150,9 @@ def _root(beam: _Plane, length: float, index: int, bound: float) -> float:
     def eigenvalue(omega: float) -> float:
         return float(eigvalsh(_dynamic_stiffness(beam, length, pieces, omega))[index])
 
-    return float(brentq(eigenvalue, 0.0, _ROOM * bound, xtol=1e-300, rtol=_ROOT_TOLERANCE))
+    return float(
+        scipy.optimize.brentq(eigenvalue, 0.0, _ROOM * bound, xtol=1e-300, rtol=_ROOT_TOLERANCE)
+    )
 
 
 def _pieces(beam: _Plane, length: float, omega: float) -> int:

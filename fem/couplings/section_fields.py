@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from math import factorial
 
 import numpy as np
+import scipy
 from scipy.sparse import csr_array
-from scipy.spatial import cKDTree
 
 from fem.couplings.grips import rigid_motions
 from fem.sections.saint_venant import section_quadrature
@@ -135,7 +135,7 @@ def _symmetric(
 def _mirror(nodes: Array, signs: tuple[float, float]) -> IntArray:
     """The node (N) at each node's mirror image."""
     size = float(np.ptp(nodes, axis=0).max())
-    distance, partner = cKDTree(nodes).query(nodes * np.array(signs))
+    distance, partner = scipy.spatial.cKDTree(nodes).query(nodes * np.array(signs))
     if distance.max() > _SAME_PLACE * size:
         raise InputError("end effects: the section is not symmetric about its axes")
     return np.asarray(partner)

@@ -16,8 +16,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from scipy.sparse import coo_matrix, csc_matrix
-from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
 
 from lumped.arrays import Array, IntArray
@@ -190,7 +190,10 @@ def _poisson(quad: SectionQuadrature, loads: Array) -> Array:
         "mkdq,mldq,mq->mkl", quad.gradients, quad.gradients, quad.weights, optimize=True
     )
     laplacian = summed(blocks, cells, len(quad.mesh.nodes))
-    if connected_components(laplacian, directed=False, return_labels=False) > 1:
+    if (
+        scipy.sparse.csgraph.connected_components(laplacian, directed=False, return_labels=False)
+        > 1
+    ):
         raise ComputationError(
             "section mesh: no warping function, the section is not in one piece or has nodes "
             "without a cell"

@@ -11,7 +11,6 @@ from importlib.metadata import version
 from typing import Any, NamedTuple
 
 import numpy as np
-import rslab
 from scipy.sparse import csc_array, csr_array
 
 from fem.machine import available_memory, threads
@@ -131,6 +130,8 @@ def analyse(matrix: SparseMatrix) -> Symbolic:
 
     The upper triangle of the matrix is enough.
     """
+    import rslab  # noqa: PLC0415  many answers need no sparse factor
+
     triangle = upper_triangle(matrix)
     # Read by columns it is the lower one.
     lower = csc_array((triangle.data, triangle.indices, triangle.indptr), shape=triangle.shape)

@@ -14,12 +14,12 @@ which hold where the joint closes, however far it has turned, and whose derivati
 from typing import assert_never
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from lumped.arrays import Array
 from lumped.errors import InputError
 from lumped.mechanism.joint import FREEDOMS, Joint, Side
 from lumped.mechanism.mechanism import Posture
+from lumped.screws import rotation_about, rotation_vector
 
 
 def interface_position(posture: Posture, side: Side) -> Array:
@@ -120,11 +120,11 @@ def coordinates(joint: Joint, p: Array, R: Array) -> Array:
     translations, rotations = free_axes(joint)
     match joint.kind:
         case "spherical":
-            angles = Rotation.from_matrix(R).as_rotvec()
+            angles = rotation_vector(R)
         case "universal":
             one, two = joint.axes
             about_one = _angle(one, two, R @ two)
-            rest = Rotation.from_rotvec(-about_one * one).as_matrix() @ R
+            rest = rotation_about(-about_one * one) @ R
             angles = np.array([about_one, _angle(two, one, rest @ one)])
         case _:
             across = [across_axis(axis)[0] for axis in rotations]

@@ -17,6 +17,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+import scipy
 
 from lumped.arrays import Array, ComplexArray
 from lumped.dense.modes import Modes
@@ -94,7 +95,6 @@ class DampedModes:
         Infinite where a mode that takes part loses nothing, 0 and NaN where the tool is rigid.
         """
         # A fifth of a second, which most commands have no use for.
-        from scipy.optimize import minimize_scalar  # noqa: PLC0415
 
         sizes = np.abs(self.gives)
         if not sizes.any():
@@ -109,7 +109,7 @@ class DampedModes:
         looked_at = np.unique(np.clip(looked_at, first, last))
         top = int(np.argmax(np.abs(self.receptance(looked_at))))
         low, high = looked_at[max(top - 1, 0)], looked_at[min(top + 1, len(looked_at) - 1)]
-        found = minimize_scalar(
+        found = scipy.optimize.minimize_scalar(
             lambda one: -self.size(one),
             bounds=(low, high),
             method="bounded",

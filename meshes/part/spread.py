@@ -1,7 +1,7 @@
 """A few nodes spread over a part, and how much of it is nearest to each."""
 
 import numpy as np
-from scipy.spatial import cKDTree
+import scipy
 
 from lumped.arrays import Array, IntArray
 from meshes.elements import ELEMENTS
@@ -28,7 +28,7 @@ def spread_over(mesh: VolumeMesh) -> tuple[IntArray, Array]:
         apart = np.linalg.norm(places - places[chosen[-1]], axis=1)
         distance = apart if len(chosen) == 1 else np.minimum(distance, apart)
     centres = mesh.nodes[corners].mean(axis=1)
-    _, nearest = cKDTree(places[chosen]).query(centres)
+    _, nearest = scipy.spatial.cKDTree(places[chosen]).query(centres)
     volumes = np.bincount(nearest, cell_volumes(mesh), len(chosen))
     return candidates[chosen], np.asarray(volumes, dtype=float)
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from types import ModuleType
 
 import numpy as np
-from scipy.spatial import cKDTree
+import scipy
 
 from lumped.arrays import Array, IntArray
 from lumped.errors import ComputationError, InputError
@@ -99,7 +99,7 @@ def symmetrised(nodes: Array, part: str) -> Array:
     tolerance = 1e-6 * float(np.ptp(nodes, axis=0).max())
     for mirror in ([-1.0, 1.0], [1.0, -1.0]):
         images = nodes * mirror
-        distance, partner = cKDTree(images).query(nodes)
+        distance, partner = scipy.spatial.cKDTree(images).query(nodes)
         if distance.max() > tolerance:
             raise ComputationError(f"{part}: the mesh is not symmetric about its section's axes")
         nodes = (nodes + images[partner]) / 2.0

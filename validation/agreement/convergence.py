@@ -14,7 +14,7 @@ from math import isfinite, log
 from typing import Literal, TypeAlias
 
 import numpy as np
-from scipy.optimize import brentq, minimize_scalar
+import scipy
 
 from lumped.arrays import Array
 
@@ -69,7 +69,7 @@ def three_grid_order(
 
     if misfit(1e-6) * misfit(LARGEST_ORDER) > 0.0:
         return float("nan")
-    return float(brentq(misfit, 1e-6, LARGEST_ORDER))
+    return float(scipy.optimize.brentq(misfit, 1e-6, LARGEST_ORDER))
 
 
 def richardson(middle: float, fine: float, ratio: float, order: float) -> float:
@@ -109,7 +109,9 @@ def fit_order(sizes: Array, values: Array) -> float:
     candidates = np.linspace(0.05, LARGEST_ORDER, 240)
     best = int(np.argmin([left(order) for order in candidates]))
     bounds = (candidates[max(best - 1, 0)], candidates[min(best + 1, len(candidates) - 1)])
-    found = minimize_scalar(left, bounds=bounds, method="bounded", options={"xatol": 1e-10})
+    found = scipy.optimize.minimize_scalar(
+        left, bounds=bounds, method="bounded", options={"xatol": 1e-10}
+    )
     return float(found.x)
 
 

@@ -4,7 +4,7 @@ MAC = (aᵀWb)² / (aᵀWa · bᵀWb) with a mass-weighted product W (Allemang &
 """
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
+import scipy
 
 from lumped.arrays import Array, IntArray
 from lumped.legs import BeamProperties
@@ -28,7 +28,7 @@ def pair_modes(mac: Array) -> IntArray:
 
     −1 where there are too few columns.
     """
-    rows, columns = linear_sum_assignment(mac, maximize=True)
+    rows, columns = scipy.optimize.linear_sum_assignment(mac, maximize=True)
     partner = np.full(mac.shape[0], -1)
     partner[rows] = columns
     return partner

@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
+import scipy
 from scipy.linalg import eigh
 from scipy.sparse import csr_array
-from scipy.spatial import cKDTree
 
 from fem.bodies.part import grips_of, held_part, meshed_part, require_memory
 from fem.reduction.craig_bampton import Reduction, heavier_at_interfaces, reduction
@@ -270,7 +270,7 @@ def interpolated(nodes: Array, recovery: Array) -> Callable[[Array], SparseMatri
 
     def displacements(points: Array) -> SparseMatrix:
         count = min(_NEIGHBOURS, len(nodes))
-        away, nearest = cKDTree(nodes).query(points, k=np.arange(1, count + 1))
+        away, nearest = scipy.spatial.cKDTree(nodes).query(points, k=np.arange(1, count + 1))
         weights = np.eye(1, count).repeat(len(points), axis=0)
         between = away[:, 0] > _AT_NODE * size
         arms = (nodes[nearest] - points[:, None])[between] / away[between, -1][:, None, None]

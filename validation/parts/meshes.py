@@ -3,9 +3,9 @@
 import hashlib
 from collections.abc import Sequence
 from dataclasses import replace
+from importlib.metadata import version
 from typing import Any
 
-import gmsh
 import numpy as np
 
 from lumped.arrays import Array
@@ -28,7 +28,7 @@ def part_key(
 ) -> str:
     """The key of what depends on a part's content, unit, interfaces, material, and `more`."""
     content = hashlib.sha256(part.path.read_bytes()).hexdigest()
-    program = _EDITION, gmsh.__version__
+    program = _EDITION, version("gmsh")
     return key_of("part", program, content, part.unit, tuple(interfaces), material, *more)
 
 

@@ -6,7 +6,7 @@ from itertools import takewhile
 from math import ceil
 
 import numpy as np
-from scipy.optimize import brentq, newton
+import scipy
 
 from fem.beams.beam import beam_leg
 from fem.bodies import doubling
@@ -143,11 +143,13 @@ def edge_order(nu: float) -> float:
         return complex(np.sin(0.5 * np.pi * exponent) ** 2 - free)
 
     if nu < 0.0:
-        return 2.0 * float(newton(misfit, 1.05 + 0.3j).real)
+        return 2.0 * float(scipy.optimize.newton(misfit, 1.05 + 0.3j).real)
     # λ = 1 is a root as well, that of a uniform stress.
     if misfit(1.0 - 1e-9).real <= 0.0:
         return 2.0
-    return 2.0 * float(brentq(lambda exponent: misfit(exponent).real, 0.25, 1.0 - 1e-9))
+    return 2.0 * float(
+        scipy.optimize.brentq(lambda exponent: misfit(exponent).real, 0.25, 1.0 - 1e-9)
+    )
 
 
 def static_ladder(leg: ConstantLeg, most: int) -> tuple[int, ...]:

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from lumped.arrays import Array, IntArray
 from lumped.mechanism.body import Frame
@@ -23,7 +22,7 @@ from lumped.mechanism.free_twists import (
 )
 from lumped.mechanism.mechanism import GROUND, MOVES, Mechanism, Posture
 from lumped.memo import memo
-from lumped.screws import skew
+from lumped.screws import rotation_about, rotation_vector, skew
 
 # Angle (rad) below which θ²/720 of the series that follows is lost in rounding.
 _SMALL = 1e-6
@@ -190,13 +189,13 @@ class Closure:
         """Pose of the tool in the order of its moves, then of what it keeps (m, rad)."""
         arm = self._tool_arm_in(placement) - self._datum
         position = placement.origins[self._tool_body] + arm
-        rotation = Rotation.from_matrix(placement.turns[self._tool_body]).as_rotvec()
+        rotation = rotation_vector(placement.turns[self._tool_body])
         values: Array = np.concatenate([position, rotation])[self.moves]
         return values
 
     def pose_jacobian(self, placement: Placement) -> Array:
         """Derivative (rows of `pose` × unknowns, rotations weighed with the size) of the pose."""
-        vector = Rotation.from_matrix(placement.turns[self._tool_body]).as_rotvec()
+        vector = rotation_vector(placement.turns[self._tool_body])
         rates = np.eye(6)
         rates[3:, 3:] = _rotation_vector_rates(vector)
         derivative: Array = rates[self.moves] @ self.tool_twists(placement)
@@ -216,7 +215,7 @@ class Closure:
         along, about = step.reshape(-1, 2, 3).swapaxes(0, 1)
         origins, turns = placement.origins.copy(), placement.turns.copy()
         origins[self._moving] += along
-        turned = Rotation.from_rotvec(about / self.size).as_matrix() @ turns[self._moving]
+        turned = rotation_about(about / self.size) @ turns[self._moving]
         # One step of Newton's towards the nearest rotation: rounding does not add up on a long way.
         turns[self._moving] = 1.5 * turned - 0.5 * turned @ turned.swapaxes(1, 2) @ turned
         return Placement(origins, turns)
