@@ -105,9 +105,8 @@ def test_frequencies_converge_with_order_four(theory, part):
 
 
 @both_theories
-@pytest.mark.parametrize("slenderness", [1.0, 1e4])
-def test_tip_compliance_is_exact_for_any_slenderness_and_number_of_elements(slenderness, theory):
-    for leg in (ConstantLeg(slenderness * 0.1, Rectangle(0.06, 0.1), STEEL), LEG_2):
+def test_tip_compliance_is_exact_for_any_slenderness_and_number_of_elements(theory):
+    for leg in (square_leg(1.0), square_leg(1e4), LEG_2):
         properties = leg.properties(theory)
         for elements in (1, 2, 7):
             found = tip_compliance_of(beam_leg(properties, leg.length, elements))

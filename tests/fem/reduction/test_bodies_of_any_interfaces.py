@@ -103,6 +103,11 @@ def test_a_reduction_has_the_modes_that_are_counted(bar, held_frequencies):
     below = held_frequencies[held_frequencies < found.cutoff]
     assert found.counted == len(below) >= 15
     assert_allclose(found.frequencies[: len(below)], below, rtol=1e-8)
+    # Two thirds of all: more than Lanczos may look for.
+    most = 2 * bar.held.size // 3
+    every = interface_modes(bar.held, held_frequencies[most : most + 2].mean())
+    assert_allclose(every.frequencies, held_frequencies[: most + 1], rtol=1e-8)
+    assert_allclose(every.shapes.T @ (bar.held.mass @ every.shapes), np.eye(most + 1), atol=1e-8)
 
 
 def kept_by(rows, searches):

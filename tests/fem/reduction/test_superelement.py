@@ -11,21 +11,18 @@ import pytest
 from compliances import scaled_difference
 from like_ifw import EQUIVALENT, system_of
 from numpy.testing import assert_allclose
-from prismatic_legs import STEEL, meshed
-from scipy.linalg import block_diag, eigh
+from prismatic_legs import meshed
+from scipy.linalg import block_diag
 from scipy.sparse import csr_array
 
 from fem.beams.beam import beam_leg
 from fem.bodies.solid import clamped_leg, section_twists, solid_leg_matrices
-from fem.reduction.counted_modes import interface_modes
 from fem.reduction.craig_bampton import craig_bampton, frequency_bounds
 from fem.reduction.superelement import ENDS, held_leg, held_solid_leg, static_superelement
 from lumped.errors import ComputationError, InputError
-from lumped.legs import ConstantLeg
 from lumped.models.bodies import legs_of
 from lumped.models.segments import segment_chain, segment_leg
 from lumped.screws import shift
-from lumped.sections import Rectangle
 from lumped.system.solution import compliance, modes, solved
 
 LEGS = legs_of(EQUIVALENT)
@@ -182,26 +179,6 @@ def test_bounds_enclose_the_true_frequencies(robots, factor):
             assert error.max() > 1e-4
         else:
             assert bounds.relative_width.max() < 2e-4
-
-
-@pytest.mark.parametrize(
-    ("leg", "divisions", "slices", "count"),
-    [
-        # Every bending mode twice.
-        (ConstantLeg(0.8, Rectangle(0.1, 0.1), STEEL), 2, 6, 11),
-        # Two thirds of 687 unknowns: more than Lanczos may look for.
-        (LEG_1, 1, 8, 450),
-    ],
-)
-def test_interface_modes_are_those_of_the_clamped_clamped_matrices(leg, divisions, slices, count):
-    """All of them, and none besides: against a dense solution."""
-    whole = solid_leg_matrices(meshed(leg, divisions, slices))
-    assert whole.size > 400
-    held = whole.stiffness.toarray()[12:, 12:], whole.mass.toarray()[12:, 12:]
-    frequencies = np.sqrt(eigh(*held, eigvals_only=True)) / (2.0 * np.pi)
-    found = interface_modes(held_leg(whole), 0.5 * (frequencies[count - 1] + frequencies[count]))
-    assert_allclose(found.frequencies, frequencies[:count], rtol=1e-8)
-    assert_allclose(found.shapes.T @ (whole.mass @ found.shapes), np.eye(count), atol=1e-8)
 
 
 def test_cut_off_below_the_asked_frequencies_is_refused():
