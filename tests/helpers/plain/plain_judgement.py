@@ -6,16 +6,14 @@ the whole displacement, partners by the largest likeness, an interval over what 
 verdict, the pose that decides, what each cause takes off, and the remedy.
 """
 
-from collections.abc import Mapping, Sequence
 from math import inf, isfinite, isnan, nan
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from validation.agreement.displacement import worst_force
 
 AXES = ("x", "y", "z", "phi_x", "phi_y", "phi_z")
-Numbers = Mapping[str, Any]
 
 
 class Plain(NamedTuple):
@@ -27,17 +25,17 @@ class Plain(NamedTuple):
     low: float
     high: float
     missing: bool = False
-    alone: tuple[Any, ...] = ()
+    alone: tuple = ()
 
     @property
-    def middle(self) -> float:
-        return (self.low + self.high) / 2.0
+    def middle(self):
+        return None if self.missing else (self.low + self.high) / 2.0
 
     @property
-    def half(self) -> float:
-        return (self.high - self.low) / 2.0
+    def half(self):
+        return None if self.missing else (self.high - self.low) / 2.0
 
-    def verdict(self, limit: float) -> str:
+    def verdict(self, limit):
         if self.missing:
             return "inadequate"
         if self.alone:
@@ -48,7 +46,7 @@ class Plain(NamedTuple):
         return "inadequate" if self.low > limit or self.high < -limit else "undecided"
 
 
-def deflection(own: Any, due: Any, quantity: str) -> Numbers:
+def deflection(own, due, quantity):
     """Whole error, the vector of it, and what is along the load, at one pose."""
     part = slice(3, 6) if quantity.startswith("phi") else slice(3)
     load, floor = np.zeros(6), 0.0
@@ -68,13 +66,12 @@ def deflection(own: Any, due: Any, quantity: str) -> Numbers:
         "load": load,
         "part": part,
         "value": value,
-        "expected": expected,
         "along": (value - expected) / max(expected, floor),
         "grown": 1.0 + error if floor else np.linalg.norm(moved) / of,
     }
 
 
-def partner(truth: Any, model: Any, mode: int, pose: int) -> int | None:
+def partner(truth, model, mode, pose):
     """The model's mode whose shape has most, and at least half, in common with the truth's."""
     a = truth.samples[pose, :, mode]
     likeness = [float(a @ b) ** 2 / float(a @ a) / float(b @ b) for b in model.samples[pose].T]
@@ -82,38 +79,38 @@ def partner(truth: Any, model: Any, mode: int, pose: int) -> int | None:
     return best if likeness[best] >= 0.5 else None
 
 
-def frequency(truth: Any, model: Any, mode: int, pose: int) -> Numbers:
+def frequency(truth, model, mode, pose):
     found = partner(truth, model, mode, pose)
     own = nan if found is None else float(model.frequencies[pose, found])
     due = float(truth.frequencies[pose, mode])
-    return {"error": own / due - 1.0, "value": own, "expected": due, "grown": own / due}
+    return {"error": own / due - 1.0, "value": own, "mode": mode, "grown": own / due}
 
 
-def order(truth: Any, model: Any, modes: int, pose: int) -> Numbers:
+def order(truth, model, modes, pose):
     """The mode that is elsewhere in the model and whose number misleads most."""
-    worst: dict[str, Any] = {"error": 0.0, "mode": None, "grown": 1.0}
+    worst = {"error": 0.0, "mode": None, "grown": 1.0, "value": None}
     for mode in range(modes):
-        ratio = float(model.frequencies[pose, mode] / truth.frequencies[pose, mode])
+        own = float(model.frequencies[pose, mode])
+        ratio = own / float(truth.frequencies[pose, mode])
         further = worst["mode"] is None or abs(ratio - 1.0) > abs(worst["error"])
         if partner(truth, model, mode, pose) != mode and further:
-            worst = {"error": ratio - 1.0, "mode": mode, "grown": ratio}
+            worst = {"error": ratio - 1.0, "mode": mode, "grown": ratio, "value": own}
     return worst
 
 
 class Rule:
     """One quantity of one model of a subject, looked at pose by pose."""
 
-    def __init__(self, subject: Any, candidate: Any, quantity: str, modes: int) -> None:
-        self.quantity, self.modes, self.candidate = quantity, modes, candidate
+    def __init__(self, subject, candidate, quantity, modes):
+        self.quantity, self.modes, self.poses = quantity, modes, subject.poses
         self.static = quantity in (*AXES, "any_force")
         self.reference = subject.statics if self.static else subject.dynamics
-        self.poses = range(len(subject.poses))
         self.model = [candidate.response] * len(self.reference.alternatives)
         ladder = candidate.static_steps if self.static else candidate.dynamic_steps
         names = [one.name for one in self.reference.alternatives]
         self.steps = [(step, [step.responses[name] for name in names]) for step in ladder]
 
-    def numbers(self, response: Any, place: int, pose: int) -> Numbers:
+    def numbers(self, response, place, pose):
         truth = self.reference.alternatives[place].response
         if self.static:
             return deflection(response.compliance[pose], truth.compliance[pose], self.quantity)
@@ -121,20 +118,21 @@ class Rule:
             return order(truth.vibration, response.vibration, self.modes, pose)
         return frequency(truth.vibration, response.vibration, int(self.quantity[1:]) - 1, pose)
 
-    def spread(self, found: Numbers, place: int, pose: int) -> float:
+    def each(self, responses, pose):
+        return [self.numbers(one, place, pose) for place, one in enumerate(responses)]
+
+    def spread(self, found, place, pose):
         """What the alternative of that place leaves open of its own numbers, of this error."""
         one = self.reference.alternatives[place]
         if self.static:
             stated = one.static[pose, (*AXES, "any_force").index(self.quantity)]
         else:
-            mode = found["mode"] if self.quantity == "order" else int(self.quantity[1:]) - 1
-            stated = 0.0 if mode is None else one.dynamic[pose, mode]
+            stated = 0.0 if found["mode"] is None else one.dynamic[pose, found["mode"]]
         return float(stated * found["grown"])
 
-    def at(self, responses: Sequence[Any], pose: int) -> Plain:
+    def at(self, responses, pose):
         alone = []
-        for place, response in enumerate(responses):
-            found = self.numbers(response, place, pose)
+        for place, found in enumerate(self.each(responses, pose)):
             spread = self.spread(found, place, pose)
             if isfinite(found["error"]):
                 alone.append(Plain(found["error"] - spread, found["error"] + spread))
@@ -146,23 +144,43 @@ class Rule:
         high = max((one.high for one in alone), default=nan)
         return Plain(max(low, 0.0) if self.static else low, high, missing)
 
-    def answer(self, limit: float) -> tuple[str, int, list[Plain]]:
-        """Verdict, the pose that decides, and what is open at every pose."""
-        found = [self.at(self.model, pose) for pose in self.poses]
-        verdicts = [one.verdict(limit) for one in found]
-        worst = min(verdicts, key=("inadequate", "undecided", "adequate").index)
-        alike = [p for p in self.poses if verdicts[p] == worst]
-        known = [p for p in alike if not found[p].missing] or alike
-        size = [0.0 if one.missing else abs(one.middle) for one in found]
-        return worst, max(known, key=lambda p: size[p]), found
+    def along(self, responses):
+        return [self.at(responses, pose) for pose in range(len(self.poses))]
 
-    def causes(self, pose: int) -> dict[str, float]:
+    def entry(self, limit):
+        """Fields of the entry: the pose of the worst verdict, and of it the largest error."""
+        path = self.along(self.model)
+        verdicts = [one.verdict(limit) for one in path]
+        worst = min(verdicts, key=("inadequate", "undecided", "adequate").index)
+        alike = [p for p, said in enumerate(verdicts) if said == worst]
+        known = [p for p in alike if not path[p].missing] or alike
+        pose = max(known, key=lambda p: abs(path[p].middle or 0.0))
+        told = {"verdict": worst, "pose": tuple(self.poses[pose])}
+        if path[pose].missing:
+            return told
+        alone = self.each(self.model, pose)
+        errors = [one["error"] for one in alone]
+        left = {"meshes": max(self.spread(one, k, pose) for k, one in enumerate(alone))}
+        if self.quantity == "order":
+            left = {"meshes": path[pose].half}
+        elif self.reference.open:
+            left[self.reference.open] = 0.5 * (max(errors) - min(errors))
+        told |= {"error": path[pose].middle, "uncertainty": path[pose].half, "uncertainties": left}
+        told |= {"errors": [one.middle for one in path], "spreads": [one.half for one in path]}
+        if self.static and self.quantity != "any_force":
+            told["along"] = np.mean([one["along"] for one in alone])
+            told["value"] = alone[0]["value"]
+        if self.quantity not in ("any_force", "order"):
+            told["values"] = [self.numbers(self.model[0], 0, p)["value"] for p in range(len(path))]
+        advice = self.remedy(limit, pose) if worst == "inadequate" else ("", None)
+        causes = {} if worst == "adequate" else self.causes(pose)
+        return told | {"causes": causes, "remedy": advice[0], "error_with_remedy": advice[1]}
+
+    def causes(self, pose):
         """Shares by cause, with the rest that no cause accounts for."""
-        places = range(len(self.model))
-        first = [self.numbers(one, k, pose) for k, one in enumerate(self.model)]
-        total = sum(one["error"] for one in first) / len(places)
-        amounts: dict[str, float] = {}
-        before = self.model
+        first = self.each(self.model, pose)
+        total = sum(one["error"] for one in first)
+        amounts, before = {}, self.model
         for step, after in self.steps:
             taken = 0.0
             for k, of in enumerate(first):
@@ -175,20 +193,20 @@ class Rule:
                     taken -= self.numbers(after[k], k, pose)["error"]
             if isnan(taken):
                 break
-            amounts[step.cause] = amounts.get(step.cause, 0.0) + taken / len(places)
+            amounts[step.cause] = amounts.get(step.cause, 0.0) + taken
             before = after
         amounts["rest"] = total - sum(amounts.values())
         return {name: one / total for name, one in amounts.items()}
 
-    def remedy(self, limit: float, pose: int) -> tuple[str, float | None]:
+    def remedy(self, limit, pose):
         """The first step that is enough, else the reference's model, else the best step.
 
         The model only where all steps leave it inadequate; none that is no better than nothing.
         """
         start = before = self.at(self.model, pose)
-        words, tried = dict[str, str](), []
+        words, tried = {}, []
         for step, responses in self.steps:
-            after = [self.at(responses, p) for p in self.poses]
+            after = self.along(responses)
             lost = before.missing or after[pose].missing
             if step.remedy:
                 if lost or abs(after[pose].middle - before.middle) >= 0.1 * limit:

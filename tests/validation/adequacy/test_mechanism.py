@@ -60,17 +60,9 @@ drive = {{ stiffness = 5.0e4 }}
 """
 
 
-@pytest.fixture(scope="module")
-def short(tmp_path_factory):
-    return robot_of(ARM, tmp_path_factory.mktemp("arm"))
-
-
-@pytest.fixture(scope="module")
-def matrix(short):
-    return robot_adequacy(Context(short, "quick"))
-
-
-def test_a_mechanism_has_a_matrix_of_its_own(short, matrix):
+def test_a_mechanism_has_a_matrix_and_plausible_masses_of_its_own(tmp_path):
+    short = robot_of(ARM, tmp_path)
+    matrix = robot_adequacy(Context(short, "quick"))
     assert list(map(str, matrix.coordinates)) == ["x (m)"]
     assert np.allclose(matrix.poses, short.mechanism.poses)
     assert [note.model for note in matrix.models] == list(judged_models(short.mechanism))
@@ -81,6 +73,10 @@ def test_a_mechanism_has_a_matrix_of_its_own(short, matrix):
         assert (entry.error, entry.along) == (pytest.approx(1.0), pytest.approx(-1.0))
         assert entry.causes[0].cause == "elastic drives only, bodies and joints rigid"
         assert entry.remedy == "use vjm"
+    assert matrix.supposed.startswith("for every plausible distribution")
+    assert any("give f1" in note for note in matrix.notes)
+    assert matrix.formulation.entry("beam", "z").verdict == "adequate"
+    assert matrix.entry("beam", "z").verdict == "inadequate"
 
 
 def test_legs_that_branch_are_no_chains_of_virtual_joints():
@@ -92,23 +88,20 @@ def test_legs_that_branch_are_no_chains_of_virtual_joints():
 def test_ends_are_alternatives_until_the_file_says_them():
     mechanism = load_robot("five-bar").mechanism
     assert list(holding(mechanism).alternatives) == ["ends rigid", "ends free"]
-    said = {
-        name: replace(body, shape=replace(body.shape, ends="free"))
-        if isinstance(body.shape, ConstantLeg)
-        else body
-        for name, body in mechanism.bodies.items()
-    }
+    said = dict(mechanism.bodies)
+    for name, leg in legs_of(mechanism).items():
+        said[name] = replace(said[name], shape=replace(leg, ends="free"))
     (ends,) = holding(replace(mechanism, bodies=said)).alternatives.values()
     assert set(ends.values()) == {"free"}
 
 
 def test_long_paths_are_looked_at_in_even_steps():
     robot_file = load_robot("five-bar")
-    poses = np.linspace(robot_file.mechanism.poses[0], robot_file.mechanism.poses[-1], 40)
+    poses = np.linspace(*robot_file.mechanism.poses[[0, -1]], 41)
     longer = replace(robot_file, mechanism=replace(robot_file.mechanism, poses=poses))
     shown = [posture.pose for posture in path_postures(Context(longer, "quick"))]
     assert len(shown) == MOST_POSES["quick"]
-    assert np.allclose([shown[0], shown[-1]], poses[[0, -1]])
+    assert np.allclose(shown, poses[:: 40 // (len(shown) - 1)])
 
 
 def test_a_mechanism_has_no_cases_of_the_biglide():
@@ -116,13 +109,6 @@ def test_a_mechanism_has_no_cases_of_the_biglide():
     assert {"adequacy", "mechanism.exudyn[start]", "robot.portrait"} <= ids
     assert not any(name.startswith(("robot.beam", "leg1", "decision", "paper")) for name in ids)
     assert len(ids) > 100
-
-
-def test_frequencies_of_legs_known_by_a_matrix_are_judged_for_plausible_masses(matrix):
-    assert matrix.supposed.startswith("for every plausible distribution")
-    assert any("give f1" in note for note in matrix.notes)
-    assert matrix.formulation.entry("beam", "z").verdict == "adequate"
-    assert matrix.entry("beam", "z").verdict == "inadequate"
 
 
 @pytest.mark.parametrize("pose", [0, 8])
@@ -135,8 +121,8 @@ def test_rigid_bodies_have_their_kinetic_energy(pose):
     at = posture(mechanism, mechanism.poses[pose])
     system, samples = assembly(mechanism, {}).at(at), samples_of(mechanism)
     shapes = np.random.default_rng(pose).normal(size=(system.size, 3))
-    rigid = [body.shape for body in mechanism.bodies.values() if isinstance(body.shape, Rigid)]
-    rows = 3 + 6 * sum(shape.mass > 0.0 for shape in rigid)
+    # The tool, and all that turns; legs have points.
+    rows = 3 + 6 * len(samples.turned)
     squares = samples.at(system, shapes, {})[:rows] ** 2
     expected = np.diag(shapes.T @ system.mass @ shapes)
     assert samples.weights[:rows] @ squares == pytest.approx(expected, rel=1e-9)
@@ -145,13 +131,12 @@ def test_rigid_bodies_have_their_kinetic_energy(pose):
 def test_points_of_a_leg_have_its_mass_and_rotary_inertia():
     mechanism = load_robot("five-bar").mechanism
     samples = samples_of(mechanism)
-    first = len(samples.weights) - sum(points.size for points in samples.points.values())
-    for name, points in samples.points.items():
-        masses = samples.weights[first : first + points.size : 3]
-        first += points.size
+    counts = [points.size for points in samples.points.values()]
+    masses = np.split(samples.weights, len(samples.weights) - np.cumsum(counts[::-1])[::-1])[1:]
+    for (name, points), of_leg in zip(samples.points.items(), masses, strict=True):
         leg = legs_of(mechanism)[name]
         beam = leg.timoshenko
         assert beam.rho_Iy != pytest.approx(beam.rho_Iz, rel=0.1)
-        found = masses @ np.column_stack([np.ones(len(points)), points[:, 1:] ** 2])
+        found = of_leg[::3] @ np.column_stack([np.ones(len(points)), points[:, 1:] ** 2])
         per_length = np.array([beam.mu, beam.rho_Iz, beam.rho_Iy])
         assert found == pytest.approx(leg.length * per_length, rel=1e-9), name

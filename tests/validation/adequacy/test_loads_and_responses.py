@@ -1,0 +1,231 @@
+"""Verdicts on a robot's own loads and responses: plain errors against the solid of `solve`."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from one_arm import LOADS, ONE_ARM
+from written_robot import robot_of
+
+from lumped.acceptance.requirement import Requirement
+from lumped.errors import InputError
+from lumped.robot_file import load_robot
+from validation.adequacy.judgement import judged
+from validation.adequacy.mechanism.path import robot_on_path
+from validation.adequacy.models import judged_models
+from validation.adequacy.response import OPEN_LINEAR, OPEN_MASSES, SAY_LINEAR
+from validation.adequacy.robot import robot_subject, static_subject
+from validation.context import Context
+from validation.kinematics.poses import postures_of
+from validation.measured.matrix import measured_matrix
+from validation.models.loads.displacements import displacements
+from validation.models.loads.stability import stabilities
+from validation.models.loads.stability_notes import stability_notes
+from validation.models.mechanism import mechanism_modes
+from validation.models.options import ModelOptions
+from validation.report.figures import responses
+from validation.report.table import table_of
+from validation.report.words import quantities_text
+
+pytestmark = pytest.mark.usefixtures("coarse_legs")
+
+HELD = ONE_ARM.replace("height = 0.04 }", 'height = 0.04 }\nends = "rigid"')
+PATH = "[path]\nposes = [[-0.1], [0.2]]\n"
+ASKED = """
+[damping]
+ratio = 0.02
+[[responses]]
+name = "hit"
+direction = [0.0, 0.0, 1.0]
+from = 20.0
+to = 300.0
+count = 60
+at = 40.0
+"""
+OF_HIT = ("response:hit", "response:hit.frequency", "response:hit.at")
+OF_LOADS = ("load:weight", "load:cutting", "load:stop")
+
+
+@pytest.fixture(scope="module")
+def arm(tmp_path_factory):
+    return robot_of(HELD + PATH + LOADS + ASKED, tmp_path_factory.mktemp("arm"))
+
+
+@pytest.fixture(scope="module")
+def subject(arm):
+    return robot_subject(Context(arm, "quick"))
+
+
+def test_errors_are_those_of_whole_displacements_and_peaks_against_the_solid_of_solve(arm, subject):
+    """Which differs from the reference by its mesh."""
+    assert [one for one in arm.requirement.quantities if ":" in one] == [*OF_LOADS, *OF_HIT]
+    matrix = judged(subject, arm.requirement)
+    postures = robot_on_path(Context(arm, "quick")).postures
+
+    def answered(model, options):
+        modes = mechanism_modes(model, postures, 2, options)
+        peaks = np.array([one.responses[0].judged for one in modes])
+        return displacements(model, postures, options)[:, :, :3], peaks
+
+    due, high = answered("solid", ModelOptions(divisions=2))
+    for model in ("vjm", "segments", "beam", "beam-euler-bernoulli"):
+        kind, _, options = judged_models(arm.mechanism)[model]
+        found = displacements(kind, postures, options)[:, :, :3]
+        shares = np.linalg.norm(found - due, axis=2) / np.linalg.norm(due, axis=2)
+        errors = dict(zip(OF_LOADS, shares.T, strict=True))
+        if model != "vjm":
+            errors |= zip(OF_HIT, (answered(kind, options)[1] / high - 1.0).T, strict=True)
+        for name, error in errors.items():
+            entry = matrix.entry(model, name)
+            left = np.array(entry.spreads) + 2e-3
+            assert (np.abs(np.array(entry.errors) - error) <= left).all(), (model, name)
+            assert entry.limit == 0.05
+    strict = replace(arm.requirement, deflection=1e-4, response=1e-3)
+    weight, hit = (
+        judged(subject, strict).entry("beam-euler-bernoulli", name)
+        for name in ("load:weight", "response:hit.frequency")
+    )
+    assert (weight.verdict, hit.verdict) == ("undecided", "inadequate")
+    assert weight.causes[0].cause == "shear deformation neglected"
+    assert weight.causes[0].share == pytest.approx(1.0, abs=0.05)
+    assert hit.causes[0].cause == "shear deformation and rotary inertia neglected"
+    assert "--theory timoshenko" in hit.remedy
+
+
+def test_limits_in_metres_take_the_place_of_shares_and_responses_have_their_own(arm, subject):
+    wanted = replace(arm.requirement, deflection=1e-6, limits={OF_HIT[0]: 0.3}, response=0.01)
+    matrix = judged(subject, wanted)
+    assert [matrix.entry("beam", name).limit for name in OF_HIT] == [0.3, 0.01, 0.01]
+    entry = matrix.entry("simplified", "load:cutting")
+    missed = entry.error * entry.expected
+    for limit, verdict in ((2.0 * missed, "adequate"), (0.5 * missed, "inadequate")):
+        matrix = judged(subject, replace(wanted, displacement=limit))
+        found = matrix.entry("simplified", "load:cutting")
+        assert found.verdict == verdict
+        assert found.limit == pytest.approx(limit / found.expected, rel=0.02)
+        assert matrix.entry("simplified", "x").limit == 1e-6
+
+
+def test_the_table_tells_peaks_in_micrometres_and_the_chart_has_all_models(arm, subject):
+    matrix = judged(subject, arm.requirement)
+    told = dict(zip(table_of(matrix).headings, table_of(matrix).robot, strict=True))
+    peak, frequency, _ = (matrix.entry("beam", name).expected for name in OF_HIT)
+    assert told["response hit"][0] == f"{1e6 * peak:.3g}\u00a0µm/N"
+    assert told["response hit.frequency"][0] == f"{frequency:.3g}\u00a0Hz"
+    assert quantities_text(matrix, OF_HIT) == "responses"
+    (planned,) = responses.figures(arm.mechanism)
+    figure = planned.draw(Context(arm, "quick"))
+    assert figure.id == "mechanism.response.hit"
+    head, *rows = figure.data.splitlines()
+    columns = head.split(",")
+    for name in ("segments", "beam", "solid"):
+        assert {f"{name}: size (m/N)", f"{name}: phase (°)"} <= set(columns)
+    values = np.array([[float(one) for one in row.split(",")] for row in rows])
+    assert len(values) == 60
+    size, phase = (
+        values[:, columns.index(f"solid: {what}")] for what in ("size (m/N)", "phase (°)")
+    )
+    assert 0.6 * peak < size.max() < peak
+    # Below its resonance the arm follows, above it goes against the force.
+    assert 0.0 >= phase[0] > -10.0 > -170.0 > phase[-1] >= -180.0
+
+
+def test_where_masses_of_given_legs_lie_is_an_interval_of_weight_alone(tmp_path):
+    text = load_robot("ifw").text + (
+        '\n[[loads]]\nname = "weight"\ngravity = [0.0, 0.0, -9.81]\n'
+        '[[loads]]\nname = "push"\nwrench = [0.0, 0.0, 100.0, 0.0, 0.0, 0.0]\n'
+        '[[loads]]\nname = "stop"\nacceleration = [1.0, 0.0, 0.0]\n'
+    )
+    file = robot_of(text, tmp_path)
+    mechanism = replace(file.mechanism, poses=file.mechanism.poses[::4])
+    file = replace(file, text="", mechanism=mechanism)
+    robot = robot_on_path(Context(file, "quick"))
+    wanted = Requirement(deflection=0.005, loads=file.requirement.loads)
+    links = {"links": judged_models(mechanism)["links"]}
+    matrix = judged(static_subject(robot, links), wanted)
+    weight, push, stop = (matrix.entry("links", f"load:{n}") for n in ("weight", "push", "stop"))
+    # From nothing to what other places of the mass make of it.
+    assert weight.error == pytest.approx(weight.uncertainty, rel=0.01)
+    assert weight.uncertainties[OPEN_MASSES] > 0.01 > 10.0 * push.uncertainty
+    assert OPEN_MASSES not in push.uncertainties
+    assert weight.verdict == "undecided"
+    assert "mass_centre" in weight.reason
+    # At both ends of its stroke nothing can stop: there is nothing to be wrong about.
+    assert stop.errors[0] == 0.0 == stop.errors[-1]
+    assert stop.uncertainty > 0.0
+
+
+def test_a_load_that_softens_what_it_meets_is_judged_by_no_linear_model(tmp_path):
+    """Pressed with a fifth of k/L, which turns the drive over, the arm yields 1/(5 − 1) more."""
+    press = '[[loads]]\nname = "press"\nwrench = [10.0, -2.0e4, 0.0, 0.0, 0.0, 0.0]\n'
+    arm = robot_of(HELD + "[path]\nposes = [[0.0]]\n" + press, tmp_path)
+    robot = robot_on_path(Context(arm, "quick"))
+    found = stabilities("links", robot.postures)
+    ((at,),) = found
+    assert at.factor == pytest.approx(5.0, rel=0.1)
+    assert at.farther == pytest.approx(1.0 / (at.factor - 1.0), rel=0.1)
+    assert at.lost[0] == pytest.approx(1.0 / at.factor, rel=0.1)
+    (note,) = stability_notes(robot.postures, found, arm.requirement)
+    assert note.startswith("Load press: buckles the robot at 4.")
+    assert note.endswith(
+        "no linear model sees: more than the 5\N{NO-BREAK SPACE}% that are accepted"
+    )
+    matrix = judged(static_subject(robot, judged_models(robot.mechanism)), arm.requirement)
+    pressed, free = (matrix.entry("vjm", one) for one in ("load:press", "x"))
+    assert (pressed.verdict, free.verdict) == ("undecided", "adequate")
+    assert pressed.reason == SAY_LINEAR
+    assert pressed.uncertainties[OPEN_LINEAR] == pytest.approx(at.farther, rel=0.1)
+    assert OPEN_LINEAR not in free.uncertainties
+
+
+MEASURED = """
+[[measured]]
+quantity = "response:hit"
+value = 2.0e-5
+uncertainty = 1.0e-7
+source = "hammer"
+pose = [0.0]
+[[measured]]
+quantity = "response:hit.frequency"
+value = 130.0
+uncertainty = 0.1
+source = "hammer"
+pose = [0.0]
+[[input_uncertainty]]
+key = "damping.ratio"
+relative = 0.1
+"""
+
+
+def test_measured_peaks_are_compared_with_what_the_damping_leaves_open(tmp_path, arm):
+    """A peak is as 1/2ζ, of which (1/0.9 − 1/1.1)/2 is a standard uncertainty of a tenth."""
+    robot = robot_of(arm.text + MEASURED, tmp_path)
+    matrix = measured_matrix(Context(robot, "quick"))
+    (at,) = postures_of(robot.mechanism, np.zeros((1, 1)))
+    for model in ("beam", "segments"):
+        (found,) = mechanism_modes(model, [at], 2, ModelOptions())
+        size, frequency, _ = found.responses[0].judged
+        entry = matrix.entry(model, "response:hit")
+        assert (entry.unit, entry.value) == ("m/N", pytest.approx(size, rel=1e-9))
+        assert entry.error == pytest.approx(size / 2.0e-5 - 1.0, rel=1e-9)
+        spread = 1.96 * 0.5 * (1.0 / 0.9 - 1.0 / 1.1) * size / 2.0e-5
+        assert entry.uncertainties["inputs"] == pytest.approx(spread, rel=2e-3)
+        entry = matrix.entry(model, "response:hit.frequency")
+        assert (entry.unit, entry.value) == ("Hz", pytest.approx(frequency, rel=1e-9))
+        # As √(1 − 2ζ²).
+        assert entry.uncertainties["inputs"] == pytest.approx(1.96 * 0.1 * 2.0 * 0.02**2, rel=0.2)
+    assert matrix.entry("vjm", "response:hit") is None
+    with pytest.raises(InputError, match=r"response:hut\": must be one of response:hit, respon"):
+        robot_of(arm.text + MEASURED.replace("hit.frequency", "hut"), tmp_path)
+
+
+def test_a_model_whose_parts_lose_nothing_has_a_peak_without_bound(tmp_path):
+    """The material alone loses: rigid bodies on the drive know nothing of it."""
+    lossy = HELD.replace("rho = 7850.0 }", "rho = 7850.0, loss = 0.01 }")
+    asked = '[[responses]]\nname = "turn"\ndirection = [1.0, 0.0, 0.0]\nfrom = 5.0\nto = 100.0\n'
+    arm = robot_of(f"{lossy}[path]\nposes = [[0.0]]\n{asked}count = 20\n", tmp_path)
+    matrix = judged(robot_subject(Context(arm, "quick")), arm.requirement)
+    entry = matrix.entry("simplified", "response:turn")
+    assert (entry.verdict, entry.error) == ("inadequate", None)
+    assert "nothing damps" in entry.reason
+    assert matrix.entry("beam", "response:turn").verdict == "adequate"
