@@ -16,8 +16,7 @@ from functools import cached_property
 from math import hypot
 
 import numpy as np
-from scipy.optimize import brentq
-from scipy.stats import norm, qmc
+import scipy
 
 from lumped.arrays import Array
 from lumped.memo import memo
@@ -234,7 +233,9 @@ def _decided_by(
         if lacking({key: 0.0}) > 0.0:
             continue
         # A share of points is a staircase: to a hundredth of the uncertainty, on the safe side.
-        factor = brentq(lambda one, key=key: lacking({key: one}), 0.0, 1.0, xtol=0.005)
+        factor = scipy.optimize.brentq(
+            lambda one, key=key: lacking({key: one}), 0.0, 1.0, xtol=0.005
+        )
         known = max(factor - 0.01, 0.0) * relative[key]
         return (
             f"{key} known to a standard uncertainty of {100.0 * known:.2g} % (now "
@@ -249,9 +250,9 @@ def _decided_by(
 @memo(8)
 def _draws(inputs: int) -> Array:
     """Points of Sobol' (n×inputs), normal."""
-    points = qmc.Sobol(inputs, seed=0).random_base2(_POWER)
+    points = scipy.stats.qmc.Sobol(inputs, seed=0).random_base2(_POWER)
     # The first point of the unscrambled sequence is the corner; the scrambled one has none.
-    return np.asarray(norm.ppf(points), dtype=float)
+    return np.asarray(scipy.special.ndtri(points), dtype=float)
 
 
 def propagated(changes: Iterable[Sequence[float] | Array]) -> float:

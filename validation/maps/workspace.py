@@ -11,8 +11,8 @@ from math import prod
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
-from scipy.ndimage import minimum_filter
-from scipy.optimize import minimize
+import scipy
+
 
 from lumped.arrays import Array, IntArray
 from lumped.errors import ComputationError, InputError
@@ -106,7 +106,9 @@ def worst_posture(
     """
     sign = -1.0 if largest else 1.0
     cost = np.where(np.isnan(values), np.inf, sign * values)
-    lowest = np.isfinite(cost) & (cost == minimum_filter(cost, size=3, mode="nearest"))
+    lowest = np.isfinite(cost) & (
+        cost == scipy.ndimage.minimum_filter(cost, size=3, mode="nearest")
+    )
     starts = sorted((tuple(place) for place in np.argwhere(lowest)), key=cost.__getitem__)
     found = []
     for start in starts[:_STARTS]:
@@ -135,7 +137,7 @@ def _searched(
             return np.inf if np.isnan(value) else sign * value
         return np.inf
 
-    found = minimize(
+    found = scipy.optimize.minimize(
         looked_at,
         begin,
         method="Nelder-Mead",

@@ -8,7 +8,7 @@ assembled from the same number.
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.stats import qmc
+import scipy
 
 from lumped.acceptance.requirement import STATIC_QUANTITIES
 from lumped.arrays import Array, SparseMatrix
@@ -49,7 +49,7 @@ def left_by_digits(text: str, postures: Sequence[Posture]) -> Array:
 
     own = own_legs(postures)
     changes = np.array(list(changes_by_digits(roundings, own, own_legs)))
-    draws = 2.0 * qmc.Sobol(len(changes), seed=0).random_base2(_POWER) - 1.0
+    draws = 2.0 * scipy.stats.qmc.Sobol(len(changes), seed=0).random_base2(_POWER) - 1.0
     off = np.tensordot(draws, changes, axes=1).reshape(-1, *own.shape[1:])
     found = sizes(off, np.tile(own, (len(draws), 1, 1))).reshape(len(draws), len(postures), -1)
     # Where the robot is rigid no model's error is relative to anything.

@@ -12,7 +12,7 @@ from functools import partial
 from itertools import product
 
 import numpy as np
-from scipy.stats import norm, qmc
+import scipy
 
 from lumped.arrays import Array
 from lumped.mechanism.mechanism import Mechanism
@@ -68,7 +68,7 @@ def inputs_off(
         for one in robot_file.with_inputs_off()
     ]
     count = _CHECKS[robot.context.preset]
-    draws = norm.ppf(qmc.Sobol(len(inputs), seed=1).random(count))
+    draws = scipy.special.ndtri(scipy.stats.qmc.Sobol(len(inputs), seed=1).random(count))
     relative = np.array(list(inputs.values()))
     together = [
         at(robot_file.with_factors(dict(zip(inputs, row, strict=True)))) for row in draws * relative
