@@ -13,7 +13,6 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 import scipy
 
-
 from lumped.arrays import Array, IntArray
 from lumped.errors import ComputationError, InputError
 from lumped.mechanism.kinematics.postures import posture
