@@ -8,10 +8,10 @@ from urllib.parse import unquote
 
 import numpy as np
 import pytest
-from made_box import box
 from report_sample import FIG_5, PIXEL, sample_report
 
 from validation.drawing.scene import DrawnBody, Scene, Wire
+from validation.drawing.surfaces import prism, rectangle
 from validation.drawing.turnable import turnable
 from validation.exhibits import Figure
 from validation.report.page import render
@@ -131,7 +131,7 @@ return told;
 
 def scene(title, away=None):
     """A red box, three times as long as high, drawn `away` (m) along z from its place at rest."""
-    shape = box(np.array([-1.5, -0.5, -0.5]), np.array([1.5, 0.5, 0.5]))
+    shape = prism(rectangle(1.0, 1.0), np.array([-1.5, 1.5]))
     motion = None if away is None else np.tile([0.0, 0.0, away], (len(shape.points), 1))
     camera = np.array([0.3, -1.0, 0.4]), np.array([0.0, 0.0, 1.0])
     edges = Wire(shape.points, shape.edges, "#0000cc", 4.0, motion)
