@@ -78,18 +78,13 @@ def test_a_refused_run_leaves_nothing_at_home(tmp_path):
 
 def test_without_a_home_nothing_is_kept(monkeypatch):
     """Of what libraries write at home nothing is left, wherever an odd one would lead."""
-    homes = []
-
-    def kept_at_home(_):
-        homes.append(Path.home())
-        (homes[-1] / "kept").touch()
-
-    monkeypatch.setattr(cli, "_run", kept_at_home)
+    kept = []
+    monkeypatch.setattr(cli, "_run", lambda _: kept.append(Path.home() / "x") or kept[0].touch())
     monkeypatch.setenv("HOME", "odd home")
     cli.main([])
     assert os.environ["HOME"] == "odd home"
-    assert homes[0].is_absolute()
-    assert not homes[0].exists()
+    assert kept[0].is_absolute()
+    assert not kept[0].parent.exists()
 
 
 def test_a_second_sigterm_while_the_first_is_answered_changes_nothing():

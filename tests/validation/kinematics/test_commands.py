@@ -1,5 +1,7 @@
 """`flexproof kinematics`, `check` and `new` on mechanisms: text, JSON, picture, exit codes."""
 
+import re
+
 import matplotlib.image
 import numpy as np
 import pytest
@@ -14,12 +16,10 @@ COUNTS = {"delta": (9, 6, 69, 0), "biglide": (2, 0, 31, 3)}
 @pytest.mark.parametrize("robot", COUNTS)
 def test_json_counts_what_moves_and_closes_every_loop(robot, command):
     found = command.json("kinematics", robot)
-    counts = COUNTS[robot]
-    reference = found["reference"]
-    assert tuple(reference[k] for k in ("mobility", "idle", "constraints", "redundant")) == counts
-    assert len(found["results"]) == 9
-    assert max(result["residual"] for result in found["results"]) <= 1e-12
-    at_limit = [result["at_limit"] for result in found["results"]]
+    names = ("mobility", "idle", "constraints", "redundant")
+    assert tuple(found["reference"][name] for name in names) == COUNTS[robot]
+    residuals, at_limit = ([one[k] for one in found["results"]] for k in ("residual", "at_limit"))
+    assert max(residuals) <= 1e-12
     assert at_limit == [robot == "biglide" and i in {0, 8} for i in range(9)]
 
 
@@ -31,10 +31,10 @@ def test_json_counts_what_moves_and_closes_every_loop(robot, command):
     ],
 )
 def test_people_read_degrees_and_millimetres(robot, joint, pose, told, factor, unit, command):
-    (found,) = command.json("kinematics", robot, "--pose", pose)["results"]
-    (value,) = found["coordinates"][joint]
+    asked = ("kinematics", robot, "--pose", pose)
+    (value,) = command.json(*asked)["results"][0]["coordinates"][joint]
     assert abs(value) > 1e-3
-    printed = command.told("kinematics", robot, "--pose", pose)
+    printed = command.told(*asked)
     assert f"pose 1: {told}" in printed
     (line,) = (one for one in printed.splitlines() if f"  {joint} " in f"{one} ")
     assert f"{factor * value:+.3f}{unit}" in line
@@ -58,20 +58,13 @@ def test_many_poses_say_how_long_they_take(monkeypatch, capsys):
     assert capsys.readouterr().err.startswith("flexproof: 11 poses, about ")
 
 
-@pytest.mark.parametrize(
-    "robot",
-    [
-        *("five-bar", "3-rrr", "delta"),
-        *(pytest.param(name, marks=pytest.mark.exhaustive) for name in ("orthoglide", "hexapod")),
-    ],
-)
+@pytest.mark.parametrize("robot", ["five-bar", "3-rrr", "delta", "orthoglide", "hexapod"])
 def test_a_new_file_of_each_kind_is_sound_and_commented(robot, tmp_path, command):
     path = tmp_path / "robot.toml"
     command.told("new", "--type", robot, path)
     assert "#" in path.read_text(encoding="utf-8")
-    printed = command.told("check", path)
-    assert "sound" in printed
-    assert "all 9 poses of its path within reach" in printed
+    said = command.told("check", path)
+    assert re.search("(?s)sound.*all 9 poses of its path within reach", said)
 
 
 def test_the_picture_shows_bodies_joints_and_drives(tmp_path, command):

@@ -25,49 +25,42 @@ def matrix_of(*entries, **fields):
 
 
 MIXED = (entry("beam", "x", 0.012), entry("beam", "z", -0.12), entry("beam", "f1"))
+STATIC = [entry("vjm", q, 0.01) for q in "xyz"]
+# The simplest model that holds for most, then what it takes for the rest.
+SEVERAL = [
+    *(entry(m, q, 0.01) for m in ("vjm", "beam") for q in "xy"),
+    *(entry("vjm", "z", 0.2), entry("beam", "z", 0.01)),
+    *(entry("beam", "f1", 0.01), entry("beam", "f2", 0.3)),
+]
 
 
 @pytest.mark.parametrize(
     ("rely", "entries", "expected"),
     [
         (
-            ["vjm"],
-            [entry("vjm", q, 0.01) for q in "xyz"],
-            "You rely on vjm: adequate for deflections and rotations (off by at most 1.1 %, you "
-            "accept 5 %).",
+            "vjm",
+            STATIC,
+            "adequate for deflections and rotations (off by at most 1.1 %, you accept 5 %).",
         ),
         (
-            ["beam"],
+            "beam",
             MIXED,
-            "You rely on beam: adequate for x (off by at most 1.3 %, you accept 5 %), inadequate "
-            "for z (off by up to 12 %, you accept 5 %), undecided for f1.",
+            "adequate for x (off by at most 1.3 %, you accept 5 %), inadequate for z (off by up to "
+            "12 %, you accept 5 %), undecided for f1.",
         ),
         # What is left open of what does not hold says nothing; a motion may be missing.
-        (
-            ["links"],
-            [entry("links", "z", verdict="inadequate")],
-            "You rely on links: inadequate for z.",
-        ),
-        # The simplest model that holds for most, then what it takes for the rest.
-        (
-            [],
-            [
-                *(entry(m, q, 0.01) for m in ("vjm", "beam") for q in "xy"),
-                entry("vjm", "z", 0.2),
-                *(entry("beam", q, 0.01) for q in ("z", "f1")),
-                entry("beam", "f2", 0.3),
-            ],
-            "For your limits use beam (deflections, rotations and f1), solid (f2).",
-        ),
-        ([], [entry(m, "x", 0.0) for m in ("vjm", "beam")], "For your limits use vjm (x)."),
-        ([], MIXED, "For your limits use beam (x), solid (z); undecided: f1."),
+        ("links", [entry("links", "z", verdict="inadequate")], "inadequate for z."),
+        ("", SEVERAL, "For your limits use beam (deflections, rotations and f1), solid (f2)."),
+        ("", [entry(m, "x", 0.0) for m in ("vjm", "beam")], "For your limits use vjm (x)."),
+        ("", MIXED, "For your limits use beam (x), solid (z); undecided: f1."),
         # There is no solid of what was measured; whom nobody judged is not relied on.
-        (["vjm"], [entry("beam", "x", 0.3, measured=True)], "No model is adequate for x."),
-        ([], [], "No model could be judged."),
+        ("none", [entry("beam", "x", 0.3, measured=True)], "No model is adequate for x."),
+        ("", [], "No model could be judged."),
     ],
 )
 def test_the_sentence_answers_what_was_asked(rely, entries, expected):
-    assert plain(sentence(matrix_of(*entries), rely)) == expected
+    relied = f"You rely on {rely}: " if any(one.model == rely for one in entries) else ""
+    assert plain(sentence(matrix_of(*entries), [rely])) == f"{relied}{expected}"
 
 
 def test_what_verdicts_on_frequencies_suppose_stands_behind_them_and_nowhere_else():
@@ -91,29 +84,25 @@ def test_a_thousandth_of_the_reference_is_worth_showing_and_what_rounding_leaves
 
 def test_the_robots_own_numbers_are_those_of_the_reference():
     """At most 25 nm/N, a quarter too many, are 20 µm under 1000 N; 30 nrad/(N m) 3 µrad."""
-    table = table_of(
-        matrix_of(
-            entry("beam", "x", 0.5, expected=9e-8),
-            entry("vjm", "x", 0.25, expected=1e-8, values=(1e-8, 2.5e-8, 2e-8), uncertainty=0.01),
-            entry("vjm", "phi_x", 0.0, expected=3e-8, uncertainty=1e-6),
-            entry("beam", "f1", -0.2, expected=100.0, uncertainty=0.12),
-            entry("beam", "order", 0.2, expected=100.0),
-        )
+    matrix = matrix_of(
+        entry("beam", "x", 0.5, expected=9e-8),
+        entry("vjm", "x", 0.25, expected=1e-8, values=(1e-8, 2.5e-8, 2e-8), uncertainty=0.01),
+        entry("vjm", "phi_x", 0.0, expected=3e-8, uncertainty=1e-6),
+        entry("beam", "f1", -0.2, expected=100.0, uncertainty=0.12),
+        entry("beam", "order", 0.2, expected=100.0),
     )
-    assert [tuple(map(plain, one)) for one in table.robot] == [
+    assert [tuple(map(plain, one)) for one in table_of(matrix).robot] == [
         *(("20 µm", "± 0.8 %"), ("3 µrad", ""), ("100 Hz", "± 10 %"), ("", ""))
     ]
 
 
 def test_second_theories_and_models_that_lack_motions_are_folded():
-    found = table_of(matrix_of(
-        *(entry(f"beam{theory}", "x", 0.01) for theory in ("", "-euler-bernoulli")),
-        *(entry("simplified", q, size) for q, size in (("x", 0.5), ("z", -1.0))),
-        *(entry("links", q, size) for q, size in (("x", 0.01), ("z", -1.0))),
-    ))  # fmt: skip
-    assert [row.note.model for row in found.rows if row.folded] == [
-        *("beam-euler-bernoulli", "simplified")
-    ]
+    theories = [entry(name, "x", 0.01) for name in ("beam", "beam-euler-bernoulli")]
+    lacking = [entry(name, "z", -1.0) for name in ("simplified", "links")]
+    useful = [entry("simplified", "x", 0.5), entry("links", "x", 0.01)]
+    rows = table_of(matrix_of(*theories, *lacking, *useful)).rows
+    folded = {row.note.model for row in rows if row.folded}
+    assert folded == {"beam-euler-bernoulli", "simplified"}
 
 
 def test_entries_of_the_same_cause_and_remedy_share_a_line():

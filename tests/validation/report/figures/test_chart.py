@@ -37,23 +37,19 @@ def series(label, values, quantity="deflection (µm)", **more):
     return Series(label, X, np.array(values, dtype=float), quantity, **more)
 
 
-def test_differences_are_in_percent_of_the_same_quantity():
-    panel = compared(
-        Panel(
-            [
-                series("a", [1.0, 2.0, 0.0]),
-                series("b", [1.1, 1.0, 3.0]),
-                series("a", [4.0, 4.0, np.nan], "rotation (µrad)"),
-                series("b", [5.0, 4.0, 4.0], "rotation (µrad)"),
-            ]
-        ),
-        "a",
-    )
-    first, second = panel.below
-    assert [one.label for one in panel.below] == ["b", "b"]
-    np.testing.assert_allclose(first.y, [10.0, -50.0, np.nan], rtol=1e-12)
-    np.testing.assert_allclose(second.y, [25.0, 0.0, np.nan], rtol=1e-12)
+def test_differences_are_in_percent_of_the_same_quantity_and_stand_below():
+    turned = [series("a", [4, 4, np.nan], "turn"), series("b", [5, 4, 4], "turn")]
+    panel = compared(Panel([series("a", [1, 2, 0]), series("b", [1.1, 1, 3]), *turned]), "a")
     assert compared(panel, "c").below == []
+    with plot_style():
+        above, other, below, beside = drawn_chart(Chart([panel, panel], "x (m)", 2)).axes
+    assert [len(axes.get_lines()) for axes in (above, other)] == [4, 4]
+    first, second, zero = (one.get_ydata() for one in below.get_lines())
+    np.testing.assert_allclose(first, [10.0, -50.0, np.nan], rtol=1e-12)
+    np.testing.assert_allclose(second, [25.0, 0.0, np.nan], rtol=1e-12)
+    assert set(np.atleast_1d(zero)) == {0.0}
+    assert (below.get_ylabel(), beside.get_ylabel()) == ("difference (%)", "")
+    assert (below.get_xlabel(), above.get_xlabel()) == ("x (m)", "")
 
 
 def test_the_table_has_the_abscissa_and_every_curve_that_has_numbers():
@@ -101,14 +97,9 @@ def test_a_legend_shows_all_of_its_entries_above_the_axes(names):
 
 def test_bars_stack_away_from_zero_and_lie_in_rows_from_above():
     bars = [Bars("shear", np.array([1.0, -2.0])), Bars("unexplained", np.array([-3.0, -4.0]))]
-    lying = Panel(
-        [Series("difference E", X[:2], np.array([-2.0, -6.0]), bars=np.array([0.1, 0.2]))],
-        bars=bars,
-        names=["upper", "lower\nin two lines"],
-        lying=True,
-        band=(-1.0, 1.0),
-        band_label="tolerance",
-    )
+    point = Series("difference E", X[:2], np.array([-2.0, -6.0]), bars=np.array([0.1, 0.2]))
+    more = {"names": ["upper", "lower\nin two lines"], "band": (-1.0, 1.0)}
+    lying = Panel([point], bars=bars, lying=True, band_label="tolerance", **more)
     shares = [np.array([60.0, 3.0]), np.array([40.0, 97.0])]
     standing = Panel(bars=[Bars(str(k), one) for k, one in enumerate(shares)], names=["f1", "f2"])
     with plot_style():
@@ -130,19 +121,6 @@ def test_bars_stack_away_from_zero_and_lie_in_rows_from_above():
     assert len(faces) == 4
     legend = [text.get_text() for text in picture.legends[0].get_texts()]
     assert set(legend) == {"shear", "unexplained", "difference E", "tolerance", "0", "1"}
-
-
-def test_rows_of_differences_stand_below_their_panels():
-    panel = compared(Panel([series("a", [1, 2, 4]), series("b", [1, 1, 1])], "one"), "a")
-    with plot_style():
-        above, other, below, beside = drawn_chart(Chart([panel, panel], "x (m)", 2)).axes
-    assert [len(axes.get_lines()) for axes in (above, other)] == [2, 2]
-    (drawn, zero) = below.get_lines()
-    np.testing.assert_allclose(drawn.get_ydata(), [0.0, -50.0, -75.0], rtol=1e-12)
-    assert set(np.atleast_1d(zero.get_ydata())) == {0.0}
-    assert (below.get_ylabel(), beside.get_ylabel()) == ("difference (%)", "")
-    assert below.get_xlabel() == "x (m)"
-    assert above.get_xlabel() == ""
 
 
 def test_percent_has_ticks_at_the_limit_and_beyond_as_far_as_curves_go():
@@ -189,21 +167,14 @@ def test_every_model_has_a_look_that_no_other_curve_has():
 
 def test_alternatives_of_a_reference_have_looks_of_their_own():
     """As solids, and where legs are known by a 6×6 and a mass."""
-    held = [
-        ("ends as given",),
-        ("interfaces as given",),
-        ("ends rigid", "ends free"),
-        ("interfaces rigid", "interfaces averaged"),
-        ("ends and interfaces rigid", "ends and interfaces free"),
-    ]
-    for names in held:
-        for curves in (
-            [f"solid, {name}" for name in names],
-            [f"{name}, {MASSES[0]}" for name in names],
-            ["solid", "solid, ends free"],
-        ):
-            found = [LOOKS[known_as(name)] for name in curves]
-            assert all(a != b for a, b in combinations(found, 2))
+    held = [(f"{one} as given",) for one in ("ends", "interfaces")]
+    held += [("ends rigid", "ends free"), ("interfaces rigid", "interfaces averaged")]
+    held.append(("ends and interfaces rigid", "ends and interfaces free"))
+    curves = [[f"solid, {name}" for name in names] for names in held]
+    curves += [[f"{name}, {MASSES[0]}" for name in names] for names in held]
+    for together in (*curves, ["solid", "solid, ends free"]):
+        found = [LOOKS[known_as(name)] for name in together]
+        assert all(a != b for a, b in combinations(found, 2))
     for robot in ("five-bar", "examples/tapered-biglide/robot.toml"):
         assert tuple(holding(load_robot(robot).mechanism).alternatives) in held
 
