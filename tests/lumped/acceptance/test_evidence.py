@@ -1,0 +1,124 @@
+"""What is asked of models and what was measured: from robot files, options and CSV files."""
+
+import numpy as np
+import pytest
+
+from lumped.acceptance.measured import Measured
+from lumped.acceptance.requirement import Requirement
+from lumped.errors import InputError
+from lumped.robot_file import load_robot
+from lumped.robot_file.evidence import read_measured, with_options
+from lumped.robot_file.load import with_measured
+
+HEAD = "quantity,pose,value,uncertainty,source,load\n"
+OWN = """
+[accept]
+deflection = 0.02
+z = 0.2
+modes = 6
+rely = ["vjm", "segments"]
+[[measured]]
+quantity = "z"
+pose = [0.4975]
+load = 1000.0
+value = 27.0e-6
+uncertainty = 0.3e-6
+source = "dial gauge"
+[[input_uncertainty]]
+key = "foot.compliance"
+relative = 0.05
+"""
+
+
+@pytest.fixture
+def csv(tmp_path):
+    """Writes a CSV file of measured values."""
+
+    def write(text):
+        path = tmp_path / "measured.csv"
+        path.write_text(text, encoding="utf-8")
+        return path
+
+    return write
+
+
+def test_a_robot_file_says_what_is_asked_measured_and_uncertain(tmp_path):
+    given = load_robot("ifw")
+    path = tmp_path / "mine.toml"
+    path.write_text(given.text + OWN, encoding="utf-8")
+    own = load_robot(path)
+    assert [own.requirement.limit(name) for name in ("y", "z", "f6")] == [0.02, 0.2, 0.05]
+    assert own.requirement.rely == ("vjm", "segments")
+    assert own.measured == (Measured("z", 27.0e-6, 0.3e-6, "dial gauge", (0.4975,), 1000.0),)
+    ((key, _, *off),) = own.with_inputs_off()
+    assert key == "foot.compliance"
+    foot, less, more = (
+        next(joint.compliance for joint in one.joints if joint.name == "foot1")
+        for one in (given.mechanism, *off)
+    )
+    np.testing.assert_allclose((less, more), (0.95 * foot, 1.05 * foot), rtol=1e-12)
+
+
+def test_options_change_what_the_file_asks_which_is_five_per_cent_by_default():
+    requirement = Requirement(rely=("beam",))
+    quantities = ("x", "y", "z", "phi_x", "phi_y", "phi_z", "any_force", "f1", "f2", "f3", "f4")
+    assert requirement.quantities == (*quantities, "order")
+    assert {requirement.limit(quantity) for quantity in requirement.quantities} == {0.05}
+    typed = ("deflection=0.03", "frequency=0.1", "modes=2", "phi_x=0.5", "order=0.2")
+    asked = with_options(requirement, typed, ("vjm", "segments"))
+    assert [asked.limit(one) for one in ("x", "phi_x", "f2", "order")] == [0.03, 0.5, 0.1, 0.2]
+    assert (asked.modes, asked.rely) == (2, ("vjm", "segments"))
+    assert with_options(requirement, (), ()).rely == ("beam",)
+
+
+@pytest.mark.parametrize(
+    "given", ["deflction=0.1", "x", "x=", "x=five", "x=5", "x=0", "x=nan", "modes=0", "modes=2.5"]
+)
+def test_options_that_mean_nothing_are_refused(given):
+    with pytest.raises(InputError) as refused:
+        with_options(Requirement(), (given, "y=1e9"), ("vjmm",))
+    assert len(refused.value.faults) == 3
+    assert any(given in fault for fault in refused.value.faults)
+
+
+def test_a_csv_file_joins_the_robot_s_own_values(csv):
+    x = "x,0.4975,8.9e-6,1e-7,laser tracker,1000\n"
+    rest = "f1,0.4975,113.2,0.5,hammer,\nleg1.c22,,1.77e-7,2e-9,test stand,\n"
+    found = with_measured(load_robot("ifw"), csv(HEAD + x + rest)).measured
+    assert found == (
+        Measured("x", 8.9e-6, 1e-7, "laser tracker", (0.4975,), 1000.0),
+        Measured("f1", 113.2, 0.5, "hammer", (0.4975,)),
+        Measured("leg1.c22", 1.77e-7, 2e-9, "test stand"),
+    )
+    assert found[2].leg_entry == ("leg1", 1, 1)
+    assert (found[1].mode, found[0].mode) == (1, None)
+    units = {"z": "m", "f2": "Hz", "leg1.c33": "m/N", "rod1.c53": "1/N", "leg2.c44": "rad/(N m)"}
+    assert {name: Measured(name, 1.0, 0.1, "gauge").unit for name in units} == units
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("w,0.4975,1,1,s,", 'line 2.quantity = "w": must be one of'),
+        ("leg3.c11,,1,1,s,", "line 2.quantity"),
+        ("x,,1,1,s,", "line 2.pose: must hold as many numbers as the tool"),
+        ("leg1.c11,0.3,1,1,s,", "line 2.pose: must be left out"),
+        ("x,5.0,1,1,s,", "line 2.pose: IFW demonstrator: x = 5"),
+        ("x,0.3,0,1,s,", "line 2.value = 0.0: must be above 0, a deflection along its load"),
+        ("leg1.c26,,0,1,s,", "line 2.value = 0.0: must be a number other than 0"),
+        ("x,0.3,one,1,s,", 'line 2.value = "one": must be a number'),
+    ],
+)
+def test_every_fault_of_a_csv_file_is_named(csv, line, said):
+    path = csv(f"{HEAD}{line}\n")
+    with pytest.raises(InputError) as raised:
+        with_measured(load_robot("ifw"), path)
+    assert any(said in fault and str(path) in fault for fault in raised.value.faults), raised.value
+
+
+def test_a_file_that_is_no_table_of_measured_values_is_refused(csv, tmp_path):
+    for text, said in (("a,b\n1,2\n", "lacks the column"), (HEAD, "holds no")):
+        with pytest.raises(InputError, match=said):
+            read_measured(csv(text))
+    with pytest.raises(InputError, match="cannot be read"):
+        read_measured(tmp_path / "none.csv")

@@ -1,0 +1,161 @@
+"""The shipped mechanisms: closed-form inverse kinematics, derivatives, mobility, random poses."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from like_ifw import IFW
+
+from lumped.errors import InputError
+from lumped.mechanism.biglide import Stroke
+from lumped.mechanism.free_twists import interface_position
+from lumped.mechanism.joint import FREEDOMS, Side
+from lumped.mechanism.kinematics.closure import Closure
+from lumped.mechanism.kinematics.mobility import mobility
+from lumped.mechanism.kinematics.postures import CLOSED, posture, reference_posture
+from lumped.robot_file import load_robot
+
+ELASTIC = Path(__file__).parents[3] / "examples" / "elastic-biglide" / "robot.toml"
+ROBOTS = ("five-bar", "3-rrr", "delta", "orthoglide", "hexapod", "biglide", str(ELASTIC))
+# Without the closed form: loops are closed by iteration.
+ITERATED = replace(IFW.mechanism, inverse_kinematics=None)
+
+
+@pytest.fixture(scope="module", params=ROBOTS)
+def mechanism(request):
+    return load_robot(request.param).mechanism
+
+
+@pytest.fixture(scope="module")
+def five_bar():
+    return load_robot("five-bar").mechanism
+
+
+def random_poses(mechanism, count):
+    """Poses between the least and the largest of each move on the path (biglide: its stroke)."""
+    low, high = mechanism.poses.min(axis=0), mechanism.poses.max(axis=0)
+    shares = np.random.default_rng(0).uniform(0.02, 0.98, (count, len(low)))
+    return low + shares * (high - low)
+
+
+def test_random_poses_close_and_have_the_tool_where_it_is_asked_to_be(mechanism):
+    closure = Closure(mechanism)
+    along = [i for i, move in enumerate(mechanism.tool.moves) if move in "xyz"]
+    datum = np.array(mechanism.tool.datum)
+    for pose in random_poses(mechanism, 3):
+        found = posture(replace(mechanism, inverse_kinematics=None), pose)
+        residual = closure.residual(closure.placement(found))
+        assert np.abs(residual).max() <= CLOSED * closure.size
+        # Poses of a biglide are of B, from which its loaded point stands off.
+        place = interface_position(found, Side(mechanism.tool.body, mechanism.tool.point)) - datum
+        assert place[along] == pytest.approx(pose[along], abs=1e-12 * mechanism.size)
+        for name, frame in posture(mechanism, pose).frames.items():
+            assert found.frames[name].position == pytest.approx(frame.position, abs=1e-9)
+            assert found.frames[name].rotation == pytest.approx(frame.rotation, abs=1e-9)
+    # Also of a slide whose two points are apart in the reference posture.
+    for values in closure.coordinates(closure.reference):
+        assert values == pytest.approx(0.0, abs=1e-14)
+
+
+def test_the_jacobian_is_the_derivative_of_the_residual(mechanism):
+    closure, rng = Closure(mechanism), np.random.default_rng(1)
+    placement = closure.reference
+    size = closure.jacobian(placement).shape[1]
+    # Off the closed posture too, where no term may hide behind a vanishing residual.
+    placement = closure.moved(placement, 0.2 * closure.size * rng.standard_normal(size))
+    steps = 1e-6 * closure.size * np.eye(size)
+    ahead, behind = (
+        [closure.residual_at(closure.moved(placement, s), mechanism.reference_pose) for s in way]
+        for way in (steps, -steps)
+    )
+    derivative = np.subtract(ahead, behind).T / (2e-6 * closure.size)
+    # Central differences: truncation 1e-12, rounding 1e-16/1e-6, times lengths about the size.
+    assert closure.jacobian_at(placement) == pytest.approx(derivative, abs=1e-8)
+
+
+def test_kutzbach_counts_what_is_not_overconstrained(mechanism):
+    found = mobility(reference_posture(mechanism))
+    freedoms = sum(FREEDOMS[joint.kind] for joint in mechanism.joints)
+    kutzbach = 6 * (len(mechanism.bodies) - 1 - len(mechanism.joints)) + freedoms
+    assert found.mobility - found.redundant == kutzbach
+    if mechanism.name in {"Delta", "hexapod"}:
+        assert found.redundant == 0
+    prescribed = len(mechanism.tool.moves) + len(mechanism.tool.keeps)
+    assert found.mobility == prescribed + found.idle
+
+
+def test_delta_against_its_closed_form():
+    mechanism = load_robot("delta").mechanism
+    arm, rod, offset, droop = 0.24, 0.56, 0.18 - 0.06, np.radians(20.0)
+    for pose in random_poses(mechanism, 2):
+        found = posture(mechanism, pose)
+        assert mobility(found).idle == 6
+        for leg, turn in enumerate(np.radians([0.0, 120.0, 240.0]), start=1):
+            # From the motor to the platform's joint, both moved inwards by the platform's radius.
+            radial = pose[:2] @ [np.cos(turn), np.sin(turn)] - offset
+            lateral = pose[:2] @ [-np.sin(turn), np.cos(turn)]
+            # |arm (cos θ, −sin θ) − (radial, z)|² + lateral² = rod²
+            level = (radial**2 + pose[2] ** 2 + lateral**2 + arm**2 - rod**2) / (2.0 * arm)
+            reach = np.hypot(radial, pose[2])
+            droops = np.arctan2(-pose[2], radial) - np.arccos(level / reach)
+            assert found.coordinates[f"motor{leg}"][0] == pytest.approx(droops - droop, abs=1e-11)
+
+
+def test_a_joint_is_followed_past_half_a_turn(five_bar):
+    """Crank and rod alone, both driven: the elbow turns by 230° while the rod does by 150°."""
+    joints = {joint.name: joint for joint in five_bar.joints}
+    motor, elbow = joints["motor1"], replace(joints["elbow1"], drive=joints["motor1"].drive)
+    arm = replace(
+        five_bar,
+        joints=(motor, elbow),
+        bodies={name: five_bar.bodies[name] for name in ("ground", "crank1", "rod1")},
+        tool=replace(five_bar.tool, moves=("x", "phi_z")),
+    )
+    back, turned = np.radians([-80.0, 150.0])
+    # Where crank and rod, (-0.2, 0.25) and (0.35, 0.3) in the reference posture, then end.
+    x = -0.15 - 0.2 * np.cos(back) - 0.25 * np.sin(back)
+    x += 0.35 * np.cos(turned) - 0.3 * np.sin(turned)
+    found = posture(arm, np.array([x, turned])).coordinates
+    assert [found["motor1"][0], found["elbow1"][0]] == pytest.approx([back, turned - back])
+
+
+def test_an_open_reference_names_the_joint(five_bar):
+    frame = five_bar.reference["rod2"]
+    off = replace(frame, position=frame.position + 1e-6 * np.eye(3)[1])
+    moved = replace(five_bar, reference={**five_bar.reference, "rod2": off})
+    with pytest.raises(InputError, match="joint elbow2 is open by 1e-06 m in the reference"):
+        posture(moved, np.array([0.0, 0.5]))
+
+
+def test_loops_that_only_almost_close_say_that_digits_are_missing():
+    mechanism = load_robot("3-rrr").mechanism
+
+    def tilted(angle):
+        """With the axis of one passive joint out of parallel."""
+        joints = list(mechanism.joints)
+        place = next(i for i, j in enumerate(joints) if j.kind == "revolute" and j.drive is None)
+        axis = joints[place].axes + angle * np.array([[1.0, 0.3, 0.7]])
+        joints[place] = replace(joints[place], axes=axis / np.linalg.norm(axis))
+        return replace(mechanism, joints=tuple(joints))
+
+    with pytest.raises(InputError, match=r"\d+ of its constraints repeat others and contradict"):
+        posture(tilted(1e-7), mechanism.poses[0])
+    assert mobility(reference_posture(tilted(1e-4))).almost_redundant == 1
+
+
+@pytest.mark.parametrize("mechanism", [IFW.mechanism, ITERATED], ids=["closed form", "iterated"])
+def test_coordinates_are_counted_from_the_reference_posture(mechanism):
+    found = posture(mechanism, np.array([0.7])).coordinates
+    (before, _), (after, _) = (Stroke(0.92, 0.85, 0.775).legs_at(x) for x in (0.4975, 0.7))
+    turn = before.rotation.T @ after.rotation
+    assert found["drive1"] == pytest.approx([after.position[1] - before.position[1]], abs=1e-13)
+    assert found["foot1"] == pytest.approx([np.arctan2(turn[1, 0], turn[0, 0])], abs=1e-13)
+    assert found["seat"].shape == (0,)
+
+
+def test_a_pose_out_of_reach_names_the_joint_that_opens_and_how_far_the_way_went():
+    # 0.3525 m of 0.4025 m lie within the stroke: 88 %.
+    said = r"cannot be reached: joint [\s\S]*ends after 88 %, at x = 0\.84"
+    with pytest.raises(InputError, match=said):
+        posture(ITERATED, np.array([0.9]))
