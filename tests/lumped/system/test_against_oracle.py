@@ -12,8 +12,9 @@ import pytest
 from random_mechanisms import random_posture
 
 from lumped.errors import ComputationError
-from lumped.mechanism.free_twists import free_twists, interface_position
-from lumped.mechanism.mechanism import GROUND, Posture
+from lumped.mechanism.body import Frame
+from lumped.mechanism.free_twists import free_twists, interface_position, turned_since_reference
+from lumped.mechanism.mechanism import GROUND
 from lumped.models import serial_chains
 from lumped.models.bodies import links, tip_compliances
 from lumped.screws import shift, turn_matrix
@@ -25,109 +26,64 @@ from lumped.system.solution import compliance, modes, solved
 SOFTEST_PART = 1e-5
 
 
-class Naive:
-    """Stiffness, mass and conditions of a mechanism on all its nodes and springs."""
+def give_of(posture, joint, free):
+    """What a joint yields by itself and by its drive (6×6)."""
+    give = np.zeros((6, 6))
+    if joint.compliance is not None:
+        since = turned_since_reference(posture, joint.first.body)
+        give += turn_matrix(joint.compliance, since)
+    if joint.drive is not None and joint.drive.stiffness is not None:
+        give += np.outer(free[:, 0], free[:, 0]) / joint.drive.stiffness
+    return give
 
-    def __init__(self, posture: Posture, legs) -> None:
-        self.posture, self.mechanism, self.legs = posture, posture.mechanism, legs
-        bodies = self.mechanism.bodies
-        self.nodes = [(n, p) for n, b in bodies.items() if n != GROUND for p in b.interfaces]
-        joints = self.mechanism.joints
-        self.springs = [j for j in joints if j.compliance is not None or sprung(j)]
-        self.size = 6 * (len(self.nodes) + len(self.springs))
-        self.held = []
-        self.stiffness, self.mass = np.zeros((2, self.size, self.size))
-        for name, body in bodies.items():
-            if name != GROUND:
-                self.add_body(name, body)
-        for joint in joints:
-            self.add_joint(joint)
-        tool = self.mechanism.tool
-        self.tool = self.rows(6 * self.nodes.index((tool.body, tool.point)))
-        self.mass += tool.mass * self.tool[:3].T @ self.tool[:3]
 
-    def rows(self, first: int):
-        return np.eye(self.size)[first : first + 6]
-
-    def at(self, side, point):
-        if side.body == GROUND:
-            return np.zeros((6, self.size))
-        offset = point - interface_position(self.posture, side)
-        return shift(offset) @ self.rows(6 * self.nodes.index((side.body, side.point)))
-
-    def add_body(self, name, body) -> None:
-        base = self.posture.frames[name]
+def naive(posture, legs):
+    """Stiffness, mass and tool rows on the null space of everything that is held."""
+    mechanism = posture.mechanism
+    bodies = {name: body for name, body in mechanism.bodies.items() if name != GROUND}
+    keys = [(name, point) for name, body in bodies.items() for point in body.interfaces]
+    keys += [joint.name for joint in mechanism.joints]
+    size = 6 * len(keys)
+    rows = dict(zip(keys, np.eye(size).reshape(-1, 6, size), strict=True))
+    stiffness, mass = np.zeros((2, size, size))
+    held = []
+    for name, body in bodies.items():
+        base = posture.frames[name]
         place = [(base @ frame).position for frame in body.interfaces.values()]
-        own = [self.rows(6 * self.nodes.index((name, p))) for p in body.interfaces]
-        if name in self.legs:
-            tip = np.linalg.inv(turn_matrix(self.legs[name], base.rotation))
-            relative = own[1] - shift(place[1] - place[0]) @ own[0]
-            self.stiffness += relative.T @ tip @ relative
-            return
-        for point, twist in zip(place[1:], own[1:], strict=True):
-            self.held.append(twist - shift(point - place[0]) @ own[0])
-        moving = shift(base.position + base.rotation @ body.shape.centre - place[0]) @ own[0]
+        root, *others = (rows[name, point] for point in body.interfaces)
+        carried = [shift(point - place[0]) @ root for point in place[1:]]
+        if name in legs:
+            relative = others[0] - carried[0]
+            tip = np.linalg.inv(turn_matrix(legs[name], base.rotation))
+            stiffness += relative.T @ tip @ relative
+            continue
+        held += [own - moved for own, moved in zip(others, carried, strict=True)]
+        moving = shift((base @ Frame(body.shape.centre)).position - place[0]) @ root
         weight = np.diag([body.shape.mass] * 3 + [0.0] * 3)
         weight[3:, 3:] = base.rotation @ body.shape.inertia @ base.rotation.T
-        self.mass += moving.T @ weight @ moving
-
-    def add_joint(self, joint) -> None:
-        point = interface_position(self.posture, joint.first)
-        apart = self.at(joint.second, point) - self.at(joint.first, point)
-        free = free_twists(self.posture, joint)
-        if joint in self.springs:
-            # The spring's own deflection s, six unknowns, of which the rigid directions are held.
-            i = 6 * (len(self.nodes) + self.springs.index(joint))
-            apart = apart - self.rows(i)
-            values, vectors = np.linalg.eigh(self.give(joint, free))
-            soft = values > 1e-12 * values[-1]
-            self.held.append(vectors[:, ~soft].T @ self.rows(i))
-            self.stiffness[i : i + 6, i : i + 6] = (vectors[:, soft] / values[soft]) @ vectors[
-                :, soft
-            ].T
+        mass += moving.T @ weight @ moving
+    for joint in mechanism.joints:
+        point, free = interface_position(posture, joint.first), free_twists(posture, joint)
+        # The joint's own deflection, of which the rigid directions are held.
+        own = rows[joint.name]
+        values, vectors = np.linalg.eigh(give_of(posture, joint, free))
+        soft = values > 1e-12 * values[-1]
+        firm = vectors[:, soft].T @ own
+        held.append(vectors[:, ~soft].T @ own)
+        stiffness += firm.T @ (firm / values[soft, None])
+        apart = -own
+        for side, sign in ((joint.second, 1.0), (joint.first, -1.0)):
+            if side.body != GROUND:
+                arm = shift(point - interface_position(posture, side))
+                apart = apart + sign * arm @ rows[side.body, side.point]
         passive = free if joint.drive is None else free[:, 1:]
         across = np.linalg.qr(passive, mode="complete")[0][:, passive.shape[1] :]
-        self.held.append(across.T @ apart)
-
-    def give(self, joint, free):
-        give = np.zeros((6, 6))
-        if joint.compliance is not None:
-            body = joint.first.body
-            since = self.posture.frames[body].rotation @ self.mechanism.reference[body].rotation.T
-            give += turn_matrix(joint.compliance, since)
-        if sprung(joint):
-            give += np.outer(free[:, 0], free[:, 0]) / joint.drive.stiffness
-        return give
-
-
-def naive(posture: Posture, legs):
-    """Stiffness, mass and tool rows on the null space of everything that is held."""
-    whole = Naive(posture, legs)
-    _, values, right = np.linalg.svd(np.vstack(whole.held))
+        held.append(across.T @ apart)
+    tool = rows[mechanism.tool.body, mechanism.tool.point]
+    mass += mechanism.tool.mass * tool[:3].T @ tool[:3]
+    _, values, right = np.linalg.svd(np.vstack(held))
     free = right[int(np.sum(values > 1e-10)) :].T
-    return free.T @ whole.stiffness @ free, free.T @ whole.mass @ free, whole.tool @ free
-
-
-def sprung(joint) -> bool:
-    return joint.drive is not None and joint.drive.stiffness is not None
-
-
-def naive_compliance(posture: Posture, legs):
-    """Compliance of the tool and number of idle motions; None where the tool is free to move."""
-    stiffness, mass, tool = naive(posture, legs)
-    values, vectors = np.linalg.eigh(stiffness)
-    firm = values > 1e-11 * values.max(initial=1.0)
-    if np.abs(tool @ vectors[:, ~firm]).max(initial=0.0) > 1e-6:
-        return None
-    felt = tool @ vectors[:, firm] / np.sqrt(values[firm])
-    return felt @ felt.T, int(np.sum(~firm)), (values, vectors, firm, mass)
-
-
-def free_mass(motions, mass):
-    """(NᵀMN)⁻¹ of those motions N that have mass."""
-    values, vectors = np.linalg.eigh(motions.T @ mass @ motions)
-    heavy = values > 1e-11 * mass.max(initial=0.0)
-    return (vectors[:, heavy] / values[heavy]) @ vectors[:, heavy].T
+    return free.T @ stiffness @ free, free.T @ mass @ free, tool @ free
 
 
 # Universal joints that give, away from the reference posture, come up from the fifteenth on.
@@ -138,32 +94,32 @@ def test_compliance_idle_motions_and_frequencies_are_those_of_the_null_space(see
     posture = random_posture(seed, planar=planar)
     legs = tip_compliances(posture.mechanism)
     system = assemble(posture, links(posture.mechanism, legs))
-    expected = naive_compliance(posture, legs)
-    if expected is None:
+    stiffness, mass, tool = naive(posture, legs)
+    values, vectors = np.linalg.eigh(stiffness)
+    firm = values > 1e-11 * values.max(initial=1.0)
+    idle_motions = vectors[:, ~firm]
+    if np.abs(tool @ idle_motions).max(initial=0.0) > 1e-6:
         with pytest.raises(ComputationError, match="the tool is free to"):
             solved(system)
         return
-    solution = solved(system)
-    flexibility, idle, (values, vectors, firm, mass) = expected
-    found = compliance(solution)
+    root = vectors[:, firm] / np.sqrt(values[firm])
+    flexibility = tool @ root @ root.T @ tool.T
     size = np.abs(flexibility).max()
     grown = max(1.0, size / SOFTEST_PART)
+    solution = solved(system)
     # 1e-20: a tool that rigid joints alone hold.
-    assert np.abs(found - flexibility).max() <= 1e-8 * grown * size + 1e-20
-    assert solution.idle == idle
+    assert np.abs(compliance(solution) - flexibility).max() <= 1e-8 * grown * size + 1e-20
+    assert solution.idle == np.sum(~firm)
     # Eqs (3) to (9) share nothing with the assembler; where a chain is rigid they have no answer.
     with suppress(ComputationError):
         by_chains = serial_chains.compliance(posture, legs)
         assert np.abs(by_chains - flexibility).max() <= 1e-7 * grown * size + 1e-20
-    # Idle motions run free: what is left is orthogonal to them in the mass.
-    idle_motions = vectors[:, ~firm]
-    drag = free_mass(idle_motions, mass)
-    left = mass - mass @ idle_motions @ drag @ idle_motions.T @ mass
-    root = vectors[:, firm] / np.sqrt(values[firm])
-    inverse = np.linalg.eigvalsh(root.T @ left @ root)[::-1]
-    inverse = inverse[inverse > 1e-20]
-    count = min(3, int(np.sum(inverse > 1e-9 * inverse.max(initial=0.0))))
-    if count:
-        assert (2 * np.pi * modes(solution, count).frequencies) ** -2 == pytest.approx(
-            inverse[:count], rel=1e-7 * grown
-        )
+    # Idle motions run free: what is left is orthogonal to those of them in the mass that have one.
+    free_mass, turned = np.linalg.eigh(idle_motions.T @ mass @ idle_motions)
+    heavy = free_mass > 1e-11 * mass.max(initial=0.0)
+    drag = mass @ idle_motions @ (turned[:, heavy] / np.sqrt(free_mass[heavy]))
+    inverse = np.linalg.eigvalsh(root.T @ (mass - drag @ drag.T) @ root)[::-1]
+    inverse = inverse[inverse > max(1e-20, 1e-9 * inverse.max(initial=0.0))][:3]
+    if len(inverse):
+        frequencies = modes(solution, len(inverse)).frequencies
+        assert (2 * np.pi * frequencies) ** -2 == pytest.approx(inverse, rel=1e-7 * grown)
