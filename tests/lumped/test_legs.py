@@ -11,13 +11,7 @@ from prismatic_legs import STEEL
 from fem.bodies.solid import solid_leg, solid_mesh
 from fem.sections.section_constants import section_constants
 from lumped.errors import ComputationError, InputError, naming
-from lumped.legs import (
-    ConstantLeg,
-    GivenLeg,
-    Material,
-    equivalent_leg,
-    tip_compliance,
-)
+from lumped.legs import ConstantLeg, GivenLeg, Material, equivalent_leg, tip_compliance
 from lumped.sections import Circle, HollowRectangle, ISection, Rectangle
 from meshes.section.section_mesh import section_mesh
 
@@ -25,46 +19,31 @@ BEAM = ConstantLeg(1.2, Rectangle(width=0.05, height=0.10), STEEL)
 
 
 @pytest.mark.parametrize(
-    ("leg", "by", "expected"),
+    ("leg", "by", "expected", "height", "width"),
     [
-        (LEG1, "stiffness", (8.613e8, 1.832e6, 4.771e6, 9.212e6)),
-        (LEG2, "stiffness", (4.316e9, 4.182e6, 5.980e7, 6.478e6)),
-        (LEG1, "compliance", (3.025e8, 1.157e6, 6.417e6, 4.913e6)),
+        (LEG1, "stiffness", (8.613e8, 1.832e6, 4.771e6, 9.212e6), 0.2578, 0.1598),
+        (LEG2, "stiffness", (4.316e9, 4.182e6, 5.980e7, 6.478e6), 0.4078, 0.1078),
+        (LEG1, "compliance", (3.025e8, 1.157e6, 6.417e6, 4.913e6), 0.5046, 0.2142),
     ],
 )
-def test_equivalent_legs(leg, by, expected):
-    """Known values, EA, EIz, EIy, GJ to the four printed digits."""
-    beam = equivalent_leg(leg, by).timoshenko
+def test_equivalent_legs(leg, by, expected, height, width):
+    """Known values, EA, EIz, EIy, GJ to the four printed digits, and sides from these."""
+    found = equivalent_leg(leg, by)
+    beam = found.timoshenko
     assert_allclose((beam.EA, beam.EIz, beam.EIy, beam.GJ), expected, rtol=5e-4)
+    assert_allclose((found.section.height, found.section.width), (height, width), atol=1e-4)
+    assert (found.mass, found.material.nu) == (pytest.approx(leg.mass, rel=1e-14), 0.0)
 
 
-def test_equivalent_solid():
-    """Known values: h along z, b along y, ν = 0, G/E ≈ 2.05 for leg 1, the leg's mass.
-
-    186.8 Hz, the paper's "about 180 Hz", from f = 1.8751²/2πL² √(EIy/μ).
-    """
-    leg1, leg2 = equivalent_leg(LEG1), equivalent_leg(LEG2)
-    # The notes compute the sides from EA and EI rounded to four digits: up to 1e-4 m.
-    assert_allclose((leg1.section.height, leg1.section.width), (0.2578, 0.1598), atol=1e-4)
-    assert_allclose((leg2.section.height, leg2.section.width), (0.4078, 0.1078), atol=1e-4)
-    assert pytest.approx(2.05, abs=0.005) == leg1.material.G / leg1.material.E
-    assert leg1.material.nu == 0.0
-    assert leg1.mass == pytest.approx(69.705, rel=1e-14)
-    beam = leg1.timoshenko
-    assert beam.mu == pytest.approx(69.705 / 0.85, rel=1e-14)
-    hertz = 1.87510407**2 / (2.0 * np.pi * leg1.length**2) * np.sqrt(beam.EIy / beam.mu)
-    assert hertz == pytest.approx(186.8, abs=0.05)
-
-
-def test_a_compliance_of_euler_bernoulli_gives_its_beam_back():
+@pytest.mark.parametrize("by", ["stiffness", "compliance"])
+def test_a_compliance_of_euler_bernoulli_gives_its_beam_back(by):
     """EI = L³/3k22 undoes c22 = L³/3EI; K22 L³/12 undoes the clamped-clamped 12EI/L³."""
     beam = BEAM.timoshenko
     given = GivenLeg(1.2, 47.1, tip_compliance(beam.as_euler_bernoulli(), 1.2))
-    for by in ("stiffness", "compliance"):
-        found = equivalent_leg(given, by).timoshenko
-        for name in ("EA", "EIy", "EIz", "GJ"):
-            # inverting a leg of slenderness 12 costs four of sixteen digits
-            assert getattr(found, name) == pytest.approx(getattr(beam, name), rel=1e-11)
+    found = equivalent_leg(given, by).timoshenko
+    for name in ("EA", "EIy", "EIz", "GJ"):
+        # inverting a leg of slenderness 12 costs four of sixteen digits
+        assert getattr(found, name) == pytest.approx(getattr(beam, name), rel=1e-11)
 
 
 def test_an_indefinite_compliance_has_no_equivalent():
@@ -74,37 +53,31 @@ def test_an_indefinite_compliance_has_no_equivalent():
 
 def test_cantilever_by_textbook():
     """50×100 mm steel, 1.2 m: PL³/3EI + PL/κGA, ML²/2EI, ML/EI, TL/GJ, NL/EA; signs of c26, c35."""
-    length, E, G = 1.2, 2.1e11, 2.1e11 / 2.6
+    L, E, G = 1.2, 2.1e11, 2.1e11 / 2.6
     A, Iy, Iz = 0.005, 0.05 * 0.1**3 / 12.0, 0.1 * 0.05**3 / 12.0
     J = 0.229 * 0.1 * 0.05**3  # Timoshenko & Goodier §109, side ratio 2, three digits
-    shear = length / (13.0 / 15.3 * G * A)  # Cowper 10(1+ν)/(12+11ν)
-    C = tip_compliance(BEAM.timoshenko, length)
-    expected = np.zeros((6, 6))
-    expected[0, 0] = length / (E * A)
-    expected[1, 1] = length**3 / (3.0 * E * Iz) + shear
-    expected[2, 2] = length**3 / (3.0 * E * Iy) + shear
-    expected[1, 5] = expected[5, 1] = length**2 / (2.0 * E * Iz)
-    expected[2, 4] = expected[4, 2] = -(length**2) / (2.0 * E * Iy)
-    expected[4, 4], expected[5, 5] = length / (E * Iy), length / (E * Iz)
-    expected[3, 3] = C[3, 3]
-    assert_allclose(C, expected, rtol=1e-12, atol=1e-22)
-    assert C[3, 3] == pytest.approx(length / (G * J), rel=2e-3)
-    bending = tip_compliance(BEAM.properties("euler-bernoulli"), length)
-    assert bending[1, 1] == pytest.approx(length**3 / (3.0 * E * Iz), rel=1e-12)
+    shear = L / (13.0 / 15.3 * G * A)  # Cowper 10(1+ν)/(12+11ν)
+    found = tip_compliance(BEAM.timoshenko, L)
+    assert found[3, 3] == pytest.approx(L / (G * J), rel=2e-3)
+    bent_z, bent_y = (L**3 / (3.0 * E * I) for I in (Iz, Iy))
+    turned = [found[3, 3], L / (E * Iy), L / (E * Iz)]
+    expected = np.diag([L / (E * A), bent_z + shear, bent_y + shear, *turned])
+    expected[1, 5] = expected[5, 1] = L**2 / (2.0 * E * Iz)
+    expected[2, 4] = expected[4, 2] = -(L**2) / (2.0 * E * Iy)
+    assert_allclose(found, expected, rtol=1e-12, atol=1e-22)
+    bending = tip_compliance(BEAM.properties("euler-bernoulli"), L)
+    assert bending[1, 1] == pytest.approx(bent_z, rel=1e-12)
 
 
 def test_every_plane_has_its_own_shear_stiffness_and_rotary_inertia():
     """A tall box shears most along z, where its long walls lie, and turns hardest about y."""
     box = ConstantLeg(1.0, HollowRectangle(0.05, 0.2, 0.005), Material.isotropic(2e11, 0.3, 7800.0))
-    beam = box.timoshenko
+    beam, section = box.timoshenko, box.section
     # The walls along a direction, of the middle line, take nearly all of its shear.
     assert beam.GAz == pytest.approx(box.material.G * 2 * 0.195 * 0.005, rel=0.1)
     assert beam.GAy < 0.3 * beam.GAz
-    for inertia, moment in (
-        (beam.rho_Iy, box.section.second_moment_y),
-        (beam.rho_Iz, box.section.second_moment_z),
-    ):
-        assert inertia == pytest.approx(7800.0 * moment, rel=1e-12)
+    moments = 7800.0 * np.array([section.second_moment_y, section.second_moment_z])
+    assert_allclose((beam.rho_Iy, beam.rho_Iz), moments, rtol=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -127,26 +100,18 @@ def test_a_negative_shear_stiffness_is_refused_by_name_and_only_where_it_is_used
     leg = ConstantLeg(0.07, wide, Material.isotropic(2.1e11, -0.9, 7850.0))
     with pytest.raises(ComputationError, match=r"i-section: .* κGA = -.* N is negative"):
         _ = leg.timoshenko
-    axial = leg.properties("euler-bernoulli").EA
-    assert axial == pytest.approx(2.1e11 * wide.area)
+    assert pytest.approx(2.1e11 * wide.area) == leg.properties("euler-bernoulli").EA
 
 
-def test_alike_legs_are_equal_whatever_they_are_called():
+def test_a_leg_that_fails_is_named_once_and_alike_legs_are_equal_whatever_they_are_called():
     first, second = replace(BEAM, name="leg 1"), replace(BEAM, name="leg 2")
-    assert first == second
-    assert hash(first) == hash(second)
-
-
-def test_a_leg_that_fails_is_named():
+    assert {first} == {second}
     short = GivenLeg(1.0, 1.0, np.diag([1e-7, 1e-9, 1e-9, 1e-9, 3e-9, 3e-9]), name="leg 2")
     with pytest.raises(InputError, match=r"^equivalent of leg 2: length = 1.0: shorter"):
         solid_mesh(equivalent_leg(short), 2)
     uneven = replace(BEAM, material=replace(STEEL, G=1e4), name="rod")
     with pytest.raises(ComputationError, match=r"^rod: material with ν = 0.3: changes of"):
         solid_leg(uneven, solid_mesh(uneven, 2))
-
-
-def test_the_part_is_named_once():
     with pytest.raises(InputError) as error, naming("leg 1"), naming("leg 1"):
         raise InputError(["length: too short", "width: too wide"])
     assert error.value.faults == ("leg 1: length: too short", "leg 1: width: too wide")

@@ -5,10 +5,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from like_ifw import IFW
 
 from lumped.errors import InputError
-from lumped.mechanism.biglide import Stroke
 from lumped.mechanism.free_twists import interface_position
 from lumped.mechanism.joint import FREEDOMS, Side
 from lumped.mechanism.kinematics.closure import Closure
@@ -18,8 +16,6 @@ from lumped.robot_file import load_robot
 
 ELASTIC = Path(__file__).parents[3] / "examples" / "elastic-biglide" / "robot.toml"
 ROBOTS = ("five-bar", "3-rrr", "delta", "orthoglide", "hexapod", "biglide", str(ELASTIC))
-# Without the closed form: loops are closed by iteration.
-ITERATED = replace(IFW.mechanism, inverse_kinematics=None)
 
 
 @pytest.fixture(scope="module", params=ROBOTS)
@@ -144,18 +140,9 @@ def test_loops_that_only_almost_close_say_that_digits_are_missing():
     assert mobility(reference_posture(tilted(1e-4))).almost_redundant == 1
 
 
-@pytest.mark.parametrize("mechanism", [IFW.mechanism, ITERATED], ids=["closed form", "iterated"])
-def test_coordinates_are_counted_from_the_reference_posture(mechanism):
-    found = posture(mechanism, np.array([0.7])).coordinates
-    (before, _), (after, _) = (Stroke(0.92, 0.85, 0.775).legs_at(x) for x in (0.4975, 0.7))
-    turn = before.rotation.T @ after.rotation
-    assert found["drive1"] == pytest.approx([after.position[1] - before.position[1]], abs=1e-13)
-    assert found["foot1"] == pytest.approx([np.arctan2(turn[1, 0], turn[0, 0])], abs=1e-13)
-    assert found["seat"].shape == (0,)
-
-
 def test_a_pose_out_of_reach_names_the_joint_that_opens_and_how_far_the_way_went():
+    iterated = replace(load_robot("ifw").mechanism, inverse_kinematics=None)
     # 0.3525 m of 0.4025 m lie within the stroke: 88 %.
     said = r"cannot be reached: joint [\s\S]*ends after 88 %, at x = 0\.84"
     with pytest.raises(InputError, match=said):
-        posture(ITERATED, np.array([0.9]))
+        posture(iterated, np.array([0.9]))

@@ -1,92 +1,127 @@
+"""What sound files of schema 1 describe, digits as printed, and one line for each fault."""
+
 from hashlib import sha256
 from pathlib import Path
 
 import numpy as np
 import pytest
 from sound_biglide import SOUND
+from written_robot import robot_of
+from wrong_files import wrong_files
 
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, GivenLeg
 from lumped.models.bodies import legs_of
 from lumped.robot_file import built_in_robots, load_robot
+from lumped.robot_file.load import described_by
+from lumped.robot_file.reading import printed_compliances
 from lumped.sections import HollowRectangle
 
 
-@pytest.fixture
-def robot_path(tmp_path):
-    def write(text: str) -> Path:
-        path = tmp_path / "my.toml"
-        path.write_text(text, encoding="utf-8")
-        return path
-
-    return write
+def joints_of(mechanism):
+    return {joint.name: joint for joint in mechanism.joints}
 
 
-def faults_of(source) -> tuple[str, ...]:
-    with pytest.raises(InputError) as error:
-        load_robot(source)
-    return error.value.faults
-
-
-def distance_of_slides(mechanism):
-    return mechanism.reference["slide2"].position[0] - mechanism.reference["slide1"].position[0]
-
-
-def compliance_of(robot_file, name):
-    return next(joint for joint in robot_file.mechanism.joints if joint.name == name).compliance
-
-
-def test_sound_file_is_read(robot_path):
-    path = robot_path(SOUND)
-    loaded = load_robot(path)
+def test_a_sound_file_is_read(tmp_path):
+    loaded = robot_of(SOUND.replace("[leg1]", '[leg1]\nends = "rigid"'), tmp_path)
+    path = tmp_path / "robot.toml"
     assert (loaded.source, loaded.built_in) == (str(path), False)
+    assert loaded.sha256 == sha256(path.read_bytes()).hexdigest()
     leg1, leg2 = legs_of(loaded.mechanism).values()
     assert isinstance(leg1, ConstantLeg)
-    assert leg1.section == HollowRectangle(0.10, 0.16, 0.008)
+    assert (leg1.section, leg1.ends) == (HollowRectangle(0.10, 0.16, 0.008), "rigid")
     # hollow rectangle 0.1 × 0.16 × 0.008 of steel: (0.016 − 0.084·0.144) m² · 7850 · 0.85
     assert leg1.mass == pytest.approx((0.016 - 0.084 * 0.144) * 7850 * 0.85)
     assert isinstance(leg2, GivenLeg)
     assert leg2.compliance[1, 5] == 3.0e-8
     assert loaded.mechanism.tool.datum == (0.0, 0.0, 0.1)
-    assert "spring" not in {joint.name for joint in loaded.mechanism.joints}
-
-
-def test_what_loses_energy_is_said_of_materials_legs_joints_and_drives(robot_path):
-    """Of the biglide by what it names; of other robots by body and joint."""
-    lossy = SOUND.replace("rho = 7850.0 }", "rho = 7850.0, loss = 0.01 }")
-    lossy += f"\n[tool]\ncompliance = {(1e-9 * np.eye(6)).tolist()}\n"
-    for table, loss in (("leg2", 0.02), ("foot", 0.03), ("actuators", 0.04), ("tool", 0.05)):
-        lossy = lossy.replace(f"[{table}]", f"[{table}]\nloss = {loss}")
-    found = load_robot(robot_path(lossy)).mechanism
-    assert [found.bodies[name].loss for name in ("leg1", "leg2", "platform")] == [0.01, 0.02, 0.0]
-    joints = {joint.name: joint for joint in found.joints}
-    assert [joints[name].loss for name in ("foot1", "foot2", "spring")] == [0.03, 0.03, 0.05]
-    assert [joints[name].drive.loss for name in ("drive1", "drive2")] == [0.04, 0.04]
-    text = load_robot("five-bar").text.replace("rho = 7850.0 }", "rho = 7850.0, loss = 0.01 }")
-    found = load_robot(robot_path(text)).mechanism
-    assert found.bodies["crank1"].loss == 0.01
-
-
-def test_mass_stands_for_the_density_and_g_for_that_of_an_isotropic_material(robot_path):
-    text = SOUND.replace(", rho = 7850.0", "").replace("length = 0.85", "length = 0.85\nmass = 60")
-    leg = legs_of(load_robot(robot_path(text)).mechanism)["leg1"]
-    assert leg.mass == pytest.approx(60.0)
-    # E over 2(1 + ν)
-    assert pytest.approx(2.1e11 / 2.6) == leg.material.G
-    own = load_robot(robot_path(SOUND.replace("nu = 0.3", "nu = 0.3, G = 7e10"))).mechanism
-    assert legs_of(own)["leg1"].material.G == 7e10
+    assert "spring" not in joints_of(loaded.mechanism)
 
 
 def test_byte_order_mark_and_windows_line_ends_are_read(tmp_path):
     path = tmp_path / "windows.toml"
     path.write_bytes(b"\xef\xbb\xbf" + SOUND.replace("\n", "\r\n").encode())
-    assert distance_of_slides(load_robot(path).mechanism) == 0.9
+    slides = load_robot(path).mechanism.reference
+    assert (slides["slide2"].position - slides["slide1"].position)[0] == 0.9
 
 
-def test_rounding_of_seven_digits_is_symmetric_enough():
-    rounded = load_robot("ifw").with_values({"foot.compliance[2,6]": 3.9400001e-8})
-    foot = compliance_of(rounded, "foot1")
+def test_what_loses_energy_is_said_of_materials_legs_joints_and_drives(tmp_path):
+    """Of the biglide by what it names; of other robots by body and joint."""
+    steel, lossy = "rho = 7850.0 }", "rho = 7850.0, loss = 0.01 }"
+    text = f"{SOUND}\n[tool]\ncompliance = {(1e-9 * np.eye(6)).tolist()}\n".replace(steel, lossy)
+    for table, loss in (("leg2", 0.02), ("foot", 0.03), ("actuators", 0.04), ("tool", 0.05)):
+        text = text.replace(f"[{table}]", f"[{table}]\nloss = {loss}")
+    found = robot_of(text, tmp_path).mechanism
+    assert [found.bodies[name].loss for name in ("leg1", "leg2", "platform")] == [0.01, 0.02, 0.0]
+    joints = joints_of(found)
+    assert [joints[name].loss for name in ("foot1", "foot2", "spring")] == [0.03, 0.03, 0.05]
+    assert [joints[name].drive.loss for name in ("drive1", "drive2")] == [0.04, 0.04]
+    text = load_robot("five-bar").text.replace(steel, lossy)
+    assert robot_of(text, tmp_path).mechanism.bodies["crank1"].loss == 0.01
+
+
+def test_mass_stands_for_the_density_and_g_for_that_of_an_isotropic_material(tmp_path):
+    text = SOUND.replace(", rho = 7850.0", "").replace("length = 0.85", "length = 0.85\nmass = 60")
+    leg = legs_of(robot_of(text, tmp_path).mechanism)["leg1"]
+    # E over 2(1 + ν)
+    assert (leg.mass, leg.material.G) == (pytest.approx(60.0), pytest.approx(2.1e11 / 2.6))
+    own = robot_of(SOUND.replace("nu = 0.3", "nu = 0.3, G = 7e10"), tmp_path).mechanism
+    assert legs_of(own)["leg1"].material.G == 7e10
+
+
+def test_a_compliance_of_the_tool_acts_when_active_and_rounding_is_made_symmetric():
+    loaded = load_robot("ifw")
+    assert "spring" not in joints_of(loaded.mechanism)
+    # Seven digits are symmetric enough.
+    values = {"tool.active": True, "foot.compliance[2,6]": 3.9400001e-8}
+    active = joints_of(loaded.with_values(values).mechanism)
+    assert active["spring"].compliance[1, 0] == -9.70e-11
+    foot = active["foot1"].compliance
     assert np.array_equal(foot, foot.T)
+
+
+def rows(**entries):
+    """A 6×6 of whole zeros with some entries as text, `c23="1.2e-3"` in row 2, column 3."""
+    texts = [[entries.get(f"c{i}{j}", "0") for j in range(1, 7)] for i in range(1, 7)]
+    return f"[{', '.join('[' + ', '.join(row) + ']' for row in texts)}]"
+
+
+def test_half_a_unit_of_the_last_digit_zeros_exact_and_mirror_images_one_rounding():
+    entries = {"c11": "1.67e-10", "c22": "5.870E-9", "c33": "0.0025", "c44": "2e-7"}
+    mirrored = {"c12": "0.0", "c21": "-0.0", "c23": "-1.5e-9", "c32": "-1.50e-9"}
+    own = f"compliance = {rows(**entries, **mirrored)}\n"
+    tables = ("[leg1]", "[bodies.a]\nmass = 1.5", "[joints.'b.c']")
+    # A bearing of 5e-10 m/N is no number between 4.5e-10 and 5.5e-10 that was rounded.
+    chosen = f"[foot]\ncompliance = {rows(c11='5e-10', c66='1.2e-7')}\n"
+    text = "[path]\nfrom = [0.20, 0.50]\n" + "".join(f"{one}\n{own}" for one in tables)
+    *printed, of_designer = printed_compliances(text + chosen)
+    expected = np.diag([0.5e-12, 0.5e-12, 0.5e-4, 0.5e-7, 0.0, 0.0])
+    expected[1, 2] = expected[2, 1] = 0.05e-9
+    for one in printed:
+        assert np.array_equal(one.half, expected)
+        assert np.diag(one.compliance).tolist() == [1.67e-10, 5.87e-9, 0.0025, 2e-7, 0.0, 0.0]
+    assert (len(printed), of_designer.half.any()) == (3, False)
+
+
+def faults_of(tables):
+    with pytest.raises(InputError) as refused:
+        described_by(tables, Path())
+    return refused.value.faults
+
+
+@pytest.mark.parametrize("wrong", list(wrong_files()), ids=str)
+def test_each_fault_is_one_line_with_its_key_and_what_is_allowed(wrong):
+    faults = faults_of(wrong.tables())
+    assert len(faults) == len(wrong.said), faults
+    for line in wrong.said:
+        assert any(fault.startswith(line) for fault in faults), (line, faults)
+    assert not any("\n" in fault for fault in faults)
+
+
+def test_an_empty_file_names_every_missing_key():
+    missing = {fault.split(": missing")[0] for fault in faults_of({})}
+    keys = ("schema", "name", "type", "geometry", "platform", "actuators", "leg1", "leg2")
+    assert missing == set(keys)
 
 
 def test_a_path_that_leads_to_no_robot(tmp_path):
@@ -100,17 +135,7 @@ def test_a_path_that_leads_to_no_robot(tmp_path):
         (latin, f"{latin}: byte 11 is not UTF-8; must be a TOML text in UTF-8"),
         (tmp_path / ("x" * 1000), "cannot be read"),
     ):
-        (fault,) = faults_of(path)
+        with pytest.raises(InputError) as error:
+            load_robot(path)
+        (fault,) = error.value.faults
         assert said in fault
-
-
-def test_tool_compliance_acts_only_when_active():
-    loaded = load_robot("ifw")
-    assert "spring" not in {joint.name for joint in loaded.mechanism.joints}
-    active = loaded.with_values({"tool.active": True})
-    assert compliance_of(active, "spring")[1, 0] == -9.70e-11
-
-
-def test_digest_is_that_of_the_bytes(robot_path):
-    path = robot_path(SOUND)
-    assert load_robot(path).sha256 == sha256(path.read_bytes()).hexdigest()

@@ -3,19 +3,13 @@
 import numpy as np
 import pytest
 from one_arm import ONE_ARM
+from written_robot import robot_of
 
 from lumped.errors import InputError
-from lumped.robot_file import load_robot
 
-ROBOT = f"""{ONE_ARM}
-[path]
-from = [-0.1]
-to = [0.2]
-count = 3
-[[loads]]
-name = "cutting"
-file = "cutting.csv"
-"""
+LINE = "from = [-0.1]\nto = [0.2]\ncount = 3"
+LOAD = '[[loads]]\nname = "cutting"\nfile = "cutting.csv"\n'
+ROBOT = f"{ONE_ARM}\n[path]\n{LINE}\n{LOAD}"
 HEAD = "Fx,Fy,Fz,Mx,My,Mz"
 ROWS = np.array([[10.0, 0, -5.0, 0, 0, 1.0], [20.0, 0, 0, 0, 0, 0], [0, 0, 0, 0.5, 0, 0]])
 TEXTS = [",".join(map(str, row)) for row in ROWS]
@@ -23,9 +17,8 @@ SOUND = f"pose,{HEAD}\n1,{TEXTS[0]}\n2,{TEXTS[1]}\n3,{TEXTS[2]}\n"
 
 
 def read(folder, csv, robot=ROBOT):
-    (folder / "robot.toml").write_text(robot, encoding="utf-8")
     (folder / "cutting.csv").write_text(csv, encoding="utf-8")
-    return load_robot(folder / "robot.toml")
+    return robot_of(robot, folder)
 
 
 def test_rows_go_by_number_or_by_coordinates_in_any_order(tmp_path):
@@ -39,7 +32,7 @@ def test_rows_go_by_number_or_by_coordinates_in_any_order(tmp_path):
 
 
 def test_a_pose_that_comes_again_has_one_wrench(tmp_path):
-    there_and_back = ROBOT.replace("from = [-0.1]\nto = [0.2]\ncount = 3", "poses = [[0.1], [0.1]]")
+    there_and_back = ROBOT.replace(LINE, "poses = [[0.1], [0.1]]")
     rows = f"pose,{HEAD}\n1,{TEXTS[0]}\n2,"
     (load,) = read(tmp_path, f"{rows}{TEXTS[0]}\n", there_and_back).mechanism.loads
     np.testing.assert_array_equal(load.over_path, ROWS[[0, 0]])
@@ -66,7 +59,7 @@ def test_a_pose_that_comes_again_has_one_wrench(tmp_path):
 def test_every_fault_is_named_with_line_and_column(tmp_path, csv, said):
     with pytest.raises(InputError) as raised:
         read(tmp_path, csv)
-    (fault, *_) = raised.value.faults
+    fault = raised.value.faults[0]
     assert "loads[1].file: " in fault
     assert "cutting.csv: " in fault
     assert said in fault, fault
@@ -75,7 +68,7 @@ def test_every_fault_is_named_with_line_and_column(tmp_path, csv, said):
 def test_a_file_that_is_none_and_a_wrench_beside_it_are_refused(tmp_path):
     beside = f"{ROBOT.replace('cutting.csv', 'none.csv')}wrench = [1, 0, 0, 0, 0, 0]\n"
     with pytest.raises(InputError) as raised:
-        read(tmp_path, SOUND, beside)
+        robot_of(beside, tmp_path)
     without, missing = raised.value.faults
     assert "loads[1].wrench: must be left out beside a file" in without
     assert "none.csv: cannot be read" in missing
