@@ -9,6 +9,7 @@ import math
 import random
 from collections.abc import Iterator
 from copy import deepcopy
+from functools import partial
 from typing import Any
 
 _VALUES: tuple[Any, ...] = (
@@ -60,19 +61,7 @@ def mutated(rng: random.Random, tree: dict[str, Any]) -> dict[str, Any]:
 
 
 def toml(tables: dict[str, Any]) -> str:
-    """The text of a file with these tables."""
-    return "".join(f"{json.dumps(key)} = {_toml(value)}\n" for key, value in tables.items())
-
-
-def _toml(value: Any) -> str:
-    match value:
-        case bool():
-            return str(value).lower()
-        case float() | int():
-            return repr(value)
-        case str():
-            return json.dumps(value)
-        case list():
-            return f"[{', '.join(map(_toml, value))}]"
-    entries = (f"{json.dumps(key)} = {_toml(one)}" for key, one in value.items())
-    return f"{{ {', '.join(entries)} }}"
+    """The text of a file with these tables, those inside others and lists as inline values."""
+    inline = partial(json.dumps, separators=(", ", " = "))
+    text = "".join(f"{json.dumps(key)} = {inline(value)}\n" for key, value in tables.items())
+    return text.replace("NaN", "nan").replace("Infinity", "inf")

@@ -6,11 +6,8 @@ None of them computes for long: runs ask for cases that are not there, and solid
 import json
 import random
 import tomllib
-from collections.abc import Iterator
-from copy import deepcopy
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import NamedTuple
 
 from msgspec.json import encode
 from mutated_robots import mutated, toml
@@ -37,77 +34,70 @@ _ODD = (
     *("\\u0000", "0x" + "f" * 9000, "[1.0]", "@", "a\nb", "../robot.toml", "robot.toml"),
 )
 # Options with values that somebody means; flags have none.
-_OPTIONS: dict[str, dict[str, tuple[str, ...]]] = {
-    "check": {},
-    "cases": {"--json": ()},
-    "kinematics": {"--pose": ("0.1,0.5", "-0.05,0.5", "0.01"), "--json": ()},
-    "solve": {
-        "--x": ("0.4", "0.5"),
-        "--pose": ("0.1,0.5", "0.05,0.52", "0.01"),
-        "--leg": ("1", "2"),
-        "--body": ("rod1", "arm"),
-        "--modes": ("0", "2"),
-        "--legs": ("given", "equivalent"),
-        "--theory": ("timoshenko", "euler-bernoulli"),
-        "--elements": ("2", "5"),
-        "--release": ("printed",),
-        "--layout": ("literal",),
-        "--parts": ("stepped",),
-        "--accuracy": ("0.01",),
-        "--against": ("segments",),
-        "--vary": ("geometry.a=0.9:0.91:2", "tool.mass=1:2:2", "*.width=0.05:0.06:1"),
-        "--json": (),
-    },
-    "run": {
-        "--preset": ("quick", "fine"),
-        "--accept": ("deflection=0.1", "f1=0.02"),
-        "--rely": ("beam", "vjm"),
-        "--accuracy": ("0.01",),
-        "--inputs": ("0.05",),
-        "--measured": ("values.csv",),
-        "--vary": ("geometry.a=0.9:0.91:2", "tool.mass=1:2:2"),
-        "--baseline": ("one.json", "folder"),
-        "--cluster": ("tcp://a..b:1", "tcp://127.0.0.1:1", "tcp://[::1:2"),
-        "--resume": (),
-        "--strict": (),
-    },
-    "identify": {
-        "--interface": ("A = { faces = [1] }", "B = { cylinder = { radius = 0.04 } }"),
-        "--material": ("{ E = 2.1e11, nu = 0.3, rho = 7850.0 }",),
-        "--body": ("arm", "rod1"),
-        "--unknowns": ("2000",),
-        "--modes": ("2",),
-        "--unit": ("mm",),
-    },
-    "faces": {"--unit": ("mm",), "--json": ()},
-    "export": {"--modes": ("2",), "--out": ("out.npz", "out.mat", "robot.toml")},
-    "compare": {"--json": ()},
-    "new": {"--type": _BUILT_IN},
+_MEANT = {
+    "--x": ("0.4", "0.5"),
+    "--pose": ("0.1,0.5", "-0.05,0.5", "0.01"),
+    "--leg": ("1", "2"),
+    "--body": ("rod1", "arm"),
+    "--modes": ("0", "2"),
+    "--legs": ("given", "equivalent"),
+    "--theory": ("timoshenko", "euler-bernoulli"),
+    "--elements": ("2", "5"),
+    "--release": ("printed",),
+    "--layout": ("literal",),
+    "--parts": ("stepped",),
+    "--accuracy": ("0.01",),
+    "--against": ("segments",),
+    "--vary": ("geometry.a=0.9:0.91:2", "tool.mass=1:2:2", "*.width=0.05:0.06:1"),
+    "--preset": ("quick", "fine"),
+    "--accept": ("deflection=0.1", "f1=0.02"),
+    "--rely": ("beam", "vjm"),
+    "--inputs": ("0.05",),
+    "--measured": ("values.csv",),
+    "--baseline": ("one.json", "folder"),
+    "--cluster": ("tcp://a..b:1", "tcp://127.0.0.1:1", "tcp://[::1:2"),
+    "--interface": ("A = { faces = [1] }", "B = { cylinder = { radius = 0.04 } }"),
+    "--material": ("{ E = 2.1e11, nu = 0.3, rho = 7850.0 }",),
+    "--unknowns": ("2000",),
+    "--unit": ("mm",),
+    "--out": ("out.npz", "out.mat", "robot.toml"),
+    "--type": _BUILT_IN,
+}
+_OPTIONS = {
+    "check": "",
+    "cases": "--json",
+    "kinematics": "--pose --json",
+    "solve": "--x --pose --leg --body --modes --legs --theory --elements --release --layout"
+    " --parts --accuracy --against --vary --json",
+    "run": "--preset --accept --rely --accuracy --inputs --measured --vary --baseline --cluster"
+    " --resume --strict",
+    "identify": "--interface --material --body --unknowns --modes --unit",
+    "faces": "--unit --json",
+    "export": "--modes --out",
+    "compare": "--json",
+    "new": "--type",
 }
 _WEIGHTS = {"check": 5, "kinematics": 4, "solve": 4, "run": 2, "compare": 4, "identify": 1}
 _PROGRAMS = ("npz", "exudyn", "statespace", "simscape", "nastran", "")
 _MODELS = ("simplified", "vjm", "links", "segments", "beam")
 
 
-@dataclass(frozen=True)
-class Command:
+class Command(NamedTuple):
     """Words of a command line, and the files of its folder by name."""
 
     words: tuple[str, ...]
     files: dict[str, bytes]
 
 
-def random_commands(count: int, seed: int) -> Iterator[Command]:
+def random_commands(count, seed):
     """`count` commands."""
     rng = random.Random(seed)  # noqa: S311  any choice will do
-    names = list(_OPTIONS)
-    weights = [_WEIGHTS.get(name, 0.5) for name in names]
-    for _ in range(count):
-        (name,) = rng.choices(names, weights)
+    weights = [_WEIGHTS.get(name, 0.5) for name in _OPTIONS]
+    for name in rng.choices(list(_OPTIONS), weights, k=count):
         yield _command(rng, name)
 
 
-def _command(rng: random.Random, name: str) -> Command:
+def _command(rng, name):
     files = {"robot.toml": _robot(rng)}
     words = [name]
     match name:
@@ -131,20 +121,20 @@ def _command(rng: random.Random, name: str) -> Command:
     if name == "run":
         files |= {"values.csv": _measured(rng), **{file: _results(rng) for file in _RESULTS}}
         words += ["--only", rng.choice(("nothing", "no*", "", "[[", "x" * 5000))]
-    options = _OPTIONS[name]
-    for option in rng.sample(sorted(options), min(len(options), rng.choice((0, 0, 1, 1, 2, 3)))):
-        meant = options[option]
+    options = _OPTIONS[name].split()
+    for option in rng.sample(options, min(len(options), rng.choice((0, 0, 1, 1, 2, 3)))):
+        meant = _MEANT.get(option)
         value = rng.choice(meant) if meant and rng.random() < 0.6 else _odd(rng)
         # Joined, so that a value may begin with a hyphen.
         words.append(f"{option}={value}" if meant else option)
     return Command(tuple(words), files)
 
 
-def _odd(rng: random.Random) -> str:
+def _odd(rng):
     return rng.choice(_ODD)
 
 
-def _robot(rng: random.Random) -> bytes:
+def _robot(rng):
     text = rng.choice(ROBOTS)
     match rng.randrange(5):
         case 0:
@@ -155,7 +145,7 @@ def _robot(rng: random.Random) -> bytes:
             return _damaged(rng, text)
 
 
-def _damaged(rng: random.Random, text: str) -> bytes:
+def _damaged(rng, text):
     """A text with one or two of its bytes, words or lines lost, doubled, moved or replaced."""
     for _ in range(rng.choice((1, 1, 2))):
         begin, end = sorted(rng.randrange(len(text) + 1) for _ in range(2))
@@ -184,7 +174,7 @@ def _damaged(rng: random.Random, text: str) -> bytes:
     return text.encode()
 
 
-def _measured(rng: random.Random) -> bytes:
+def _measured(rng):
     quantities = ("x", "f1", "phi_z", "leg1.c22", "f99", _odd(rng))
     numbers = ("1e-6", "0.01", "60", "-1", "0.5 0.4", _odd(rng))
     rows = [
@@ -195,31 +185,16 @@ def _measured(rng: random.Random) -> bytes:
     return text.encode() if rng.random() < 0.6 else _damaged(rng, text)
 
 
-_RUN: dict[str, Any] = json.loads(
-    encode(
-        RunRecord(
-            run={"robot": "r", "preset": "quick", "robot_tables": {"a": [1.0, 2.0]}},
-            cases=tuple(
-                CaseRecord(id=name, verdict="agree", value=1.0, reference=1.0, tolerance=0.1)
-                for name in ("one", "two", "three")
-            ),
-            adequacy=(
-                AdequacyRecord(
-                    model="beam",
-                    quantity="x",
-                    verdict="adequate",
-                    error=0.01,
-                    poses=((0.1,), (0.2,)),
-                    values=(1.0, 2.0),
-                ),
-            ),
-        )
-    )
+_AGREED = {"verdict": "agree", "value": 1.0, "reference": 1.0, "tolerance": 0.1}
+_RUN = RunRecord(
+    run={"robot": "r", "preset": "quick", "robot_tables": {"a": [1.0, 2.0]}},
+    cases=tuple(CaseRecord(id=name, **_AGREED) for name in ("one", "two", "three")),
+    adequacy=(AdequacyRecord(model="beam", quantity="x", verdict="adequate", poses=((0.1,),)),),
 )
 
 
-def _results(rng: random.Random) -> bytes:
-    run = deepcopy(_RUN)
+def _results(rng):
+    run = json.loads(encode(_RUN))
     run["cases"][0]["verdict"] = rng.choice(("agree", "undecided", "disagree"))
     match rng.randrange(4):
         case 0:

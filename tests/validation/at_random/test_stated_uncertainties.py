@@ -2,20 +2,37 @@
 
 from collections import defaultdict
 from itertools import chain
+from typing import NamedTuple
 
 import numpy as np
 import pytest
-from calibration import ROUNDING, coverage, of_frequencies, of_robots, of_statics, random_leg
-from extreme_robots import extreme_robots
+from like_ifw import like_ifw, placed_at, stations
+from random_biglides import random_robots
 from written_robot import robot_of
 
+from lumped.errors import InputError
 from lumped.legs import ConstantLeg, Material
-from lumped.sections import HollowRectangle, ISection, Rectangle, Tube
+from lumped.models.bodies import link
+from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Tube
+from lumped.system.assembly import assemble
+from lumped.system.solution import compliance, solved
 from validation.agreement.convergence import pairwise_orders
 from validation.catalogue import catalogue
 from validation.context import Context
 from validation.results.outcome import judge
-from validation.solids.legs import edge_order, formal_order, leg_constants, solid_compliances
+from validation.solids.legs import (
+    Refinement,
+    edge_order,
+    formal_order,
+    leg_constants,
+    solid_compliances,
+    solid_frequencies,
+)
+
+STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
+BOTH = ("rigid", "free")
+# Below this (relative) rounding of the solutions is what differs.
+ROUNDING = 1e-9
 
 
 @pytest.mark.parametrize("nu", [0.2, 0.3, 0.45])
@@ -42,48 +59,138 @@ def test_edges_without_held_contraction_and_with_held_stretching():
 
 def test_rigid_faces_that_hold_stretching_lower_the_order_as_edges_say():
     leg = ConstantLeg(0.2, Rectangle(0.05, 0.04), Material.isotropic(2.1e11, -0.9, 7850.0))
-    found = solid_compliances(leg, (1, 2, 3, 4, 6))
-    sizes = 1.0 / np.array([1, 2, 3, 4, 6])
-    rigid, free = (found[ends].values for ends in ("rigid", "free"))
+    divisions = (1, 2, 3, 4, 6)
+    found = solid_compliances(leg, divisions)
+    rigid, free = (found[ends].values[:, 0, 0] for ends in BOTH)
     # In tension free ends have no error at all.
-    assert np.ptp(free[:, 0, 0]) < 1e-9 * free[-1, 0, 0]
-    assert pairwise_orders(sizes, rigid[:, 0, 0])[-1] == pytest.approx(edge_order(-0.9), abs=0.2)
+    assert np.ptp(free) < 1e-9 * free[-1]
+    observed = pairwise_orders(1.0 / np.array(divisions), rigid)[-1]
+    assert observed == pytest.approx(edge_order(-0.9), abs=0.2)
 
 
 def test_the_order_of_elements_is_that_of_free_ends_where_shear_is_soft(tmp_path):
     # A leg known by its 6×6, stiff 26 times as much along it as in shear: with rigid faces, whose
     # edges hold the warping of shear, 1.95 and 1.92 were found.
-    robot_file = robot_of(list(extreme_robots(41, 7))[40], tmp_path)
+    robot_file = robot_of(list(random_robots(41, 7))[40], tmp_path)
     context = Context(robot_file, "quick")
     for case in catalogue(robot_file):
         if case.id.startswith("refinement.leg2.solid.order"):
             assert judge(case, case.measure(context), 0.0).verdict == "agree", case.id
 
 
-def test_walls_with_inward_corners_converge_as_the_laplacian_about_270_degrees():
-    """λ = π/(3π/2), energies with twice that; the torsion constant of a thick box shows it.
+CORNER = 2.0 * np.pi / (1.5 * np.pi)
 
-    No inward corner: rectangle, circle, tube. Free ends, so that no held edge is there.
-    """
-    steel = Material.isotropic(2.1e11, 0.3, 7850.0)
-    corner = 2.0 * np.pi / (1.5 * np.pi)
-    sections = {
-        HollowRectangle(0.1, 0.16, 0.008): corner,
-        ISection(0.1, 0.1, 0.008, 0.006): corner,
-        Rectangle(0.05, 0.04): 4.0,
-        Tube(0.1, 0.01): 4.0,
-    }
-    for section, order in sections.items():
-        assert formal_order(ConstantLeg(1.0, section, steel), "free") == pytest.approx(order)
-    # Without corners, held faces alone lower it.
-    held = ConstantLeg(1.0, Tube(0.1, 0.01), steel)
-    assert formal_order(held, "rigid") == pytest.approx(edge_order(0.3))
-    hollow = ConstantLeg(1.0, HollowRectangle(0.1, 0.16, 0.04), steel)
-    sizes = 1.0 / np.array([4.0, 8.0, 16.0, 32.0])
-    torsion = np.array([leg_constants(hollow, int(1.0 / h)).torsion_constant for h in sizes])
+
+@pytest.mark.parametrize(
+    ("section", "ends", "order"),
+    [
+        (HollowRectangle(0.1, 0.16, 0.008), "free", CORNER),
+        (ISection(0.1, 0.1, 0.008, 0.006), "free", CORNER),
+        (Rectangle(0.05, 0.04), "free", 4.0),
+        (Tube(0.1, 0.01), "free", 4.0),
+        # Without corners, held faces alone lower it.
+        (Tube(0.1, 0.01), "rigid", edge_order(0.3)),
+    ],
+)
+def test_walls_with_inward_corners_converge_as_the_laplacian_about_270_degrees(
+    section, ends, order
+):
+    """λ = π/(3π/2), energies with twice that."""
+    assert formal_order(ConstantLeg(1.0, section, STEEL), ends) == pytest.approx(order)
+
+
+def test_the_torsion_constant_of_a_thick_box_shows_its_corners():
+    hollow = ConstantLeg(1.0, HollowRectangle(0.1, 0.16, 0.04), STEEL)
+    divisions = (4, 8, 16, 32)
+    torsion = np.array([leg_constants(hollow, number).torsion_constant for number in divisions])
     # From above, for on these grids smooth terms are still seen beside the corner's.
-    before, last = pairwise_orders(sizes, torsion)
-    assert corner < last < min(before, corner + 0.2)
+    before, last = pairwise_orders(1.0 / np.array(divisions), torsion)
+    assert CORNER < last < min(before, CORNER + 0.2)
+
+
+class Stated(NamedTuple):
+    """A number's `uncertainty` and its true `error`, both relative, and what number it is."""
+
+    quantity: str
+    uncertainty: float
+    error: float
+
+
+def random_leg(rng, walls=0.0):
+    """A rectangle, or with probability `walls` each of the other four shapes.
+
+    ν is 0 or 0.1 to 0.4, the length three to twelve sides.
+    """
+    size, ratio = rng.uniform(0.06, 0.2), rng.uniform(0.6, 1.0)
+    width, height = rng.permutation([size, ratio * size]).tolist()
+    wall = rng.uniform(0.08, 0.2) * ratio * size
+    shapes = (
+        Rectangle(width, height),
+        Circle(size),
+        Tube(size, wall),
+        HollowRectangle(width, height, wall),
+        ISection(width, height, wall, rng.uniform(0.5, 1.0) * wall),
+    )
+    section = shapes[rng.choice(5, p=[1.0 - 4.0 * walls, walls, walls, walls, walls])]
+    material = Material.isotropic(2.1e11, float(rng.choice([0.0, rng.uniform(0.1, 0.4)])), 7850.0)
+    return ConstantLeg(float(rng.uniform(3.0, 12.0) * size), section, material)
+
+
+def stated(name, leg, divisions, values, count):
+    """What `count` meshes state, as in a run, of what the finest finds (by ends, meshes × n)."""
+    of_free = divisions[:count], values["free"][:count], formal_order(leg, "free")
+    of_rigid = divisions[:count], values["rigid"][:count], formal_order(leg, "rigid")
+    free = Refinement(*of_free)
+    for ends, found in (("free", free), ("rigid", Refinement(*of_rigid, free))):
+        for k, finest in enumerate(values[ends][-1]):
+            error = abs(found.values[-1][k] / finest - 1.0)
+            left = found.uncertainty(k) / abs(finest)
+            yield Stated(f"{name}, {ends}, {count} meshes", left, error)
+
+
+def of_statics(leg):
+    """The six diagonal compliances, from all meshes but the finest and from the coarsest two."""
+    rectangle = isinstance(leg.section, Rectangle)
+    divisions = (1, 2, 3, 4, 6) if rectangle else (4, 8, 12)
+    found = solid_compliances(leg, divisions)
+    values = {ends: np.diagonal(found[ends].values, axis1=1, axis2=2) for ends in BOTH}
+    name = "compliance" if rectangle else "compliance, round or walled"
+    for count in {2, len(divisions) - 1}:
+        yield from stated(name, leg, divisions, values, count)
+
+
+def of_frequencies(leg):
+    """The first three of a clamped rectangle from two meshes, and on one twice as fine."""
+    divisions = (1, 2, 4)
+    values = {ends: solid_frequencies(leg, divisions, ends, 3).frequencies.values for ends in BOTH}
+    yield from stated("frequency", leg, divisions, values, 2)
+
+
+def of_robots(rng):
+    """Deflections of a robot of two random legs at a random posture, from two meshes."""
+    legs = random_leg(rng), random_leg(rng)
+    a = float(rng.uniform(0.7, 0.95) * (legs[0].length + legs[1].length))
+    share = rng.uniform(0.1, 0.9)
+    try:
+        robot = like_ifw(a=a, leg1=legs[0], leg2=legs[1])
+    except InputError:
+        return
+    first, last = stations(robot, 2)
+    (place,) = placed_at(robot, first + share * (last - first))
+    divisions = (1, 2, 4)
+    tips = [(leg.length, solid_compliances(leg, divisions)) for leg in legs]
+
+    def deflections(ends, at):
+        springs = {
+            f"leg{number}": link(length, of_leg[ends].values[at])
+            for number, (length, of_leg) in enumerate(tips, start=1)
+        }
+        return np.diag(compliance(solved(assemble(place, springs))))[:3]
+
+    values = {ends: np.array([deflections(ends, at) for at in range(3)]) for ends in BOTH}
+    # Of two legs of unlike order the lower one is for both.
+    slowest = min(legs, key=lambda leg: formal_order(leg, "rigid"))
+    yield from stated("robot", slowest, divisions, values, 2)
 
 
 def random_numbers(seed):
@@ -96,6 +203,16 @@ def random_numbers(seed):
     yield from of_robots(rng)
     if seed % 40 == 0:
         yield from of_statics(random_leg(np.random.default_rng([1, 1000 + seed]), walls=0.25))
+
+
+def coverage(numbers):
+    """Share of the numbers whose interval holds the finest solution; its width over the error.
+
+    The width is the median of uncertainty over error, of the numbers that differ at all.
+    """
+    real = [one for one in numbers if one.error > ROUNDING]
+    held = np.mean([one.error <= one.uncertainty for one in real])
+    return held, np.median([one.uncertainty / one.error for one in real])
 
 
 @pytest.mark.parametrize(
