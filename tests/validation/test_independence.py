@@ -171,12 +171,8 @@ def named(functions) -> set[str]:
     return {f"{one.__module__}:{one.__name__}" for one in functions}
 
 
-def rests_on(functions) -> set[str]:
-    """Everything that the functions rest on, they themselves included."""
-    return closure(named(functions))
-
-
 def closure(definitions: set[str]) -> set[str]:
+    """Everything that the definitions rest on, they themselves included."""
     found, todo = set(), definitions
     while todo:
         found |= todo
@@ -184,23 +180,22 @@ def closure(definitions: set[str]) -> set[str]:
     return found
 
 
-def within(definition: str, place: str) -> bool:
-    return definition == place or definition.startswith((f"{place}:", f"{place}."))
+def dotted(definition: str) -> str:
+    return f"{definition}.".replace(":", ".")
 
 
 def shared(value, reference, also=()) -> set[str]:
     """What both sides rest on beyond the basics; what a side names is never a basic."""
-    basics = [*BASICS, *also]
-    both = rests_on(value) & rests_on(reference)
+    basics = tuple(map(dotted, (*BASICS, *also)))
+    both = closure(named(value)) & closure(named(reference))
     by_name = both & (named(value) | named(reference))
-    return by_name | {one for one in both if not any(within(one, basic) for basic in basics)}
+    return by_name | {one for one in both if not dotted(one).startswith(basics)}
 
 
 def of_robot(path: str) -> list[Case]:
     robot = load_robot(path)
-    described = robot.mechanism
     varied = variations_of(robot, ["tool.mass=1:2:3"]) if robot.schema == 2 else ()
-    return [*cases(described, 2), *cases_over(robot, varied)]
+    return [*cases(robot.mechanism, 2), *cases_over(robot, varied)]
 
 
 # Prisms and 6×6s with feet and a tool that give, and parts.

@@ -6,7 +6,7 @@ another robot, preset, option, library or source.
 
 import hashlib
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from itertools import product
 from pathlib import Path
@@ -38,24 +38,13 @@ from validation.variations import curves as CURVES  # noqa: N812
 from validation.variations.curves import VariedRobot, computed
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
-ROCKER, TAPERED = (EXAMPLES / name / "robot.toml" for name in ("rocker", "tapered-biglide"))
+ROCKER = EXAMPLES / "rocker" / "robot.toml"
+BODIES = {ROCKER: "rocker", EXAMPLES / "tapered-biglide" / "robot.toml": "leg1"}
 STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 LEG = ConstantLeg(0.85, HollowRectangle(0.10, 0.16, 0.008), STEEL)
 
 
-@dataclass(frozen=True)
-class Asked:
-    """What the arrays of a part are asked for with."""
-
-    file: PartFile
-    interfaces: tuple[Interface, ...]
-    material: Material = STEEL
-
-    def key(self, *more: object) -> str:
-        return meshes.part_key(self.file, self.interfaces, self.material, *more)
-
-
-def given(folder: Path) -> Asked:
+def given(folder: Path) -> tuple[PartFile, tuple[Interface, ...]]:
     """Two interfaces of a part, whose file is in the folder."""
     path = folder / "part.step"
     path.write_bytes(b"solid")
@@ -63,7 +52,7 @@ def given(folder: Path) -> Asked:
     axis = np.array([0.0, 0.0, 1.0])
     bore = Interface("A", (1, 2), np.array([0.0, 0.1, 0.2]), "rigid", "a pin", axis, axis, 1.0)
     plane = Interface("B", (3,), np.array([1.0, 0.0, 0.0]), "average", "", None, None, 2.0)
-    return Asked(file, (bore, plane))
+    return file, (bore, plane)
 
 
 def varied(robot: str | Path) -> VariedRobot:
@@ -136,73 +125,56 @@ def test_the_memo_tells_functions_and_how_they_are_called():
         fingerprint(object())
 
 
-# The keys of parts
-
-
-class _AskedForError(Exception):
-    pass
-
-
 def test_everything_said_of_a_part_is_in_its_key(tmp_path, monkeypatch):
-    asked = given(tmp_path)
-    keys = [asked.key()]
-    keys += [replace(asked, interfaces=one).key() for _, one in changed_leaves(asked.interfaces)]
-    keys += [replace(asked, material=one).key() for _, one in changed_leaves(asked.material)]
-    keys.append(replace(asked, interfaces=asked.interfaces[::-1]).key())
-    keys.append(replace(asked, file=replace(asked.file, unit="m")).key())
-    keys += [asked.key(*more) for more in ((1,), (2,), ("1",), (1, 2))]
+    file, interfaces = given(tmp_path)
+    said = [(interfaces, STEEL), (interfaces[::-1], STEEL)]
+    for place in (0, 1):
+        changed = [other for _, other in changed_leaves(said[0][place])]
+        said += [(one, STEEL) if place == 0 else (interfaces, one) for one in changed]
+    keys = [meshes.part_key(file, *one) for one in said]
+    keys.append(meshes.part_key(replace(file, unit="m"), *said[0]))
+    keys += [meshes.part_key(file, *said[0], *more) for more in ((1,), (2,), ("1",), (1, 2))]
     for name, other in (("_EDITION", "another"), ("version", lambda _library: "another")):
         with monkeypatch.context() as patch:
             patch.setattr(meshes, name, other)
-            keys.append(asked.key())
-    asked.file.path.write_bytes(b"Solid")
-    keys.append(asked.key())
+            keys.append(meshes.part_key(file, *said[0]))
+    file.path.write_bytes(b"Solid")
+    keys.append(meshes.part_key(file, *said[0]))
     assert len(set(keys)) == len(keys) >= 30
 
 
-def asked_of_parts(folder: Path) -> Iterator[partial[Any]]:
+def asked_of_parts(file: PartFile, interfaces: tuple[Interface, ...]) -> Iterator[partial[Any]]:
     """Everything that arrays of a part are kept for, with each of its options changed."""
-    asked = given(folder)
-    file, interfaces, material = asked.file, asked.interfaces, asked.material
-    body = load_robot(ROCKER).mechanism.parts["rocker"]
-    leg = load_robot(TAPERED).mechanism.parts["leg1"]
-    lighter = replace(body.shape.material, rho=7000.0)
-    other = replace(body, shape=replace(body.shape, material=lighter))
-    wanted, options = (file, interfaces, material), {"highest": 800.0, "cutoff": 2000.0}
+    body, leg = (load_robot(robot).mechanism.parts[name] for robot, name in BODIES.items())
+    lighter = replace(body, shape=replace(body.shape, material=replace(STEEL, rho=7000.0)))
     for count in (1000, 1001):
         yield from (partial(meshes.part_mesh, file, interfaces, count, level) for level in (0, 1))
         yield partial(meshes.gradings, file, interfaces, count)
-        yield from (partial(identify.identify, *wanted, count, modes) for modes in (6, 7))
-    yield partial(identify.identify, file, interfaces, replace(material, nu=0.29), 1000, 6)
-    for changes in (
-        {},
-        {"highest": 801.0},
-        {"cutoff": 2001.0},
-        {"level": 1},
-        {"hold": "average"},
-        {"by": "free"},
-    ):
-        yield partial(parts.reduced, body, **options | changes)
-    yield partial(parts.reduced, other, **options)
+        for modes in (6, 7):
+            yield partial(identify.identify, file, interfaces, STEEL, count, modes)
+    yield partial(identify.identify, file, interfaces, replace(STEEL, nu=0.29), 1000, 6)
+    plain = {"highest": 800.0, "cutoff": 2000.0}
+    others = {"highest": 801.0, "cutoff": 2001.0, "level": 1, "hold": "average", "by": "free"}
+    yield from (partial(parts.reduced, one, **plain) for one in (body, lighter))
+    yield from (partial(parts.reduced, body, **plain | {name: others[name]}) for name in others)
     yield from (partial(stepped_parts.stepped, leg, pieces) for pieces in (10, 11))
 
 
 def test_everything_that_is_kept_of_parts_has_a_key_of_its_own(tmp_path, monkeypatch):
     def noted(key, *_):
         keys.append(key)
-        raise _AskedForError
+        raise InterruptedError
 
     keys: list[str] = []
+    part = given(tmp_path)
+    monkeypatch.setattr(parts, "found_in", lambda _: part)
     for module in (parts, stepped_parts, identify, meshes):
         monkeypatch.setattr(module, "kept", noted)
-    asked = list(asked_of_parts(tmp_path))
+    asked = list(asked_of_parts(*part))
     for ask in asked:
-        with pytest.raises(_AskedForError):
+        with pytest.raises(InterruptedError):
             ask()
     assert len(set(keys)) == len(keys) == len(asked)
-
-
-# The keys of runs
 
 
 def test_all_that_tells_runs_apart_is_in_the_name_of_a_run():
@@ -223,20 +195,14 @@ def test_all_that_tells_runs_apart_is_in_the_name_of_a_run():
     assert needed <= provenance.versions().keys()
 
 
-def test_options_that_change_numbers_are_in_the_header():
+def test_options_and_measured_values_have_a_digest_of_all_that_they_say():
     plain = Request(load_robot("ifw"), "quick", Path("out"), 1)
-    changed = [
-        replace(plain, only="leg*"),
-        replace(plain, accept=("x=0.1",)),
-        replace(plain, vary=("geometry.a=0.9:1:3",)),
-    ]
-    assert len({fingerprint(dict(one.options)) for one in (plain, *changed)}) == 4
-
-
-def test_measured_values_have_a_digest_of_all_that_they_say():
-    ones = (Measured("x", 1e-6, 1e-8, "rig", (0.3,), 100.0), Measured("f1", 80.0, 0.1, "rig"))
-    changed = [other for _, other in changed_leaves(ones)]
-    assert len({digest(one) for one in (ones, *changed)}) == 1 + len(changed)
+    changed = {"only": "leg*", "accept": ("x=0.1",), "vary": ("geometry.a=0.9:1:3",)}
+    requests = [plain, *(replace(plain, **{name: other}) for name, other in changed.items())]
+    assert len({fingerprint(dict(one.options)) for one in requests}) == 4
+    values = (Measured("x", 1e-6, 1e-8, "rig", (0.3,), 100.0), Measured("f1", 80.0, 0.1, "rig"))
+    others = [other for _, other in changed_leaves(values)]
+    assert len({digest(one) for one in (values, *others)}) == 1 + len(others)
 
 
 def with_part(folder: Path, change: bytes = b"") -> RobotFile:
@@ -253,17 +219,14 @@ def test_the_digest_of_a_robot_is_that_of_its_file_and_its_parts(tmp_path):
     other = with_part(tmp_path / "other", b"/* other */\n")
     assert one.sha256 == same.sha256 != other.sha256
     assert load_robot("ifw").sha256 == hashlib.sha256(load_robot("ifw").text.encode()).hexdigest()
-    (tmp_path / "one" / "rocker.step").unlink()
-    assert load_robot(tmp_path / "one" / "robot.toml").sha256 != one.sha256
-
-
-def test_a_part_that_was_written_again_under_a_session_is_read_again(tmp_path):
-    robot = with_part(tmp_path / "robot")
-    body, part = robot.mechanism.parts["rocker"], tmp_path / "robot" / "rocker.step"
+    # A part that was written again under a session is read again.
+    body, part = one.mechanism.parts["rocker"], tmp_path / "one" / "rocker.step"
     before, _ = parts.found_in(body)
     assert parts.found_in(body)[0] is before
     part.write_text(part.read_text().replace("DATA;", "DATA; /* moved */", 1))
     assert parts.found_in(body)[0] is not before
+    part.unlink()
+    assert load_robot(tmp_path / "one" / "robot.toml").sha256 != one.sha256
 
 
 def test_the_plugin_judges_every_robot_preset_and_number_of_modes(tmp_path, monkeypatch):

@@ -9,14 +9,32 @@ import pytest
 from lumped.errors import InputError
 from lumped.robot_file import load_robot
 from meshes.part.interfaces import find_interfaces
-from meshes.part.reading.read import read_part
+from meshes.part.reading import read
 from validation import cli
 from validation.parts.face_list import as_text
 from validation.parts.request import interfaces_of
 
-ROCKER = Path(__file__).resolve().parents[3] / "examples" / "rocker" / "rocker.step"
+HOME = Path(__file__).resolve().parents[3]
+ROCKER = HOME / "examples" / "rocker" / "rocker.step"
 
 
+@pytest.fixture(scope="module")
+def part():
+    return read.read_part(ROCKER)
+
+
+@pytest.fixture
+def once_read(part, monkeypatch):
+    """Commands take the part as it was read."""
+    monkeypatch.setattr(read, "read_part", lambda *_: part)
+
+
+def found(part, choice):
+    (interface,) = find_interfaces(part, *interfaces_of([f"A = {choice}"]))
+    return interface
+
+
+@pytest.mark.usefixtures("once_read")
 def test_faces_are_listed_in_the_unit_of_the_file_and_drawn_in_colours(capsys, tmp_path):
     image = pytest.importorskip("PIL.Image")
     assert cli.main(["faces", str(ROCKER), "--out", str(tmp_path)]) == 0
@@ -32,6 +50,13 @@ def test_faces_are_listed_in_the_unit_of_the_file_and_drawn_in_colours(capsys, t
     # The plates' two large faces are of different colours, and each fills a fair share.
     large = [colour for count, colour in sorted(colours, reverse=True)[:12] if count > 3000]
     assert len(large) >= 3
+
+
+@pytest.mark.usefixtures("once_read")
+def test_json_is_in_metres(command):
+    document = command.json("faces", ROCKER)
+    bores = {face["number"]: face["radius"] for face in document["faces"] if face["kind"] == "bore"}
+    assert bores == pytest.approx({8: 0.022, 9: 0.028, 10: 0.016, 11: 0.016}, rel=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -57,29 +82,8 @@ def test_a_file_that_ends_the_kernel_is_a_line_and_nothing_else(tmp_path, capfd,
     assert f"{part}: its reader fails" in err
 
 
-def test_json_is_in_metres(command):
-    document = command.json("faces", ROCKER)
-    bores = {face["number"]: face["radius"] for face in document["faces"] if face["kind"] == "bore"}
-    assert bores == pytest.approx({8: 0.022, 9: 0.028, 10: 0.016, 11: 0.016}, rel=1e-9)
-
-
-HOME = Path(__file__).resolve().parents[3]
-
-
-@pytest.fixture(scope="module")
-def part():
-    return read_part(ROCKER)
-
-
-def found(part, choice):
-    wanted, points = interfaces_of([f"A = {choice}"])
-    (interface,) = find_interfaces(part, wanted, points)
-    return interface
-
-
 def test_what_faces_prints_can_be_pasted(part):
-    said = as_text(part)
-    choices = re.findall(r"\{ (?:cylinder|faces) = .*? \}(?: \})?", said)
+    choices = re.findall(r"\{ (?:cylinder|faces) = .*? \}(?: \})?", as_text(part))
     by_cylinder, by_number = (found(part, choice) for choice in choices)
     assert set(by_number.faces) <= set(by_cylinder.faces)
     np.testing.assert_allclose(by_cylinder.on_axis, by_number.on_axis, atol=1e-9)
@@ -108,11 +112,12 @@ def test_a_point_beside_the_cylinder_tells_bores_of_one_radius_apart(part):
 def test_another_name_is_refused_by_the_right_one(part, tmp_path):
     with pytest.raises(InputError, match=r"at.*point"):
         found(part, "{ cylinder = { radius = 0.016 }, at = [0.26, 0.0, 0.0] }")
-    text = ROCKER.with_name("robot.toml").read_text(encoding="utf-8")
-    own = "A = { cylinder = { radius = 0.022 }"
+    text, own = (
+        ROCKER.with_name("robot.toml").read_text("utf-8"),
+        "A = { cylinder = { radius = 0.022 }",
+    )
     assert own in text
-    (tmp_path / "rocker.step").write_bytes(ROCKER.read_bytes())
     robot = tmp_path / "robot.toml"
-    robot.write_text(text.replace(own, f"{own}, point = [0.0, 0.0, 0.0]"), encoding="utf-8")
+    robot.write_text(text.replace(own, f"{own}, point = [0.0, 0.0, 0.0]"), "utf-8")
     with pytest.raises(InputError, match=r"interfaces\.A\.point: does not belong here"):
         load_robot(robot)
