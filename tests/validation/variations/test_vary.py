@@ -1,4 +1,4 @@
-"""`run --vary`: figures of all models over a number of the robot file."""
+"""`solve --vary` and `run --vary`: what files with those numbers would say, whoever computes it."""
 
 import csv
 import json
@@ -6,91 +6,144 @@ import json
 import numpy as np
 import pytest
 from one_arm import ONE_ARM
+from written_robot import robot_of
 
-from lumped.acceptance.requirement import AXES
 from lumped.robot_file import load_robot
 from lumped.robot_file.places import unit_of
-from validation.variations.curves import checked_variations, varied_robots
+from validation.cli import main
 
 ARM = f"{ONE_ARM}[path]\nfrom = [0.0]\nto = [0.2]\ncount = 3\n"
 WIDTH = "bodies.arm.section.width=0.04:0.08:3"
 MASS = "tool.mass=1:3:2"
 
 
-@pytest.fixture
-def arm(tmp_path):
-    path = tmp_path / "arm.toml"
-    path.write_text(ARM, encoding="utf-8")
-    return path
+def table(path):
+    """Columns of numbers by their heads."""
+    rows = list(csv.DictReader(path.open(encoding="utf-8")))
+    return {key: np.array([float(row[key]) for row in rows]) for key in rows[0]}
 
 
-def table(folder, name):
-    rows = csv.DictReader((folder / "figures" / f"{name}.csv").open(encoding="utf-8"))
-    columns = list(rows)
-    return {key: np.array([float(row[key]) for row in columns]) for key in columns[0]}
+@pytest.mark.parametrize(
+    ("name", "key", "was", "model"),
+    [
+        ("delta", "bodies.arm1.section.thickness", "thickness = 0.005", "beam"),
+        ("five-bar", "points.B1[1]", "B1 = [-0.35,", "segments"),
+        ("five-bar", "joints.motor1.drive.stiffness", "stiffness = 8.0e4", "simplified"),
+        ("biglide", "leg2.section.diameter", "diameter = 0.12,", "beam"),
+    ],
+)
+def test_each_value_is_what_a_file_with_it_says(name, key, was, model, tmp_path, command):
+    """Held against a file with the number typed into it."""
+    text = load_robot(name).text
+    assert was in text
+    old = was.rsplit(" ", 1)[-1].strip("[,")
+    new = repr(1.1 * float(old))
+    typed = robot_of(text.replace(was, was.replace(old, new), 1), tmp_path).source
+    asked = ("--model", model, "--modes", 2)
+    found = command.json("solve", name, *asked, "--vary", f"{key}={old}:{new}:2")["results"]
+    for robot, value, one in zip((name, typed), (old, new), found, strict=True):
+        (expected,) = command.json("solve", robot, *asked)["results"]
+        assert one["vary"] == {key: float(value)}
+        for numbers in ("compliance", "frequencies"):
+            np.testing.assert_allclose(one[numbers], expected[numbers], rtol=1e-12, atol=0.0)
 
 
-@pytest.mark.exhaustive
-def test_curves_are_what_the_models_answer(arm, tmp_path, command):
-    """Those of `solve --vary`; a slender bar's solid is its beam but for what held ends take."""
-    folder = tmp_path / "report"
-    asked = ["run", arm, "--preset", "quick", "--only", "*y.*", "--out", folder]
-    command.told(*asked, "--vary", WIDTH, "--vary", MASS)
-    deflections = table(folder, "vary.1.deflections")
-    frequencies = table(folder, "vary.1.frequencies")
-    label = "bodies.arm.section.width (m)"
-    np.testing.assert_allclose(deflections[label], [0.04, 0.06, 0.08])
-    for model in ("beam", "segments", "simplified"):
-        asked = ["solve", arm, "--model", model, "--pose", "0.1", "--vary", WIDTH]
-        found = command.json(*asked, "--modes", "2")["results"]
-        compliances = np.array([one["compliance"] for one in found])
-        np.testing.assert_allclose(
-            deflections[f"{model}: along x (µm)"], 1e9 * compliances[:, 0, 0], rtol=1e-9
-        )
-        np.testing.assert_allclose(
-            deflections[f"{model}: about z (µrad)"], 1e8 * compliances[:, 5, 5], rtol=1e-9
-        )
-        own = np.array([one["frequencies"] for one in found])
-        for mode in range(own.shape[1]):
-            np.testing.assert_allclose(
-                frequencies[f"{model}: f{mode + 1} (Hz)"], own[:, mode], rtol=1e-6
-            )
-    solid = frequencies["solid, ends rigid: f1 (Hz)"]
-    np.testing.assert_allclose(solid, frequencies["beam: f1 (Hz)"], rtol=5e-3)
-    heavier = table(folder, "vary.2.frequencies")
-    assert (np.diff(heavier["solid, ends free: f1 (Hz)"]) < 0.0).all()
-    page = (folder / "report.html").read_text(encoding="utf-8")
-    assert "Design parameters" in page
-    assert "difference from solid, ends rigid in percent" in page
-    header = json.loads((folder / "results.json").read_text(encoding="utf-8"))["run"]
-    assert header["options"]["vary"] == f"{WIDTH} {MASS}"
+def test_numbers_that_match_vary_together_and_several_in_every_combination(tmp_path, command):
+    """A Delta of six thicker rods keeps its symmetry: two first modes of one frequency."""
+    asked = ["delta", "--model", "beam", "--modes", "2", "--csv", tmp_path / "table.csv"]
+    keys = ("bodies.rod*.section.diameter", "tool.mass")
+    asked += ["--vary", f"{keys[0]}=0.02:0.03:2", "--vary", f"{keys[1]}=1:2:3"]
+    found = command.json("solve", *asked)["results"]
+    values = [(d, m) for d in (0.02, 0.03) for m in (1, 1.5, 2)]
+    assert [tuple(one["vary"].values()) for one in found] == values
+    frequencies = np.array([one["frequencies"] for one in found])
+    np.testing.assert_allclose(frequencies[:, 0], frequencies[:, 1], rtol=1e-9)
+    assert (np.diff(frequencies[:3, 0]) < 0.0).all()
+    columns, compliances = table(tmp_path / "table.csv"), [one["compliance"] for one in found]
+    np.testing.assert_array_equal(np.transpose([columns[key] for key in keys]), values)
+    np.testing.assert_array_equal(columns["f1 (Hz)"], frequencies[:, 0])
+    diagonals = np.diagonal(compliances, axis1=1, axis2=2)
+    for name, due in (
+        ("z (µm at 1000 N)", 1e9 * diagonals[:, 2]),
+        ("phi_x (µrad at 100 N m)", 1e8 * diagonals[:, 3]),
+    ):
+        np.testing.assert_allclose(columns[name], due, rtol=1e-12)
 
 
-def test_a_biglide_is_varied_like_any_mechanism():
-    """Feet as joints that give, legs by their 6×6: deflections fall as the feet stiffen."""
-    robot_file = load_robot("ifw")
-    (variation,) = checked_variations(robot_file, ["foot.compliance[3,3]=1e-9:4e-9:2"], "quick")
-    units = varied_robots(robot_file, variation, "quick")[:2]
-    stiff, soft = (unit.compute() for unit in units)
-    assert stiff.names.tolist() == soft.names.tolist()
-    along_z = AXES.index("z")
-    assert (soft.values[:, along_z] > stiff.values[:, along_z])[1:].all()
+@pytest.mark.parametrize(
+    ("typed", "said"),
+    [
+        ("bodies.rodd.section.width=1:2:3", "five-bar has no such number; did you mean"),
+        ("bodies.rod1.from=1:2:3", '"B1" in five-bar is no number; must name a number'),
+        ("points.P=1:2:3", "is no number; must name a number (entries of a list count from 1"),
+        ("tool.mass", "must be KEY=FROM:TO:COUNT"),
+        ("tool.mass=1:b:3", "must be KEY=FROM:TO:COUNT"),
+        ("tool.mass=1:inf:3", "must be finite"),
+        ("tool.mass=1:2:0", "COUNT = 0: must be from 1 to 1000"),
+        ("tool.mass=1:-1:3", "tool.mass=-1: tool.mass = -1"),
+        ("points.A1[1]=-0.15:-0.45:4", "points.A1[1]=-0.35: path, pose 8"),
+        ("*=1:1:1", "schema"),
+    ],
+)
+def test_what_cannot_be_varied_is_one_clear_line(typed, said, command):
+    line = command.refused("solve", "five-bar", "--model", "beam", "--vary", typed)
+    assert line.startswith("flexproof: --vary ")
+    assert said in line
 
 
 @pytest.mark.parametrize(
     ("typed", "said"),
     [
         (["--vary", MASS, "--vary", "points.A[2]=0.0:0.45:2"], "--vary points.A[2]=0.45: "),
-        (
-            ["--cluster", "tcp://127.0.0.1:1"],
-            "--cluster: computes the robots of --vary and the parts",
-        ),
+        (["--cluster", "tcp://a:1"], "--cluster: computes the robots of --vary and the parts"),
     ],
 )
-def test_what_cannot_be_varied_is_one_clear_line(typed, said, arm, tmp_path, command):
-    asked = ["run", arm, "--preset", "quick", "--only", "*y.*", "--out", tmp_path / "report"]
-    assert said in command.refused(*asked, *typed)
-    assert not (tmp_path / "report").exists()
+def test_a_run_is_refused_before_anything_is_written(typed, said, tmp_path, command):
+    arm, folder = robot_of(ARM, tmp_path).source, tmp_path / "report"
+    assert said in command.refused("run", arm, "--preset", "quick", "--out", folder, *typed)
+    assert not folder.exists()
+
+
+@pytest.mark.parametrize(
+    ("model", "vary"), [("vjm", "tool.mass=1:2:2"), ("beam", "path.count=3:9:2")]
+)
+def test_a_number_that_changes_no_answer_is_told(model, vary, capsys):
+    assert main(["solve", "five-bar", "--vary", vary, "--model", model]) == 0
+    said = f"flexproof: --vary {vary.partition('=')[0]}: changes no answer of the {model} model\n"
+    assert capsys.readouterr().err == said
+
+
+@pytest.mark.exhaustive
+def test_curves_of_a_run_are_what_the_models_answer(tmp_path, command):
+    """Those of `solve --vary`; a slender bar's solid is its beam but for what held ends take."""
+    arm, folder = robot_of(ARM, tmp_path).source, tmp_path / "report"
+    asked = ["run", arm, "--preset", "quick", "--only", "*y.*", "--out", folder]
+    command.told(*asked, "--vary", WIDTH, "--vary", MASS)
+    deflections, frequencies, heavier = (
+        table(folder / "figures" / f"vary.{name}.csv")
+        for name in ("1.deflections", "1.frequencies", "2.frequencies")
+    )
+    np.testing.assert_allclose(deflections["bodies.arm.section.width (m)"], [0.04, 0.06, 0.08])
+    for model in ("beam", "segments", "simplified"):
+        asked = ["solve", arm, "--model", model, "--pose", "0.1", "--vary", WIDTH, "--modes", "2"]
+        found = command.json(*asked)["results"]
+        diagonals = np.diagonal([one["compliance"] for one in found], axis1=1, axis2=2)
+        for name, due in (
+            ("along x (µm)", 1e9 * diagonals[:, 0]),
+            ("about z (µrad)", 1e8 * diagonals[:, 5]),
+        ):
+            np.testing.assert_allclose(deflections[f"{model}: {name}"], due, rtol=1e-9)
+        own = np.array([one["frequencies"] for one in found])
+        for mode, due in enumerate(own.T, start=1):
+            np.testing.assert_allclose(frequencies[f"{model}: f{mode} (Hz)"], due, rtol=1e-6)
+    solid = frequencies["solid, ends rigid: f1 (Hz)"]
+    np.testing.assert_allclose(solid, frequencies["beam: f1 (Hz)"], rtol=5e-3)
+    assert (np.diff(heavier["solid, ends free: f1 (Hz)"]) < 0.0).all()
+    page = (folder / "report.html").read_text(encoding="utf-8")
+    assert "Design parameters" in page
+    assert "difference from solid, ends rigid in percent" in page
+    header = json.loads((folder / "results.json").read_text(encoding="utf-8"))["run"]
+    assert header["options"]["vary"] == f"{WIDTH} {MASS}"
 
 
 @pytest.mark.parametrize(
