@@ -7,7 +7,7 @@ rows take turns, N times (three unless told), and medians are printed. What is n
 out: CalculiX (`ccx`), NGSolve, MKL (pypardiso). A ROW is a name of the list, or how it begins.
 """
 
-# ruff: noqa: T201, E402, PLC0415  a script that prints its figures; each imports what it measures
+# ruff: noqa: T201, E402, PLC0415  a script that prints its figures; other programs may be missing
 
 import argparse
 import json
@@ -17,8 +17,6 @@ import resource
 import subprocess
 import sys
 import tempfile
-from collections import defaultdict
-from collections.abc import Callable
 from functools import partial
 from importlib.util import find_spec
 from itertools import cycle, islice
@@ -26,7 +24,6 @@ from pathlib import Path
 from shutil import which
 from statistics import median
 from time import perf_counter
-from typing import Any
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
@@ -34,8 +31,31 @@ sys.path.insert(0, str(ROOT))
 import numpy as np
 from scipy.sparse import csr_array, triu
 
+from fem.bodies.doubling import condensed_leg, tip_compliance
+from fem.bodies.solid import clamped_leg, solid_leg
+from fem.calculix.deck import deck_text
+from fem.calculix.leg import leg_deck
+from fem.calculix.run import calculix_program
+from fem.elements.elasticity import on_three_components, stiffness_and_mass
+from fem.machine import usable_cores
+from fem.solvers.certificate import count_below
+from fem.solvers.factor import analyse, solver_name
+from fem.solvers.modes import lowest_modes
+from lumped.legs import ConstantLeg, Material
+from lumped.mechanism.kinematics.postures import posture
+from lumped.robot_file import load_robot
+from lumped.sections import Rectangle
+from lumped.system.assembly import assembly
+from lumped.system.sweep import swept
+from meshes.prism.tetrahedra import tetrahedra
+from meshes.section.section_mesh import section_mesh
+from validation.models import parts
+from validation.models.mechanism import dynamic_bodies, highest_frequency
+from validation.parts.identify import identify
+
 MODES, FREQUENCIES, POSTURES, UNKNOWNS = 20, 10, 1000, 150_000
 TAPERED = ROOT / "examples" / "tapered-biglide" / "robot.toml"
+STEEL = Material.isotropic(E=2.1e11, nu=0.3, rho=7850.0)
 # A leg's length and sides (m), and second-order tetrahedra across the smaller one. The factor grows
 # with the section: the large leg is eight times as long as deep.
 LEGS = {
@@ -48,46 +68,33 @@ SENTENCES = ("You rely", "For your limits", "No model")
 Figures = dict[str, float]
 
 
-def _leg(size: str) -> tuple[Any, Any]:
-    from lumped.legs import ConstantLeg, Material
-    from lumped.sections import Rectangle
-    from meshes.prism.tetrahedra import tetrahedra
-
+def _leg(size: str):
     length, width, height, divisions = LEGS[size]
-    steel = Material.isotropic(E=2.1e11, nu=0.3, rho=7850.0)
-    leg = ConstantLeg(length, Rectangle(width=width, height=height), steel)
+    leg = ConstantLeg(length, Rectangle(width=width, height=height), STEEL)
     return leg, tetrahedra(leg.section, length, divisions)
 
 
-def _matrices(size: str) -> tuple[Any, Any, Any]:
-    """K and M (csr 3n×3n) of a leg whose root is held, and its free nodes (n×3, m)."""
-    from fem.elements.elasticity import on_three_components, stiffness_and_mass
-
+def _matrices(size: str):
+    """K and M (csr) of a leg whose root is held."""
     leg, mesh = _leg(size)
     nodes = np.setdiff1d(np.arange(len(mesh.nodes)), mesh.root.nodes)
     free = np.add.outer(3 * nodes, range(3)).ravel()
     K, M = stiffness_and_mass(mesh, leg.material)
-    M = on_three_components(M)
-    return K[free][:, free].tocsr(), M[free][:, free].tocsr(), mesh.nodes[nodes]
+    return K[free][:, free].tocsr(), on_three_components(M)[free][:, free].tocsr()
 
 
 def solid(size: str) -> Figures:
     """Six load cases and certified modes of a leg, from its mesh in memory."""
-    from fem.bodies.solid import clamped_leg, solid_leg
-    from fem.solvers.factor import Inertia
-    from fem.solvers.modes import lowest_modes
-
     leg, mesh = _leg(size)
     start, certifying = perf_counter(), 0.0
     clamped = clamped_leg(solid_leg(leg, mesh))
     factorised = perf_counter()
     assert np.isfinite(clamped.compliance).all()
-    count = clamped.rooted_inertia
 
-    def timed(sigma: float) -> Inertia:
+    def timed(sigma: float):
         nonlocal certifying
         begun = perf_counter()
-        inertia = count(sigma)
+        inertia = clamped.rooted_inertia(sigma)
         certifying += perf_counter() - begun
         return inertia
 
@@ -103,44 +110,39 @@ def solid(size: str) -> Figures:
 
 def calculix(size: str) -> Figures:
     """The same by CalculiX, which certifies nothing; writing its deck counts."""
-    from fem.calculix.deck import deck_text
-    from fem.calculix.leg import leg_deck
-    from fem.calculix.run import calculix_program
-
     leg, mesh = _leg(size)
     start = perf_counter()
     with tempfile.TemporaryDirectory() as folder:
         (Path(folder) / "leg.inp").write_text(deck_text(leg_deck(mesh, leg.material, MODES)))
-        subprocess.run(
-            [calculix_program(), "leg"], cwd=folder, check=True, stdout=subprocess.DEVNULL
-        )
+        command = [calculix_program(), "leg"]
+        subprocess.run(command, cwd=folder, check=True, stdout=subprocess.DEVNULL)
     return {"s": perf_counter() - start}
 
 
 def own(size: str) -> Figures:
     """Analysis, factor and six solutions with K, and the count of K − σM, by our own way."""
-    from fem.solvers.certificate import count_below
-    from fem.solvers.factor import analyse
-
-    K, M, _ = _matrices(size)
+    K, M = _matrices(size)
     start = perf_counter()
     symbolic = analyse(K)
     analysed = perf_counter()
-    factor = symbolic.factorise("leg")
-    return _times(
-        start, analysed, factor.solve, K, lambda: count_below(K, M, _sigma(size)).negative
-    )
+    figures = _times(start, analysed, symbolic.factorise("leg").solve, K)
+    # Above the first bending modes: (rad/s)², from the beam of the leg's sides.
+    length, width, _, _ = LEGS[size]
+    sigma = float((3.0 * 3.516 / length**2 * np.sqrt(2.1e11 / 7850.0 / 12.0) * width) ** 2)
+    begun = perf_counter()
+    below = count_below(K, M, sigma).negative
+    return figures | {"below": below, "count": perf_counter() - begun}
 
 
 def mkl(size: str) -> Figures:
     """The same by MKL PARDISO's LLᵀ, without the count."""
-    from pypardiso import PyPardisoSolver  # type: ignore[import-not-found]
+    from pypardiso import PyPardisoSolver
 
-    K, *_ = _matrices(size)
+    K, _ = _matrices(size)
     triangle = csr_array(triu(K))
     solver = PyPardisoSolver(mtype=2)
 
-    def call(phase: int, loads: Any) -> Any:
+    def call(phase: int, loads):
         solver.set_phase(phase)
         return np.asarray(solver._call_pardiso(triangle, np.asfortranarray(loads)))
 
@@ -148,15 +150,15 @@ def mkl(size: str) -> Figures:
     call(11, np.zeros((K.shape[0], 1)))
     analysed = perf_counter()
     call(22, np.zeros((K.shape[0], 1)))
-    return _times(start, analysed, lambda loads: call(33, loads), K, None)
+    return _times(start, analysed, partial(call, 33), K)
 
 
 def ngsolve(size: str) -> Figures:
     """The same by NGSolve's sparse Cholesky, which has no count."""
-    from ngsolve import SetNumThreads, TaskManager  # type: ignore[import-not-found]
-    from ngsolve.la import BaseVector, SparseMatrixd  # type: ignore[import-not-found]
+    from ngsolve import SetNumThreads, TaskManager
+    from ngsolve.la import BaseVector, SparseMatrixd
 
-    K, *_ = _matrices(size)
+    K, _ = _matrices(size)
     entries = K.tocoo()
     SetNumThreads(int(os.environ["OMP_NUM_THREADS"]))
     with TaskManager():
@@ -167,7 +169,7 @@ def ngsolve(size: str) -> Figures:
         start = perf_counter()
         inverse = matrix.Inverse(inverse="sparsecholesky")
 
-        def solve(loads: Any) -> Any:
+        def solve(loads):
             columns = []
             for load in loads.T:
                 right = BaseVector(len(load))
@@ -175,45 +177,27 @@ def ngsolve(size: str) -> Figures:
                 columns.append((inverse * right).Evaluate().FV().NumPy().copy())
             return np.array(columns).T
 
-        return _times(start, start, solve, K, None)
+        return _times(start, start, solve, K)
 
 
-def _sigma(size: str) -> float:
-    """Above the first bending modes: (rad/s)², from the beam of the leg's sides."""
-    length, width, _, _ = LEGS[size]
-    return float((3.0 * 3.516 / length**2 * np.sqrt(2.1e11 / 7850.0 / 12.0) * width) ** 2)
-
-
-def _times(
-    start: float, analysed: float, solve: Any, K: Any, count: Callable[[], int] | None
-) -> Figures:
+def _times(start: float, analysed: float, solve, K) -> Figures:
     factorised = perf_counter()
     loads = np.random.default_rng(0).normal(size=(K.shape[0], 6))
     found = solve(loads)
     solved = perf_counter()
     off = np.abs(K @ found - loads).max()
     assert off < 1e-3, f"residual {off:.1e}"
-    figures = {
+    return {
         "s": factorised - start,
         "analysis": analysed - start,
         "six loads": solved - factorised,
+        "unknowns": K.shape[0],
     }
-    if count is not None:
-        begun = perf_counter()
-        figures["below"] = count()
-        figures["count"] = perf_counter() - begun
-    return figures | {"unknowns": K.shape[0]}
 
 
 def doubled() -> Figures:
     """A leg of 512 quadratic slices, 8 × 4 elements in the section, condensed by doubling."""
-    from fem.bodies.doubling import condensed_leg, tip_compliance
-    from lumped.legs import ConstantLeg, Material
-    from lumped.sections import Rectangle
-    from meshes.section.section_mesh import section_mesh
-
-    steel = Material.isotropic(E=2.1e11, nu=0.3, rho=7850.0)
-    leg = ConstantLeg(0.8, Rectangle(0.16, 0.08), steel)
+    leg = ConstantLeg(0.8, Rectangle(0.16, 0.08), STEEL)
     section = section_mesh(leg.section, (8, 4))
     start = perf_counter()
     tip_compliance(condensed_leg(leg, section, 512))
@@ -222,12 +206,6 @@ def doubled() -> Figures:
 
 def postures() -> Figures:
     """Statics and frequencies of the hexapod of beams in so many postures, on one thread."""
-    from lumped.mechanism.kinematics.postures import posture
-    from lumped.robot_file import load_robot
-    from lumped.system.assembly import assembly
-    from lumped.system.sweep import swept
-    from validation.models.mechanism import dynamic_bodies, highest_frequency
-
     mechanism = load_robot("hexapod").mechanism
     poses = [posture(mechanism, pose) for pose in mechanism.poses]
     start = perf_counter()
@@ -238,10 +216,6 @@ def postures() -> Figures:
 
 def identified() -> Figures:
     """A CAD part identified: six compliances, mass, clamped frequencies, with their intervals."""
-    from lumped.robot_file import load_robot
-    from validation.models import parts
-    from validation.parts.identify import identify
-
     body = load_robot(TAPERED).mechanism.bodies["leg1"]
     start = perf_counter()
     found = identify(*parts.found_in(body), parts.shape_of(body).material, UNKNOWNS)
@@ -266,45 +240,43 @@ def command(*words: str) -> Figures:
     return {"s": seconds} | ({"verdict": told} if told is not None else {})
 
 
-def rows() -> dict[str, tuple[Callable[[], Figures], bool]]:
-    """What is measured by name, and whether its program is installed."""
-    table: dict[str, tuple[Callable[[], Figures], bool]] = {
-        "doubling 512 slices": (doubled, True),
-        "solid 134k": (partial(solid, "134k"), True),
-        "solid 134k, CalculiX": (partial(calculix, "134k"), which("ccx") is not None),
-        "solid 841k": (partial(solid, "841k"), True),
-        "postures": (postures, True),
-        "identify 150k": (identified, True),
-    }
-    for size in LEGS:
-        table |= {
-            f"factor {size}": (partial(own, size), True),
-            f"factor {size}, MKL": (partial(mkl, size), find_spec("pypardiso") is not None),
-            f"factor {size}, NGSolve": (partial(ngsolve, size), find_spec("ngsolve") is not None),
-        }
-    for words in (
-        ("--help",),
-        ("solve", "five-bar", "--model", "beam"),
-        ("solve", "hexapod", "--model", "solid", "--modes", "10"),
-        ("run", "ifw", "--preset", "quick"),
-        ("run", "ifw", "--preset", "standard"),
-        ("run", str(TAPERED.relative_to(ROOT)), "--preset", "standard"),
-    ):
-        table["flexproof " + " ".join(words)] = (partial(command, *words), True)
-    return table
+# What is measured by name, and what its program is found by where it may be missing.
+ROWS = {
+    "doubling 512 slices": doubled,
+    "solid 134k": partial(solid, "134k"),
+    "solid 134k, CalculiX": partial(calculix, "134k"),
+    "solid 841k": partial(solid, "841k"),
+    "postures": postures,
+    "identify 150k": identified,
+}
+for _size in LEGS:
+    ROWS[f"factor {_size}"] = partial(own, _size)
+    ROWS[f"factor {_size}, MKL"] = partial(mkl, _size)
+    ROWS[f"factor {_size}, NGSolve"] = partial(ngsolve, _size)
+for _typed in (
+    "--help",
+    "solve five-bar --model beam",
+    "solve hexapod --model solid --modes 10",
+    "run ifw --preset quick",
+    "run ifw --preset standard",
+    f"run {TAPERED.relative_to(ROOT)} --preset standard",
+):
+    ROWS[f"flexproof {_typed}"] = partial(command, *_typed.split())
+INSTALLED = {
+    "CalculiX": which("ccx"),
+    "MKL": find_spec("pypardiso"),
+    "NGSolve": find_spec("ngsolve"),
+}
 
 
 def measured(name: str) -> Figures:
     """The figures of one measurement in a process of its own, and its largest memory (GiB)."""
     with tempfile.TemporaryDirectory() as home:
-        environment = os.environ | {
-            "OMP_NUM_THREADS": "1" if name == "postures" else "2",
-            "XDG_CACHE_HOME": home,
-        }
+        threads = "1" if name == "postures" else "2"
         done = subprocess.run(
             [sys.executable, __file__, "--one", name],
             cwd=ROOT,
-            env=environment,
+            env=os.environ | {"OMP_NUM_THREADS": threads, "XDG_CACHE_HOME": home},
             capture_output=True,
             text=True,
             check=False,
@@ -318,9 +290,6 @@ def measured(name: str) -> Figures:
 
 def machine() -> str:
     """Processor, cores, GFLOP/s of a product by numpy, and the solver."""
-    from fem.machine import usable_cores
-    from fem.solvers.factor import solver_name
-
     n = 1500
     dense = np.random.default_rng(0).normal(size=(n, n))
     _ = dense @ dense
@@ -328,54 +297,43 @@ def machine() -> str:
     for _ in range(5):
         _ = dense @ dense
     speed = 10.0 * n**3 / (perf_counter() - start) / 1e9
-    names = [
-        line for line in Path("/proc/cpuinfo").read_text().splitlines() if "model name" in line
-    ]
+    lines = Path("/proc/cpuinfo").read_text().splitlines()
+    names = [line.partition(":")[2].strip() for line in lines if "model name" in line]
     return (
-        f"{names[0].partition(':')[2].strip() if names else platform.machine()}, {usable_cores()} "
-        f"cores, Python {platform.python_version()}; dgemm {speed:.0f} GFLOP/s by numpy; "
-        f"{solver_name()}"
+        f"{(names or [platform.machine()])[0]}, {usable_cores()} cores, Python "
+        f"{platform.python_version()}; dgemm {speed:.0f} GFLOP/s by numpy; {solver_name()}"
     )
 
 
 def main() -> None:
     """Measure the rows asked for, all of them unless told, and print the table."""
     reader = argparse.ArgumentParser(description=__doc__)
-    reader.add_argument("rows", nargs="*")
+    reader.add_argument("rows", nargs="*", default=[""])
     reader.add_argument("--repeats", type=int, default=3)
     reader.add_argument("--list", action="store_true")
     reader.add_argument("--one")
     told = reader.parse_args()
-    table = rows()
     if told.one:
-        figures = table[told.one][0]()
+        figures = ROWS[told.one]()
         processes = (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)
         peak = max(resource.getrusage(who).ru_maxrss for who in processes) / 2**20
         print(json.dumps(figures | {"GiB": peak}))
         return
-    chosen = [
-        name
-        for name, (_, installed) in table.items()
-        if installed and (not told.rows or any(name.startswith(row) for row in told.rows))
-    ]
+    there = [name for name in ROWS if INSTALLED.get(name.partition(", ")[2], True)]
+    chosen = [name for name in there if name.startswith(tuple(told.rows))]
     if told.list:
         print("\n".join(chosen))
         return
     print(machine(), end="\n\n")
-    found: dict[str, list[Figures]] = defaultdict(list)
-    for _ in range(told.repeats):
-        for name in chosen:
-            found[name].append(measured(name))
+    turns = [{name: measured(name) for name in chosen} for _ in range(told.repeats)]
     print("| what | s | GiB | of it |\n|---|---|---|---|")
-    for name, runs in found.items():
-        whole = [figures for figures in runs if figures]
-        if not whole:
+    for name in chosen:
+        if not (whole := [turn[name] for turn in turns if turn[name]]):
             continue
         middle = {key: median(figures[key] for figures in whole) for key in whole[0]}
-        parts = ", ".join(
-            f"{key} {value:.4g}" for key, value in middle.items() if key not in {"s", "GiB"}
-        )
-        print(f"| {name} | {middle['s']:.2f} | {middle['GiB']:.2f} | {parts} |", flush=True)
+        seconds, memory = (middle.pop(key) for key in ("s", "GiB"))
+        of_it = ", ".join(f"{key} {value:.4g}" for key, value in middle.items())
+        print(f"| {name} | {seconds:.2f} | {memory:.2f} | {of_it} |", flush=True)
 
 
 if __name__ == "__main__":
