@@ -15,18 +15,6 @@ from validation.agreement.mode_pairing import (
 )
 
 
-def test_pairing_undoes_a_permutation_with_signs_and_noise():
-    rng = np.random.default_rng(6)
-    shapes = np.linalg.qr(rng.normal(size=(20, 8)))[0]
-    order = rng.permutation(8)
-    mixed = (shapes * rng.choice([-3.0, 3.0], size=8))[:, order] + 0.03 * rng.normal(size=(20, 8))
-    for count in (1, 6):
-        mac = mac_matrix(shapes[:, :count], mixed, np.ones(20))
-        partner = pair_modes(mac)
-        assert list(order[partner]) == list(range(count))
-        assert np.all(mac[np.arange(count), partner] > 0.95)
-
-
 def test_the_sum_of_all_pairs_decides_and_not_the_best_of_them():
     """Greedy takes 0.9 for the first and leaves 0; together 0.8 + 0.7 is more."""
     assert list(pair_modes(np.array([[0.9, 0.8], [0.7, 0.0]]))) == [1, 0]

@@ -1,9 +1,9 @@
 """What the paper says, as printed and as corrected: how far it holds, and how that is counted."""
 
 import pytest
+from like_ifw import IFW
 from perturbed import assert_agrees_and_can_turn
 
-from lumped.robot_file import load_robot
 from validation import paper
 from validation.claims import Claim, ClaimedCurve, gathered, summary
 from validation.context import Context
@@ -54,7 +54,7 @@ def test_curves_of_one_sentence_are_gathered():
 
 @pytest.fixture(scope="module")
 def outcomes():
-    context = Context(load_robot("ifw"), "quick")
+    context = Context(IFW, "quick")
     cases = (case for case in paper.cases() if "quick" in case.presets)
     return [judge(case, case.compute(context), 0.0) for case in cases]
 
