@@ -27,10 +27,10 @@ from lumped.memo import memo
 from lumped.text import counted
 from meshes.part.boundary import PartMesh
 from meshes.part.interfaces import Interface, find_interfaces
-from meshes.part.reading.read import PartFile, read_part
+from meshes.part.reading.read import PartFile
 from validation.models.options import ReductionBy
 from validation.parts.identify import Identified, identify, more_unknowns
-from validation.parts.meshes import COARSE, FINEST, part_key, part_mesh
+from validation.parts.meshes import COARSE, FINEST, part_file, part_key, part_mesh
 from validation.run.cache import Arrays, kept, require_shape
 
 # Unknowns of the finest of the three meshes on which a robot's part is identified and reduced, if
@@ -85,7 +85,7 @@ def _below(squared: Array, cutoff: float) -> int:
 
 @memo(16)
 def _read(path: Path, unit: str | None, _written: tuple[int, int] | None) -> PartFile:
-    return read_part(path, unit)
+    return part_file(path, unit)
 
 
 def _written(path: Path) -> tuple[int, int] | None:

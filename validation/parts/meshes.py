@@ -1,9 +1,11 @@
-"""The three meshes of a part, each made once and kept, for identification and reduction alike."""
+"""A part's file and its three meshes, each read or made once and kept, for whoever asks."""
 
 import hashlib
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import fields, replace
+from functools import partial
 from importlib.metadata import version
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,8 +13,11 @@ import numpy as np
 from lumped.arrays import Array
 from lumped.legs import Material
 from meshes.part.boundary import Facets, PartMesh
+from meshes.part.faces import Face
 from meshes.part.interfaces import Interface
-from meshes.part.reading.read import PartFile
+from meshes.part.reading.cad import VolumeProperties
+from meshes.part.reading.given_mesh import MESHES
+from meshes.part.reading.read import PartFile, read_part, require_file
 from meshes.part.volume import Grading, ladder, volume_mesh
 from validation.run.cache import kept, key_of, require_shape
 
@@ -20,6 +25,8 @@ from validation.run.cache import kept, key_of, require_shape
 _EDITION = 13
 COARSE, MIDDLE, FINEST = 0, 1, 2
 LEVELS = (COARSE, MIDDLE, FINEST)
+# What is kept of each face beside its facets.
+_OF_FACES = tuple(entry.name for entry in fields(Face) if entry.name != "facets")
 _ANY = Material.isotropic(1.0, 0.0, 1.0)
 
 
@@ -27,9 +34,28 @@ def part_key(
     part: PartFile, interfaces: Sequence[Interface], material: Material, *more: object
 ) -> str:
     """The key of what depends on a part's content, unit, interfaces, material, and `more`."""
-    content = hashlib.sha256(part.path.read_bytes()).hexdigest()
-    program = _EDITION, version("gmsh")
-    return key_of("part", program, content, part.unit, tuple(interfaces), material, *more)
+    inputs = part.unit, tuple(interfaces), material
+    return key_of("part", _program(), _content(part.path), *inputs, *more)
+
+
+def part_file(path: Path, unit: str | None = None) -> PartFile:
+    """The part in a file; a CAD file is read once: its surface is meshed to know its faces.
+
+    Raises InputError as `read_part` does.
+    """
+    require_file(path)
+    if path.suffix.lower() in MESHES:
+        return read_part(path, unit)
+    key = key_of("file", _program(), _content(path), unit)
+    return kept(key, lambda: _file_packed(read_part(path, unit)), partial(_file_unpacked, path))
+
+
+def _program() -> tuple[int, str]:
+    return _EDITION, version("gmsh")
+
+
+def _content(path: Path) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
 def _mesh_key(part: PartFile, interfaces: Sequence[Interface], *more: object) -> str:
@@ -97,4 +123,47 @@ def _unpacked(found: dict[str, Array]) -> PartMesh:
         element="tet10",
         faces=faces,
         straightened=int(found["straightened"]),
+    )
+
+
+def _file_packed(part: PartFile) -> dict[str, Any]:
+    faces = part.faces
+    columns = {name: [getattr(face, name) for face in faces] for name in _OF_FACES}
+    volume = {} if part.exact is None else {f"exact_{k}": v for k, v in vars(part.exact).items()}
+    return (
+        columns
+        | volume
+        | {
+            "unit": part.unit,
+            "extent": part.extent,
+            "surface": part.surface,
+            "counts": [len(face.facets.cells) for face in faces],
+            "cells": np.vstack([face.facets.cells for face in faces]),
+            "gap": part.gap,
+            "unknown_share": part.unknown_share,
+        }
+    )
+
+
+def _file_unpacked(path: Path, found: dict[str, Array]) -> PartFile:
+    require_shape(found, surface=(None, 3), cells=(None, 3), extent=(3,), exact_inertia=(3, 3))
+    pieces = np.split(found["cells"], np.cumsum(found["counts"])[:-1])
+    # Numbers and names as Python's own; what is left is one vector for each face.
+    columns = [found[name] for name in _OF_FACES]
+    columns = [column.tolist() if column.ndim == 1 else column for column in columns]
+    return PartFile(
+        path,
+        str(found["unit"]),
+        found["extent"].tolist(),
+        found["surface"],
+        tuple(
+            Face(**dict(zip(_OF_FACES, values, strict=True)), facets=Facets(cells, "tri3"))
+            for cells, *values in zip(pieces, *columns, strict=True)
+        ),
+        VolumeProperties(
+            float(found["exact_volume"]), found["exact_centre"], found["exact_inertia"]
+        ),
+        None,
+        float(found["gap"]),
+        float(found["unknown_share"]),
     )

@@ -36,13 +36,13 @@ def faces(
     json
         Print JSON for programs, and draw nothing.
     """
-    from meshes.part.reading.read import read_part  # noqa: PLC0415
     from validation.console.progress import stage  # noqa: PLC0415
     from validation.parts import face_list  # noqa: PLC0415
+    from validation.parts.meshes import part_file  # noqa: PLC0415
 
     size = part.stat().st_size if part.is_file() else 0
     with stage(f"reading {part.name}", _READING_A_BYTE * size):
-        found = read_part(part, unit)
+        found = part_file(part, unit)
     if json:
         say(face_list.as_json(found))
         return 0
@@ -102,13 +102,13 @@ def identify(
 
     from lumped.robot_file import load_robot  # noqa: PLC0415
     from meshes.part.interfaces import find_interfaces  # noqa: PLC0415
-    from meshes.part.reading.read import read_part  # noqa: PLC0415
     from validation.agreement.accuracy import accuracy_faults, refined  # noqa: PLC0415
     from validation.console.progress import stage  # noqa: PLC0415
     from validation.models.parts import identified  # noqa: PLC0415
     from validation.parts import identified_text, request  # noqa: PLC0415
     from validation.parts import identify as identifying  # noqa: PLC0415
     from validation.parts.identify import Identified  # noqa: PLC0415
+    from validation.parts.meshes import part_file  # noqa: PLC0415
 
     require_place(out, ".npz")
     faults = [] if accuracy is None else accuracy_faults(accuracy)
@@ -128,7 +128,7 @@ def identify(
     if body is None:
         wanted, points = request.interfaces_of(interface)
         chosen = request.material_of(material or "")
-        file = read_part(Path(part), unit)
+        file = part_file(Path(part), unit)
         held = find_interfaces(file, wanted, points)
 
         def at(size: int) -> Identified:
