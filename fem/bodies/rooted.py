@@ -12,12 +12,11 @@ from functools import cached_property
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve, qr
-from scipy.sparse import csr_array, diags_array
 from scipy.sparse.linalg import LinearOperator
 
 from fem.couplings.coupled_solid import CoupledSolid
-from fem.solvers.certificate import count_below
-from fem.solvers.factor import Inertia, RenewableFactor, analyse
+from fem.solvers.certificate import Pencil, count_below, pencil
+from fem.solvers.factor import Inertia, RenewableFactor
 from fem.solvers.modes import CertifiedModes, lowest_modes, searched_modes
 from lumped.arrays import Array, IntArray, fix_signs
 from lumped.dense.statics import balanced_flexibility
@@ -29,12 +28,12 @@ from lumped.screws import shift
 class RootedBody:
     """A coupled solid held at its first interface, factorised; `name` in errors.
 
-    `factor`: of its stiffness with `springs` (n, zero but on six unknowns).
+    `pencil`: its stiffness and mass, with springs on six unknowns; `factor` of the former.
     """
 
     name: str
     solid: CoupledSolid
-    springs: Array
+    pencil: Pencil
     factor: RenewableFactor
 
     @property
@@ -158,8 +157,7 @@ class RootedBody:
             # Forces and moments of one size, so that no twist looks like rounding beside another.
             size = float(np.ptp(solid.places, axis=0).max())
             constraints = held * np.tile([1.0, 1.0, 1.0, size, size, size], held.shape[1] // 6)
-        K, M = solid.stiffness, solid.mass
-        return count_below(K, M, sigma, constraints, self.springs, self.factor)
+        return count_below(self.pencil, sigma, constraints, self.factor)
 
 
 def rooted_body(solid: CoupledSolid, name: str) -> RootedBody:
@@ -171,11 +169,11 @@ def rooted_body(solid: CoupledSolid, name: str) -> RootedBody:
     springs = np.zeros(solid.size)
     # Of the size of a node's own stiffness, so that the matrix is no worse conditioned for them.
     springs[held] = solid.stiffness.diagonal()[held]
-    sprung = csr_array(solid.stiffness + diags_array(springs, format="csr"))
-    factor = RenewableFactor(analyse(sprung), name)
+    sprung = pencil(solid.stiffness, solid.mass, springs)
+    factor = RenewableFactor(sprung.symbolic, name)
     # At once, so that a part which cannot be held is refused here.
     _ = factor.numeric
-    return RootedBody(name, solid, springs, factor)
+    return RootedBody(name, solid, sprung, factor)
 
 
 def _statically_determinate(solid: CoupledSolid, name: str) -> IntArray:

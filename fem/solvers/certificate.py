@@ -8,10 +8,12 @@ which the bordered matrix adds a positive eigenvalue for each spring and one of 
 condition (Gould, Math. Prog. 32 (1985) 90).
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 from scipy.sparse import csr_array, diags_array
 
-from fem.solvers.factor import Inertia, RenewableFactor, analyse, upper_triangle
+from fem.solvers.factor import Inertia, RenewableFactor, Symbolic, analyse, upper_triangle
 from lumped.arrays import Array, SparseMatrix
 
 # An eigenvalue of the small matrix below this is rounding: its blocks are of the size of one, and
@@ -19,28 +21,53 @@ from lumped.arrays import Array, SparseMatrix
 _ZERO = 500.0 * np.finfo(np.float64).eps
 
 
+@dataclass(frozen=True, eq=False)
+class Pencil:
+    """K − σM for any σ, on one pattern that is ordered once.
+
+    `springs` (n) are stiffnesses on single unknowns, zero on most, that hold a body while it is
+    factorised; `symbolic` is of K with them, `mass` has M entry by entry of its triangle.
+    """
+
+    symbolic: Symbolic
+    mass: Array
+    springs: Array
+
+    def shifted(self, sigma: float) -> Symbolic:
+        """K − σM with the springs."""
+        return self.symbolic.with_values(self.symbolic.triangle.data - sigma * self.mass)
+
+
+def pencil(K: SparseMatrix, M: SparseMatrix, springs: Array | None = None) -> Pencil:
+    """K (csr n×n, symmetric) with `springs` (n) and M (symmetric, positive definite), analysed.
+
+    Their upper triangles are enough.
+    """
+    held = np.zeros(K.shape[0]) if springs is None else springs
+    # A sum of real matrices drops what cancels; that of a real and an imaginary one has the entries
+    # of both in one place each.
+    both = upper_triangle(K) + 1j * upper_triangle(csr_array(M))
+    both = csr_array(both + diags_array(held, format="csr"))
+    stiffness = csr_array((both.data.real.copy(), both.indices, both.indptr), shape=both.shape)
+    return Pencil(analyse(stiffness), both.data.imag.copy(), held)
+
+
 def count_below(
-    K: SparseMatrix,
-    M: SparseMatrix,
+    pencil: Pencil,
     sigma: float,
     constraints: Array | None = None,
-    springs: Array | None = None,
     room: RenewableFactor | None = None,
 ) -> Inertia:
-    """Inertia of K − σM (csr n×n, K and M symmetric, M positive definite, σ in rad²/s²).
+    """Inertia of K − σM without the pencil's springs (σ in rad²/s²).
 
-    Their upper triangles are enough. `negative` eigenvalues of K x = λ M x lie below σ. `zero`
-    above zero means that σ is too near an eigenvalue; move it. With `constraints` B (n×c, of full
-    rank) only vectors with Bᵀx = 0 count. `springs` (n) are stiffnesses on single unknowns, zero on
-    most, that hold a body while it is counted. `room` is a factor that makes room for this one.
+    `negative` eigenvalues of K x = λ M x lie below σ. `zero` above zero means that σ is too near an
+    eigenvalue; move it. With `constraints` B (n×c, of full rank) only vectors with Bᵀx = 0 count.
+    `room` is a factor that makes room for this one.
     """
-    n = K.shape[0]
-    held = np.zeros(n) if springs is None else springs
-    shifted = upper_triangle(K) - sigma * upper_triangle(csr_array(M))
-    symbolic = analyse(csr_array(shifted + diags_array(held, format="csr")))
+    n, held = pencil.symbolic.size, pencil.springs
     if room is not None:
         room.make_room()
-    factor = symbolic.indefinite("count of the modes")
+    factor = pencil.shifted(sigma).indefinite("count of the modes")
     own = np.flatnonzero(held)
     W = np.zeros((n, len(own)))
     W[own, np.arange(len(own))] = np.sqrt(held[own])

@@ -5,7 +5,7 @@ dissection. The signs of D are those of A's eigenvalues (Sylvester): all positiv
 and counted for K − σM. The bits of a factor do not depend on the number of threads.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from importlib.metadata import version
 from typing import Any, NamedTuple
@@ -102,6 +102,12 @@ class Symbolic:
         _, negative, zero = handle.inertia
         zero += handle.n_perturbed
         return Factor(self.size, Inertia(negative, zero, self.size - negative - zero), handle)
+
+    def with_values(self, values: Array) -> "Symbolic":
+        """Another matrix in the same order: `values` of its triangle, entry by entry."""
+        lower = self.triangle
+        own = csc_array((values, lower.indices, lower.indptr), shape=lower.shape)
+        return replace(self, triangle=own)
 
     def _held_by_rounding(self, factor: Factor) -> bool:
         """Whether the unknown that gives way most has a stiffness that is rounding error.

@@ -11,7 +11,7 @@ from scipy.sparse.linalg import spsolve
 
 import fem.solvers.factor
 from fem.machine import threads
-from fem.solvers.certificate import count_below
+from fem.solvers.certificate import count_below, pencil
 from fem.solvers.factor import Inertia, NotPositiveDefiniteError, analyse, upper_triangle
 from fem.solvers.modes import MissedModesError
 from lumped.errors import ComputationError
@@ -121,7 +121,16 @@ def test_matrix_whose_pivots_must_be_paired():
     """Zero diagonal: only 2×2 pivots exist; eigenvalues ± singular values of B."""
     B = np.random.default_rng(5).standard_normal((6, 6))
     matrix = np.block([[np.zeros((6, 6)), B], [B.T, np.zeros((6, 6))]])
-    found = count_below(csr_array(matrix), csr_array((12, 12)), 0.0)
+    found = count_below(pencil(csr_array(matrix), csr_array((12, 12))), 0.0)
     assert found == Inertia((eigvalsh(matrix) < 0).sum(), 0, 6) == Inertia(6, 0, 6)
     singular = csr_array(np.diag([1.0, 0.0, -1.0]))
-    assert count_below(singular, csr_array((3, 3)), 0.0) == Inertia(1, 1, 1)
+    assert count_below(pencil(singular, csr_array((3, 3))), 0.0) == Inertia(1, 1, 1)
+
+
+def test_entries_of_the_mass_where_the_stiffness_has_none_are_counted():
+    """Also where an entry of both cancels at the shift; dense eigenvalues."""
+    K, M = np.diag([1.0, 2.0, 6.0]), np.array([[2.0, 1.0, 0.0], [1.0, 2.0, 0.5], [0.0, 0.5, 3.0]])
+    K[0, 2] = K[2, 0] = M[0, 2] = M[2, 0] = 0.25
+    exact, both = eigvalsh(K, M), pencil(csr_array(K), csr_array(M))
+    for sigma in (0.1, 0.9, 1.0, 1.9, 9.0):
+        assert count_below(both, sigma).negative == (exact < sigma).sum()
