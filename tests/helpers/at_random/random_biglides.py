@@ -41,7 +41,7 @@ MILD = SimpleNamespace(
     materials=(
         "E = 2.1e11, nu = 0.3, rho = 7850.0",
         "E = 7.0e10, nu = 0.33, rho = 2700.0",
-        "E = 3.0e9, nu = 0.45, rho = 1100.0, G = 8.0e8",
+        "E = 3.0e9, nu = 0.4, rho = 1100.0, G = 8.0e8",
     ),
     length=(-0.5, 0.3),
     lengths=(1.0, 0.6, 1.6),

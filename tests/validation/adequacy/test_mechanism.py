@@ -14,6 +14,7 @@ from lumped.robot_file import load_robot
 from lumped.sections import Rectangle
 from lumped.system.assembly import assembly
 from validation.adequacy.mechanism.path import (
+    HOLD,
     MOST_POSES,
     holding,
     path_postures,
@@ -24,7 +25,8 @@ from validation.adequacy.models import judged_models
 from validation.adequacy.robot import robot_adequacy
 from validation.catalogue import catalogue
 from validation.context import Context
-from validation.models.mechanism import on_drives_alone
+from validation.models.mechanism import constant_legs, on_drives_alone
+from validation.models.options import ModelOptions
 
 pytestmark = pytest.mark.usefixtures("coarse_legs")
 
@@ -87,12 +89,17 @@ def test_legs_that_branch_are_no_chains_of_virtual_joints():
 
 def test_ends_are_alternatives_until_the_file_says_them():
     mechanism = load_robot("five-bar").mechanism
+    legs, said = legs_of(mechanism), dict(mechanism.bodies)
     assert list(holding(mechanism).alternatives) == ["ends rigid", "ends free"]
-    said = dict(mechanism.bodies)
-    for name, leg in legs_of(mechanism).items():
+    for name, leg in legs.items():
         said[name] = replace(said[name], shape=replace(leg, ends="free"))
-    (ends,) = holding(replace(mechanism, bodies=said)).alternatives.values()
-    assert set(ends.values()) == {"free"}
+        found = holding(replace(mechanism, bodies=said)).alternatives.values()
+        known = [one for one in legs if said[one] is not mechanism.bodies[one]]
+        # Of the legs that it says nothing of all are rigid, then all are free.
+        ways = [dict.fromkeys(legs, ends) | dict.fromkeys(known, "free") for ends in HOLD]
+        assert list(found) == (ways if len(known) < len(legs) else ways[1:])
+        options = constant_legs(replace(mechanism, bodies=said), ModelOptions(ends="rigid"))
+        assert {name: one.ends for name, _, one in options} == ways[0]
 
 
 def test_long_paths_are_looked_at_in_even_steps():

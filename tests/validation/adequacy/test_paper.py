@@ -5,7 +5,8 @@ import pytest
 from like_ifw import LEG1, LEG2, file_of, like_ifw
 
 from lumped.acceptance.requirement import STATIC_QUANTITIES, Requirement
-from lumped.legs import GivenLeg
+from lumped.legs import ConstantLeg, GivenLeg, Material, tip_compliance
+from lumped.sections import HollowRectangle
 from validation.adequacy.judgement import judged
 from validation.adequacy.mechanism.path import robot_on_path
 from validation.adequacy.models import judged_models
@@ -88,18 +89,11 @@ def test_what_is_open_is_undecided_and_says_what_would_decide(paper_subject):
 
 def coupled(leg):
     """As slender a hollow steel leg, of which a force along x also moves the tip along z."""
-    E, G = 2.1e11, 2.1e11 / 2.6
-    b, h, t = 0.06, 0.08, 0.006
-    length, area = leg.length, b * h - (b - 2 * t) * (h - 2 * t)
-    about_z = E * (h * b**3 - (h - 2 * t) * (b - 2 * t) ** 3) / 12
-    about_y = E * (b * h**3 - (b - 2 * t) * (h - 2 * t) ** 3) / 12
-    torsion = G * 4 * ((b - t) * (h - t)) ** 2 * t / (2 * (b + h - 2 * t))
-    bending = np.array([length**3 / (3 * about_z), length**3 / (3 * about_y)])
-    tip = np.diag([length / (E * area), *bending, *length / np.array([torsion, about_y, about_z])])
-    tip[1, 5] = tip[5, 1] = length**2 / (2 * about_z)
-    tip[2, 4] = tip[4, 2] = -(length**2) / (2 * about_y)
+    steel = Material.isotropic(2.1e11, 0.3, 7850.0)
+    hollow = ConstantLeg(leg.length, HollowRectangle(0.06, 0.08, 0.006), steel)
+    tip = tip_compliance(hollow.properties("euler-bernoulli"), leg.length)
     tip[0, 2] = tip[2, 0] = 0.27 * tip[0, 0]
-    return GivenLeg(length, leg.mass, tip)
+    return GivenLeg(leg.length, leg.mass, tip)
 
 
 def test_a_coupling_that_is_left_out_is_not_adequate_however_good_the_diagonals_are():
