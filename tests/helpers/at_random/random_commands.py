@@ -146,25 +146,19 @@ def _robot(rng):
 
 
 def _damaged(rng, text):
-    """A text with one or two of its bytes, words or lines lost, doubled, moved or replaced."""
+    """A text with one or two of its bytes, words or stretches lost, doubled or replaced."""
     for _ in range(rng.choice((1, 1, 2))):
         begin, end = sorted(rng.randrange(len(text) + 1) for _ in range(2))
-        match rng.randrange(7):
+        match rng.randrange(5):
             case 0:
-                text = text[:end]
-            case 1:
                 text = text[:begin] + text[end:]
-            case 2:
+            case 1:
                 text = text[:end] + text[begin:]
-            case 3:
+            case 2:
                 words = text.split(" ")
                 words[rng.randrange(len(words))] = _odd(rng)
                 text = " ".join(words)
-            case 4:
-                lines = text.split("\n")
-                rng.shuffle(lines)
-                text = "\n".join(lines)
-            case 5:
+            case 3:
                 text = text.replace(rng.choice(_SIGNS), rng.choice(_SIGNS), rng.choice((1, 3)))
             case _:
                 data = bytearray(text.encode())

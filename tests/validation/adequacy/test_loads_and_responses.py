@@ -131,19 +131,14 @@ def test_the_table_tells_peaks_in_micrometres_and_the_chart_has_all_models(arm, 
 
 
 def test_where_masses_of_given_legs_lie_is_an_interval_of_weight_alone(tmp_path):
-    text = load_robot("ifw").text + (
-        '\n[[loads]]\nname = "weight"\ngravity = [0.0, 0.0, -9.81]\n'
-        '[[loads]]\nname = "push"\nwrench = [0.0, 0.0, 100.0, 0.0, 0.0, 0.0]\n'
-        '[[loads]]\nname = "stop"\nacceleration = [1.0, 0.0, 0.0]\n'
-    )
-    file = robot_of(text, tmp_path)
+    file = robot_of(load_robot("ifw").text + LOADS, tmp_path)
     mechanism = replace(file.mechanism, poses=file.mechanism.poses[::4])
     file = replace(file, text="", mechanism=mechanism)
     robot = robot_on_path(Context(file, "quick"))
     wanted = Requirement(deflection=0.005, loads=file.requirement.loads)
     links = {"links": judged_models(mechanism)["links"]}
     matrix = judged(static_subject(robot, links), wanted)
-    weight, push, stop = (matrix.entry("links", f"load:{n}") for n in ("weight", "push", "stop"))
+    weight, push, stop = (matrix.entry("links", name) for name in OF_LOADS)
     # From nothing to what other places of the mass make of it.
     assert weight.error == pytest.approx(weight.uncertainty, rel=0.01)
     assert weight.uncertainties[OPEN_MASSES] > 0.01 > 10.0 * push.uncertainty

@@ -1,18 +1,19 @@
 """Pairing by shape at every pose: partners, absence, places in the order, close modes."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from toy_subject import toy_subject
 
 from lumped.acceptance.requirement import Requirement
 from validation.adequacy.judgement import judged
-from validation.adequacy.matrix import Coordinate
 from validation.adequacy.partners import frequency_changes, partners
 from validation.adequacy.response import (
     Alternative,
     Candidate,
     Reference,
     Response,
-    Subject,
     Vibration,
 )
 
@@ -34,23 +35,15 @@ TRUTH = vibration([100.0, 150.0, 200.0, 300.0], *AXES)
 def entry(model, quantity, *others, unsure=0.0):
     """What is said of a model against the truth above and other alternatives, limits 5 %."""
     left = np.full((1, 4), unsure)
-    reference = Reference(
-        "truth",
-        [
-            Alternative(f"ends {k}", Response(vibration=truth), dynamic=left)
-            for k, truth in enumerate((TRUTH, *others))
-        ],
-        open="how the ends are held" if others else "",
-        decides="say how the ends are held" if others else "",
-    )
-    subject = Subject(
-        robot="toy",
-        coordinates=(Coordinate("x", "m"),),
-        poses=np.array([[0.5]]),
-        weights=WEIGHTS,
+    alternatives = [
+        Alternative(f"ends {k}", Response(vibration=truth), dynamic=left)
+        for k, truth in enumerate((TRUTH, *others))
+    ]
+    said = ("how the ends are held", "say how the ends are held") if others else ()
+    subject = replace(
+        toy_subject(4),
         candidates=[Candidate("model", "a model", Response(vibration=model))],
-        statics=Reference("none", []),
-        dynamics=reference,
+        dynamics=Reference("truth", alternatives, *said),
     )
     return judged(subject, Requirement(modes=3)).entry("model", quantity)
 

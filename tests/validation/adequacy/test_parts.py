@@ -65,20 +65,6 @@ def test_what_is_condensed_is_the_solid_within_what_is_open(matrix):
     assert abs(first.error) <= first.uncertainty + 5e-3
 
 
-@pytest.mark.exhaustive
-def test_an_accuracy_refines_the_parts_of_a_robot(robot_file):
-    def by(accuracy):
-        requirement = replace(robot_file.requirement, accuracy=accuracy, modes=1)
-        matrix = robot_adequacy(Context(replace(robot_file, requirement=requirement), "quick"))
-        return matrix, max(entry.uncertainties.get("meshes", 0.0) for entry in matrix.entries)
-
-    _, left = by(None)
-    matrix, finer = by(0.8 * left)
-    assert finer <= 0.8 * left
-    assert matrix.notes[-1].startswith("accuracy ±")
-    assert ";" not in matrix.notes[-1]
-
-
 def test_what_the_file_says_of_the_faces_is_not_open(robot_file):
     mechanism = robot_file.mechanism
     assert list(holding(mechanism).alternatives) == ["interfaces rigid", "interfaces averaged"]
