@@ -1,31 +1,23 @@
 """Solids of slender legs: counted before they are made, left out of runs that they would fill."""
 
+import re
+
 import pytest
-from like_ifw import IFW, file_of, like_ifw, placed_at, stations
+from like_ifw import IFW, file_of, like_ifw, placed_at
 
 from fem.bodies.solid import solid_mesh
-from lumped.acceptance.requirement import Requirement
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, Material
 from lumped.sections import Circle, Rectangle, Tube
-from validation.adequacy.judgement import judged
-from validation.adequacy.matrix import Coordinate
 from validation.adequacy.mechanism import dynamics as of_mechanisms
-from validation.adequacy.mechanism import vibration
 from validation.adequacy.mechanism.legs import finer_statics, solid_leg
 from validation.adequacy.mechanism.path import robot_at
-from validation.adequacy.response import Candidate, Reference, Subject, modes_of
 from validation.case import Skip
 from validation.catalogue import catalogue
 from validation.context import Context
-from validation.models.options import ModelOptions
 from validation.report.figures import modes
 from validation.session.validate import Request, validate
-from validation.solids.size import (
-    LARGEST,
-    solid_unknowns,
-    too_large,
-)
+from validation.solids.size import LARGEST, solid_unknowns, too_large
 
 STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 # Half a millimetre wide elements over 0.85 m and 50 mm: 1700 slices of 100.
@@ -65,24 +57,12 @@ def test_what_a_run_takes_is_said_leg_by_leg():
     assert f"preset fine takes {LARGEST['fine']}" in said
 
 
-def test_frequencies_without_such_a_reference_are_undecided_with_the_reason(context):
-    x = stations(SLENDER.mechanism, 3)
-    robot = robot_at(context, placed_at(context.robot_file.mechanism, *x))
-    found = modes_of(lambda: vibration.modes_by_model(robot, "beam", ModelOptions()))
-    subject = Subject(
-        robot="slender",
-        coordinates=(Coordinate("x", "m"),),
-        poses=x[:, None],
-        weights=robot.samples.weights,
-        candidates=[Candidate("beam", "beam", found)],
-        statics=Reference("none", ()),
-        dynamics=of_mechanisms.dynamic_reference(robot),
-    )
-    matrix = judged(subject, Requirement(modes=2))
-    for quantity in ("f1", "f2", "order"):
-        entry = matrix.entry("beam", quantity)
-        assert entry.verdict == "undecided"
-        assert "unknowns, preset quick takes 100000" in entry.reason
+def test_frequencies_have_no_such_reference_with_the_reason(context):
+    """Without alternatives all verdicts are undecided."""
+    robot = robot_at(context, placed_at(SLENDER.mechanism))
+    found = of_mechanisms.dynamic_reference(robot)
+    assert not found.alternatives
+    assert re.match(REASON, found.decides)
 
 
 def test_its_modes_have_no_partners_and_the_figure_says_why(context):
@@ -106,15 +86,12 @@ def test_a_reference_too_large_names_the_preset_that_takes_it(thickness, said):
         solid_leg(Context(IFW, "quick"), foil)
 
 
-def test_an_undecided_entry_is_sent_to_a_preset_that_is_finer_if_any():
+@pytest.mark.parametrize(
+    ("preset", "said"),
+    [("quick", "--preset fine"), ("standard", "--preset fine"), ("fine", "no preset")],
+)
+def test_an_undecided_entry_is_sent_to_a_preset_that_is_finer_if_any(preset, said):
     # 0.1 m by 0.06 m: 900 unknowns are six divisions, and so they are at standard; fine has more.
     leg = ConstantLeg(0.5, Rectangle(0.1, 0.06), STEEL)
-    for preset, said in (
-        ("quick", "--preset fine"),
-        ("standard", "--preset fine"),
-        ("fine", "no preset"),
-    ):
-        assert (
-            finer_statics(Context(IFW, preset), [leg])
-            == f"needs a finer reference: {said} computes one"
-        )
+    due = f"needs a finer reference: {said} computes one"
+    assert finer_statics(Context(IFW, preset), [leg]) == due

@@ -1,4 +1,4 @@
-"""Parts as stepped legs: a hollow wedge against its sections, and its convergence."""
+"""Parts as legs: a hollow wedge against its sections, its convergence, and legs placed in parts."""
 
 from dataclasses import replace
 
@@ -13,13 +13,16 @@ from lumped.errors import InputError
 from lumped.legs import Material
 from lumped.mechanism.body import Body, Frame, Part
 from lumped.mechanism.kinematics.postures import posture
+from lumped.mechanism.placing import leg_frame
 from lumped.robot_file import load_robot
+from lumped.screws import shift
 from validation.adequacy.mechanism.parts import part_answers
 from validation.adequacy.models import JUDGED, why_unable
 from validation.adequacy.response import Response
 from validation.models import parts
 from validation.models.legs import leg_matrices
 from validation.models.options import ModelOptions
+from validation.models.part_legs import placed_leg
 from validation.models.stepped_parts import stepped
 
 STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
@@ -157,7 +160,7 @@ def hollow_wedge(occ):
     occ.remove([(2, face)], recursive=True)
 
 
-@pytest.mark.parametrize(("draw", "why"), REFUSED.values(), ids=REFUSED.keys())
+@pytest.mark.parametrize(("draw", "why"), REFUSED.values(), ids=REFUSED)
 def test_a_section_that_is_no_prisms_is_refused_and_named(tmp_path, draw, why):
     with pytest.raises(InputError, match=why) as error:
         stepped(body_of(meshed(tmp_path / "part.msh", draw, 20.0, 12.0), 0.4))
@@ -165,7 +168,7 @@ def test_a_section_that_is_no_prisms_is_refused_and_named(tmp_path, draw, why):
     assert line.startswith("bodies.arm: its section 0.")
 
 
-@pytest.mark.parametrize(("draw", "left"), PRISMS.values(), ids=PRISMS.keys())
+@pytest.mark.parametrize(("draw", "left"), PRISMS.values(), ids=PRISMS)
 def test_sections_that_hold_for_their_own_size_are_pieces(tmp_path, draw, left):
     leg = stepped(body_of(meshed(tmp_path / "part.msh", draw, 20.0), 0.4))
     areas = np.array([piece.properties.mu for piece in leg.pieces]) / STEEL.rho
@@ -233,15 +236,21 @@ def test_beams_and_segments_are_one_statics(legs):
         assert scaled_difference(segments, beam) < 1e-9
 
 
-def test_mass_and_rigid_motions_are_those_of_the_part(legs):
-    matrices = leg_matrices("beam", legs[8], ModelOptions(elements=8))
+def test_a_leg_moves_rigidly_with_its_part_and_points_beyond_its_ends_with_it(legs):
+    """A wedge of eight pieces somewhere in a body, under unit twists about the body's origin."""
+    start, along = np.array([0.1, -0.2, 0.05]), np.array([1.0, 2.0, 2.0]) / 3.0
+    ends = np.array([start, start + 0.4 * along])
+    leg = leg_matrices("beam", legs[8], ModelOptions(elements=8))
+    model = placed_leg(leg, leg_frame(*ends), ("A", "B"))
+    fields = np.zeros((model.size, 6))
+    fields[:6], fields[6:12] = shift(ends[0]), shift(ends[1])
+    K = model.stiffness.toarray()
+    fields[12:] = -np.linalg.solve(K[12:, 12:], K[12:, :12] @ fields[:12])
+    assert np.abs(K @ fields).max() < 1e-9 * np.abs(K).max()
     # Areas are linear along the wedge: sections in the middle give its mass exactly.
     mass = STEEL.rho * 0.4 * sections(0.2)[0]
-    K, M = matrices.stiffness.toarray(), matrices.mass.toarray()
-    shift = np.zeros((len(K), 1))
-    shift[2] = shift[8] = 1.0
-    shift[12:] = -np.linalg.solve(K[12:, 12:], K[12:, :12] @ shift[:12])
-    assert np.abs(K @ shift).max() < 1e-6 * np.abs(K).max()
-    assert (shift.T @ M @ shift).item() == pytest.approx(mass, rel=1e-6)
-    twists = matrices.centreline(np.array([0.0, 0.13, 0.4])) @ shift
-    assert twists.reshape(3, 6) == pytest.approx(np.tile([0, 0, 1, 0, 0, 0], (3, 1)), abs=1e-9)
+    assert (fields.T @ model.mass @ fields)[0, 0] == pytest.approx(mass, rel=1e-6)
+    aside = np.array([[0, 0, 0], [0, 0, 0], [0.02, 0.05, -0.02], [0.1, 0, 0]])
+    points = start + np.outer([0.13, 0.4, 0.8, -0.4], along) + aside
+    expected = np.vstack([shift(point)[:3] for point in points])
+    assert model.displacements(points) @ fields == pytest.approx(expected, abs=1e-9)
