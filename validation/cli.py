@@ -27,7 +27,6 @@ from validation.console import streams
 from validation.console.streams import complain, say
 from validation.console.typed import (
     AsJson,
-    Flag,
     Place,
     ProcessCount,
     RobotName,
@@ -48,6 +47,8 @@ app = App(
     help="Holds lumped stiffness models of parallel robots against beam and solid finite elements.",
     version="",
     result_action="return_value",
+    # No --empty-x beside what may be given again, and no default where nothing is given.
+    default_parameter=Parameter(negative=(), show_default=lambda value: value or None),
 )
 app.command(commands.faces)
 app.command(kinematics.kinematics)
@@ -141,15 +142,15 @@ def run(
     only: str | None = None,
     out: Place = Path("report"),
     jobs: ProcessCount = None,
-    resume: Flag = False,
+    resume: bool = False,
     baseline: Place | None = None,
-    export: Flag = False,
+    export: bool = False,
     cluster: str | None = None,
     accept: tuple[str, ...] = (),
     rely: tuple[str, ...] = (),
     accuracy: float | None = None,
     inputs: float | None = None,
-    strict: Flag = False,
+    strict: bool = False,
     measured: Place | None = None,
     vary: tuple[str, ...] = (),
 ) -> int:
@@ -177,20 +178,19 @@ def run(
         Address of a Dask scheduler (tcp://host:port) that computes the robots of --vary and CAD
         parts; needs the extra "cluster".
     accept
-        Accepted relative error of a model, deflection=0.03 say, in place of the robot file's; also
+        Accepted relative error of a model, as deflection=0.03, in place of the robot file's; also
         frequency, response, modes, or one quantity (x y z phi_x phi_y phi_z any_force f1 f2 …
         order, load:NAME, response:NAME).
     rely
-        A model that is relied on: where it is inadequate the exit code is 1. May be given again.
+        A model that you rely on: the exit code is 1 where it is inadequate. May be repeated.
     accuracy
-        Refine the meshes of references until they leave no more than this share of any number open,
-        0.002 say, or as far as the presets' meshes, memory for those of CAD parts, and ten minutes
-        allow.
+        Refine the references' meshes until no number is open by more than this share of it, for
+        example 0.002, as far as memory, the finest preset and ten minutes allow.
     inputs
-        How probable verdicts are if moduli, lengths and stiffnesses were known to such a relative
-        standard uncertainty, 0.05 say; for a file without [[input_uncertainty]].
+        Say how probable each verdict is if moduli, lengths and stiffnesses are known to this
+        relative standard uncertainty, for example 0.05; for a file without [[input_uncertainty]].
     strict
-        Undecided is not good enough either: for models relied on, and for comparisons.
+        Exit with code 1 also where a comparison, or a model relied on, is undecided.
     measured
         Measured values of the robot (CSV: quantity, pose, value, uncertainty, source), besides
         those of the robot file.
@@ -307,18 +307,18 @@ def solve(
     Parameters
     ----------
     model
-        Which model.
+        The model to solve.
     x
-        Position of B (m); may be given several times; the middle of the stroke if left out.
+        Position of B along the stroke (m), of a biglide; the middle if left out. May be repeated.
     pose
-        Pose of a mechanism's tool, numbers separated by commas in the order of its moves; may be
-        given several times; the reference posture if left out.
+        Pose of a mechanism's tool, numbers separated by commas in the order of its moves; the
+        reference posture if left out. May be repeated.
     leg
-        One leg alone, its root clamped: 1 or 2.
+        One leg of a biglide alone, its root clamped: 1 or 2.
     body
         One body of a mechanism alone, clamped at its first point.
     modes
-        Number of natural frequencies, 6 if left out.
+        Number of natural frequencies; 6 if left out.
     legs
         vjm, links: each leg's own compliance, or that of its equivalent constant-section leg.
     theory
@@ -336,22 +336,21 @@ def solve(
     equivalent
         Which diagonal the constant-section leg shares with a leg's 6×6.
     parts
-        segments, beam: CAD parts as legs of one equivalent section, as legs
-        stepped in ten prismatic pieces of the parts' own sections, or condensed on their
-        interfaces, mass included.
+        segments, beam: CAD parts as legs of one equivalent section, as legs of ten prismatic pieces
+        with the part's own sections, or condensed to their interfaces, mass included.
     reduction
         solid: CAD parts by their modes with all interfaces fixed (Craig and Bampton), or free
         (MacNeal, Rubin).
     accuracy
-        solid: refine the meshes until they leave no more than this share of any number open, 0.002
-        say, or as far as memory and ten minutes a mesh allow.
+        solid: refine the meshes until no number is open by more than this share of it, for example
+        0.002, as far as memory and ten minutes a mesh allow.
     against
         Another model of the mechanism, whose modes are paired with these by shape (MAC).
     vary
         A number of the robot file over a range, bodies.rod1.section.diameter=0.02:0.06:9 say; a *
         in the key stands for any part of a name. Given again: every combination.
     jobs
-        With --vary: number of processes, 1 if left out.
+        With --vary: number of processes; 1 if left out.
     cluster
         With --vary: address of a Dask scheduler (tcp://host:port) that computes the robots.
     csv

@@ -48,9 +48,8 @@ def _place(_type: object, tokens: Sequence[Token]) -> Path:
 Place: TypeAlias = Annotated[Path, Parameter(converter=_place)]
 WholeNumber: TypeAlias = Annotated[int, Parameter(converter=_whole_number)]
 ProcessCount: TypeAlias = Annotated[int | None, Parameter(converter=_process_count)]
-Flag: TypeAlias = Annotated[bool, Parameter(negative="")]
 RobotName: TypeAlias = Annotated[str, Parameter(help="A built-in robot or a robot file.")]
-AsJson: TypeAlias = Annotated[bool, Parameter(negative="", help="Print JSON for programs.")]
+AsJson: TypeAlias = Annotated[bool, Parameter(help="Print JSON for programs.")]
 
 
 def require_place(path: Path | None, kind: str) -> None:

@@ -20,7 +20,7 @@ def export(
     robot: RobotName,
     *,
     to: Literal["exudyn", "simscape", "nastran", "statespace", "npz"],
-    pose: Annotated[str | None, Parameter(allow_leading_hyphen=True, negative="")] = None,
+    pose: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     body: str | None = None,
     modes: WholeNumber = 20,
     out: Place | None = None,

@@ -11,7 +11,7 @@ from validation.console.typed import AsJson, Place, RobotName, require_place, wr
 def kinematics(
     robot: RobotName,
     *,
-    pose: Annotated[tuple[str, ...], Parameter(allow_leading_hyphen=True, negative="")] = (),
+    pose: Annotated[tuple[str, ...], Parameter(allow_leading_hyphen=True)] = (),
     picture: Place | None = None,
     json: AsJson = False,
 ) -> int:

@@ -120,7 +120,7 @@ def judge(case: Case, measurement: Measurement, seconds: float) -> Outcome:
     elif said == "undecided" and uncertainty is not None:
         message = (
             f"numerical uncertainty {uncertainty:.3g} {case.unit} exceeds the tolerance "
-            f"{tolerance:.3g} {case.unit}, the comparison cannot decide: {measurement.decides}"
+            f"{tolerance:.3g} {case.unit}, so nothing is decided: {measurement.decides}"
         )
     for one in measurement.elsewhere:
         allowed = case.tolerance.at(one.reference)

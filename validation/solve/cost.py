@@ -74,7 +74,7 @@ def require_affordable(cost: Cost, what: str) -> None:
     available = available_memory() or inf
     if cost.memory > available:
         raise InputError(
-            f"{what}: {cost}, more than the {available / 1e9:.2g} GB of memory that are available"
+            f"{what}: {cost}, more than the {available / 1e9:.2g} GB of memory available"
         )
     if cost.seconds > _LONGEST:
         raise InputError(f"{what}: {cost}, more than the hour that one answer may take")

@@ -6,7 +6,7 @@ from typing import Any, Literal
 
 from lumped.errors import InputError
 from validation.console.streams import complain, say
-from validation.console.typed import AsJson, Flag, Place, WholeNumber, require_place, write
+from validation.console.typed import AsJson, Place, WholeNumber, require_place, write
 
 Unit = Literal["m", "mm", "cm", "inch"]
 _FEWEST_UNKNOWNS, _MOST_UNKNOWNS = 1000, 10_000_000
@@ -21,7 +21,7 @@ def faces(
     *,
     unit: Unit | None = None,
     out: Place | None = None,
-    json: Flag = False,
+    json: bool = False,
 ) -> int:
     """List the faces of a CAD part or of a mesh, and draw them numbered.
 
@@ -89,11 +89,11 @@ def identify(
     body
         A body of the robot that is a part from a file.
     unknowns
-        Size of the finest of the three meshes; 100000 if left out.
+        Unknowns of the finest of the three meshes; 100000 if left out.
     modes
         Number of frequencies; 6 if left out.
     accuracy
-        Refine the meshes until they leave no more than this share of any number open, 0.002 say, or
+        Refine the meshes until no number is open by more than this share of it, for example 0.002,
         as far as memory and ten minutes a mesh allow.
     out
         An .npz file to write all matrices to.

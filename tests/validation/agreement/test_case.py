@@ -59,9 +59,11 @@ def test_a_comparison_less_certain_than_its_tolerance_says_what_would_decide_it(
     measured = Measurement(10.0, 10.0, value_uncertainty=uncertainty)
     outcome = judge(EQUAL, measured, 0.0)
     assert outcome.verdict == "undecided"
-    assert outcome.message.endswith("the comparison cannot decide: refine the models")
+    assert outcome.message.endswith("so nothing is decided: refine the models")
     rounded = replace(measured, decides="no finer model narrows it")
-    assert judge(EQUAL, rounded, 0.0).message.endswith("cannot decide: no finer model narrows it")
+    assert judge(EQUAL, rounded, 0.0).message.endswith(
+        "nothing is decided: no finer model narrows it"
+    )
 
 
 def test_verdicts_and_records_of_measurements_at_random_are_those_of_the_rule():
