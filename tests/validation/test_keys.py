@@ -26,6 +26,7 @@ from lumped.sections import HollowRectangle
 from meshes.part.interfaces import Interface
 from meshes.part.reading.read import PartFile
 from validation import api, pytest_plugin
+from validation.case import Absolute, Relative
 from validation.context import PRESETS, memo_key
 from validation.models import parts, stepped_parts
 from validation.models.options import ModelOptions
@@ -110,7 +111,7 @@ def test_the_memo_tells_functions_and_how_they_are_called():
     arguments = [
         *((), (1,), (1.0,), ("1",), (True,), ((1, 2), 3), (1, (2, 3))),
         *((np.zeros(6),), (np.zeros((2, 3)),), (np.zeros((3, 2)),), (np.zeros(6, np.float32),)),
-        *((changed_leaves,), (varied,)),
+        *((changed_leaves,), (varied,), (Absolute(1.0),), (Relative(1.0),)),
     ]
     calls = [(changed_leaves, given, {}) for given in arguments]
     calls += [(varied, (), {}), *((changed_leaves, (), {name: 1}) for name in "ab")]

@@ -99,15 +99,6 @@ def test_what_is_no_study_is_refused(sizes, values, reason):
         analyse(np.array(sizes), np.array(values), formal_order=2.0)
 
 
-def test_two_known_orders_are_told_apart_and_what_they_do_not_fit_is_added():
-    sizes = 1.0 / np.array([1.0, 2.0, 3.0, 4.0])
-    values = 2.0 + 0.3 * sizes**1.42 - 0.5 * sizes**4
-    uncertainty = uncertainty_of_known_orders(sizes, values, (1.42, 4.0))
-    assert uncertainty == pytest.approx(1.25 * abs(values[-1] - 2.0), rel=1e-9)
-    with pytest.raises(ValueError, match="4 grids"):
-        uncertainty_of_known_orders(sizes[:3], values[:3], (1.42, 4.0))
-
-
 def test_fine_grids_count_more_in_proportion_to_their_size():
     """Weights 1/h, against normal equations written out: grids 1, 1/2, 1/4, 1/10, not one power.
 
@@ -129,6 +120,12 @@ def test_fine_grids_count_more_in_proportion_to_their_size():
     known = uncertainty_of_known_orders(sizes, values, (2.0,))
     expected = 1.25 * abs(intercept - values[-1]) + np.abs(misfit).max()
     assert known == pytest.approx(expected, rel=1e-9)
+    # Two orders are told apart.
+    values = 2.0 + 0.3 * sizes**1.42 - 0.5 * sizes**4
+    uncertainty = uncertainty_of_known_orders(sizes, values, (1.42, 4.0))
+    assert uncertainty == pytest.approx(1.25 * abs(values[-1] - 2.0), rel=1e-6)
+    with pytest.raises(ValueError, match="4 grids"):
+        uncertainty_of_known_orders(sizes[:3], values[:3], (1.42, 4.0))
 
 
 def test_a_published_study_has_its_printed_order_and_limit():

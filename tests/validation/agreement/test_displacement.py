@@ -59,6 +59,10 @@ def test_a_direction_that_hardly_yields_does_not_decide() -> None:
     # Along z alone ten times too soft: 2 % of a twentieth. The worst force has both errors in it.
     assert found.error[0] == pytest.approx(np.hypot(0.03, 0.02), rel=1e-3)
     assert np.abs(found.force[0]) == pytest.approx([0.05, 0.0, 1.0], abs=2e-3)
+    # Along that force it is off by (0.03/400 + 1e-3)/(1 + 1/400), of the same twentieth.
+    whole = np.zeros((2, 1, 6, 6))
+    whole[:, 0, :3, :3] = difference, reference
+    assert relative(*whole, ANY_FORCE).along == pytest.approx(0.0214, rel=0.01)
 
 
 def test_sizes_are_of_the_whole_displacement_and_along_is_signed() -> None:
