@@ -140,7 +140,8 @@ def data_findings(part: DescribedPart) -> tuple[Finding, ...]:
 
 def _symmetry(part: DescribedPart) -> Iterator[Finding]:
     """Compliance and inertia must be symmetric (Maxwell and Betti; a definition)."""
-    for key, matrix in (("compliance", part.compliance), ("inertia", part.inertia)):
+    matrices = (("compliance", part.compliance, "SI units"), ("inertia", part.inertia, "kg m²"))
+    for key, matrix, unit in matrices:
         for a in () if matrix is None else asymmetries(matrix):
             difference = abs(a.lower - a.upper)
             yield Finding(
@@ -148,7 +149,7 @@ def _symmetry(part: DescribedPart) -> Iterator[Finding]:
                 "symmetry",
                 printed=f"({a.row},{a.column}) = {a.lower:g}, ({a.column},{a.row}) = {a.upper:g}",
                 wrong="the matrix is not symmetric",
-                evidence=f"the two entries differ by {difference:.3g}",
+                evidence=f"the two entries differ by {difference:.3g} {unit}",
                 severity="error",
                 numbers={"difference": difference},
             )
@@ -163,9 +164,9 @@ def _definiteness(part: DescribedPart) -> Iterator[Finding]:
     yield Finding(
         f"{part.name}.compliance",
         "definiteness",
-        printed=f"diagonal {diagonal}",
+        printed=f"diagonal {diagonal} (m/N, rad/(N m))",
         wrong="the compliance matrix is indefinite: some load would do negative work",
-        evidence=f"smallest eigenvalue {smallest:.2g}",
+        evidence=f"smallest eigenvalue {smallest:.2g} in SI units",
         severity="error",
         numbers={"smallest eigenvalue": smallest},
     )
@@ -204,7 +205,7 @@ def _slender_axis(part: DescribedPart) -> Iterator[Finding]:
     yield Finding(
         f"{part.name}.inertia",
         "slender axis",
-        printed="diagonal " + ", ".join(f"{moment:g}" for moment in diagonal),
+        printed=f"diagonal {', '.join(f'{moment:g}' for moment in diagonal)} kg m²",
         wrong=f"smallest moment of inertia about {'xyz'[axis]}, but x is the leg's direction; "
         "likely given in the axes of the drawing",
         evidence=f"smallest principal moment {moments[0]:.3f} kg m² about {'xyz'[axis]}, "
