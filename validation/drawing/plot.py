@@ -15,7 +15,7 @@ from matplotlib.figure import Figure as Canvas
 from matplotlib.ticker import MaxNLocator
 
 from lumped.arrays import Array
-from validation.drawing.chart import Chart, Contours, Panel, Series, percent
+from validation.drawing.chart import Chart, Contours, Panel, Series, percent, short_number
 from validation.drawing.style import (
     COLOUR_MAP,
     VERMILLION,
@@ -87,7 +87,7 @@ def drawn_chart(chart: Chart) -> Canvas:
             if chart.x_scale:
                 chart.x_scale(axes)
             _draw_panel(axes, one, looks, fills)
-            if panel.lying and column:
+            if column and (panel.lying or panel.contours is not None):
                 axes.tick_params(labelleft=False)
         if number + chart.columns >= len(chart.panels):
             label = chart.x_label if panel.x_label is None else panel.x_label
@@ -131,7 +131,9 @@ def _draw_panel(
             annotation_clip=False,
             fontsize=8.5,
         )
-    axes.set(title=panel.title, ylabel=panel.y_label)
+    # A star in the corner of a map keeps clear of the title.
+    axes.set_title(panel.title, pad=12.0 if panel.contours is not None else None)
+    axes.set_ylabel(panel.y_label)
     if panel.lying:
         axes.set_yticks(at, panel.names, fontsize=8.5, linespacing=0.95)
         axes.set_ylim(_height(panel), 0.0)
@@ -215,6 +217,7 @@ def _draw_contours(axes: Axes, one: Contours) -> None:
         axes.plot(*one.star, "*", **star, color=VERMILLION, mfc=VERMILLION, label="worst posture")
     extent = {"xlim": (one.x.min(), one.x.max()), "ylim": (one.y.min(), one.y.max())}
     axes.set(**extent, facecolor=_BLANK)
+    axes.yaxis.set_major_formatter(lambda value, _: short_number(value))
     axes.grid(visible=False)
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from math import prod
 from typing import Any, TypeAlias
 
@@ -58,7 +59,7 @@ def maps(context: Context) -> Shown:
         len(found),
         _HIGH,
         _table(space, names, found),
-        few_ticks,
+        partial(few_ticks, count=2),
     )
     return Shown(_caption(space, found), chart, studies=[_study(space, *one) for one in found])
 
@@ -71,7 +72,7 @@ def _panels(space: Workspace, names: Sequence[str], found: Sequence[Map]) -> lis
         slices = [(int(k),) for k in evenly(len(across[0]), _SLICES)]
     panels = []
     for place in slices:
-        level = [f"{names[2]} = {across[0][k]:.4g}\n" for k in place]
+        level = [names[2].replace(" (", f" = {across[0][k]:.4g} ")[:-1] + "\n" for k in place]
         for one, values, worst in found:
             star = worst.pose[list(space.moves)]
             nearest = min(slices, key=lambda own: [abs(across[0][k] - star[2]) for k in own])
