@@ -1,6 +1,7 @@
-"""Parts as legs: a hollow wedge against its sections, its convergence, and legs placed in parts."""
+"""CAD parts in models: as stepped legs, of a hollow wedge against its sections, and as they are."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,14 +14,16 @@ from written_robot import robot_of
 from lumped.errors import InputError
 from lumped.legs import Material
 from lumped.mechanism.body import Body, Frame, Part
-from lumped.mechanism.kinematics.postures import posture
+from lumped.mechanism.kinematics.postures import posture, reference_posture
 from lumped.mechanism.placing import leg_frame
+from lumped.robot_file import load_robot
 from lumped.screws import shift
 from validation.adequacy.mechanism.parts import part_answers
 from validation.adequacy.models import JUDGED, why_unable
 from validation.adequacy.response import Response
 from validation.models import parts
 from validation.models.legs import leg_matrices
+from validation.models.mechanism import answers
 from validation.models.options import ModelOptions
 from validation.models.part_legs import placed_leg
 from validation.models.stepped_parts import stepped
@@ -94,8 +97,8 @@ def test_what_cannot_be_stepped_is_told_and_judged_without(tmp_path):
     assert why.startswith("bodies.arm: its interfaces overlap along the line between them")
     assert why_unable((at,), JUDGED["segments-condensed"]) == ""
     idealised = []
-    answers = part_answers(mechanism, lambda kind: idealised.append(kind) or Response())
-    assert idealised == list(answers) == ["condensed"]
+    found = part_answers(mechanism, lambda kind: idealised.append(kind) or Response())
+    assert idealised == list(found) == ["condensed"]
 
 
 def bar(occ, width=60, height=40, begin=0, end=400):
@@ -239,3 +242,78 @@ def test_a_leg_moves_rigidly_with_its_part_and_points_beyond_its_ends_with_it(le
     points = start + np.outer([0.13, 0.4, 0.8, -0.4], along) + aside
     expected = np.vstack([shift(point)[:3] for point in points])
     assert model.displacements(points) @ fields == pytest.approx(expected, abs=1e-9)
+
+
+ROCKER = Path(__file__).resolve().parents[3] / "examples" / "rocker"
+
+
+@pytest.fixture
+def coarse(monkeypatch, tmp_path):
+    monkeypatch.setattr(parts, "UNKNOWNS", 9000)
+    monkeypatch.setattr(parts.identified, "__defaults__", (9000, 2))
+    monkeypatch.delenv("FLEXPROOF_CACHE", raising=False)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+
+
+@pytest.mark.exhaustive
+@pytest.mark.usefixtures("coarse")
+def test_a_rocker_of_three_bores_in_every_model_that_takes_it():
+    robot = load_robot(ROCKER / "robot.toml")
+    at = [reference_posture(robot.mechanism)]
+    (links,) = answers("links", at, 0)
+    (condensed,) = answers("segments", at, 3, ModelOptions(parts="condensed"))
+    (solid,) = answers("solid", at, 3)
+    # The rod bends nowhere here, and the rocker is one mesh: statics are those of the solid.
+    assert condensed.compliance == pytest.approx(links.compliance, rel=1e-6, abs=1e-14)
+    assert scaled_difference(links.compliance, solid.compliance) < 0.02
+    # Guyan's mass lies above in frequency, by little for the first.
+    assert condensed.frequencies[0] == pytest.approx(solid.frequencies[0], rel=0.02)
+    with pytest.raises(InputError, match="3 interfaces cannot be a link of a serial chain"):
+        answers("vjm", at, 0)
+
+
+@pytest.mark.parametrize(
+    ("asked", "old", "new", "message"),
+    [
+        (
+            ["solve", "--model", "links"],
+            *("radius = 0.022", "radius = 0.023"),
+            "no cylinder of radius 0.023 m; the nearest is face",
+        ),
+        (["check"], 'step = "rocker.step"', 'step = "rock.step"', "rock.step: no such file"),
+        (
+            ["check"],
+            *('step = "rocker.step"', 'mesh = "rocker.step"\nunit = "cm"'),
+            "contradicts it",
+        ),
+    ],
+)
+def test_a_part_that_is_not_where_the_joints_are(tmp_path, command, asked, old, new, message):
+    text = (ROCKER / "robot.toml").read_text("utf-8")
+    assert old in text
+    (tmp_path / "robot.toml").write_text(text.replace(old, new), "utf-8")
+    (tmp_path / "rocker.step").write_bytes((ROCKER / "rocker.step").read_bytes())
+    said = command.refused(asked[0], tmp_path / "robot.toml", *asked[1:])
+    assert message in said
+    assert "bodies.rocker" in said
+
+
+def test_checking_a_robot_opens_the_files_of_its_parts(command):
+    said = command.told("check", ROCKER / "robot.toml")
+    assert "rocker: rocker.step, read in mm: 343 × 263 × 60 mm" in said
+    for point, radius in (("A", 22), ("B", 16), ("C", 16)):
+        (line,) = (one for one in said.splitlines() if one.startswith(f"  {point}: face"))
+        assert f"(bore of radius {radius} mm), its axis 0 mm from the point" in line
+        assert line.endswith("rigid by default")
+
+
+@pytest.mark.parametrize(
+    ("asked", "said"),
+    [
+        (["identify", "--body", "rod"], "the parts of"),
+        (["solve", "--model", "links", "--body", "rocker"], "from a file, see flexproof identify"),
+    ],
+)
+def test_a_part_alone_is_identified_by_its_name_not_solved(command, asked, said):
+    robot = ROCKER / "robot.toml"
+    assert said in command.refused(asked[0], robot, *asked[1:])

@@ -53,6 +53,7 @@ REFUSED = [
     ("ROBOT beam --modes 1000000000", "--modes = 1000000000: must be from 0 to 1000"),
     ("ROBOT solid --divisions 999999999999999 --leg 1", "more than the "),
     ("ROBOT beam --elements 10000000", "more than the "),
+    ("ROBOT beam --elements 3000 --leg 1", "more than the "),
     ("delta beam --x 1", "--x: poses of a mechanism are typed as --pose"),
     ("delta beam --leg 1", "--leg: bodies of a mechanism have names"),
     ("delta beam --pose 1,2", "--pose 1,2: must be x,y,z as finite"),
