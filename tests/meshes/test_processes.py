@@ -1,37 +1,36 @@
-"""Functions in processes of their own: values, errors, and processes that end without an answer."""
+"""Processes of their own, and gmsh in all of them: silent, closed whatever happens, the same."""
 
 import os
 import resource
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from hashlib import sha256
 
+import gmsh
 import numpy as np
 import pytest
 
 from lumped.errors import ComputationError, InputError
+from lumped.sections import Rectangle
+from meshes.gmsh_session import gmsh_model
+from meshes.prism.tetrahedra import tetrahedra
 from meshes.processes import Crashed, in_own_process, within_limits
-
-
-def test_a_value_comes_back_from_another_process():
-    assert in_own_process(divmod, 7, 2) == (3, 1)
-    assert in_own_process(os.getpid) != os.getpid()
-    # In a session of its own, where Ctrl-C and hang-ups of a terminal do not reach it.
-    assert in_own_process(os.getsid, 0) != os.getsid(0)
-
-
-def test_errors_come_back_as_they_are_or_with_their_kind():
-    with pytest.raises(InputError, match="one") as raised:
-        in_own_process(refused, "one", "two")
-    assert raised.value.faults == ("one", "two")
-    with pytest.raises(ComputationError, match="ZeroDivisionError"):
-        in_own_process(divmod, 1, 0)
 
 
 def refused(*faults):
     raise InputError(faults)
 
 
-def test_a_crash_ends_the_other_process_alone():
-    with pytest.raises(Crashed, match="was ended by SIGABRT"):
-        in_own_process(os.abort)
+def test_values_and_errors_come_back_from_another_process():
+    assert in_own_process(divmod, 7, 2) == (3, 1)
+    # In a session of its own, where Ctrl-C and hang-ups of a terminal do not reach it.
+    assert in_own_process(os.getsid, 0) != os.getsid(0)
+    with pytest.raises(InputError, match="one") as raised:
+        in_own_process(refused, "one", "two")
+    assert raised.value.faults == ("one", "two")
+    with pytest.raises(ComputationError, match="ZeroDivisionError"):
+        in_own_process(divmod, 1, 0)
 
 
 def busy():
@@ -44,15 +43,76 @@ def hungry():
     return np.zeros(10**10, np.uint8).size
 
 
-@pytest.mark.parametrize(
-    ("function", "said"),
-    [
-        (busy, "was ended by SIGXCPU, its time was up"),
-        (hungry, "more than 8 GB of memory would be needed"),
-    ],
-)
-def test_limits_of_time_and_memory_end_it_and_say_which(function, said):
-    with pytest.raises(Crashed, match=said):
-        within_limits(0.5, function)
+def test_crashes_and_limits_of_time_and_memory_end_it_alone_and_say_which():
+    with pytest.raises(Crashed, match="was ended by SIGABRT"):
+        in_own_process(os.abort)
+    with pytest.raises(Crashed, match="was ended by SIGXCPU, its time was up"):
+        within_limits(0.5, busy)
+    with pytest.raises(Crashed, match="more than 8 GB of memory would be needed"):
+        within_limits(0.5, hungry)
     assert within_limits(0.5, resource.getrlimit, resource.RLIMIT_CORE)[0] == 0
     assert resource.getrlimit(resource.RLIMIT_CPU)[0] == resource.RLIM_INFINITY
+
+
+def test_failures_of_gmsh_name_the_part_and_others_pass_unchanged_and_all_close_it():
+    named = pytest.raises(ComputationError, match=r"leg 2: gmsh failed: .*NoSuchOption")
+    with named, gmsh_model("leg 2") as session:
+        session.option.getNumber("Mesh.NoSuchOption")
+    assert not gmsh.isInitialized()
+    with pytest.raises(InputError, match="mine"), gmsh_model("part"):
+        refused("mine")
+    assert not gmsh.isInitialized()
+
+
+def test_an_inner_model_leaves_the_outer_one_current():
+    with gmsh_model("outer") as session:
+        session.model.geo.addPoint(0.0, 0.0, 0.0, tag=5)
+        session.model.geo.synchronize()
+        with gmsh_model("inner"):
+            assert session.model.getEntities(0) == []
+        assert session.model.getCurrent() == "outer"
+        assert session.model.getEntities(0) == [(0, 5)]
+
+
+def hashed():
+    mesh = tetrahedra(Rectangle(0.1, 0.1), 0.2, 1)
+    return sha256(mesh.nodes.tobytes() + mesh.cells.tobytes()).hexdigest()
+
+
+def test_threads_and_another_process_give_the_same_meshes_and_all_are_silent(capfd):
+    with ThreadPoolExecutor(2) as pool:
+        in_threads = list(pool.map(lambda _: hashed(), range(2)))
+    assert {*in_threads, in_own_process(hashed)} == {hashed()}
+    assert capfd.readouterr() == ("", "")
+
+
+# gmsh sets both signals back to their defaults: a run would end with the first worker that dies, a
+# run under nohup with its first mesh.
+SIGNALS = """
+import os, signal
+from threading import Thread, enumerate
+from meshes.gmsh_session import gmsh_model
+
+def use():
+    with gmsh_model("part"):
+        pass
+
+use()
+Thread(target=use).start()
+for thread in enumerate()[1:]:
+    thread.join()
+reading, writing = os.pipe()
+os.close(reading)
+try:
+    os.write(writing, b"x")
+except BrokenPipeError:
+    print("an error")
+os.kill(os.getpid(), signal.SIGHUP)
+print("still here")
+"""
+
+
+def test_a_broken_pipe_is_an_error_and_an_ignored_hang_up_stays_ignored():
+    command = ["nohup", sys.executable, "-c", SIGNALS]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout) == (0, "an error\nstill here\n"), done.stderr

@@ -145,7 +145,11 @@ def _around(gmsh: ModuleType, faces: Sequence[tuple[int, int]]) -> Array:
     lower, upper = [], []
     edges = gmsh.model.getBoundary(faces, combined=False, oriented=False)
     for dimension, tag in {*faces, *edges}:
-        spline = dimension == 2 and "spline" in gmsh.model.getType(2, tag).lower()
+        kind = gmsh.model.getType(dimension, tag).lower()
+        # Of an edge without a curve, a pole, gmsh leaves the box where it was before scaling.
+        if dimension == 1 and kind == "unknown":
+            continue
+        spline = dimension == 2 and "spline" in kind
         gmsh.option.setNumber("Geometry.OCCBoundsUseStl", int(spline))
         box = np.array(gmsh.model.occ.getBoundingBox(dimension, tag))
         around = 0.0 if spline else _GAP

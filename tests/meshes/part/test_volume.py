@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+from drawn_parts import plane_ends, written
 from prismatic_legs import STEEL
 
 from fem.bodies.part import meshed_part
 from lumped.errors import ComputationError, InputError
-from lumped.mechanism.body import ByPlane, PartInterface
 from lumped.sections import Rectangle
 from meshes.elements import ELEMENTS
 from meshes.part import volume
@@ -19,12 +19,13 @@ from meshes.prism.hexahedra import extrude
 from meshes.processes import Crashed
 from meshes.section.section_mesh import section_mesh
 
+pytestmark = pytest.mark.usefixtures("in_this_process")
+
 
 @pytest.fixture(scope="module")
 def bar(box_step):
     part = read_part(box_step)
-    plane = ByPlane((-1.0, 0.0, 0.0), (0.0, 0.0, 0.0))
-    return part, find_interfaces(part, {"A": PartInterface(plane, "rigid")})
+    return part, find_interfaces(part, plane_ends(0.1))
 
 
 def test_the_optimiser_is_left_out_where_it_crashes(bar, monkeypatch):
@@ -38,7 +39,7 @@ def test_the_optimiser_is_left_out_where_it_crashes(bar, monkeypatch):
         return function(*arguments)
 
     monkeypatch.setattr(volume, "within_limits", crashing)
-    plain = volume.volume_mesh(*bar, volume.Grading(0.02))
+    plain = volume_mesh(*bar, Grading(0.02))
     assert tried == [(0.02, 1), (0.97 * 0.02, 1), (0.02, 0)]
     assert np.ptp(plain.nodes, axis=0) == pytest.approx([0.1, 0.02, 0.03])
 
@@ -56,43 +57,33 @@ def test_what_has_no_sound_mesh_is_said(bar, monkeypatch, error, kind):
 
     monkeypatch.setattr(volume, "within_limits", failing)
     with pytest.raises(kind, match=rf"box.step: gmsh makes no sound .* m: {error}; ask for"):
-        volume.volume_mesh(*bar, volume.Grading(0.02))
+        volume_mesh(*bar, Grading(0.02))
     if isinstance(error, Crashed):
         with pytest.raises(kind, match=rf"box.step: gmsh fails to mesh .* \({error}\); ask for"):
             volume.ladder(*bar, 20_000)
 
 
-def tube(occ, s):
-    """A tapered tube, 898 mm long, whose wall of 12 mm falls between facets of half its length."""
-    outer, inner = (
-        (3, occ.addCone(0.0, 0.0, 0.0, 898.0 * s, 0.0, 0.0, r * s, 0.6 * r * s))
-        for r in (61.4, 49.3)
-    )
-    occ.cut([outer], [inner])
+def test_the_search_for_a_size_goes_on_after_a_surface_that_crosses_itself(tmp_path):
+    def tube(occ):
+        """Tapered, 898 mm long; its wall of 12 mm falls between facets of half its length."""
+        outer, inner = (occ.addCone(0, 0, 0, 898, 0, 0, r, 0.6 * r) for r in (61.4, 49.3))
+        occ.cut([(3, outer)], [(3, inner)])
+
+    part = read_part(written(tmp_path / "tube.step", tube))
+    found = volume_mesh(part, (), volume.ladder(part, (), 20_000)[-1])
+    assert found.unknowns == pytest.approx(20_000, rel=0.35)
 
 
-def test_the_search_for_a_size_goes_on_after_a_surface_that_crosses_itself(part_file):
-    part = read_part(part_file("tube.step", tube))
-    wanted = 20_000
-    found = volume.volume_mesh(part, (), volume.ladder(part, (), wanted)[-1])
-    assert found.unknowns == pytest.approx(wanted, rel=0.35)
+def test_roundings_keep_their_volume(tmp_path):
+    def rounded(occ):
+        """A bar 80 × 40 × 40 mm whose long edges are rounded with 8 mm."""
+        bar = occ.addBox(0, -20, -20, 80, 40, 40)
+        occ.synchronize()
+        boxes = {tag: occ.getBoundingBox(1, tag) for _, tag in occ.getEntities(1)}
+        occ.fillet([bar], [tag for tag, box in boxes.items() if box[3] - box[0] > 50], [8])
 
-
-pytestmark = pytest.mark.usefixtures("in_this_process")
-
-
-def rounded(occ, s):
-    """A bar 80 × 40 × 40 mm whose long edges are rounded with 8 mm."""
-    bar = occ.addBox(0.0, -20.0 * s, -20.0 * s, 80.0 * s, 40.0 * s, 40.0 * s)
-    occ.synchronize()
-    boxes = {tag: occ.getBoundingBox(1, tag) for _, tag in occ.getEntities(1)}
-    occ.fillet([bar], [tag for tag, box in boxes.items() if box[3] - box[0] > 50.0 * s], [8.0 * s])
-
-
-def test_roundings_keep_their_volume(part_file):
-    part = read_part(part_file("rounded.step", rounded))
-    ends = {"A": PartInterface(ByPlane((-1.0, 0.0, 0.0), (0.0, 0.0, 0.0)), "rigid")}
-    mesh = volume_mesh(part, find_interfaces(part, ends), Grading(0.02))
+    part = read_part(written(tmp_path / "rounded.step", rounded))
+    mesh = volume_mesh(part, find_interfaces(part, plane_ends(0.08)), Grading(0.02))
     corners = mesh.nodes[mesh.cells[:, :4]]
     edges = corners[:, 1:] - corners[:, :1]
     chords = np.linalg.det(edges).sum() / 6.0 / part.exact.volume - 1.0
@@ -106,24 +97,17 @@ def test_roundings_keep_their_volume(part_file):
 def test_a_folded_element_becomes_straight_and_its_neighbour_follows():
     # Two tetrahedra on one face; a middle of their common edge pulled through the first one.
     tetrahedron = ELEMENTS["tet10"].nodes
-    nodes = np.vstack([tetrahedron, tetrahedron])
     cells = np.arange(20).reshape(2, 10)
-    mirrored = np.array([-1.0, 1.0, 1.0])
-    nodes[10:] = (tetrahedron * mirrored)[[0, 2, 1, 3, 6, 5, 4, 7, 9, 8]]
+    mirrored = (tetrahedron * [-1.0, 1.0, 1.0])[[0, 2, 1, 3, 6, 5, 4, 7, 9, 8]]
+    nodes = np.vstack([tetrahedron, mirrored])
     nodes[4] += [0.0, 0.4, 0.4]
     found, count = straightened(nodes, cells)
     assert count == 1
     assert found[4] == pytest.approx([0.5, 0.0, 0.0], abs=1e-15)
     assert np.array_equal(np.delete(found, 4, axis=0), np.delete(nodes, 4, axis=0))
-
-
-@pytest.mark.parametrize(
-    ("height", "message"),
-    [(1e-12, "1 tetrahedron is flat, the first"), (-1.0, "stays inverted, the first")],
-)
-def test_what_is_flat_or_stays_inverted_is_an_error_that_says_where(height, message):
-    with pytest.raises(ComputationError, match=f"{message} at"):
-        straightened(ELEMENTS["tet10"].nodes * [1.0, 1.0, height], np.arange(10)[None])
+    for height, message in ((1e-12, "1 tetrahedron is flat"), (-1.0, "stays inverted")):
+        with pytest.raises(ComputationError, match=f"{message}, the first at"):
+            straightened(tetrahedron * [1.0, 1.0, height], np.arange(10)[None])
 
 
 def test_nodes_spread_over_a_box_share_its_volume():

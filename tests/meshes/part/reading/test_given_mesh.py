@@ -27,15 +27,14 @@ def files(tmp_path_factory):
     folder = tmp_path_factory.mktemp("meshes")
     with gmsh_model("plate") as gmsh:
         occ = gmsh.model.occ
-        plate = occ.addBox(-30, -20, 0, 60, 40, 10)
-        occ.cut([(3, plate)], [(3, occ.addCylinder(0, 0, -5, 0, 0, 20, 8))])
+        plate, bore = occ.addBox(-30, -20, 0, 60, 40, 10), occ.addCylinder(0, 0, -5, 0, 0, 20, 8)
+        occ.cut([(3, plate)], [(3, bore)])
         occ.synchronize()
-        bore = [
-            tag for _, tag in gmsh.model.getEntities(2) if gmsh.model.getType(2, tag) == "Cylinder"
-        ]
-        gmsh.model.addPhysicalGroup(2, bore, name="bore")
+        faces = [tag for _, tag in gmsh.model.getEntities(2)]
+        bores = [tag for tag in faces if gmsh.model.getType(2, tag) == "Cylinder"]
+        gmsh.model.addPhysicalGroup(2, bores, name="bore")
         gmsh.model.addPhysicalGroup(3, [gmsh.model.getEntities(3)[0][1]], name="plate")
-        gmsh.option.setNumber("Mesh.MeshSizeMax", 8.0)
+        gmsh.option.setNumber("Mesh.MeshSizeMax", 12.0)
         gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", 12)
         gmsh.model.mesh.generate(3)
         gmsh.model.mesh.setOrder(2)
@@ -80,45 +79,47 @@ CUBE = np.array(
 HEXAHEDRON = np.arange(8)[None]
 
 
+def two_cubes(*shift, shared=()):
+    """Points and cells of two cubes, the second's nodes `shared` (its own: the first's)."""
+    own = np.arange(16)
+    for second, first in shared:
+        own[second] = first
+    return np.vstack([CUBE, CUBE + shift]), "hexahedron", own.reshape(2, 8)
+
+
 def mesh_file(folder, points, kind, cells, **more):
-    path = folder / "mesh.vtu"
-    if "point_sets" in more:
-        path = folder / "mesh.inp"
+    path = folder / ("mesh.inp" if "point_sets" in more else "mesh.vtu")
     meshio.write(path, meshio.Mesh(0.1 * points, [(kind, cells)], **more))
     return path
 
 
-def test_bad_meshes_say_what_is_wrong(tmp_path):
-    def refused(*mesh) -> str:
-        with pytest.raises(InputError) as error:
-            read_part(mesh_file(tmp_path, *mesh))
-        return error.value.faults[0]
-
-    prism = np.array([[0, 1, 2, 4, 5, 6]])
-    assert "kinds wedge; must be of one kind among tetra" in refused(CUBE, "wedge", prism)
-    assert "only a surface" in refused(CUBE, "quad", np.array([[0, 1, 2, 3]]))
-    upside_down = HEXAHEDRON[:, [4, 5, 6, 7, 0, 1, 2, 3]]
-    assert "1 element is inverted or folded, the first is element 1 at (0.05, 0.05, 0.05) m" in (
-        refused(CUBE, "hexahedron", upside_down)
-    )
-    twice = np.vstack([CUBE, CUBE + np.eye(3)[0]])
-    cells = np.vstack([HEXAHEDRON, HEXAHEDRON + 8])
-    assert "4 nodes coincide with another" in refused(twice, "hexahedron", cells)
-    apart = np.vstack([CUBE, CUBE + 2.0 * np.eye(3)[0]])
-    assert "in 2 pieces that share no face" in refused(apart, "hexahedron", cells)
-    # Two cubes that hang together by an edge, or by a corner.
-    for shift, shared in (((1, 1, 0), {8: 2, 12: 6}), ((1, 1, 1), {8: 6})):
-        hinged = np.vstack([CUBE, CUBE + shift])
-        own = np.array([shared.get(node, node) for node in range(16)]).reshape(2, 8)
-        assert "in 2 pieces that share no face" in refused(hinged, "hexahedron", own)
-    doubled = np.vstack([HEXAHEDRON, HEXAHEDRON])
-    assert "1 element is given twice, the first is element 1" in (
-        refused(CUBE, "hexahedron", doubled)
-    )
-    assert "is not the size of a robot's part" in refused(1e4 * CUBE, "hexahedron", HEXAHEDRON)
-    assert "finite" in refused(np.where(CUBE == 1.0, np.nan, CUBE), "hexahedron", HEXAHEDRON)
-    with np.errstate(all="ignore"):
-        assert "inverted or folded" in refused(CUBE, "tetra", np.array([[0, 0, 1, 2]]))
+@pytest.mark.parametrize(
+    ("points", "kind", "cells", "message"),
+    [
+        (CUBE, "wedge", [[0, 1, 2, 4, 5, 6]], "kinds wedge; must be of one kind among tetra"),
+        (CUBE, "quad", [[0, 1, 2, 3]], "only a surface"),
+        (
+            *(CUBE, "hexahedron", HEXAHEDRON[:, [4, 5, 6, 7, 0, 1, 2, 3]]),
+            "1 element is inverted or folded, the first is element 1 at (0.05, 0.05, 0.05) m",
+        ),
+        (CUBE, "tetra", [[0, 0, 1, 2]], "inverted or folded"),
+        (*two_cubes(1, 0, 0), "4 nodes coincide with another"),
+        (*two_cubes(2, 0, 0), "in 2 pieces that share no face"),
+        # Two that hang together by an edge, or by a corner.
+        (*two_cubes(1, 1, 0, shared=[(8, 2), (12, 6)]), "in 2 pieces that share no face"),
+        (*two_cubes(1, 1, 1, shared=[(8, 6)]), "in 2 pieces that share no face"),
+        (
+            *(CUBE, "hexahedron", HEXAHEDRON[[0, 0]]),
+            "1 element is given twice, the first is element 1",
+        ),
+        (1e4 * CUBE, "hexahedron", HEXAHEDRON, "is not the size of a robot's part"),
+        (np.where(CUBE == 1.0, np.nan, CUBE), "hexahedron", HEXAHEDRON, "finite"),
+    ],
+)
+def test_bad_meshes_say_what_is_wrong(tmp_path, points, kind, cells, message):
+    with pytest.raises(InputError) as error, np.errstate(all="ignore"):
+        read_part(mesh_file(tmp_path, points, kind, np.array(cells)))
+    assert message in error.value.faults[0]
 
 
 @pytest.mark.parametrize(
@@ -192,34 +193,35 @@ def test_what_is_no_mesh_is_one_line(tmp_path, capfd, name, text, said):
     assert capfd.readouterr() == ("", "")
 
 
+PLACES = ("binary", "base64", "raw")
+
+
 VTU = """<VTKFile type="UnstructuredGrid" version="0.1" byte_order="{order}"
-header_type="UInt{bits}" compressor="vtkZLibDataCompressor"><UnstructuredGrid>
+header_type="UInt{bits}" compressor="vtk{compressor}DataCompressor"><UnstructuredGrid>
 <Piece NumberOfPoints="1" NumberOfCells="1"><Points>
-<DataArray type="Float64" NumberOfComponents="3" {array}</DataArray></Points>
-</Piece></UnstructuredGrid>{appended}</VTKFile>"""
-PLACES = {
-    "binary": ('format="binary">\n  {}', ""),
-    "base64": (
-        'format="appended" offset="4">',
-        '<AppendedData encoding="base64">\n _AAAA{}\n</AppendedData>',
-    ),
-    "raw": (
-        "format='appended' offset='4'>",
-        '<AppendedData encoding="raw">\n _AAAA{}\n</AppendedData>',
-    ),
-}
+<DataArray type="Float64" NumberOfComponents="3" {array}</DataArray></Points></Piece>
+</UnstructuredGrid>{appended}</VTKFile>"""
+
+
+def vtu_of(folder, place, parts, before="", order="LittleEndian", bits=32, compressor="ZLib"):
+    """A file with one compressed array, its head and blocks, after what is appended `before`."""
+    array, appended = 'format="binary">\n  {}', ""
+    if place != "binary":
+        array = f"format='appended' offset=\"{len(before)}\">"
+        appended = f'<AppendedData encoding="{place}">\n _{before}{{}}\n</AppendedData>'
+    text = VTU.format(order=order, bits=bits, compressor=compressor, array=array, appended=appended)
+    own = b"".join(parts if place == "raw" else map(b64encode, parts))
+    path = folder / "array.vtu"
+    path.write_bytes(text.encode().replace(b"{}", own))
+    return path
 
 
 @pytest.mark.parametrize("place", PLACES)
 @pytest.mark.parametrize(("order", "bits"), [("LittleEndian", 32), ("BigEndian", 64)])
 def test_what_would_inflate_too_far_is_refused_by_what_it_says_itself(tmp_path, place, order, bits):
     """1.5 GB of zeros are 1.5 MB compressed: here nothing but the head of them is there."""
-    head = np.array([45_776, 32_768, 100], f"{'>' if order == 'BigEndian' else '<'}u{bits // 8}")
-    own = head.tobytes() if place == "raw" else b64encode(head.tobytes())
-    array, appended = PLACES[place]
-    text = VTU.format(order=order, bits=bits, array=array, appended=appended).encode()
-    path = tmp_path / "bomb.vtu"
-    path.write_bytes(text.replace(b"{}", own))
+    head = np.array([45_776, 32_768, 100], f"{'<' if bits == 32 else '>'}u{bits // 8}")
+    path = vtu_of(tmp_path, place, [head.tobytes()], "AAAA", order, bits)
     with pytest.raises(InputError, match=r"unpack to 1499\.96 MB; must be at most 500 MB"):
         read_part(path)
 
@@ -230,14 +232,7 @@ def test_what_holds_more_than_it_says_is_inflated_no_further(tmp_path, place, co
     """Each block says that it has a hundred bytes; together they would have ten gigabytes."""
     block = library.compress(bytes(10_000_000))
     head = np.array([1000, 100, 100, *[len(block)] * 1000], "<u4").tobytes()
-    parts = [head, 1000 * block]
-    own = b"".join(parts if place == "raw" else map(b64encode, parts))
-    array, appended = PLACES[place]
-    array = array.replace("4", "0")
-    text = VTU.format(order="LittleEndian", bits=32, array=array, appended=appended)
-    text = text.replace("AAAA", "").replace("ZLib", compressor)
-    path = tmp_path / "liar.vtu"
-    path.write_bytes(text.encode().replace(b"{}", own))
+    path = vtu_of(tmp_path, place, [head, 1000 * block], compressor=compressor)
     with pytest.raises(InputError, match="holds more or less than the file says"):
         read_part(path)
 
@@ -252,16 +247,16 @@ def test_what_a_file_says_of_its_size_is_what_it_holds(files, tmp_path, compress
     assert inflated_size(path.read_bytes()) == (size if compression else 0)
 
 
-@pytest.mark.parametrize("where", ["inline", "base64", "raw"])
+@pytest.mark.parametrize("place", PLACES)
 @pytest.mark.parametrize("compressor", ["ZLib", "LZMA"])
-def test_what_vtk_writes_is_read(files, tmp_path, where, compressor):
+def test_what_vtk_writes_is_read(files, tmp_path, place, compressor):
     """The writer of ParaView: appended as it does by default, or otherwise."""
     path, writer = tmp_path / "plate.vtu", vtkXMLUnstructuredGridWriter()
     writer.SetFileName(str(path))
     writer.SetInputData(pyvista.read(files / "plate.vtu"))
     getattr(writer, f"SetCompressorTypeTo{compressor}")()
-    writer.SetDataMode(writer.Binary if where == "inline" else writer.Appended)
-    writer.SetEncodeAppendedData(where == "base64")
+    writer.SetDataMode(writer.Binary if place == "binary" else writer.Appended)
+    writer.SetEncodeAppendedData(place == "base64")
     writer.SetHeaderTypeToUInt64()
     assert writer.Write()
     found, own = (read_part(one, "mm") for one in (path, files / "plate.vtu"))

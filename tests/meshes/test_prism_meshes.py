@@ -1,0 +1,178 @@
+"""Meshes of sections and legs: sound, conforming, on the true outline, with exact integrals."""
+
+from math import cos, nan, pi, sin
+
+import numpy as np
+import pytest
+from scipy.spatial import cKDTree
+
+from lumped.errors import ComputationError, InputError
+from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Tube
+from meshes.elements import ELEMENTS
+from meshes.prism.hexahedra import extrude, hexahedra, stations
+from meshes.prism.tetrahedra import tetrahedra
+from meshes.quality import quality
+from meshes.section.section_mesh import require_leg, require_section, section_mesh, symmetrised
+from meshes.shape_functions import gradients, quadrature, values
+
+BOX, LENGTH = Rectangle(0.16, 0.26), 0.3
+SECTIONS = [
+    BOX,
+    HollowRectangle(0.10, 0.16, 0.02),
+    Circle(0.10),
+    Tube(0.10, 0.02),
+    ISection(0.10, 0.16, 0.03, 0.02),
+]
+by_shape = pytest.mark.parametrize("section", SECTIONS, ids=lambda section: section.shape)
+
+
+def moments(mesh, powers):
+    """∫ Π x_i^p_i over a mesh whose cells are right-handed, for each row of powers."""
+    points, weights = quadrature(mesh.element, 6)
+    corners = mesh.nodes[mesh.cells]
+    slopes = gradients(mesh.element, points)
+    determinant = np.linalg.det(np.einsum("mki,kjq->mqij", corners, slopes))
+    assert determinant.min() > 0.0
+    at = np.einsum("mki,kq->mqi", corners, values(mesh.element, points))
+    return [float((determinant * (at**p).prod(axis=-1) @ weights).sum()) for p in powers]
+
+
+def free_sides(mesh):
+    """Sides that one cell alone owns; none has more than two owners, and each node is once there.
+
+    Sides of a reference cell are found from the planes that bound it.
+    """
+    nodes = ELEMENTS[mesh.element].nodes
+    sides = [nodes[:, i] == 0.0 for i in range(nodes.shape[1])]
+    is_simplex = (nodes.sum(axis=1) <= 1.0).all()
+    sides += [nodes.sum(axis=1) == 1.0] if is_simplex else [side == 1.0 for side in nodes.T]
+    every = np.vstack([np.sort(mesh.cells[:, side], axis=1) for side in sides])
+    distinct, owners = np.unique(every, axis=0, return_counts=True)
+    assert owners.max() == 2
+    assert not cKDTree(mesh.nodes).query_pairs(1e-6)
+    assert np.array_equal(np.unique(mesh.cells), np.arange(len(mesh.nodes)))
+    return distinct[owners == 1]
+
+
+@by_shape
+def test_meshes_of_every_section_are_sound(section):
+    for divisions in (1, 4, 5):
+        mesh = section_mesh(section, divisions)
+        free_sides(mesh)
+        found = moments(mesh, [(0, 0), (2, 0), (0, 2)])
+        if not isinstance(section, Circle | Tube):
+            exact = [section.area, section.second_moment_z, section.second_moment_y]
+            # 1e-13: straight cells are integrated exactly, some hundred terms of rounding.
+            assert found == pytest.approx(exact, rel=1e-13)
+        assert quality(mesh)[0].min() > 0.3
+        for places in (mesh.nodes, mesh.nodes[mesh.cells].mean(axis=1)):
+            for mirror in ((-1.0, 1.0), (1.0, -1.0)):
+                distance, _ = cKDTree(places).query(places * mirror)
+                assert distance.max() < 1e-16  # rounding of coordinates of 0.1 m
+
+
+def extruded(section, length, divisions):
+    """Slices as long as the smaller side, or a quarter of it."""
+    slices = np.ceil(4.0 * length / min(section.extent))
+    return hexahedra(section, length, divisions, int(divisions * slices))
+
+
+@pytest.mark.parametrize(
+    ("section", "family"),
+    [*((section, extruded) for section in SECTIONS), (BOX, tetrahedra)],
+    ids=lambda value: getattr(value, "shape", None),
+)
+def test_meshes_of_every_leg_are_sound_and_have_its_moments(section, family):
+    mesh = family(section, LENGTH, 1)
+    free = free_sides(mesh)
+    # Rounding of some ten thousand terms of the largest size; four arcs are parabolas.
+    rel = 5e-2 if isinstance(section, Circle | Tube) else 1e-11
+    for end, x in ((mesh.root, 0.0), (mesh.tip, LENGTH)):
+        assert np.array_equal(end.nodes, np.flatnonzero(mesh.nodes[:, 0] == x))
+        assert np.array_equal(mesh.nodes[end.nodes, 1:], end.mesh.nodes)
+        assert np.isin(free, end.nodes).all(axis=1).sum() == len(end.mesh.cells)
+        assert moments(end.mesh, [(0, 0)]) == pytest.approx([section.area], rel=rel)
+    assert (mesh.nodes[:, 0].min(), mesh.nodes[:, 0].max(), mesh.length) == (0.0, LENGTH, LENGTH)
+    # What Verdict's manual calls acceptable.
+    assert quality(mesh)[0].min() > (0.3 if family is extruded else 0.2)
+    powers = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (0, 2, 0), (0, 0, 2), (0, 1, 1)]
+    volume, iy, iz = section.area * LENGTH, section.second_moment_y, section.second_moment_z
+    exact = [volume, volume * LENGTH / 2, 0.0, 0.0, iz * LENGTH, iy * LENGTH, 0.0]
+    assert moments(mesh, powers) == pytest.approx(exact, rel=rel, abs=1e-15)
+
+
+def _parabolas(radius: float, sides: int) -> float:
+    """The polygon and a parabola's segment (2/3 chord × sagitta) over each side."""
+    chord, sagitta = 2 * radius * sin(pi / sides), radius * (1 - cos(pi / sides))
+    return sides / 2 * radius**2 * sin(2 * pi / sides) + sides * 2 / 3 * chord * sagitta
+
+
+def test_areas_of_round_sections_are_those_of_parabolas():
+    for divisions in (4, 16):
+        # 1e-12: rounding
+        circle = moments(section_mesh(Circle(0.1), divisions), [(0, 0)])
+        assert circle == pytest.approx([_parabolas(0.05, 2 * divisions)], rel=1e-12)
+    # A quarter of the middle line, 0.094 π/4, takes three elements of 0.1/4, so six at 8 divisions.
+    tube = moments(section_mesh(Tube(0.1, 0.006), 8), [(0, 0)])
+    assert tube == pytest.approx([_parabolas(0.05, 24) - _parabolas(0.044, 24)], rel=1e-12)
+
+
+def test_walls_get_one_element_across_per_four_divisions_and_doubled_ones_halve_all():
+    counts = []
+    for divisions, across in ((1, 1), (4, 1), (8, 2), (16, 4)):
+        mesh = section_mesh(HollowRectangle(0.1, 0.1, 0.005), divisions)
+        through_the_wall = mesh.nodes[(np.abs(mesh.nodes[:, 1] + 0.05) < 1e-9)]
+        in_the_corner = np.sum(through_the_wall[:, 0] < -0.045 + 1e-9)
+        assert in_the_corner == 2 * across + 1
+        counts.append(len(mesh.cells))
+        # None along it is longer than eight times what it is thick.
+        thin = section_mesh(HollowRectangle(0.1, 0.1, 0.001), divisions)
+        assert np.ptp(thin.nodes[thin.cells], axis=1).max() <= 0.008
+    assert counts[2:] == [4 * counts[1], 16 * counts[1]]
+
+
+def test_extrusion_numbers_nodes_and_cells_slice_by_slice():
+    # Two divisions count elements along y and z.
+    section = section_mesh(Rectangle(0.1, 0.2), (4, 2))
+    assert [len(np.unique(along.round(9))) for along in section.nodes.T] == [9, 5]
+    mesh = extrude(section, np.array([0.0, 0.1, 0.15, 0.3]))
+    assert mesh.slices == 3
+    by_plane = mesh.nodes.reshape(7, len(section.nodes), 3)
+    assert np.all(np.ptp(by_plane[:, :, 0], axis=1) == 0.0)
+    assert np.all(np.diff(by_plane[:, 0, 0]) > 0.0)
+    assert np.all(by_plane[:, :, 1:] == section.nodes)
+    per_slice = mesh.cells.reshape(3, len(section.cells), -1)
+    step = 2 * len(section.nodes)
+    assert np.array_equal(per_slice[1] - per_slice[0], np.full_like(per_slice[0], step))
+    assert stations(0.7, 7) == pytest.approx(np.arange(8) / 10, abs=2e-16)
+    assert stations(0.7, 7)[-1] == 0.7
+
+
+@pytest.mark.parametrize(
+    ("request_one", "reason"),
+    [
+        (lambda: require_section(Rectangle(0.1, -0.2), 4), "height = -0.2: must be above 0 m"),
+        (lambda: require_section(Circle(0.1), 0), "divisions = 0: must be at least 1"),
+        (lambda: require_section(Rectangle(0.1, 0.2), (4, 0)), "both must be at least 1"),
+        (lambda: require_section(Circle(0.1), (4, 4)), "two numbers suit a solid rectangle alone"),
+        (lambda: require_leg(BOX, 0.0, 4), "must be above 0 m"),
+        (lambda: require_leg(BOX, nan, 4), "must be above 0 m"),
+        (lambda: require_leg(BOX, 0.25, 4), r"length = 0\.25: shorter .* 0\.26 m"),
+        (lambda: extruded(BOX, 0.2, 4), "shorter than its rectangle section"),
+        (lambda: tetrahedra(BOX, 0.2, 4), "shorter than its rectangle section"),
+        (lambda: tetrahedra(Circle(0.1), 0.2, 4), "solid rectangles alone"),
+        (lambda: stations(1.0, 0), "slices = 0"),
+    ],
+)
+def test_impossible_requests_are_refused(request_one, reason):
+    with pytest.raises(InputError, match=reason):
+        request_one()
+
+
+def test_legs_as_long_as_wide_are_meshed_and_all_faults_and_want_of_symmetry_are_said():
+    require_leg(BOX, 0.26, 4)
+    with pytest.raises(InputError) as caught:
+        require_section(Rectangle(0.0, -1.0), 0)
+    assert len(caught.value.faults) == 3
+    with pytest.raises(ComputationError, match=r"section: .* not symmetric"):
+        symmetrised(np.array([[0.0, 0.0], [1.0, 0.0], [-0.9, 0.0]]), "section")
