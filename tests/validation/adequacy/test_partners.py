@@ -75,11 +75,14 @@ def test_modes_that_a_model_or_a_pose_does_not_have():
 
 
 def test_close_modes_mix_and_count_as_the_space_they_span():
-    close, mixed = (vibration([100.0, 102.0, 200.0], *pair, C) for pair in ((A, B), MIXED))
-    found = partners(close, mixed, WEIGHTS, 3)
-    assert found.likeness[0] == pytest.approx(1.0)
-    assert found.frequency[0] == pytest.approx([100.0, 102.0, 200.0])
-    assert found.number[0].tolist() == [0, 1, 2]
+    close, mixed, swapped = (
+        vibration([100.0, 102.0, 200.0], *pair, C) for pair in ((A, B), MIXED, (B, A))
+    )
+    for one in (mixed, swapped):
+        found = partners(close, one, WEIGHTS, 3)
+        assert found.likeness[0] == pytest.approx(1.0)
+        assert found.frequency[0] == pytest.approx([100.0, 102.0, 200.0])
+        assert found.number[0].tolist() == [0, 1, 2]
     # Likewise where they are close on one side alone.
     apart = vibration([100.0, 130.0, 300.0], A, B, C)
     for one, other in ((mixed, apart), (apart, mixed)):
@@ -89,8 +92,10 @@ def test_close_modes_mix_and_count_as_the_space_they_span():
 @pytest.mark.parametrize(
     ("coarse", "changes"),
     [
-        # By number it would be 2 % of each: the one that alone has changed comes from 4 % above.
+        # By number it would be 2 % of each: the one that alone has changed comes from 4 % above,
         (vibration([100.0, 104.0, 106.08, 200.0], A, C, B, D), [0.0, 0.04, 0.0]),
+        # or below.
+        (vibration([97.92, 100.0, 104.0, 200.0], B, A, C, D), [0.0, 0.04, 0.0]),
         # Modes that mix have the sum of their changes; the third of the family is alone.
         (vibration([101.0, 103.02, 104.0, 200.0], *MIXED, C, D), [0.02, 0.02, 0.0]),
         # Of a mode that the coarse mesh does not have nothing is known.
