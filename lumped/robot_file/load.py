@@ -24,12 +24,11 @@ from lumped.robot_file.evidence import (
     requirement_of,
     times,
 )
-from lumped.robot_file.loads import load_faults, loads_of
+from lumped.robot_file.loads import excitations_of, load_faults, loads_of, response_faults
 from lumped.robot_file.mechanism.build import mechanism_of
 from lumped.robot_file.mechanism.faults import description_faults, motion_faults
 from lumped.robot_file.places import keys_named, value_at, with_value
 from lumped.robot_file.reading import decoded, parsed
-from lumped.robot_file.responses import excitations_of, response_faults
 from lumped.robot_file.rules.published import key_comments
 from lumped.robot_file.rules.tables import MECHANISM, rules_of
 from lumped.robots import FIRST_TYPE, RobotType

@@ -1,20 +1,29 @@
-"""What a mechanism's stiffness must be in closed form: physics.md section 7."""
+"""Compliances, frequencies and idle motions: in closed form and the obvious way.
 
+That is every node and every joint written out and one null space. All nodes have six unknowns,
+every joint six more for its relative twist, and every condition (a rigid body, a joint's direction
+that does not give way) is a row. K̂ = TᵀKT with the null space T of all rows by SVD; idle motions
+are left out by the pseudo-inverse.
+"""
+
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from random_mechanisms import STEEL, Maker
+from random_mechanisms import STEEL, Maker, random_posture
 
 from lumped.arrays import dense
-from lumped.errors import InputError
+from lumped.errors import ComputationError
 from lumped.legs import ConstantLeg
 from lumped.mechanism.body import Body, Frame, Rigid
+from lumped.mechanism.free_twists import free_twists, interface_position, turned_since_reference
 from lumped.mechanism.joint import Drive
 from lumped.mechanism.mechanism import GROUND, Tool
-from lumped.models.bodies import legs_of, tip_compliances
+from lumped.models import serial_chains
+from lumped.models.bodies import legs_of, links, tip_compliances
 from lumped.models.segments import segment_chain, segment_leg
-from lumped.models.serial_chains import compliance as vjm_compliance
+from lumped.screws import shift, turn_matrix
 from lumped.sections import Rectangle
 from lumped.system.assembly import assemble
 from lumped.system.joint_motion import Portion
@@ -69,18 +78,6 @@ def test_a_parallelogram_yields_by_its_drive_its_driven_rod_and_the_stretch_of_b
         assert share == pytest.approx(amount, rel=1e-8, abs=1e-12), portion
 
 
-def test_legs_that_are_no_serial_chains_are_named(parallelogram):
-    """A rod between the two rods: the legs of the parallelogram branch."""
-    mechanism = parallelogram.mechanism
-    looped = replace(
-        mechanism,
-        tool=replace(mechanism.tool, body="rod1", point="C"),
-        joints=[*mechanism.joints, mechanism.joints[1]],
-    )
-    with pytest.raises(InputError, match="branches at bar; take --model links"):
-        vjm_compliance(replace(parallelogram, mechanism=looped), tip_compliances(mechanism))
-
-
 def test_a_rod_between_ball_joints_goes_round_a_cone_without_spinning():
     """Led by a crank on a drive k: ω² = k/(I_crank + (I_across + mL²/4) sin²β), half angle β.
 
@@ -111,3 +108,107 @@ def test_a_rod_between_ball_joints_goes_round_a_cone_without_spinning():
     forces, momenta = dense(system.stiffness) @ shape, dense(system.mass) @ shape
     assert shape @ momenta == pytest.approx(1.0, rel=1e-12)
     assert forces == pytest.approx(speed**2 * momenta, abs=1e-6 * abs(forces).max())
+
+
+# Legs and joints have compliances up to 1e-5: a robot softer than this is near a singular posture,
+# and rounding grows as its compliance does.
+SOFTEST_PART = 1e-5
+
+
+def give_of(posture, joint, free):
+    """What a joint yields by itself and by its drive (6×6)."""
+    give = np.zeros((6, 6))
+    if joint.compliance is not None:
+        since = turned_since_reference(posture, joint.first.body)
+        give += turn_matrix(joint.compliance, since)
+    if joint.drive is not None and joint.drive.stiffness is not None:
+        give += np.outer(free[:, 0], free[:, 0]) / joint.drive.stiffness
+    return give
+
+
+def naive(posture, legs):
+    """Stiffness, mass and tool rows on the null space of everything that is held."""
+    mechanism = posture.mechanism
+    bodies = {name: body for name, body in mechanism.bodies.items() if name != GROUND}
+    keys = [(name, point) for name, body in bodies.items() for point in body.interfaces]
+    keys += [joint.name for joint in mechanism.joints]
+    size = 6 * len(keys)
+    rows = dict(zip(keys, np.eye(size).reshape(-1, 6, size), strict=True))
+    stiffness, mass = np.zeros((2, size, size))
+    held = []
+    for name, body in bodies.items():
+        base = posture.frames[name]
+        place = [(base @ frame).position for frame in body.interfaces.values()]
+        root, *others = (rows[name, point] for point in body.interfaces)
+        carried = [shift(point - place[0]) @ root for point in place[1:]]
+        if name in legs:
+            relative = others[0] - carried[0]
+            tip = np.linalg.inv(turn_matrix(legs[name], base.rotation))
+            stiffness += relative.T @ tip @ relative
+            continue
+        held += [own - moved for own, moved in zip(others, carried, strict=True)]
+        moving = shift((base @ Frame(body.shape.centre)).position - place[0]) @ root
+        weight = np.diag([body.shape.mass] * 3 + [0.0] * 3)
+        weight[3:, 3:] = base.rotation @ body.shape.inertia @ base.rotation.T
+        mass += moving.T @ weight @ moving
+    for joint in mechanism.joints:
+        point, free = interface_position(posture, joint.first), free_twists(posture, joint)
+        # The joint's own deflection, of which the rigid directions are held.
+        own = rows[joint.name]
+        values, vectors = np.linalg.eigh(give_of(posture, joint, free))
+        soft = values > 1e-12 * values[-1]
+        firm = vectors[:, soft].T @ own
+        held.append(vectors[:, ~soft].T @ own)
+        stiffness += firm.T @ (firm / values[soft, None])
+        apart = -own
+        for side, sign in ((joint.second, 1.0), (joint.first, -1.0)):
+            if side.body != GROUND:
+                arm = shift(point - interface_position(posture, side))
+                apart = apart + sign * arm @ rows[side.body, side.point]
+        passive = free if joint.drive is None else free[:, 1:]
+        across = np.linalg.qr(passive, mode="complete")[0][:, passive.shape[1] :]
+        held.append(across.T @ apart)
+    tool = rows[mechanism.tool.body, mechanism.tool.point]
+    mass += mechanism.tool.mass * tool[:3].T @ tool[:3]
+    _, values, right = np.linalg.svd(np.vstack(held))
+    free = right[int(np.sum(values > 1e-10)) :].T
+    return free.T @ stiffness @ free, free.T @ mass @ free, tool @ free
+
+
+# Universal joints that give, away from the reference posture, come up from the fifteenth on.
+@pytest.mark.parametrize(
+    ("seed", "planar"), [*((n, False) for n in range(27)), *((n, True) for n in range(8))]
+)
+def test_compliance_idle_motions_and_frequencies_are_those_of_the_null_space(seed, planar):
+    posture = random_posture(seed, planar=planar)
+    legs = tip_compliances(posture.mechanism)
+    system = assemble(posture, links(posture.mechanism, legs))
+    stiffness, mass, tool = naive(posture, legs)
+    values, vectors = np.linalg.eigh(stiffness)
+    firm = values > 1e-11 * values.max(initial=1.0)
+    idle_motions = vectors[:, ~firm]
+    if np.abs(tool @ idle_motions).max(initial=0.0) > 1e-6:
+        with pytest.raises(ComputationError, match="the tool is free to"):
+            solved(system)
+        return
+    root = vectors[:, firm] / np.sqrt(values[firm])
+    flexibility = tool @ root @ root.T @ tool.T
+    size = np.abs(flexibility).max()
+    grown = max(1.0, size / SOFTEST_PART)
+    solution = solved(system)
+    # 1e-20: a tool that rigid joints alone hold.
+    assert np.abs(compliance(solution) - flexibility).max() <= 1e-8 * grown * size + 1e-20
+    assert solution.idle == np.sum(~firm)
+    # Eqs (3) to (9) share nothing with the assembler; where a chain is rigid they have no answer.
+    with suppress(ComputationError):
+        by_chains = serial_chains.compliance(posture, legs)
+        assert np.abs(by_chains - flexibility).max() <= 1e-7 * grown * size + 1e-20
+    # Idle motions run free: what is left is orthogonal to those of them in the mass that have one.
+    free_mass, turned = np.linalg.eigh(idle_motions.T @ mass @ idle_motions)
+    heavy = free_mass > 1e-11 * mass.max(initial=0.0)
+    drag = mass @ idle_motions @ (turned[:, heavy] / np.sqrt(free_mass[heavy]))
+    inverse = np.linalg.eigvalsh(root.T @ (mass - drag @ drag.T) @ root)[::-1]
+    inverse = inverse[inverse > max(1e-20, 1e-9 * inverse.max(initial=0.0))][:3]
+    if len(inverse):
+        frequencies = modes(solution, len(inverse)).frequencies
+        assert (2 * np.pi * frequencies) ** -2 == pytest.approx(inverse, rel=1e-7 * grown)
