@@ -1,9 +1,8 @@
 """Five-bars as robot files at random, with everything that no built-in robot has.
 
-Unlike legs, some given by a 6×6, `ends` of single legs, joints that give, drives of all
-stiffnesses; poses are away from the reference posture. Beside each stands its own answer, from the
-tables as written and closed forms alone: positions by circles, compliances by virtual joints
-written out.
+Unlike legs, some given by a 6×6, joints that give, drives of all stiffnesses; poses are away from
+the reference posture. Beside each stands its own answer, from the tables as written and closed
+forms alone: positions by circles, compliances by virtual joints written out.
 """
 
 import json
@@ -81,15 +80,11 @@ def cantilever(length: float, section: Mapping[str, Any], material: Mapping[str,
 
 @dataclass(frozen=True)
 class Linkage:
-    """A robot file's tables with what it answers to in `pose` by closed forms, SI, base axes.
-
-    `tips` are its legs' 6×6 (leg axes) by name.
-    """
+    """A robot file's tables with what it answers to in `pose` by closed forms, SI, base axes."""
 
     tables: Tables
     pose: tuple[float, ...]
     compliance: Array
-    tips: Mapping[str, Array]
 
     def written(self, folder: Path) -> RobotFile:
         """The robot read from a file in `folder`."""
@@ -141,17 +136,10 @@ def _elbow(base: Array, tip: Array, lengths: tuple[float, float], side: float) -
     return np.asarray(base + along * way / d + side * across * np.cross(Z, way) / d)
 
 
-def five_bar(
-    seed: int,
-    *,
-    matrices: bool = False,
-    legs: Mapping[str, Array] | None = None,
-    ends: Mapping[str, str] | None = None,
-) -> Linkage:
+def five_bar(seed: int, *, matrices: bool = False) -> Linkage:
     """Two unlike cranks and rods in the plane, the tool off the reference posture.
 
-    With `matrices` one leg is given by a 6×6. `ends` of the legs by name; `legs` are 6×6 that the
-    answer is to be of in place of beams' (tips, leg axes).
+    With `matrices` one leg is given by a 6×6.
     """
     rng = np.random.default_rng(seed)
     points, now = {}, {}
@@ -175,10 +163,7 @@ def five_bar(
         if name == given:
             tips[name] = tips[name] + give(rng, 1e-7)
             said = {"mass": 2.0, "compliance": tips[name]}
-        if ends and name in ends:
-            said["ends"] = ends[name]
         bodies[name] = {"from": start, "to": end, **said}
-    tips |= dict(legs or {})
     drives = {n: 10.0 ** rng.uniform(4.5, 6.0) for n in (1, 2)}
     gives = {name: give(rng) for name in ("motor1", "motor2", "elbow1", "elbow2", "pin")}
     joints = {"pin": _joint("revolute", "rod1", "rod2", "P", axis=Z)}
@@ -215,4 +200,4 @@ def five_bar(
             free.append(about_z)
         held, J = np.linalg.inv(chain), np.array(free).T
         stiffness += held - held @ J @ np.linalg.inv(J.T @ held @ J) @ J.T @ held
-    return Linkage(tables, tuple(pose[:2].tolist()), np.linalg.inv(stiffness), tips)
+    return Linkage(tables, tuple(pose[:2].tolist()), np.linalg.inv(stiffness))

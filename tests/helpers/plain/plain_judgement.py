@@ -31,10 +31,6 @@ class Plain(NamedTuple):
     def middle(self):
         return None if self.missing else (self.low + self.high) / 2.0
 
-    @property
-    def half(self):
-        return None if self.missing else (self.high - self.low) / 2.0
-
     def verdict(self, limit):
         if self.missing:
             return "inadequate"
@@ -161,12 +157,13 @@ class Rule:
         alone = self.each(self.model, pose)
         errors = [one["error"] for one in alone]
         left = {"meshes": max(self.spread(one, k, pose) for k, one in enumerate(alone))}
+        halves = [None if one.missing else one.high - one.middle for one in path]
         if self.quantity == "order":
-            left = {"meshes": path[pose].half}
+            left = {"meshes": halves[pose]}
         elif self.reference.open:
             left[self.reference.open] = 0.5 * (max(errors) - min(errors))
-        told |= {"error": path[pose].middle, "uncertainty": path[pose].half, "uncertainties": left}
-        told |= {"errors": [one.middle for one in path], "spreads": [one.half for one in path]}
+        told |= {"error": path[pose].middle, "uncertainty": halves[pose], "uncertainties": left}
+        told |= {"errors": [one.middle for one in path], "spreads": halves}
         if self.static and self.quantity != "any_force":
             told["along"] = np.mean([one["along"] for one in alone])
             told["value"] = alone[0]["value"]
