@@ -13,6 +13,7 @@ from written_robot import robot_of
 
 from fem.bodies.solid import coupled_leg, solid_leg, solid_mesh
 from fem.solvers.factor import analyse
+from lumped.errors import InputError
 from lumped.legs import ConstantLeg, Material, equivalent_leg
 from lumped.mechanism.kinematics.postures import reference_posture
 from lumped.models.bodies import legs_of
@@ -32,7 +33,7 @@ from validation.solve.answer import (
     as_text,
     record_of,
 )
-from validation.solve.cost import solid_cost
+from validation.solve.cost import Cost, require_affordable, solid_cost
 from validation.solve.model_answers import solve
 from validation.solve.question import Question
 from validation.solve.uncertainty import beside
@@ -53,7 +54,6 @@ REFUSED = [
     ("ROBOT beam --modes 1000000000", "--modes = 1000000000: must be from 0 to 1000"),
     ("ROBOT solid --divisions 999999999999999 --leg 1", "more than the "),
     ("ROBOT beam --elements 10000000", "more than the "),
-    ("ROBOT beam --elements 3000 --leg 1", "more than the "),
     ("delta beam --x 1", "--x: poses of a mechanism are typed as --pose"),
     ("delta beam --leg 1", "--leg: bodies of a mechanism have names"),
     ("delta beam --pose 1,2", "--pose 1,2: must be x,y,z as finite"),
@@ -320,6 +320,12 @@ def test_the_estimate_of_a_solid_is_near_to_its_mesh_and_factor(section):
     assert factor.peak_bytes < cost.memory
     # Assembly, which the factor's own count leaves out, comes to as much in a leg as small as this.
     assert cost.memory < 6.0 * factor.peak_bytes
+
+
+def test_an_hour_is_the_most_that_an_answer_may_take():
+    require_affordable(Cost(9.0, 1.0, 3599.0), "--elements 9")
+    with pytest.raises(InputError, match="and 1 h, more than the hour that one answer may take"):
+        require_affordable(Cost(9.0, 1.0, 3601.0), "--elements 9")
 
 
 def test_ctrl_c_ends_a_long_solve_at_once(robot):

@@ -64,7 +64,7 @@ def found(tmp_path_factory):
     (variation,) = variations_of(bar, [VARY])
     with pytest.MonkeyPatch.context() as patch:
         # Section meshes of a hundred nodes are enough for closed forms.
-        patch.setitem(UNKNOWNS, "quick", (300, 2500))
+        patch.setitem(UNKNOWNS, "quick", (150, 600))
         return variation_study(bar, variation, "quick")
 
 
