@@ -1,5 +1,7 @@
 """Beams of a prismatic leg: elements against closed forms, and those against published roots."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from compliances import scaled_difference
@@ -28,6 +30,11 @@ both_theories = pytest.mark.parametrize("theory", ["euler-bernoulli", "timoshenk
 
 def square_leg(slenderness: float) -> ConstantLeg:
     return ConstantLeg(slenderness * 0.1, Rectangle(0.1, 0.1), STEEL)
+
+
+def softer_along_y(p: BeamProperties) -> BeamProperties:
+    """Rectangles shear alike along both their sides."""
+    return replace(p, GAy=0.7 * p.GAy)
 
 
 def test_euler_bernoulli_roots_are_the_tabulated_ones():
@@ -61,7 +68,7 @@ def huang_function(p: BeamProperties, L: float, plane: str, omega):
 @pytest.mark.parametrize("plane", ["y", "z"])
 @pytest.mark.parametrize("leg", [LEG_1, square_leg(1.0)])
 def test_timoshenko_frequencies_are_all_the_roots_of_huang_s_equation(leg, plane):
-    p, L = leg.timoshenko, leg.length
+    p, L = softer_along_y(leg.timoshenko), leg.length
     omega = 2.0 * np.pi * bending_frequencies(p, L, plane, 20)
     # The cut-off of the second spectrum, √(κGA/ρI), lies below the 20th root of these legs.
     assert (
@@ -116,7 +123,7 @@ def test_tip_compliance_is_exact_for_any_slenderness_and_number_of_elements(theo
 
 @both_theories
 def test_tip_loads_bend_the_centreline_as_they_must_and_strain_their_own_part_alone(theory):
-    p, L = LEG_2.properties(theory), LEG_2.length
+    p, L = softer_along_y(LEG_2.properties(theory)), LEG_2.length
     leg = beam_leg(p, L, 3)
     x = np.linspace(0.0, L, 14)
     loads = np.zeros((leg.size - 6, 6))

@@ -20,15 +20,10 @@ Z = np.array([0.0, 0.0, 1.0])
 Tables = dict[str, Any]
 
 
-def skew(v: Array) -> Array:
-    """[v]×."""
-    return np.array([[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]])
-
-
 def carried(compliance: Array, offset: Array) -> Array:
     """A compliance as felt at a point `offset` (m) further: u + φ × r."""
     moved = np.eye(6)
-    moved[:3, 3:] = -skew(offset)
+    moved[:3, 3:] = np.cross(np.eye(3), offset).T
     return moved @ compliance @ moved.T
 
 
@@ -40,17 +35,13 @@ def turned(compliance: Array, rotation: Array) -> Array:
 
 def rotation_between(before: Array, after: Array) -> Array:
     """About z, from one direction in the plane to another."""
-    angle = np.arctan2(after[1], after[0]) - np.arctan2(before[1], before[0])
-    c, s = np.cos(angle), np.sin(angle)
-    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    return leg_axes(after) @ leg_axes(before).T
 
 
 def leg_axes(direction: Array) -> Array:
-    """x along the leg, z as near to the base's as can be."""
+    """x along the leg, which lies in the plane, z the base's."""
     x = direction / np.linalg.norm(direction)
-    y = np.cross(Z, x)
-    y /= np.linalg.norm(y)
-    return np.column_stack([x, y, np.cross(x, y)])
+    return np.column_stack([x, np.cross(Z, x), Z])
 
 
 def cantilever(length: float, section: Mapping[str, Any], material: Mapping[str, float]) -> Array:

@@ -76,17 +76,8 @@ class Maker:
             body = (first if number == 0 else second).body
             since = self.frames[body].rotation @ self.reference[body].rotation.T
             axes.append(since.T @ axis)
-        self.joints.append(
-            Joint(
-                f"j{len(self.joints)}",
-                kind,
-                first,
-                second,
-                np.array(axes).reshape(-1, 3),
-                drive,
-                compliance,
-            )
-        )
+        rows, name = np.array(axes).reshape(-1, 3), f"j{len(self.joints)}"
+        self.joints.append(Joint(name, kind, first, second, rows, drive, compliance))
 
     def compliance(self) -> np.ndarray:
         """A joint's own 6×6 give: positive definite, of the size of a bearing's."""
