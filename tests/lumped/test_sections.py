@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from lumped.sections import HollowRectangle, ISection, rectangle_torsion_constant
+from lumped.sections import HollowRectangle, ISection, Tube, rectangle_torsion_constant
 
 
 def test_torsion_constants_of_rectangles():
@@ -49,6 +49,14 @@ def test_i_section_by_its_three_plates():
     assert section.torsion_constant == pytest.approx(thin, rel=1e-12)
     # EN 10365 IPE 300: 53.81 cm², 8356 cm⁴, 603.8 cm⁴; the fillets are 4 % of the area.
     assert constants(section) == pytest.approx([53.81e-4, 8356e-8, 603.8e-8], rel=0.045)
+
+
+def test_tube_by_its_middle_line():
+    """A = π m t and I = π m t (m² + t²)/8, exact with the mean diameter m; J = 2 I."""
+    t, m = 0.004, 0.046
+    section, bending = Tube(0.05, t), np.pi * m * t * (m**2 + t**2) / 8.0
+    assert constants(section) == pytest.approx([np.pi * m * t, bending, bending], rel=1e-12)
+    assert section.torsion_constant == pytest.approx(2.0 * bending, rel=1e-12)
 
 
 @pytest.mark.parametrize("nu", [0.0, 0.3, 0.5])
