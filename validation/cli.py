@@ -192,8 +192,9 @@ def run(
     strict
         Exit with code 1 also where a comparison, or a model relied on, is undecided.
     measured
-        Measured values of the robot (CSV: quantity, pose, value, uncertainty, source), besides
-        those of the robot file.
+        Measured values of the robot (CSV: quantity, pose, value, uncertainty, source), or a modal
+        test (.uff, .unv; needs the extra "hammer", and [hammer] in the robot file), besides those
+        of the robot file.
     vary
         A number of the robot file over a range, bodies.rod1.section.diameter=0.02:0.06:9 say: all
         models over it, as figures, and what each of them would choose; a * in the key stands for

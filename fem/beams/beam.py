@@ -32,7 +32,7 @@ from lumped.mechanism.body_model import LegMatrices
 # Exact for the product of two cubics, the highest degree in the mass.
 _INTEGRATION_ORDER = 6
 # Slack for stations at the very end of the leg, relative to its length.
-_ROUNDING = 1e-12
+_ROUNDING = 1e-8
 # Round sections do not warp: below this share of G I_p warping has nothing to act against.
 _NO_WARPING = 1e-4
 

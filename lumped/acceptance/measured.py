@@ -9,7 +9,6 @@ response:NAME.at, what is judged of a response (m/N, Hz, m/N).
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from hashlib import sha256
 
 import numpy as np
 
@@ -20,9 +19,11 @@ from lumped.acceptance.requirement import (
     RESPONSE,
     ROTATIONS,
 )
+from lumped.arrays import Array
 from lumped.errors import InputError
 from lumped.mechanism.kinematics.postures import posture
 from lumped.mechanism.mechanism import Mechanism
+from lumped.memo import fingerprint
 from lumped.models.bodies import legs_of
 from lumped.text import shown
 
@@ -41,11 +42,27 @@ def leg_entry(quantity: str) -> tuple[str, int, int] | None:
     return (found[1], int(found[2]) - 1, int(found[3]) - 1) if found else None
 
 
+@dataclass(frozen=True, eq=False)
+class ModalTest:
+    """Modes of a test in a `pose`: `frequencies` (m, Hz) and real `shapes` (k×m).
+
+    They move `places` (k×3, m, axes of the `bodies`) along `directions` (k×3, unit, base axes).
+    """
+
+    pose: tuple[float, ...]
+    bodies: tuple[str, ...]
+    places: Array
+    directions: Array
+    shapes: Array
+    frequencies: Array
+
+
 @dataclass(frozen=True)
 class Measured:
     """One measured value with its standard uncertainty (unit of the value) and its source.
 
-    `pose` is where (empty for a leg alone), `load` the force (N) or moment (N m) of a deflection.
+    `pose` is where (empty for a leg alone), `load` the force (N) or moment (N m) of a deflection;
+    of a frequency that has a shape `column` is that of the mode in its `test`.
     """
 
     quantity: str
@@ -54,6 +71,8 @@ class Measured:
     source: str
     pose: tuple[float, ...] = ()
     load: float = 1.0
+    test: ModalTest | None = None
+    column: int = 0
 
     @property
     def leg_entry(self) -> tuple[str, int, int] | None:
@@ -111,7 +130,7 @@ def _why_positive(one: Measured) -> str:
 
 def digest(ones: Sequence[Measured]) -> str:
     """Digest (hexadecimal) of measured values: equal for equal ones."""
-    return sha256(repr(ones).encode()).hexdigest()[:16]
+    return fingerprint(tuple(ones))
 
 
 def pose_faults(robot: Mechanism, one: Measured, place: str) -> list[str]:

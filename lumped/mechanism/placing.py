@@ -1,6 +1,6 @@
 """Bodies on named points: how a leg or a rigid body stands in the reference posture."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -33,6 +33,17 @@ def leg_frame(start: Array, end: Array, up: Array | None = None) -> Frame:
         raise InputError("up must not lie along the leg")
     y /= across
     return Frame(np.asarray(start, dtype=float), np.column_stack([x, y, np.cross(x, y)]))
+
+
+def axes_along(x: Sequence[float], y: Sequence[float]) -> Array:
+    """Axes (3×3, as columns) with the first along `x` and the second as near to `y` as it can be.
+
+    The two are no unit vectors and must not lie along each other.
+    """
+    first = np.asarray(x) / np.linalg.norm(x)
+    third = np.cross(first, y)
+    third /= np.linalg.norm(third)
+    return np.column_stack([first, np.cross(third, first), third])
 
 
 def leg_on(

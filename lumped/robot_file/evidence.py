@@ -9,6 +9,7 @@ from lumped.acceptance.measured import Measured, measured_faults, pose_faults
 from lumped.acceptance.requirement import MODEL_KINDS, STATIC_QUANTITIES, Requirement
 from lumped.errors import InputError
 from lumped.mechanism.mechanism import Mechanism
+from lumped.robot_file.hammer import hammer_faults
 from lumped.robot_file.places import value_at
 from lumped.robot_file.reading import number_or_text, table_rows
 from lumped.robot_file.rules.relations import named_twice
@@ -17,7 +18,7 @@ from lumped.robot_file.rules.tables import ACCEPT, MEASURED, MEASURED_VALUES
 from lumped.text import shown
 
 # What is no property of the robot: uncertain it would change nothing, or be refused in mid-run.
-_OF_NO_ROBOT = {"schema", "accept", "path"}
+_OF_NO_ROBOT = {"schema", "accept", "path", "hammer"}
 _COLUMNS = ("quantity", "pose", "value", "uncertainty", "source")
 
 
@@ -120,6 +121,8 @@ def evidence_faults(
     for number, one in enumerate(read["measured"], start=1):
         value, place = Measured(**one), f"measured[{number}]"
         faults += measured_faults(value, place) or pose_faults(robot, value, place)
+    if read["hammer"] is not None:
+        faults += hammer_faults(read["hammer"], robot)
     keys = [one["key"] for one in read["input_uncertainty"]]
     rely = (read["accept"] or {}).get("rely", ())
     twice = (named_twice(keys, "input_uncertainty[{}].key"), named_twice(rely, "accept.rely[{}]"))

@@ -24,6 +24,7 @@ from lumped.robot_file.evidence import (
     requirement_of,
     times,
 )
+from lumped.robot_file.hammer import Hammer, hammer_of
 from lumped.robot_file.loads import excitations_of, load_faults, loads_of, response_faults
 from lumped.robot_file.mechanism.build import mechanism_of
 from lumped.robot_file.mechanism.faults import description_faults, motion_faults
@@ -97,6 +98,13 @@ class RobotFile:
         )
 
     @property
+    def hammer(self) -> Hammer | None:
+        """Where a modal test was made, None where the file does not say it."""
+        tables = self.tables
+        read = rules_of(tables).read(tables)["hammer"]
+        return hammer_of(read, self.mechanism) if read else None
+
+    @property
     def uncertain_inputs(self) -> dict[str, float]:
         """Relative standard uncertainties of data of the file, by key."""
         tables = self.tables
@@ -127,7 +135,7 @@ class RobotFile:
         """
         tables = self.tables
         # What was measured and what was misprinted is as the file says.
-        for said in ("measured", "corrections"):
+        for said in ("measured", "hammer", "corrections"):
             tables.pop(said, None)
         for key, value in values.items():
             tables = with_value(tables, key, value)

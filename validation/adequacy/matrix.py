@@ -55,11 +55,12 @@ class Entry:
     any force. `errors` and `spreads` are error and uncertainty at every pose, `values` the model's
     numbers there, `alongs` the signed errors along the load. `reason` says why a verdict is
     not "adequate" where no number does, and what would decide where it is undecided. `measured`:
-    the reference is a measured value, of which `unit` is that of `value` and `expected`. Where
-    inputs are uncertain: `probability` (0 to 1) of being within the limit, `probability_beyond` it,
-    `input_shares`, the first-order indices of Sobol' of the error by the inputs' keys, and
-    `value_spread`, the half-width (95 %) that they leave open of `value`. `assumed`: what the
-    reference is taken to cover, where nothing that could be computed would tell.
+    the reference is a measured value, of which `unit` is that of `value` and `expected`, `mac` how
+    like the modes are of which it is the frequency. Where inputs are uncertain: `probability` (0 to
+    1) of being within the limit, `probability_beyond` it, `input_shares`, the first-order indices
+    of Sobol' of the error by the inputs' keys, and `value_spread`, the half-width (95 %) that they
+    leave open of `value`. `assumed`: what the reference is taken to cover, where nothing that could
+    be computed would tell.
     """
 
     model: str
@@ -91,6 +92,7 @@ class Entry:
     input_shares: Mapping[str, float] = field(default_factory=dict)
     value_spread: float | None = None
     assumed: str = ""
+    mac: float | None = None
 
     @property
     def chance(self) -> float | None:

@@ -22,6 +22,7 @@ from validation.adequacy.mechanism.path import coordinates, why_not_serial
 from validation.adequacy.models import judged_models
 from validation.adequacy.probability import COVERAGE, propagated
 from validation.context import Context
+from validation.measured.modes import Partner, partners_of
 from validation.models.legs import leg_compliance
 from validation.models.mechanism import answers, mechanism_modes
 from validation.models.options import STATIC, ModelName, ModelOptions
@@ -92,7 +93,8 @@ def measured_matrix(context: Context) -> Matrix:
             alike = [one for one in ones if one.quantity == quantity]
             compared = {one: _compared(model, robot, one, options, off) for one in alike}
             if found := {one: comparison for one, comparison in compared.items() if comparison}:
-                entries.append(_entry(name, quantity, found, robot_file.requirement, poses))
+                pairs = {one: _partner(model, robot, one, options) for one in found}
+                entries.append(_entry(name, quantity, found, robot_file.requirement, poses, pairs))
     return Matrix(
         robot=robot.name,
         coordinates=coordinates(robot),
@@ -108,10 +110,13 @@ def predicted(
 ) -> float | None:
     """The model's number for a measured value, in its unit; None where the model has none."""
     if one.leg_entry is not None:
-        if model == "simplified":
-            return None
-        name, row, column = one.leg_entry
-        return float(leg_compliance(model, legs_of(robot)[name], options)[row, column])
+        name, *place = one.leg_entry
+        rigid = model == "simplified"
+        return (
+            None if rigid else float(leg_compliance(model, legs_of(robot)[name], options)[*place])
+        )
+    if one.test is not None:
+        return getattr(_partner(model, robot, one, options), "frequency", None)
     at = [posture(robot, np.array(one.pose))]
     of_modes = one.mode or one.of_response
     if (of_modes and model in STATIC) or (model == "vjm" and why_not_serial(at)):
@@ -131,6 +136,13 @@ def predicted(
         return float(found.frequencies[one.mode - 1]) if known else None
     index = AXES.index(one.quantity)
     return one.load * float(found.compliance[index, index])
+
+
+def _partner(
+    model: ModelName, robot: Mechanism, one: Measured, options: ModelOptions
+) -> Partner | None:
+    """The mode of the model that a mode of a test is."""
+    return None if one.test is None else partners_of(model, robot, one.test, options)[one.column]
 
 
 def _compared(
@@ -164,6 +176,7 @@ def _entry(
     found: Mapping[Measured, Comparison],
     requirement: Requirement,
     poses: Sequence[tuple[float, ...]],
+    pairs: Mapping[Measured, Partner | None],
 ) -> Entry:
     limit = requirement.deflection if leg_entry(quantity) else requirement.limit(quantity)
     verdict = worst_of([compared.verdict(limit) for compared in found.values()])
@@ -171,7 +184,8 @@ def _entry(
     ordered = sorted(found.items(), key=lambda pair: abs(pair[1].error), reverse=True)
     worst, compared = next(pair for pair in ordered if pair[1].verdict(limit) == verdict)
     at = [next((own for one, own in ordered if one.pose == pose), None) for pose in poses]
-    return Entry(
+    pair = pairs[worst]
+    entry = Entry(
         model=model,
         quantity=quantity,
         error=compared.error,
@@ -189,5 +203,11 @@ def _entry(
         values=tuple(own.value if own else None for own in at),
         measured=True,
         unit=worst.unit,
+        mac=pair and pair.mac,
         computed_by=("validation.measured.matrix.predicted", "validation.measured.matrix"),
     )
+    if not (pair and pair.reason):
+        return entry
+    # Modes that are not alike say nothing of each other.
+    entry = replace(entry, error=None, uncertainty=None, value=None, uncertainties={})
+    return replace(entry, verdict="undecided", reason=pair.reason, errors=(), spreads=(), values=())

@@ -111,6 +111,8 @@ def _cell(matrix: Matrix, note: ModelNote, entry: Entry) -> Cell:
         open_ = f"±\u00a0{percent(entry.uncertainty, signed=False)}"
     if entry.chance is not None and entry.chance < _CERTAIN:
         open_ = f"{open_} {percent(entry.chance, signed=False)}\u00a0sure".strip()
+    if entry.mac is not None:
+        open_ = f"{open_} MAC\u00a0{entry.mac:.2f}".strip()
     # Sheets of one model and quantity by different references are told apart.
     kind = ".measured" if entry.measured else ""
     meaning, sheet = sheet_of(matrix, note, entry)
@@ -174,7 +176,8 @@ def csv_of_matrix(matrix: Matrix) -> str:
         _HEADINGS.get(name, name.replace("_", " ")): [getattr(one, name) for one in matrix.entries]
         for name in (
             *("model", "quantity", "verdict", "error", "uncertainty", "limit", "along", "value"),
-            *("expected", "reference", "remedy", "error_with_remedy", "reason", "probability"),
+            *("expected", "reference", "mac", "remedy", "error_with_remedy", "reason"),
+            "probability",
         )
     }
     forces = [" ".join(f"{one:.6g}" for one in entry.force) for entry in matrix.entries]
@@ -236,6 +239,8 @@ def _numbers(matrix: Matrix, entry: Entry) -> list[Line]:
         accepted = f"{'± ' * entry.signed}{percent(entry.limit, signed=False)}"
         error = error_text(entry.error, signed=entry.signed)
         lines.append(("Error", f"{error}{whole}, accepted {accepted}"))
+    if entry.mac is not None:
+        lines.append(("Likeness (MAC)", f"{entry.mac:.4f}"))
     if entry.along is not None:
         lines.append(("Along the load", error_text(entry.along)))
     if entry.probability is not None:

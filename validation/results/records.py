@@ -95,6 +95,7 @@ class AdequacyRecord(msgspec.Struct, frozen=True, kw_only=True):
     along: Real | None = None
     force: tuple[Real, ...] = ()
     measured: bool = False
+    mac: Real | None = None
     probability: Real | None = None
     probability_beyond: Real | None = None
     input_shares: Mapping[str, Real] = {}

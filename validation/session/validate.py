@@ -14,7 +14,6 @@ from lumped.errors import ComputationError, InputError
 from lumped.models.bodies import legs_of
 from lumped.robot_file import RobotFile
 from lumped.robot_file.evidence import with_options
-from lumped.robot_file.load import with_measured
 from lumped.robot_file.variation import Variation
 from validation.adequacy.matrix import ADEQUACY, MEASURED
 from validation.agreement.accuracy import accuracy_faults
@@ -75,7 +74,11 @@ class Request:
     @cached_property
     def robot_file(self) -> RobotFile:
         """The robot with what the options change of its file; raises InputError."""
-        read = with_measured(self.robot, self.measured) if self.measured else self.robot
+        read = self.robot
+        if self.measured:
+            from validation.measured.modes import with_measured_file  # noqa: PLC0415
+
+            read = with_measured_file(read, self.measured)
         faults = [] if self.accuracy is None else accuracy_faults(self.accuracy)
         if self.inputs is not None and not SMALLEST_SHARE <= self.inputs <= 0.5:
             faults.append(

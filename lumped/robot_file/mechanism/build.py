@@ -27,7 +27,7 @@ from lumped.mechanism.body import (
 )
 from lumped.mechanism.joint import Drive, Joint, Side
 from lumped.mechanism.mechanism import GROUND, Mechanism, Tool
-from lumped.mechanism.placing import leg_on, rigid_on
+from lumped.mechanism.placing import axes_along, leg_on, rigid_on
 from lumped.robot_file.mechanism.draft import Draft, draft
 from lumped.robot_file.rules.relations import Entry
 
@@ -75,10 +75,7 @@ def _place(given: Draft, place: Any) -> Array:
 def _part(given: Draft, name: str, table: Entry, folder: Path) -> tuple[Body, Frame]:
     place, frame = table["place"], Frame()
     if place is not None:
-        x, y = np.array(place["x"]), np.array(place["y"])
-        x = x / np.linalg.norm(x)
-        z = np.cross(x, y) / np.linalg.norm(np.cross(x, y))
-        frame = Frame(_place(given, place["at"]), np.column_stack([x, np.cross(z, x), z]))
+        frame = Frame(_place(given, place["at"]), axes_along(place["x"], place["y"]))
     shape = Part(
         file=folder / (table["step"] or table["mesh"]),
         material=isotropic_of(table["material"]),

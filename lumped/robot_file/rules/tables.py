@@ -260,6 +260,19 @@ MEASURED = TableRule(
     Key("load", _POSITIVE, "N or N m", default=1.0),
 )
 MEASURED_VALUES = Several(MEASURED)
+_NODE = Text(r"[1-9][0-9]{0,8}", "a number of up to nine digits")
+_SENSOR = TableRule(
+    needed("body", _NAME, "the body that the node is on"),
+    needed("at", Either(_NAME, _POINT), "a point of it, or where in the reference posture"),
+    Key("x", _DIRECTION, "where its x axis pointed in the test", default=(1.0, 0.0, 0.0)),
+    Key("y", _DIRECTION, "its y axis, as nearly as it can be", default=(0.0, 1.0, 0.0)),
+)
+# 0.2 %: what mounting a robot and its sensors anew changes.
+HAMMER = TableRule(
+    needed("nodes", Named(_NODE, _SENSOR), "nodes of a universal file, by their numbers in it"),
+    Key("pose", _POSE, "where it was measured; the reference posture where left out"),
+    Key("uncertainty", _SHARE, "standard, of frequencies, besides their scatter", default=0.002),
+)
 _INPUT_UNCERTAINTY = TableRule(
     needed("key", _TEXT, 'a number or matrix of this file, "leg1.length" say'),
     needed("relative", _SHARE, "its relative standard uncertainty"),
@@ -274,6 +287,7 @@ _ASKED = (
     Key("responses", Several(RESPONSE), "to harmonic forces, each judged", default=()),
     Key("accept", ACCEPT, "what is asked of a model"),
     Key("measured", MEASURED_VALUES, "measured values", default=()),
+    Key("hammer", HAMMER, "where a modal test was made, whose file `--measured` names"),
     Key("input_uncertainty", Several(_INPUT_UNCERTAINTY), "how well data are known", default=()),
 )
 MECHANISM = TableRule(

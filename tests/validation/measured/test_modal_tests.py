@@ -1,0 +1,284 @@
+"""Modal tests from universal files, held against models; the tests are of closed-form structures.
+
+A chain of two masses, and a cantilever (Blevins, Formulas for Natural Frequency, table 8-1) whose
+frequency responses are sums over its first modes in two planes.
+"""
+
+import json
+import sys
+
+import numpy as np
+import pytest
+from written_robot import robot_of
+
+from lumped.errors import InputError
+from validation import cli
+from validation.context import Context
+from validation.measured import tested
+from validation.measured.matrix import measured_matrix
+from validation.measured.modes import with_measured_file
+from validation.measured.tested import read_modes
+
+pyuff = pytest.importorskip("pyuff")
+STEPS = np.arange(0.0, 500.0, 0.5)
+LENGTH, DAMPING = 0.8, 0.01
+STATIONS = np.array([0.2, 0.35, 0.5, 0.65, LENGTH])
+FACTORS = np.array([1.875104069, 4.694091133, 7.854757438])
+# Modes along y, then along z: the side of the section along which it bends (m).
+SIDES = np.repeat([0.020, 0.012], 3)
+FREQUENCIES = np.tile(FACTORS**2, 2) * SIDES * np.sqrt(2.1e11 / 7850.0 / 12.0) / LENGTH**2
+FREQUENCIES /= 2.0 * np.pi
+ROBOT = """
+schema = 2
+name = "cantilever"
+points = { A = [0.0, 0.0, 0.0], P = [0.8, 0.0, 0.0] }
+tool = { body = "beam", point = "P", moves = [] }
+[bodies.beam]
+from = "A"
+to = "P"
+section = { shape = "rectangle", width = 0.020, height = 0.012 }
+material = { E = 2.1e11, nu = 0.3, rho = 7850.0 }
+[joints]
+root = { type = "fixed", between = ["ground", "beam"], at = "A" }
+[hammer.nodes]
+5 = { body = "beam", at = "P", y = [0, 1, 1] }
+"""
+ALONG = "".join(f'{n} = {{ body = "beam", at = [{STATIONS[n - 1]}, 0, 0] }}\n' for n in range(1, 5))
+
+
+def shapes_of(x):
+    """Motions along y and z (2×6) at a station, of unit mean square; at the tip turned by 45°."""
+    z = x / LENGTH * FACTORS
+    sigma = (np.cosh(FACTORS) + np.cos(FACTORS)) / (np.sinh(FACTORS) + np.sin(FACTORS))
+    along = np.kron(np.eye(2), np.cosh(z) - np.cos(z) - sigma * (np.sinh(z) - np.sin(z)))
+    return np.array([[1, 1], [-1, 1]]) / np.sqrt(2) @ along if x == LENGTH else along
+
+
+SHAPES = np.vstack([shapes_of(x) for x in STATIONS])
+
+
+def function(node, axis, data, **more):
+    """A frequency response by a force at node 5 along its y axis; axes are 1 to 3."""
+    pairs = {"rsp_node": node, "rsp_dir": axis, "ref_node": 5, "ref_dir": 2}
+    kinds = {"ordinate_spec_data_type": 12, "orddenom_spec_data_type": 13}
+    form = {"type": 58, "func_type": 4, "binary": 0, "x": STEPS, "abscissa_spacing": 1}
+    return {**form, **pairs, **kinds, "data": data, **more}
+
+
+def accelerations(noise=0.0, frequencies=FREQUENCIES):
+    """All of the cantilever's, in m/s² by N."""
+    random, speeds, poles = np.random.default_rng(7), 2j * np.pi * STEPS, 2 * np.pi * frequencies
+    swing = speeds[:, None] ** 2 + 2 * DAMPING * poles * speeds[:, None] + poles**2
+    mass = 7850.0 * 0.020 * 0.012 * LENGTH
+    found = (speeds[:, None] ** 2 / swing) @ (SHAPES * SHAPES[8]).T / mass
+    found *= 1.0 + noise * (random.standard_normal((2, *found.shape)).T @ [1, 1j]).T
+    return [function(1 + i // 2, 2 + i % 2, one) for i, one in enumerate(found.T)]
+
+
+def written(path, sets):
+    path.unlink(missing_ok=True)
+    pyuff.UFF(str(path)).write_sets(sets)
+    return path
+
+
+def units(length, force):
+    return {"type": 164, "units_code": 9, "length": length, "force": force} | {
+        "temp": 1.0,
+        "temp_offset": 0.0,
+    }
+
+
+def likeness(one, other):
+    """MAC (m) of shapes (k×m)."""
+    return np.sum(one * other, 0) ** 2 / np.sum(one**2, 0) / np.sum(other**2, 0)
+
+
+@pytest.fixture
+def here(monkeypatch):
+    """Files are read in this process."""
+    monkeypatch.setattr(tested, "within_limits", lambda _, read, *given: read(*given))
+
+
+@pytest.mark.parametrize("binary", [0, 1])
+def test_poles_of_two_masses_come_back(tmp_path, binary):
+    # Equal masses m between three springs k: ω² = k/m and 3k/m, shapes (1, 1) and (1, −1).
+    own, speeds = np.sqrt([4.0e5, 1.2e6]), 2j * np.pi * np.arange(1.0, 300.0)[:, None]
+    modal = 0.5 * speeds / (speeds**2 + 2 * np.array([0.005, 0.02]) * own * speeds + own**2)
+    moved = [modal.sum(axis=1), modal @ [1, -1]]
+    more = {"x": np.arange(1.0, 300.0), "binary": binary, "ordinate_spec_data_type": 11}
+    sets = [function(n, 1, one, **more) for n, one in enumerate(moved, 1)]
+    found = read_modes(written(tmp_path / "chain.unv", sets))
+    assert np.abs(found.poles) == pytest.approx(own, rel=1e-5)
+    assert -found.poles.real / own == pytest.approx([0.005, 0.02], rel=1e-3)
+    assert likeness(found.shapes, np.array([[1, 1], [1, -1]])) == pytest.approx([1, 1], abs=1e-6)
+    assert found.freedoms.tolist() == [[1, 0], [2, 0]]
+
+
+def in_mm_and_g(sets):
+    for number, one in enumerate(sets):
+        in_g = number % 2
+        one["data"] = one["data"] / 9.80665 if in_g else one["data"] * 1000.0
+        one["ordinate_axis_units_lab"] = "g" if in_g else "mm/s^2"
+    return [units(1000.0, 1.0), *sets]
+
+
+def as_displacements(sets):
+    for one in sets[::2]:
+        one["data"] = one["data"][1:] / (2j * np.pi * STEPS[1:]) ** 2
+        one["data"] = np.concatenate([[0.0], one["data"]])
+        one["ordinate_spec_data_type"] = 8
+    return sets
+
+
+def turned_over(sets):
+    for one in sets[::3]:
+        one["rsp_dir"], one["data"] = -one["rsp_dir"], -one["data"]
+    return sets[::-1]
+
+
+def struck_all_over(sets):
+    for one in sets:
+        for end in ("node", "dir"):
+            one[f"rsp_{end}"], one[f"ref_{end}"] = one[f"ref_{end}"], one[f"rsp_{end}"]
+    return sets
+
+
+@pytest.mark.usefixtures("here")
+@pytest.mark.parametrize(
+    "changed", [list, in_mm_and_g, as_displacements, turned_over, struck_all_over]
+)
+def test_however_a_test_is_written_its_modes_are_the_same(tmp_path, changed):
+    found = read_modes(written(tmp_path / "h.uff", changed(accelerations())))
+    order = np.argsort(FREQUENCIES)
+    assert np.abs(found.poles) == pytest.approx(2 * np.pi * FREQUENCIES[order], rel=1e-4)
+    assert -found.poles.real / np.abs(found.poles) == pytest.approx(DAMPING, rel=1e-2)
+    assert likeness(found.shapes, SHAPES[:, order]) == pytest.approx(1.0, abs=1e-3)
+    assert found.freedoms.tolist() == [[n, axis] for n in range(1, 6) for axis in (1, 2)]
+
+
+def held(folder, sets, robot=ROBOT + ALONG):
+    robot_file = with_measured_file(robot_of(robot, folder), written(folder / "h.uff", sets))
+    return robot_file, measured_matrix(Context(robot_file, "quick"))
+
+
+@pytest.mark.usefixtures("here")
+def test_a_noisy_test_judges_every_mode_of_every_model(tmp_path):
+    robot_file, matrix = held(tmp_path, accelerations(noise=0.01))
+    assert [one.quantity for one in robot_file.measured] == [f"f{n}" for n in range(1, 7)]
+    for number, frequency in enumerate(np.sort(FREQUENCIES), 1):
+        entry = matrix.entry("beam-euler-bernoulli", f"f{number}")
+        assert entry.expected == pytest.approx(frequency, rel=1e-3)
+        assert entry.value == pytest.approx(frequency, rel=2e-3)
+        assert entry.mac > 0.99
+        assert entry.verdict == "adequate"
+        # 0.2 % of the robot file, and next to no scatter.
+        assert entry.uncertainties["measurement"] == pytest.approx(0.00392, rel=0.05)
+    assert "6 of 6 modes, 5 of 5 nodes" in entry.reference
+
+
+@pytest.mark.usefixtures("here")
+def test_modes_that_others_identified_are_paired_by_shape_not_by_number(tmp_path):
+    # Of the second and fifth as if nobody had seen the others, one 10 % off and upside down.
+    sets = []
+    for number, (mode, factor) in enumerate({0: 1.1, 4: 1.0}.items(), 1):
+        moved = np.column_stack([np.zeros(5), factor * SHAPES[:, mode].reshape(5, 2)])
+        rows = {f"r{axis}": (1 - 2 * mode) * moved[:, axis - 1] for axis in (1, 2, 3)}
+        head = {"analysis_type": 2, "data_ch": 2, "spec_data_type": 8, "load_case": 1}
+        own = {"mode_n": number, "freq": factor * FREQUENCIES[mode], "node_nums": np.arange(1, 6)}
+        sets.append({"type": 55, **head, **own, **rows})
+    _, matrix = held(tmp_path, sets)
+    errors = {one.quantity: one.error for one in matrix.of_model("beam")}
+    assert errors == pytest.approx({"f2": 1 / 1.1 - 1, "f3": 0.0}, abs=2e-3)
+
+
+@pytest.mark.usefixtures("here")
+def test_modes_that_look_alike_where_they_were_measured_are_not_judged(tmp_path):
+    robot_file, matrix = held(tmp_path, accelerations(), ROBOT)
+    entry = matrix.entry("beam", robot_file.measured[0].quantity)
+    assert (entry.verdict, entry.error, entry.value) == ("undecided", None, None)
+    assert "of the model look like it where it was measured: add points" in entry.reason
+    # Nodes that lie elsewhere than the file says.
+    mirrored = ALONG.replace("0.2,", "0.9,").replace("0.65,", "0.2,").replace("0.9,", "0.65,")
+    _, matrix = held(tmp_path, accelerations(), ROBOT + mirrored)
+    entry = matrix.entry("beam", "f3")
+    assert entry.mac < 0.8
+    assert entry.reason.startswith("another mode, or measured elsewhere: MAC 0.")
+
+
+def cut(content):
+    return content[: 6 * len(content) // 10]
+
+
+@pytest.mark.parametrize(
+    ("damaged", "said"),
+    [
+        (cut, "is it cut off?"),
+        (lambda content: content.replace(b"e-0", b"x-0", 3), "cannot be read"),
+        (lambda _: b"    -1\n    15\n    -1\n", "has neither frequency response functions nor"),
+        (lambda content: content.replace(b"      1000 ", b"      1001 "), "function 1 must be"),
+        (lambda content: content.replace(b"e+00", b"enan", 1), "cannot be read"),
+    ],
+)
+def test_a_damaged_file_is_one_line(tmp_path, damaged, said):
+    path = written(tmp_path / "h.uff", accelerations()[:2])
+    path.write_bytes(damaged(path.read_bytes()))
+    with pytest.raises(InputError) as raised:
+        read_modes(path)
+    assert len(raised.value.faults) == 1
+    assert str(path) in raised.value.faults[0]
+    assert said in raised.value.faults[0]
+
+
+@pytest.mark.usefixtures("here")
+def test_without_the_extra_it_is_said_how_to_get_it(tmp_path, monkeypatch):
+    path = written(tmp_path / "h.uff", accelerations()[:2])
+    monkeypatch.setitem(sys.modules, "pyuff", None)
+    with pytest.raises(InputError, match=r"pip install 'flexproof\[hammer\]'"):
+        read_modes(path)
+
+
+@pytest.mark.parametrize(
+    ("changed", "said"),
+    [
+        (
+            ('body = "beam", at = "P"', 'body = "rod", at = "P"'),
+            '5.body = "rod": must be one of beam',
+        ),
+        (('at = "P", y', 'at = "Q", y'), '5.at = "Q": must be a point of beam (A, P) or [x, y, z]'),
+        (
+            ("[0.2, 0, 0]", "[0.9, 0, 0]"),
+            "1.at = [0.9, 0.0, 0.0]: must lie between the ends of beam",
+        ),
+        (("y = [0, 1, 1]", "y = [2, 0, 0]"), "5.y = [2.0, 0.0, 0.0]: must not lie along"),
+        (("[hammer.nodes]", "[hammer]\npose = [0.1]\n[hammer.nodes]"), "hammer.pose: must hold as"),
+        (("5 = {", "tip = {"), "hammer.nodes.tip: a name must be a number of up to nine digits"),
+    ],
+)
+def test_every_fault_of_the_points_is_named(tmp_path, changed, said):
+    with pytest.raises(InputError) as raised:
+        robot_of((ROBOT + ALONG).replace(*changed), tmp_path)
+    assert said in raised.value.faults[0]
+
+
+def test_a_run_shows_the_likeness_beside_the_verdict(tmp_path, capsys):
+    path = written(tmp_path / "h.uff", accelerations())
+    robot_of(ROBOT + ALONG, tmp_path)
+    told = [
+        str(tmp_path / "robot.toml"),
+        "--preset",
+        "quick",
+        "--only",
+        "adequacy.measured",
+        "--jobs",
+        "1",
+    ]
+    out = tmp_path / "out"
+    assert cli.main(["run", *told, "--measured", str(path), "--out", str(out)]) == 0
+    assert "against measured values" in capsys.readouterr().out
+    entries = json.loads((out / "results.json").read_text("utf-8"))["adequacy"]
+    assert {one["mac"] > 0.999 for one in entries if one["model"] == "beam"} == {True}
+    assert "MAC\u00a01.00" in (out / "report.html").read_text("utf-8")
+    path.with_name("none.uff").write_bytes(path.read_bytes())
+    robot_of(ROBOT.split("[hammer", maxsplit=1)[0], tmp_path)
+    assert cli.main(["run", *told, "--measured", str(path)]) == 2
+    assert "must say in [hammer] where its nodes are" in capsys.readouterr().err

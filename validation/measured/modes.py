@@ -1,0 +1,142 @@
+"""Modes of a test as measured values, and which mode of a model each of them is.
+
+Shapes are compared at the points and along the axes that were measured (modal assurance criterion,
+all weighing alike) and paired so that likeness is largest in all.
+"""
+
+from dataclasses import replace
+from math import hypot
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from lumped.acceptance.measured import Measured, ModalTest
+from lumped.acceptance.requirement import MOST_MODES
+from lumped.arrays import Array
+from lumped.errors import InputError
+from lumped.mechanism.kinematics.postures import posture
+from lumped.mechanism.mechanism import Mechanism
+from lumped.memo import memo
+from lumped.robot_file.load import RobotFile, with_measured
+from lumped.system.assembly import System
+from lumped.text import counted
+from validation.agreement.mode_pairing import mac_matrix, pair_modes
+from validation.measured.tested import SUFFIXES, read_modes
+from validation.models.mechanism import mechanism_modes
+from validation.models.options import DEFAULT_OPTIONS, STATIC, ModelName, ModelOptions
+
+# From here on two shapes are one mode: 0.9 is usual of modes that belong together, 0.1 of others,
+# and sensors a few centimetres off take a tenth away.
+LEAST_MAC = 0.8
+# How far above the highest measured frequency modes of a model are looked at, and how many at most.
+_ABOVE, _FIRST, _AT_MOST = 1.5, 8, 64
+# Motion of all points, of the largest of any mode, below which there is rounding alone.
+_UNSEEN = 1e-6
+
+
+class Partner(NamedTuple):
+    """The mode of a model that a measured one is: its `number` (from 1) and `frequency` (Hz).
+
+    `mac` is the likeness of the two; `reason` says why they are not held against each other.
+    """
+
+    number: int
+    frequency: float
+    mac: float
+    reason: str
+
+
+def with_measured_file(robot_file: RobotFile, path: Path) -> RobotFile:
+    """The robot file with what a CSV or universal file says was measured, after its own values.
+
+    Modes have the numbers that they have in the beam model; those that have none there are left
+    out. Raises InputError with one line per fault.
+    """
+    if path.suffix.lower() not in SUFFIXES:
+        return with_measured(robot_file, path)
+    if (hammer := robot_file.hammer) is None:
+        raise InputError(f"{path}: {robot_file.source} must say in [hammer] where its nodes are")
+    found = read_modes(path)
+    numbers, axes = found.freedoms.T
+    known = np.isin(numbers, list(hammer.nodes))
+    all_nodes = counted(len(set(numbers)), "node")
+    if not known.any():
+        raise InputError(
+            f"{path}: [hammer.nodes] of {robot_file.source} has none of its {all_nodes}"
+        )
+    nodes = [hammer.nodes[number] for number in numbers[known]]
+    test = ModalTest(
+        hammer.pose,
+        tuple(body for body, _ in nodes),
+        np.array([frame.position for _, frame in nodes]),
+        np.array(
+            [frame.rotation[:, axis] for (_, frame), axis in zip(nodes, axes[known], strict=True)]
+        ),
+        found.shapes[known],
+        np.abs(found.poles) / (2.0 * np.pi),
+    )
+    partners = partners_of("beam", robot_file.mechanism, test, DEFAULT_OPTIONS)
+    paired = [(c, one.number) for c, one in enumerate(partners) if one and one.number <= MOST_MODES]
+    source = (
+        f"{path.name}, {len(paired)} of {counted(len(partners), 'mode')}, "
+        f"{len(set(numbers[known]))} of {all_nodes}"
+    )
+    ones = []
+    for column, number in paired:
+        value = float(test.frequencies[column])
+        spread = hypot(found.scatter[column] / (2.0 * np.pi), hammer.uncertainty * value)
+        ones.append(Measured(f"f{number}", value, spread, source, test.pose, 1.0, test, column))
+    return replace(robot_file, measured=(*robot_file.measured, *ones))
+
+
+@memo(64)
+def partners_of(
+    model: ModelName, robot: Mechanism, test: ModalTest, options: ModelOptions
+) -> list[Partner | None]:
+    """The partner of every mode of a test; None where the model is static or has too few modes."""
+    partners: list[Partner | None] = [None] * len(test.frequencies)
+    if model in STATIC:
+        return partners
+    at, count = [posture(robot, np.array(test.pose))], _FIRST
+    (found,) = mechanism_modes(model, at, count, options)
+    highest = _ABOVE * test.frequencies.max(initial=0.0)
+    while (
+        len(found.modes.frequencies) == count < _AT_MOST and found.modes.frequencies[-1] < highest
+    ):
+        count *= 2
+        (found,) = mechanism_modes(model, at, count, options)
+    moved = _motions(found.system, found.modes.shapes, test)
+    sizes = np.linalg.norm(moved, axis=0)
+    seen = np.flatnonzero(sizes > _UNSEEN * sizes.max(initial=0.0))
+    # A measured mode that does not move the named points is like none.
+    with np.errstate(invalid="ignore"):
+        mac = np.nan_to_num(mac_matrix(test.shapes, moved[:, seen], np.ones(len(moved))))
+    for column, other in enumerate(pair_modes(mac)):
+        if other >= 0:
+            alike, own = seen[mac[column] >= LEAST_MAC] + 1, float(mac[column, other])
+            reason = ""
+            if own < LEAST_MAC:
+                reason = f"another mode, or measured elsewhere: MAC {own:.2f}, must be {LEAST_MAC}"
+            elif len(alike) > 1 or len(moved) == 1:
+                same = ", ".join(f"f{number}" for number in alike)
+                reason = f"{same} of the model look like it where it was measured: add points"
+            frequency = float(found.modes.frequencies[seen[other]])
+            partners[column] = Partner(int(seen[other]) + 1, frequency, own, reason)
+    return partners
+
+
+def _motions(system: System, shapes: Array, test: ModalTest) -> Array:
+    """Motions (k×m) of shapes (n×m) where and along what they were measured (k)."""
+    rows = []
+    for body, place, direction in zip(test.bodies, test.places, test.directions, strict=True):
+        frame = system.posture.frames[body]
+        if body in system.models:
+            field = system.models[body].displacements(place[None]).toarray()
+            moved = frame.rotation @ (field @ system.own(body, shapes))
+        else:
+            point = next(iter(system.posture.mechanism.bodies[body].interfaces))
+            there = frame.position + frame.rotation @ place
+            moved = system.motions.at(body, point, there)[:3] @ shapes[: system.outer]
+        rows.append(direction @ moved)
+    return np.array(rows)
