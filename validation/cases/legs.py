@@ -184,7 +184,7 @@ def _entry(
         by_faces = _percent(value, float(free.values[-1][entry]))
         notes = (f"the same mesh with free ends: {by_faces} by rigid faces",)
     # Solid and beam have one section mesh, whose errors they share: what is judged has its own.
-    left = Refinement(solid.divisions, solid.values - own.values - taken)
+    left = Refinement(solid.divisions, solid.values - own.values - taken, formal_order(leg, ends))
     _require_decided(context, body, left, entry, fraction * abs(reference))
     return Measurement(
         value,

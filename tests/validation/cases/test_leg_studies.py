@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from like_ifw import placed_at
+from like_ifw import file_of, like_ifw, placed_at
 from numpy.testing import assert_allclose
 from prismatic_legs import LEG_1, LEG_2, STEEL, kind_frequencies
 
@@ -103,6 +103,17 @@ def test_differences_with_a_name_vanish_with_the_exponent_of_their_cause(name):
         assert 2.0 * last - before == pytest.approx(EXPONENTS[cause], abs=0.05), cause
         low, high = SHARES.get((name, cause), (0.0, 1.0))
         assert low < amounts[0] < high
+
+
+@pytest.mark.parametrize("nu", [0.3, 0.45])
+def test_what_held_faces_leave_beside_theory_lies_within_what_the_mesh_leaves_open(nu):
+    """Beam and end effects are exact: what is left converges with the order of the held edges."""
+    foam = replace(Material.isotropic(3.0e9, nu, 1100.0), G=0.8e9)
+    tube = ConstantLeg(0.66, Tube(0.14, 0.0137), foam)
+    context = Context(file_of(like_ifw(leg1=tube)), "quick")
+    for entry in ((0, 0), (1, 1)):
+        found = legs._entry(context, "leg1", entry, "rigid", 1.0)
+        assert 0.0 < -found.unexplained < found.numerical_uncertainty
 
 
 def test_modes_in_which_walls_bend_are_not_held_against_beams():
