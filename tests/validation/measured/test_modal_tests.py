@@ -24,14 +24,14 @@ STEPS = np.arange(0.0, 500.0, 0.5)
 LENGTH, DAMPING = 0.8, 0.01
 STATIONS = np.array([0.2, 0.35, 0.5, 0.65, LENGTH])
 FACTORS = np.array([1.875104069, 4.694091133, 7.854757438])
-# Modes along y, then along z: the side of the section along which it bends (m).
+# Modes along x, then along z: the side of the section along which it bends (m).
 SIDES = np.repeat([0.020, 0.012], 3)
 FREQUENCIES = np.tile(FACTORS**2, 2) * SIDES * np.sqrt(2.1e11 / 7850.0 / 12.0) / LENGTH**2
 FREQUENCIES /= 2.0 * np.pi
 ROBOT = """
 schema = 2
 name = "cantilever"
-points = { A = [0.0, 0.0, 0.0], P = [0.8, 0.0, 0.0] }
+points = { A = [0.3, 0.1, 0.0], P = [0.3, 0.9, 0.0] }
 tool = { body = "beam", point = "P", moves = [] }
 [bodies.beam]
 from = "A"
@@ -41,13 +41,15 @@ material = { E = 2.1e11, nu = 0.3, rho = 7850.0 }
 [joints]
 root = { type = "fixed", between = ["ground", "beam"], at = "A" }
 [hammer.nodes]
-5 = { body = "beam", at = "P", y = [0, 1, 1] }
+5 = { body = "beam", at = "P", x = [1, 0, 1], y = [-1, 0, 1] }
 """
-ALONG = "".join(f'{n} = {{ body = "beam", at = [{STATIONS[n - 1]}, 0, 0] }}\n' for n in range(1, 5))
+ALONG = "".join(
+    f'{n} = {{ body = "beam", at = [0.3, {STATIONS[n - 1] + 0.1:.2f}, 0] }}\n' for n in range(1, 5)
+)
 
 
 def shapes_of(x):
-    """Motions along y and z (2×6) at a station, of unit mean square; at the tip turned by 45°."""
+    """Motions along x and z (2×6) at a station, of unit mean square; at the tip turned by 45°."""
     z = x / LENGTH * FACTORS
     sigma = (np.cosh(FACTORS) + np.cos(FACTORS)) / (np.sinh(FACTORS) + np.sin(FACTORS))
     along = np.kron(np.eye(2), np.cosh(z) - np.cos(z) - sigma * (np.sinh(z) - np.sin(z)))
@@ -55,11 +57,12 @@ def shapes_of(x):
 
 
 SHAPES = np.vstack([shapes_of(x) for x in STATIONS])
+PLACES = [(n, axis) for n in range(1, 6) for axis in (1, 2 if n == 5 else 3)]
 
 
 def function(node, axis, data, **more):
-    """A frequency response by a force at node 5 along its y axis; axes are 1 to 3."""
-    pairs = {"rsp_node": node, "rsp_dir": axis, "ref_node": 5, "ref_dir": 2}
+    """A frequency response by a force at node 5 along its x axis; axes are 1 to 3."""
+    pairs = {"rsp_node": node, "rsp_dir": axis, "ref_node": 5, "ref_dir": 1}
     kinds = {"ordinate_spec_data_type": 12, "orddenom_spec_data_type": 13}
     form = {"type": 58, "func_type": 4, "binary": 0, "x": STEPS, "abscissa_spacing": 1}
     return {**form, **pairs, **kinds, "data": data, **more}
@@ -72,7 +75,7 @@ def accelerations(noise=0.0, frequencies=FREQUENCIES):
     mass = 7850.0 * 0.020 * 0.012 * LENGTH
     found = (speeds[:, None] ** 2 / swing) @ (SHAPES * SHAPES[8]).T / mass
     found *= 1.0 + noise * (random.standard_normal((2, *found.shape)).T @ [1, 1j]).T
-    return [function(1 + i // 2, 2 + i % 2, one) for i, one in enumerate(found.T)]
+    return [function(n, axis, one) for (n, axis), one in zip(PLACES, found.T, strict=True)]
 
 
 def written(path, sets):
@@ -153,7 +156,7 @@ def test_however_a_test_is_written_its_modes_are_the_same(tmp_path, changed):
     assert np.abs(found.poles) == pytest.approx(2 * np.pi * FREQUENCIES[order], rel=1e-4)
     assert -found.poles.real / np.abs(found.poles) == pytest.approx(DAMPING, rel=1e-2)
     assert likeness(found.shapes, SHAPES[:, order]) == pytest.approx(1.0, abs=1e-3)
-    assert found.freedoms.tolist() == [[n, axis] for n in range(1, 6) for axis in (1, 2)]
+    assert found.freedoms.tolist() == [[n, axis - 1] for n, axis in PLACES]
 
 
 def held(folder, sets, robot=ROBOT + ALONG):
@@ -181,8 +184,10 @@ def test_modes_that_others_identified_are_paired_by_shape_not_by_number(tmp_path
     # Of the second and fifth as if nobody had seen the others, one 10 % off and upside down.
     sets = []
     for number, (mode, factor) in enumerate({0: 1.1, 4: 1.0}.items(), 1):
-        moved = np.column_stack([np.zeros(5), factor * SHAPES[:, mode].reshape(5, 2)])
-        rows = {f"r{axis}": (1 - 2 * mode) * moved[:, axis - 1] for axis in (1, 2, 3)}
+        moved = np.zeros((5, 3))
+        for (node, axis), value in zip(PLACES, SHAPES[:, mode], strict=True):
+            moved[node - 1, axis - 1] = (1 - 2 * mode) * value
+        rows = {f"r{axis}": moved[:, axis - 1] for axis in (1, 2, 3)}
         head = {"analysis_type": 2, "data_ch": 2, "spec_data_type": 8, "load_case": 1}
         own = {"mode_n": number, "freq": factor * FREQUENCIES[mode], "node_nums": np.arange(1, 6)}
         sets.append({"type": 55, **head, **own, **rows})
@@ -198,7 +203,7 @@ def test_modes_that_look_alike_where_they_were_measured_are_not_judged(tmp_path)
     assert (entry.verdict, entry.error, entry.value) == ("undecided", None, None)
     assert "of the model look like it where it was measured: add points" in entry.reason
     # Nodes that lie elsewhere than the file says.
-    mirrored = ALONG.replace("0.2,", "0.9,").replace("0.65,", "0.2,").replace("0.9,", "0.65,")
+    mirrored = ALONG.replace("0.30,", "0.9,").replace("0.75,", "0.30,").replace("0.9,", "0.75,")
     _, matrix = held(tmp_path, accelerations(), ROBOT + mirrored)
     entry = matrix.entry("beam", "f3")
     assert entry.mac < 0.8
@@ -244,12 +249,12 @@ def test_without_the_extra_it_is_said_how_to_get_it(tmp_path, monkeypatch):
             ('body = "beam", at = "P"', 'body = "rod", at = "P"'),
             '5.body = "rod": must be one of beam',
         ),
-        (('at = "P", y', 'at = "Q", y'), '5.at = "Q": must be a point of beam (A, P) or [x, y, z]'),
+        (('at = "P", x', 'at = "Q", x'), '5.at = "Q": must be a point of beam (A, P) or [x, y, z]'),
         (
-            ("[0.2, 0, 0]", "[0.9, 0, 0]"),
-            "1.at = [0.9, 0.0, 0.0]: must lie between the ends of beam",
+            ("0.30, 0]", "0.95, 0]"),
+            "1.at = [0.3, 0.95, 0.0]: must lie between the ends of beam",
         ),
-        (("y = [0, 1, 1]", "y = [2, 0, 0]"), "5.y = [2.0, 0.0, 0.0]: must not lie along"),
+        (("y = [-1, 0, 1]", "y = [2, 0, 2]"), "5.y = [2.0, 0.0, 2.0]: must not lie along"),
         (("[hammer.nodes]", "[hammer]\npose = [0.1]\n[hammer.nodes]"), "hammer.pose: must hold as"),
         (("5 = {", "tip = {"), "hammer.nodes.tip: a name must be a number of up to nine digits"),
     ],
