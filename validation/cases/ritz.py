@@ -242,7 +242,7 @@ def _frequencies(system: _System, count: int) -> Array:
 def _motions(system: _System) -> tuple[Array, Array]:
     """Motions (n×k) in which the stiffness is the unit matrix, and idle ones, of no stiffness."""
     values, vectors = eigh(system.stiffness)
-    idle = values < _IDLE * len(values) * values[-1]
+    idle = values < _IDLE * len(values) * values.max(initial=0.0)
     return vectors[:, ~idle] / np.sqrt(values[~idle]), vectors[:, idle]
 
 

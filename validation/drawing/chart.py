@@ -231,7 +231,8 @@ def percent(axes: "Axes", *, limit: float = 1.0, steps: Sequence[float] = (1.0,)
 
 def few_ticks(axes: "Axes", *, count: int = 4, whole: bool = False) -> None:
     """At most `count` intervals of the x axis, of `whole` numbers if these count something."""
-    axes.xaxis.set_major_locator(_ticker().MaxNLocator(count, integer=whole))
+    fewest = 1 if whole else 2
+    axes.xaxis.set_major_locator(_ticker().MaxNLocator(count, integer=whole, min_n_ticks=fewest))
     axes.xaxis.set_major_formatter(_ticker().FuncFormatter(lambda value, _: short_number(value)))
 
 

@@ -6,8 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from compliances import scaled_difference
+from one_arm import ONE_ARM
 from prismatic_legs import STEEL
 from scipy.linalg import solve
+from written_robot import described
 
 from lumped.errors import ComputationError
 from lumped.legs import ConstantLeg, Material, tip_compliance
@@ -85,6 +87,15 @@ def test_parts_are_rigid_bodies_on_the_drives():
     atol = 1e-10 * np.abs(compliance).max()
     np.testing.assert_allclose(own.compliance, compliance, rtol=1e-9, atol=atol)
     np.testing.assert_allclose(own.frequencies, frequencies, rtol=1e-10)
+
+
+def test_what_no_drive_moves_is_rigid_and_has_no_mode():
+    """The arm on a fixed joint: a structure."""
+    motor = "axis = [0.0, 0.0, 1.0]\ndrive = { stiffness = 5.0e4 }\n"
+    text = ONE_ARM.replace(motor, "").replace('"revolute"', '"fixed"').replace('["x"]', "[]")
+    compliance, frequencies = ritz.on_drives(reference_posture(described(text)), 2)
+    assert not compliance.any()
+    assert len(frequencies) == 0
 
 
 def test_a_posture_that_is_none_is_refused():
