@@ -4,6 +4,8 @@ Shapes are compared at the points and along the axes that were measured (modal a
 all weighing alike) and paired so that likeness is largest in all.
 """
 
+from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import replace
 from math import hypot
 from pathlib import Path
@@ -14,16 +16,17 @@ import numpy as np
 from lumped.acceptance.measured import Measured, ModalTest
 from lumped.acceptance.requirement import MOST_MODES
 from lumped.arrays import Array
+from lumped.dense.modes import FewerModesError
 from lumped.errors import InputError
 from lumped.mechanism.kinematics.postures import posture
-from lumped.mechanism.mechanism import Mechanism
+from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.memo import memo
 from lumped.robot_file.load import RobotFile, with_measured
 from lumped.system.assembly import System
 from lumped.text import counted
 from validation.agreement.mode_pairing import mac_matrix, pair_modes
 from validation.measured.tested import SUFFIXES, read_modes
-from validation.models.mechanism import mechanism_modes
+from validation.models.mechanism import PostureModes, mechanism_modes
 from validation.models.options import DEFAULT_OPTIONS, STATIC, ModelName, ModelOptions
 
 # From here on two shapes are one mode: 0.9 is usual of modes that belong together, 0.1 of others,
@@ -99,13 +102,13 @@ def partners_of(
     if model in STATIC:
         return partners
     at, count = [posture(robot, np.array(test.pose))], _FIRST
-    (found,) = mechanism_modes(model, at, count, options)
+    found = _modes(model, at, count, options)
     highest = _ABOVE * test.frequencies.max(initial=0.0)
     while (
         len(found.modes.frequencies) == count < _AT_MOST and found.modes.frequencies[-1] < highest
     ):
         count *= 2
-        (found,) = mechanism_modes(model, at, count, options)
+        found = _modes(model, at, count, options)
     moved = _motions(found.system, found.modes.shapes, test)
     sizes = np.linalg.norm(moved, axis=0)
     seen = np.flatnonzero(sizes > _UNSEEN * sizes.max(initial=0.0))
@@ -124,6 +127,16 @@ def partners_of(
             frequency = float(found.modes.frequencies[seen[other]])
             partners[column] = Partner(int(seen[other]) + 1, frequency, own, reason)
     return partners
+
+
+def _modes(
+    model: ModelName, at: Sequence[Posture], count: int, options: ModelOptions
+) -> PostureModes:
+    """The lowest `count` modes, or the fewer that a robot of rigid bodies has."""
+    for fewer in range(count, 1, -1):
+        with suppress(FewerModesError):
+            return mechanism_modes(model, at, fewer, options)[0]
+    return mechanism_modes(model, at, 1, options)[0]
 
 
 def _motions(system: System, shapes: Array, test: ModalTest) -> Array:

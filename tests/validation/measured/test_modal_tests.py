@@ -159,6 +159,17 @@ def test_however_a_test_is_written_its_modes_are_the_same(tmp_path, changed):
     assert found.freedoms.tolist() == [[n, axis - 1] for n, axis in PLACES]
 
 
+def shape(number, frequency, values):
+    """Data set 55 of a mode that moves the places by so much."""
+    moved = np.zeros((5, 3))
+    for (node, axis), value in zip(PLACES, values, strict=True):
+        moved[node - 1, axis - 1] = value
+    rows = {f"r{axis}": moved[:, axis - 1] for axis in (1, 2, 3)}
+    head = {"analysis_type": 2, "data_ch": 2, "spec_data_type": 8, "load_case": 1}
+    own = {"mode_n": number, "freq": frequency, "node_nums": np.arange(1, 6)}
+    return {"type": 55, **head, **own, **rows}
+
+
 def held(folder, sets, robot=ROBOT + ALONG):
     robot_file = with_measured_file(robot_of(robot, folder), written(folder / "h.uff", sets))
     return robot_file, measured_matrix(Context(robot_file, "quick"))
@@ -182,15 +193,10 @@ def test_a_noisy_test_judges_every_mode_of_every_model(tmp_path):
 @pytest.mark.usefixtures("here")
 def test_modes_that_others_identified_are_paired_by_shape_not_by_number(tmp_path):
     # Of the second and fifth as if nobody had seen the others, one 10 % off and upside down.
-    sets = []
-    for number, (mode, factor) in enumerate({0: 1.1, 4: 1.0}.items(), 1):
-        moved = np.zeros((5, 3))
-        for (node, axis), value in zip(PLACES, SHAPES[:, mode], strict=True):
-            moved[node - 1, axis - 1] = (1 - 2 * mode) * value
-        rows = {f"r{axis}": moved[:, axis - 1] for axis in (1, 2, 3)}
-        head = {"analysis_type": 2, "data_ch": 2, "spec_data_type": 8, "load_case": 1}
-        own = {"mode_n": number, "freq": factor * FREQUENCIES[mode], "node_nums": np.arange(1, 6)}
-        sets.append({"type": 55, **head, **own, **rows})
+    sets = [
+        shape(number, factor * FREQUENCIES[mode], (1 - 2 * mode) * SHAPES[:, mode])
+        for number, (mode, factor) in enumerate({0: 1.1, 4: 1.0}.items(), 1)
+    ]
     _, matrix = held(tmp_path, sets)
     errors = {one.quantity: one.error for one in matrix.of_model("beam")}
     assert errors == pytest.approx({"f2": 1 / 1.1 - 1, "f3": 0.0}, abs=2e-3)
@@ -263,6 +269,29 @@ def test_every_fault_of_the_points_is_named(tmp_path, changed, said):
     with pytest.raises(InputError) as raised:
         robot_of((ROBOT + ALONG).replace(*changed), tmp_path)
     assert said in raised.value.faults[0]
+
+
+@pytest.mark.usefixtures("here")
+def test_a_rigid_robot_is_held_against_the_few_modes_that_it_has(tmp_path):
+    """A block on six springs has no eight modes; that of the spring about x swings its tip."""
+    block = """[bodies.beam]
+points = ["A", "P"]
+mass = 1.5
+centre = "P"
+inertia = [[1e-3, 0, 0], [0, 1e-3, 0], [0, 0, 1e-3]]
+[joints]
+root = { type = "fixed", between = ["ground", "beam"], at = "A", stiffness = 1.5e4 }
+"""
+    give = "compliance = " + str(np.diag([1e-9, 1e-9, 1e-9, 1e-5, 1e-9, 1e-9]).tolist())
+    head, nodes = ROBOT.split("[bodies.beam]")[0], ROBOT[ROBOT.index("[hammer") :]
+    robot = head + block.replace("stiffness = 1.5e4", give) + nodes + ALONG
+    # A rotation about A: the motion along z grows with the distance; node 5 is turned by 45°.
+    tip = LENGTH * np.sqrt(0.5)
+    along = [x if axis == 3 else 0.0 for x in STATIONS[:4] for axis in (1, 3)] + [tip, tip]
+    exact = np.sqrt(1e5 / (1.5 * LENGTH**2 + 1e-3)) / (2.0 * np.pi)
+    (entry,) = held(tmp_path, [shape(1, exact, along)], robot)[1].of_model("beam")
+    assert entry.mac > 0.999
+    assert entry.error == pytest.approx(0.0, abs=1e-4)
 
 
 def test_a_run_shows_the_likeness_beside_the_verdict(tmp_path, capsys):
