@@ -283,7 +283,7 @@ inertia = [[1e-3, 0, 0], [0, 1e-3, 0], [0, 0, 1e-3]]
 root = { type = "fixed", between = ["ground", "beam"], at = "A", stiffness = 1.5e4 }
 """
     give = "compliance = " + str(np.diag([1e-9, 1e-9, 1e-9, 1e-5, 1e-9, 1e-9]).tolist())
-    head, nodes = ROBOT.split("[bodies.beam]")[0], ROBOT[ROBOT.index("[hammer") :]
+    head, nodes = ROBOT[: ROBOT.index("[bodies")], ROBOT[ROBOT.index("[hammer") :]
     robot = head + block.replace("stiffness = 1.5e4", give) + nodes + ALONG
     # A rotation about A: the motion along z grows with the distance; node 5 is turned by 45°.
     tip = LENGTH * np.sqrt(0.5)
