@@ -48,11 +48,19 @@ class RootedBody:
 
     def expanded(self, x: Array) -> Array:
         """P x: the same deformation with the first interface where it was."""
-        return np.asarray(x - self.solid.motions @ (self.root.T @ x))
+        at = self._at_root
+        return np.asarray(x - self.solid.motions @ (self.root[at].T @ x[at]))
 
     def equilibrated(self, forces: Array) -> Array:
         """Pᵀf: forces together with the reaction of the first interface."""
-        return np.asarray(forces - self.root @ (self.solid.motions.T @ forces))
+        balanced, at = forces.copy(), self._at_root
+        balanced[at] -= self.root[at] @ (self.solid.motions.T @ forces)
+        return balanced
+
+    @cached_property
+    def _at_root(self) -> IntArray:
+        """The few unknowns that wrenches at the first interface act on."""
+        return np.flatnonzero(self.root.any(axis=1))
 
     def flexibility(self, forces: Array) -> Array:
         """Displacement x (n×k) under forces (n×k) with the first interface held."""
