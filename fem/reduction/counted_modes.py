@@ -130,9 +130,12 @@ def _modes_below(held: Swinging, cutoff: float, seed: int) -> Modes | None:
 def _all_modes(held: Swinging) -> Modes:
     """All modes with mass: with A = S Sᵀ, Sᵀ M S w = w/λ and φ = √λ S w."""
     flexibility = held.flexibility(np.eye(held.size))
-    scale = np.sqrt(np.maximum(np.diag(flexibility), np.finfo(float).tiny))
-    rounding = np.finfo(float).eps * held.size
-    values, vectors = eigh(0.5 * (flexibility + flexibility.T) / scale[:, None] / scale)
+    rounding, own = np.finfo(float).eps * held.size, np.diag(flexibility)
+    # What is held moves by rounding alone, of either sign.
+    moves = own > rounding * own.max(initial=0.0)
+    scale = np.sqrt(np.where(moves, own, 0.0))
+    unit = np.divide(1.0, scale, out=np.zeros_like(scale), where=moves)
+    values, vectors = eigh(0.5 * (flexibility + flexibility.T) * unit[:, None] * unit)
     kept = values > rounding * values[-1]
     root = scale[:, None] * vectors[:, kept] * np.sqrt(values[kept])
     inverse_squares, amplitudes = eigh(root.T @ (held.mass @ root))

@@ -9,6 +9,7 @@ from drawn_parts import meshed, plane_ends
 from numpy.testing import assert_allclose
 from prismatic_legs import STEEL
 from scipy.linalg import eigh, null_space
+from scipy.sparse import eye_array
 
 import fem.reduction.counted_modes as counting
 from fem.bodies.part import MeshedPart, grips_of, held_part, meshed_part, require_memory
@@ -16,7 +17,7 @@ from fem.bodies.rooted import RootedBody
 from fem.reduction.counted_modes import counted_modes, interface_modes
 from fem.reduction.craig_bampton import reduction
 from fem.reduction.free_interface import free_interface
-from fem.reduction.held import Held, free_body, held_body
+from fem.reduction.held import Held, Swinging, free_body, held_body
 from lumped.dense.modes import Modes
 from lumped.errors import ComputationError, InputError
 from meshes.part.interfaces import find_interfaces
@@ -108,6 +109,16 @@ def test_a_reduction_has_the_modes_that_are_counted(bar, held_frequencies):
     every = interface_modes(bar.held, held_frequencies[most : most + 2].mean())
     assert_allclose(every.frequencies, held_frequencies[: most + 1], rtol=1e-8)
     assert_allclose(every.shapes.T @ (bar.held.mass @ every.shapes), np.eye(most + 1), atol=1e-8)
+
+
+@pytest.mark.parametrize("left", [0.0, 1e-26, -1e-26])
+def test_what_is_held_has_no_mode_whatever_rounding_leaves_of_its_flexibility(left):
+    """Ten masses on springs; an eleventh unknown is held: once its share was a mode at 1e-116 Hz."""
+    squared = np.arange(1.0, 11.0) ** 2 * 1e6
+    flexibility = np.diag(np.append(1.0 / squared, left))
+    held = Swinging(state="held", flexibility=flexibility.__matmul__, mass=eye_array(11).tocsr())
+    found = interface_modes(held, 1e4)
+    assert_allclose(found.frequencies, np.sqrt(squared) / (2.0 * np.pi), rtol=1e-12)
 
 
 def kept_by(rows, searches):

@@ -67,7 +67,7 @@ def contradictions(subject, errors):
                 "undecided": (size > limit + 2.0 * left).any(),
             }
             if wrong[entry.verdict]:
-                found.append((subject.name, model, quantity, entry.verdict, limit, error))
+                found.append((model, quantity, entry.verdict, limit, error, left))
     return found
 
 
