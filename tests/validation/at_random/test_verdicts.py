@@ -124,8 +124,14 @@ def test_no_verdict_in_statics_is_contradicted(chunk, tmp_path):
         assert not contradictions(subject, static_errors(robot, ends))
 
 
-@pytest.mark.soak
-@pytest.mark.parametrize("chunk", range(20))
+# In the fourth a mode of 1e-116 Hz was once the reference.
+@pytest.mark.parametrize(
+    "chunk",
+    [
+        pytest.param(3, marks=pytest.mark.exhaustive),
+        *(pytest.param(chunk, marks=pytest.mark.soak) for chunk in range(20) if chunk != 3),
+    ],
+)
 def test_no_verdict_on_frequencies_is_contradicted(chunk, tmp_path):
     for robot, ends in robots(chunk, 2, tmp_path):
         subject = robot_subject(Context(file_of(robot), "quick"))
