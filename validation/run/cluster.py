@@ -154,12 +154,22 @@ def _results(distributed: ModuleType, waiting: _Waiting, calls: Sequence[Work]) 
     futures = waiting.client.map(_alone, calls, own=_program(), pure=False, batch_size=None)
     numbers = {future.key: number for number, future in enumerate(futures)}
     finished: SimpleQueue[Any] = SimpleQueue()
+
+    def fetch(future: Any) -> None:
+        # In a thread: what was lost with a worker is waited for until another one has computed it.
+        try:
+            finished.put((numbers[future.key], future.result(), None))
+        except BaseException as error:  # noqa: BLE001  raised where the result is awaited
+            finished.put((numbers[future.key], None, error))
+
     for future in futures:
-        future.add_done_callback(finished.put)
+        future.add_done_callback(fetch)
     try:
         for _ in futures:
-            future = _next(finished, waiting)
-            yield numbers[future.key], future.result()
+            number, result, error = _next(finished, waiting)
+            if error is not None:
+                raise error
+            yield number, result
     except OtherProgram as error:
         raise ComputationError(
             f"--cluster {waiting.address}: {error}; what was finished is kept"

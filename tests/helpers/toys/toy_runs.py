@@ -1,4 +1,4 @@
-"""`flexproof` on catalogues of toy_catalogue, in processes of their own."""
+"""`flexproof` on catalogues of toy_catalogue, here and in processes of their own."""
 
 import json
 import os
@@ -20,18 +20,27 @@ ENVIRONMENT = os.environ | {
 # How long (s) to wait for what should take two: the machine may be busy with other work. The
 # endless catalogue would take longer.
 PATIENCE = 30.0
+# The command line with the function of toy_catalogue that its first argument names.
+PROGRAM = """
+import sys
+from types import SimpleNamespace
+import toy_catalogue
+from validation.cli import main
+catalogue = getattr(toy_catalogue, sys.argv[1])
+sys.modules["validation.catalogue"] = SimpleNamespace(catalogue=catalogue)
+sys.exit(main(sys.argv[2:]))
+"""
 
 
 def command(catalogue, *arguments):
-    program = str(HERE / "command_line.py")
-    return [sys.executable, program, catalogue, *(str(argument) for argument in arguments)]
+    return [sys.executable, "-c", PROGRAM, catalogue, *map(str, arguments)]
 
 
-def started(line, **changes):
-    """A process in a session of its own; `changes` are those of the environment."""
+def started(line):
+    """A process in a session of its own."""
     return subprocess.Popen(
         line,
-        env=ENVIRONMENT | changes,
+        env=ENVIRONMENT,
         start_new_session=True,
         stdout=subprocess.DEVNULL,
         stderr=subprocess.PIPE,
@@ -85,14 +94,18 @@ def lines(path):
     return file.read_bytes().splitlines() if file else []
 
 
-def content(*folders):
-    """What folders hold, by name, but for locks."""
-    return {
-        str(file.relative_to(path)): file.read_bytes()
-        for path in folders
-        for file in path.rglob("*")
-        if file.is_file() and file.name != ".lock"
-    }
+def content(path):
+    """What a folder holds, by name, but for locks."""
+    files = (file for file in path.rglob("*") if file.is_file() and file.name != ".lock")
+    return {str(file.relative_to(path)): file.read_bytes() for file in files}
+
+
+def numbers(path):
+    """The cases and studies of a run, but for times, and process numbers in notes."""
+    found = json.loads((path / "results.json").read_text())
+    for entry in found["cases"]:
+        del entry["seconds"], entry["notes"]
+    return found["cases"], found["studies"]
 
 
 def run_here(_catalogue, context, tasks, *, keep, progress, **_):
@@ -101,11 +114,3 @@ def run_here(_catalogue, context, tasks, *, keep, progress, **_):
         progress.started(task)
         keep(record := plain(execute(task, context)))
         progress.finished(task, record)
-
-
-def numbers(path):
-    """The cases and studies of a run, but for times, and process numbers in notes."""
-    content = json.loads((path / "results.json").read_text())
-    for entry in content["cases"]:
-        del entry["seconds"], entry["notes"]
-    return content["cases"], content["studies"]

@@ -6,13 +6,15 @@ import os
 import subprocess
 import sys
 from pathlib import Path
-from types import ModuleType
+from types import SimpleNamespace
 
 import pytest
 import toy_catalogue as toys
 from toy_runs import run_here
 
 from validation import cli
+from validation.run.files import refusals
+from validation.run.folder import RunFolder
 from validation.session import runner
 
 ROOT = Path(__file__).parents[3]
@@ -25,8 +27,7 @@ def with_catalogue(monkeypatch):
 
     def use(catalogue, by=run_here):
         monkeypatch.setattr(runner, "run", by)
-        cases = ModuleType("validation.catalogue")
-        cases.catalogue = catalogue
+        cases = SimpleNamespace(catalogue=catalogue)
         monkeypatch.setitem(sys.modules, "validation.catalogue", cases)
 
     return use
@@ -98,15 +99,19 @@ def test_wrong_input_ends_with_2_and_one_line(
     assert left <= {"report", ".lock"}
 
 
+def refusing(number):
+    def refuse(*_arguments):
+        raise OSError(number, os.strerror(number))
+
+    return refuse
+
+
 def test_a_full_disk_ends_with_3_and_says_how_to_go_on(
     with_catalogue, tmp_path, monkeypatch, capsys
 ):
-    def full(descriptor):
-        if os.readlink(f"/proc/self/fd/{descriptor}").endswith("results.jsonl"):  # noqa: PTH115
-            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-
     with_catalogue(toys.sound)
-    monkeypatch.setattr(os, "fsync", full)
+    # Of what is kept, not of what is found out beforehand.
+    monkeypatch.setattr(RunFolder, "keep", refusals(tmp_path)(refusing(errno.ENOSPC)))
     out, values = tmp_path / "run", tmp_path / "my values.csv"
     values.write_text("quantity,pose,value,uncertainty,source\nf1,0.4975,80.0,0.1,rig\n")
     options = ["--accept", "x=0.1", "--measured", str(values)]
@@ -118,10 +123,7 @@ def test_a_full_disk_ends_with_3_and_says_how_to_go_on(
 
 
 def test_what_the_system_refuses_is_neither_a_fault_of_flexproof_nor_of_stdout(monkeypatch, capsys):
-    def refused(*_arguments):
-        raise OSError(errno.EMFILE, os.strerror(errno.EMFILE))
-
-    monkeypatch.setattr("meshes.processes.Process.__init__", refused)
+    monkeypatch.setattr("meshes.processes.Process.__init__", refusing(errno.EMFILE))
     assert cli.main(["faces", str(ROOT / "examples" / "rocker" / "rocker.step")]) == 3
     assert capsys.readouterr() == ("", "flexproof: the system refuses: Too many open files\n")
 

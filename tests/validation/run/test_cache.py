@@ -1,8 +1,6 @@
 """The cache on the disk: what does not hold is nothing, and any number of processes share it."""
 
 import os
-import random
-import signal
 import subprocess
 import sys
 import time
@@ -136,34 +134,22 @@ assert kept("a", compute, dict)["large"].sum() == np.arange(1e6).sum()
 
 
 def computing(seconds):
-    return subprocess.Popen(
-        [sys.executable, "-c", COMPUTING, str(seconds)],
-        cwd=ROOT,
-        stdout=subprocess.PIPE,
-        text=True,
-    )
+    line = [sys.executable, "-c", COMPUTING, str(seconds)]
+    return subprocess.Popen(line, cwd=ROOT, stdout=subprocess.PIPE, text=True)
 
 
-def test_of_two_processes_one_computes():
-    both = [computing(1.0), computing(1.0)]
-    said = [process.communicate(timeout=60)[0] for process in both]
-    assert sorted(said) == ["", "computing\n"]
-    assert [process.returncode for process in both] == [0, 0]
-
-
-@pytest.mark.parametrize("seed", range(2))
-def test_a_kill_leaves_what_holds_or_nothing(folder, seed):
-    chance = random.Random(seed)  # noqa: S311  any moments will do
-    for _ in range(2):
+def test_a_kill_leaves_what_holds_or_nothing_and_of_two_processes_one_computes(folder):
+    for moment in (0.0, 0.02):
         process = computing(0.0)
         process.stdout.readline()
-        time.sleep(chance.uniform(0.0, 0.03))
-        process.send_signal(signal.SIGKILL)
+        time.sleep(moment)
+        process.kill()
         process.communicate()
         forget()
         found = find("a")
         assert found is None or found["large"].sum() == np.arange(1e6).sum()
         (folder / "a.npz").unlink(missing_ok=True)
-    last = computing(0.0)
-    assert last.communicate(timeout=60)[0] == "computing\n"
-    assert last.returncode == 0
+    both = [computing(1.0), computing(1.0)]
+    said = [process.communicate(timeout=60)[0] for process in both]
+    assert sorted(said) == ["", "computing\n"]
+    assert [process.returncode for process in both] == [0, 0]

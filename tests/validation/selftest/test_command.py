@@ -14,63 +14,62 @@ from fem.bodies.solid import section_twists
 from fem.calculix.run import CalculixMissing
 from lumped.errors import ComputationError
 from lumped.robot_file import load_robot
-from validation import cli
 from validation.run import provenance
 from validation.selftest import benchmarks
 from validation.selftest.benchmarks import Benchmark, KnownNumber
 
 HEADER = provenance.header(load_robot("ifw"), "quick", {})
-TODAY = HEADER["started"][:10]
+PASSED = f"passed on {HEADER['started'][:10]}"
 
 
-def gives(*found):
-    return lambda: [KnownNumber(f"q{k}", "Hz", 2.0, one, 1e-3) for k, one in enumerate(found)]
-
-
-def raising(error):
-    def compare():
-        raise error
-
-    return compare
+def numbers(*found):
+    return [KnownNumber("q", "Hz", 2.0, one, 1e-3) for one in found]
 
 
 @pytest.fixture
-def with_benchmarks(monkeypatch, tmp_path):
+def selftest(monkeypatch, tmp_path, command):
+    """`flexproof selftest` of made-up benchmarks, each of numbers or an error: what it prints."""
     monkeypatch.setenv("FLEXPROOF_CACHE", str(tmp_path / "cache"))
 
-    def put(*computations):
+    def compare(found):
+        if isinstance(found, Exception):
+            raise found
+        return found
+
+    def run(*outcomes, code=0):
         listed = [
-            Benchmark(f"title {k}", "problem", f"source {k}", "reason", compute)
-            for k, compute in enumerate(computations)
+            Benchmark(f"title {k}", "problem", f"source {k}", "reason", lambda f=found: compare(f))
+            for k, found in enumerate(outcomes)
         ]
         monkeypatch.setattr(benchmarks, "benchmarks", lambda: tuple(listed))
+        return command.told("selftest", code=code)
 
-    return put
+    return run
 
 
-NOT_THERE = raising(CalculixMissing("CalculiX is not installed"))
+MISSING = CalculixMissing("CalculiX is not installed")
 
 
 @pytest.mark.parametrize(
-    ("computations", "code", "said"),
+    ("outcomes", "code", "said"),
     [
-        ([gives(2.0, 2.0019), gives(1.9981)], 0, "passed: 3 of 3 numbers agree"),
-        ([gives(2.0, 2.0021)], 1, "FAILED: 1 of 2 numbers agree"),
-        ([gives(2.0, 1.9979)], 1, "DIFFERS"),
-        ([gives(float("nan"))], 1, "DIFFERS"),
-        ([gives()], 1, "FAILED: 0 of 0 numbers agree"),
-        ([gives(2.0), NOT_THERE], 0, "passed: 1 of 1 numbers agree; skipped: title 1"),
-        ([gives(2.0), NOT_THERE], 0, "skipped: CalculiX is not installed"),
-        ([raising(ComputationError("no mesh"))], 1, "failed: ComputationError: no mesh"),
+        ([numbers(2.0, 2.0019), numbers(1.9981)], 0, "passed: 3 of 3 numbers agree"),
+        ([numbers(2.0, 2.0021)], 1, "FAILED: 1 of 2 numbers agree"),
+        ([numbers(2.0, 1.9979)], 1, "DIFFERS"),
+        ([numbers(float("nan"))], 1, "DIFFERS"),
+        ([[]], 1, "FAILED: 0 of 0 numbers agree"),
+        ([numbers(2.0), MISSING], 0, "passed: 1 of 1 numbers agree; skipped: title 1"),
+        ([numbers(2.0), MISSING], 0, "skipped: CalculiX is not installed"),
+        ([ComputationError("no mesh")], 1, "failed: ComputationError: no mesh"),
     ],
 )
-def test_it_says_what_agrees_and_runs_quote_it(with_benchmarks, computations, code, said, command):
-    with_benchmarks(*computations)
+def test_it_says_what_agrees_and_runs_quote_it(selftest, outcomes, code, said):
     assert provenance.last_selftest(HEADER) == "not run"
-    printed = command.told("selftest", code=code)
+    printed = selftest(*outcomes, code=code)
     assert said in printed
     assert "source 0" in printed
-    assert provenance.last_selftest(HEADER) == f"{'FAILED' if code else 'passed'} on {TODAY}"
+    quoted = PASSED.replace("passed", "FAILED") if code else PASSED
+    assert provenance.last_selftest(HEADER) == quoted
 
 
 def test_what_is_explained_is_no_difference():
@@ -78,33 +77,24 @@ def test_what_is_explained_is_no_difference():
     assert not KnownNumber("q", "Hz", 2.0, 2.0, 1e-3, explained=0.01).agrees
 
 
-@pytest.mark.parametrize("changed", ["versions", "suite_sha256"])
-def test_another_installation_was_not_tested(with_benchmarks, changed):
-    with_benchmarks(gives(2.0))
-    assert cli.main(["selftest"]) == 0
+def test_of_another_installation_or_in_a_damaged_record_it_is_not_known(selftest, tmp_path):
+    selftest(numbers(2.0))
     other = {"versions": {**HEADER["versions"], "numpy": "0"}, "suite_sha256": "0"}
-    assert provenance.last_selftest(HEADER | {changed: other[changed]}) == "not run"
-
-
-@pytest.mark.parametrize("content", [b"", b"[1]", b"{}", b"\xff\xfe", b'{"said": "passed"}'])
-def test_a_damaged_record_is_none(with_benchmarks, content, tmp_path):
-    with_benchmarks(gives(2.0))
-    assert cli.main(["selftest"]) == 0
+    for name, changed in other.items():
+        assert provenance.last_selftest(HEADER | {name: changed}) == "not run"
     (kept,) = (tmp_path / "cache").rglob("*.json")
-    assert json.loads(kept.read_bytes())["said"] == f"passed on {TODAY}"
-    kept.write_bytes(content)
-    assert provenance.last_selftest(HEADER) == "not run"
+    assert json.loads(kept.read_bytes())["said"] == PASSED
+    for content in (b"", b"[1]", b"{}", b"\xff\xfe", b'{"said": "passed"}'):
+        kept.write_bytes(content)
+        assert provenance.last_selftest(HEADER) == "not run"
 
 
 @pytest.mark.parametrize("place", ["off", "in the way"])
-def test_where_nothing_can_be_kept_it_is_not_in_the_way(
-    with_benchmarks, place, tmp_path, monkeypatch
-):
-    with_benchmarks(gives(2.0))
-    (tmp_path / "in the way").write_text("a file")
-    told = "off" if place == "off" else str(tmp_path / "in the way")
-    monkeypatch.setenv("FLEXPROOF_CACHE", told)
-    assert cli.main(["selftest"]) == 0
+def test_where_nothing_can_be_kept_it_is_not_in_the_way(selftest, place, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("in the way").write_text("a file")
+    monkeypatch.setenv("FLEXPROOF_CACHE", place)
+    selftest(numbers(2.0))
     assert provenance.last_selftest(HEADER) == "not run"
 
 
@@ -112,29 +102,22 @@ ROOT = Path(__file__).resolve().parents[3]
 MANUAL = runpy.run_path(str(ROOT / "docs" / "pictures" / "verification.py"))
 PAGE = MANUAL["PAGE"].read_text(encoding="utf-8")
 OWN, FURTHER = MANUAL["listed"]()
+LISTED = {benchmark.title: benchmark for benchmark in (*OWN, *FURTHER)}
 
 
-@pytest.mark.parametrize(
-    ("number", "benchmark"),
-    list(enumerate((*OWN, *FURTHER), start=1)),
-    ids=[benchmark.title for benchmark in (*OWN, *FURTHER)],
-)
-def test_the_numbers_agree_and_are_those_of_the_manual(number, benchmark):
-    found = benchmarks.outcome(benchmark)
+@pytest.mark.parametrize("title", LISTED)
+def test_the_numbers_agree_and_are_those_of_the_manual(title):
+    found = benchmarks.outcome(LISTED[title])
     if found.verdict == "skipped":
         pytest.skip(found.message)
     assert found.verdict == "agrees", (found.message, found.compared)
     old = "renew docs/guide/verification.md: python docs/pictures/verification.py"
-    assert MANUAL["section"](number, found) in PAGE, old
+    assert MANUAL["section"](list(LISTED).index(title) + 1, found) in PAGE, old
 
 
-def test_the_manual_has_all_benchmarks_and_no_others():
+def test_the_manual_has_all_benchmarks_and_no_others_and_the_selftest_is_short():
     assert PAGE.startswith(MANUAL["head"]())
-    titles = re.findall(r"^## \d+\. (.*)$", PAGE, re.MULTILINE)
-    assert titles == [benchmark.title for benchmark in (*OWN, *FURTHER)]
-
-
-def test_the_selftest_is_short():
+    assert re.findall(r"^## \d+\. (.*)$", PAGE, re.MULTILINE) == list(LISTED)
     of_tests = PAGE.index(f". {FURTHER[0].title}")
     assert len(re.findall(r"^\| (?!quantity)", PAGE[:of_tests], re.MULTILINE)) <= 40
 
@@ -152,21 +135,13 @@ def test_a_simply_supported_solid_is_held_on_average_and_turns_at_its_ends():
     assert 0.8 * pi / 10.0 < np.abs(first[4:]).max() / largest < pi / 10.0
 
 
-@pytest.mark.parametrize(
-    ("mode", "kind", "halves"),
-    [
-        (0, "bending", 1.0),
-        (1, "torsion", 0.5),
-        (2, "tension", 0.5),
-        (3, "bending", 2.0),
-        (4, "torsion", 1.5),
-        (5, "bending", 3.0),
-    ],
-)
-def test_what_beam_theory_neglects_is_that_of_the_prisms_waves(mode, kind, halves):
-    """So many half waves of each mode along the beam."""
-    deep, (_, explained) = benchmarks.DEEP, benchmarks.FV5_MODES[mode]
-    wavenumber = halves * pi / deep.length
-    prism = prism_wave_frequency(deep.section, deep.material, kind, wavenumber)
-    beam = beam_wave_frequency(deep.timoshenko, kind, wavenumber)
-    assert prism / beam - 1.0 == pytest.approx(explained, abs=1e-7)
+def test_what_beam_theory_neglects_is_that_of_the_prisms_waves():
+    kinds = ("bending", "torsion", "tension", "bending", "torsion", "bending")
+    # Half waves of each mode along the beam.
+    halves = (1.0, 0.5, 0.5, 2.0, 1.5, 3.0)
+    deep = benchmarks.DEEP
+    for kind, half, (_, explained) in zip(kinds, halves, benchmarks.FV5_MODES, strict=True):
+        wavenumber = half * pi / deep.length
+        prism = prism_wave_frequency(deep.section, deep.material, kind, wavenumber)
+        beam = beam_wave_frequency(deep.timoshenko, kind, wavenumber)
+        assert prism / beam - 1.0 == pytest.approx(explained, abs=1e-7)
