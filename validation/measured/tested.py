@@ -35,7 +35,7 @@ _ALIKE, _MOST, _DAMPED = 0.003, 0.7, 0.3
 Set: TypeAlias = dict[str, Any]
 
 
-class Modes(NamedTuple):
+class TestedModes(NamedTuple):
     """Modes of a test: `poles` (m, 1/s), the standard scatter of their size, `shapes` (k×m, real).
 
     Of each row of these `freedoms` (k×2) are the node and its axis (0 to 2).
@@ -47,7 +47,7 @@ class Modes(NamedTuple):
     freedoms: IntArray
 
 
-def read_modes(path: Path) -> Modes:
+def read_modes(path: Path) -> TestedModes:
     """The modes of a universal file, by frequency; raises InputError, one line."""
     try:
         content = read_ordinary(path, _KIND, _LARGEST)
@@ -60,7 +60,7 @@ def read_modes(path: Path) -> Modes:
         raise InputError(f"{path}: cannot be read ({error}); must be {_KIND}") from error
 
 
-def _read(path: Path) -> Modes:
+def _read(path: Path) -> TestedModes:
     try:
         import sdypy.EMA  # noqa: F401, PLC0415  of the optional extra
         from pyuff import UFF  # noqa: PLC0415
@@ -80,7 +80,7 @@ def _read(path: Path) -> Modes:
     return _identified(path, tested, units["force"] / units["length"])
 
 
-def _as_given(modes: Sequence[Set]) -> Modes:
+def _as_given(modes: Sequence[Set]) -> TestedModes:
     """What was identified elsewhere; what is zero in all modes was not measured."""
     poles = np.array([one["eig"] if "eig" in one else 2j * np.pi * one["freq"] for one in modes])
     elastic = [place for place in np.argsort(np.abs(poles)) if abs(poles[place]) > 0.0]
@@ -92,10 +92,12 @@ def _as_given(modes: Sequence[Set]) -> Modes:
     seen = shapes.any(axis=2)
     freedoms = np.argwhere(seen)
     freedoms[:, 0] = np.array(nodes)[freedoms[:, 0]]
-    return Modes(poles[elastic], np.zeros(len(elastic)), _real(shapes[seen][:, elastic]), freedoms)
+    return TestedModes(
+        poles[elastic], np.zeros(len(elastic)), _real(shapes[seen][:, elastic]), freedoms
+    )
 
 
-def _identified(path: Path, tested: Sequence[Set], to_si: float) -> Modes:
+def _identified(path: Path, tested: Sequence[Set], to_si: float) -> TestedModes:
     """Of functions of one file, `to_si` times which would be SI."""
     from sdypy.EMA import Model  # noqa: PLC0415  of the optional extra
 
@@ -142,7 +144,9 @@ def _identified(path: Path, tested: Sequence[Set], to_si: float) -> Modes:
     parts = np.array([constants[[row_of[end, one] for one in freedoms]] for end in fixed])
     strongest = np.linalg.norm(parts, axis=1).argmax(axis=0)
     shapes = parts[strongest, :, np.arange(len(chosen))].T
-    return Modes(model.all_poles[-1][chosen], np.array(scatter), _real(shapes), np.array(freedoms))
+    return TestedModes(
+        model.all_poles[-1][chosen], np.array(scatter), _real(shapes), np.array(freedoms)
+    )
 
 
 def _stable(poles: list[ComplexArray], band: Array) -> tuple[list[int], list[float]]:
