@@ -22,7 +22,7 @@ from toy_runs import (
     wait_for,
 )
 
-ASKED = ("run", "--preset", "quick", "--jobs", "2", "--out")
+ASKED = ("run", "--preset", "quick", "--out")
 
 
 def summary(path):
@@ -36,7 +36,7 @@ def undisturbed(tmp_path_factory):
     """The numbers of a run, and how long it takes (s)."""
     path = tmp_path_factory.mktemp("undisturbed") / "run"
     begun = time.monotonic()
-    done = completed("real", *ASKED, path)
+    done = completed("real", *ASKED, path, "--jobs", "2")
     assert done.returncode == 0, done.stderr
     assert len(numbers(path)[0]) > 25
     return numbers(path), time.monotonic() - begun
@@ -54,17 +54,20 @@ def test_a_run_killed_four_times_goes_on_to_the_same_results(undisturbed, tmp_pa
         return ["--resume"] if (partial(path) / "run.json").exists() else []
 
     for _ in range(4):
-        run = started(command("real", *ASKED, path, *resumed()))
-        time.sleep(moments.uniform(0.0, duration))
+        run = started(command("real", *ASKED, path, "--jobs", "2", *resumed()))
+        time.sleep(moments.uniform(0.0, duration / 2.0))
         os.killpg(run.pid, signal.SIGKILL)
         run.communicate()
         # What was finished was not computed again: the times in it are the same.
         assert lines(path)[: len(kept)] == kept
         # Without a last line that the kill cut off.
         kept = [record for record in lines(path) if record.endswith(b"}}")]
-    # Numbers do not depend on the number of processes.
-    done = completed("real", *ASKED, path, "--jobs", "1", *resumed())
-    assert done.returncode == 0, done.stderr
+        if path.exists():  # finished before it was killed, on a machine that is faster now
+            break
+    else:
+        # Numbers do not depend on the number of processes.
+        done = completed("real", *ASKED, path, "--jobs", "1", *resumed())
+        assert done.returncode == 0, done.stderr
     assert numbers(path) == expected
     assert lines(path)[: len(kept)] == kept
     assert [entry.name for entry in tmp_path.iterdir()] == ["run"]
