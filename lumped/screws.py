@@ -8,7 +8,6 @@ or moment): the line runs through r = u × w / |u|², the pitch is u·w / |u|².
 """
 
 import numpy as np
-import scipy
 
 from lumped.arrays import Array
 
@@ -55,15 +54,35 @@ def rotation_z(angle: float) -> Array:
 
 
 def rotation_about(vector: Array) -> Array:
-    """…×3×3 rotations of rotation vectors (…×3, rad)."""
-    matrix: Array = scipy.spatial.transform.Rotation.from_rotvec(vector).as_matrix()
-    return matrix
+    """…×3×3 rotations of rotation vectors (…×3, rad), by Rodrigues' formula."""
+    angle = np.linalg.norm(vector, axis=-1)[..., None, None] / np.pi
+    turned = skew(vector)
+    matrix: Array = np.sinc(angle) * turned + 0.5 * np.sinc(0.5 * angle) ** 2 * turned @ turned
+    return np.eye(3) + matrix
 
 
 def rotation_vector(rotation: Array) -> Array:
-    """Rotation vectors (…×3, rad) of …×3×3 rotations, at most half a turn long."""
-    vector: Array = scipy.spatial.transform.Rotation.from_matrix(rotation).as_rotvec()
-    return vector
+    """Rotation vectors (…×3, rad) of …×3×3 rotations, at most half a turn long.
+
+    By the quaternion q = (w, x, y, z): of 4 q qᵀ, which is linear in the rotation, the row that is
+    divided by q's largest entry (S. W. Shepperd, J. Guid. Control 1 (1978) 223).
+    """
+    r = np.asarray(rotation, dtype=float)
+    trace = np.trace(r, axis1=-2, axis2=-1)
+    transposed = np.swapaxes(r, -1, -2)
+    outer = np.empty((*trace.shape, 4, 4))
+    outer[..., 0, 0] = 1.0 + trace
+    outer[..., 0, 1:] = (r - transposed)[..., [2, 0, 1], [1, 2, 0]]
+    outer[..., 1:, 0] = outer[..., 0, 1:]
+    outer[..., 1:, 1:] = r + transposed + (1.0 - trace)[..., None, None] * np.eye(3)
+    largest = np.argmax(np.einsum("...ii->...i", outer), axis=-1)
+    row = np.take_along_axis(outer, largest[..., None, None], axis=-2)[..., 0, :]
+    w, axis = np.abs(row[..., :1]), np.where(row[..., :1] < 0.0, -1.0, 1.0) * row[..., 1:]
+    sine = np.linalg.norm(axis, axis=-1, keepdims=True)
+    stretched: Array = axis * np.divide(
+        2.0 * np.arctan2(sine, w), sine, out=2.0 / np.maximum(w, 1.0), where=sine > 0.0
+    )
+    return stretched
 
 
 def move_compliance(compliance: Array, offset: Array) -> Array:

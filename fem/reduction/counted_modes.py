@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.linalg import eigh
+from scipy.linalg.lapack import dpstrf
 
 from fem.reduction.held import Swinging
 from fem.solvers.block_lanczos import NotConvergedError, block_lanczos, modes_below
@@ -104,7 +105,7 @@ def interface_modes(held: Swinging, cutoff: float, search: int = 0) -> Modes:
     """
     modes = None if held.size <= _DENSE_SIZE else _modes_below(held, cutoff, _SEED + search)
     if modes is None:
-        modes = _all_modes(held)
+        modes = _all_modes(held, cutoff)
     kept = modes.frequencies < cutoff
     return Modes(frequencies=modes.frequencies[kept], shapes=fix_signs(modes.shapes[:, kept]))
 
@@ -127,18 +128,23 @@ def _modes_below(held: Swinging, cutoff: float, seed: int) -> Modes | None:
     return Modes(np.sqrt(ritz.values) / (2.0 * np.pi), ritz.vectors)
 
 
-def _all_modes(held: Swinging) -> Modes:
-    """All modes with mass: with A = S Sᵀ, Sᵀ M S w = w/λ and φ = √λ S w."""
+def _all_modes(held: Swinging, cutoff: float) -> Modes:
+    """Modes with mass below the cut-off: with A = S Sᵀ, Sᵀ M S w = w/λ and φ = √λ S w."""
     flexibility = held.flexibility(np.eye(held.size))
     rounding, own = np.finfo(float).eps * held.size, np.diag(flexibility)
     # What is held moves by rounding alone, of either sign.
     moves = own > rounding * own.max(initial=0.0)
     scale = np.sqrt(np.where(moves, own, 0.0))
     unit = np.divide(1.0, scale, out=np.zeros_like(scale), where=moves)
-    values, vectors = eigh(0.5 * (flexibility + flexibility.T) * unit[:, None] * unit)
-    kept = values > rounding * values[-1]
-    root = scale[:, None] * vectors[:, kept] * np.sqrt(values[kept])
-    inverse_squares, amplitudes = eigh(root.T @ (held.mass @ root))
+    symmetric = 0.5 * (flexibility + flexibility.T) * unit[:, None] * unit
+    factor, order, rank, _ = dpstrf(symmetric, tol=rounding, lower=1)
+    root = np.empty((held.size, rank))
+    root[order - 1] = np.tril(factor)[:, :rank]
+    root *= scale[:, None]
+    lowest = (2.0 * np.pi * cutoff) ** -2.0
+    inverse_squares, amplitudes = eigh(
+        root.T @ (held.mass @ root), subset_by_value=(lowest, np.inf)
+    )
     with_mass = inverse_squares > rounding * inverse_squares.max(initial=0.0)
     inverse_squares, amplitudes = (
         inverse_squares[with_mass][::-1],

@@ -5,7 +5,15 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.spatial.transform import Rotation
 
-from lumped.screws import move_compliance, name_twists, name_wrenches, shift, turn_matrix
+from lumped.screws import (
+    move_compliance,
+    name_twists,
+    name_wrenches,
+    rotation_about,
+    rotation_vector,
+    shift,
+    turn_matrix,
+)
 
 X, Y, Z = np.eye(3)
 
@@ -15,6 +23,18 @@ def test_a_turning_body_moves_the_point_in_front(rotation, velocity):
     """B lies 2 m along x of A: about z it goes to +y, about y to −z, about x nowhere."""
     moved = shift(2.0 * X) @ np.concatenate([np.zeros(3), rotation])
     assert_allclose(moved, np.concatenate([velocity, rotation]), atol=1e-15)
+
+
+@pytest.mark.parametrize("angle", [0.0, 1e-150, 1e-9, 0.7, 2.0, np.pi - 1e-9, np.pi])
+def test_rotations_are_those_of_scipy_and_come_back(angle):
+    axes = np.random.default_rng(0).normal(size=(50, 3))
+    vectors = angle * axes / np.linalg.norm(axes, axis=1, keepdims=True)
+    rotations = Rotation.from_rotvec(vectors).as_matrix()
+    assert_allclose(rotation_about(vectors), rotations, atol=4e-15)
+    found = rotation_vector(rotations)
+    assert_allclose(np.linalg.norm(found, axis=1), angle, rtol=4e-15)
+    # At half a turn an axis and its opposite are one rotation.
+    assert_allclose(rotation_about(found), rotations, atol=4e-15)
 
 
 @pytest.mark.parametrize("seed", range(3))

@@ -1,19 +1,21 @@
 """How far work is that takes its time: its forecast, what runs on a terminal, lines elsewhere."""
 
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from functools import lru_cache
 from math import sqrt
 from threading import Event, Thread
 from time import perf_counter
+from typing import TYPE_CHECKING
 
 import numpy as np
-from rich.console import Console, RenderableType
-from rich.live import Live
-from rich.text import Text
 
 from lumped.text import visible
 from validation.console.streams import mention
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
 
 # Seconds of work that says nothing where nobody may be looking on; what takes longer is forecast,
 # so many seconds after its beginning: what is kept from an earlier time is there by then.
@@ -42,13 +44,13 @@ def told(
     doing: str,
     seconds: float,
     line: Callable[[str], str],
-    drawn: RenderableType | None = None,
+    drawn: "RenderableType | None" = None,
 ) -> Iterator[None]:
     """Forecast long work; show `drawn` on a terminal, elsewhere write a line a second.
 
     `line` has what it says after how long is left; `seconds` as of `stage`.
     """
-    console, over, begun = Console(stderr=True), Event(), perf_counter()
+    on_terminal, over, begun = sys.stderr.isatty(), Event(), perf_counter()
     forecast = seconds * slowness() if seconds > _SOON else 0.0
 
     def tell() -> None:
@@ -58,18 +60,12 @@ def told(
             about = f"{forecast:.0f} s" if forecast < _MINUTES else f"{forecast / 60.0:.0f} min"
             mention(f"{doing}: about {about} on this machine")
         pause = _QUIET - _SOON
-        while not (console.is_terminal or over.wait(pause)):
+        while not (on_terminal or over.wait(pause)):
             left = begun + forecast - perf_counter()
             mention(line(f", about {left:.0f} s left" if left > 0.0 else ""))
             pause = 1.0
 
-    if not console.is_terminal:
-        shown: AbstractContextManager[object] = nullcontext()
-    elif drawn:
-        shown = Live(drawn, console=console, transient=True)
-    else:
-        # Names of files are no markup.
-        shown = console.status(Text(visible(doing)))
+    shown = _shown(doing, drawn) if on_terminal else nullcontext()
     telling = Thread(target=tell, daemon=True)
     telling.start()
     try:
@@ -78,6 +74,21 @@ def told(
     finally:
         over.set()
         telling.join()
+
+
+def _shown(doing: str, drawn: "RenderableType | None") -> AbstractContextManager[object]:
+    """What runs on a terminal while work lasts; a fortieth of a second to load."""
+    from rich.console import Console  # noqa: PLC0415
+    from rich.live import Live  # noqa: PLC0415
+    from rich.text import Text  # noqa: PLC0415
+
+    console = Console(stderr=True)
+    # Names of files are no markup.
+    return (
+        Live(drawn, console=console, transient=True)
+        if drawn
+        else console.status(Text(visible(doing)))
+    )
 
 
 @lru_cache(maxsize=1)
