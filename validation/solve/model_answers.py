@@ -12,9 +12,6 @@ from lumped.errors import InputError
 from lumped.legs import ConstantLeg
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.models.bodies import leg_of
-from validation.adequacy.mechanism.samples import samples_of
-from validation.adequacy.mechanism.vibration import vibration_of
-from validation.adequacy.partners import partners
 from validation.agreement.accuracy import refined
 from validation.models.legs import leg_compliance, leg_frequencies
 from validation.models.loads.displacements import displacements
@@ -27,17 +24,14 @@ from validation.models.mechanism import (
     mechanism_modes,
     static_bodies,
 )
-from validation.models.options import ModelName, ModelOptions
 from validation.models.parts import with_finer_parts
 from validation.models.roundings import roundings_of, share_by_digits
 from validation.solids.legs import formal_order
 from validation.solve.answer import Answer, LeftOpen, Place, Solution
 from validation.solve.cost import PER_PART, Cost, dense_cost, require_affordable, solid_cost
 from validation.solve.question import OF_ELEMENTS, Question
-from validation.solve.uncertainty import beside, extrapolated, of_parts, with_uncertainty
+from validation.solve.uncertainty import beside, extrapolated, with_uncertainty
 
-# Modes of the other model besides as many as asked: a partner may come later in its order.
-_BESIDES = 6
 # Per leg: shares of six modes by these and by 20 differ by a hundredth of themselves.
 _FEW_ELEMENTS = 6
 
@@ -186,11 +180,16 @@ def _answers(question: Question, at: Sequence[Posture], *, whole: bool = True) -
             for one, own, near in zip(told, moved, held, strict=True)
         ]
     if question.against:
-        pairs = _paired(found, question.against, options)
+        # Rooms of the verdict, slow to load, that no other answer needs.
+        from validation.solve.pairs import paired  # noqa: PLC0415
+
+        pairs = paired(found, question.against, options)
         told = [replace(one, pairs=own) for one, own in zip(told, pairs, strict=True)]
     if whole and model == "solid" and question.mechanism.parts:
         solids = found[0].system.models if found else None
         solids = solids or static_bodies(model, question.mechanism, options)
+        from validation.solve.part_uncertainty import of_parts  # noqa: PLC0415
+
         parts = of_parts(at, solids, count, options.reduction)
         told = [replace(one, of_parts=own) for one, own in zip(told, parts, strict=True)]
     return told
@@ -268,38 +267,6 @@ def _with_digits(
 def _sizes(one: Answer | PostureAnswer) -> Array:
     """The diagonal of the compliance (6), then the frequencies."""
     return np.concatenate([np.diag(one.compliance), one.frequencies])
-
-
-def _paired(
-    found: Sequence[PostureModes], against: ModelName, options: ModelOptions
-) -> list[dict[str, Any]]:
-    """Partners of all modes of `found` by mass-weighted MAC, a record of each posture's.
-
-    Modes that lie close together count by the space that they span. None stands for no partner.
-    """
-    postures = [one.posture for one in found]
-    mechanism = postures[0].mechanism
-    samples, count = samples_of(mechanism), len(found[0].modes.frequencies)
-    looked_at = count + _BESIDES
-    others = mechanism_modes(against, postures, looked_at, options)
-    own, other = (vibration_of(samples, ones, looked_at) for ones in (found, others))
-    of_postures = partners(own, other, samples.weights, count)
-    columns = of_postures.number, of_postures.frequency, of_postures.likeness
-    return [
-        {
-            "against": against,
-            "pairs": [
-                {
-                    "mode": mode,
-                    "partner": int(number) + 1 if number >= 0 else None,
-                    "frequency": float(frequency) if number >= 0 else None,
-                    "mac": float(mac),
-                }
-                for mode, (number, frequency, mac) in enumerate(zip(*at, strict=True), start=1)
-            ],
-        }
-        for at in zip(*columns, strict=True)
-    ]
 
 
 def _place(question: Question, at: Posture) -> Place:
