@@ -50,6 +50,7 @@ def catalogue(robot_file: RobotFile, variations: Sequence[Variation] = ()) -> Se
         *pictures.figures(),
         *modes.figures(),
         *responses.figures(described),
+        *responses.measured_figures(robot_file),
         *(paper.figures() if is_the_papers(robot_file) else ()),
         *(cases_over(robot_file, variations) if variations else ()),
         *curves.figures_over(variations),

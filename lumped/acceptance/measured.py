@@ -19,7 +19,7 @@ from lumped.acceptance.requirement import (
     RESPONSE,
     ROTATIONS,
 )
-from lumped.arrays import Array
+from lumped.arrays import Array, ComplexArray
 from lumped.errors import InputError
 from lumped.mechanism.kinematics.postures import posture
 from lumped.mechanism.mechanism import Mechanism
@@ -43,18 +43,40 @@ def leg_entry(quantity: str) -> tuple[str, int, int] | None:
 
 
 @dataclass(frozen=True, eq=False)
-class ModalTest:
-    """Modes of a test in a `pose`: `frequencies` (m, Hz) and real `shapes` (k×m).
+class Freedoms:
+    """Motions of `places` (k×3, m, axes of the `bodies`) along `directions` (k×3, base axes)."""
 
-    They move `places` (k×3, m, axes of the `bodies`) along `directions` (k×3, unit, base axes).
-    """
-
-    pose: tuple[float, ...]
     bodies: tuple[str, ...]
     places: Array
     directions: Array
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredResponse:
+    """A frequency response function of a test: `receptance` (n, m/N) at `frequencies` (n, Hz).
+
+    Of the motion of the first of two freedoms, `ends`, by a force along the second.
+    """
+
+    name: str
+    ends: Freedoms
+    frequencies: Array
+    receptance: ComplexArray
+
+
+@dataclass(frozen=True, eq=False)
+class ModalTest:
+    """Modes of a test in a `pose`: real `shapes` (k×m) of the freedoms `at`, `frequencies` (m, Hz).
+
+    `ratios` (m) are their damping ratios; `responses` those that are held against models.
+    """
+
+    pose: tuple[float, ...]
+    at: Freedoms
     shapes: Array
     frequencies: Array
+    ratios: Array
+    responses: tuple[MeasuredResponse, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -62,7 +84,9 @@ class Measured:
     """One measured value with its standard uncertainty (unit of the value) and its source.
 
     `pose` is where (empty for a leg alone), `load` the force (N) or moment (N m) of a deflection;
-    of a frequency that has a shape `column` is that of the mode in its `test`.
+    of a frequency that has a shape `column` is that of the mode in its `test`. A response of the
+    test has the number `response` there and a `phase` (rad); it is that at the mode, or at a
+    `frequency` (Hz).
     """
 
     quantity: str
@@ -73,6 +97,9 @@ class Measured:
     load: float = 1.0
     test: ModalTest | None = None
     column: int = 0
+    response: int | None = None
+    phase: float = 0.0
+    frequency: float | None = None
 
     @property
     def leg_entry(self) -> tuple[str, int, int] | None:

@@ -17,6 +17,8 @@ LOAD = "load:"
 # Of responses of the robot file: with a name behind it the height of the peak, with ".frequency"
 # behind that its frequency, with ".at" the size of the response at one frequency.
 RESPONSE = "response:"
+# Of measured ones: with "f2" behind it the size at that mode, with "low" far below all of them.
+OF_HAMMER = f"{RESPONSE}hammer."
 ORDER = "order"
 MOST_MODES = 10
 # Names of natural frequencies with their number.

@@ -1,11 +1,11 @@
 """Where a modal test was made, table [hammer]: nodes of a universal file as points of bodies."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from lumped.acceptance.measured import Measured, pose_faults
+from lumped.acceptance.measured import Freedoms, Measured, pose_faults
 from lumped.arrays import Array
 from lumped.mechanism.body import Frame
 from lumped.mechanism.mechanism import GROUND, Mechanism
@@ -16,15 +16,28 @@ from lumped.text import shown
 
 
 class Hammer(NamedTuple):
-    """A test in a `pose`: standard relative `uncertainty` of frequencies, and its nodes by number.
+    """A test in a `pose`, and its nodes by number.
 
+    Standard relative uncertainties: `uncertainty` of frequencies, `calibration` of responses, whose
+    coherence is that of so many `averages`.
     A node is a body and a frame: its position in the body's axes, its own axes in base axes as they
     were in the test.
     """
 
     pose: tuple[float, ...]
     uncertainty: float
+    calibration: float
+    averages: int
     nodes: Mapping[int, tuple[str, Frame]]
+
+    def freedoms(self, ends: Iterable[Iterable[int]]) -> Freedoms:
+        """Motions of nodes, by number, along their axes (0 to 2)."""
+        along = [(*self.nodes[number], axis) for number, axis in ends]
+        return Freedoms(
+            tuple(body for body, _, _ in along),
+            np.array([frame.position for _, frame, _ in along]),
+            np.array([frame.rotation[:, axis] for _, frame, axis in along]),
+        )
 
 
 def hammer_of(read: Mapping[str, Any], robot: Mechanism) -> Hammer:
@@ -33,7 +46,8 @@ def hammer_of(read: Mapping[str, Any], robot: Mechanism) -> Hammer:
         int(number): (one["body"], Frame(_position(one, robot), axes_along(one["x"], one["y"])))
         for number, one in read["nodes"].items()
     }
-    return Hammer(_pose(read, robot), read["uncertainty"], nodes)
+    known = {name: read[name] for name in ("uncertainty", "calibration", "averages")}
+    return Hammer(_pose(read, robot), nodes=nodes, **known)
 
 
 def hammer_faults(read: Mapping[str, Any], robot: Mechanism) -> Iterator[str]:

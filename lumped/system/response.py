@@ -24,7 +24,7 @@ from lumped.dense.modes import Modes
 from lumped.mechanism.load import Excitation
 from lumped.system.assembly import System
 from lumped.system.joint_motion import Portion
-from lumped.system.solution import Solved, modes_with_mass, with_idle
+from lumped.system.solution import Solved, modes_with_mass, with_idle, without_idle
 
 # Real modes up to this many times the last frequency asked for: those beyond are static there but
 # for a few thousandths of what little they give.
@@ -45,12 +45,12 @@ class DampedModes:
     """Complex modes of a mechanism, r of them, as its tool feels them.
 
     `inverses` (r) are μ (s²), `gives` (r×…) their part g in the static compliance of the tool (6×6,
-    SI, base axes, or one direction of it). `ratio` is the damping ratio of all of them.
+    SI, base axes, or one direction of it). `ratio` is the damping ratio of all of them, or of each.
     """
 
     inverses: ComplexArray
     gives: ComplexArray
-    ratio: float
+    ratio: float | Array
 
     @cached_property
     def frequencies(self) -> Array:
@@ -155,10 +155,15 @@ def modal_losses(solution: Solved, found: Modes) -> Array:
     return np.asarray(lost / (2.0 * np.pi * found.frequencies) ** 2 + 2.0 * ratio)
 
 
-def damped_modes(solution: Solved, highest: float) -> DampedModes:
-    """Complex modes of a mechanism in one posture, good for the tool up to `highest` (Hz)."""
-    system, motions = solution.system, _motions(solution, _BEYOND * highest)
-    felt = system.tool @ motions
+def damped_modes(solution: Solved, highest: float, felt_at: Array | None = None) -> DampedModes:
+    """Complex modes of a mechanism in one posture, good up to `highest` (Hz).
+
+    They are told as the tool feels them, or as `felt_at` (k×n, motions by unknowns) are.
+    """
+    system = solution.system
+    felt_at = system.tool if felt_at is None else felt_at
+    motions = _motions(solution, _BEYOND * highest, felt_at.T)
+    felt = felt_at @ motions
     elastic = motions.T @ (system.stiffness @ motions) + 1j * (motions.T @ _lost(system, motions))
     inertia = motions.T @ (system.mass @ motions)
     inverses, shapes = np.linalg.eig(np.linalg.solve(elastic, inertia))
@@ -169,15 +174,15 @@ def damped_modes(solution: Solved, highest: float) -> DampedModes:
     return DampedModes(inverses[order], gives[order], ratio)
 
 
-def _motions(solution: Solved, highest: float) -> Array:
-    """Motions (n×r) in which the tool's answer is sought: real modes up to `highest` (Hz).
+def _motions(solution: Solved, highest: float, loads: Array) -> Array:
+    """Motions (n×r) in which answers to loads (n×m) are sought: real modes up to `highest` (Hz).
 
-    Then what these leave of static answers to unit wrenches at the tool, and of those to what all
-    of them lose: of second order in the losses.
+    Then what these leave of static answers to the loads, and of those to what all of them lose: of
+    second order in the losses.
     """
     real = _modes_up_to(solution, highest)
     motions = real.shapes / (2.0 * np.pi * real.frequencies)
-    motions = _joined(solution, motions, solution.system.tool.T)
+    motions = _joined(solution, motions, without_idle(solution, loads))
     return _joined(solution, motions, _lost(solution.system, motions))
 
 

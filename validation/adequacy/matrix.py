@@ -10,6 +10,8 @@ from validation.context import PRESETS, Context, Preset
 Adequacy: TypeAlias = Literal["adequate", "inadequate", "undecided"]
 # The two assessments of a run by id: against what is computed, and against what was measured.
 ADEQUACY, MEASURED = "adequacy", "adequacy.measured"
+# The figure that shows a measured response beside those of the models.
+MEASURED_RESPONSE = "measured.response"
 
 
 @dataclass(frozen=True)

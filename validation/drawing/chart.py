@@ -209,6 +209,12 @@ def degrees(axes: "Axes") -> None:
     axes.set_yticks([0.0, -45.0, -90.0, -135.0, -180.0])
 
 
+def round_angles(axes: "Axes") -> None:
+    """A y axis of any phases: of motions elsewhere than where the force is."""
+    axes.set_ylim(-280.0, 100.0)
+    axes.set_yticks([-270.0, -180.0, -90.0, 0.0, 90.0])
+
+
 def percent(axes: "Axes", *, limit: float = 1.0, steps: Sequence[float] = (1.0,)) -> None:
     """Linear within ± `limit`, logarithmic beyond: curves that agree and such that do not.
 

@@ -51,6 +51,7 @@ LOOKS: Mapping[str, Look] = {
     "mass along the legs": Look(VERMILLION, "1", "-."),
     "mass along the legs, free": Look(VERMILLION, "2", "--"),
     "measured": Look(BLACK, "d", "none"),
+    "measured response": Look(BLACK, "d"),
     # Of comparisons: the difference as measured, and what no cause explains of it.
     "difference E": Look(BLACK, "D", "none"),
     "numerical uncertainty of both sides": Look(BLACK, "o", "none"),

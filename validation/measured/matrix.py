@@ -11,7 +11,7 @@ from math import hypot, isfinite
 
 import numpy as np
 
-from lumped.acceptance.measured import Measured, leg_entry
+from lumped.acceptance.measured import Measured, ModalTest, leg_entry
 from lumped.acceptance.requirement import AXES, RESPONSE, Requirement
 from lumped.mechanism.kinematics.postures import posture
 from lumped.mechanism.mechanism import Mechanism
@@ -22,7 +22,7 @@ from validation.adequacy.mechanism.path import coordinates, why_not_serial
 from validation.adequacy.models import judged_models
 from validation.adequacy.probability import COVERAGE, propagated
 from validation.context import Context
-from validation.measured.modes import Partner, partners_of
+from validation.measured.modes import Partner, answer_of
 from validation.models.legs import leg_compliance
 from validation.models.mechanism import answers, mechanism_modes
 from validation.models.options import STATIC, ModelName, ModelOptions
@@ -31,6 +31,8 @@ from validation.models.options import STATIC, ModelName, ModelOptions
 _OF_ELEMENTS = ("segments", "beam")
 # Second order in the number of elements: the error of n of them is 4/3 of what 2n change.
 _OF_A_DOUBLING = 4.0 / 3.0
+# No model is off by so much: accelerations in g are, and millimetres.
+_OF_UNITS = 5.0
 
 
 @dataclass(frozen=True)
@@ -116,7 +118,7 @@ def predicted(
             None if rigid else float(leg_compliance(model, legs_of(robot)[name], options)[*place])
         )
     if one.test is not None:
-        return getattr(_partner(model, robot, one, options), "frequency", None)
+        return _of_test(model, robot, one, one.test, options)
     at = [posture(robot, np.array(one.pose))]
     of_modes = one.mode or one.of_response
     if (of_modes and model in STATIC) or (model == "vjm" and why_not_serial(at)):
@@ -138,11 +140,29 @@ def predicted(
     return one.load * float(found.compliance[index, index])
 
 
+def _of_test(
+    model: ModelName, robot: Mechanism, one: Measured, test: ModalTest, options: ModelOptions
+) -> float | None:
+    """The model's frequency of a mode of a test, or its part of a response in phase with it."""
+    answer = answer_of(model, robot, test, options)
+    where = one.frequency
+    if where is None and (partner := answer.partners[one.column]):
+        where = partner.frequency
+    if one.response is None or where is None or not answer.responses:
+        return where if one.response is None else None
+    with np.errstate(divide="ignore", invalid="ignore"):
+        (value,) = answer.responses[one.response].receptance(np.array([where]))
+    size = float((value * np.exp(-1j * one.phase)).real)
+    return size if isfinite(size) else None
+
+
 def _partner(
     model: ModelName, robot: Mechanism, one: Measured, options: ModelOptions
 ) -> Partner | None:
     """The mode of the model that a mode of a test is."""
-    return None if one.test is None else partners_of(model, robot, one.test, options)[one.column]
+    if one.test is None or one.frequency is not None:
+        return None
+    return answer_of(model, robot, one.test, options).partners[one.column]
 
 
 def _compared(
@@ -206,8 +226,15 @@ def _entry(
         mac=pair and pair.mac,
         computed_by=("validation.measured.matrix.predicted", "validation.measured.matrix"),
     )
-    if not (pair and pair.reason):
+    reason = pair.reason if pair else ""
+    if worst.response is not None and not reason:
+        share = compared.value / worst.value
+        if share < 0.0:
+            reason = "moves the other way than measured: is a sign or direction of the test wrong?"
+        elif not 1.0 / _OF_UNITS < share < _OF_UNITS:
+            return replace(entry, reason=f"{share:.3g} times what was measured: is a unit wrong?")
+    if not reason:
         return entry
-    # Modes that are not alike say nothing of each other.
+    # Modes that are not alike say nothing of each other, nor do signs that are not.
     entry = replace(entry, error=None, uncertainty=None, value=None, uncertainties={})
-    return replace(entry, verdict="undecided", reason=pair.reason, errors=(), spreads=(), values=())
+    return replace(entry, verdict="undecided", reason=reason, errors=(), spreads=(), values=())

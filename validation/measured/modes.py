@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lumped.acceptance.measured import Measured, ModalTest
+from lumped.acceptance.measured import Freedoms, Measured, ModalTest
 from lumped.acceptance.requirement import MOST_MODES
 from lumped.arrays import Array
 from lumped.dense.modes import FewerModesError
@@ -23,8 +23,10 @@ from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.memo import memo
 from lumped.robot_file.load import RobotFile, with_measured
 from lumped.system.assembly import System
+from lumped.system.response import DampedModes, damped_modes
 from lumped.text import counted
 from validation.agreement.mode_pairing import mac_matrix, pair_modes
+from validation.measured.responses import responses_of
 from validation.measured.tested import SUFFIXES, read_modes
 from validation.models.mechanism import PostureModes, mechanism_modes
 from validation.models.options import DEFAULT_OPTIONS, STATIC, ModelName, ModelOptions
@@ -61,25 +63,22 @@ def with_measured_file(robot_file: RobotFile, path: Path) -> RobotFile:
     if (hammer := robot_file.hammer) is None:
         raise InputError(f"{path}: {robot_file.source} must say in [hammer] where its nodes are")
     found = read_modes(path)
-    numbers, axes = found.freedoms.T
+    numbers = found.freedoms[:, 0]
     known = np.isin(numbers, list(hammer.nodes))
     all_nodes = counted(len(set(numbers)), "node")
     if not known.any():
         raise InputError(
             f"{path}: [hammer.nodes] of {robot_file.source} has none of its {all_nodes}"
         )
-    nodes = [hammer.nodes[number] for number in numbers[known]]
+    sizes = np.abs(found.poles)
     test = ModalTest(
         hammer.pose,
-        tuple(body for body, _ in nodes),
-        np.array([frame.position for _, frame in nodes]),
-        np.array(
-            [frame.rotation[:, axis] for (_, frame), axis in zip(nodes, axes[known], strict=True)]
-        ),
+        hammer.freedoms(found.freedoms[known]),
         found.shapes[known],
-        np.abs(found.poles) / (2.0 * np.pi),
+        sizes / (2.0 * np.pi),
+        -found.poles.real / sizes,
     )
-    partners = partners_of("beam", robot_file.mechanism, test, DEFAULT_OPTIONS)
+    partners = answer_of("beam", robot_file.mechanism, test, DEFAULT_OPTIONS).partners
     paired = [(c, one.number) for c, one in enumerate(partners) if one and one.number <= MOST_MODES]
     source = (
         f"{path.name}, {len(paired)} of {counted(len(partners), 'mode')}, "
@@ -88,19 +87,28 @@ def with_measured_file(robot_file: RobotFile, path: Path) -> RobotFile:
     ones = []
     for column, number in paired:
         value = float(test.frequencies[column])
-        spread = hypot(found.scatter[column] / (2.0 * np.pi), hammer.uncertainty * value)
+        spread = hypot(found.scatter[0, column], hammer.uncertainty * value)
         ones.append(Measured(f"f{number}", value, spread, source, test.pose, 1.0, test, column))
+    ones += responses_of(found, test, dict(paired), hammer, robot_file.mechanism, path.name)
     return replace(robot_file, measured=(*robot_file.measured, *ones))
 
 
+class Answer(NamedTuple):
+    """What a model says of a test: `partners` of its modes, damped modes as `responses` feel them.
+
+    A static model has neither.
+    """
+
+    partners: list[Partner | None]
+    responses: list[DampedModes]
+
+
 @memo(64)
-def partners_of(
-    model: ModelName, robot: Mechanism, test: ModalTest, options: ModelOptions
-) -> list[Partner | None]:
-    """The partner of every mode of a test; None where the model is static or has too few modes."""
+def answer_of(model: ModelName, robot: Mechanism, test: ModalTest, options: ModelOptions) -> Answer:
+    """What a model says of a test."""
     partners: list[Partner | None] = [None] * len(test.frequencies)
     if model in STATIC:
-        return partners
+        return Answer(partners, [])
     at, count = [posture(robot, np.array(test.pose))], _FIRST
     found = _modes(model, at, count, options)
     highest = _ABOVE * test.frequencies.max(initial=0.0)
@@ -109,7 +117,7 @@ def partners_of(
     ):
         count *= 2
         found = _modes(model, at, count, options)
-    moved = _motions(found.system, found.modes.shapes, test)
+    moved = _motions(found.system, found.modes.shapes, test.at)
     sizes = np.linalg.norm(moved, axis=0)
     seen = np.flatnonzero(sizes > _UNSEEN * sizes.max(initial=0.0))
     # A measured mode that does not move the named points is like none.
@@ -126,7 +134,24 @@ def partners_of(
                 reason = f"{same} of the model look like it where it was measured: add points"
             frequency = float(found.modes.frequencies[seen[other]])
             partners[column] = Partner(int(seen[other]) + 1, frequency, own, reason)
-    return partners
+    return Answer(partners, _responses(robot, found, test, partners) if test.responses else [])
+
+
+def _responses(
+    robot: Mechanism, found: PostureModes, test: ModalTest, partners: Sequence[Partner | None]
+) -> list[DampedModes]:
+    """Damped modes as each response feels them; where no part loses energy, damped as measured."""
+    unit = np.eye(found.system.size)
+    felt_at = np.vstack([_motions(found.system, unit, one.ends) for one in test.responses])
+    damped = damped_modes(found.solution, _ABOVE * test.frequencies.max(), felt_at)
+    if not robot.loses_energy:
+        ratios = np.full(len(damped.gives), test.ratios.mean())
+        for ratio, partner in zip(test.ratios, partners, strict=True):
+            if partner:
+                ratios[partner.number - 1] = ratio
+        damped = replace(damped, ratio=ratios)
+    moved = range(0, len(felt_at), 2)
+    return [replace(damped, gives=damped.gives[:, row, row + 1]) for row in moved]
 
 
 def _modes(
@@ -139,10 +164,10 @@ def _modes(
     return mechanism_modes(model, at, 1, options)[0]
 
 
-def _motions(system: System, shapes: Array, test: ModalTest) -> Array:
+def _motions(system: System, shapes: Array, at: Freedoms) -> Array:
     """Motions (k×m) of shapes (n×m) where and along what they were measured (k)."""
     rows = []
-    for body, place, direction in zip(test.bodies, test.places, test.directions, strict=True):
+    for body, place, direction in zip(at.bodies, at.places, at.directions, strict=True):
         frame = system.posture.frames[body]
         if body in system.models:
             field = system.models[body].displacements(place[None]).toarray()

@@ -23,7 +23,8 @@ _LARGEST = 100_000_000
 # Of computing: two hundred functions take ten.
 _SECONDS = 300.0
 # Frequency response functions among functions; normal and complex modes among data at nodes.
-_RESPONSE, _MODES = 4, (2, 3, 7)
+_RESPONSE, _COHERENCE, _MODES = 4, 6, (2, 3, 7)
+_ENDS = ("rsp_node", "rsp_dir", "ref_node", "ref_dir")
 # Specific data types of motions, by how many derivatives each is off a velocity, and of force.
 _DERIVATIVES, _FORCE = {8: -1, 11: 0, 12: 1}, 13
 _GRAVITY = 9.80665
@@ -36,15 +37,22 @@ Set: TypeAlias = dict[str, Any]
 
 
 class TestedModes(NamedTuple):
-    """Modes of a test: `poles` (m, 1/s), the standard scatter of their size, `shapes` (k×m, real).
+    """Modes of a test: `poles` (m, 1/s) and `shapes` (k×m, real).
 
-    Of each row of these `freedoms` (k×2) are the node and its axis (0 to 2).
+    `scatter` (2×m) is standard, of frequencies (Hz) and of damping ratios. Of each row of the
+    shapes `freedoms` (k×2) are the node and its axis (0 to 2). The `receptance` (p×n, m/N) at
+    `frequencies` (n, Hz) is that of each two such `ends` (p×2×2), what moves and what is struck;
+    `coherence` (p×n) is NaN where the file has none.
     """
 
     poles: ComplexArray
     scatter: Array
     shapes: Array
     freedoms: IntArray
+    frequencies: Array = np.zeros(0)
+    receptance: ComplexArray = np.zeros((0, 0), dtype=complex)
+    ends: IntArray = np.zeros((0, 2, 2), dtype=int)
+    coherence: Array = np.zeros((0, 0))
 
 
 def read_modes(path: Path) -> TestedModes:
@@ -77,7 +85,8 @@ def _read(path: Path) -> TestedModes:
     if not tested:
         raise InputError(f"{path}: has neither frequency response functions nor mode shapes")
     units = next((one for one in sets if one["type"] == 164), {"length": 1.0, "force": 1.0})
-    return _identified(path, tested, units["force"] / units["length"])
+    coherent = [one for one in sets if one["type"] == 58 and one["func_type"] == _COHERENCE]
+    return _identified(path, tested, coherent, units)
 
 
 def _as_given(modes: Sequence[Set]) -> TestedModes:
@@ -93,12 +102,14 @@ def _as_given(modes: Sequence[Set]) -> TestedModes:
     freedoms = np.argwhere(seen)
     freedoms[:, 0] = np.array(nodes)[freedoms[:, 0]]
     return TestedModes(
-        poles[elastic], np.zeros(len(elastic)), _real(shapes[seen][:, elastic]), freedoms
+        poles[elastic], np.zeros((2, len(elastic))), _real(shapes[seen][:, elastic]), freedoms
     )
 
 
-def _identified(path: Path, tested: Sequence[Set], to_si: float) -> TestedModes:
-    """Of functions of one file, `to_si` times which would be SI."""
+def _identified(
+    path: Path, tested: Sequence[Set], coherent: Sequence[Set], units: Set
+) -> TestedModes:
+    """Of functions of one file, of which some are `coherent` by others, in `units`."""
     from sdypy.EMA import Model  # noqa: PLC0415  of the optional extra
 
     frequencies = np.asarray(tested[0]["x"], dtype=float)
@@ -119,8 +130,15 @@ def _identified(path: Path, tested: Sequence[Set], to_si: float) -> TestedModes:
                 "x, y or z by a force along one, with finite values at the frequencies of the first"
             )
         in_g = one["ordinate_axis_units_lab"].strip().lower() == "g"
-        factor = np.sign(np.prod(along)) * (_GRAVITY if in_g else to_si)
+        to_si = units["force"] * (_GRAVITY if in_g else 1.0 / units["length"])
+        factor = np.sign(np.prod(along)) * to_si
         rows.append(factor * values[kept] * (2j * np.pi * frequencies) ** -_DERIVATIVES[kind])
+    unknown = np.full(len(kept), np.nan)
+    known = {
+        tuple(one[end] for end in _ENDS): np.real(one["data"])
+        for one in coherent
+        if len(one["data"]) == len(kept)
+    }
     band = {"lower": frequencies[0], "upper": frequencies[-1]}
     model = Model(np.array(rows), frequencies, pol_order_high=_HIGHEST, frf_form="mobility", **band)
     model.get_poles(show_progress=False)
@@ -145,12 +163,19 @@ def _identified(path: Path, tested: Sequence[Set], to_si: float) -> TestedModes:
     strongest = np.linalg.norm(parts, axis=1).argmax(axis=0)
     shapes = parts[strongest, :, np.arange(len(chosen))].T
     return TestedModes(
-        model.all_poles[-1][chosen], np.array(scatter), _real(shapes), np.array(freedoms)
+        model.all_poles[-1][chosen],
+        np.array(scatter).T,
+        _real(shapes),
+        np.array(freedoms),
+        frequencies,
+        np.array(rows) / (2j * np.pi * frequencies),
+        np.stack(ends, axis=1),
+        np.array([known.get(tuple(one[end] for end in _ENDS), unknown)[kept] for one in tested]),
     )
 
 
-def _stable(poles: list[ComplexArray], band: Array) -> tuple[list[int], list[float]]:
-    """Places of the stable poles among those of the highest order, and their scatter (1/s)."""
+def _stable(poles: list[ComplexArray], band: Array) -> tuple[list[int], list[list[float]]]:
+    """Places of the stable poles among those of the highest order, and their scatter."""
     orders = [one[(one.imag > 0.0) & (one.real < 0.0)] for one in poles[len(poles) // 2 :]]
     chosen: list[int] = []
     scatter = []
@@ -163,7 +188,9 @@ def _stable(poles: list[ComplexArray], band: Array) -> tuple[list[int], list[flo
         alike = nearest[np.abs(nearest - pole) < _ALIKE * size]
         if len(alike) >= _MOST * len(orders):
             chosen.append(int(place))
-            scatter.append(float(np.std(np.abs(alike))))
+            sizes = np.abs(alike)
+            both = sizes / (2.0 * np.pi), alike.real / sizes
+            scatter.append([float(np.std(one)) for one in both])
     return chosen, scatter
 
 

@@ -9,6 +9,7 @@ from lumped.acceptance.requirement import (
     ANY_FORCE,
     FREQUENCIES,
     LOAD,
+    OF_HAMMER,
     RESPONSE,
     ROTATIONS,
     is_static,
@@ -282,7 +283,7 @@ def _meaning(quantity: str) -> str:
         return f"displacement under {what}"
     if quantity in FREQUENCIES:
         return f"natural frequency {FREQUENCIES[quantity]}"
-    if quantity.startswith(RESPONSE):
+    if quantity.startswith(RESPONSE) and not quantity.startswith(OF_HAMMER):
         name, _, what = quantity.removeprefix(RESPONSE).partition(".")
         return f"{_OF_RESPONSES[what]} of the response {name}"
     if (entry := leg_entry(quantity)) is not None:

@@ -9,6 +9,7 @@ from math import ceil
 from lumped.acceptance.requirement import (
     ANY_FORCE,
     FREQUENCIES,
+    OF_HAMMER,
     ORDER,
     RESPONSE,
     STATIC_QUANTITIES,
@@ -61,6 +62,9 @@ def quantities_text(matrix: Matrix, quantities: Collection[str]) -> str:
 
 def heading(quantity: str) -> str:
     """A quantity as the table heads it: "φx", "load cutting"."""
+    if quantity.startswith(OF_HAMMER):
+        at = quantity.removeprefix(OF_HAMMER)
+        return f"response {f'at {at}' if at in FREQUENCIES else 'at low frequency'}"
     return SIGNS.get(quantity, quantity.replace(":", " "))
 
 

@@ -15,7 +15,7 @@ from lumped.models.bodies import legs_of
 from lumped.robot_file import RobotFile
 from lumped.robot_file.evidence import with_options
 from lumped.robot_file.variation import Variation
-from validation.adequacy.matrix import ADEQUACY, MEASURED
+from validation.adequacy.matrix import ADEQUACY, MEASURED, MEASURED_RESPONSE
 from validation.agreement.accuracy import accuracy_faults
 from validation.console.progress import stage
 from validation.console.streams import mention
@@ -136,7 +136,7 @@ def validate(request: Request, catalogue: runner.Catalogue) -> Results:
         catalogue = partial(catalogue, variations=request.variations)
     listed = catalogue(robot_file)
     # Whoever names measured values in the command wants to see them, whatever else is left out.
-    always = (MEASURED,) if request.measured else ()
+    always = (MEASURED, MEASURED_RESPONSE) if request.measured else ()
     tasks = runner.select(listed, preset, request.only, always)
     header = provenance.header(robot_file, preset, request.options)
     # Before the run, so that after Ctrl-C only the page is left to be written.

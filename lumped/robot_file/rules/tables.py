@@ -272,6 +272,8 @@ HAMMER = TableRule(
     needed("nodes", Named(_NODE, _SENSOR), "nodes of a universal file, by their numbers in it"),
     Key("pose", _POSE, "where it was measured; the reference posture where left out"),
     Key("uncertainty", _SHARE, "standard, of frequencies, besides their scatter", default=0.002),
+    Key("calibration", _SHARE, "standard, of responses, besides their scatter", default=0.01),
+    Key("averages", _COUNT, "blows that coherence is of", default=1),
 )
 _INPUT_UNCERTAINTY = TableRule(
     needed("key", _TEXT, 'a number or matrix of this file, "leg1.length" say'),

@@ -11,6 +11,7 @@ from lumped.arrays import Array
 from validation.adequacy.matrix import Entry, Matrix
 from validation.drawing.chart import Chart, Column, Panel, Series, few_ticks, percent, side_by_side
 from validation.report.declared import Shown, curves
+from validation.report.words import heading
 
 _POSE = "pose"
 # The deflections, and the frequencies where there are any: what is read off first.
@@ -54,7 +55,7 @@ def measured_curves(matrix: Matrix) -> Shown | None:
     panels = []
     for place, (quantity, entries) in enumerate(found.items()):
         label = "" if place % 3 else "value / measured value"
-        named = {"title": _MEANINGS.get(quantity, quantity), "y_label": label}
+        named = {"title": _MEANINGS.get(quantity, heading(quantity)), "y_label": label}
         shape: dict[str, Any] = {**named, "levels": (1.0,), "staggered": False}
         if any(sum(error is not None for error in entry.errors) > 1 for entry in entries):
             panels.append(Panel(_over_poses(matrix, entries), **shape))

@@ -1,0 +1,181 @@
+"""Measured frequency responses held against models; the test is of one mass on three springs.
+
+In closed form: along a spring k the mass moves by 1/(k − mω² + 2iζω√km) by force, 1/k at rest and
+1/2ζk at its mode. It is struck along (1, 1, 1): a share √⅓ of the force is along each spring.
+"""
+
+import numpy as np
+import pytest
+from written_robot import robot_of
+
+from validation.context import Context
+from validation.measured import tested
+from validation.measured.matrix import measured_matrix
+from validation.measured.modes import with_measured_file
+from validation.report.figures.responses import measured_figures
+
+pyuff = pytest.importorskip("pyuff")
+STEPS = np.arange(0.0, 200.0, 0.25)
+MASS, SPRINGS, RATIO = 10.0, np.array([4.0e5, 9.0e5, 1.6e6]), 0.01
+FREQUENCIES = np.sqrt(SPRINGS / MASS) / (2.0 * np.pi)
+COMPLIANCE = [*(1.0 / SPRINGS), 1e-9, 1e-9, 1e-9]
+LOW = FREQUENCIES[0] / 3.0
+ALL = ("hammer.f1", "hammer.f2", "hammer.f3", "hammer.low")
+
+
+def robot_text(more="", stiffer=1.0):
+    return f"""
+schema = 2
+name = "mass on springs"
+points = {{ A = [0.3, 0.1, 0.0] }}
+tool = {{ body = "mass", point = "A", moves = [] }}
+[bodies.mass]
+points = ["A"]
+mass = {MASS}
+centre = "A"
+inertia = [[1e-3, 0, 0], [0, 1e-3, 0], [0, 0, 1e-3]]
+[joints.root]
+type = "fixed"
+between = ["ground", "mass"]
+at = "A"
+compliance = {np.diag(np.array(COMPLIANCE) / stiffer).tolist()}
+[hammer]
+averages = 8
+[hammer.nodes]
+1 = {{ body = "mass", at = "A" }}
+2 = {{ body = "mass", at = "A", x = [1, 1, 1], y = [-1, 1, 0] }}
+{more}"""
+
+
+def exact(frequencies):
+    """Displacement along each spring by force along (1, 1, 1) (n×3, m/N)."""
+    speeds = 2.0 * np.pi * np.asarray(frequencies)[:, None]
+    return np.sqrt(1 / 3) / (
+        SPRINGS - MASS * speeds**2 + 2j * RATIO * speeds * np.sqrt(SPRINGS * MASS)
+    )
+
+
+# Specific data types of displacement, velocity and acceleration, by derivatives.
+KINDS = {0: 8, 1: 11, 2: 12}
+
+
+def functions(derivatives=2, factor=1.0, noise=0.0, **more):
+    """Data sets 58 of the mass along x, y, z and (1, 1, 1), struck along that."""
+    moved = exact(STEPS)
+    moved = np.hstack([moved, moved.sum(axis=1, keepdims=True) * np.sqrt(1 / 3)])
+    random = np.random.default_rng(11).standard_normal((2, *moved.shape))
+    moved = factor * (2j * np.pi * STEPS[:, None]) ** derivatives * moved
+    moved *= 1.0 + noise * (random[0] + 1j * random[1])
+    form = {"type": 58, "func_type": 4, "binary": 0, "x": STEPS, "abscissa_spacing": 1}
+    kinds = {"ordinate_spec_data_type": KINDS[derivatives], "orddenom_spec_data_type": 13}
+    return [
+        {**form, **kinds, "rsp_node": n, "rsp_dir": axis, "ref_node": 2, "ref_dir": 1, "data": data}
+        | more
+        for (n, axis), data in zip([(1, 1), (1, 2), (1, 3), (2, 1)], moved.T, strict=True)
+    ]
+
+
+@pytest.fixture
+def held(tmp_path, monkeypatch):
+    """The robot of a text with a file of the data sets, and the matrix of both."""
+    monkeypatch.setattr(tested, "within_limits", lambda _, read, *given: read(*given))
+
+    def hold(sets, text=""):
+        path = tmp_path / "hammer.uff"
+        path.unlink(missing_ok=True)
+        pyuff.UFF(str(path)).write_sets(sets)
+        robot_file = with_measured_file(robot_of(text or robot_text(), tmp_path), path)
+        return robot_file, measured_matrix(Context(robot_file, "quick"))
+
+    return hold
+
+
+def entries_of(matrix):
+    return {one: matrix.entry("beam", f"response:{one}") for one in ALL}
+
+
+@pytest.mark.parametrize("derivatives", [0, 1, 2])
+def test_at_rest_it_is_1_by_k_and_at_the_modes_1_by_2_zeta_k(held, derivatives):
+    entries = entries_of(held(functions(derivatives))[1])
+    share = np.sqrt(1 / 3)
+    peaks = [entries[f"hammer.f{n}"] for n in (1, 2, 3)]
+    assert [one.expected for one in peaks] == pytest.approx(share / (2 * RATIO * SPRINGS), rel=2e-4)
+    # A third of the first frequency is a ninth above rest.
+    assert entries["hammer.low"].expected == pytest.approx(share / SPRINGS[0] * 9 / 8, rel=1e-4)
+    for one in entries.values():
+        assert one.error == pytest.approx(0.0, abs=1e-3)
+        assert (one.unit, one.verdict, one.mac or 1.0) == ("m/N", "adequate", pytest.approx(1.0))
+
+
+def test_a_robot_that_is_too_stiff_is_told_by_how_much(held):
+    entries = entries_of(held(functions(), robot_text(stiffer=1.2))[1])
+    for n in (1, 2, 3):
+        assert entries[f"hammer.f{n}"].error == pytest.approx(1 / 1.2 - 1, abs=1e-3)
+    # At a third of the measured frequency (k − k/9) / (1.2 k − k/9).
+    assert entries["hammer.low"].error == pytest.approx((8 / 9) / (1.2 - 1 / 9) - 1, abs=1e-3)
+    assert {one.verdict for one in entries.values()} == {"inadequate"}
+
+
+def test_the_damping_of_the_robot_file_is_that_of_the_models(held):
+    entries = entries_of(held(functions(), robot_text("[damping]\nratio = 0.02"))[1])
+    assert entries["hammer.f2"].error == pytest.approx(-0.5, abs=1e-3)
+    assert entries["hammer.low"].error == pytest.approx(0.0, abs=1e-3)
+    assert "damped as measured" not in entries["hammer.f2"].reference
+
+
+@pytest.mark.parametrize(
+    ("factor", "verdict", "said"),
+    [
+        (-1.0, "undecided", "moves the other way than measured"),
+        (1e3, "inadequate", "0.001 times what was measured: is a unit wrong?"),
+        (1 / 9.80665, "inadequate", "9.81 times what was measured: is a unit wrong?"),
+    ],
+)
+def test_a_wrong_sign_or_unit_is_noticed(held, factor, verdict, said):
+    for one in entries_of(held(functions(factor=factor))[1]).values():
+        assert one.verdict == verdict
+        assert said in one.reason
+
+
+def test_what_scatters_lies_within_the_uncertainty(held):
+    """Of 1 % of noise by part; coherence of eight blows says the same of it."""
+    clean = {one.quantity: one.value for one in held(functions())[0].measured}
+    noisy = functions(noise=0.01)
+    coherent = 1.0 / (1.0 + 8 * 2 * 0.01**2)
+    data = {"func_type": 6, "data": np.full(len(STEPS), coherent)}
+    for sets in (noisy, noisy + [{**one, **data} for one in noisy]):
+        for one in held(sets)[0].measured:
+            if one.quantity.startswith("response:"):
+                off = one.value / clean[one.quantity] - 1
+                random = np.sqrt((one.uncertainty / one.value) ** 2 - 0.01**2)
+                assert abs(off) < 3 * random
+                assert 0.001 < random < 0.01
+
+
+def test_the_tool_struck_along_a_response_gives_its_peak(held):
+    asked = """[damping]
+ratio = 0.01
+[[responses]]
+name = "mill"
+direction = [1, 1, 1]
+from = 10.0
+to = 150.0
+at = 40.0
+"""
+    robot_file, matrix = held(functions(), robot_text(asked))
+    fine = np.arange(10.0, 150.0, 1e-3)
+    sizes = np.abs(exact(fine).sum(axis=1)) * np.sqrt(1 / 3)
+    at = np.abs(exact([40.0]).sum()) * np.sqrt(1 / 3)
+    told = {"": sizes.max(), ".frequency": fine[sizes.argmax()], ".at": at}
+    for what, truth in told.items():
+        entry = matrix.entry("beam", f"response:mill{what}")
+        assert entry.expected == pytest.approx(truth, rel=2e-3)
+        assert entry.error == pytest.approx(0.0, abs=2e-3)
+        assert "hammer.uff" in entry.reference
+    # What the figure shows is the closed form, of the part from which the first mode is read.
+    (figure,) = measured_figures(robot_file)
+    data = figure.draw(Context(robot_file, "quick")).data.splitlines()
+    table = np.genfromtxt(data, delimiter=",", names=True)
+    for name, close in (("measured_response", 1e-9), ("beam", 2e-3)):
+        size = np.abs(exact(table["frequency_Hz"])[:, 0])
+        assert table[f"{name}_size_mN"] == pytest.approx(size, rel=close)

@@ -1,0 +1,124 @@
+"""Frequency responses of a test as measured values: their sizes at modes and far below them.
+
+The lines of a spectrum near a frequency are fitted by what one damped mode gives and a straight
+line: what lies between them counts, and what scatters is known.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from math import hypot, sqrt
+
+import numpy as np
+
+from lumped.acceptance.measured import Measured, MeasuredResponse, ModalTest
+from lumped.acceptance.requirement import OF_HAMMER, RESPONSE
+from lumped.mechanism.mechanism import Mechanism
+from lumped.robot_file.hammer import Hammer
+from validation.measured.tested import TestedModes
+
+# Lines on each side at least, and within so many half-widths of the peak.
+_LINES, _WIDTHS = 4.5, 2.0
+# Of the lowest mode: there the robot moves by an eighth more than at rest.
+_LOW = 1.0 / 3.0
+# Directions and places that are one.
+_SAME = 1e-6
+
+
+def responses_of(
+    found: TestedModes,
+    test: ModalTest,
+    numbers: Mapping[int, int],
+    hammer: Hammer,
+    robot: Mechanism,
+    source: str,
+) -> Iterator[Measured]:
+    """Responses of a test whose modes, by column, have such `numbers` in the robot.
+
+    Each mode is read from the response that is largest at it, what lies below all of them from that
+    of the lowest; [[responses]] from that of the tool to a force at it.
+    """
+    known = np.isin(found.ends[:, :, 0], list(hammer.nodes)).all(axis=1)
+    rows = [int(row) for row in np.flatnonzero(known)]
+    for row in rows:
+        yield from _of_tool(found, test, row, hammer, robot, source)
+    if not (rows and numbers):
+        return
+    largest, own = {}, test.frequencies
+    for column in sorted(numbers):
+        sizes = [abs(_read(found, test, row, column, own[column], hammer)[0]) for row in rows]
+        largest[column] = rows[int(np.argmax(sizes))]
+    chosen = list(dict.fromkeys(largest.values()))
+    held = replace(test, responses=tuple(_response(found, row, hammer) for row in chosen))
+    first, low = min(numbers), _LOW * float(own[min(numbers)])
+    asked: list[tuple[str, int, float | None]] = [(f"f{numbers[c]}", c, None) for c in largest]
+    if low >= found.frequencies[0]:
+        asked.append(("low", first, low))
+    for name, column, frequency in asked:
+        at, number = frequency or float(own[column]), chosen.index(largest[column])
+        value, uncertainty = _read(found, test, largest[column], column, at, hammer)
+        told = f"{source}, {held.responses[number].name} at {at:.4g} Hz"
+        if frequency is None and not robot.loses_energy:
+            # How well the damping is known is in the peaks of the models.
+            ratio = test.ratios[column]
+            uncertainty = hypot(uncertainty, abs(value) * found.scatter[1, column] / ratio)
+            told += f", models damped as measured ({100.0 * ratio:.3g} %)"
+        plain = Measured(f"{OF_HAMMER}{name}", abs(value), uncertainty, told, test.pose, test=held)
+        phase = float(np.angle(value))
+        yield replace(plain, column=column, response=number, phase=phase, frequency=frequency)
+
+
+def _of_tool(
+    found: TestedModes, test: ModalTest, row: int, hammer: Hammer, robot: Mechanism, source: str
+) -> Iterator[Measured]:
+    """What a response says of [[responses]], if it is the tool's to a force at it along theirs."""
+    ends, tool = hammer.freedoms(found.ends[row]), robot.tool
+    apart = np.abs(ends.places - robot.bodies[tool.body].interfaces[tool.point].position)
+    for asked in robot.excitations:
+        along = np.abs(ends.directions @ asked.direction)
+        if {*ends.bodies} != {tool.body} or max(apart.max(), np.ptp([*along, 1.0])) > _SAME:
+            continue
+        sizes, told = test.frequencies, {}
+        inside = np.flatnonzero((asked.first <= sizes) & (sizes <= asked.last))
+        tops = sizes * np.sqrt(1.0 - 2.0 * test.ratios**2)
+        heights = {c: _read(found, test, row, int(c), tops[c], hammer) for c in inside}
+        if heights:
+            highest = max(heights, key=lambda c: abs(heights[c][0]))
+            told[""] = heights[highest]
+            scatter = hypot(found.scatter[0, highest], hammer.uncertainty * tops[highest])
+            told[".frequency"] = tops[highest], scatter
+        if asked.at is not None and found.frequencies[0] <= asked.at <= found.frequencies[-1]:
+            nearest = int(np.argmin(np.abs(sizes - asked.at)))
+            told[".at"] = _read(found, test, row, nearest, asked.at, hammer)
+        for what, (value, uncertainty) in told.items():
+            quantity = f"{RESPONSE}{asked.name}{what}"
+            yield Measured(quantity, float(abs(value)), uncertainty, source, hammer.pose)
+
+
+def _read(
+    found: TestedModes, test: ModalTest, row: int, column: int, at: float, hammer: Hammer
+) -> tuple[complex, float]:
+    """A response (m/N) at a frequency (Hz) and its standard uncertainty, by the mode of a column.
+
+    That is by what scatters about the fit, or by the coherence γ² of N averages, which leaves
+    √((1 − γ²)/2γ²N) of a line (Bendat and Piersol, Random Data, 4th ed., table 9.6).
+    """
+    own, ratio, x = test.frequencies[column], test.ratios[column], found.frequencies
+    near = np.abs(x - at) <= max(_LINES * (x[1] - x[0]), _WIDTHS * ratio * at)
+    x, lines, coherence = x[near], found.receptance[row, near], found.coherence[row, near]
+    swing = (own**2 - at**2 + 2j * ratio * own * at) / (own**2 - x**2 + 2j * ratio * own * x)
+    columns = np.array([swing, np.ones(len(x)), (x - at) / at]).T
+    weights = np.array([1.0, 1.0, 0.0]) @ np.linalg.pinv(columns)
+    left = lines - columns @ (np.linalg.pinv(columns) @ lines)
+    scatter = 0.5 * np.sum(np.abs(left) ** 2) / max(len(x) - 3, 1)
+    incoherent = np.abs(lines) ** 2 * (1.0 / np.maximum(coherence, 1e-3) - 1.0)
+    random = max(scatter, np.nan_to_num(np.mean(incoherent)) / (2.0 * hammer.averages))
+    value = complex(weights @ lines)
+    spread = sqrt(random * np.sum(np.abs(weights) ** 2))
+    return value, hypot(spread, hammer.calibration * abs(value))
+
+
+def _response(found: TestedModes, row: int, hammer: Hammer) -> MeasuredResponse:
+    (moved, along), (struck, by) = found.ends[row]
+    name = f"node {moved} along {'xyz'[along]} by a force at node {struck} along {'xyz'[by]}"
+    ends = hammer.freedoms(found.ends[row])
+    return MeasuredResponse(name, ends, found.frequencies, found.receptance[row])
