@@ -1,10 +1,10 @@
 """The first screen put together from the matrix of adequacy."""
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from math import sqrt
 
-from validation.adequacy.matrix import Matrix
+from validation.adequacy.matrix import Entry, Matrix
 from validation.drawing.text import percent
 from validation.exhibits import Figure
 from validation.report.declared import attempted
@@ -15,6 +15,7 @@ from validation.report.words import (
     capital,
     listed,
     model_name,
+    models_to_use,
     quantities_text,
     sentence,
 )
@@ -24,10 +25,10 @@ from validation.report.words import (
 class FirstScreen:
     """What the reader sees first: the sentence, the table with its CSV, errors over the poses.
 
-    Then `remedies`, and `other_remedies` of the models that are folded; what decides the entries
-    that are `undecided`, by entries; the uncertain `inputs` with the errors that they leave most
-    open; and `notes` on what was not said by the user. `parts` show the same of what stands beside
-    the matrix, each by its `name` under `heading`.
+    Then `remedies`, and what decides the entries that are `undecided`, by entries; both of the
+    models that are folded by themselves. The uncertain `inputs` with the errors that they leave
+    most open; and `notes` on what was not said by the user. `parts` show the same of what stands
+    beside the matrix, each by its `name` under `heading`.
     """
 
     sentence: str
@@ -38,6 +39,7 @@ class FirstScreen:
     other_remedies: tuple[Remedy, ...]
     notes: tuple[str, ...]
     undecided: Mapping[str, str]
+    other_undecided: Mapping[str, str] = field(default_factory=dict)
     inputs: tuple[str, ...] = ()
     name: str = ""
     heading: str = ""
@@ -58,7 +60,7 @@ def first_screen(
         where = ("measured.values", "measured") if measured else ("adequacy.errors", "adequacy")
         return shown.figure(where[0], shown.title, where[1]) if shown else None
 
-    table = table_of(matrix)
+    table = table_of(matrix, [*rely] or [model for model, _ in models_to_use(matrix)])
     folded = [row.note.model for row in table.rows if row.folded]
     shown = [row.note.model for row in table.rows if not row.folded]
     return FirstScreen(
@@ -70,6 +72,7 @@ def first_screen(
         other_remedies=remedies_of(matrix, folded),
         notes=matrix.notes,
         undecided=_undecided(matrix, shown),
+        other_undecided=_undecided(matrix, folded),
         inputs=_inputs(matrix),
         name=matrix.robot,
         parts=tuple(
@@ -79,20 +82,16 @@ def first_screen(
     )
 
 
-def _undecided(matrix: Matrix, shown: Collection[str]) -> Mapping[str, str]:
-    """What decides undecided entries: quantities and models by the reason that they share.
-
-    Models that are folded are named where no other has the reason.
-    """
-    open_ = [entry for entry in matrix.entries if entry.verdict == "undecided"]
+def _undecided(matrix: Matrix, models: Collection[str]) -> Mapping[str, str]:
+    """What decides undecided entries of these models, with quantities and models that share it."""
+    told: dict[str, list[Entry]] = {}
+    for entry in matrix.entries:
+        if entry.verdict == "undecided" and entry.reason and entry.model in models:
+            told.setdefault(entry.reason, []).append(entry)
     return {
-        reason: f"{quantities_text(matrix, [e.quantity for e in found])} by {listed(names)}"
-        for reason in dict.fromkeys(entry.reason for entry in open_ if entry.reason)
-        if (found := [entry for entry in open_ if entry.reason == reason])
-        and (models := list(dict.fromkeys(entry.model for entry in found)))
-        and (
-            names := [model_name(one) for one in models if one in shown or not {*models} & {*shown}]
-        )
+        reason: f"{quantities_text(matrix, [entry.quantity for entry in found])} by "
+        f"{listed(list(dict.fromkeys(model_name(entry.model) for entry in found)))}"
+        for reason, found in told.items()
     }
 
 

@@ -1,6 +1,6 @@
 """The matrix model × quantity as a table of the page, with a sheet behind each number; as CSV."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -23,6 +23,7 @@ from validation.report.words import (
     force_text,
     heading,
     model_name,
+    spread_text,
 )
 
 # A word, and what is to be said under it.
@@ -35,8 +36,6 @@ _OF_RESPONSES = {
 MARKS: Mapping[Adequacy, str] = {"adequate": "✓", "inadequate": "✗", "undecided": "?"}
 # Of which the robot's own deflections are told (N, N m).
 FORCE, MOMENT = 1000.0, 100.0
-# Uncertainties below this share of the reference are not shown in a cell.
-_WORTH_SAYING = 5e-4
 # From here on a verdict is as good as certain.
 _CERTAIN = 0.995
 # Columns of the CSV that go by another name than the field of an entry.
@@ -94,22 +93,24 @@ class Table:
         return tuple(cell for row in self.rows for cell in row.cells if cell)
 
 
-def table_of(matrix: Matrix) -> Table:
-    """The matrix as a table: models in its order, quantities of which any model says anything."""
+def table_of(matrix: Matrix, named: Collection[str] = ()) -> Table:
+    """The matrix as a table: models in its order, quantities of which any model says anything.
+
+    `named`: models of which the sentence above it tells; they are not folded.
+    """
     spoken = [q for q in matrix.quantities if any(e.quantity == q for e in matrix.entries)]
     rows = []
     for note in matrix.models:
         found = [matrix.entry(note.model, quantity) for quantity in spoken]
         cells = tuple(_cell(matrix, note, entry) if entry else None for entry in found)
-        rows.append(Row(note, capital(model_name(note.model)), cells, _folded(matrix, note.model)))
+        folded = note.model not in named and _folded(matrix, note.model)
+        rows.append(Row(note, capital(model_name(note.model)), cells, folded))
     headings = tuple(map(heading, spoken))
     return Table(headings, tuple(_own(matrix, quantity) for quantity in spoken), tuple(rows))
 
 
 def _cell(matrix: Matrix, note: ModelNote, entry: Entry) -> Cell:
-    open_, text = "", _text(entry)
-    if entry.uncertainty is not None and entry.uncertainty >= _WORTH_SAYING:
-        open_ = f"±\u00a0{percent(entry.uncertainty, signed=False)}"
+    open_, text = spread_text(entry.uncertainty), _text(entry)
     if entry.chance is not None and entry.chance < _CERTAIN:
         open_ = f"{open_} {percent(entry.chance, signed=False)}\u00a0sure".strip()
     if entry.mac is not None:
@@ -145,9 +146,10 @@ def _own(matrix: Matrix, quantity: str) -> tuple[str, str]:
         for entry in matrix.entries
         if entry.quantity == quantity and entry.error is not None and entry.expected is not None
     ]
+    # Under any force it is a number of another direction for every robot, and told in the sheet.
     static, of_response = is_static(quantity), quantity.startswith(RESPONSE)
     shown = static or of_response or quantity in FREQUENCIES
-    if not entries or not shown or entries[0].measured:
+    if not entries or not shown or quantity == ANY_FORCE or entries[0].measured:
         return "", ""
     best = min(entries, key=lambda entry: abs(entry.error or 0.0))
     unit, scale, own = "Hz", 1.0, best.expected or 0.0
@@ -163,8 +165,7 @@ def _own(matrix: Matrix, quantity: str) -> tuple[str, str]:
         scale = 1e6 if quantity.startswith(LOAD) else scale
     # Errors and what is left open of them are relative to the reference.
     spread = (best.uncertainty or 0.0) / (1.0 + abs(best.error or 0.0))
-    left = f"±\u00a0{percent(spread, signed=False)}" if spread >= _WORTH_SAYING else ""
-    return f"{number(scale * own, 3)}\u00a0{unit}", left
+    return f"{number(scale * own, 3)}\u00a0{unit}", spread_text(spread)
 
 
 def csv_of_matrix(matrix: Matrix) -> str:

@@ -4,7 +4,6 @@ Of the models relied on, else which models to use; at most forty words, unless m
 """
 
 from collections.abc import Collection, Mapping, Sequence
-from math import ceil
 
 from lumped.acceptance.requirement import (
     ANY_FORCE,
@@ -15,9 +14,10 @@ from lumped.acceptance.requirement import (
     STATIC_QUANTITIES,
     is_static,
 )
-from validation.adequacy.matrix import VERDICTS, Entry, Matrix
+from validation.adequacy.matrix import VERDICTS, Adequacy, Entry, Matrix
 from validation.drawing.text import number, percent
 
+_OF_RESPONSES = {"": "peak", "frequency": "peak frequency", "at": "at one frequency"}
 _MODELS: Mapping[str, str] = {
     "simplified": "the simplified model",
     "vjm": "VJM with the legs as given",
@@ -35,7 +35,8 @@ SIGNS: Mapping[str, str] = {
     ANY_FORCE: "any force",
     ORDER: "order of modes",
 }
-_NOTHING = 5e-5
+# Uncertainties below this share of the reference are not shown.
+_WORTH_SAYING = 5e-4
 
 
 def model_name(model: str) -> str:
@@ -65,6 +66,9 @@ def heading(quantity: str) -> str:
     if quantity.startswith(OF_HAMMER):
         at = quantity.removeprefix(OF_HAMMER)
         return f"response {f'at {at}' if at in FREQUENCIES else 'at low frequency'}"
+    if quantity.startswith(RESPONSE):
+        name, _, what = quantity.removeprefix(RESPONSE).partition(".")
+        return f"{name} {_OF_RESPONSES[what]}"
     return SIGNS.get(quantity, quantity.replace(":", " "))
 
 
@@ -79,8 +83,15 @@ def listed(words: Sequence[str]) -> str:
 
 
 def error_text(error: float, *, signed: bool = True) -> str:
-    """An error in percent, two digits; "0 %" below what could matter to anyone."""
-    return percent(error, signed=signed) if abs(error) >= _NOTHING else "0\u00a0%"
+    """An error in percent, two digits, none behind hundredths; "0 %" below these."""
+    return percent(round(error, 4), signed=signed)
+
+
+def spread_text(uncertainty: float | None) -> str:
+    """What is left open of an error: "± 0.3 %"; "" where it is not worth showing."""
+    if uncertainty is None or uncertainty < _WORTH_SAYING:
+        return ""
+    return f"±\u00a0{error_text(uncertainty, signed=False)}"
 
 
 def force_text(entry: Entry) -> str:
@@ -99,37 +110,54 @@ def sentence(matrix: Matrix, rely: Sequence[str] = ()) -> str:
 
 
 def _relied(matrix: Matrix, models: Sequence[str]) -> str:
-    """For each model: for what it is adequate, for what not, and by how much it may be off."""
-    told = []
+    """For models of the same verdicts: for what they are adequate or not, how far they are off."""
+    alike: dict[tuple[tuple[str, Adequacy], ...], list[str]] = {}
     for model in models:
-        entries = matrix.of_model(model)
+        verdicts = tuple((entry.quantity, entry.verdict) for entry in matrix.of_model(model))
+        alike.setdefault(verdicts, []).append(model)
+    told = []
+    for verdicts, names in alike.items():
+        entries = [entry for name in names for entry in matrix.of_model(name)]
         parts = [
-            f"{verdict} for {quantities_text(matrix, [e.quantity for e in found])}{_by(found)}"
+            f"{verdict} for {_for_what(matrix, [q for q, one in verdicts if one == verdict])}"
+            f"{_by([entry for entry in entries if entry.verdict == verdict])}"
             for verdict in VERDICTS
-            if (found := [entry for entry in entries if entry.verdict == verdict])
+            if any(one == verdict for _, one in verdicts)
         ]
-        told.append(f"{model}: {', '.join(parts)}")
+        told.append(f"{listed(names)}: {', '.join(parts)}")
     return f"You rely on {'; '.join(told)}"
 
 
-def _by(entries: Sequence[Entry]) -> str:
-    """How far entries of one verdict are off, what is left open included where they hold."""
-    adequate, limits = entries[0].verdict == "adequate", [entry.limit for entry in entries]
-    sizes = [
-        abs(entry.error) + (entry.uncertainty or 0.0) * adequate
-        for entry in entries
-        if entry.error is not None
-    ]
-    if not sizes or entries[0].verdict == "undecided":
-        return ""
-    how = "at most" if adequate else "up to"
-    accepted = " to ".join(
-        dict.fromkeys(_rounded_up(limit) for limit in (min(limits), max(limits)))
+def _for_what(matrix: Matrix, quantities: Sequence[str]) -> str:
+    spoken = {entry.quantity for entry in matrix.entries}
+    return (
+        "everything judged"
+        if spoken == {*quantities} and ORDER in spoken
+        else (quantities_text(matrix, quantities))
     )
-    return f" (off by {how} {_rounded_up(max(sizes))}, you accept {accepted})"
 
 
-def _to_use(matrix: Matrix) -> str:
+def _by(entries: Sequence[Entry]) -> str:
+    """How far entries of one verdict are off, with what is left open where they hold.
+
+    Of the order, which compares modes that have nothing in common, only where nothing else is.
+    """
+    adequate, limits = entries[0].verdict == "adequate", [entry.limit for entry in entries]
+    found = [entry for entry in entries if entry.error is not None]
+    found = [entry for entry in found if entry.quantity != ORDER] or found
+    if not found or entries[0].verdict == "undecided":
+        return ""
+    sizes = [(abs(one.error or 0.0), (one.uncertainty or 0.0) * adequate) for one in found]
+    error, left = max(sizes, key=sum)
+    how, open_ = "at most" if adequate else "up to", spread_text(left)
+    off = " ".join(filter(None, (error_text(error, signed=False), open_)))
+    accepted = " to ".join(
+        dict.fromkeys(percent(limit, signed=False) for limit in (min(limits), max(limits)))
+    )
+    return f" (off by {how} {off}, you accept {accepted})"
+
+
+def models_to_use(matrix: Matrix) -> list[tuple[str, set[str]]]:
     """The fewest models that are adequate for all that any is adequate for, the simplest first."""
     fitting = {
         note.model: {e.quantity for e in matrix.of_model(note.model) if e.verdict == "adequate"}
@@ -141,7 +169,12 @@ def _to_use(matrix: Matrix) -> str:
         model = max(fitting, key=lambda name: len(fitting[name] & left))
         chosen.append((model, fitting[model] & left))
         left -= fitting[model]
-    held = set().union(*fitting.values())
+    return chosen
+
+
+def _to_use(matrix: Matrix) -> str:
+    chosen = models_to_use(matrix)
+    held = {quantity for _, found in chosen for quantity in found}
     undecided = {e.quantity for e in matrix.entries if e.verdict == "undecided"} - held
     refused = {entry.quantity for entry in matrix.entries} - held - undecided
     # Solids of legs known by a 6×6 alone are of other legs: no remedy.
@@ -152,10 +185,4 @@ def _to_use(matrix: Matrix) -> str:
     parts = [f"for your limits use {', '.join(said)}"] if said else []
     parts += [f"no model is adequate for {quantities_text(matrix, refused)}"] if refused else []
     parts += [f"undecided: {quantities_text(matrix, undecided)}"] if undecided else []
-    told = "; ".join(parts)
-    return f"{told[:1].upper()}{told[1:]}"
-
-
-def _rounded_up(size: float) -> str:
-    """A bound of relative sizes, rounded up to a tenth of a percent: "2.1 %"."""
-    return f"{number(ceil(1000.0 * size - _NOTHING) / 10.0, 3)}\u00a0%"
+    return capital("; ".join(parts))

@@ -110,8 +110,8 @@ def test_the_table_tells_peaks_in_micrometres_and_the_chart_has_all_models(arm, 
     matrix = judged(subject, arm.requirement)
     told = dict(zip(table_of(matrix).headings, table_of(matrix).robot, strict=True))
     peak, frequency, _ = (matrix.entry("beam", name).expected for name in OF_HIT)
-    assert told["response hit"][0] == f"{1e6 * peak:.3g}\u00a0µm/N"
-    assert told["response hit.frequency"][0] == f"{frequency:.3g}\u00a0Hz"
+    assert told["hit peak"][0] == f"{1e6 * peak:.3g}\u00a0µm/N"
+    assert told["hit peak frequency"][0] == f"{frequency:.3g}\u00a0Hz"
     assert quantities_text(matrix, OF_HIT) == "responses"
     (planned,) = responses.figures(arm.mechanism)
     figure = planned.draw(Context(arm, "quick"))

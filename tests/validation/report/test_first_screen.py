@@ -40,13 +40,13 @@ SEVERAL = [
         (
             "vjm",
             STATIC,
-            "adequate for deflections and rotations (off by at most 1.1 %, you accept 5 %).",
+            "adequate for deflections and rotations (off by at most 1 % ± 0.1 %, you accept 5 %).",
         ),
         (
             "beam",
             MIXED,
-            "adequate for x (off by at most 1.3 %, you accept 5 %), inadequate for z (off by up to "
-            "12 %, you accept 5 %), undecided for f1.",
+            "adequate for x (off by at most 1.2 % ± 0.1 %, you accept 5 %), inadequate for z (off "
+            "by up to 12 %, you accept 5 %), undecided for f1.",
         ),
         # What is left open of what does not hold says nothing; a motion may be missing.
         ("links", [entry("links", "z", verdict="inadequate")], "inadequate for z."),
@@ -61,6 +61,31 @@ SEVERAL = [
 def test_the_sentence_answers_what_was_asked(rely, entries, expected):
     relied = f"You rely on {rely}: " if any(one.model == rely for one in entries) else ""
     assert plain(sentence(matrix_of(*entries), [rely])) == f"{relied}{expected}"
+
+
+def test_models_alike_share_a_sentence_and_the_order_does_not_tell_how_far_one_is_off():
+    """Designed as a hexapod on thin struts was: 72 words in five lines, "off by up to 2130 %"."""
+    quantities = ("x", "y", "f1", "order")
+    beams = [entry(model, q, 0.002) for model in ("beam", "segments") for q in quantities]
+    rigid = [entry("simplified", q, 0.44) for q in ("x", "y")]
+    rigid += [entry("simplified", "f1", verdict="inadequate"), entry("simplified", "order", 21.0)]
+    matrix = matrix_of(*rigid, *beams)
+    said = plain(sentence(matrix, ["simplified", "beam", "segments"]))
+    assert said == (
+        "You rely on simplified: inadequate for everything judged (off by up to 44 %, you accept "
+        "5 %); beam and segments: adequate for everything judged (off by at most 0.2 % ± 0.1 %, "
+        "you accept 5 %)."
+    )
+
+
+def test_models_of_which_the_sentence_tells_are_not_folded():
+    """A model that lacks whole motions, and a second theory that alone is adequate."""
+    lacking = matrix_of(entry("simplified", "z", -1.0, along=-1.0), entry("beam", "z", 0.01))
+    for rely, shown in (((), ["beam"]), (("simplified",), ["simplified", "beam"])):
+        rows = first_screen(lacking, plotted=False, rely=rely).table.rows
+        assert [row.note.model for row in rows if not row.folded] == shown
+    theory = matrix_of(entry("beam-euler-bernoulli", "f1", 0.01), entry("beam", "f1", 0.2))
+    assert not any(row.folded for row in first_screen(theory, plotted=False).table.rows)
 
 
 def test_what_verdicts_on_frequencies_suppose_stands_behind_them_and_nowhere_else():

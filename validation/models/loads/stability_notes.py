@@ -10,8 +10,8 @@ from lumped.mechanism.mechanism import Posture
 from lumped.system.stability import Stability
 from validation.drawing.text import number, percent
 
-# Less is told of as nothing.
-_NOTHING = 5e-5
+# Less is left open of no error.
+_NOTHING = 1e-3
 
 
 def stability_notes(
@@ -38,9 +38,9 @@ def _said(
     if buckling:
         factor, at, one = min(buckling, key=lambda place: place[0])
         place = shown_pose(at.mechanism, at.pose)
-        where = f", nearest at {place}" if place else ""
+        where = f", first at {place}" if place else ""
         most = next(iter(one.shares))
-        yield f"buckles the robot at {number(factor, 3)} times its size{where}, most in {most}"
+        yield f"buckles the robot at {number(factor, 3)} times this load{where}, in {most}"
     else:
         yield "buckles the robot nowhere"
     lost = np.array([one.lost for _, one in found])
@@ -48,18 +48,17 @@ def _said(
         yield "nothing that is said of the robot under it holds"
         return
     axis = AXES[int(np.argmax(lost.max(axis=0)))]
-    taken, moved = (
-        percent(share, signed=False) if share > _NOTHING else "nothing"
-        for share in (float(lost.max()), max(one.farther for _, one in found))
-    )
-    if taken == moved == "nothing":
-        yield "it takes no stiffness"
+    taken, moved = float(lost.max()), max(one.farther for _, one in found)
+    if max(taken, moved) < _NOTHING:
+        least = percent(_NOTHING, signed=False)
+        yield f"changes the tool's stiffness and displacement by less than {least}"
         return
     said = (
-        f"it takes {taken} of the tool's stiffness at most ({axis}) and changes its displacement "
-        f"by {moved}, which no linear model sees"
+        f"takes up to {percent(max(taken, 0.0), signed=False)} of the tool's stiffness ({axis}) "
+        f"and changes its displacement by {percent(moved, signed=False)}, which no linear "
+        "model sees"
     )
     limit = requirement.limit(load)
-    if requirement.absolute(load) is None and max(one.farther for _, one in found) > limit:
+    if requirement.absolute(load) is None and moved > limit:
         said += f": more than the {percent(limit, signed=False)} that are accepted"
     yield said
