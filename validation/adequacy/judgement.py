@@ -27,7 +27,6 @@ from validation.adequacy.response import (
     OPEN_LINEAR,
     OPEN_MASSES,
     SAY_LINEAR,
-    SAY_MASSES,
     USE,
     Candidate,
     Reference,
@@ -41,7 +40,6 @@ DIGITS = "digits of the file"
 REST = "rest, not attributed"
 _DECIDED_BY = {
     DIGITS: "give the 6×6 in the robot file with more digits",
-    OPEN_MASSES: SAY_MASSES,
     OPEN_LINEAR: SAY_LINEAR,
 }
 # Causes below this share of an error are not named, steps below this part of a limit not taken.
@@ -253,8 +251,9 @@ def _reason(
         return "; ".join(filter(None, (*places, reference.decides or reference.finer)))
     parts = _parts(errors, reference, pose)
     widest = max(parts, key=lambda name: parts[name])
-    if widest in _DECIDED_BY:
-        return _DECIDED_BY[widest]
+    decided = {**_DECIDED_BY, OPEN_MASSES: reference.masses or reference.decides}
+    if widest in decided:
+        return decided[widest]
     decides = widest == reference.open and reference.decides
     return reference.decides if decides else reference.finer
 

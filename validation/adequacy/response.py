@@ -11,12 +11,8 @@ from lumped.arrays import Array, ComplexArray
 from lumped.errors import ComputationError, InputError
 from validation.adequacy.matrix import Coordinate
 
-# What a leg known by its 6×6 leaves open, and what says it.
+# What a leg known by its 6×6 leaves open.
 OPEN_MASSES = "where the legs' mass lies"
-SAY_MASSES = (
-    "give the legs' mass distribution: mass_centre and inertia beside the 6×6, or a section and a "
-    "material instead"
-)
 # How remedies begin that name another model; and that which answers as a reference of solids.
 USE = "use "
 USE_SOLID = f"{USE}solid"
@@ -100,16 +96,17 @@ class ResponsesLeftOpen:
 class Reference:
     """The best there is for a robot: one or more alternatives, where the user left something open.
 
-    `title` says what it is, `open` what was left open and `decides` what would settle it; `finer`
-    what would make it more certain. `remedy` names the model that answers as it does, "" where
-    there is none. `supposed`: what the alternatives are taken to cover, where nothing that could be
-    computed would tell.
+    `title` says what it is, `open` what was left open and `decides` what would settle it, `masses`
+    that of loads on the legs' masses; `finer` what would make it more certain. `remedy` names the
+    model that answers as it does, "" where there is none. `supposed`: what the alternatives are
+    taken to cover, where nothing that could be computed would tell.
     """
 
     title: str
     alternatives: Sequence[Alternative]
     open: str = ""
     decides: str = ""
+    masses: str = ""
     finer: str = "needs a finer reference"
     remedy: str = ""
     supposed: str = ""

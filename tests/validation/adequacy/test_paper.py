@@ -89,7 +89,7 @@ def test_what_is_open_is_undecided_and_says_what_would_decide(paper_subject):
     asked = Requirement(deflection=1e-4, modes=4, frequency=0.36)
     first, y = (judged(paper_subject, asked).entry(*one) for one in (("beam", "f1"), ("vjm", "y")))
     assert (first.verdict, y.verdict) == ("undecided", "undecided")
-    assert first.reason.startswith("give the legs' mass distribution: mass_centre and inertia")
+    assert first.reason.startswith("give a section and a material in place of the 6×6 in [leg1]")
     assert y.reason == "give the 6×6 in the robot file with more digits"
 
 

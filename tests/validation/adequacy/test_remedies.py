@@ -1,6 +1,7 @@
 """What a report says to do is a model, an option or a key that there is, and is enough."""
 
 import re
+from dataclasses import replace
 from json import dumps
 
 import pytest
@@ -13,9 +14,9 @@ from lumped.robot_file.rules.published import json_schema
 from validation import cli
 from validation.adequacy.mechanism.dynamics import DYNAMIC_STEPS
 from validation.adequacy.mechanism.parts import FINER_PARTS
-from validation.adequacy.mechanism.path import holding
+from validation.adequacy.mechanism.path import holding, known_legs, say_masses
 from validation.adequacy.mechanism.statics import STATIC_STEPS
-from validation.adequacy.response import SAY_MASSES, USE_SOLID, finer_by
+from validation.adequacy.response import USE_SOLID, finer_by
 from validation.solids.size import larger_preset
 from validation.solve.question import OPTIONS
 
@@ -53,11 +54,24 @@ def test_finer_references_are_computed_by_an_option_of_run(said):
     assert len(options_taken(said, "run", "ifw")) == 1
 
 
-def test_masses_are_said_by_keys_of_the_robot_file():
-    keys = re.findall(r"\w+_\w+|\binertia\b", SAY_MASSES)
-    assert keys == ["mass_centre", "inertia"]
+@pytest.mark.parametrize(
+    ("leg1", "leg2", "said"),
+    [
+        ((), ("inertia",), "inertia in [leg2]"),
+        (("mass_centre", "inertia"), ("inertia",), "mass_centre and inertia in [leg1], inertia in"),
+        # The built-in robot says both of both legs, and was told to do so.
+        ((), (), "a section and a material in place of the 6×6 in [leg1], [leg2]"),
+    ],
+)
+def test_masses_are_said_by_the_keys_that_the_file_leaves_out(leg1, leg2, said):
+    legs = known_legs(load_robot("ifw").mechanism)
+    for name, keys in (("leg1", leg1), ("leg2", leg2)):
+        legs[name] = replace(legs[name], **dict.fromkeys(keys))
+    decides = say_masses(legs, 1)
+    assert said in decides
+    assert ("mass_centre" in decides) == ("mass_centre" in leg1)
     schema = dumps(json_schema())
-    assert all(f'"{key}":' in schema for key in keys)
+    assert all(f'"{key}":' in schema for key in ("mass_centre", "inertia", "section", "material"))
 
 
 def test_ends_and_interfaces_are_said_by_lines_that_can_be_pasted(tmp_path):

@@ -29,7 +29,6 @@ from validation.adequacy.mechanism.vibration import (
 from validation.adequacy.partners import amounts_by_shape, frequency_changes
 from validation.adequacy.response import (
     OPEN_MASSES,
-    SAY_MASSES,
     UNSOLVED,
     USE,
     USE_SOLID,
@@ -84,12 +83,12 @@ def dynamic_reference(robot: RobotOnPath) -> Reference:
                 responses=_left_of_responses(robot, hold, mass, fine, digits),
             )
         )
-    mass_unsaid, say_mass = (OPEN_MASSES, SAY_MASSES) if robot.given else ("", "")
+    mass_unsaid = OPEN_MASSES if robot.given else ""
     return Reference(
         title=_title(robot),
         alternatives=alternatives,
         open=" and ".join(filter(None, (holding.unsaid, mass_unsaid))),
-        decides="; ".join(filter(None, (holding.decides, say_mass))),
+        decides="; ".join(filter(None, (holding.decides, robot.say_masses))),
         finer=FINER_PARTS if parts else _finer_preset(robot.prisms, preset),
         remedy="" if robot.given else USE_SOLID,
         supposed=_SUPPOSED if robot.given else "",

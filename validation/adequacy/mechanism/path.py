@@ -82,6 +82,11 @@ class RobotOnPath:
         return {name: leg for name, leg in self.legs.items() if isinstance(leg, GivenLeg)}
 
     @property
+    def say_masses(self) -> str:
+        """What would say where the mass of these lies."""
+        return say_masses(self.given, self.context.robot_file.schema)
+
+    @property
     def judged(self) -> int:
         """How many frequencies are judged."""
         return self.context.robot_file.requirement.modes
@@ -182,8 +187,23 @@ def holding(mechanism: Mechanism, schema: int = 2) -> Holding:
     )
 
 
+def say_masses(legs: Mapping[str, GivenLeg], schema: int = 2) -> str:
+    """What would say where the mass of legs known by their 6×6 lies: the keys that are left out.
+
+    Where none is, nothing but what the legs are made of does; "" without such legs.
+    """
+    lacking: dict[str, dict[str, None]] = {}
+    for name, leg in legs.items():
+        keys = [key for key in ("mass_centre", "inertia") if getattr(leg, key) is None]
+        lacking.setdefault(" and ".join(keys), {})[name] = None
+    if untold := [f"{keys} in {_tables(of, schema)}" for keys, of in lacking.items() if keys]:
+        return f"give the legs' mass distribution beside the 6×6: {', '.join(untold)}"
+    made = _tables(dict.fromkeys(legs), schema)
+    return f"give a section and a material in place of the 6×6 in {made}" if legs else ""
+
+
 def _tables(held: Mapping[str, Ends | None], schema: int) -> str:
-    """Tables of the robot file that do not say how their bodies are held."""
+    """Tables of the robot file of bodies of which something is not said."""
     head = "" if schema == 1 else "bodies."
     return ", ".join(f"[{head}{name}]" for name, ends in held.items() if ends is None)
 

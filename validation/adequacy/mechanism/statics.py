@@ -129,6 +129,7 @@ def static_reference(robot: RobotOnPath) -> Reference:
         alternatives=alternatives,
         open=robot.holding.unsaid,
         decides=robot.holding.decides,
+        masses=robot.say_masses,
         finer=FINER_PARTS if parts else finer_statics(context, robot.legs.values()),
         remedy="" if robot.given else USE_SOLID,
         computed_by=(
