@@ -269,9 +269,11 @@ def _places(errors: Errors, reference: Reference, pose: int) -> list[str]:
             for k, number in enumerate(numbers)
             if number != k
         ]
-        said.setdefault(", ".join(moved) or "every mode is in its place", []).append(one.name)
-    alike = len(said) == 1
-    return [] if alike else [f"with {', '.join(names)}, {moved}" for moved, names in said.items()]
+        said.setdefault(", ".join(moved), []).append(one.name)
+    if len(said) == 1:
+        return []
+    told = [f"with {', '.join(names)}, {moved}" for moved, names in said.items() if moved]
+    return [*told, "else every mode is in its place"] if "" in said else told
 
 
 def _told(errors: Errors, quantity: str, pose: int) -> slice:

@@ -20,6 +20,8 @@ from validation.results.outcome import Record, Task
 
 # Seconds over which the pace is measured: all of the run.
 _ALL_OF_IT = 1e9
+# The share of all work from which on its own speed says when the rest is done.
+_WORTH_A_RATE = 0.1
 
 
 class RunProgress:
@@ -42,12 +44,15 @@ class RunProgress:
         self._rows: dict[str, TaskID] = {}
         self._done, self._count, self._troubled = 0, len(tasks), 0
 
-    def line(self) -> str:
-        """What the bar says, in words: "12/243 done, 8 s elapsed, about 20 s left"."""
+    def line(self, left: str = "") -> str:
+        """What the bar says, in words: "12/243 done, 8 s elapsed, about 20 s left".
+
+        Until a tenth is done, `left` is what the forecast says of it.
+        """
         (bar,) = self._whole.tasks
-        elapsed, left = bar.elapsed or 0.0, ""
-        if bar.completed:
-            left = f", about {elapsed * ((bar.total or 0.0) / bar.completed - 1.0):.0f} s left"
+        elapsed, total = bar.elapsed or 0.0, bar.total or 0.0
+        if bar.completed > _WORTH_A_RATE * total:
+            left = f", about {elapsed * (total / bar.completed - 1.0):.0f} s left"
         troubled = f", {self._troubled} not in agreement" if self._troubled else ""
         return f"{self._done}/{self._count} done{troubled}, {elapsed:.0f} s elapsed{left}"
 
@@ -73,5 +78,5 @@ def showing(tasks: Sequence[Task], seconds: float) -> Iterator[RunProgress]:
     """The progress of the tasks on stderr while the context lasts; `seconds` as of `stage`."""
     progress = RunProgress(tasks)
     doing = counted(len(tasks), "comparison or figure", "comparisons, figures and verdicts")
-    with told(doing, seconds, lambda _: progress.line(), progress):
+    with told(doing, seconds, progress.line, progress):
         yield progress

@@ -99,9 +99,8 @@ def reduction_note(
         f"{name} {one.counted} below {one.cutoff:.4g} Hz" for name, one in parts.items()
     )
     return (
-        f"Parts as solids keep all modes with fixed interfaces, as many as Sylvester's inertia "
-        f"counts: {counts}; higher ones lower the "
-        f"{counted(judged, 'lowest frequency', 'lowest frequencies')} by "
+        f"CAD parts keep all modes with fixed interfaces, by count: {counts}; higher ones lower "
+        f"the {counted(judged, 'lowest frequency', 'lowest frequencies')} by "
         f"{percent(bounds.relative_width.max(), signed=False)} at most",
     )
 

@@ -14,6 +14,7 @@ from validation.case import Skip
 from validation.context import Context
 from validation.drawing.scene import Arrow, Marks, Scene, readable_factor
 from validation.drawing.style import LOOKS, VERMILLION, csv_of
+from validation.drawing.text import number
 from validation.exhibits import PATH, PORTRAIT
 from validation.kinematics.picture import scene
 from validation.kinematics.solids import tool_place
@@ -123,7 +124,7 @@ def deformed(context: Context) -> Shown:
         )
         scenes.append(shown)
         far = np.linalg.norm(bent.tip) * _MICRO
-        moves.append(f"{far:.4g} µm under the force along {name}")
+        moves.append(f"{number(far, 4)} µm in all under the force along {name}")
         columns |= _columns(f"force along {name} (µm)", beam.system, bent.unknowns * _MICRO)
     model, beside = _said(context)
     caption = (
