@@ -47,11 +47,11 @@ class RunProgress:
     def line(self, left: str = "") -> str:
         """What the bar says, in words: "12/243 done, 8 s elapsed, about 20 s left".
 
-        Until a tenth is done, `left` is what the forecast says of it.
+        Until a tenth is done, `left` is what the forecast says of it, if there is one.
         """
         (bar,) = self._whole.tasks
         elapsed, total = bar.elapsed or 0.0, bar.total or 0.0
-        if bar.completed > _WORTH_A_RATE * total:
+        if bar.completed > (_WORTH_A_RATE * total if left else 0.0):
             left = f", about {elapsed * (total / bar.completed - 1.0):.0f} s left"
         troubled = f", {self._troubled} not in agreement" if self._troubled else ""
         return f"{self._done}/{self._count} done{troubled}, {elapsed:.0f} s elapsed{left}"

@@ -2,6 +2,7 @@
 
 import json
 import os
+import sys
 import time
 from xml.etree import ElementTree as ET
 
@@ -158,6 +159,7 @@ def test_a_long_run_says_how_far_it_is_and_a_short_one_nothing(monkeypatch, caps
 
 def test_a_file_on_a_terminal_may_have_any_name(monkeypatch, capsys):
     monkeypatch.setenv("FORCE_COLOR", "1")
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
     with telling.stage("reading [/red]a[bold].step"):
         time.sleep(0.2)
     assert "reading [/red]a[bold].step" in capsys.readouterr().err
@@ -176,3 +178,9 @@ def test_long_work_is_forecast_by_the_speed_of_the_machine(monkeypatch, capsys):
     forecast, line = capsys.readouterr().err.splitlines()
     assert forecast == "flexproof: meshing: about 100 s on this machine"
     assert line == "flexproof: meshing: 0 s elapsed, about 100 s left"
+    # A run of which next to nothing is done has no pace of its own yet.
+    tasks = list(toys.sound(load_robot("ifw")))
+    with progress.showing(tasks, 50.0):
+        time.sleep(0.2)
+    line = capsys.readouterr().err.splitlines()[1]
+    assert line == f"flexproof: 0/{len(tasks)} done, 0 s elapsed, about 100 s left"
