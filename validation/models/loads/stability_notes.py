@@ -50,8 +50,7 @@ def _said(
     axis = AXES[int(np.argmax(lost.max(axis=0)))]
     taken, moved = float(lost.max()), max(one.farther for _, one in found)
     if max(taken, moved) < _NOTHING:
-        least = percent(_NOTHING, signed=False)
-        yield f"changes the tool's stiffness and displacement by less than {least}"
+        yield f"takes less than {percent(_NOTHING, signed=False)} of the stiffness"
         return
     said = (
         f"takes up to {percent(max(taken, 0.0), signed=False)} of the tool's stiffness ({axis}) "
