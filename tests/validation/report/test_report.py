@@ -81,6 +81,13 @@ def test_the_answer_stands_at_the_top_and_the_checks_behind_it(markup):
     assert 'href="#robot.beam-vjm.planar_x_0.4975"' in banner
 
 
+def test_the_answer_is_coloured_where_a_model_relied_on_is_inadequate():
+    for rely, colour in (("vjm", "answer"), ("simplified", "inadequate")):
+        report = sample_report(outcomes=[])
+        page = render(replace(report, results=replace(report.results, rely=(rely,))))
+        assert f'<div class="banner {colour}" id="verdict">' in page
+
+
 def test_the_page_says_why_there_is_no_matrix():
     page = render(sample_report(matrix=None, unjudged={ADEQUACY: "the sections are too thin"}))
     assert "No model was judged by finite elements: the sections are too thin." in page
