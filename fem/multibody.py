@@ -91,8 +91,8 @@ class _ExudynModel:
         # It ends with its container.
         self.container, self.mbs = container, container.AddSystem()
         self.section: Any = exudyn.BeamSection
-        # Marker and rotation of what carries each interface.
-        self.markers: dict[tuple[str, str], tuple[int, Array]] = {}
+        # How each interface is marked: item, what carries it, place on that and its rotation.
+        self.interfaces: dict[tuple[str, str], tuple[Any, dict[str, int], Array, Array]] = {}
         for name, body in posture.mechanism.bodies.items():
             if name == GROUND:
                 ground = self.mbs.AddObject(self.items.ObjectGround())
@@ -115,8 +115,16 @@ class _ExudynModel:
     def _mark_body(
         self, number: int, name: str, point: str, position: Array, rotation: Array
     ) -> None:
-        carried = self.items.MarkerBodyRigid(bodyNumber=number, localPosition=position)
-        self.markers[name, point] = self.mbs.AddMarker(carried), rotation
+        on = {"bodyNumber": number}
+        self.interfaces[name, point] = self.items.MarkerBodyRigid, on, position, rotation
+
+    def marker(self, side: Side, axes: Array) -> int:
+        """A marker at an interface with these axes (columns, base axes)."""
+        marker, on, position, rotation = self.interfaces[side.body, side.point]
+        placed = np.eye(4)
+        placed[:3, :3], placed[:3, 3] = rotation.T @ axes, position
+        number: int = self.mbs.AddMarker(marker(**on, localHT=placed))
+        return number
 
     def _add_beam(self, name: str) -> None:
         body, frame = self.posture.mechanism.bodies[name], self.posture.frames[name]
@@ -139,8 +147,9 @@ class _ExudynModel:
                 )
             )
         for point, node in zip(body.interfaces, (nodes[0], nodes[-1]), strict=True):
-            marker = self.mbs.AddMarker(self.items.MarkerNodeRigid(nodeNumber=node))
-            self.markers[name, point] = marker, frame.rotation
+            on = {"nodeNumber": node}
+            marked = self.items.MarkerNodeRigid, on, np.zeros(3), frame.rotation
+            self.interfaces[name, point] = marked
 
     def _add_rigid(self, name: str, shape: Rigid) -> None:
         frame = self.posture.frames[name]
@@ -163,27 +172,21 @@ class _ExudynModel:
         tool = self.posture.mechanism.tool
         if not tool.mass:
             return
-        at = interface_position(self.posture, Side(tool.body, tool.point))
-        load = self._rigid(at, np.eye(3), Rigid(tool.mass))
+        side = Side(tool.body, tool.point)
+        load = self._rigid(interface_position(self.posture, side), np.eye(3), Rigid(tool.mass))
         carried = self.items.MarkerBodyRigid(bodyNumber=load, localPosition=np.zeros(3))
-        marker, rotation = self.markers[tool.body, tool.point]
-        markers = [marker, self.mbs.AddMarker(carried)]
-        held = self.items.GenericJoint(markerNumbers=markers, rotationMarker0=rotation.T)
-        self.mbs.AddObject(held)
+        markers = [self.marker(side, np.eye(3)), self.mbs.AddMarker(carried)]
+        self.mbs.AddObject(self.items.GenericJoint(markerNumbers=markers))
 
     def _add_joint(self, joint: Joint) -> None:
-        marker0, rotation0 = self.markers[joint.first.body, joint.first.point]
-        marker1, rotation1 = self.markers[joint.second.body, joint.second.point]
         free = free_twists(self.posture, joint)
         axes, constrained, driven = _joint_axes(joint, free)
         if joint.drive is not None and joint.drive.stiffness is None:
             constrained[driven] = 1
-        frames = {
-            "markerNumbers": [marker0, marker1],
-            "rotationMarker0": rotation0.T @ axes,
-            "rotationMarker1": rotation1.T @ axes,
-        }
-        self.mbs.AddObject(self.items.GenericJoint(constrainedAxes=constrained, **frames))
+        markers = [self.marker(side, axes) for side in (joint.first, joint.second)]
+        self.mbs.AddObject(
+            self.items.GenericJoint(markerNumbers=markers, constrainedAxes=constrained)
+        )
         if joint.drive is not None and joint.drive.stiffness is not None:
             stiffness, offset = np.zeros((6, 6)), np.zeros(6)
             stiffness[driven, driven] = joint.drive.stiffness
@@ -193,7 +196,7 @@ class _ExudynModel:
             offset[:3] = axes.T @ gap
             self.mbs.AddObject(
                 self.items.ObjectConnectorRigidBodySpringDamper(
-                    stiffness=stiffness, offset=list(offset), **frames
+                    markerNumbers=markers, stiffness=stiffness, offset=list(offset)
                 )
             )
 

@@ -265,7 +265,7 @@ def test_what_the_drives_give_moves_the_tool_of_another_program_as_the_load_says
         force = -np.sqrt(joint.drive.stiffness) * (spring @ moved)[0, 0]
         pull = force * free_twists(at, joint)[:3, 0]
         for side, end in ((joint.first, -1.0), (joint.second, 1.0)):
-            marker, _ = model.markers[side.body, side.point]
+            marker = model.marker(side, np.eye(3))
             model.mbs.AddLoad(model.items.Force(markerNumber=marker, loadVector=end * pull))
     model.mbs.Assemble()
     settings = exudyn.SimulationSettings()
