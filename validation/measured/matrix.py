@@ -22,7 +22,7 @@ from validation.adequacy.mechanism.path import coordinates, why_not_serial
 from validation.adequacy.models import judged_models
 from validation.adequacy.probability import COVERAGE, propagated
 from validation.context import Context
-from validation.measured.modes import Partner, answer_of
+from validation.measured.modes import Partner, modal_answer
 from validation.models.legs import leg_compliance
 from validation.models.mechanism import answers, mechanism_modes
 from validation.models.options import STATIC, ModelName, ModelOptions
@@ -144,7 +144,7 @@ def _of_test(
     model: ModelName, robot: Mechanism, one: Measured, test: ModalTest, options: ModelOptions
 ) -> float | None:
     """The model's frequency of a mode of a test, or its part of a response in phase with it."""
-    answer = answer_of(model, robot, test, options)
+    answer = modal_answer(model, robot, test, options)
     where = one.frequency
     if where is None and (partner := answer.partners[one.column]):
         where = partner.frequency
@@ -162,7 +162,7 @@ def _partner(
     """The mode of the model that a mode of a test is."""
     if one.test is None or one.frequency is not None:
         return None
-    return answer_of(model, robot, one.test, options).partners[one.column]
+    return modal_answer(model, robot, one.test, options).partners[one.column]
 
 
 def _compared(

@@ -78,7 +78,7 @@ def with_measured_file(robot_file: RobotFile, path: Path) -> RobotFile:
         sizes / (2.0 * np.pi),
         -found.poles.real / sizes,
     )
-    partners = answer_of("beam", robot_file.mechanism, test, DEFAULT_OPTIONS).partners
+    partners = modal_answer("beam", robot_file.mechanism, test, DEFAULT_OPTIONS).partners
     paired = [(c, one.number) for c, one in enumerate(partners) if one and one.number <= MOST_MODES]
     source = (
         f"{path.name}, {len(paired)} of {counted(len(partners), 'mode')}, "
@@ -93,7 +93,7 @@ def with_measured_file(robot_file: RobotFile, path: Path) -> RobotFile:
     return replace(robot_file, measured=(*robot_file.measured, *ones))
 
 
-class Answer(NamedTuple):
+class ModalAnswer(NamedTuple):
     """What a model says of a test: `partners` of its modes, damped modes as `responses` feel them.
 
     A static model has neither.
@@ -104,11 +104,13 @@ class Answer(NamedTuple):
 
 
 @memo(64)
-def answer_of(model: ModelName, robot: Mechanism, test: ModalTest, options: ModelOptions) -> Answer:
+def modal_answer(
+    model: ModelName, robot: Mechanism, test: ModalTest, options: ModelOptions
+) -> ModalAnswer:
     """What a model says of a test."""
     partners: list[Partner | None] = [None] * len(test.frequencies)
     if model in STATIC:
-        return Answer(partners, [])
+        return ModalAnswer(partners, [])
     at, count = [posture(robot, np.array(test.pose))], _FIRST
     found = _modes(model, at, count, options)
     highest = _ABOVE * test.frequencies.max(initial=0.0)
@@ -134,7 +136,7 @@ def answer_of(model: ModelName, robot: Mechanism, test: ModalTest, options: Mode
                 reason = f"{same} of the model look like it where it was measured: add points"
             frequency = float(found.modes.frequencies[seen[other]])
             partners[column] = Partner(int(seen[other]) + 1, frequency, own, reason)
-    return Answer(partners, _responses(robot, found, test, partners) if test.responses else [])
+    return ModalAnswer(partners, _responses(robot, found, test, partners) if test.responses else [])
 
 
 def _responses(

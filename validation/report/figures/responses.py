@@ -28,7 +28,7 @@ from validation.drawing.chart import (
     round_angles,
 )
 from validation.exhibits import PATH, PlannedFigure
-from validation.measured.modes import answer_of
+from validation.measured.modes import modal_answer
 from validation.report.declared import FigureGroup, Shown, curves
 from validation.solids.legs import SHARED_SOLIDS
 
@@ -65,7 +65,7 @@ def _measured(context: Context) -> Shown:
     x = own.frequencies[own.frequencies <= _SHOWN * test.frequencies.max()]
     found = {"measured response": own.receptance[: len(x)]}
     for name, (model, _, options) in judged_models(robot).items():
-        responses = answer_of(model, robot, test, options).responses
+        responses = modal_answer(model, robot, test, options).responses
         if responses and (told := responses[number].receptance(x)).any():
             found[name] = told
     place = shown_pose(robot, np.array(test.pose))
