@@ -146,7 +146,8 @@ def _identified(
     if not chosen:
         raise InputError(f"{path}: no mode can be told from its functions")
     model.pole_ind = [[_HIGHEST - 1, place] for place in chosen]
-    constants = model.get_constants()[1]
+    # Without the last line, which sdypy-EMA drops.
+    constants = model.get_constants(f_upper=model.freq[-1])[1]
     # What was held fixed is the place struck or, where the hammer wandered, the sensor: of several
     # each mode is read from the one where it answers most.
     ends = [
