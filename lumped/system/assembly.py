@@ -6,7 +6,7 @@ put together once; a posture turns the interfaces' rows and columns of every bod
 postures together.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -21,7 +21,7 @@ from lumped.mechanism.joint import Joint
 from lumped.mechanism.kinematics.postures import shown_pose
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.screws import shift, turn
-from lumped.system.joint_motion import Portion, carried
+from lumped.system.joint_motion import Portion, UnevenError, carried
 from lumped.system.motions import Frames, Motions, Structure, frames_of, motions, structure_of
 
 
@@ -137,28 +137,38 @@ class Assembly:
 
     def at(self, posture: Posture) -> System:
         """The system in one posture."""
-        outside = self.outside([posture])
-        moved = outside.motions.of(0)
-        ends = {name: rows[0] for name, rows in outside.ends.items()}
-        inside, size = {}, moved.twists.shape[2]
+        (system,) = self.along([posture])
+        return system
+
+    def along(self, postures: Sequence[Posture]) -> Iterator[System]:
+        """The system in each posture."""
+        try:
+            outside = self.outside(postures)
+        except UnevenError:
+            yield from map(self.at, postures)
+            return
+        outer = size = outside.tool.shape[2]
+        inside = {}
         for name, model in self.models.items():
-            inside[name] = slice(size, size + model.size - len(ends[name]))
+            inside[name] = slice(size, size + model.size - outside.ends[name].shape[1])
             size = inside[name].stop
-        tool = np.zeros((6, size))
-        tool[:, : moved.twists.shape[2]] = outside.tool[0]
-        outer = outside.stiffness[0], outside.mass[0]
-        stiffness, mass = (self._bordered(matrix, kind, ends) for kind, matrix in enumerate(outer))
-        return System(
-            name=_name(posture),
-            posture=posture,
-            models=self.models,
-            motions=moved,
-            stiffness=stiffness,
-            mass=mass,
-            tool=tool,
-            ends=ends,
-            inside=inside,
-        )
+        for number, posture in enumerate(postures):
+            ends = {name: rows[number] for name, rows in outside.ends.items()}
+            tool = np.zeros((6, size))
+            tool[:, :outer] = outside.tool[number]
+            matrices = outside.stiffness[number], outside.mass[number]
+            stiffness, mass = (self._bordered(of, kind, ends) for kind, of in enumerate(matrices))
+            yield System(
+                name=_name(posture),
+                posture=posture,
+                models=self.models,
+                motions=outside.motions.of(number),
+                stiffness=stiffness,
+                mass=mass,
+                tool=tool,
+                ends=ends,
+                inside=inside,
+            )
 
     def _node_matrices(
         self, moved: Motions, frames: Frames, ends: Mapping[str, Array], tool: Array

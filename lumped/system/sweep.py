@@ -22,7 +22,7 @@ from lumped.arrays import Array
 from lumped.dense.statics import balanced_flexibility
 from lumped.errors import ComputationError
 from lumped.mechanism.mechanism import Posture
-from lumped.system.assembly import Assembly, Outside
+from lumped.system.assembly import Assembly, Outside, System
 from lumped.system.joint_motion import UnevenError
 from lumped.system.solution import DOUBTFUL, compliance, is_even, modes, solved
 
@@ -51,7 +51,7 @@ def swept(prepared: Assembly, postures: Sequence[Posture], count: int) -> Swept:
     found = []
     for some in _portions(prepared, postures):
         together = None if inside is None else _together(prepared, inside, some, count)
-        found += [together] if together else [_alone(prepared, posture, count) for posture in some]
+        found += [together] if together else [_alone(one, count) for one in prepared.along(some)]
     return Swept(
         np.concatenate([one.compliances for one in found]),
         np.concatenate([one.frequencies for one in found]),
@@ -92,8 +92,8 @@ def _portions(prepared: Assembly, postures: Sequence[Posture]) -> Iterator[Seque
         yield postures[first : first + count]
 
 
-def _alone(prepared: Assembly, posture: Posture, count: int) -> Swept:
-    solution = solved(prepared.at(posture))
+def _alone(system: System, count: int) -> Swept:
+    solution = solved(system)
     frequencies = modes(solution, count).frequencies if count else np.zeros(0)
     return Swept(compliance(solution)[None], frequencies[None], (solution.idle,))
 

@@ -162,7 +162,7 @@ def path_roundings(postures: tuple[Posture, ...], model: ModelName, options: Mod
         springs |= part_springs(mechanism, options)
         return np.array([vjm.rounding(serial_chains(at, springs)[0]) for at in postures])
     prepared = assembly(mechanism, static_bodies(model, mechanism, options))
-    systems = [prepared.at(posture) for posture in postures]
+    systems = prepared.along(postures)
     return np.array([rounding(one, solved(one).displacements(one.tool.T)) for one in systems])
 
 

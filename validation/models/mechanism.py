@@ -4,7 +4,7 @@ Bodies are modelled once, however many are alike and however many postures follo
 are condensed to their interfaces, which is exact; dynamic ones are reduced with modes.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from math import ceil, isclose, log2
@@ -22,6 +22,7 @@ from lumped.mechanism.body_model import BodyModel, LegMatrices
 from lumped.mechanism.joint import Joint
 from lumped.mechanism.kinematics.mobility import mobility
 from lumped.mechanism.mechanism import Mechanism, Posture
+from lumped.memo import memo
 from lumped.models import serial_chains
 from lumped.models.bodies import legs_of, link, links, tip_compliances
 from lumped.system.assembly import Assembly, System, assembly
@@ -98,15 +99,20 @@ def answers(
             for at in postures
         ]
     if model == "simplified":
+        if not count:
+            return _swept(assembly(on_drives_alone(mechanism), {}), postures, 0)
         return [
             PostureAnswer(one.posture, one.compliance, one.modes.frequencies, one.idle)
             for one in modes_on_drives(postures, count)
         ]
     postures = released(postures, options)
+    at = postures[0].mechanism
     if not count:
-        return _swept(static_bodies(model, mechanism, options), postures, 0)
+        return _swept(assembly(at, static_bodies(model, mechanism, options)), postures, 0)
     return with_enough_modes(
-        lambda highest: _swept(dynamic_bodies(model, mechanism, highest, options), postures, count),
+        lambda highest: _swept(
+            assembly(at, dynamic_bodies(model, mechanism, highest, options)), postures, count
+        ),
         lambda found: np.array([one.frequencies for one in found]),
         postures,
         count,
@@ -198,12 +204,12 @@ def modes_on_drives(postures: Sequence[Posture], count: int) -> Iterator[Posture
 
 
 def modes_along(
-    prepared: Assembly, postures: Iterable[Posture], count: int
+    prepared: Assembly, postures: Sequence[Posture], count: int
 ) -> Iterator[PostureModes]:
     """At most `count` modes in each posture, as many as have mass; one posture after the other."""
-    for posture in postures:
-        solution = solved(prepared.at(posture))
-        yield PostureModes(posture, solution, modes_with_mass(solution, count))
+    for system in prepared.along(postures):
+        solution = solved(system)
+        yield PostureModes(system.posture, solution, modes_with_mass(solution, count))
 
 
 def springs_of(mechanism: Mechanism, options: ModelOptions) -> dict[str, Array]:
@@ -312,6 +318,11 @@ def highest_frequency(
         theory=options.theory,
         elements=max(_ESTIMATE.elements, ceil(count / (3 * legs))),
     )
+    return _by_beams(middle, count, coarse)
+
+
+@memo(16)
+def _by_beams(middle: Posture, count: int, coarse: ModelOptions) -> float:
     bodies = bodies_of(middle.mechanism, coarse, partial(leg_matrices, "beam"))
     solution = solved(assembly(middle.mechanism, bodies).at(middle))
     # Parts on their interfaces alone have few modes, and so have rigid bodies.
@@ -340,10 +351,8 @@ def released(postures: Sequence[Posture], options: ModelOptions) -> Sequence[Pos
     return [replace(at, mechanism=printed) for at in postures]
 
 
-def _swept(
-    bodies: Mapping[str, BodyModel], postures: Sequence[Posture], count: int
-) -> list[PostureAnswer]:
-    found = swept(assembly(postures[0].mechanism, bodies), postures, count)
+def _swept(prepared: Assembly, postures: Sequence[Posture], count: int) -> list[PostureAnswer]:
+    found = swept(prepared, postures, count)
     each = zip(postures, found.compliances, found.frequencies, found.idle, strict=True)
     return [PostureAnswer(*one) for one in each]
 

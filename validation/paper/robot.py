@@ -16,6 +16,7 @@ from lumped.legs import Leg
 from lumped.mechanism.biglide import Stroke
 from lumped.mechanism.kinematics.postures import posture
 from lumped.mechanism.mechanism import Mechanism, Posture
+from lumped.memo import memo
 from lumped.models.bodies import legs_of
 from lumped.robot_file import RobotFile, as_printed
 from lumped.system.assembly import System
@@ -119,6 +120,7 @@ def stroke_of(mechanism: Mechanism) -> Stroke:
     return Stroke(float(mechanism.reference["slide2"].position[0]), *lengths)
 
 
+@memo(8)
 def over_stroke(mechanism: Mechanism, count: int) -> tuple[Places]:
     """`count` positions of B evenly over the stroke, both ends included."""
     return (Places(mechanism, np.linspace(*stroke_of(mechanism).ends, count)),)

@@ -142,7 +142,7 @@ def assembled(
     mechanism = postures[0].mechanism
     of_parts = condensed_parts(mechanism) if parts is None else parts
     prepared = assembly(mechanism, {**links(mechanism, springs), **of_parts})
-    solutions = {posture: solved(prepared.at(posture)) for posture in postures}
+    solutions = {system.posture: solved(system) for system in prepared.along(postures)}
     moved = displacements_by(
         lambda at, loads: tool_displacements(solutions[at], loads),
         postures,
