@@ -1,11 +1,12 @@
 """What a process remembers: values of pure functions, and fingerprints to find them by."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, MutableMapping
 from dataclasses import Field, fields, is_dataclass
 from functools import lru_cache
 from hashlib import blake2b
 from pathlib import PurePath
 from typing import Any, ParamSpec, Protocol, TypeVar, cast
+from weakref import WeakKeyDictionary
 
 import msgspec
 import numpy as np
@@ -48,7 +49,18 @@ def fingerprint(value: object) -> str:
 
 def likeness(value: object) -> str:
     """As `fingerprint`, alike for records that are equal: names for messages alone do not count."""
-    return _hashed(value, lambda record: [entry for entry in fields(record) if entry.compare])
+    return _hashed(value, _compared)
+
+
+def _compared(record: Any) -> list[Field[Any]]:
+    return [entry for entry in fields(record) if entry.compare]
+
+
+# Digests of records that are equal to themselves alone, as mechanisms, as long as these live.
+_kept: dict[object, MutableMapping[Any, bytes]] = {
+    fields: WeakKeyDictionary(),
+    _compared: WeakKeyDictionary(),
+}
 
 
 def _hashed(value: object, told: Callable[[Any], Iterable[Field[Any]]]) -> str:
@@ -61,9 +73,9 @@ def _feed(
     update: Callable[[bytes], object],
     value: Any,
     told: Callable[[Any], Iterable[Field[Any]]],
-    known: dict[int, bytes],
+    known: MutableMapping[Any, bytes],
 ) -> None:
-    """`known` digests of records by identity: many postures are of one mechanism."""
+    """`known` digests of other records by identity: many postures are of one mechanism."""
     match value:
         case np.ndarray():
             update(f"array {value.dtype.str} {value.shape} ".encode())
@@ -82,9 +94,11 @@ def _feed(
                 _feed(update, key, told, known)
                 _feed(update, value[key], told, known)
         case _ if is_dataclass(value) and not isinstance(value, type):
-            if id(value) not in known:
-                known[id(value)] = _record(value, told, known)
-            update(known[id(value)])
+            alone = type(value).__hash__ is object.__hash__
+            digests, place = (_kept[told], value) if alone else (known, id(value))
+            if place not in digests:
+                digests[place] = _record(value, told, known)
+            update(digests[place])
         case msgspec.Struct():
             update(f"record {type(value).__module__}.{type(value).__qualname__} ".encode())
             _feed(update, msgspec.structs.astuple(value), told, known)
@@ -95,7 +109,7 @@ def _feed(
 
 
 def _record(
-    value: Any, told: Callable[[Any], Iterable[Field[Any]]], known: dict[int, bytes]
+    value: Any, told: Callable[[Any], Iterable[Field[Any]]], known: MutableMapping[Any, bytes]
 ) -> bytes:
     kind = f"record {type(value).__module__}.{type(value).__qualname__} "
     digest = blake2b(kind.encode(), digest_size=16)
