@@ -234,23 +234,27 @@ def _height(panel: Panel) -> float:
 def _lay_out(picture: Canvas) -> None:
     """One legend above all axes, where it covers nothing, and room for texts around them."""
     FigureCanvasAgg(picture)
+    # The legend's height comes on top of what is laid out: in a part of the picture all would be
+    # measured twice.
+    picture.tight_layout(pad=0.4)
     found: dict[str, Any] = {}
     for axes in picture.axes:
         for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
             found.setdefault(label, handle)
-    top = 0.0
-    if found:
-        for columns in range(_columns(list(found)), 0, -1):
-            legend = picture.legend(
-                found.values(), found, loc="upper left", ncols=columns, handlelength=3.2
-            )
-            extent = legend.get_window_extent()
-            if extent.width <= picture.bbox.width or columns == 1:
-                break
-            legend.remove()
-        top = extent.height / picture.dpi
-        picture.set_figheight(picture.get_figheight() + top)
-    picture.tight_layout(pad=0.4, rect=(0.0, 0.0, 1.0, 1.0 - top / picture.get_figheight()))
+    if not found:
+        return
+    for columns in range(_columns(list(found)), 0, -1):
+        legend = picture.legend(
+            found.values(), found, loc="upper left", ncols=columns, handlelength=3.2
+        )
+        extent = legend.get_window_extent()
+        if extent.width <= picture.bbox.width or columns == 1:
+            break
+        legend.remove()
+    below = picture.get_figheight()
+    picture.set_figheight(below + extent.height / picture.dpi)
+    share, parts = below / picture.get_figheight(), picture.subplotpars
+    picture.subplots_adjust(bottom=share * parts.bottom, top=share * parts.top)
 
 
 def _columns(labels: Sequence[str]) -> int:
