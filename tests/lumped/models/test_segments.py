@@ -74,6 +74,18 @@ def test_literal_layout_leaves_one_element_length_rigid():
 
 
 @pytest.mark.parametrize("layout", ["half", "literal"])
+def test_moved_as_a_rigid_body_the_chain_has_the_mass_of_the_prism(layout):
+    chain = segment_chain(BEAM, LENGTH, 3, layout)
+    motions = np.vstack([along(x) for x in (0.0, LENGTH, *chain.places[1:-1])])
+    about_middle = along(-LENGTH / 2.0)
+    found = motions.T @ (segment_leg(chain).mass @ motions)
+    slender = BEAM.mu * LENGTH**3 / 12.0
+    inertia = LENGTH * np.array([BEAM.rho_J, BEAM.rho_Iy, BEAM.rho_Iz]) + [0.0, slender, slender]
+    expected = np.diag([*[BEAM.mu * LENGTH] * 3, *inertia])
+    assert_allclose(about_middle.T @ found @ about_middle, expected, rtol=1e-12, atol=1e-12)
+
+
+@pytest.mark.parametrize("layout", ["half", "literal"])
 @pytest.mark.parametrize("joined", [lambda chain: chain, with_printed_tip_joint])
 def test_condensed_chain_is_the_schur_complement_of_the_assembled_one(layout, joined):
     chain = joined(segment_chain(BEAM, LENGTH, 6, layout))
