@@ -107,7 +107,8 @@ def random_posture(seed: int, *, planar: bool = False, rigid: float = 0.2) -> Po
     make.bodies[GROUND] = Body(GROUND, Rigid(), {k: Frame(p) for k, p in ground.items()})
     shape = Rigid(5.0, np.array([0.0, 0.01, 0.02]), np.diag([0.1, 0.2, 0.3]))
     frame = Frame(place, make.rotation(make.direction()))
-    make.body("platform", shape, frame, {"T": place, **corners})
+    tip = place + np.array([0.05, -0.03, 0.0])
+    make.body("platform", shape, frame, {"T": tip, **corners})
 
     def join(before: str, after: str, point: str) -> None:
         kind = kinds[int(rng.choice(len(kinds), p=chances))]

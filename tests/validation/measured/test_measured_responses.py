@@ -47,11 +47,11 @@ averages = 8
 {more}"""
 
 
-def exact(frequencies):
+def exact(frequencies, ratio=RATIO):
     """Displacement along each spring by force along (1, 1, 1) (n×3, m/N)."""
     speeds = 2.0 * np.pi * np.asarray(frequencies)[:, None]
     return np.sqrt(1 / 3) / (
-        SPRINGS - MASS * speeds**2 + 2j * RATIO * speeds * np.sqrt(SPRINGS * MASS)
+        SPRINGS - MASS * speeds**2 + 2j * ratio * speeds * np.sqrt(SPRINGS * MASS)
     )
 
 
@@ -59,9 +59,9 @@ def exact(frequencies):
 KINDS = {0: 8, 1: 11, 2: 12}
 
 
-def functions(derivatives=2, factor=1.0, noise=0.0, **more):
+def functions(derivatives=2, factor=1.0, noise=0.0, ratio=RATIO, **more):
     """Data sets 58 of the mass along x, y, z and (1, 1, 1), struck along that."""
-    moved = exact(STEPS)
+    moved = exact(STEPS, ratio)
     moved = np.hstack([moved, moved.sum(axis=1, keepdims=True) * np.sqrt(1 / 3)])
     random = np.random.default_rng(11).standard_normal((2, *moved.shape))
     moved = factor * (2j * np.pi * STEPS[:, None]) ** derivatives * moved
@@ -96,10 +96,15 @@ def entries_of(matrix):
 
 @pytest.mark.parametrize("derivatives", [0, 1, 2])
 def test_at_rest_it_is_1_by_k_and_at_the_modes_1_by_2_zeta_k(held, derivatives):
-    entries = entries_of(held(functions(derivatives))[1])
+    ratios = RATIO * np.array([1.0, 1.5, 0.8])
+    # In mm and kN, by data set 164.
+    units = {"units_code": 9, "length": 1e3, "force": 1e-3, "temp": 1.0, "temp_offset": 0.0}
+    sets = [{"type": 164, **units}, *functions(derivatives, 1e6, ratio=ratios)]
+    entries = entries_of(held(sets)[1])
     share = np.sqrt(1 / 3)
     peaks = [entries[f"hammer.f{n}"] for n in (1, 2, 3)]
-    assert [one.expected for one in peaks] == pytest.approx(share / (2 * RATIO * SPRINGS), rel=2e-4)
+    sizes = share / (2 * ratios * SPRINGS)
+    assert [one.expected for one in peaks] == pytest.approx(sizes, rel=2e-4)
     # A third of the first frequency is a ninth above rest.
     assert entries["hammer.low"].expected == pytest.approx(share / SPRINGS[0] * 9 / 8, rel=1e-4)
     for one in entries.values():
@@ -150,6 +155,8 @@ def test_what_scatters_lies_within_the_uncertainty(held):
                 random = np.sqrt((one.uncertainty / one.value) ** 2 - 0.01**2)
                 assert abs(off) < 3 * random
                 assert 0.001 < random < 0.01
+    # The last one, low: in the middle of nine lines on a parabola (Savitzky and Golay).
+    assert random == pytest.approx(0.01 * np.sqrt(59 / 231), rel=0.02)
 
 
 def test_the_tool_struck_along_a_response_gives_its_peak(held):
