@@ -80,6 +80,9 @@ def with_measured_file(robot_file: RobotFile, path: Path) -> RobotFile:
     )
     partners = modal_answer("beam", robot_file.mechanism, test, DEFAULT_OPTIONS).partners
     paired = [(c, one.number) for c, one in enumerate(partners) if one and one.number <= MOST_MODES]
+    if not paired:
+        all_modes = counted(len(partners), "mode")
+        raise InputError(f"{path}: none of its {all_modes} above 0 Hz is one of the beam model's")
     source = (
         f"{path.name}, {len(paired)} of {counted(len(partners), 'mode')}, "
         f"{len(set(numbers[known]))} of {all_nodes}"

@@ -25,8 +25,9 @@ _SECONDS = 300.0
 # Frequency response functions among functions; normal and complex modes among data at nodes.
 _RESPONSE, _COHERENCE, _MODES = 4, 6, (2, 3, 7)
 _ENDS = ("rsp_node", "rsp_dir", "ref_node", "ref_dir")
-# Specific data types of motions, by how many derivatives each is off a velocity, and of force.
-_DERIVATIVES, _FORCE = {8: -1, 11: 0, 12: 1}, 13
+# Specific data types of motions, by how many derivatives each is off a velocity, of force, and of
+# what is not named.
+_DERIVATIVES, _FORCE, _ANY = {8: -1, 11: 0, 12: 1}, 13, (0, 1)
 _GRAVITY = 9.80665
 # Order of the highest polynomial, lines of a spectrum that it needs, and steps equal as printed.
 _HIGHEST, _FEWEST_LINES, _AS_PRINTED = 40, 160, 1e-2
@@ -80,17 +81,27 @@ def _read(path: Path) -> TestedModes:
     found = UFF(str(path)).read_sets()
     sets: list[Set] = [found] if isinstance(found, dict) else found
     if modes := [one for one in sets if one["type"] == 55 and one["analysis_type"] in _MODES]:
-        return _as_given(modes)
+        return _as_given(path, modes)
     tested = [one for one in sets if one["type"] == 58 and one["func_type"] == _RESPONSE]
     if not tested:
         raise InputError(f"{path}: has neither frequency response functions nor mode shapes")
-    units = next((one for one in sets if one["type"] == 164), {"length": 1.0, "force": 1.0})
+    units = [(one["length"], one["force"]) for one in sets if one["type"] == 164] or [(1.0, 1.0)]
+    if min(units[0]) <= 0.0 or len(set(units)) > 1:
+        raise InputError(
+            f"{path}: units of length and force must be above 0, and must be the same in all of it"
+        )
     coherent = [one for one in sets if one["type"] == 58 and one["func_type"] == _COHERENCE]
-    return _identified(path, tested, coherent, units)
+    return _identified(path, tested, coherent, *units[0])
 
 
-def _as_given(modes: Sequence[Set]) -> TestedModes:
+def _as_given(path: Path, modes: Sequence[Set]) -> TestedModes:
     """What was identified elsewhere; what is zero in all modes was not measured."""
+    for number, one in enumerate(modes, start=1):
+        moves = one["spec_data_type"] in {*_DERIVATIVES, *_ANY}
+        if not (moves and np.isfinite([one["r1"], one["r2"], one["r3"]]).all()):
+            raise InputError(
+                f"{path}: mode {number} must have finite displacements, velocities or accelerations"
+            )
     poles = np.array([one["eig"] if "eig" in one else 2j * np.pi * one["freq"] for one in modes])
     elastic = [place for place in np.argsort(np.abs(poles)) if abs(poles[place]) > 0.0]
     nodes = sorted({int(node) for one in modes for node in one["node_nums"]})
@@ -107,9 +118,12 @@ def _as_given(modes: Sequence[Set]) -> TestedModes:
 
 
 def _identified(
-    path: Path, tested: Sequence[Set], coherent: Sequence[Set], units: Set
+    path: Path, tested: Sequence[Set], coherent: Sequence[Set], length: float, force: float
 ) -> TestedModes:
-    """Of functions of one file, of which some are `coherent` by others, in `units`."""
+    """Of functions of one file, of which some are `coherent` by others.
+
+    `length` and `force`: how many of its units are 1 m and 1 N.
+    """
     from sdypy.EMA import Model  # noqa: PLC0415  of the optional extra
 
     frequencies = np.asarray(tested[0]["x"], dtype=float)
@@ -130,9 +144,23 @@ def _identified(
                 "x, y or z by a force along one, with finite values at the frequencies of the first"
             )
         in_g = one["ordinate_axis_units_lab"].strip().lower() == "g"
-        to_si = units["force"] * (_GRAVITY if in_g else 1.0 / units["length"])
+        to_si = force * (_GRAVITY if in_g else 1.0 / length)
         factor = np.sign(np.prod(along)) * to_si
         rows.append(factor * values[kept] * (2j * np.pi * frequencies) ** -_DERIVATIVES[kind])
+    # What was held fixed is the place struck or, where the hammer wandered, the sensor: of several
+    # each mode is read from the one where it answers most.
+    ends = [
+        [(int(one[f"{end}_node"]), abs(one[f"{end}_dir"]) - 1) for one in tested]
+        for end in ("rsp", "ref")
+    ]
+    held, moved = sorted(ends, key=lambda end: len(set(end)))
+    row_of = {pair: row for row, pair in enumerate(zip(held, moved, strict=True))}
+    fixed = sorted(set(held))
+    freedoms = [one for one in sorted(set(moved)) if all((end, one) in row_of for end in fixed)]
+    if len(row_of) < len(tested):
+        raise InputError(f"{path}: two functions are of the same motion by the same force")
+    if not freedoms:
+        raise InputError(f"{path}: no motion was measured with every place that was struck")
     unknown = np.full(len(kept), np.nan)
     known = {
         tuple(one[end] for end in _ENDS): np.real(one["data"])
@@ -148,18 +176,6 @@ def _identified(
     model.pole_ind = [[_HIGHEST - 1, place] for place in chosen]
     # Without the last line, which sdypy-EMA drops.
     constants = model.get_constants(f_upper=model.freq[-1])[1]
-    # What was held fixed is the place struck or, where the hammer wandered, the sensor: of several
-    # each mode is read from the one where it answers most.
-    ends = [
-        [(int(one[f"{end}_node"]), abs(one[f"{end}_dir"]) - 1) for one in tested]
-        for end in ("rsp", "ref")
-    ]
-    held, moved = sorted(ends, key=lambda end: len(set(end)))
-    row_of = {pair: row for row, pair in enumerate(zip(held, moved, strict=True))}
-    fixed = sorted(set(held))
-    freedoms = [one for one in sorted(set(moved)) if all((end, one) in row_of for end in fixed)]
-    if not freedoms:
-        raise InputError(f"{path}: no motion was measured with every place that was struck")
     parts = np.array([constants[[row_of[end, one] for one in freedoms]] for end in fixed])
     strongest = np.linalg.norm(parts, axis=1).argmax(axis=0)
     shapes = parts[strongest, :, np.arange(len(chosen))].T

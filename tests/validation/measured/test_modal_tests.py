@@ -242,6 +242,29 @@ def test_a_damaged_file_is_one_line(tmp_path, damaged, said):
     assert said in raised.value.faults[0]
 
 
+def strained(*_):
+    return [{**shape(1, 20.0, SHAPES[:, 0]), "spec_data_type": 3}]
+
+
+@pytest.mark.usefixtures("here")
+@pytest.mark.parametrize(
+    ("changed", "said"),
+    [
+        (lambda sets: [units(0.0, 1.0), *sets], "units of length and force must be above 0"),
+        (lambda sets: [units(1.0, 1.0), units(1e3, 1.0), *sets], "must be the same in all of it"),
+        (lambda sets: [*sets, *sets[2:3]], "of the same motion by the same force"),
+        (lambda _: [shape(1, 20.0, np.nan * SHAPES[:, 0])], "mode 1 must have finite"),
+        (strained, "mode 1 must have finite displacements, velocities or accelerations"),
+        (lambda _: [shape(1, 0.0, SHAPES[:, 0])], "none of its 0 modes above 0 Hz"),
+    ],
+)
+def test_what_would_be_taken_for_something_else_is_refused(tmp_path, changed, said):
+    with pytest.raises(InputError) as raised:
+        held(tmp_path, changed(accelerations()))
+    (fault,) = raised.value.faults
+    assert said in fault
+
+
 @pytest.mark.usefixtures("here")
 def test_without_the_extra_it_is_said_how_to_get_it(tmp_path, monkeypatch):
     path = written(tmp_path / "h.uff", accelerations()[:2])
