@@ -52,8 +52,9 @@ bodies that are alike the first stands for all:
 {alike}
 Leg axes: x from root to tip. A leg given by a compliance alone is its equivalent leg of constant
 section."""
+# All files of bodies have an underscore after their name, which may be this one.
 _MECHANISM_FILES = {
-    "mechanism_beam.vtp": (
+    "mechanism.vtp": (
         "All legs in base axes, {pose}: unit wrenches at the loaded point, modes of the mechanism. "
         'Cell data "leg": their number in the order of the file ({legs}).'
     ),
@@ -116,7 +117,7 @@ def export_mechanism(mechanism: Mechanism, preset: Preset, folder: Path) -> None
     for leg, ones in alike.items():
         _write_leg(leg, ones[0], DIVISIONS[preset], folder)
     if alike and not parts:
-        _write_beams(at, folder / "mechanism_beam.vtp")
+        _write_beams(at, folder / "mechanism.vtp")
         bars = with_bars(at)
         deck = mechanism_deck(bars, bar_solids(bars.mechanism), MODES).deck
         (folder / "mechanism.inp").write_text(deck_text(deck), encoding="utf-8")
