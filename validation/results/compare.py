@@ -19,7 +19,7 @@ from validation.results.outcome import Verdict
 from validation.results.records import AdequacyRecord, CaseRecord, RunRecord
 
 # Rounding differs between machines and library versions; far above it, far below any tolerance.
-_ROUNDING = 1e-9
+_ROUNDING, _DIGITS = 1e-9, 9
 # A value held against zero has no size of its own to be relative to, only its tolerance.
 _OF_TOLERANCE = 1e-3
 # From good to bad; a case that is skipped no longer protects anything.
@@ -366,11 +366,11 @@ def _adequacy_changes(before: RunRecord, after: RunRecord) -> Iterator[AdequacyC
     )
     for key in dict.fromkeys([*old, *new]):
         one, other = old.get(key), new.get(key)
+        now = {_rounded(pose): value for pose, value in _valued(other)}
         values = tuple(
-            ValueChange(pose, value, now)
+            ValueChange(pose, value, now[_rounded(pose)])
             for pose, value in _valued(one)
-            for there, now in _valued(other)
-            if same_pose(pose, there)
+            if _rounded(pose) in now
         )
         yield AdequacyChange(*key, _judged(one), _judged(other), values)
 
@@ -397,6 +397,11 @@ def _flat(tables: Any) -> Iterator[tuple[str, Any]]:
             waiting += reversed(inner)
         else:
             yield path, value
+
+
+def _rounded(pose: tuple[float, ...]) -> tuple[float, ...]:
+    """The same of poses that are the same up to rounding."""
+    return tuple(round(coordinate, _DIGITS) for coordinate in pose)
 
 
 def _valued(entry: AdequacyRecord | None) -> list[tuple[tuple[float, ...], float]]:

@@ -4,6 +4,7 @@ import json
 import re
 from itertools import permutations
 
+import numpy as np
 import pytest
 from msgspec.json import encode
 from msgspec.structs import replace
@@ -149,6 +150,18 @@ def judged(quantity, verdict, *values):
     return AdequacyRecord(
         model="vjm", quantity=quantity, verdict=verdict, error=0.02, poses=poses, values=values
     )
+
+
+def test_values_go_by_their_poses_however_many_there_are():
+    """In any order, equal up to rounding; each with each would take minutes."""
+    places, values = 0.1 * np.arange(20_000.0), np.arange(20_000.0)
+    runs = []
+    for x, y in ((places, values), (places[::-1] + 1e-13, -values[::-1])):
+        entry = replace(judged("x", "adequate"), poses=tuple(zip(x, -x, strict=True)), values=y)
+        runs.append(run_of(adequacy=(entry,)))
+    (change,) = compare(*runs).adequacy
+    found = np.array([(one.before, one.after) for one in change.values])
+    np.testing.assert_array_equal(found, np.array([values, -values]).T)
 
 
 def test_runs_of_models_alone_are_compared_by_these(saved, command):
