@@ -94,8 +94,6 @@ class DampedModes:
 
         Infinite where a mode that takes part loses nothing, 0 and NaN where the tool is rigid.
         """
-        # A fifth of a second, which most commands have no use for.
-
         sizes = np.abs(self.gives)
         if not sizes.any():
             return 0.0, np.nan

@@ -96,14 +96,14 @@ def _panels(space: Workspace, names: Sequence[str], found: Sequence[Map]) -> lis
 def _caption(space: Workspace, found: Sequence[Map]) -> str:
     mechanism, poses = space.mechanism, prod(space.shape)
     said = [
-        f"{capital(one.title)}: {one.said}, by {one.model}; at its worst "
+        f"{capital(one.title)}: {one.said}; at its worst "
         f"{number(worst.value, 4)} {one.unit} at {shown_pose(mechanism, worst.pose)}."
         for one, _, worst in found
     ]
     said.append(
-        "Stars: the worst postures, searched between the points of the grid, loops closed and "
-        "models solved in every posture that the search looks at"
-        + (", in the nearest slice." if len(space.axes) > 2 else ".")
+        "Dots: poses of the grid. Stars: the worst postures, searched between the dots, with loops "
+        "closed and models solved in every posture that the search looks at"
+        + ("; each in the slice that is nearest to it." if len(space.axes) > 2 else ".")
     )
     if poses < len(mechanism.poses):
         said.append(f"{poses} of the {len(mechanism.poses)} poses of the grid were looked at.")

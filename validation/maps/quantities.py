@@ -67,18 +67,19 @@ def mapped(context: Context, mechanism: Mechanism) -> list[Mapped]:
             "N/µm",
             model,
             "the least force per displacement of the tool over all directions of force, one over "
-            "the largest eigenvalue of its translational compliance",
+            f"the largest eigenvalue of its translational compliance, by {model}",
             partial(_lowest_stiffness, chosen),
         )
     ]
+    elements = "beam elements" + (", parts as solids" if mechanism.parts else "")
     with suppress(*UNSOLVED):
         found.append(
             Mapped(
                 "map.f1",
                 "first frequency",
                 "Hz",
-                "beam elements" + (", parts as solids" if mechanism.parts else ""),
-                "the first natural frequency",
+                elements,
+                f"the lowest natural frequency, by {elements}",
                 partial(_first_frequency, _finite_elements(robot)),
             )
         )

@@ -119,13 +119,13 @@ def test_the_table_tells_peaks_in_micrometres_and_the_chart_has_all_models(arm, 
     head, *rows = figure.data.splitlines()
     columns = head.split(",")
     for name in ("segments", "beam", "solid"):
-        assert {f"{name}: size (m/N)", f"{name}: phase (°)"} <= set(columns)
+        assert {f"{name}: size (µm/N)", f"{name}: phase (°)"} <= set(columns)
     values = np.array([[float(one) for one in row.split(",")] for row in rows])
     assert len(values) == 60
     size, phase = (
-        values[:, columns.index(f"solid: {what}")] for what in ("size (m/N)", "phase (°)")
+        values[:, columns.index(f"solid: {what}")] for what in ("size (µm/N)", "phase (°)")
     )
-    assert 0.6 * peak < size.max() < peak
+    assert 0.6 * peak < 1e-6 * size.max() < peak
     # Below its resonance the arm follows, above it goes against the force.
     assert 0.0 >= phase[0] > -10.0 > -170.0 > phase[-1] >= -180.0
 

@@ -130,7 +130,7 @@ def test_three_directions_are_drawn_in_slices_and_large_grids_thinned(tmp_path, 
     stiffness = read(figure)["map.stiffness"]
     assert np.shape(stiffness["values"]) == (2, 2, 2)
     np.testing.assert_allclose(stiffness["values"], 1e-6 * min(STIFFNESSES), rtol=1e-9)
-    assert "in the nearest slice. 8 of the 60 poses of the grid were looked at." in figure.caption
+    assert "is nearest to it. 8 of the 60 poses of the grid were looked at." in figure.caption
     assert list(evenly(9, 4)) == [0, 3, 5, 8]
 
 

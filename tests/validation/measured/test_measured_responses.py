@@ -184,5 +184,5 @@ at = 40.0
     data = figure.draw(Context(robot_file, "quick")).data.splitlines()
     table = np.genfromtxt(data, delimiter=",", names=True)
     for name, close in (("measured_response", 1e-9), ("beam", 2e-3)):
-        size = np.abs(exact(table["frequency_Hz"])[:, 0])
-        assert table[f"{name}_size_mN"] == pytest.approx(size, rel=close)
+        size = 1e6 * np.abs(exact(table["frequency_Hz"])[:, 0])
+        assert table[f"{name}_size_µmN"] == pytest.approx(size, rel=close)

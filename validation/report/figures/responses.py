@@ -82,10 +82,13 @@ def _chart(
     phases: Scale,
     left_open: Mapping[str, Array] | None = None,
 ) -> Chart:
-    """Size and phase (from −270° to 90°) of receptances over frequencies x (Hz)."""
-    size, phase, open_of = "size (m/N)", "phase (°)", left_open or {}
+    """Size and phase (from −270° to 90°) of receptances (m/N) over frequencies x (Hz).
+
+    `left_open`: the least and largest size (2×n, µm/N) of some of them.
+    """
+    size, phase, open_of = "size (µm/N)", "phase (°)", left_open or {}
     sizes = [
-        Series(name, x, np.abs(one), size, left_open=open_of.get(name))
+        Series(name, x, 1e6 * np.abs(one), size, left_open=open_of.get(name))
         for name, one in found.items()
     ]
     angles = [
@@ -114,7 +117,7 @@ def _response(context: Context, number: int) -> Shown:
         if one.response.vibration is not None and one.responses is not None:
             known = one.response.vibration.receptances[number][at]
             left_open = np.outer([-1.0, 1.0], one.responses.receptances[number][at])
-            bands.append(np.abs(known) * np.maximum(1.0 + left_open, _LEAST))
+            bands.append(1e6 * np.abs(known) * np.maximum(1.0 + left_open, _LEAST))
             found.setdefault(_REFERENCE, known)
     band = np.array([np.min(bands, axis=0)[0], np.max(bands, axis=0)[1]]) if bands else None
     force = ", ".join(f"{one:.3g}" for one in asked.direction)
