@@ -112,6 +112,16 @@ def test_statics_alone_are_those_of_the_part(own, crane):
     assert ((share > 1e-6) & (share < 0.1)).all()
 
 
+def test_a_unit_force_leaves_open_what_its_compliance_does(crane):
+    """Exactly for how the part is held; for its meshes with an order of convergence of its own."""
+    push = '[[loads]]\nname = "push"\nwrench = [0.0, 1.0, 0.0, 0.0, 0.0, 0.0]\n'
+    found = answer_of(robot_of(f"{crane.text}\n{push}", Path(crane.source).parent), 0)
+    np.testing.assert_allclose(found.loads["push"], found.compliance[:, 1], rtol=1e-9, atol=1e-16)
+    left, bracket = found.of_parts, found.of_parts.bracket
+    assert bracket.loads["push"][1] == pytest.approx(bracket.compliance[1], rel=1e-6)
+    assert 0.5 < left.loads["push"][1] / left.compliance[1] < 2.0
+
+
 def test_its_modes_have_partners_among_those_of_another_model(crane):
     (answer,) = solve(Question(crane, "solid", {}, 2, against="segments")).answers
     first = answer.pairs["pairs"][0]

@@ -16,6 +16,7 @@ from fem.solvers.factor import analyse
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, Material, equivalent_leg
 from lumped.mechanism.kinematics.postures import reference_posture
+from lumped.mechanism.load import Load
 from lumped.models.bodies import legs_of
 from lumped.robot_file import load_robot
 from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Tube
@@ -128,14 +129,21 @@ def test_solids_of_a_mechanism_say_the_uncertainty_of_their_mesh():
     """One factor for all, Roache's: orders 2λ(ν = 0.33) to 4, elements 1.5 to 2 times as large."""
     robot_file = load_robot("five-bar")
     bars = with_bars(reference_posture(robot_file.mechanism)).mechanism
-    solid = replace(robot_file, mechanism=bars)
+    push = Load("push", bars.tool.body, bars.tool.point, wrench=np.eye(6)[2])
+    weight = replace(push, name="weight", wrench=np.zeros(6), gravity=np.array([1.0, 0.0, -9.81]))
+    solid = replace(robot_file, mechanism=replace(bars, loads=(push, weight)))
     coarse, fine = (
         solve(Question(solid, "solid", {"divisions": divisions}, 1)).answers[0]
         for divisions in (1, 2)
     )
     assert fine.uncertainty.divisions == 1
-    own, other = (np.append(np.diag(one.compliance), one.frequencies) for one in (fine, coarse))
-    stated = np.append(fine.uncertainty.compliance, fine.uncertainty.frequencies)
+    own, other = (
+        np.concatenate([np.diag(one.compliance), one.frequencies, one.loads["weight"][:3]])
+        for one in (fine, coarse)
+    )
+    left = fine.uncertainty
+    stated = np.concatenate([left.compliance, left.frequencies, left.loads["weight"][:3]])
+    assert left.loads["push"][2] == pytest.approx(left.compliance[2], rel=1e-9)
     factors = stated / np.abs(own - other)
     np.testing.assert_allclose(factors, factors[0], rtol=1e-6)
     assert 3.0 / (2.0**4 - 1.0) < factors[0] < 3.0 / (1.5**1.3 - 1.0)
