@@ -12,7 +12,6 @@ from functools import cached_property
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve, qr
-from scipy.sparse.linalg import LinearOperator
 
 from fem.couplings.coupled_solid import CoupledSolid
 from fem.solvers.certificate import Pencil, count_below, pencil
@@ -121,30 +120,21 @@ class RootedBody:
         shares = cho_solve(cho_factor(self.compliance), self.response.T @ forces)
         return np.asarray(free - self.response @ shares)
 
-    def rooted_mass(self) -> LinearOperator:
-        """PᵀMP: with the springs' stiffness it has the modes of the held body, and these alone."""
-
-        def apply(x: Array) -> Array:
-            forces = self.solid.mass @ self.expanded(x.reshape(self.solid.size, -1))
-            return self.equilibrated(forces).reshape(x.shape)
-
-        shape = self.solid.mass.shape
-        return LinearOperator(shape, matvec=apply, matmat=apply, dtype=np.float64)
-
-    def modes(self, count: int, start: Array | None = None) -> CertifiedModes:
+    def modes(self, count: int) -> CertifiedModes:
         """The lowest `count` modes with the first interface clamped, the others free; on u.
 
-        None is missing: counted by fem.solvers.certificate. `start` (n×s) as in
-        `fem.solvers.modes.lowest_modes`, which says what is raised.
+        None is missing: counted by fem.solvers.certificate. Raises what
+        `fem.solvers.modes.lowest_modes` does.
         """
-        mass = self.rooted_mass()
-        modes = lowest_modes(self.factor, mass, count, self.rooted_inertia, self.name, start)
-        shapes = self.solid.transformation @ self.expanded(modes.shapes)
+        modes = lowest_modes(
+            self.flexibility, self.solid.mass, count, self.rooted_inertia, self.name
+        )
+        shapes = self.solid.transformation @ modes.shapes
         return replace(modes, shapes=fix_signs(shapes))
 
     def uncounted_frequencies(self, count: int) -> Array:
         """Those of `modes` (Hz) as the search finds them: nothing proves that none is missing."""
-        return searched_modes(self.factor, self.rooted_mass(), count, self.name).frequencies
+        return searched_modes(self.flexibility, self.solid.mass, count, self.name).frequencies
 
     def held_inertia(self, sigma: float) -> Inertia:
         """Of K − σM (σ in rad²/s²) on what moves with the twists of all interfaces held."""

@@ -14,7 +14,6 @@ from typing import TypeAlias
 
 import numpy as np
 from scipy.linalg import eigh
-from scipy.sparse.linalg import LinearOperator
 
 from lumped.arrays import Array, SparseMatrix
 
@@ -27,8 +26,8 @@ CLUSTER = 1e-4
 Wanted: TypeAlias = Callable[[Array, Array], int | None]
 # A direction that loses this part of its squared length to those before it is rounding error.
 _DEPENDENT = 1e-20
-# Squared lengths this near to one: what the pass removed was below the square root of rounding.
-_ORTHONORMAL = 1e-8
+# A pass that leaves or removes no more than this is the last; without it M is not applied again.
+_ORTHONORMAL = 1e-12
 
 
 class NotConvergedError(Exception):
@@ -75,27 +74,27 @@ def merged(first: Ritz, second: Ritz) -> Ritz:
     )
 
 
-def _orthonormal(
-    block: Array, weighted: Array, basis: Array, M: SparseMatrix | LinearOperator
-) -> tuple[Array, Array]:
+def _orthonormal(block: Array, basis: Array, M: SparseMatrix) -> tuple[Array, Array]:
     """The part of `block` M-orthogonal to `basis`, M-orthonormal, and M times it.
 
-    `weighted` is M times `block`. Dependent directions are dropped.
+    Dependent directions are dropped.
     """
+    weighted = M @ block
     size = np.einsum("ij,ij->j", block, weighted)
     block, weighted = (a[:, size > 0.0] / np.sqrt(size[size > 0.0]) for a in (block, weighted))
-    # Again: a pass leaves rounding errors of the size of what it removed. Where it found the block
-    # orthonormal, it had nothing to remove.
-    for _ in range(3):
-        block = block - basis @ (basis.T @ weighted)
-        weighted = M @ block
+    # Again where a pass had much to remove: it leaves rounding errors of the size of that.
+    for _ in range(4):
         gram = block.T @ weighted
         squares, directions = eigh((gram + gram.T) / 2.0)
         kept = squares > _DEPENDENT
         scaled = directions[:, kept] / np.sqrt(squares[kept])
         block, weighted = block @ scaled, weighted @ scaled
-        if np.all(np.abs(squares - 1.0) < _ORTHONORMAL):
+        along = basis.T @ weighted
+        block -= basis @ along
+        rounding = np.finfo(float).eps / squares[kept].min(initial=1.0)
+        if max(rounding, np.abs(along).max(initial=0.0)) < _ORTHONORMAL:
             break
+        weighted = M @ block
     return np.asarray(block), np.asarray(weighted)
 
 
@@ -123,7 +122,7 @@ def modes_below(squared: float) -> Wanted:
 
 def block_lanczos(
     solve: Callable[[Array], Array],
-    M: SparseMatrix | LinearOperator,
+    M: SparseMatrix,
     start: Array,
     wanted: Wanted,
     limit: int,
@@ -141,26 +140,23 @@ def block_lanczos(
     first = told.shape[1]
     everything = np.empty((len(start), first + limit), order="F")
     everything[:, :first] = told
-    block = solve(M @ start)
-    block, weighted_block = _orthonormal(block, M @ block, told, M)
+    block, weighted_block = _orthonormal(solve(M @ start), told, M)
     width = block.shape[1]
     everything[:, first : first + width] = block
     solves, projected = start.shape[1], np.zeros((0, 0))
     leak = np.zeros((told.shape[1], 0))
     while True:
-        basis = everything[:, first : first + width]
+        reached = everything[:, : first + width]
         image = solve(weighted_block)
         weighted = M @ image
         solves += block.shape[1]
-        column = basis.T @ weighted
-        leak = np.hstack([leak, told.T @ weighted])
+        along = reached.T @ weighted
+        leak, column = np.hstack([leak, along[:first]]), along[first:]
         previous = width - block.shape[1]
         projected = np.block(
             [[projected, column[:previous]], [column[:previous].T, column[previous:]]]
         )
-        following, weighted_following = _orthonormal(
-            image, weighted, everything[:, : first + width], M
-        )
+        following, weighted_following = _orthonormal(image - reached @ along, reached, M)
         coefficients = following.T @ weighted
         theta, s = eigh((projected + projected.T) / 2.0)
         theta, s = theta[::-1], s[:, ::-1]
@@ -179,7 +175,7 @@ def block_lanczos(
                 along = np.linalg.norm(leak @ s[:, :count], axis=0) / theta[:count]
                 return Ritz(
                     values=values[:count],
-                    vectors=basis @ s[:, :count],
+                    vectors=reached[:, first:] @ s[:, :count],
                     residuals=np.hypot(residuals[:count], along),
                     beyond=float(values[count]) if len(values) > count else np.inf,
                 )

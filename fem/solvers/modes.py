@@ -10,10 +10,9 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
-from scipy.sparse.linalg import LinearOperator
 
 from fem.solvers.block_lanczos import NotConvergedError, Ritz, block_lanczos, first_modes, merged
-from fem.solvers.factor import Factor, Inertia, RenewableFactor
+from fem.solvers.factor import Inertia
 from lumped.arrays import Array, SparseMatrix, fix_signs
 from lumped.dense.modes import Modes, too_few
 from lumped.errors import ComputationError, InputError
@@ -33,6 +32,7 @@ _SHIFT_ABOVE = 1e-2
 # Places of σ in its interval: a pivot may vanish at one of them by chance.
 _PLACES = (1.0, 0.8, 0.6)
 
+Solve: TypeAlias = Callable[[Array], Array]
 Count: TypeAlias = Callable[[float], Inertia]
 
 
@@ -92,40 +92,32 @@ def certify(values: Array, beyond: float, count: Count, part: str) -> float:
 
 
 def lowest_modes(
-    factor: Factor | RenewableFactor,
-    M: SparseMatrix | LinearOperator,
+    solve: Solve,
+    M: SparseMatrix,
     mode_count: int,
     count: Count,
     part: str,
-    start: Array | None = None,
 ) -> CertifiedModes:
-    """The lowest `mode_count` modes from the factor of K (n×n) and M (n×n, semidefinite).
+    """The lowest `mode_count` modes from K⁻¹ and M (csr n×n, semidefinite).
 
-    `count` gives the inertia of K − σM. `start` (n×s) are vectors near the modes; fixed noise is
-    always added, so that no symmetry of theirs hides a mode. Shapes are mass-normalised, on the n
-    unknowns. Where the count finds missed modes, as many are searched
-    for M-orthogonally to those found, from other noise, and the count is made anew. Raises
-    InputError for fewer than one mode or a start of another size, ComputationError, naming `part`,
-    where modes do not converge or the certificate still fails.
+    `solve` is K⁻¹ on blocks (n×k), `count` gives the inertia of K − σM. Shapes are mass-normalised,
+    on the n unknowns. Where the count finds missed modes, as many are searched for M-orthogonally
+    to those found, from other noise, and the count is made anew. Raises InputError for fewer than
+    one mode, ComputationError, naming `part`, where modes do not converge or the certificate still
+    fails.
     """
     n = M.shape[0]
     if mode_count < 1:
         raise InputError(f"{part}: modes = {mode_count!r}: must be 1 or more")
-    if start is not None and (start.ndim != 2 or len(start) != n):
-        raise InputError(f"{part}: start has shape {start.shape}: must be {n} × any number")
     rng = np.random.default_rng(_SEED)
-    block = _noise(n, rng)
-    if start is not None:
-        mixed = start @ rng.standard_normal((start.shape[1], _BLOCK))
-        block = block * np.linalg.norm(mixed) / np.sqrt(_BLOCK) + mixed
-    ritz = _searched(factor, M, block, mode_count, part)
+    ritz = _searched(solve, M, _noise(n, rng), mode_count, part)
     for search in range(_SEARCHES):
         try:
             sigma = certify(ritz.values, ritz.beyond, count, part)
         except MissedModesError as error:
             if search == _SEARCHES - 1:
                 raise
-            more = _searched(factor, M, _noise(n, rng), error.missing, part, ritz.vectors)
+            more = _searched(solve, M, _noise(n, rng), error.missing, part, ritz.vectors)
             ritz = merged(ritz, more)
         else:
             break
@@ -139,17 +131,15 @@ def lowest_modes(
     )
 
 
-def searched_modes(
-    factor: Factor | RenewableFactor, M: SparseMatrix | LinearOperator, mode_count: int, part: str
-) -> Modes:
+def searched_modes(solve: Solve, M: SparseMatrix, mode_count: int, part: str) -> Modes:
     """The first search of `lowest_modes`, without its count, which takes as long."""
     block = _noise(M.shape[0], np.random.default_rng(_SEED))
-    return _first(_searched(factor, M, block, mode_count, part), mode_count)
+    return _first(_searched(solve, M, block, mode_count, part), mode_count)
 
 
 def _searched(
-    factor: Factor | RenewableFactor,
-    M: SparseMatrix | LinearOperator,
+    solve: Solve,
+    M: SparseMatrix,
     start: Array,
     count: int,
     part: str,
@@ -158,7 +148,7 @@ def _searched(
     limit = 12 * count + 20 * start.shape[1]
     wanted = first_modes(count)
     try:
-        ritz = block_lanczos(factor.solve, M, start, wanted, limit, _RESIDUAL, known)
+        ritz = block_lanczos(solve, M, start, wanted, limit, _RESIDUAL, known)
     except NotConvergedError as error:
         raise ComputationError(
             f"{part}: {min(error.converged, count)} of {counted(count, 'mode')} converged in "

@@ -98,7 +98,7 @@ def solid(size: str) -> Figures:
         certifying += perf_counter() - begun
         return inertia
 
-    lowest_modes(clamped.factor, clamped.rooted_mass(), MODES, timed, "leg")
+    lowest_modes(clamped.flexibility, clamped.solid.mass, MODES, timed, "leg")
     whole = perf_counter() - start
     return {
         "s": whole,
