@@ -110,8 +110,8 @@ def free_modes(postures: tuple[Posture, ...], divisions: int, walls: int, count:
     return FreeModes(own.frequencies[0, :MODES], found.frequency[0], changes[0], found.likeness[0])
 
 
-def _meshes(context: Context) -> tuple[tuple[Posture, ...], SolidMeshes]:
-    """The middle posture, and the two meshes of its legs; raises Skip where waves are not known."""
+def _meshes(context: Context) -> tuple[tuple[Posture, ...], SolidMeshes, float]:
+    """The middle posture, two meshes of its legs and their ratio; raises Skip without waves."""
     postures = path_postures(context)
     middle = (postures[len(postures) // 2],)
     mechanism = middle[0].mechanism
@@ -129,7 +129,7 @@ def _meshes(context: Context) -> tuple[tuple[Posture, ...], SolidMeshes]:
                 f"{leg.name}: warping of its open section reaches over more than a tenth of its "
                 "length, where the theory of beams without warping does not hold"
             )
-    return middle, meshes
+    return middle, meshes, meshes.ratio(prisms)
 
 
 @cases.case(
@@ -145,10 +145,10 @@ def _meshes(context: Context) -> tuple[tuple[Posture, ...], SolidMeshes]:
     "has no name",
 )
 def _frequency(context: Context, index: int) -> Measurement:
-    middle, meshes = _meshes(context)
+    middle, meshes, ratio = _meshes(context)
     count = offered(MODES)
     rougher, found = (context.get(free_modes, middle, *mesh, count) for mesh in meshes)
-    factor = step_factor(meshes.ratio, FORMAL_ORDER)
+    factor = step_factor(ratio, FORMAL_ORDER)
     change = float(found.changes[index])
     if not np.isfinite(change):
         raise Skip(NO_WAVES)

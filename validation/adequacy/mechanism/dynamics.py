@@ -126,13 +126,13 @@ def _mesh_uncertainty(robot: RobotOnPath, coarse: Vibration, fine: Vibration, en
     """
     weights, judged = robot.samples.weights, robot.judged
     step = frequency_changes(fine, coarse, weights, judged)
-    meshes = solid_meshes(robot.context.meshes)
+    ratio = solid_meshes(robot.context.meshes).ratio(robot.prisms)
     rough, beams = _beams_on_section_meshes(robot, ends)
     count = beams.frequencies.shape[1]
     changes = frequency_changes(beams, rough, weights, count)
     of_beams = np.broadcast_to(changes[:, None, :], (*fine.frequencies.shape, count))
     section = amounts_by_shape(fine, beams, of_beams, weights, judged)
-    return step_uncertainty(step, meshes.ratio) + step_uncertainty(section, SECTION_RATIO)
+    return step_uncertainty(step, ratio) + step_uncertainty(section, SECTION_RATIO)
 
 
 def _beams_on_section_meshes(robot: RobotOnPath, ends: Holds) -> tuple[Vibration, Vibration]:
@@ -210,7 +210,8 @@ def _left_by_meshes(
         left = np.zeros_like(numbers(fine)) + refinement_share(robot.mechanism, of_parts)
         if robot.prisms:
             coarse = modes_of_solids(robot, ends, masses, fine=False)
-            left += step(coarse, fine, solid_meshes(robot.context.meshes).ratio)
+            ratio = solid_meshes(robot.context.meshes).ratio(robot.prisms)
+            left += step(coarse, fine, ratio)
             left += step(*_beams_on_section_meshes(robot, ends), SECTION_RATIO)
     return np.where(np.isnan(left), UNKNOWN, left)
 

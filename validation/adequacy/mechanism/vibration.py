@@ -64,10 +64,12 @@ class SolidMeshes(NamedTuple):
     coarse: tuple[int, int]
     fine: tuple[int, int]
 
-    @property
-    def ratio(self) -> float:
-        """By how much the coarse one's elements are larger at least."""
-        return min(fine / coarse for coarse, fine in zip(*self, strict=True))
+    def ratio(self, prisms: Iterable[ConstantLeg]) -> float:
+        """By how much the coarse one's elements of these legs are larger at least."""
+        return min(
+            divisions_across(leg, *self.fine) / divisions_across(leg, *self.coarse)
+            for leg in prisms
+        )
 
 
 def solid_meshes(preset: Preset) -> SolidMeshes:
