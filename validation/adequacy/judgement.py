@@ -24,6 +24,7 @@ from validation.adequacy.errors import Errors, Scale
 from validation.adequacy.matrix import Adequacy, Cause, Entry, Matrix, ModelNote, worst_of
 from validation.adequacy.probability import Probability, UncertainInputs, probability
 from validation.adequacy.response import (
+    NOT_FINER,
     OPEN_LINEAR,
     OPEN_MASSES,
     SAY_LINEAR,
@@ -44,6 +45,7 @@ _DECIDED_BY = {
 }
 # Causes below this share of an error are not named, steps below this part of a limit not taken.
 _WORTH_NAMING, _WORTH_TAKING = 0.005, 0.1
+_NEARLY = 0.5
 _OPTION = re.compile(r"--\w+")
 
 
@@ -250,12 +252,13 @@ def _reason(
     if places or errors.missing[:, pose].any():
         return "; ".join(filter(None, (*places, reference.decides or reference.finer)))
     parts = _parts(errors, reference, pose)
-    widest = max(parts, key=lambda name: parts[name])
-    decided = {**_DECIDED_BY, OPEN_MASSES: reference.masses or reference.decides}
-    if widest in decided:
-        return decided[widest]
-    decides = widest == reference.open and reference.decides
-    return reference.decides if decides else reference.finer
+    decided = {"meshes": reference.finer, **_DECIDED_BY, reference.open: reference.decides}
+    decided[OPEN_MASSES] = reference.masses or reference.decides
+    widest = max(parts.values())
+    ranked = sorted(parts, key=lambda name: -parts[name])
+    # Where nothing helps against what leaves most open, what helps against nearly as much does.
+    helps = [decided[name] for name in ranked if parts[name] >= _NEARLY * widest and decided[name]]
+    return next((said for said in helps if said != NOT_FINER), reference.finer)
 
 
 def _places(errors: Errors, reference: Reference, pose: int) -> list[str]:
@@ -272,8 +275,8 @@ def _places(errors: Errors, reference: Reference, pose: int) -> list[str]:
         said.setdefault(", ".join(moved), []).append(one.name)
     if len(said) == 1:
         return []
-    told = [f"with {', '.join(names)}, {moved}" for moved, names in said.items() if moved]
-    return [*told, "else every mode is in its place"] if "" in said else told
+    told = [f"{moved} with {' or '.join(names)}" for moved, names in said.items() if moved]
+    return [*told, "otherwise every mode is in its place"] if "" in said else told
 
 
 def _told(errors: Errors, quantity: str, pose: int) -> slice:

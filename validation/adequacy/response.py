@@ -146,6 +146,9 @@ def finer_by(preset: str) -> str:
     return f"needs a finer reference: {preset} computes one"
 
 
+NOT_FINER = finer_by("no preset")
+
+
 @dataclass(frozen=True, eq=False)
 class Step:
     """A step from a model towards the reference: one cause removed, the others left.

@@ -60,8 +60,8 @@ def test_an_order_on_which_the_alternatives_disagree_is_undecided_and_names_the_
     assert order.uncertainties == {"meshes": pytest.approx(order.uncertainty)}
     assert (order.value, order.expected) == pytest.approx((202.0, 190.0))
     assert order.reason == (
-        "with ends 1, f2 is the model's f3, f3 is the model's f2; "
-        "else every mode is in its place; "
+        "f2 is the model's f3, f3 is the model's f2 with ends 1; "
+        "otherwise every mode is in its place; "
         "say how the ends are held"
     )
 

@@ -4,19 +4,32 @@ import re
 from dataclasses import replace
 from json import dumps
 
+import numpy as np
 import pytest
 from crane import write_crane
 from one_arm import ONE_ARM
 from written_robot import robot_of
 
+from lumped.acceptance.requirement import Requirement
 from lumped.robot_file import load_robot
 from lumped.robot_file.rules.published import json_schema
 from validation import cli
+from validation.adequacy.judgement import judged
+from validation.adequacy.matrix import Coordinate
 from validation.adequacy.mechanism.dynamics import DYNAMIC_STEPS
 from validation.adequacy.mechanism.parts import FINER_PARTS
 from validation.adequacy.mechanism.path import holding, known_legs, say_masses
 from validation.adequacy.mechanism.statics import STATIC_STEPS
-from validation.adequacy.response import USE_SOLID, finer_by
+from validation.adequacy.response import (
+    NOT_FINER,
+    USE_SOLID,
+    Alternative,
+    Candidate,
+    Reference,
+    Response,
+    Subject,
+    finer_by,
+)
 from validation.solids.size import larger_preset
 from validation.solve.question import OPTIONS
 
@@ -88,3 +101,19 @@ def test_ends_and_interfaces_are_said_by_lines_that_can_be_pasted(tmp_path):
     said += [crane.replace(" } }", f" }}, {key} = {value} }}") for value in values]
     assert (len(lines), len(values)) == (2, 3)
     assert not any(holding(robot_of(text, tmp_path).mechanism).unsaid for text in said)
+
+
+@pytest.mark.parametrize("ends", [0.3, 0.8])
+def test_where_no_mesh_is_finer_what_leaves_nearly_as_much_open_is_said(ends):
+    """A five-bar's meshes left 0.234 % open, its ends 0.222 %: it was told that nothing helps."""
+    exact, axes = np.eye(6)[None], np.full((1, 7), 0.02)
+    held = (("rigid", exact), ("free", exact * (1.0 - 0.04 * ends)))
+    answers = [Alternative(name, Response(found), static=axes) for name, found in held]
+    beam = Candidate("beam", "beam", Response(1.05 * exact))
+    for finer, told in ((NOT_FINER, NOT_FINER if ends < 0.5 else "say ends"), ("mesh", "mesh")):
+        statics = Reference("solids", answers, open="ends", decides="say ends", finer=finer)
+        pose = (Coordinate("x", "m"),), np.zeros((1, 1)), np.ones(1)
+        robot = Subject("toy", *pose, [beam], statics, Reference("none", ()))
+        entry = judged(robot, Requirement()).entry("beam", "x")
+        assert entry.uncertainties["meshes"] > entry.uncertainties["ends"]
+        assert (entry.verdict, entry.reason) == ("undecided", told)
