@@ -18,12 +18,13 @@ from validation.report.words import (
     models_to_use,
     quantities_text,
     sentence,
+    supposition,
 )
 
 
 @dataclass(frozen=True)
 class FirstScreen:
-    """What the reader sees first: the sentence, the table with its CSV, errors over the poses.
+    """What the reader sees first: the sentence and what it supposes, the table, errors over poses.
 
     Then `remedies`, and what decides the entries that are `undecided`, by entries; both of the
     models that are folded by themselves. The uncertain `inputs` with the errors that they leave
@@ -32,6 +33,7 @@ class FirstScreen:
     """
 
     sentence: str
+    supposed: str
     table: Table
     csv: str
     errors: Figure | None
@@ -65,6 +67,7 @@ def first_screen(
     shown = [row.note.model for row in table.rows if not row.folded]
     return FirstScreen(
         sentence=sentence(matrix, rely),
+        supposed=supposition(matrix, rely),
         table=table,
         csv=csv_of_matrix(matrix),
         errors=attempted(errors) if plotted else None,
@@ -73,7 +76,7 @@ def first_screen(
         notes=matrix.notes,
         undecided=_undecided(matrix, shown),
         other_undecided=_undecided(matrix, folded),
-        inputs=_inputs(matrix),
+        inputs=_inputs(matrix, shown),
         name=matrix.robot,
         parts=tuple(
             replace(first_screen(one, plotted=False), heading=_heading(matrix, one))
@@ -95,10 +98,10 @@ def _undecided(matrix: Matrix, models: Collection[str]) -> Mapping[str, str]:
     }
 
 
-def _inputs(matrix: Matrix) -> tuple[str, ...]:
-    """Each uncertain input with the error that it leaves most open, and by how much (95 %)."""
+def _inputs(matrix: Matrix, models: Collection[str]) -> tuple[str, ...]:
+    """Each uncertain input with the error of these models that it leaves most open (95 %)."""
     largest: dict[str, tuple[float, str]] = {}
-    for entry in matrix.entries:
+    for entry in (one for one in matrix.entries if one.model in models):
         half = entry.uncertainties.get("inputs", 0.0)
         said = f"{quantities_text(matrix, [entry.quantity])} by {model_name(entry.model)}"
         for key, share in entry.input_shares.items():

@@ -80,6 +80,9 @@ def _causes(entries: Sequence[Entry]) -> tuple[str, ...]:
     size = (
         partial(_range, told=error_text, signed=True) if interact else partial(_range, told=percent)
     )
+    left = [sum(cause.share for cause in e.causes[_FOREMOST:]) for e in entries if e.causes]
+    if not interact and max(left, default=0.0) > _NOTHING:
+        told["all others"] = left
     found = [f"{cause}: {size(values)}" for cause, values in told.items()]
     return (*found[:-1], f"{found[-1]} (they interact)") if interact else tuple(found)
 

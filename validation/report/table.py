@@ -10,6 +10,7 @@ from lumped.acceptance.requirement import (
     FREQUENCIES,
     LOAD,
     OF_HAMMER,
+    ORDER,
     RESPONSE,
     ROTATIONS,
     is_static,
@@ -134,7 +135,8 @@ def _folded(matrix: Matrix, model: str) -> bool:
     entries = matrix.of_model(model)
     if not entries:
         return True
-    useless = all(entry.verdict != "adequate" for entry in entries)
+    # Whoever puts the modes in order has not said where they are.
+    useless = all(one.verdict != "adequate" for one in entries if one.quantity != ORDER)
     lacking = any(entry.along is not None and entry.along <= -_ALL for entry in entries)
     return model.endswith("euler-bernoulli") or (useless and lacking)
 
@@ -192,7 +194,9 @@ def csv_of_matrix(matrix: Matrix) -> str:
 
 def _text(entry: Entry) -> str:
     if entry.error is not None:
-        return error_text(entry.error, signed=entry.signed)
+        # Where readings of the robot file disagree on the order, one of them says so much.
+        most = "up to " * (entry.quantity == ORDER and entry.verdict == "undecided")
+        return f"{most}{error_text(entry.error, signed=entry.signed)}"
     return "none" if entry.verdict == "inadequate" else "open"
 
 

@@ -1,6 +1,7 @@
 """Models, quantities and errors in words, and the whole matrix in one sentence.
 
 Of the models relied on, else which models to use; at most forty words, unless many are relied on.
+What verdicts suppose is a sentence of its own.
 """
 
 from collections.abc import Collection, Mapping, Sequence
@@ -8,6 +9,7 @@ from collections.abc import Collection, Mapping, Sequence
 from lumped.acceptance.requirement import (
     ANY_FORCE,
     FREQUENCIES,
+    LOAD,
     OF_HAMMER,
     ORDER,
     RESPONSE,
@@ -52,6 +54,7 @@ def quantities_text(matrix: Matrix, quantities: Collection[str]) -> str:
     for words, kind in (
         (("deflections", "rotations"), STATIC_QUANTITIES),
         (("frequencies",), FREQUENCIES),
+        (("loads",), [name for name in spoken if name.startswith(LOAD)]),
         (("responses",), [name for name in spoken if name.startswith(RESPONSE)]),
     ):
         asked = spoken.intersection(kind)
@@ -103,10 +106,14 @@ def sentence(matrix: Matrix, rely: Sequence[str] = ()) -> str:
     """Whether the models of `rely` are adequate; without any, which models are, for what."""
     relied = [model for model in rely if matrix.of_model(model)]
     said = _relied(matrix, relied) if relied else _to_use(matrix)
-    decided = [e for e in matrix.entries if not is_static(e.quantity)]
-    if matrix.supposed and any(entry.verdict != "undecided" for entry in decided):
-        said += f". Frequencies are judged {matrix.supposed}"
     return f"{said}." if said else "No model could be judged."
+
+
+def supposition(matrix: Matrix, rely: Sequence[str] = ()) -> str:
+    """What decided verdicts on frequencies suppose, of models of `rely` if any; "" without such."""
+    entries = [e for model in rely for e in matrix.of_model(model)] or matrix.entries
+    decided = any(e.verdict != "undecided" and not is_static(e.quantity) for e in entries)
+    return f"Frequencies are judged {matrix.supposed}." if matrix.supposed and decided else ""
 
 
 def _relied(matrix: Matrix, models: Sequence[str]) -> str:
@@ -125,7 +132,9 @@ def _relied(matrix: Matrix, models: Sequence[str]) -> str:
             if any(one == verdict for _, one in verdicts)
         ]
         told.append(f"{listed(names)}: {', '.join(parts)}")
-    return f"You rely on {'; '.join(told)}"
+    limits = sorted(entry.limit for model in models for entry in matrix.of_model(model))
+    accepted = dict.fromkeys(percent(limit, signed=False) for limit in (limits[0], limits[-1]))
+    return f"You rely on {'; '.join(told)}. You accept {' to '.join(accepted)}"
 
 
 def _for_what(matrix: Matrix, quantities: Sequence[str]) -> str:
@@ -142,7 +151,7 @@ def _by(entries: Sequence[Entry]) -> str:
 
     Of the order, which compares modes that have nothing in common, only where nothing else is.
     """
-    adequate, limits = entries[0].verdict == "adequate", [entry.limit for entry in entries]
+    adequate = entries[0].verdict == "adequate"
     found = [entry for entry in entries if entry.error is not None]
     found = [entry for entry in found if entry.quantity != ORDER] or found
     if not found or entries[0].verdict == "undecided":
@@ -150,11 +159,7 @@ def _by(entries: Sequence[Entry]) -> str:
     sizes = [(abs(one.error or 0.0), (one.uncertainty or 0.0) * adequate) for one in found]
     error, left = max(sizes, key=sum)
     how, open_ = "at most" if adequate else "up to", spread_text(left)
-    off = " ".join(filter(None, (error_text(error, signed=False), open_)))
-    accepted = " to ".join(
-        dict.fromkeys(percent(limit, signed=False) for limit in (min(limits), max(limits)))
-    )
-    return f" (off by {how} {off}, you accept {accepted})"
+    return f" ({' '.join(filter(None, ('off by', how, error_text(error, signed=False), open_)))})"
 
 
 def models_to_use(matrix: Matrix) -> list[tuple[str, set[str]]]:

@@ -3,7 +3,7 @@
 from shlex import join
 
 from validation.report.listing import outcome_line, summary
-from validation.report.words import sentence
+from validation.report.words import sentence, supposition
 from validation.results import compare
 from validation.results.gathered import Results
 from validation.session.validate import Request
@@ -24,8 +24,8 @@ def adequacy(gathered: Results) -> list[str]:
     refused, rely = ", ".join(gathered.refused), gathered.rely
     lines = [f"relied on but not adequate: {refused}"] if refused else []
     lines += gathered.unjudged
-    lines += [sentence(gathered.matrix, rely)] if gathered.matrix else []
-    measured = gathered.measured
+    matrix, measured = gathered.matrix, gathered.measured
+    lines += [f"{sentence(matrix, rely)} {supposition(matrix, rely)}".strip()] if matrix else []
     lines += [f"against measured values: {sentence(measured, rely)}"] if measured else []
     return [line.replace("\N{NO-BREAK SPACE}", " ") for line in lines]
 

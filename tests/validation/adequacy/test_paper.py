@@ -17,7 +17,7 @@ from validation.adequacy.mechanism.path import robot_on_path
 from validation.adequacy.models import judged_models
 from validation.adequacy.robot import static_subject
 from validation.context import Context
-from validation.report.words import sentence
+from validation.report.words import supposition
 
 BEAMS = ("segments", "beam", "segments-euler-bernoulli", "beam-euler-bernoulli")
 DIGITS = "digits of the file"
@@ -77,8 +77,8 @@ def test_what_holds_for_every_plausible_mass_of_given_legs_is_decided(paper, mod
     first = paper.entry(model, "f1")
     assert first.verdict == "inadequate"
     assert first.uncertainties["where the legs' mass lies"] > 0.01
-    assert sentence(paper).endswith(
-        ". Frequencies are judged for every plausible distribution of the legs' mass."
+    assert supposition(paper, [model]) == (
+        "Frequencies are judged for every plausible distribution of the legs' mass."
     )
     for quantity in ("f1", "f2"):
         assert 5e-4 < paper.entry(model, quantity).uncertainties[DIGITS] < 3e-3

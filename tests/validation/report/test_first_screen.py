@@ -2,10 +2,12 @@
 
 import re
 from dataclasses import replace
+from html import unescape
 
 import pytest
 from report_sample import entry, sample_matrix, sample_report
 
+from validation.adequacy.matrix import Cause
 from validation.drawing.text import anchor, number
 from validation.exhibits import Figure
 from validation.report.first_screen import first_screen
@@ -13,7 +15,7 @@ from validation.report.page import render
 from validation.report.remedies import remedies_of
 from validation.report.sections import LEGS
 from validation.report.table import table_of
-from validation.report.words import sentence
+from validation.report.words import sentence, supposition
 
 
 def plain(text):
@@ -40,16 +42,16 @@ SEVERAL = [
         (
             "vjm",
             STATIC,
-            "adequate for deflections and rotations (off by at most 1 % ± 0.1 %, you accept 5 %).",
+            "adequate for deflections and rotations (off by at most 1 % ± 0.1 %). You accept 5 %.",
         ),
         (
             "beam",
             MIXED,
-            "adequate for x (off by at most 1.2 % ± 0.1 %, you accept 5 %), inadequate for z (off "
-            "by up to 12 %, you accept 5 %), undecided for f1.",
+            "adequate for x (off by at most 1.2 % ± 0.1 %), inadequate for z (off by up to 12 %), "
+            "undecided for f1. You accept 5 %.",
         ),
         # What is left open of what does not hold says nothing; a motion may be missing.
-        ("links", [entry("links", "z", verdict="inadequate")], "inadequate for z."),
+        ("links", [entry("links", "z", verdict="inadequate")], "inadequate for z. You accept 5 %."),
         ("", SEVERAL, "For your limits use beam (deflections, rotations and f1), solid (f2)."),
         ("", [entry(m, "x", 0.0) for m in ("vjm", "beam")], "For your limits use vjm (x)."),
         ("", MIXED, "For your limits use beam (x), solid (z); undecided: f1."),
@@ -72,10 +74,27 @@ def test_models_alike_share_a_sentence_and_the_order_does_not_tell_how_far_one_i
     matrix = matrix_of(*rigid, *beams)
     said = plain(sentence(matrix, ["simplified", "beam", "segments"]))
     assert said == (
-        "You rely on simplified: inadequate for everything judged (off by up to 44 %, you accept "
-        "5 %); beam and segments: adequate for everything judged (off by at most 0.2 % ± 0.1 %, "
-        "you accept 5 %)."
+        "You rely on simplified: inadequate for everything judged (off by up to 44 %); beam and "
+        "segments: adequate for everything judged (off by at most 0.2 % ± 0.1 %). You accept 5 %."
     )
+
+
+def test_with_loads_and_limits_of_several_kinds_the_sentence_keeps_to_forty_words():
+    """A 3-RRR relied on by links and segments had 47 words in four lines."""
+    loads = [entry(m, f"load:{n}", 0.01) for m in ("links", "segments") for n in ("weight", "tug")]
+    modes = [entry("segments", q, 0.01, limit=0.03) for q in ("f1", "f2", "order")]
+    matrix = matrix_of(
+        *(entry(m, q, 0.01) for m in ("links", "segments") for q in "xyz"),
+        *(*loads, *modes),
+        quantities=(*"xyz", "load:weight", "load:tug", "f1", "f2", "order"),
+    )
+    said = plain(sentence(matrix, ["links", "segments"]))
+    assert said == (
+        "You rely on links: adequate for deflections, rotations and loads (off by at most 1 % ± "
+        "0.1 %); segments: adequate for everything judged (off by at most 1 % ± 0.1 %). You accept "
+        "3 % to 5 %."
+    )
+    assert len(said.replace(" %", "%").replace("± ", "±").split()) <= 40
 
 
 def test_models_of_which_the_sentence_tells_are_not_folded():
@@ -88,14 +107,18 @@ def test_models_of_which_the_sentence_tells_are_not_folded():
     assert not any(row.folded for row in first_screen(theory, plotted=False).table.rows)
 
 
-def test_what_verdicts_on_frequencies_suppose_stands_behind_them_and_nowhere_else():
+def test_what_verdicts_on_frequencies_suppose_is_said_of_those_decided_and_nowhere_else():
     assert plain(sentence(sample_matrix())) == (
         "For your limits use vjm (deflections and rotations); undecided: frequencies."
     )
     supposed = "for every plausible distribution of the legs' mass"
     decided = matrix_of(entry("beam", "f1", 0.3), supposed=supposed)
-    assert sentence(decided).endswith(f". Frequencies are judged {supposed}.")
-    assert supposed not in sentence(sample_matrix(supposed=supposed))
+    assert supposition(decided) == f"Frequencies are judged {supposed}."
+    assert not supposition(sample_matrix(supposed=supposed))
+    # Those of the model relied on are open, whatever is decided of another.
+    both = matrix_of(entry("beam", "f1", 0.3), entry("segments", "f1"), supposed=supposed)
+    assert [supposition(both, [one]) for one in ("segments", "beam")] == ["", supposition(decided)]
+    assert supposition(decided) in unescape(render(sample_report(matrix=decided)))
     # Solids of such legs are of other legs: they help nobody.
     assert "solid" not in sentence(decided)
 
@@ -105,6 +128,9 @@ def test_a_thousandth_of_the_reference_is_worth_showing_and_what_rounding_leaves
     table = table_of(matrix_of(*(entry(f"m{u}", "x", u, uncertainty=u) for u in small)))
     found = [(plain(cell.text), plain(cell.spread)) for cell in table.cells]
     assert found == [("0 %", ""), ("0.04 %", ""), ("0.06 %", "± 0.06 %")]
+    # Of readings that disagree on the order the worst is told: "−11 % ± 0.1 %" beside "?" was not.
+    (order,) = table_of(matrix_of(entry("beam", "order", -0.11, verdict="undecided"))).cells
+    assert plain(order.text) == "up to −11 %"
 
 
 def test_the_robots_own_numbers_are_those_of_the_reference():
@@ -125,6 +151,7 @@ def test_second_theories_and_models_that_lack_motions_are_folded():
     theories = [entry(name, "x", 0.01) for name in ("beam", "beam-euler-bernoulli")]
     lacking = [entry(name, "z", -1.0) for name in ("simplified", "links")]
     useful = [entry("simplified", "x", 0.5), entry("links", "x", 0.01)]
+    useful.append(entry("simplified", "order", 0.0))
     rows = table_of(matrix_of(*theories, *lacking, *useful)).rows
     folded = {row.note.model for row in rows if row.folded}
     assert folded == {"beam-euler-bernoulli", "simplified"}
@@ -142,6 +169,11 @@ def test_entries_of_the_same_cause_and_remedy_share_a_line():
     assert off.remedy == "take the 6×6 with its couplings"
     assert plain(off.with_remedy) == "0.1 %"
     assert simple[1].causes == ("it knows no such motion",)
+    # What is left of the error has a name, too.
+    shares = {"couplings": 0.9, "feet": 0.06, "shear": 0.04}
+    beam = entry("beam", "x", 0.2, causes=tuple(Cause(*one, "") for one in shares.items()))
+    (line,) = remedies_of(matrix_of(beam), ["beam"])
+    assert plain("; ".join(line.causes)) == "couplings: 90 %; feet: 6 %; all others: 4 %"
     # A model that is folded in the table has its lines folded, too; an unfinished run no figure.
     screen = first_screen(matrix, plotted=False)
     assert screen.errors is None
