@@ -43,8 +43,8 @@ def as_text(mechanism: Mechanism, postures: Sequence[Posture]) -> str:
         found = mobility(posture)
         if found.at_limit:
             lines.append(
-                f"  singular: {', '.join(found.stirring)} move while the tool stands, which "
-                f"cannot move along {', '.join(found.barred)}"
+                f"  singular: the tool cannot move along {', '.join(found.barred)}; "
+                f"{', '.join(found.stirring)} can move without it"
             )
         width = max((len(joint.name) for joint in mechanism.joints), default=0)
         lines += [
