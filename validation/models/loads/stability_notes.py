@@ -19,21 +19,26 @@ def stability_notes(
     found: Sequence[Sequence[Stability | None]],
     requirement: Requirement,
 ) -> tuple[str, ...]:
-    """A line for each load: where it is nearest to buckling the robot, and the stiffness it takes.
+    """A line for each load that takes stiffness: where it is nearest to buckling, and how much.
 
     `found` in each posture under each load.
     """
     loads = [load.name for load in postures[0].mechanism.loads]
     return tuple(
-        f"Load {load}: {'; '.join(_said(f'{LOAD}{load}', requirement, known))}"
+        f"Load {load}: {'; '.join(said)}"
         for load, row in zip(loads, zip(*found, strict=True), strict=True)
         if (known := [(at, one) for at, one in zip(postures, row, strict=True) if one])
+        and (said := [*_said(f"{LOAD}{load}", requirement, known)])
     )
 
 
 def _said(
     load: str, requirement: Requirement, found: Sequence[tuple[Posture, Stability]]
 ) -> Iterator[str]:
+    lost = np.array([one.lost for _, one in found])
+    taken, moved = float(lost.max()), max(one.farther for _, one in found)
+    if np.isfinite(lost).all() and max(taken, moved) < _NOTHING:
+        return
     buckling = [(one.factor, at, one) for at, one in found if one.factor is not None]
     if buckling:
         factor, at, one = min(buckling, key=lambda place: place[0])
@@ -43,15 +48,10 @@ def _said(
         yield f"buckles the robot at {number(factor, 3)} times this load{where}, in {most}"
     else:
         yield "buckles the robot nowhere"
-    lost = np.array([one.lost for _, one in found])
     if not np.isfinite(lost).all():
         yield "nothing that is said of the robot under it holds"
         return
     axis = AXES[int(np.argmax(lost.max(axis=0)))]
-    taken, moved = float(lost.max()), max(one.farther for _, one in found)
-    if max(taken, moved) < _NOTHING:
-        yield f"takes less than {percent(_NOTHING, signed=False)} of the stiffness"
-        return
     said = (
         f"takes up to {percent(max(taken, 0.0), signed=False)} of the tool's stiffness ({axis}) "
         f"and changes its displacement by {percent(moved, signed=False)}, which no linear "
