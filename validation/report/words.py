@@ -139,11 +139,8 @@ def _relied(matrix: Matrix, models: Sequence[str]) -> str:
 
 def _for_what(matrix: Matrix, quantities: Sequence[str]) -> str:
     spoken = {entry.quantity for entry in matrix.entries}
-    return (
-        "everything judged"
-        if spoken == {*quantities} and ORDER in spoken
-        else (quantities_text(matrix, quantities))
-    )
+    everything = spoken == {*quantities} and ORDER in spoken
+    return "everything judged" if everything else quantities_text(matrix, quantities)
 
 
 def _by(entries: Sequence[Entry]) -> str:
@@ -158,8 +155,8 @@ def _by(entries: Sequence[Entry]) -> str:
         return ""
     sizes = [(abs(one.error or 0.0), (one.uncertainty or 0.0) * adequate) for one in found]
     error, left = max(sizes, key=sum)
-    how, open_ = "at most" if adequate else "up to", spread_text(left)
-    return f" ({' '.join(filter(None, ('off by', how, error_text(error, signed=False), open_)))})"
+    off = f"{error_text(error, signed=False)} {spread_text(left)}".strip()
+    return f" (off by {'at most' if adequate else 'up to'} {off})"
 
 
 def models_to_use(matrix: Matrix) -> list[tuple[str, set[str]]]:

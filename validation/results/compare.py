@@ -181,8 +181,9 @@ def as_text(before: RunRecord, after: RunRecord, comparison: RunComparison) -> s
         [
             [c.model, c.quantity, *_told(c.before), *_told(c.after)]
             for c in comparison.adequacy
-            # All of different inputs; of the same input what changed its verdict.
-            if comparison.inputs or comparison.different_robots or _rejudged(c)
+            # Of two robots all; of variants what reads otherwise; of one input other verdicts.
+            if comparison.different_robots
+            or (_told(c.before) != _told(c.after) if comparison.inputs else _rejudged(c))
         ],
     )
     worst_first = sorted(comparison.verdicts, key=lambda change: not change.worse)
