@@ -21,8 +21,8 @@ def pytest_configure(config):
     if not hasattr(config, "workerinput"):
         config.stash[CACHE] = tempfile.mkdtemp(prefix="flexproof-cache-")
         os.environ["XDG_CACHE_HOME"] = config.stash[CACHE]
-        # Wherever a test puts that, the fonts of this machine are looked for once.
-        os.environ["MPLCONFIGDIR"] = config.stash[CACHE]
+        # The fonts of this machine are looked for once, not by each worker of each session.
+        os.environ["MPLCONFIGDIR"] = str(config.rootpath / ".pytest_cache" / "matplotlib")
 
 
 def pytest_unconfigure(config):

@@ -5,7 +5,8 @@ from math import pi, sin, sqrt
 
 import numpy as np
 import pytest
-import vtk
+from vtkmodules.vtkCommonCore import reference, vtkPoints
+from vtkmodules.vtkCommonDataModel import vtkUnstructuredGrid
 
 from lumped.errors import ComputationError
 from meshes.elements import ELEMENTS
@@ -61,7 +62,7 @@ def test_vtk_maps_a_curved_element_as_we_do(kind):
     # permutation would move the mapped points by the scatter.
     places = np.random.default_rng(2).uniform(-0.1, 0.1, size=(kind.node_count, 3))
     places[:, : kind.dimension] += kind.nodes
-    grid, points = vtk.vtkUnstructuredGrid(), vtk.vtkPoints()
+    grid, points = vtkUnstructuredGrid(), vtkPoints()
     points.SetDataTypeToDouble()
     for place in places:
         points.InsertNextPoint(place)
@@ -70,7 +71,7 @@ def test_vtk_maps_a_curved_element_as_we_do(kind):
     at, theirs = _points(kind), [0.0, 0.0, 0.0]
     for point, ours in zip(at.T, values(kind.name, at).T @ places, strict=True):
         inside, weights = [*point, 0.0][:3], [0.0] * kind.node_count
-        grid.GetCell(0).EvaluateLocation(vtk.reference(0), inside, theirs, weights)
+        grid.GetCell(0).EvaluateLocation(reference(0), inside, theirs, weights)
         assert theirs == pytest.approx(ours, abs=1e-12)
 
 

@@ -4,6 +4,7 @@ Its matrix is like that of a robot whose legs are given by a 6×6.
 """
 
 import base64
+from functools import cache
 
 import toy_catalogue
 
@@ -138,10 +139,14 @@ FINDING = Finding(
     kind="computed",
     severity="error",
 )
-# Drawn once for all tests of a page.
 MATRIX = sample_matrix()
-DRAWN = study_figure(family_of([CONVERGENCE]))
 FIG_5 = Figure("fig5", "Fig. 5", "Made up.", "The paper's statements", png=PIXEL, data="x\n1\n")
+
+
+@cache
+def drawn():
+    """The figure of the study, drawn once for all tests of a page."""
+    return study_figure(family_of([CONVERGENCE]))
 
 
 def measured(identifier, value, reference, *spreads, exact=True, **own):
@@ -193,7 +198,7 @@ HEADER = {
 def sample_report(
     *,
     outcomes=None,
-    figures=(DRAWN, FIG_5),
+    figures=None,
     missing=("fig7",),
     matrix=MATRIX,
     measured=None,
@@ -206,16 +211,17 @@ def sample_report(
     `unjudged` has assessments that failed, and why.
     """
     outcomes = sample_outcomes() if outcomes is None else outcomes
+    figures = (drawn(), FIG_5) if figures is None else figures
     made = {figure.id: figure for figure in figures} | {ADEQUACY: matrix, MEASURED: measured}
     lost = dict.fromkeys(missing, "no OpenGL") | (unjudged or {})
     results = [outcome.result for outcome in outcomes]
     results += [Result(name, "made", 0.1, found=one) for name, one in made.items() if one]
     results += [Result(name, "failed", 0.1, why) for name, why in lost.items()]
     done = {result.id: result for result in results}
-    drawn = [*(figure.id for figure in figures), *missing, *map(str, range(unfinished))]
+    planned = [*(figure.id for figure in figures), *missing, *map(str, range(unfinished))]
     tasks = [
         *(outcome.case for outcome in outcomes),
-        *(PlannedFigure(name, "Fig. 7, mode shapes", never) for name in drawn),
+        *(PlannedFigure(name, "Fig. 7, mode shapes", never) for name in planned),
         *(Assessment(name, "", never) for name in (ADEQUACY, MEASURED) if name in done),
     ]
     return Report(Results(HEADER, tasks, done=done), findings)

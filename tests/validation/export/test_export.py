@@ -9,11 +9,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import pyvista
 from crane import write_meshed_crane
 from exported import assert_read_back
 from gantry import GANTRY, MASSES, STIFFNESSES
 from one_arm import ONE_ARM
+from pyvista import read as read_vtk
 from scipy.io import loadmat
 from scipy.linalg import eigh, eigvals
 from scipy.sparse import load_npz
@@ -65,7 +65,7 @@ def test_every_file_is_read_back_and_legs_that_are_alike_are_written_once(folder
 
 
 def test_the_tip_of_the_solid_moves_by_its_compliance(folder):
-    mesh = pyvista.read(folder / "mechanism_solid.vtu")
+    mesh = read_vtk(folder / "mechanism_solid.vtu")
     assert mesh.bounds[1] == pytest.approx(LEG.length, rel=1e-12)
     assert mesh.volume == pytest.approx(LEG.section.area * LEG.length, rel=1e-9)
     compliance = clamped_solid(LEG, 1, "rigid").compliance
@@ -84,7 +84,7 @@ def test_the_tip_of_the_solid_moves_by_its_compliance(folder):
 
 @pytest.mark.parametrize("model", ["segments", "beam"])
 def test_centrelines_deflect_as_a_cantilever(folder, model):
-    line = pyvista.read(folder / f"mechanism_{model}.vtp")
+    line = read_vtk(folder / f"mechanism_{model}.vtp")
     assert (line.n_lines, line.length) == (1, pytest.approx(LEG.length))
     tip = [
         [line.point_data[f"{kind} {wrench}"][-1] for wrench in WRENCHES]
@@ -102,7 +102,7 @@ def test_the_matrices_give_the_models_compliance_and_frequencies(folder):
     found = np.linalg.inv(K)[:6, :6]
     assert found == pytest.approx(tip_compliance_of(leg), rel=1e-6, abs=1e-20)
     first = np.sqrt(1.0 / np.linalg.eigvals(np.linalg.solve(K, M)).real.max()) / (2.0 * np.pi)
-    written = pyvista.read(folder / "mechanism_beam.vtp").field_data["frequencies"][0]
+    written = read_vtk(folder / "mechanism_beam.vtp").field_data["frequencies"][0]
     assert [first, written] == pytest.approx(2 * [clamped_modes(leg, 1).frequencies[0]], rel=1e-6)
 
 
@@ -110,7 +110,7 @@ def test_ends_of_rods_meet_on_the_platform_which_moves_by_the_compliance(folder)
     """Three ball joints on a rigid platform: their motions are one twist, that of the tool."""
     at = postures_of(MECHANISM, MECHANISM.poses[4:5])[0]
     (expected,) = answers("beam", [at], 6)
-    data = pyvista.read(folder / "mechanism.vtp")
+    data = read_vtk(folder / "mechanism.vtp")
     assert data.n_lines == len(legs_of(MECHANISM))
     np.testing.assert_allclose(data.field_data["frequencies"], expected.frequencies, rtol=1e-9)
     frame, places = at.frames["platform"], dict(MECHANISM.bodies["platform"].interfaces)
@@ -177,7 +177,7 @@ def test_reduced_matrices_of_a_part_have_its_frequencies_and_stiffness(part):
 def test_a_part_leaves_its_first_interface_and_moves_with_the_others(part):
     """Nodes on a rigid face move as its twist."""
     found, folder = part
-    mesh = pyvista.read(folder / "arm_part.vtu")
+    mesh = read_vtk(folder / "arm_part.vtu")
     np.testing.assert_allclose(mesh.field_data["frequencies"], found.frequencies, rtol=1e-9)
     assert sum(key.startswith("mode ") for key in mesh.point_data) == len(found.frequencies)
     x, y, _ = mesh.points.T

@@ -12,8 +12,8 @@ from math import nan
 import pytest
 from report_sample import (
     CONVERGENCE,
-    DRAWN,
     PIXEL,
+    drawn,
     measured,
     never,
     sample_outcomes,
@@ -126,7 +126,7 @@ def test_the_page_shows_cases_data_findings_and_provenance(markup):
     )
     data = {name: base64.b64decode(content).decode() for name, content in links}
     assert data["fig5.csv"] == "x\n1\n"
-    assert data["study.elements.csv"] == DRAWN.data
+    assert data["study.elements.csv"] == drawn().data
 
 
 def test_an_empty_and_an_interrupted_run_have_a_page():
@@ -141,7 +141,7 @@ def test_an_empty_and_an_interrupted_run_have_a_page():
 
 def test_a_study_shared_by_several_cases_is_shown_once():
     outcomes = [measured(f"legs.{n}", 1.0, 1.0, studies=(CONVERGENCE,)) for n in "ab"]
-    report = sample_report(outcomes=outcomes, figures=(DRAWN,), matrix=None)
+    report = sample_report(outcomes=outcomes, figures=(drawn(),), matrix=None)
     ((section,),) = (chapter.sections for chapter in report.chapters)
     ((family, _),) = section.plots
     assert family.computed_by == (f"{never.__module__}.never",)
@@ -232,7 +232,7 @@ def test_scenes_missing_pictures_and_values_that_are_no_numbers_are_shown():
 
 
 def test_data_of_curves_belong_to_their_names():
-    rows = list(csv.DictReader(io.StringIO(DRAWN.data)))
+    rows = list(csv.DictReader(io.StringIO(drawn().data)))
     named = {f"{name} (Hz)": values for name, values in CONVERGENCE.series.items()}
     assert {name: tuple(float(row[name]) for row in rows) for name in rows[0]} == {
         CONVERGENCE.x_label: CONVERGENCE.x,

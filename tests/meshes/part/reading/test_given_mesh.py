@@ -7,8 +7,7 @@ from base64 import b64encode
 import meshio
 import numpy as np
 import pytest
-import pyvista
-from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridWriter
+from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader, vtkXMLUnstructuredGridWriter
 
 from lumped.errors import InputError
 from lumped.mechanism.body import ByCylinder, ByName, PartInterface
@@ -251,9 +250,11 @@ def test_what_a_file_says_of_its_size_is_what_it_holds(files, tmp_path, compress
 @pytest.mark.parametrize("compressor", ["ZLib", "LZMA"])
 def test_what_vtk_writes_is_read(files, tmp_path, place, compressor):
     """The writer of ParaView: appended as it does by default, or otherwise."""
-    path, writer = tmp_path / "plate.vtu", vtkXMLUnstructuredGridWriter()
+    path = tmp_path / "plate.vtu"
+    reader, writer = vtkXMLUnstructuredGridReader(), vtkXMLUnstructuredGridWriter()
+    reader.SetFileName(str(files / "plate.vtu"))
     writer.SetFileName(str(path))
-    writer.SetInputData(pyvista.read(files / "plate.vtu"))
+    writer.SetInputConnection(reader.GetOutputPort())
     getattr(writer, f"SetCompressorTypeTo{compressor}")()
     writer.SetDataMode(writer.Binary if place == "binary" else writer.Appended)
     writer.SetEncodeAppendedData(place == "base64")
