@@ -14,20 +14,28 @@ from collections.abc import Callable, Mapping
 from typing import TypeAlias
 
 import numpy as np
+from scipy.linalg import null_space
 
 from lumped.arrays import Array
-from lumped.mechanism.free_twists import free_twists, interface_position
+from lumped.mechanism.free_twists import (
+    free_twists,
+    interface_position,
+    turned_since_reference,
+)
 from lumped.mechanism.joint import Joint
 from lumped.mechanism.load import Loading
 from lumped.mechanism.mechanism import GROUND
 from lumped.screws import shift, skew, turn
 from lumped.system.assembly import System
+from lumped.system.joint_motion import Portion
 from lumped.system.loads import work_on
 from lumped.system.solution import Solved, without_idle
 
 # Geometric stiffness (r×r) of a body on its own unknowns, from the forces on its interfaces that
 # its stiffness takes and the part of them that acts along it (6m each, body axes).
 Prestressed: TypeAlias = Callable[[Array, Array], Array]
+# Without units; loops are closed to 1e-12.
+_DEPENDENT = 1e-9
 
 
 def geometric_stiffness(
@@ -68,7 +76,7 @@ def geometric_stiffness(
         if one.body != GROUND:
             outer += _at_arm(system, node, one.position, one.wrench)
             given[node] -= shift(one.position - system.motions.places[node]).T @ one.wrench
-    for joint, wrench in _carried(system, given):
+    for joint, wrench in _carried(system, given, moved, load):
         outer += _of_joint(system, joint, wrench)
     total[system.outer :, : system.outer] = total[: system.outer, system.outer :].T
     return 0.5 * (total + total.T)
@@ -117,11 +125,14 @@ def _turned_as_a_whole(ends: Array, places: Array, forces: Array) -> Array:
     return total
 
 
-def _carried(system: System, given: Array) -> list[tuple[Joint, Array]]:
+def _carried(
+    system: System, given: Array, moved: Array, load: Loading
+) -> list[tuple[Joint, Array]]:
     """Wrenches (6, base axes) of joints on their second bodies, where their first interfaces are.
 
-    They give `given` (N×6) to the nodes and do no work on passive free twists. Of rigid loops,
-    where that leaves several, the smallest.
+    They give `given` (N×6) to the nodes and do no work on passive free twists. Where that leaves
+    several, in loops of rigid bodies, elastic joints carry what the unknowns `moved` strain them
+    by, and of what rigid ones may carry it is the smallest.
     """
     motions = system.motions
     joints = motions.structure.mechanism.joints
@@ -144,8 +155,32 @@ def _carried(system: System, given: Array) -> list[tuple[Joint, Array]]:
     known = (given * unit).ravel()
     conditions = np.vstack([rows.reshape(-1, size), np.vstack(passive).reshape(-1, size)])
     right = np.concatenate([known, np.zeros(len(conditions) - len(known))])
-    found = np.linalg.lstsq(conditions, right)[0].reshape(-1, 6) / unit
-    return list(zip(joints, found, strict=True))
+    found = np.linalg.lstsq(conditions, right)[0]
+    open_ = null_space(conditions, rcond=_DEPENDENT)
+    if open_.size:
+        rows, right = _of_springs(system, moved, load, unit)
+        found += open_ @ np.linalg.lstsq(rows @ open_, right - rows @ found)[0]
+    return list(zip(joints, found.reshape(-1, 6) / unit, strict=True))
+
+
+def _of_springs(system: System, moved: Array, load: Loading, unit: Array) -> tuple[Array, Array]:
+    """Rows (e×6j) of the wrenches of joints, times `unit` (6), that springs know, and those (e)."""
+    joints = system.motions.structure.mechanism.joints
+    rows, known = [np.zeros((0, len(joints), 6))], [np.zeros(0)]
+    for number, joint in enumerate(joints):
+        felt, rotor = np.zeros((0, 6)), load.on_rotors.get(joint.name, 0.0)
+        if joint.compliance is not None and not rotor:
+            axes = turn(turned_since_reference(system.posture, joint.first.body))
+            felt = np.eye(6)
+            known.append(-unit * (axes @ system.wrenches(joint, moved[:, None])[:, 0]))
+        elif joint.compliance is None and joint.drive is not None and joint.drive.stiffness:
+            felt = free_twists(system.posture, joint)[:, :1].T / unit
+            strain = system.motions.springs[Portion(joint.name, "drive")] @ moved[: system.outer]
+            known.append(rotor - np.sqrt(joint.drive.stiffness) * strain)
+        mine = np.zeros((len(felt), len(joints), 6))
+        mine[:, number] = felt
+        rows.append(mine)
+    return np.vstack(rows).reshape(-1, 6 * len(joints)), np.concatenate(known)
 
 
 def _of_joint(system: System, joint: Joint, wrench: Array) -> Array:

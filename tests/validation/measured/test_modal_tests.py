@@ -161,11 +161,12 @@ def test_however_a_test_is_written_its_modes_are_the_same(tmp_path, changed):
 
 def shape(number, frequency, values):
     """Data set 55 of a mode that moves the places by so much."""
-    moved = np.zeros((5, 3))
+    moved = np.zeros((5, 3), dtype=values.dtype)
     for (node, axis), value in zip(PLACES, values, strict=True):
         moved[node - 1, axis - 1] = value
     rows = {f"r{axis}": moved[:, axis - 1] for axis in (1, 2, 3)}
-    head = {"analysis_type": 2, "data_ch": 2, "spec_data_type": 8, "load_case": 1}
+    kind = {"analysis_type": 3 if np.iscomplexobj(values) else 2, "eig": 2j * np.pi * frequency}
+    head = {**kind, "data_ch": 2, "spec_data_type": 8, "load_case": 1}
     own = {"mode_n": number, "freq": frequency, "node_nums": np.arange(1, 6)}
     return {"type": 55, **head, **own, **rows}
 
@@ -193,10 +194,11 @@ def test_a_noisy_test_judges_every_mode_of_every_model(tmp_path):
 
 
 @pytest.mark.usefixtures("here")
-def test_modes_that_others_identified_are_paired_by_shape_not_by_number(tmp_path):
+@pytest.mark.parametrize("turned", [1.0, np.exp(1.0j)], ids=["normal", "complex"])
+def test_modes_that_others_identified_are_paired_by_shape_not_by_number(tmp_path, turned):
     # Of the second and fifth as if nobody had seen the others, one 10 % off and upside down.
     sets = [
-        shape(number, factor * FREQUENCIES[mode], (1 - 2 * mode) * SHAPES[:, mode])
+        shape(number, factor * FREQUENCIES[mode], turned * (1 - 2 * mode) * SHAPES[:, mode])
         for number, (mode, factor) in enumerate({0: 1.1, 4: 1.0}.items(), 1)
     ]
     _, matrix = held(tmp_path, sets)

@@ -15,6 +15,7 @@ from lumped.mechanism.load import Applied, Load, Loading
 from lumped.robot_file import load_robot
 from lumped.robot_file.load import described_by
 from lumped.screws import shift
+from lumped.system.assembly import assemble
 from lumped.system.loads import loading
 from lumped.system.prestress import geometric_stiffness
 from lumped.system.solution import solved
@@ -36,6 +37,15 @@ joints.pivot.at = "A"
 joints.pivot.axis = [0.0, 0.0, 1.0]
 joints.pivot.drive = { stiffness = 4.0e3 }
 tool = { body = "bob", point = "P", moves = ["x"], mass = 1.0 }
+"""
+HELD = """
+schema = 2
+name = "held twice"
+points = { A = [-0.5, 0.0, 0.0], O = [0.0, 0.0, 0.0], B = [0.5, 0.0, 0.0] }
+bodies.bar = { points = ["A", "O", "B"], mass = 1.0, centre = [0.0, 0.0, 0.0] }
+joints.first = { between = ["ground", "bar"], at = "A", FIRST }
+joints.second = { type = "fixed", between = ["ground", "bar"], at = "B" }
+tool = { body = "bar", point = "O", moves = [] }
 """
 PORTAL = """
 schema = 2
@@ -94,8 +104,10 @@ def test_a_robot_that_turns_as_a_whole_feels_its_loads_and_its_ground_alone(name
     due = np.zeros((system.size, 3))
     for where, own in ((rows, wrench), (base, -shift(force.position).T @ wrench)):
         due[:outer] += where[:3].T @ turning(own[:3]) + 0.5 * where[3:].T @ turning(own[3:])
-    found = geometric_stiffness(solution, load, legs)
-    np.testing.assert_allclose(found @ turned, due, rtol=0, atol=1e-7 * np.abs(found).max())
+    # Whether legs bend within or turn as wholes.
+    for bent in (legs, {}):
+        found = geometric_stiffness(solution, load, bent)
+        np.testing.assert_allclose(found @ turned, due, rtol=0, atol=1e-7 * np.abs(found).max())
 
     # Weight acts along the legs: by the bodies' centres, where all of it turns.
     weight = Load("weight", tool.body, tool.point, gravity=gravity)
@@ -110,6 +122,34 @@ def test_a_robot_that_turns_as_a_whole_feels_its_loads_and_its_ground_alone(name
     moment = sum(mass * np.cross(place, gravity) for mass, place in masses)
     due -= 0.5 * turning(moment)
     np.testing.assert_allclose(found, due, rtol=0, atol=1e-7 * np.abs(due).max())
+
+
+def held_twice(first, wrench, *compliances):
+    """A rigid bar on two joints, and what a wrench (6) on it adds to its stiffness."""
+    robot = described(HELD.replace("FIRST", first))
+    gives = zip(robot.joints, compliances, strict=True)
+    joints = tuple(replace(one, compliance=give) for one, give in gives)
+    solution = solved(assemble(reference_posture(replace(robot, joints=joints)), {}))
+    load = Loading([Applied("bar", "O", np.zeros(3), np.array(wrench))])
+    return joints, solution.system.motions.twists[0], geometric_stiffness(solution, load, {})
+
+
+def test_elastic_joints_of_one_bar_press_it_as_stiff_as_they_are():
+    """A quarter of P pulls one end, three press the other: −½ (¾ − ¼) P L/2 θ²."""
+    give = 1e-6 * np.eye(6)
+    _, twists, found = held_twice('type = "fixed"', [8.0, 0, 0, 0, 0, 0], give, give / 3.0)
+    due = twists.T @ np.diag([0, 0, 0, 0, -2.0, -2.0]) @ twists
+    np.testing.assert_allclose(found, due, rtol=0, atol=1e-9 * np.abs(due).max())
+
+
+def test_a_moment_through_a_universal_joint_works_on_both_of_its_angles():
+    """M·θ(α, β) of the rotation vector θ, whose second derivative by both is ½ a₁ × a₂."""
+    first = 'type = "universal", axes = [[1.0, 0.0, 0.0], [0.6, 0.8, 0.0]]'
+    give, moment = np.diag([1e3, 1e3, 1e3, 1e-4, 1e-4, 1e-4]), [0, 0, 0, 0, 0, 7.0]
+    (hook, _), twists, found = held_twice(first, moment, None, give)
+    angles = np.linalg.pinv(hook.axes.T) @ twists[3:]
+    due = -0.5 * 7.0 * 0.8 * angles.T @ np.array([[0, 1], [1, 0]]) @ angles
+    np.testing.assert_allclose(found, due, rtol=0, atol=1e-9 * np.abs(due).max())
 
 
 @pytest.mark.parametrize("model", ["simplified", "links", "beam"])
