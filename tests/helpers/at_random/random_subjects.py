@@ -71,7 +71,8 @@ def subject(seed):
             off = rng.uniform(0.99, 1.01, frequencies.shape)
             own = Response(near(rng, truth.compliance, 0.01), Vibration(frequencies * off, basis))
         unsure = 0.02 * rng.random((POSES, 7)), 0.01 * rng.random(frequencies.shape)
-        alternatives.append(Alternative(name, own, *unsure))
+        meshes, digits = ([share * one for one in unsure] for share in (0.7, 0.3))
+        alternatives.append(Alternative(name, own, *meshes, *digits))
 
     def answer(size, *, still=False):
         modes = None if still else vibration(rng, truth.vibration, size)

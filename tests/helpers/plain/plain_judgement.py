@@ -14,6 +14,8 @@ import numpy as np
 from validation.agreement.displacement import worst_force
 
 AXES = ("x", "y", "z", "phi_x", "phi_y", "phi_z")
+# What leaves something open, of statics and of frequencies.
+LEFT_OPEN = {"meshes": ("static", "dynamic"), "digits of the file": ("digits", "dynamic_digits")}
 
 
 class Plain(NamedTuple):
@@ -117,14 +119,14 @@ class Rule:
     def each(self, responses, pose):
         return [self.numbers(one, place, pose) for place, one in enumerate(responses)]
 
-    def spread(self, found, place, pose):
+    def spread(self, found, place, pose, *kinds):
         """What the alternative of that place leaves open of its own numbers, of this error."""
         one = self.reference.alternatives[place]
-        if self.static:
-            stated = one.static[pose, (*AXES, "any_force").index(self.quantity)]
-        else:
-            stated = 0.0 if found["mode"] is None else one.dynamic[pose, found["mode"]]
-        return float(stated * found["grown"])
+        column = (*AXES, "any_force").index(self.quantity) if self.static else found["mode"]
+        if column is None:
+            return 0.0
+        names = (LEFT_OPEN[kind][not self.static] for kind in kinds or LEFT_OPEN)
+        return float(sum(getattr(one, name)[pose, column] for name in names) * found["grown"])
 
     def at(self, responses, pose):
         alone = []
@@ -156,10 +158,15 @@ class Rule:
             return told
         alone = self.each(self.model, pose)
         errors = [one["error"] for one in alone]
-        left = {"meshes": max(self.spread(one, k, pose) for k, one in enumerate(alone))}
+        left = {
+            kind: max(self.spread(one, k, pose, kind) for k, one in enumerate(alone))
+            for kind in LEFT_OPEN
+        }
         halves = [None if one.missing else one.high - one.middle for one in path]
         if self.quantity == "order":
-            left = {"meshes": halves[pose]}
+            k = max(range(len(alone)), key=lambda k: abs(errors[k]))
+            kinds = LEFT_OPEN if any(halves) else ("meshes",)
+            left = {kind: self.spread(alone[k], k, pose, kind) for kind in kinds}
         elif self.reference.open:
             left[self.reference.open] = 0.5 * (max(errors) - min(errors))
         told |= {"error": path[pose].middle, "uncertainty": halves[pose], "uncertainties": left}
