@@ -13,7 +13,7 @@ from lumped.robot_file import load_robot
 from validation.adequacy.judgement import judged
 from validation.adequacy.mechanism.path import robot_on_path
 from validation.adequacy.models import judged_models
-from validation.adequacy.response import OPEN_LINEAR, OPEN_MASSES, SAY_LINEAR
+from validation.adequacy.response import OPEN_LINEAR, OPEN_MASSES, SAY_LINEAR, Response
 from validation.adequacy.robot import robot_subject, static_subject
 from validation.context import Context
 from validation.kinematics.poses import postures_of
@@ -104,6 +104,20 @@ def test_limits_in_metres_take_the_place_of_shares_and_responses_have_their_own(
         assert found.verdict == verdict
         assert found.limit == pytest.approx(limit / found.expected, rel=0.02)
         assert matrix.entry("simplified", "x").limit == 1e-6
+    # Of two references the one that yields most has the smallest share in so many metres.
+    (one,) = subject.statics.alternatives
+    softer = replace(one, name="softer", response=Response(2.0 * one.response.compliance))
+    both = replace(
+        subject,
+        statics=replace(subject.statics, alternatives=[one, softer]),
+        candidates=[replace(own, static_steps=()) for own in subject.candidates],
+    )
+    matrix = judged(both, replace(wanted, displacement=100.0 * missed))
+    found = matrix.entry("simplified", "load:cutting")
+    moved = one.response.compliance[
+        matrix.poses.index(found.pose), :3, 6 + OF_LOADS.index("load:cutting")
+    ]
+    assert found.limit == pytest.approx(50.0 * missed / np.linalg.norm(moved))
 
 
 def test_the_table_tells_peaks_in_micrometres_and_the_chart_has_all_models(arm, subject):
@@ -153,14 +167,15 @@ def test_where_masses_of_given_legs_lie_is_an_interval_of_weight_alone(tmp_path)
 def test_a_load_that_softens_what_it_meets_is_judged_by_no_linear_model(tmp_path):
     """Pressed with a fifth of k/L, which turns the drive over, the arm yields 1/(5 − 1) more."""
     press = '[[loads]]\nname = "press"\nwrench = [10.0, -2.0e4, 0.0, 0.0, 0.0, 0.0]\n'
-    arm = robot_of(HELD + "[path]\nposes = [[0.0]]\n" + press, tmp_path)
+    crush = press.replace("press", "crush").replace("-2.0e4", "-2.0e5")
+    arm = robot_of(HELD + "[path]\nposes = [[0.0]]\n" + press + crush, tmp_path)
     robot = robot_on_path(Context(arm, "quick"))
     found = stabilities("links", robot.postures)
-    ((at,),) = found
+    ((at, _),) = found
     assert at.factor == pytest.approx(5.0, rel=0.1)
     assert at.farther == pytest.approx(1.0 / (at.factor - 1.0), rel=0.1)
     assert at.lost[0] == pytest.approx(1.0 / at.factor, rel=0.1)
-    (note,) = stability_notes(robot.postures, found, arm.requirement)
+    note, _ = stability_notes(robot.postures, found, arm.requirement)
     assert note.startswith("Load press: buckles the robot at 4.")
     assert note.endswith(
         "no linear model sees: more than the 5\N{NO-BREAK SPACE}% that are accepted"
@@ -174,6 +189,9 @@ def test_a_load_that_softens_what_it_meets_is_judged_by_no_linear_model(tmp_path
     assert pressed.reason == SAY_LINEAR
     assert pressed.uncertainties[OPEN_LINEAR] == pytest.approx(at.farther, rel=0.1)
     assert OPEN_LINEAR not in free.uncertainties
+    # Where it has buckled nothing is known.
+    crushed = matrix.entry("vjm", "load:crush")
+    assert crushed.uncertainties[OPEN_LINEAR] == pytest.approx(1.0, rel=0.1)
 
 
 MEASURED = """
