@@ -161,7 +161,7 @@ def test_however_a_test_is_written_its_modes_are_the_same(tmp_path, changed):
 
 def shape(number, frequency, values):
     """Data set 55 of a mode that moves the places by so much."""
-    moved = np.zeros((5, 3), dtype=values.dtype)
+    moved = np.zeros((5, 3), dtype=np.asarray(values).dtype)
     for (node, axis), value in zip(PLACES, values, strict=True):
         moved[node - 1, axis - 1] = value
     rows = {f"r{axis}": moved[:, axis - 1] for axis in (1, 2, 3)}
