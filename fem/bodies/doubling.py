@@ -36,12 +36,12 @@ from scipy.sparse import diags_array
 
 from fem.bodies.solid import Ends
 from fem.couplings.grips import rigid_motions, saint_venant_loads
-from fem.elements.elasticity import stiffness
+from fem.elasticity import stiffness
 from lumped.arrays import Array, IntArray, SparseMatrix
 from lumped.errors import ComputationError, InputError, naming
 from lumped.legs import ConstantLeg
 from lumped.screws import shift
-from meshes.prism.hexahedra import extrude
+from meshes.prism import extrude
 from meshes.section.section_mesh import SectionMesh, require_leg
 from meshes.solid_mesh import SolidMesh
 

@@ -8,7 +8,7 @@ import numpy as np
 from fem.bodies.rooted import RootedBody, rooted_body
 from fem.couplings.coupled_solid import coupled_solid
 from fem.couplings.grips import Grip, Kind
-from fem.elements.elasticity import on_three_components, stiffness_and_mass
+from fem.elasticity import on_three_components, stiffness_and_mass
 from fem.machine import available_memory
 from lumped.arrays import Array, SparseMatrix
 from lumped.errors import ComputationError

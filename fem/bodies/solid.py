@@ -11,7 +11,7 @@ from scipy.sparse import csr_array, kron
 from fem.bodies.rooted import RootedBody, rooted_body
 from fem.couplings.coupled_solid import CoupledSolid, coupled_solid
 from fem.couplings.grips import Grip, rigid_motions, saint_venant_loads
-from fem.elements.elasticity import on_three_components, stiffness_and_mass
+from fem.elasticity import on_three_components, stiffness_and_mass
 from fem.sections.saint_venant import section_quadrature
 from lumped.arrays import Array, SparseMatrix
 from lumped.errors import InputError, naming
@@ -19,7 +19,7 @@ from lumped.legs import ConstantLeg
 from lumped.mechanism.body_model import LegMatrices
 from meshes.elements import ELEMENTS
 from meshes.part.boundary import Facets
-from meshes.prism.hexahedra import extrude, stations
+from meshes.prism import extrude, stations
 from meshes.section.section_blocks import Divisions
 from meshes.section.section_mesh import SectionMesh, require_leg, section_mesh
 from meshes.solid_mesh import SolidMesh

@@ -4,17 +4,25 @@ The deck is the leg with rigid end faces as in `fem.couplings.grips`: root held,
 body under six unit wrenches. Both programs then solve the same equations, but for one integral:
 CalculiX sums the mass of C3D10 over the four points of the stiffness, which are
 too few for N_a N_b. `mass_at_stiffness_points` is that mass; the difference to the exact one
-vanishes with the element size.
+vanishes with the element size. Legs of a mechanism are given to it, and to other programs, as
+solid bars of their outer size, whose meshes are coarse.
 """
+
+from dataclasses import replace
 
 import numpy as np
 from scipy.sparse import csr_array, diags_array, eye_array, kron
 
+from fem.bodies.solid import SolidLeg, solid_leg
 from fem.calculix.deck import Deck, ElementSet, Equation, Freedom
 from fem.calculix.run import run_calculix
 from fem.couplings.grips import rigid_motions
 from lumped.arrays import Array, SparseMatrix
-from lumped.legs import Material
+from lumped.legs import ConstantLeg, Material, equivalent_leg
+from lumped.mechanism.mechanism import Mechanism, Posture
+from lumped.models.bodies import legs_of
+from lumped.sections import Rectangle
+from meshes.prism import tetrahedra
 from meshes.shape_functions import gradients, quadrature, values
 from meshes.solid_mesh import SolidMesh, VolumeMesh
 
@@ -84,3 +92,32 @@ def mass_at_stiffness_points(mesh: VolumeMesh, rho: float) -> SparseMatrix:
     )
     scalar = interpolation.T @ diags_array(rho * volumes.ravel()) @ interpolation
     return csr_array(kron(scalar, eye_array(3), format="csr"))
+
+
+def with_bars(at: Posture) -> Posture:
+    """The posture with every prism as a solid bar of its outer size, its ends rigid."""
+    bodies = {
+        name: replace(body, shape=replace(shape, section=Rectangle(*shape.section.extent)))
+        if isinstance(shape := body.shape, ConstantLeg)
+        else body
+        for name, body in at.mechanism.bodies.items()
+    }
+    return replace(at, mechanism=replace(at.mechanism, bodies=bodies))
+
+
+def bar_solids(mechanism: Mechanism) -> dict[str, SolidLeg]:
+    """Every leg by name on second-order tetrahedra, one across; alike ones are one object.
+
+    Legs known by a 6×6 as their equivalents; mass is summed over the points that CalculiX sums it
+    over.
+    """
+    made: dict[ConstantLeg, SolidLeg] = {}
+    found = {}
+    for name, described in legs_of(mechanism).items():
+        leg = equivalent_leg(described)
+        if leg not in made:
+            solid = solid_leg(leg, tetrahedra(leg.section, leg.length, 1))
+            mass = mass_at_stiffness_points(solid.mesh, leg.material.rho)
+            made[leg] = replace(solid, mass=mass)
+        found[name] = made[leg]
+    return found

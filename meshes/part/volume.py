@@ -8,22 +8,23 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from math import isclose, log, sqrt
+from pathlib import Path
 from time import monotonic
 from types import ModuleType
 
 import numpy as np
 
 from lumped.errors import ComputationError, InputError
-from meshes.elements import SectionElement, SolidElement
+from meshes.elements import SIMPLEX_EDGES, SectionElement, SolidElement
 from meshes.gmsh_session import connectivity, numbered
-from meshes.part.boundary import Facets, PartMesh
+from meshes.part.boundary import Facets, PartMesh, area_vectors
 from meshes.part.inner_edges import cut_at_inner_edges, second_order_unknowns
 from meshes.part.interfaces import Interface
 from meshes.part.reading.cad import CadModel, cad_model, naming_the_place
-from meshes.part.reading.filled import require_filled
 from meshes.part.reading.read import PartFile
 from meshes.part.straighten import straightened
 from meshes.processes import Crashed, within_limits
+from meshes.shape_functions import gradients, quadrature
 
 # Each mesh of a ladder has elements shorter by this: three meshes then span a factor of two.
 RATIO = sqrt(2.0)
@@ -68,6 +69,10 @@ _SHORTEST = 0.2
 # Computing (s) that a mesh, and the search for the sizes of a ladder, may take each; once a mesh
 # has taken so long no other one is tried.
 _SECONDS = 600.0
+# Degree of the Jacobian of a curved tetrahedron.
+_DEGREE = 3
+# Share of the volume to which the kernel integrates over splines.
+_ROUNDING = 1e-6
 
 
 @dataclass(frozen=True)
@@ -135,7 +140,7 @@ def _meshed(
             gmsh.model.mesh.generate(3)
             gmsh.model.mesh.setOrder(2)
         mesh = _as_it_is(gmsh, model.faces(), "tet10", "tri6")
-        require_filled(mesh, model, part.path)
+        _require_filled(mesh, model, part.path)
     # Not by gmsh's own optimisers of curved elements: where they do not succeed they may end the
     # whole process (std::runtime_error in 4.15).
     places, count = straightened(mesh.nodes, mesh.cells)
@@ -244,3 +249,32 @@ def _as_it_is(
             for tag in faces
         },
     )
+
+
+def _require_filled(mesh: PartMesh, model: CadModel, path: Path) -> None:
+    """Raise InputError where tet10 with middles on the surface have another volume than `model`.
+
+    The kernel integrates over the faces, each with its own outline and outside; tetrahedra fill
+    what lies between them. The mesh explains what lies between its curved facets and the flat ones
+    of their corners: curved ones are nearer to the surface. The gap along all of the surface, too.
+    """
+    volume = model.properties().volume
+    points, weights = quadrature("tet10", _DEGREE)
+    slopes = gradients("tet10", points)
+    jacobians = np.einsum("mki,kjq->mqij", mesh.nodes[mesh.cells], slopes, optimize=True)
+    filled = float((np.linalg.det(jacobians) @ weights).sum())
+    between = 0.0
+    for facets in mesh.faces.values():
+        places = mesh.nodes[facets.cells]
+        rises = places[:, 3:] - places[:, SIMPLEX_EDGES[3]].mean(axis=2)
+        vectors = area_vectors(mesh.nodes, Facets(facets.corners, "tri3"))
+        # The shape function of a middle integrates to a third of the area.
+        between += float(np.abs(np.einsum("fmi,fi->fm", rises, vectors)).sum()) / 3.0
+    allowed = between + (model.unknown_share + _ROUNDING) * volume
+    if not abs(filled - volume) <= allowed:
+        raise InputError(
+            f"{path}: its faces enclose {1e6 * volume:.6g} cm³, tetrahedra between them fill "
+            f"{1e6 * filled:.6g} cm³, and the mesh explains a difference of "
+            f"{1e6 * allowed:.2g} cm³: a face looks the wrong way or is bounded wrongly; export it "
+            "anew from the CAD system"
+        )

@@ -36,7 +36,7 @@ from fem.bodies.solid import clamped_leg, solid_leg
 from fem.calculix.deck import deck_text
 from fem.calculix.leg import leg_deck
 from fem.calculix.run import calculix_program
-from fem.elements.elasticity import on_three_components, stiffness_and_mass
+from fem.elasticity import on_three_components, stiffness_and_mass
 from fem.machine import usable_cores
 from fem.solvers.certificate import count_below, pencil
 from fem.solvers.factor import solver_name
@@ -47,7 +47,7 @@ from lumped.robot_file import load_robot
 from lumped.sections import Rectangle
 from lumped.system.assembly import assembly
 from lumped.system.sweep import swept
-from meshes.prism.tetrahedra import tetrahedra
+from meshes.prism import tetrahedra
 from meshes.section.section_mesh import section_mesh
 from validation.models import parts
 from validation.models.mechanism import dynamic_bodies, highest_frequency

@@ -9,8 +9,7 @@ from scipy.spatial import cKDTree
 from lumped.errors import ComputationError, InputError
 from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Tube
 from meshes.elements import ELEMENTS
-from meshes.prism.hexahedra import extrude, hexahedra, stations
-from meshes.prism.tetrahedra import tetrahedra
+from meshes.prism import extrude, hexahedra, stations, tetrahedra
 from meshes.quality import quality
 from meshes.section.section_mesh import require_leg, require_section, section_mesh, symmetrised
 from meshes.shape_functions import gradients, quadrature, values

@@ -14,7 +14,7 @@ import pytest
 from lumped.errors import ComputationError, InputError
 from lumped.sections import Rectangle
 from meshes.gmsh_session import gmsh_model
-from meshes.prism.tetrahedra import tetrahedra
+from meshes.prism import tetrahedra
 from meshes.processes import Crashed, in_own_process, within_limits
 
 

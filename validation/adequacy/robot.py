@@ -57,8 +57,7 @@ from validation.adequacy.response import (
 )
 from validation.agreement.accuracy import PATIENCE, refined
 from validation.context import PRESETS, Context, Preset
-from validation.models.loads.stability import stabilities
-from validation.models.loads.stability_notes import stability_notes
+from validation.models.loads.stability import stabilities, stability_notes
 from validation.models.options import STATIC
 from validation.models.parts import with_finer_parts
 

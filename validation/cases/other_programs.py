@@ -6,6 +6,7 @@ For CalculiX legs are bars of their outer size on coarse meshes, here reduced to
 import numpy as np
 
 from fem.bodies.solid import solid_leg_matrices
+from fem.calculix.leg import bar_solids, with_bars
 from fem.calculix.mechanism import compliance_and_frequencies
 from fem.calculix.run import calculix_program
 from fem.multibody import ExudynMissing, exudyn_version, frequencies
@@ -27,7 +28,6 @@ from validation.context import Context
 from validation.exhibits import PATH
 from validation.models.legs import filled
 from validation.models.mechanism import PostureAnswer, answers, highest_frequency
-from validation.solids.bars import bar_solids, with_bars
 
 # Frequencies compared with CalculiX, and with EXUDYN.
 SOLID_MODES, BEAM_MODES = 10, 6

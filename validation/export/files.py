@@ -14,6 +14,7 @@ from scipy.sparse import coo_array, csc_array, save_npz
 from fem.bodies import solid
 from fem.bodies.part import grips_of, held_part, meshed_part
 from fem.calculix.deck import deck_text
+from fem.calculix.leg import bar_solids, with_bars
 from fem.calculix.mechanism import mechanism_deck
 from fem.reduction.craig_bampton import reduction
 from fem.reduction.held import held_body
@@ -33,7 +34,6 @@ from validation.models.mechanism import constant_legs, mechanism_modes
 from validation.models.options import DEFAULT_OPTIONS
 from validation.models.parts import found_in, shape_of, unknowns_of
 from validation.parts.meshes import part_mesh
-from validation.solids.bars import bar_solids, with_bars
 
 # VTK takes seconds and system libraries to load; whoever draws nothing needs neither.
 if TYPE_CHECKING:

@@ -33,8 +33,7 @@ from meshes.gmsh_session import gmsh_model
 from meshes.part.interfaces import find_interfaces
 from meshes.part.reading.read import read_part
 from meshes.part.volume import Grading, volume_mesh
-from meshes.prism.hexahedra import extrude, stations
-from meshes.prism.tetrahedra import tetrahedra
+from meshes.prism import extrude, stations, tetrahedra
 from meshes.section.section_mesh import section_mesh
 from validation.models.mechanism import answers
 from validation.models.options import ModelOptions

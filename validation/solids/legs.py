@@ -21,7 +21,7 @@ from lumped.mechanism.body_model import LegMatrices
 from lumped.memo import memo
 from lumped.models.bodies import clamped_modes
 from lumped.sections import HollowRectangle, ISection, Rectangle
-from meshes.prism.hexahedra import hexahedra
+from meshes.prism import hexahedra
 from meshes.section.section_blocks import Divisions
 from meshes.section.section_mesh import SectionMesh, section_mesh
 from validation.agreement.convergence import (

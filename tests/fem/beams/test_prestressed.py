@@ -18,7 +18,7 @@ from fem.calculix.run import PROGRAMS, calculix_program
 from lumped.arrays import dense
 from lumped.legs import BeamProperties, ConstantLeg, Material
 from lumped.sections import Rectangle
-from meshes.prism.tetrahedra import tetrahedra
+from meshes.prism import tetrahedra
 
 # Stocky, so that shear matters, and softer along y than along z.
 COLUMN = ConstantLeg(0.5, Rectangle(width=0.05, height=0.12), STEEL)

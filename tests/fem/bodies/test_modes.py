@@ -15,7 +15,7 @@ from fem.solvers.modes import MissedModesError, certify, lowest_modes
 from lumped.errors import ComputationError, InputError
 from lumped.legs import ConstantLeg
 from lumped.sections import Circle, Rectangle
-from meshes.prism.tetrahedra import tetrahedra
+from meshes.prism import tetrahedra
 
 # Both solve one matrix pencil; what is left is rounding, eps times the condition of K (some 1e5).
 SAME = 1e-10

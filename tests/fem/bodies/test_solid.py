@@ -12,7 +12,7 @@ from lumped.errors import ComputationError, InputError
 from lumped.legs import ConstantLeg, Material
 from lumped.legs import tip_compliance as beam_tip_compliance
 from lumped.sections import ISection, Rectangle, Tube
-from meshes.prism.tetrahedra import tetrahedra
+from meshes.prism import tetrahedra
 from meshes.section.section_mesh import section_mesh
 
 

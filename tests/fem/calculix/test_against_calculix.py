@@ -27,7 +27,7 @@ from lumped.sections import Rectangle
 from lumped.system.assembly import assemble
 from lumped.system.response import damped_modes
 from lumped.system.solution import compliance, modes, solved
-from meshes.prism.tetrahedra import tetrahedra
+from meshes.prism import tetrahedra
 from validation.adequacy.robot import leg_alone
 
 needs_calculix = pytest.mark.skipif(

@@ -16,7 +16,7 @@ from scipy.sparse.linalg import splu
 from fem.bodies.part import grips_of, held_part, meshed_part
 from fem.couplings.coupled_solid import coupled_solid
 from fem.couplings.grips import area_weights, rigid_motions
-from fem.elements.elasticity import on_three_components
+from fem.elasticity import on_three_components
 from lumped.mechanism.body import ByCylinder, ByPlane, PartInterface
 from meshes.part.interfaces import find_interfaces
 from meshes.part.reading.read import read_part

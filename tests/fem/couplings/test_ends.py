@@ -21,7 +21,7 @@ from fem.sections.section_constants import section_constants
 from lumped.errors import ComputationError, InputError
 from lumped.legs import ConstantLeg, Material
 from lumped.sections import HollowRectangle, ISection, Rectangle, Tube
-from meshes.prism.tetrahedra import tetrahedra
+from meshes.prism import tetrahedra
 from meshes.section.section_mesh import section_mesh
 
 BLOCK = ConstantLeg(0.5, Rectangle(0.10, 0.16), STEEL)

@@ -20,7 +20,7 @@ from lumped.sections import Circle, HollowRectangle, Rectangle, Section, Tube
 from meshes.part.boundary import Facets, PartMesh
 from meshes.part.interfaces import find_interfaces
 from meshes.part.reading.read import read_part
-from meshes.prism.hexahedra import extrude
+from meshes.prism import extrude
 from meshes.section.section_mesh import SectionMesh, section_mesh
 from validation.parts.identify import identify
 

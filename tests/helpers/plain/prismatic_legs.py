@@ -7,7 +7,7 @@ from lumped.arrays import Array, dense
 from lumped.dense.modes import solve_modes
 from lumped.legs import ConstantLeg, Material, constant_leg
 from lumped.mechanism.body_model import LegMatrices
-from meshes.prism.hexahedra import extrude, stations
+from meshes.prism import extrude, stations
 from meshes.section.section_mesh import Divisions, section_mesh
 
 STEEL = Material.isotropic(E=2.1e11, nu=0.3, rho=7850.0)

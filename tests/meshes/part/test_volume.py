@@ -15,7 +15,7 @@ from meshes.part.reading.read import read_part
 from meshes.part.spread import spread_over
 from meshes.part.straighten import straightened
 from meshes.part.volume import Grading, volume_mesh
-from meshes.prism.hexahedra import extrude
+from meshes.prism import extrude
 from meshes.processes import Crashed
 from meshes.section.section_mesh import section_mesh
 

@@ -19,8 +19,7 @@ from validation.context import Context
 from validation.kinematics.poses import postures_of
 from validation.measured.matrix import measured_matrix
 from validation.models.loads.displacements import displacements
-from validation.models.loads.stability import stabilities
-from validation.models.loads.stability_notes import stability_notes
+from validation.models.loads.stability import stabilities, stability_notes
 from validation.models.mechanism import mechanism_modes
 from validation.models.options import ModelOptions
 from validation.report.figures import responses

@@ -12,6 +12,7 @@ from written_robot import robot_of
 
 from fem import multibody
 from fem.calculix import run as calculix_run
+from fem.calculix.leg import with_bars
 from lumped.errors import InputError
 from lumped.mechanism.kinematics.postures import reference_posture
 from lumped.robot_file import load_robot
@@ -24,7 +25,6 @@ from validation.context import Context
 from validation.models.mechanism import mechanism_modes
 from validation.models.options import ModelOptions
 from validation.results.outcome import judge
-from validation.solids.bars import with_bars
 
 needs_exudyn = pytest.mark.skipif(
     find_spec("exudyn") is None, reason="EXUDYN (extra exudyn) is not installed"

@@ -19,6 +19,7 @@ from scipy.linalg import eigh, eigvals
 from scipy.sparse import load_npz
 from written_robot import described
 
+from fem.calculix.leg import with_bars
 from fem.calculix.run import CalculixMissing, calculix_program
 from lumped.legs import tip_compliance
 from lumped.mechanism.kinematics.postures import posture, reference_posture
@@ -34,7 +35,6 @@ from validation.models.legs import clamped_solid, leg_matrices
 from validation.models.mechanism import answers, mechanism_modes, static_bodies
 from validation.models.options import ModelOptions
 from validation.models.parts import identified
-from validation.solids.bars import with_bars
 
 # A body may be called what the files of all bodies are called.
 MECHANISM = described(load_robot("delta").text.replace("arm1", "mechanism"))

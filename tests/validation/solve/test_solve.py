@@ -12,6 +12,7 @@ from toy_runs import ENVIRONMENT, on_terminal
 from written_robot import robot_of
 
 from fem.bodies.solid import coupled_leg, solid_leg, solid_mesh
+from fem.calculix.leg import with_bars
 from fem.solvers.factor import analyse
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, Material, equivalent_leg
@@ -24,7 +25,6 @@ from lumped.system.joint_motion import Portion
 from meshes.section.section_mesh import section_mesh
 from validation import cli
 from validation.models.options import ModelOptions
-from validation.solids.bars import with_bars
 from validation.solve.answer import (
     Answer,
     LeftOpen,

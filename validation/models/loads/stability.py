@@ -4,12 +4,16 @@ Each model has its own statics, that of its bodies on their interfaces. Between 
 beams do, whatever the model: so they buckle, and so what they carry stiffens or softens them.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+
+import numpy as np
 
 from fem.beams.prestressed import PrestressedLeg, between, prestressed_leg
+from lumped.acceptance.requirement import AXES, LOAD, Requirement
 from lumped.arrays import dense
 from lumped.errors import ComputationError
 from lumped.legs import ConstantLeg, Theory
+from lumped.mechanism.kinematics.postures import shown_pose
 from lumped.mechanism.mechanism import Posture
 from lumped.memo import memo
 from lumped.system.assembly import Assembly, assembly
@@ -17,6 +21,7 @@ from lumped.system.loads import loading
 from lumped.system.prestress import Prestressed, geometric_stiffness
 from lumped.system.solution import solved
 from lumped.system.stability import Stability, stability
+from validation.drawing.text import number, percent
 from validation.models.legs import filled
 from validation.models.loads.displacements import load_masses
 from validation.models.mechanism import (
@@ -30,6 +35,8 @@ from validation.models.options import DEFAULT_OPTIONS, ModelName, ModelOptions
 # Buckling of a leg between clamped ends is off by 2e-4 with ten elements, by less with any others;
 # of its modes with held ends these leave 1e-4.
 _ELEMENTS, _MODES = 10, 24
+# Less is left open of no error.
+_NOTHING = 1e-3
 
 
 def stabilities(
@@ -90,3 +97,52 @@ def _prestressed(leg: ConstantLeg, theory: Theory) -> PrestressedLeg:
         # Where the formula of κ does not hold solids have stiff ends all the same.
         properties = leg.properties("euler-bernoulli")
     return prestressed_leg(properties, leg.length, _ELEMENTS, _MODES)
+
+
+def stability_notes(
+    postures: Sequence[Posture],
+    found: Sequence[Sequence[Stability | None]],
+    requirement: Requirement,
+) -> tuple[str, ...]:
+    """A line for each load that takes stiffness: where it is nearest to buckling, and how much.
+
+    `found` in each posture under each load.
+    """
+    loads = [load.name for load in postures[0].mechanism.loads]
+    return tuple(
+        f"Load {load}: {'; '.join(said)}"
+        for load, row in zip(loads, zip(*found, strict=True), strict=True)
+        if (known := [(at, one) for at, one in zip(postures, row, strict=True) if one])
+        and (said := [*_said(f"{LOAD}{load}", requirement, known)])
+    )
+
+
+def _said(
+    load: str, requirement: Requirement, found: Sequence[tuple[Posture, Stability]]
+) -> Iterator[str]:
+    lost = np.array([one.lost for _, one in found])
+    taken, moved = float(lost.max()), max(one.farther for _, one in found)
+    if np.isfinite(lost).all() and max(taken, moved) < _NOTHING:
+        return
+    buckling = [(one.factor, at, one) for at, one in found if one.factor is not None]
+    if buckling:
+        factor, at, one = min(buckling, key=lambda place: place[0])
+        place = shown_pose(at.mechanism, at.pose)
+        where = f", first at {place}" if place else ""
+        most = next(iter(one.shares))
+        yield f"buckles the robot at {number(factor, 3)} times this load{where}, in {most}"
+    else:
+        yield "buckles the robot nowhere"
+    if not np.isfinite(lost).all():
+        yield "nothing that is said of the robot under it holds"
+        return
+    axis = AXES[int(np.argmax(lost.max(axis=0)))]
+    said = (
+        f"takes up to {percent(max(taken, 0.0), signed=False)} of the tool's stiffness ({axis}) "
+        f"and changes its displacement by {percent(moved, signed=False)}, which no linear "
+        "model sees"
+    )
+    limit = requirement.limit(load)
+    if requirement.absolute(load) is None and moved > limit:
+        said += f": more than the {percent(limit, signed=False)} that are accepted"
+    yield said

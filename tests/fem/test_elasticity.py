@@ -10,7 +10,7 @@ from scipy.sparse.linalg import cg
 from skfem.helpers import ddot, dot, sym_grad, trace
 from skfem.helpers import eye as identity
 
-from fem.elements.elasticity import on_three_components, stiffness, stiffness_and_mass
+from fem.elasticity import on_three_components, stiffness, stiffness_and_mass
 from lumped.errors import ComputationError
 from lumped.legs import Material
 from meshes.elements import ELEMENTS

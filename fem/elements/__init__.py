@@ -1,4 +1,0 @@
-"""Elements of beams and solids.
-
-In: meshes and materials. Out: stiffness and mass matrices.
-"""
