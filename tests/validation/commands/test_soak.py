@@ -54,7 +54,7 @@ def amiss(code, out, err):
 @pytest.mark.parametrize(
     ("seed", "count"),
     [
-        (30, 100),
+        (30, 60),
         pytest.param(29, 350, marks=pytest.mark.exhaustive),
         *(pytest.param(seed, 500, marks=pytest.mark.soak) for seed in range(31, 41)),
     ],

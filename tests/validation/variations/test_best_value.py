@@ -8,8 +8,8 @@ from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
+import scipy
 from forgetting import forget
-from scipy import stats
 from scipy.optimize import brentq
 from written_robot import robot_of
 
@@ -221,6 +221,6 @@ def test_losses_of_a_known_table():
 def test_spearman_is_scipys_and_rounding_makes_no_order(levels):
     """With few levels there are ties, which share their mean rank."""
     for one, other in np.random.default_rng(levels).integers(1, levels, (5, 2, 9)).astype(float):
-        due = stats.spearmanr(one, other).statistic
+        due = scipy.stats.spearmanr(one, other).statistic
         assert spearman(one, other) == pytest.approx(due, abs=1e-12)
         assert np.isnan(spearman(1.0 + 1e-9 * one, other))
