@@ -40,6 +40,7 @@ from validation.parts.meshes import LEVELS, part_mesh
 from validation.parts.refinement import compliance_uncertainty, refinement_uncertainty
 from validation.parts.request import interfaces_of
 
+pytestmark = pytest.mark.usefixtures("coarse_parts")
 DRAWINGS = Path(__file__).resolve().parents[3] / "examples" / "make_parts.py"
 MATERIAL = "{ E = 2.1e11, nu = 0.3, rho = 7850.0 }"
 LENGTH, ROOT, TIP = 0.6, 0.020, 0.016
