@@ -123,12 +123,15 @@ class RootedBody:
     def modes(self, count: int) -> CertifiedModes:
         """The lowest `count` modes with the first interface clamped, the others free; on u.
 
-        None is missing: counted by fem.solvers.certificate. Raises what
-        `fem.solvers.modes.lowest_modes` does.
+        None is missing: counted by fem.solvers.certificate, for which the factor is given up until
+        it is asked for again. Raises what `fem.solvers.modes.lowest_modes` does.
         """
-        modes = lowest_modes(
-            self.flexibility, self.solid.mass, count, self.rooted_inertia, self.name
-        )
+
+        def counted(sigma: float) -> Inertia:
+            self.factor.give_up()
+            return self.rooted_inertia(sigma)
+
+        modes = lowest_modes(self.flexibility, self.solid.mass, count, counted, self.name)
         shapes = self.solid.transformation @ modes.shapes
         return replace(modes, shapes=fix_signs(shapes))
 

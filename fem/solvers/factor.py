@@ -165,11 +165,15 @@ class RenewableFactor:
         """A⁻¹ times one (n) or several (n×k) right-hand sides, in the same shape."""
         return self.numeric.solve(right_hand_sides)
 
+    def give_up(self) -> None:
+        """Free the memory of the factor."""
+        vars(self).pop("numeric", None)
+
     def make_room(self) -> None:
-        """Release the factor unless a second one beside it takes a small part of the memory."""
+        """Give the factor up unless a second one beside it takes a small part of the memory."""
         available = available_memory()
         if available is not None and available < _ROOM * self.symbolic.peak_bytes:
-            vars(self).pop("numeric", None)
+            self.give_up()
 
 
 def upper_triangle(matrix: SparseMatrix) -> SparseMatrix:

@@ -220,6 +220,9 @@ def _answer(
     One that were missed where they are only taken off these would be seen in what is left open.
     """
     body = held_part(part, grips_of(part.mesh, interfaces, coupling), name)
+    # Before the modes, whose count takes the place of the factor.
+    matrices = body.stiffness, body.condensed_mass, body.compliance
+    shapes = body.solid.transformation @ body.constraint_modes
     frequencies, counted, below = np.zeros(0), 0, 0.0
     if modes and certified:
         found = body.modes(modes)
@@ -227,8 +230,6 @@ def _answer(
         below = float(np.sqrt(found.shift) / (2.0 * np.pi))
     elif modes:
         frequencies = body.uncounted_frequencies(modes)
-    shapes = body.solid.transformation @ body.constraint_modes
-    matrices = body.stiffness, body.condensed_mass, body.compliance
     return MeshAnswer(*matrices, frequencies, shapes, counted, below)
 
 

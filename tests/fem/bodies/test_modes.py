@@ -128,6 +128,15 @@ def test_count_without_room_for_two_factors(bar, monkeypatch):
     np.testing.assert_array_equal(clamped.factor.solve(loads), before)
 
 
+def test_modes_are_counted_with_one_factor_at_a_time(bar):
+    clamped, _, _ = bar
+    loads = clamped.equilibrated(clamped.loads)
+    before = clamped.factor.solve(loads)
+    clamped.modes(3)
+    assert "numeric" not in vars(clamped.factor)
+    np.testing.assert_array_equal(clamped.factor.solve(loads), before)
+
+
 def test_a_missing_mode_and_one_too_many_fail_the_certificate(bar):
     clamped, values, _ = bar
     count, message = clamped.rooted_inertia, "leg: certificate of the modes failed: 6 lie"
