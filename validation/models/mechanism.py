@@ -321,7 +321,7 @@ def highest_frequency(
     return _by_beams(middle, count, coarse)
 
 
-@memo(16)
+@memo(64)
 def _by_beams(middle: Posture, count: int, coarse: ModelOptions) -> float:
     bodies = bodies_of(middle.mechanism, coarse, partial(leg_matrices, "beam"))
     solution = solved(assembly(middle.mechanism, bodies).at(middle))

@@ -18,7 +18,6 @@ from validation.paper.robot import (
     deflections,
     family,
     frequencies,
-    member,
     modes,
     over_stroke,
 )
@@ -243,8 +242,7 @@ def _shorter_is_best(
     tolerance_reason="a tenth of the paper's range of α",
 )
 def _longest(context: Context) -> Measurement:
-    members = (member(context.robot_file, alpha).mechanism for alpha in ALPHAS)
-    strokes = (over_stroke(mechanism, _POSTURES) for mechanism in members)
+    strokes = (over_stroke(at.mechanism, _POSTURES) for at in _members(context, "centre"))
     found = [context.get(deflections, "simplified", places) for places in strokes]
     worst = np.array([one.largest_planar for one in found])
     best = [ALPHAS[number] for number in equally_good(worst, "deflection")]

@@ -14,6 +14,7 @@ from scipy.linalg import lstsq, svd
 from lumped.arrays import Array
 from lumped.mechanism.kinematics.closure import Closure, Placement, closure_of
 from lumped.mechanism.mechanism import MOVES, Mechanism, Posture
+from lumped.memo import memo
 from lumped.screws import name_twists
 
 # Singular values of matrices without units. Geometry is typed with six digits or more.
@@ -61,6 +62,7 @@ class Mobility:
         return self.spare == 0 and bool(self.stirring)
 
 
+@memo(256)
 def mobility(posture: Posture) -> Mobility:
     """Mobility, idle motions, overconstraint and singularities of a posture."""
     closure = closure_of(posture.mechanism)

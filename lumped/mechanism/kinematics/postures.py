@@ -17,7 +17,7 @@ from lumped.mechanism.body import Frame
 from lumped.mechanism.free_twists import turning
 from lumped.mechanism.joint import FREEDOMS
 from lumped.mechanism.kinematics.closure import Closure, Placement, closure_of
-from lumped.mechanism.kinematics.mobility import mobility_at, undetermined
+from lumped.mechanism.kinematics.mobility import mobility, mobility_at, undetermined
 from lumped.mechanism.mechanism import UNITS_OF_MOVES, Mechanism, Posture
 from lumped.text import counted
 
@@ -70,17 +70,18 @@ def posture(mechanism: Mechanism, pose: Array, start: Posture | None = None) -> 
             frames = mechanism.inverse_kinematics(target)
         placement = _placed(closure, frames, target)
         coordinates = list(closure.coordinates(placement))
-    found = mobility_at(closure, placement)
-    if fault := undetermined(found, closure.size):
-        said = "" if len(found.loose) else f"tool.moves = {list(mechanism.tool.moves)}: "
-        raise InputError(f"{place}: {said}{fault}")
     names = (joint.name for joint in mechanism.joints)
-    return Posture(
+    reached = Posture(
         mechanism,
         target,
         closure.frames(placement),
         dict(zip(names, coordinates, strict=True)),
     )
+    found = mobility(reached)
+    if fault := undetermined(found, closure.size):
+        said = "" if len(found.loose) else f"tool.moves = {list(mechanism.tool.moves)}: "
+        raise InputError(f"{place}: {said}{fault}")
+    return reached
 
 
 def _placed(closure: Closure, frames: Mapping[str, Frame], pose: Array) -> Placement:
