@@ -17,7 +17,7 @@ from functools import partial
 from pathlib import Path
 from time import perf_counter
 from types import FrameType
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 from lumped.errors import ComputationError, InputError
 from lumped.text import did_you_mean
@@ -28,7 +28,10 @@ from validation.drawing.text import function_name
 from validation.exhibits import PlannedFigure
 from validation.results.outcome import AnyResult, Record, Result, Task, judge, plain
 from validation.run.executor import on_cores
-from validation.session.progress import RunProgress
+
+if TYPE_CHECKING:
+    # Rich, which processes that compute do without.
+    from validation.session.progress import RunProgress
 
 # A function at the top of a module that lists the cases and figures for a robot file; it must be
 # quick and give the same list in every process.
@@ -78,7 +81,7 @@ def run(
     jobs: int,
     log: Path,
     keep: Callable[[Record], None],
-    progress: RunProgress,
+    progress: "RunProgress",
 ) -> None:
     """Compute the tasks, some of the catalogue's, with `jobs` processes.
 

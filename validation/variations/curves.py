@@ -10,8 +10,6 @@ from inspect import signature
 from typing import Protocol, TypeVar
 
 import numpy as np
-from rich.console import Console
-from rich.progress import track
 
 from lumped.arrays import Array
 from lumped.errors import naming
@@ -175,6 +173,9 @@ def computed(
     names = set(signature(kind).parameters)
     known = {key: arrays for key in work if (arrays := find(key)) and set(arrays) == names}
     missing = [key for key in work if key not in known]
+    from rich.console import Console  # noqa: PLC0415  few runs vary anything
+    from rich.progress import track  # noqa: PLC0415
+
     console = Console(stderr=True)
     if missing:
         with closing(executor([work[key].compute for key in missing])) as finished:
