@@ -4,12 +4,31 @@ Matrices are dense or sparse, as the models have them that they come from; shape
 in columns.
 """
 
+import sys
+from importlib.util import LazyLoader, find_spec, module_from_spec
 from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import LinAlgError
-from scipy.sparse import issparse
+
+
+def _loaded_when_used(name: str) -> None:
+    """Load a part of numpy only once something of it is used."""
+    spec = find_spec(f"numpy.{name}")
+    if spec is None or spec.loader is None or spec.name in sys.modules:
+        return
+    spec.loader = LazyLoader(spec.loader)
+    module = sys.modules[spec.name] = module_from_spec(spec)
+    spec.loader.exec_module(module)
+    setattr(np, name, module)
+
+
+# scipy takes over all that numpy has. A third of the time of loading it went into these two, which
+# wrap Fortran and test, and which nobody here uses.
+_loaded_when_used("f2py")
+_loaded_when_used("testing")
+from scipy.linalg import LinAlgError  # noqa: E402
+from scipy.sparse import issparse  # noqa: E402
 
 Array: TypeAlias = NDArray[np.float64]
 ComplexArray: TypeAlias = NDArray[np.complex128]
