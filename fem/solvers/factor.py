@@ -97,7 +97,9 @@ class Symbolic:
                 f"{self.peak_bytes / 1e9:.1f} GB and {available / 1e9:.1f} GB are available: use "
                 "fewer divisions, a shorter leg, or condensation by doubling (statics)"
             )
-        handle = self.handle.factor(self.triangle, threads=threads(), force_accept=True)
+        # The values alone: given a matrix, rslab copies it and compares its pattern.
+        values = self.triangle.data
+        handle = self.handle.factor(values, threads=threads(), force_accept=True)
         # A pivot that is zero is lifted, and then counted among the others.
         _, negative, zero = handle.inertia
         zero += handle.n_perturbed
