@@ -243,7 +243,7 @@ def _decided_by(
         )
     for count in range(2, len(keys) + 1):
         if lacking(dict.fromkeys(keys[:count], 0.0)) <= 0.0:
-            return f"{' and '.join(keys[:count])} known better would decide it together"
+            return f"better values of {' and '.join(keys[:count])} together would decide it"
     return ""
 
 

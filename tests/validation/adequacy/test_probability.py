@@ -81,7 +81,7 @@ def test_an_input_is_to_be_known_so_well_that_the_verdict_is_95_percent_sure():
     assert found.decides.startswith("input1 known")
     # Each alone leaves 1.645 times 1 %, more than there is.
     together = probability(linear(0.01, 0.01), "adequate", LIMIT, 0)
-    assert together.decides == "input1 and input0 known better would decide it together"
+    assert together.decides == "better values of input1 and input0 together would decide it"
     # Without an error one below it is there at none, from half a standard uncertainty on not.
     error = linear(0.002)
     lost = replace(error.slopes[0], below=np.full((2, 1), np.nan))
