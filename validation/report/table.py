@@ -112,6 +112,9 @@ def table_of(matrix: Matrix, named: Collection[str] = ()) -> Table:
 
 def _cell(matrix: Matrix, note: ModelNote, entry: Entry) -> Cell:
     open_, text = spread_text(entry.uncertainty), _text(entry)
+    # Where readings of the robot file disagree on the order, one of them says so much.
+    if entry.quantity == ORDER and entry.verdict == "undecided" and entry.error is not None:
+        open_ = "at most"
     if entry.chance is not None and entry.chance < _CERTAIN:
         open_ = f"{open_} {percent(entry.chance, signed=False)}\u00a0sure".strip()
     if entry.mac is not None:
@@ -194,9 +197,7 @@ def csv_of_matrix(matrix: Matrix) -> str:
 
 def _text(entry: Entry) -> str:
     if entry.error is not None:
-        # Where readings of the robot file disagree on the order, one of them says so much.
-        most = "up to " * (entry.quantity == ORDER and entry.verdict == "undecided")
-        return f"{most}{error_text(entry.error, signed=entry.signed)}"
+        return error_text(entry.error, signed=entry.signed)
     return "none" if entry.verdict == "inadequate" else "open"
 
 
