@@ -34,8 +34,8 @@ def responses_of(
 ) -> Iterator[Measured]:
     """Responses of a test whose modes, by column, have such `numbers` in the robot.
 
-    Each mode is read from the response that is largest at it, what lies below all of them from that
-    of the lowest; [[responses]] from that of the tool to a force at it.
+    At each mode and far below all of them the response is read that is largest there; [[responses]]
+    from that of the tool to a force at it.
     """
     known = np.isin(found.ends[:, :, 0], list(hammer.nodes)).all(axis=1)
     rows = [int(row) for row in np.flatnonzero(known)]
@@ -43,27 +43,28 @@ def responses_of(
         yield from _of_tool(found, test, row, hammer, robot, source)
     if not (rows and numbers):
         return
-    largest, own = {}, test.frequencies
-    for column in sorted(numbers):
-        sizes = [abs(_read(found, test, row, column, own[column], hammer)[0]) for row in rows]
-        largest[column] = rows[int(np.argmax(sizes))]
-    chosen = list(dict.fromkeys(largest.values()))
+    own, first = test.frequencies, min(numbers)
+    asked = [(f"f{numbers[c]}", c, float(own[c]), False) for c in sorted(numbers)]
+    if (low := _LOW * float(own[first])) >= found.frequencies[0]:
+        asked.append(("low", first, low, True))
+    largest = [
+        max(rows, key=lambda row: abs(_read(found, test, row, column, at, hammer)[0]))
+        for _, column, at, _ in asked
+    ]
+    chosen = list(dict.fromkeys(largest))
     held = replace(test, responses=tuple(_response(found, row, hammer) for row in chosen))
-    first, low = min(numbers), _LOW * float(own[min(numbers)])
-    asked: list[tuple[str, int, float | None]] = [(f"f{numbers[c]}", c, None) for c in largest]
-    if low >= found.frequencies[0]:
-        asked.append(("low", first, low))
-    for name, column, frequency in asked:
-        at, number = frequency or float(own[column]), chosen.index(largest[column])
-        value, uncertainty = _read(found, test, largest[column], column, at, hammer)
+    for (name, column, at, below), row in zip(asked, largest, strict=True):
+        number = chosen.index(row)
+        value, uncertainty = _read(found, test, row, column, at, hammer)
         told = f"{source}, {held.responses[number].name} at {at:.4g} Hz"
-        if frequency is None and not robot.loses_energy:
+        if not below and not robot.loses_energy:
             # How well the damping is known is in the peaks of the models.
             ratio = test.ratios[column]
             uncertainty = hypot(uncertainty, abs(value) * found.scatter[1, column] / ratio)
             told += f", models damped as measured ({100.0 * ratio:.3g} %)"
         plain = Measured(f"{OF_HAMMER}{name}", abs(value), uncertainty, told, test.pose, test=held)
         phase = float(np.angle(value))
+        frequency = at if below else None
         yield replace(plain, column=column, response=number, phase=phase, frequency=frequency)
 
 

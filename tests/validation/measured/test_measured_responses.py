@@ -47,22 +47,20 @@ averages = 8
 {more}"""
 
 
-def exact(frequencies, ratio=RATIO):
-    """Displacement along each spring by force along (1, 1, 1) (n×3, m/N)."""
-    speeds = 2.0 * np.pi * np.asarray(frequencies)[:, None]
-    return np.sqrt(1 / 3) / (
-        SPRINGS - MASS * speeds**2 + 2j * ratio * speeds * np.sqrt(SPRINGS * MASS)
-    )
+def exact(frequencies, struck=(1, 1, 1), ratio=RATIO):
+    """Displacement along each spring by force along that (n×3, m/N), and along the force."""
+    speeds, along = 2.0 * np.pi * np.asarray(frequencies)[:, None], struck / np.linalg.norm(struck)
+    moved = along / (SPRINGS - MASS * speeds**2 + 2j * ratio * speeds * np.sqrt(SPRINGS * MASS))
+    return np.column_stack([moved, moved @ along])
 
 
 # Specific data types of displacement, velocity and acceleration, by derivatives.
 KINDS = {0: 8, 1: 11, 2: 12}
 
 
-def functions(derivatives=2, factor=1.0, noise=0.0, ratio=RATIO, **more):
-    """Data sets 58 of the mass along x, y, z and (1, 1, 1), struck along that."""
-    moved = exact(STEPS, ratio)
-    moved = np.hstack([moved, moved.sum(axis=1, keepdims=True) * np.sqrt(1 / 3)])
+def functions(derivatives=2, factor=1.0, noise=0.0, struck=(1, 1, 1), ratio=RATIO, **more):
+    """Data sets 58 of the mass along x, y, z and where it is struck."""
+    moved = exact(STEPS, struck, ratio)
     random = np.random.default_rng(11).standard_normal((2, *moved.shape))
     moved = factor * (2j * np.pi * STEPS[:, None]) ** derivatives * moved
     moved *= 1.0 + noise * (random[0] + 1j * random[1])
@@ -110,6 +108,17 @@ def test_at_rest_it_is_1_by_k_and_at_the_modes_1_by_2_zeta_k(held, derivatives):
     for one in entries.values():
         assert one.error == pytest.approx(0.0, abs=1e-3)
         assert (one.unit, one.verdict, one.mac or 1.0) == ("m/N", "adequate", pytest.approx(1.0))
+
+
+def test_below_all_modes_the_largest_response_is_read(held):
+    """The spring of the lowest mode is hardly struck: far below, all others move more."""
+    struck = (1, 10, 10)
+    text = robot_text().replace("x = [1, 1, 1]", f"x = {list(struck)}")
+    entry = entries_of(held(functions(struck=struck), text)[1])["hammer.low"]
+    sizes = np.abs(exact([LOW], struck))[0]
+    assert sizes.max() > 4.0 * sizes[0]
+    assert entry.expected == pytest.approx(sizes.max(), rel=1e-3)
+    assert entry.error == pytest.approx(0.0, abs=1e-3)
 
 
 def test_a_robot_that_is_too_stiff_is_told_by_how_much(held):
@@ -171,8 +180,8 @@ at = 40.0
 """
     robot_file, matrix = held(functions(), robot_text(asked))
     fine = np.arange(10.0, 150.0, 1e-3)
-    sizes = np.abs(exact(fine).sum(axis=1)) * np.sqrt(1 / 3)
-    at = np.abs(exact([40.0]).sum()) * np.sqrt(1 / 3)
+    sizes = np.abs(exact(fine)[:, 3])
+    at = np.abs(exact([40.0])[0, 3])
     told = {"": sizes.max(), ".frequency": fine[sizes.argmax()], ".at": at}
     for what, truth in told.items():
         entry = matrix.entry("beam", f"response:mill{what}")
