@@ -34,6 +34,9 @@ from validation.models.options import DEFAULT_OPTIONS, STATIC, ModelName, ModelO
 # From here on two shapes are one mode: 0.9 is usual of modes that belong together, 0.1 of others,
 # and sensors a few centimetres off take a tenth away.
 LEAST_MAC = 0.8
+# Where one of the modes that look alike is nearer than so many times in frequency, the others are
+# none: rods of a Delta that bend drag the platform along, whose modes look the same far below.
+_OFF = 1.5
 # How far above the highest measured frequency modes of a model are looked at, and how many at most.
 _ABOVE, _FIRST, _AT_MOST = 1.5, 8, 64
 # Motion of all points, of the largest of any mode, below which there is rounding alone.
@@ -128,17 +131,20 @@ def modal_answer(
     # A measured mode that does not move the named points is like none.
     with np.errstate(invalid="ignore"):
         mac = np.nan_to_num(mac_matrix(test.shapes, moved[:, seen], np.ones(len(moved))))
+    frequencies, alike = found.modes.frequencies[seen], mac >= LEAST_MAC
+    ratios = np.divide.outer(test.frequencies, frequencies)
+    near = alike & (np.maximum(ratios, 1.0 / ratios) < _OFF)
+    mac[alike & ~near & near.any(axis=1, keepdims=True)] = 0.0
     for column, other in enumerate(pair_modes(mac)):
         if other >= 0:
-            alike, own = seen[mac[column] >= LEAST_MAC] + 1, float(mac[column, other])
+            same, own = mac[column] >= LEAST_MAC, float(mac[column, other])
             reason = ""
             if own < LEAST_MAC:
                 reason = f"another mode, or measured elsewhere: MAC {own:.2f}, must be {LEAST_MAC}"
-            elif len(alike) > 1 or len(moved) == 1:
-                same = ", ".join(f"f{number}" for number in alike)
-                reason = f"{same} of the model look like it where it was measured: add points"
-            frequency = float(found.modes.frequencies[seen[other]])
-            partners[column] = Partner(int(seen[other]) + 1, frequency, own, reason)
+            elif same.sum() > 1 or len(moved) == 1:
+                told = ", ".join(f"f{number + 1}" for number in seen[same | (len(moved) == 1)])
+                reason = f"{told} of the model look like it where it was measured: add points"
+            partners[column] = Partner(int(seen[other]) + 1, float(frequencies[other]), own, reason)
     return ModalAnswer(partners, _responses(robot, found, test, partners) if test.responses else [])
 
 
