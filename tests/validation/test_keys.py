@@ -220,11 +220,11 @@ def test_the_digest_of_a_robot_is_that_of_its_file_and_its_parts(tmp_path):
     other = with_part(tmp_path / "other", b"/* other */\n")
     assert one.sha256 == same.sha256 != other.sha256
     assert load_robot("ifw").sha256 == hashlib.sha256(load_robot("ifw").text.encode()).hexdigest()
-    # A part that was written again under a session is read again.
+    # A part that was written again under a session, as long as before, is read again.
     body, part = one.mechanism.parts["rocker"], tmp_path / "one" / "rocker.step"
     before, _ = parts.found_in(body)
     assert parts.found_in(body)[0] is before
-    part.write_text(part.read_text().replace("DATA;", "DATA; /* moved */", 1))
+    part.write_text(part.read_text().replace("\n", " ", 1))
     assert parts.found_in(body)[0] is not before
     part.unlink()
     assert load_robot(tmp_path / "one" / "robot.toml").sha256 != one.sha256

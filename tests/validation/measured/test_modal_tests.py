@@ -194,7 +194,7 @@ def test_a_noisy_test_judges_every_mode_of_every_model(tmp_path):
 
 
 @pytest.mark.usefixtures("here")
-@pytest.mark.parametrize("turned", [1.0, np.exp(1.0j)], ids=["normal", "complex"])
+@pytest.mark.parametrize("turned", [1.0, np.exp(0.25j * np.pi)], ids=["normal", "complex"])
 def test_modes_that_others_identified_are_paired_by_shape_not_by_number(tmp_path, turned):
     # Of the second and fifth as if nobody had seen the others, one 10 % off and upside down.
     sets = [
