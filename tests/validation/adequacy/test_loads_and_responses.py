@@ -181,7 +181,7 @@ def test_a_load_that_softens_what_it_meets_is_judged_by_no_linear_model(tmp_path
     )
     # What takes less than a thousandth of the stiffness is not worth a line.
     small = replace(at, lost=at.lost * 1e-3, farther=at.farther * 1e-3)
-    assert stability_notes(robot.postures, [[small]], arm.requirement) == ()
+    assert stability_notes(robot.postures, [[small, None]], arm.requirement) == ()
     matrix = judged(static_subject(robot, judged_models(robot.mechanism)), arm.requirement)
     pressed, free = (matrix.entry("vjm", one) for one in ("load:press", "x"))
     assert (pressed.verdict, free.verdict) == ("undecided", "adequate")

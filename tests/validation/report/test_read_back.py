@@ -117,7 +117,9 @@ def test_every_cell_and_its_sheet(matrix):
         assert cell.text.startswith("+") == (entry.signed and entry.error >= NOTHING)
         assert numbers(said["Error"]) == [told(entry.error), told(entry.limit)]
         assert numbers(said["Uncertainty"])[0] == told(entry.uncertainty)
-        detail = dict(re.findall(r"(\w+) ([^,)]*\s%)", said["Uncertainty"].partition("(")[2]))
+        detail = dict(
+            re.findall(r"([a-z][a-z ]*[a-z]) ([^a-z,)]*\s%)", said["Uncertainty"].partition("(")[2])
+        )
         assert {name: numbers(size)[0] for name, size in detail.items()} == {
             name: told(size) for name, size in entry.uncertainties.items()
         }
