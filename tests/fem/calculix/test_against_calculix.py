@@ -78,6 +78,7 @@ def agree(at) -> int:
     return solution.idle
 
 
+@pytest.mark.exhaustive
 @needs_calculix
 def test_a_five_bar_with_rotors_a_rigid_link_and_a_joint_that_gives_way_in_all_directions():
     mechanism = of_squares("five-bar")

@@ -74,6 +74,7 @@ def test_the_search_for_a_size_goes_on_after_a_surface_that_crosses_itself(tmp_p
     assert found.unknowns == pytest.approx(20_000, rel=0.35)
 
 
+@pytest.mark.exhaustive
 def test_roundings_keep_their_volume(tmp_path):
     def rounded(occ):
         """A bar 80 × 40 × 40 mm whose long edges are rounded with 8 mm."""

@@ -69,6 +69,7 @@ def flanged():
     return robot_adequacy(at_the_centre(Requirement(modes=4), a=0.95, platform_mass=30.0, **legs))
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("model", BEAMS)
 def test_beams_of_i_section_have_modes_that_solids_do_not_have(flanged, model):
     order = flanged.entry(model, "order")

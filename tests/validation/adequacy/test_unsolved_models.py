@@ -109,6 +109,7 @@ def test_postures_that_are_none_of_the_robot_are_not_left_undecided(monkeypatch)
         robot_adequacy(Context(load_robot("ifw"), "quick"))
 
 
+@pytest.mark.exhaustive
 def test_walls_that_allow_one_section_mesh_leave_its_constants_open():
     """Both solids share the coarsest mesh, and its torsion is half a percent uncertain."""
     section = HollowRectangle(width=0.06, height=0.06, thickness=0.006)
@@ -134,6 +135,7 @@ def widest(matrix):
     return max(matrix.entries, key=lambda one: one.uncertainties.get("meshes", 0.0))
 
 
+@pytest.mark.exhaustive
 def test_an_accuracy_that_is_asked_for_is_reached(arm):
     # Also where no verdict hangs on meshes.
     rough = by(arm, "quick", limit=10.0)

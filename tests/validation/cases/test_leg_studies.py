@@ -134,6 +134,7 @@ def test_torsion_of_round_legs_knows_no_warping_whatever_rounding_leaves_of_it(s
     assert wave == pytest.approx(1.0, abs=1e-6)
 
 
+@pytest.mark.exhaustive
 def test_a_leg_that_swings_between_ends_at_rest_has_its_waves():
     """So light a leg bends between ends at rest.
 

@@ -17,6 +17,7 @@ def judged(paper, paper_subject):
     return api.Adequacy(paper, IFW.requirement, paper_subject)
 
 
+@pytest.mark.exhaustive
 def test_solve_gives_the_numbers_of_the_command(command):
     options = ["--model", "segments", "--x", "0.3", "--theory", "euler-bernoulli", "--modes", 2]
     (printed,) = command.json("solve", "ifw", *options)["results"]

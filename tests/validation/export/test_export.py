@@ -314,6 +314,7 @@ def test_exudyn_finds_the_frequencies(robot, tmp_path):
     assert np.allclose(found, robot.matrices.frequencies, rtol=1e-6)
 
 
+@pytest.mark.exhaustive
 def test_the_command_writes_as_many_modes_as_there_are(tmp_path, monkeypatch, command):
     """Twenty are asked for of the gantry."""
     monkeypatch.chdir(tmp_path)

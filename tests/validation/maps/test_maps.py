@@ -123,6 +123,7 @@ def test_the_search_ends_at_the_bottom_wherever_it_lies(tmp_path):
     np.testing.assert_allclose(values[1:], values_on(space, solve)[1:], rtol=1e-12)
 
 
+@pytest.mark.exhaustive
 def test_three_directions_are_drawn_in_slices_and_large_grids_thinned(tmp_path, monkeypatch):
     monkeypatch.setitem(_MOST, "quick", 12)
     monkeypatch.setattr("validation.maps.workspace._LOOKS", 4)
@@ -148,6 +149,7 @@ def five_bar(tmp_path_factory):
         return context, maps(context)
 
 
+@pytest.mark.exhaustive
 def test_values_on_the_grid_are_those_that_solve_gives(five_bar, command):
     context, figure = five_bar
     stiffness, frequency = (read(figure)[name] for name in ("map.stiffness", "map.f1"))

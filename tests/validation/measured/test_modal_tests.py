@@ -337,6 +337,7 @@ root = { type = "fixed", between = ["ground", "beam"], at = "A", stiffness = 1.5
     assert entry.error == pytest.approx(0.0, abs=1e-4)
 
 
+@pytest.mark.exhaustive
 def test_a_run_shows_the_likeness_beside_the_verdict(tmp_path, capsys):
     path = written(tmp_path / "h.uff", accelerations())
     robot_of(ROBOT + ALONG, tmp_path)

@@ -89,6 +89,7 @@ def test_stations_reach_both_ends_and_the_centre():
     assert [at.pose[0] for at in Places(ROBOT.mechanism, x).postures] == pytest.approx(x)
 
 
+@pytest.mark.exhaustive
 def test_the_printed_release_has_a_curve_of_its_own():
     figure = frequencies_over_the_stroke(Context(ROBOT, "quick"))
     centre = list(csv.DictReader(io.StringIO(figure.data)))[10]

@@ -93,6 +93,7 @@ def test_varied_robots_are_the_same_on_the_cluster(cluster, command):
     assert command.json(*asked, "--cluster", cluster.address) == command.json(*asked)
 
 
+@pytest.mark.exhaustive
 def test_parts_are_reduced_by_a_worker_and_nothing_of_them_here(tmp_path, monkeypatch, cluster):
     """A worker with a cache of its own, and without the file: what it reduces lies here then."""
     monkeypatch.delenv("FLEXPROOF_CACHE", raising=False)
@@ -130,6 +131,7 @@ def test_parts_are_reduced_by_a_worker_and_nothing_of_them_here(tmp_path, monkey
         assert_allclose(mine, its, rtol=1e-12, atol=1e-12 * np.abs(its).max())
 
 
+@pytest.mark.exhaustive
 def test_a_killed_worker_loses_nothing_and_a_killed_scheduler_is_said(cluster, monkeypatch):
     """The last test on the cluster that all of them share."""
     monkeypatch.setattr(on_dask, "_PATIENCE", 1.0)

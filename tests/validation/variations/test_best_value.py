@@ -153,6 +153,7 @@ def test_what_the_file_relies_on_is_judged(stout):
     assert not cases_over(relied, variations_of(stout, ["tool.mass=2:4:1"]))
 
 
+@pytest.mark.exhaustive
 def test_a_value_without_a_reference_is_told(stout, monkeypatch):
     """The thinner bar has more unknowns as a solid than the preset takes."""
     monkeypatch.setitem(LARGEST, "quick", 6000)

@@ -187,6 +187,7 @@ def test_deflections_are_those_of_the_loads_and_differences_in_percent():
             np.testing.assert_allclose(columns[f"{name}: {title}"], scale * values[name][:, place])
 
 
+@pytest.mark.exhaustive
 def test_a_part_is_drawn_as_its_solid_moves_and_condensed_ones_beside_it(tmp_path):
     """Of a bore that is held rigidly the surface goes with the interface's twist."""
     crane = Context(load_robot(write_crane(tmp_path)), "quick")
