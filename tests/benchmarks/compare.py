@@ -219,7 +219,7 @@ def identified() -> Figures:
     body = load_robot(TAPERED).mechanism.bodies["leg1"]
     start = perf_counter()
     found = identify(*parts.found_in(body), parts.shape_of(body).material, UNKNOWNS)
-    return {"s": perf_counter() - start, "unknowns": found.unknowns}
+    return {"s": perf_counter() - start, "unknowns": found.unknowns[-1]}
 
 
 def command(*words: str) -> Figures:
