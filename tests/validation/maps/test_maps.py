@@ -12,14 +12,18 @@ from scipy.optimize import minimize_scalar
 from written_robot import robot_of
 
 from lumped.errors import ComputationError, InputError
+from lumped.models.bodies import links, tip_compliances
 from lumped.robot_file import load_robot
+from lumped.system.assembly import assembly
 from validation.adequacy.errors import Scale
 from validation.adequacy.mechanism.path import robot_on_path
 from validation.adequacy.models import judged_models
 from validation.adequacy.robot import static_subject
 from validation.catalogue import catalogue
 from validation.context import Context
+from validation.kinematics.poses import postures_of
 from validation.maps.figure import _MOST, maps
+from validation.maps.quantities import _error
 from validation.maps.workspace import evenly, values_on, workspace, worst_posture
 from validation.results.outcome import Result, from_plain, plain
 from validation.results.records import run_record
@@ -149,7 +153,6 @@ def five_bar(tmp_path_factory):
         return context, maps(context)
 
 
-@pytest.mark.exhaustive
 def test_values_on_the_grid_are_those_that_solve_gives(five_bar, command):
     context, figure = five_bar
     stiffness, frequency = (read(figure)[name] for name in ("map.stiffness", "map.f1"))
@@ -175,6 +178,17 @@ def test_errors_on_the_grid_are_those_of_the_verdicts(five_bar):
     known = dict(zip(product(*study["x"]), np.ravel(study["values"]), strict=True))
     due = [known[tuple(pose)] for pose in subject.poses]
     np.testing.assert_allclose(100.0 * errors, due, rtol=1e-6)
+
+
+def test_an_error_is_the_largest_over_what_is_open():
+    robot = load_robot("five-bar").mechanism
+    own = tip_compliances(robot)
+    softer = own | {"rod1": 1.1 * own["rod1"]}
+    references = [assembly(robot, links(robot, tips)) for tips in (own, softer)]
+    model, at = judged_models(robot)["links"], postures_of(robot, robot.poses[:2])
+    errors = _error(model, references[1:], at)
+    assert (errors > 0.1).all()
+    np.testing.assert_allclose(_error(model, references, at), errors, rtol=1e-9)
 
 
 def test_what_is_out_of_reach_is_blank_and_said(five_bar, tmp_path, command):
