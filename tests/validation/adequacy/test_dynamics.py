@@ -13,6 +13,8 @@ from fem.reduction.superelement import held_leg
 from lumped.acceptance.requirement import Requirement
 from lumped.arrays import dense
 from lumped.legs import ConstantLeg, GivenLeg, Material, equivalent_leg, tip_compliance
+from lumped.mechanism.kinematics.postures import reference_posture
+from lumped.models.bodies import legs_of
 from lumped.robot_file import load_robot
 from lumped.screws import shift
 from lumped.sections import HollowRectangle, ISection, Rectangle, Tube
@@ -21,6 +23,7 @@ from validation.adequacy.judgement import judged
 from validation.adequacy.mechanism.dynamics import dynamic_reference, mass_notes
 from validation.adequacy.mechanism.path import robot_at, robot_on_path
 from validation.adequacy.mechanism.vibration import (
+    built_vibration,
     modes_by_model,
     modes_of_solids,
     solid_meshes,
@@ -37,6 +40,7 @@ from validation.adequacy.response import (
 )
 from validation.adequacy.robot import leg_subject, robot_adequacy
 from validation.context import Context
+from validation.models.legs import leg_matrices
 from validation.models.loads.leg_masses import MASSES, leg_with_masses, plausible_masses
 from validation.models.options import DEFAULT_OPTIONS
 from validation.solids.legs import COARSEST_WALLS
@@ -53,6 +57,22 @@ def test_meshes_of_walls_are_doubled_whatever_those_of_bars_are():
     meshes, bar = solid_meshes("fine"), replace(FLANGED, section=Rectangle(0.1, 0.1))
     assert meshes.ratio([FLANGED]) == 2.0
     assert meshes.ratio([FLANGED, bar]) == pytest.approx(4.0 / 3.0)
+
+
+def test_legs_alike_are_made_once_for_each_way_their_ends_are_held():
+    robot, made = load_robot("five-bar").mechanism, []
+
+    def build(leg, ends, _highest):
+        made.append((leg.length, ends))
+        return leg_matrices("beam", leg)
+
+    legs = legs_of(robot)
+    ends = dict.fromkeys(legs, "free") | {"crank1": "rigid"}
+    built_vibration((reference_posture(robot),), build, {}, ends, 1)
+    due = {(leg.length, ends[name]) for name, leg in legs.items()}
+    assert len(due) == 3
+    assert set(made) == due
+    assert len(made) % len(due) == 0
 
 
 def at_the_centre(requirement=None, **changes):

@@ -147,6 +147,10 @@ def test_solids_of_a_mechanism_say_the_uncertainty_of_their_mesh():
     factors = stated / np.abs(own - other)
     np.testing.assert_allclose(factors, factors[0], rtol=1e-6)
     assert 3.0 / (2.0**4 - 1.0) < factors[0] < 3.0 / (1.5**1.3 - 1.0)
+    # Of the coarse mesh, beside the finer one, by rᵖ: 3rᵖ/(rᵖ − 1) is 3/(rᵖ − 1) and 3 more.
+    assert coarse.uncertainty.divisions == 2
+    step = np.abs(np.diag(fine.compliance - coarse.compliance))
+    np.testing.assert_allclose(coarse.uncertainty.compliance, (factors[0] + 3.0) * step, rtol=1e-6)
 
 
 def test_numbers_whose_order_meshes_show_are_extrapolated(command, tmp_path):
