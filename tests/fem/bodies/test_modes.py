@@ -9,6 +9,7 @@ from scipy.linalg import eigh, null_space
 from scipy.sparse import csr_array, eye_array
 
 from fem.bodies.solid import clamped_leg, solid_leg
+from fem.solvers.block_lanczos import Ritz, merged
 from fem.solvers.certificate import count_below, pencil
 from fem.solvers.factor import Inertia, analyse
 from fem.solvers.modes import MissedModesError, certify, lowest_modes
@@ -135,6 +136,16 @@ def test_modes_are_counted_with_one_factor_at_a_time(bar):
     clamped.modes(3)
     assert "numeric" not in vars(clamped.factor)
     np.testing.assert_array_equal(clamped.factor.solve(loads), before)
+
+
+def test_residuals_of_two_searches_stay_with_their_modes():
+    first, second = (
+        Ritz(np.array(values), np.ones((2, len(values))), np.array(residuals), np.inf)
+        for values, residuals in (([1.0, 3.0], [1e-9, 2e-9]), ([2.0], [5e-9]))
+    )
+    both = merged(first, second)
+    assert both.values.tolist() == [1.0, 2.0, 3.0]
+    assert both.residuals.tolist() == [1e-9, 5e-9, 2e-9]
 
 
 def test_a_missing_mode_and_one_too_many_fail_the_certificate(bar):

@@ -20,7 +20,7 @@ from validation.context import Context
 from validation.run.executor import on_cores
 from validation.solids.size import LARGEST
 from validation.variations.cases import cases_over
-from validation.variations.curves import VariedModels, decision_of, variation_study
+from validation.variations.curves import VariedModels, _extremes, decision_of, variation_study
 from validation.variations.decision import Choice, Decision, choice, spearman
 
 LENGTH, WIDTH, E, RHO, TOOL, DRIVE = 0.5, 0.17, 2.1e11, 7850.0, 2.0, 2.7e7
@@ -194,7 +194,7 @@ def test_references_of_several_kinds_are_one_robot_each():
     np.testing.assert_allclose(left_open, [[0.3, 0.5], [0.3, 0.6]])
 
 
-def test_uncertain_references_leave_losses_open():
+def test_uncertain_references_leave_losses_open(stout, monkeypatch):
     values = {"first": np.array([1.0, 1.001, 2.0]), "second": np.array([1.02, 1.0, 2.0])}
     uncertain = {"first": np.full(3, 0.002), "second": np.zeros(3)}
     decision = Decision("deflection", {"model": values["second"]}, values, uncertain)
@@ -204,6 +204,19 @@ def test_uncertain_references_leave_losses_open():
     assert decision.loss_uncertainty(0) == pytest.approx(0.02, rel=0.01)
     # One exchange of three: ρ = 0.5; within its uncertainty, and by the second, the order is 1.
     assert decision.correlation("model") == pytest.approx((0.5, 0.5))
+    monkeypatch.setattr("validation.variations.cases._decision", lambda *_: decision)
+    monkeypatch.setitem(decision.models, "beam", values["second"])
+    cases = cases_over(stout, variations_of(stout, ["tool.mass=2:4:3"]))
+    case = next(one for one in cases if "deflection.loss.beam" in one.id)
+    percent = case.measure(Context(stout, "quick"))
+    assert [percent.value, percent.reference_uncertainty] == pytest.approx([0.1, 0.4], rel=0.01)
+
+
+def test_what_is_open_moves_extremes_up_or_down():
+    """Of 1.0 (1 ± 10 %) and 1.01 the smaller is as much as 10 % smaller, and 1 % larger."""
+    values, unsure = np.array([[1.0], [1.01]]), np.array([[0.1], [0.0]])
+    found = _extremes({"beam": values, "solid": values}, {"solid": unsure}, np.min)
+    np.testing.assert_allclose(found, [[1.0, 1.0], [0.0, 0.1]])
 
 
 def test_losses_of_a_known_table():
