@@ -1,6 +1,7 @@
 """A square bar as a part: modes counted, reductions by held and by free ones, all against dense."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import NamedTuple
 
 import numpy as np
@@ -20,7 +21,8 @@ from fem.reduction.free_interface import free_interface
 from fem.reduction.held import Held, Swinging, free_body, held_body
 from lumped.dense.modes import Modes
 from lumped.errors import ComputationError, InputError
-from meshes.part.interfaces import find_interfaces
+from meshes.part.boundary import Facets
+from meshes.part.interfaces import Interface, find_interfaces
 from meshes.part.reading.read import read_part
 
 LENGTH, SIDE = 0.2, 0.03
@@ -68,6 +70,16 @@ def held_frequencies(bar):
 def free_frequencies(bar):
     """Elastic ones of the free bar (Hz)."""
     return bar.frequencies(0)[6:]
+
+
+def test_every_interface_is_a_grip_of_all_of_its_faces():
+    faces = {number: Facets(np.array([[number, 8, 9]]), "tri3") for number in (1, 2, 3, 4)}
+    interfaces = [
+        Interface(name, own, np.eye(3)[place], "rigid", "", None, None, 1.0)
+        for place, (name, own) in enumerate({"A": (1, 2), "B": (3,), "C": (4,)}.items())
+    ]
+    grips = grips_of(SimpleNamespace(faces=faces), interfaces)
+    assert [one.facets.cells[:, 0].tolist() for one in grips] == [[1, 2], [3], [4]]
 
 
 def test_it_has_the_mass_the_centre_and_the_inertia_of_a_box_that_memory_must_hold(bar):
