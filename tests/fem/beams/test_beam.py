@@ -37,6 +37,16 @@ def softer_along_y(p: BeamProperties) -> BeamProperties:
     return replace(p, GAy=0.7 * p.GAy)
 
 
+def test_points_beside_the_centreline_move_with_their_section():
+    """Those of the tip by its twist: t + φ × r."""
+    leg, beside = beam_leg(LEG_1.timoshenko, 0.85, 1), np.array([[0.0, 0.1, -0.2], [0.0, 0.3, 0.4]])
+    t, phi = np.array([1.0, 2.0, 3.0]), np.array([4.0, 5.0, 6.0])
+    twists = np.zeros(leg.size)
+    twists[6:12] = np.concatenate([t, phi])
+    found = (leg.displacements(np.array([0.85, 0.0, 0.0]) + beside) @ twists).reshape(-1, 3)
+    assert_allclose(found, t + np.cross(phi, beside), rtol=1e-12)
+
+
 def test_euler_bernoulli_roots_are_the_tabulated_ones():
     # Young and Felgar, Tables of Characteristic Functions (1949): cos x cosh x = −1.
     tabulated = [1.8751041, 4.6940911, 7.8547574, 10.9955407, 14.1371684]

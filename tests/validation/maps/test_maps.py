@@ -111,10 +111,10 @@ def test_the_search_ends_at_the_bottom_wherever_it_lies(tmp_path):
         return np.min(np.sum(6.0 * apart**2, axis=2) - depths, axis=1)
 
     found = worst_posture(space, values_on(space, solve), solve)
-    np.testing.assert_allclose(found.pose, bottoms[0], atol=2e-2)
-    assert found.value == pytest.approx(-2.0, abs=2e-3)
+    np.testing.assert_allclose(found.pose, bottoms[0], atol=1e-9)
+    assert found.value == pytest.approx(-2.0, abs=1e-9)
     highest = worst_posture(space, -values_on(space, solve), lambda at: -solve(at), largest=True)
-    assert highest.value == pytest.approx(2.0, abs=2e-3)
+    assert highest.value == pytest.approx(2.0, abs=1e-9)
 
     # What cannot be solved is blank, and costs nothing else.
     def singular(postures):
