@@ -19,7 +19,7 @@ from lumped.arrays import Array
 from lumped.errors import InputError
 from lumped.mechanism.joint import FREEDOMS, Joint, Side
 from lumped.mechanism.mechanism import Posture
-from lumped.screws import rotation_about, rotation_vector
+from lumped.screws import rotation_about, rotation_vector, skew
 
 
 def interface_position(posture: Posture, side: Side) -> Array:
@@ -127,8 +127,9 @@ def coordinates(joint: Joint, p: Array, R: Array) -> Array:
             rest = rotation_about(-about_one * one) @ R
             angles = np.array([about_one, _angle(two, one, rest @ one)])
         case _:
-            across = [across_axis(axis)[0] for axis in rotations]
-            angles = np.array([_angle(a, u, R @ u) for a, u in zip(rotations, across, strict=True)])
+            # R − Rᵀ is 2 sin θ times the cross product with the axis, the trace 1 + 2 cos θ.
+            double = np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])
+            angles = np.arctan2(rotations @ double, R[0, 0] + R[1, 1] + R[2, 2] - 1.0)
     return np.concatenate([translations @ p, angles])
 
 
@@ -152,5 +153,5 @@ def axes_of_drive(joint: Joint) -> tuple[Array, Array]:
 
 def _angle(axis: Array, start: Array, end: Array) -> float:
     """Angle (rad) about the unit vector `axis` that turns `start` into `end`."""
-    across = np.cross(axis, start)
+    across = skew(axis) @ start
     return float(np.arctan2(across @ end, (start - (axis @ start) * axis) @ end))

@@ -189,15 +189,13 @@ class Closure:
         """Pose of the tool in the order of its moves, then of what it keeps (m, rad)."""
         arm = self._tool_arm_in(placement) - self._datum
         position = placement.origins[self._tool_body] + arm
-        rotation = rotation_vector(placement.turns[self._tool_body])
-        values: Array = np.concatenate([position, rotation])[self.moves]
+        values: Array = np.concatenate([position, self._tool_rotation(placement)])[self.moves]
         return values
 
     def pose_jacobian(self, placement: Placement) -> Array:
         """Derivative (rows of `pose` × unknowns, rotations weighed with the size) of the pose."""
-        vector = rotation_vector(placement.turns[self._tool_body])
         rates = np.eye(6)
-        rates[3:, 3:] = _rotation_vector_rates(vector)
+        rates[3:, 3:] = _rotation_vector_rates(self._tool_rotation(placement))
         derivative: Array = rates[self.moves] @ self.tool_twists(placement)
         return derivative
 
@@ -219,6 +217,12 @@ class Closure:
         # One step of Newton's towards the nearest rotation: rounding does not add up on a long way.
         turns[self._moving] = 1.5 * turned - 0.5 * turned @ turned.swapaxes(1, 2) @ turned
         return Placement(origins, turns)
+
+    def _tool_rotation(self, placement: Placement) -> Array:
+        """Rotation vector (3, rad) of the tool; not asked for where no pose says a rotation."""
+        if max(self.moves, default=0) < 3:
+            return np.zeros(3)
+        return rotation_vector(placement.turns[self._tool_body])
 
     def _tool_arm_in(self, placement: Placement) -> Array:
         arm: Array = placement.turns[self._tool_body] @ self._tool_arm

@@ -19,6 +19,7 @@ from lumped.mechanism.joint import FREEDOMS
 from lumped.mechanism.kinematics.closure import Closure, Placement, closure_of
 from lumped.mechanism.kinematics.mobility import mobility, mobility_at, undetermined
 from lumped.mechanism.mechanism import UNITS_OF_MOVES, Mechanism, Posture
+from lumped.memo import memo
 from lumped.text import counted
 
 # Farthest coordinate (m or rad) that is tried: squares of larger ones overflow in the end.
@@ -60,11 +61,23 @@ def posture(mechanism: Mechanism, pose: Array, start: Posture | None = None) -> 
     cannot be reached (naming the joint that stays open and how far the way went), and where the
     tool is not held by the drives or not determined by its moves.
     """
+    target = _checked(mechanism, pose)
+    if start is None:
+        return _from_reference(mechanism, tuple(target.tolist()))
+    return _reached(mechanism, start, target)
+
+
+@memo(256)
+def _from_reference(mechanism: Mechanism, pose: tuple[float, ...]) -> Posture:
+    """Remembered: who reads a robot file tries the poses that are asked for after that."""
+    return _reached(mechanism, reference_posture(mechanism), np.array(pose))
+
+
+def _reached(mechanism: Mechanism, start: Posture, target: Array) -> Posture:
     closure = closure_of(mechanism)
-    target = _checked(closure, pose)
     place = f"{mechanism.name}, pose {shown_pose(mechanism, target)}"
     if mechanism.inverse_kinematics is None:
-        placement, coordinates = _walked(closure, start or reference_posture(mechanism), target)
+        placement, coordinates = _walked(closure, start, target)
     else:
         with naming(mechanism.name):
             frames = mechanism.inverse_kinematics(target)
@@ -133,12 +146,12 @@ def shown_pose(mechanism: Mechanism, pose: Array) -> str:
     )
 
 
-def _checked(closure: Closure, pose: Array) -> Array:
+def _checked(mechanism: Mechanism, pose: Array) -> Array:
     target = np.asarray(pose, dtype=float)
-    moves = closure.mechanism.tool.moves
+    moves = mechanism.tool.moves
     if target.shape != (len(moves),) or not (np.abs(target) <= _FARTHEST).all():
         raise InputError(
-            f"{closure.mechanism.name}: a pose must be {counted(len(moves), 'finite number')} "
+            f"{mechanism.name}: a pose must be {counted(len(moves), 'finite number')} "
             f"up to {_FARTHEST:g} m or rad ({', '.join(moves) or 'none, the tool has no moves'})"
         )
     return target
