@@ -12,6 +12,7 @@ from math import isfinite
 from typing import Any, Literal
 
 import msgspec
+import numpy as np
 
 from lumped.text import counted
 from validation.adequacy.matrix import Adequacy
@@ -19,7 +20,7 @@ from validation.results.outcome import Verdict
 from validation.results.records import AdequacyRecord, CaseRecord, RunRecord
 
 # Rounding differs between machines and library versions; far above it, far below any tolerance.
-_ROUNDING, _DIGITS = 1e-9, 9
+_ROUNDING = 1e-9
 # A value held against zero has no size of its own to be relative to, only its tolerance.
 _OF_TOLERANCE = 1e-3
 # From good to bad; a case that is skipped no longer protects anything.
@@ -367,13 +368,24 @@ def _adequacy_changes(before: RunRecord, after: RunRecord) -> Iterator[AdequacyC
     )
     for key in dict.fromkeys([*old, *new]):
         one, other = old.get(key), new.get(key)
-        now = {_rounded(pose): value for pose, value in _valued(other)}
-        values = tuple(
-            ValueChange(pose, value, now[_rounded(pose)])
-            for pose, value in _valued(one)
-            if _rounded(pose) in now
-        )
-        yield AdequacyChange(*key, _judged(one), _judged(other), values)
+        yield AdequacyChange(*key, _judged(one), _judged(other), tuple(_value_changes(one, other)))
+
+
+def _value_changes(
+    before: AdequacyRecord | None, after: AdequacyRecord | None
+) -> Iterator[ValueChange]:
+    """The values of poses that both have, in the order of the first."""
+    from scipy.spatial import KDTree  # noqa: PLC0415
+
+    old, new = _valued(before), _valued(after)
+    if not (old and new) or len(old[0][0]) != len(new[0][0]):
+        return
+    # A pose of a tool without moves has no coordinates; a point has at least one.
+    points = [np.array([(0.0, *pose) for pose, _ in values]) for values in (old, new)]
+    nearest = KDTree(points[1]).query(points[0])[1]
+    for (pose, value), (other, now) in zip(old, (new[k] for k in nearest), strict=True):
+        if same_pose(pose, other):
+            yield ValueChange(pose, value, now)
 
 
 def _judged(entry: AdequacyRecord | None) -> Judged | None:
@@ -398,11 +410,6 @@ def _flat(tables: Any) -> Iterator[tuple[str, Any]]:
             waiting += reversed(inner)
         else:
             yield path, value
-
-
-def _rounded(pose: tuple[float, ...]) -> tuple[float, ...]:
-    """The same of poses that are the same up to rounding."""
-    return tuple(round(coordinate, _DIGITS) for coordinate in pose)
 
 
 def _valued(entry: AdequacyRecord | None) -> list[tuple[tuple[float, ...], float]]:

@@ -153,8 +153,8 @@ def judged(quantity, verdict, *values):
 
 
 def test_values_go_by_their_poses_however_many_there_are():
-    """In any order, equal up to rounding; each with each would take minutes."""
-    places, values = 0.1 * np.arange(20_000.0), np.arange(20_000.0)
+    """In any order, equal up to rounding, also on half a digit; each with each takes minutes."""
+    places, values = 0.1 * np.arange(20_000.0) + 5e-10, np.arange(20_000.0)
     runs = []
     for x, y in ((places, values), (places[::-1] + 1e-13, -values[::-1])):
         entry = replace(judged("x", "adequate"), poses=tuple(zip(x, -x, strict=True)), values=y)
