@@ -71,8 +71,7 @@ def read_modes(path: Path) -> TestedModes:
 
 def _read(path: Path) -> TestedModes:
     try:
-        import sdypy.EMA  # noqa: F401, PLC0415  of the optional extra
-        from pyuff import UFF  # noqa: PLC0415
+        from pyuff import UFF  # noqa: PLC0415  of the optional extra
     except ImportError as error:
         raise InputError(
             f"{path}: pyuff and sdypy-EMA are not installed; pip install 'flexproof[hammer]' "
@@ -124,8 +123,6 @@ def _identified(
 
     `length` and `force`: how many of its units are 1 m and 1 N.
     """
-    from sdypy.EMA import Model  # noqa: PLC0415  of the optional extra
-
     frequencies = np.asarray(tested[0]["x"], dtype=float)
     steps = np.diff(frequencies)
     uneven = np.ptp([*steps, (frequencies[0] + 0.5 * steps[0]) % steps[0] + 0.5 * steps[0]])
@@ -167,6 +164,9 @@ def _identified(
         for one in coherent
         if len(one["data"]) == len(kept)
     }
+    # Of the same extra; it loads matplotlib, for which files without functions need not wait.
+    from sdypy.EMA import Model  # noqa: PLC0415
+
     band = {"lower": frequencies[0], "upper": frequencies[-1]}
     model = Model(np.array(rows), frequencies, pol_order_high=_HIGHEST, frf_form="mobility", **band)
     model.get_poles(show_progress=False)
