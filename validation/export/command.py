@@ -9,6 +9,7 @@ from lumped.errors import InputError
 from validation.console.typed import Place, RobotName, WholeNumber, require_place, write
 
 if TYPE_CHECKING:
+    from lumped.mechanism.mechanism import Mechanism
     from lumped.robot_file import RobotFile
 
 _ENDINGS = {"exudyn": ".py", "nastran": ".bdf", "simscape": ".mat"}
@@ -72,10 +73,23 @@ def export(
     if place.suffix != ending:
         raise InputError(f"--out {place}: must end in {ending}")
     require_place(place, ending)
-    with stage("meshing and reducing"):
+    with stage("meshing and reducing", _seconds(mechanism, body, modes)):
         content = in_own_process(_content, robot_file, to, pose, body, modes, ending)
     write(place, content)
     return 0
+
+
+def _seconds(mechanism: "Mechanism", body: str | None, modes: int) -> float:
+    """How long the solids take, a leg known by its 6×6 being none."""
+    from lumped.legs import ConstantLeg  # noqa: PLC0415
+    from lumped.models.bodies import legs_of  # noqa: PLC0415
+    from validation.models.options import DEFAULT_OPTIONS  # noqa: PLC0415
+    from validation.solve.cost import PER_PART, solid_cost  # noqa: PLC0415
+
+    own = {name: leg for name, leg in legs_of(mechanism).items() if body in (None, name)}
+    prisms = dict.fromkeys(leg for leg in own.values() if isinstance(leg, ConstantLeg))
+    parts = sum(body in (None, name) for name in mechanism.parts)
+    return solid_cost(tuple(prisms), DEFAULT_OPTIONS.divisions, modes).seconds + PER_PART * parts
 
 
 def _content(

@@ -3,6 +3,7 @@
 import subprocess
 import sys
 from ast import literal_eval
+from contextlib import nullcontext
 from dataclasses import replace
 from io import BytesIO, StringIO
 from pathlib import Path
@@ -327,6 +328,20 @@ def test_the_command_writes_as_many_modes_as_there_are(tmp_path, monkeypatch, co
     Path("arm.toml").write_text(ONE_ARM.replace("0.5, 0.0]", "0.1, 0.0]"))
     command.told("export", "arm.toml", "--to", "simscape", "--body", "arm", "--modes", 1)
     assert "stiffness" in loadmat("arm.arm.mat")
+
+
+def test_its_forecast_is_that_of_the_solids_that_differ(tmp_path, monkeypatch, command):
+    """Cranks are alike, and so are rods; legs known by their 6×6 are no solids."""
+    seconds = []
+    monkeypatch.setattr(
+        "validation.console.progress.stage", lambda _, time: seconds.append(time) or nullcontext()
+    )
+    monkeypatch.setattr("meshes.processes.in_own_process", lambda *_: b"")
+    for words in (["five-bar"], *(["five-bar", "--body", f"{one}1"] for one in ("crank", "rod"))):
+        command.told("export", *words, "--to", "npz", "--out", tmp_path / "any.npz")
+    assert 0.0 < seconds[0] == pytest.approx(sum(seconds[1:]))
+    command.told("export", "ifw", "--to", "npz", "--out", tmp_path / "any.npz")
+    assert seconds[-1] == 0.0
 
 
 @pytest.mark.parametrize(
