@@ -16,6 +16,7 @@ from lumped.errors import InputError
 from lumped.files import read_ordinary, require_ordinary
 from lumped.mechanism.body import Part
 from lumped.mechanism.mechanism import Mechanism
+from lumped.memo import memo
 from lumped.robot_file.biglide import biglide_faults, biglide_of
 from lumped.robot_file.evidence import (
     Correction,
@@ -175,8 +176,16 @@ def load_robot(name_or_path: str | Path) -> RobotFile:
     unit and what is allowed.
     """
     source = str(name_or_path)
-    built_in = source in built_in_robots()
-    content = _built_in(source) if built_in else _read(source)
+    known = source in built_in_robots()
+    return _of_built_in(source) if known else _described(source, _read(source))
+
+
+@memo(16)
+def _of_built_in(name: str) -> RobotFile:
+    return _described(name, _built_in(name), built_in=True)
+
+
+def _described(source: str, content: bytes, *, built_in: bool = False) -> RobotFile:
     text = decoded(content, source)
     tables = parsed(text, source)
     folder = Path() if built_in else Path(source).parent
