@@ -6,6 +6,7 @@ the whole displacement, partners by the largest likeness, an interval over what 
 verdict, the pose that decides, what each cause takes off, and the remedy.
 """
 
+from functools import cache
 from math import inf, isfinite, isnan, nan
 from typing import NamedTuple
 
@@ -44,12 +45,19 @@ class Plain(NamedTuple):
         return "inadequate" if self.low > limit or self.high < -limit else "undecided"
 
 
+@cache
+def worst(*of):
+    """The worst direction of force; each step and each limit ask for it again."""
+    off, due = (np.frombuffer(one).reshape(1, 3, 3) for one in of)
+    return worst_force(off, due).force[0]
+
+
 def deflection(own, due, quantity):
     """Whole error, the vector of it, and what is along the load, at one pose."""
     part = slice(3, 6) if quantity.startswith("phi") else slice(3)
     load, floor = np.zeros(6), 0.0
     if quantity == "any_force":
-        load[:3] = worst_force((own - due)[None, :3, :3], due[None, :3, :3]).force[0]
+        load[:3] = worst((own - due)[:3, :3].tobytes(), due[:3, :3].tobytes())
         floor = np.linalg.norm(due[:3, :3], ord=2) / 20.0
     else:
         load[AXES.index(quantity)] = 1.0

@@ -19,7 +19,6 @@ from validation.solve.answer import Solution, as_text, record_of
 from validation.solve.model_answers import solve
 from validation.solve.question import Question
 
-DRAWS = 60
 MATRIX = re.compile(r"compliance = \[.*?\n\]", re.DOTALL)
 NUMBER = re.compile(r"-?[\d.]+e-\d+")
 
@@ -51,12 +50,18 @@ def printed(tmp_path_factory):
     return robot_of(text, tmp_path_factory.mktemp("printed"))
 
 
-def test_95_percent_of_all_robots_with_these_digits_lie_within(printed, tmp_path):
+@pytest.fixture(scope="module")
+def draws(printed, tmp_path_factory):
+    """Robots that are printed like it."""
+    rng, folder = np.random.default_rng(24), tmp_path_factory.mktemp("draws")
+    return [robot_of(drawn(printed.text, rng), folder) for _ in range(60)]
+
+
+def test_95_percent_of_all_robots_with_these_digits_lie_within(printed, draws):
     poses = printed.mechanism.poses[[1, 4]]
     stated = left_by_digits(printed.text, postures_of(printed.mechanism, poses))
-    own, rng = virtual_joints(printed, poses), np.random.default_rng(24)
-    robots = [robot_of(drawn(printed.text, rng), tmp_path) for _ in range(DRAWS)]
-    changes = np.array([virtual_joints(robot, poses) for robot in robots]) - own
+    own = virtual_joints(printed, poses)
+    changes = np.array([virtual_joints(robot, poses) for robot in draws]) - own
     moved, due = (np.linalg.norm(one[..., :3, :3], axis=-2) for one in (changes, own))
     inside = np.mean(moved / due <= stated[:, :3], axis=0)
     # The share of 60 draws scatters by 3 %.
@@ -103,18 +108,18 @@ def test_more_digits_leave_less_and_those_of_no_leg_nothing(printed):
     assert not any(left_by_digits(one.text, postures).any() for one in (five_bar, printed))
 
 
-@pytest.mark.parametrize(("model", "draws"), [("vjm", 60), ("segments", 8)])
-def test_solve_says_what_the_digits_leave_open_at_most(printed, tmp_path, model, draws):
+@pytest.mark.parametrize(("model", "count"), [("vjm", 60), ("segments", 8)])
+def test_solve_says_what_the_digits_leave_open_at_most(printed, draws, model, count):
     def solved(robot, *, digits=False):
         return solve(Question(robot, model, {}, digits=digits)).answers[0]
 
     def sizes(answer):
         return np.concatenate([np.diag(answer.compliance), answer.frequencies])
 
-    answer, rng = solved(printed, digits=True), np.random.default_rng(24)
+    answer = solved(printed, digits=True)
     most = np.concatenate([answer.of_digits.compliance, answer.of_digits.frequencies])
-    robots = (robot_of(drawn(printed.text, rng), tmp_path) for _ in range(draws))
-    largest = np.max([np.abs(sizes(solved(one)) - sizes(answer)) for one in robots], axis=0)
+    robots = map(solved, draws[:count])
+    largest = np.max([np.abs(sizes(one) - sizes(answer)) for one in robots], axis=0)
     # No draw has all its roundings on one side; five numbers or so count in each.
     assert (largest <= most).all()
     assert (most <= 5.0 * largest).all()

@@ -79,9 +79,9 @@ def test_errors_are_those_of_whole_displacements_and_peaks_against_the_solid_of_
             left = np.array(entry.spreads) + 2e-3
             assert (np.abs(np.array(entry.errors) - error) <= left).all(), (model, name)
             assert entry.limit == 0.05
-    strict = replace(arm.requirement, deflection=1e-4, response=1e-3)
+    matrix = judged(subject, replace(arm.requirement, deflection=1e-4, response=1e-3))
     weight, hit = (
-        judged(subject, strict).entry("beam-euler-bernoulli", name)
+        matrix.entry("beam-euler-bernoulli", name)
         for name in ("load:weight", "response:hit.frequency")
     )
     assert (weight.verdict, hit.verdict) == ("undecided", "inadequate")

@@ -17,8 +17,13 @@ from validation.solve.answer import Solution, as_text
 from validation.solve.model_answers import solve
 from validation.solve.question import Question
 
-pytestmark = pytest.mark.usefixtures("coarse_parts")
 COUNT = 4
+
+
+@pytest.fixture(scope="module", autouse=True)
+def coarsest(coarse_parts):
+    """Meshes coarser still, as reading the part comes to most of what is left."""
+    coarse_parts.setattr(parts, "UNKNOWNS", 3_000)
 
 
 @pytest.fixture(scope="module")

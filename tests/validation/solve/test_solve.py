@@ -45,6 +45,13 @@ def robot(tmp_path):
     return robot_of(SOUND, tmp_path).source
 
 
+@pytest.fixture
+def bar(tmp_path):
+    """A leg of it a rectangle, which is meshed with few elements."""
+    text = SOUND.replace("hollow-rectangle", "rectangle").replace(", thickness = 0.008", "")
+    return robot_of(text, tmp_path).source
+
+
 # Options that would change nothing, or are no number; without a name it is the robot above.
 REFUSED = [
     ("ROBOT vjm --leg 2 --theory timoshenko", "--theory: the vjm model takes the legs"),
@@ -104,13 +111,10 @@ def test_a_number_that_rounding_has_eaten_is_no_answer(tmp_path, capsys):
     assert "material with ν = -0.999999999: changes of shape" in printed.err
 
 
-def test_solids_say_the_uncertainty_of_their_mesh(tmp_path, command):
-    text = SOUND.replace("hollow-rectangle", "rectangle").replace(", thickness = 0.008", "")
-    robot = robot_of(text, tmp_path).source
-
+def test_solids_say_the_uncertainty_of_their_mesh(bar, command):
     def answer(divisions):
         asked = ["--model", "solid", "--leg", 1, "--divisions", divisions, "--modes", 1]
-        return command.json("solve", robot, *asked)["results"][0]
+        return command.json("solve", bar, *asked)["results"][0]
 
     coarse, fine = answer(1), answer(2)
     stated = fine["uncertainty"]
@@ -196,10 +200,10 @@ def test_the_mesh_that_says_the_uncertainty_is_another_one(section):
         assert fine >= 1.44 * coarse
 
 
-def test_a_mesh_that_nothing_stands_beside_says_so(robot, command, monkeypatch):
-    asked = ["solve", robot, "--model", "solid", "--leg", "1", "--divisions", "2"]
-    leg = equivalent_leg(legs_of(load_robot(robot).mechanism)["leg1"])
-    only = 1.2 * solid_cost((leg,), 2, 6).memory
+def test_a_mesh_that_nothing_stands_beside_says_so(bar, command, monkeypatch):
+    asked = ["solve", bar, "--model", "solid", "--leg", "1", "--divisions", "1", "--modes", "0"]
+    leg = equivalent_leg(legs_of(load_robot(bar).mechanism)["leg1"])
+    only = 1.2 * solid_cost((leg,), 1, 0).memory
     monkeypatch.setattr("validation.solve.cost.available_memory", lambda: only)
     told = "uncertainty of the mesh: not known; the mesh that would show it"
     assert told in command.told(*asked)
@@ -321,7 +325,7 @@ def test_what_rounding_leaves_of_nothing_is_shown_as_nothing():
     ids=lambda section: section.shape,
 )
 def test_the_estimate_of_a_solid_is_near_to_its_mesh_and_factor(section):
-    leg = ConstantLeg(0.6, section, Material.isotropic(2.1e11, 0.3, 7850.0))
+    leg = ConstantLeg(0.3, section, Material.isotropic(2.1e11, 0.3, 7850.0))
     solid = solid_leg(leg, solid_mesh(leg, 4))
     unknowns = solid.stiffness.shape[0]
     coupled = coupled_leg(solid)

@@ -26,7 +26,7 @@ def table(path):
 @pytest.mark.parametrize(
     ("name", "key", "was", "model"),
     [
-        ("delta", "bodies.arm1.section.thickness", "thickness = 0.005", "beam"),
+        ("five-bar", "bodies.crank1.section.thickness", "thickness = 0.006", "beam"),
         ("five-bar", "points.B1[1]", "B1 = [-0.35,", "segments"),
         ("five-bar", "joints.motor1.drive.stiffness", "stiffness = 8.0e4", "simplified"),
         ("biglide", "leg2.section.diameter", "diameter = 0.12,", "beam"),
