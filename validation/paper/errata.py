@@ -2,7 +2,7 @@
 
 The paper: S. Briot, A. Pashkevich, D. Chablat, "On the optimal design of parallel robots taking
 into account their deformations and natural frequencies". Its data are audited by `lumped.audit`.
-The paper's robot is one, and so are these numbers: tests/validation/paper/test_errata.py has them
+The paper's robot is one, and so are these numbers: tests/validation/paper/test_claims.py has them
 from formulas of its own.
 """
 

@@ -1,4 +1,4 @@
-"""What a report says to do is a model, an option or a key that there is, and is enough."""
+"""What cannot be solved or decided is told, with a remedy that there is; the rest is judged."""
 
 import re
 from dataclasses import replace
@@ -7,15 +7,23 @@ from json import dumps
 import numpy as np
 import pytest
 from crane import write_crane
+from like_ifw import file_of, like_ifw
 from one_arm import ONE_ARM
 from written_robot import robot_of
 
+from fem.sections.section_constants import section_constants
 from lumped.acceptance.requirement import Requirement
+from lumped.errors import ComputationError
+from lumped.legs import ConstantLeg, Material
+from lumped.mechanism import biglide
 from lumped.robot_file import load_robot
 from lumped.robot_file.rules.published import json_schema
+from lumped.sections import HollowRectangle, Rectangle, Tube
+from meshes.section.section_mesh import section_mesh
 from validation import cli
-from validation.adequacy.judgement import judged
+from validation.adequacy.judgement import REST, judged
 from validation.adequacy.matrix import Coordinate
+from validation.adequacy.mechanism import statics, vibration
 from validation.adequacy.mechanism.dynamics import DYNAMIC_STEPS
 from validation.adequacy.mechanism.parts import FINER_PARTS
 from validation.adequacy.mechanism.path import holding, known_legs, say_masses
@@ -30,8 +38,156 @@ from validation.adequacy.response import (
     Subject,
     finer_by,
 )
+from validation.adequacy.robot import leg_subject, robot_adequacy
+from validation.context import Context
+from validation.solids.legs import COARSEST_WALLS
 from validation.solids.size import larger_preset
 from validation.solve.question import OPTIONS
+
+pytestmark = pytest.mark.usefixtures("coarse_legs")
+
+
+@pytest.fixture(scope="module")
+def arm(tmp_path_factory):
+    """One arm in one pose, its ends said: one reference in place of two."""
+    held = ONE_ARM.replace("height = 0.04 }", 'height = 0.04 }\nends = "rigid"')
+    short = held.replace("nu = 0.0", "nu = 0.3").replace("P = [0.0, 0.5", "P = [0.0, 0.2")
+    # So little is accepted that what held ends take from beams has to be explained.
+    text = f"{short}deflection = 1e-3\n[path]\nposes = [[0.0]]\n"
+    return robot_of(text, tmp_path_factory.mktemp("arm"))
+
+
+@pytest.fixture(scope="module")
+def sound(arm):
+    return robot_adequacy(Context(arm, "quick"))
+
+
+def refusing(monkeypatch, module, function, refused=lambda _: True):
+    """`function` of the module refuses where `refused` says so of its first argument."""
+    own = getattr(module, function)
+
+    def refuse(*args, **kwargs):
+        if refused(args[0]):
+            raise ComputationError(f"{args[0]} refused: lost in rounding")
+        return own(*args, **kwargs)
+
+    monkeypatch.setattr(module, function, refuse)
+
+
+def test_a_mechanism_is_judged_without_the_model_that_refuses(monkeypatch, arm, sound):
+    refusing(monkeypatch, statics, "answers", lambda model: model == "segments")
+    refusing(monkeypatch, vibration, "dynamic_bodies", lambda model: model == "segments")
+    matrix = robot_adequacy(Context(arm, "quick"))
+    for now, before in zip(matrix.entries, sound.entries, strict=True):
+        if now.model.startswith("segments"):
+            assert now.verdict == "undecided"
+            assert now.reason == f"{now.model}: segments refused: lost in rounding"
+        else:
+            assert now == before
+
+
+def test_a_step_that_is_not_solved_ends_the_causes_and_says_why(monkeypatch, arm, sound):
+    refusing(monkeypatch, statics, "own_spring")
+    matrix = robot_adequacy(Context(arm, "quick"))
+    for now, before in zip(matrix.entries, sound.entries, strict=True):
+        assert (now.verdict, now.error) == (before.verdict, before.error)
+    causes = [one.causes for one in matrix.of_model("beam") if not one.signed]
+    rests = [cause.source for found in causes for cause in found if cause.cause == REST]
+    assert rests
+    assert all("refused: lost in rounding" in source for source in rests)
+
+
+STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
+SOUND = ConstantLeg(0.8, Rectangle(0.1, 0.06), STEEL, ends="rigid")
+
+
+@pytest.mark.parametrize(
+    ("changed", "said"),
+    [
+        ({"section": Tube(0.12, 5e-5)}, "leg2: the coarsest section mesh of its tube has"),
+        (
+            {"material": Material.isotropic(2.1e11, 0.4999999999999, 7850.0)},
+            "solid elements lose the softer in rounding",
+        ),
+    ],
+    ids=["walls too thin", "incompressible"],
+)
+def test_one_leg_without_solids_leaves_the_robot_undecided_and_the_other_judged(changed, said):
+    legs = {"leg1": SOUND, "leg2": replace(SOUND, **changed)}
+    robot = like_ifw(a=0.9, platform_mass=30.0, foot_compliance=None, **legs)
+    robot = replace(robot, poses=robot.poses[4:5])
+    matrix = robot_adequacy(Context(file_of(robot), "quick"))
+    statics = [entry for entry in matrix.entries if entry.quantity in ("x", "z", "phi_x")]
+    assert {entry.model for entry in statics} >= {"simplified", "vjm", "segments", "beam"}
+    assert {entry.verdict for entry in matrix.entries} == {"undecided"}
+    assert all(said in entry.reason for entry in statics)
+    sound, other = matrix.parts
+    assert {entry.verdict for entry in sound.entries} >= {"adequate"}
+    assert {entry.verdict for entry in other.entries} == {"undecided"}
+
+
+def test_postures_that_are_none_of_the_robot_are_not_left_undecided(monkeypatch, tmp_path):
+    sound = biglide.rotation_z
+    monkeypatch.setattr(biglide, "rotation_z", lambda angle: sound(1.001 * angle))
+    with pytest.raises(ComputationError, match="leaves the joints open"):
+        robot_adequacy(Context(robot_of(load_robot("ifw").text, tmp_path), "quick"))
+
+
+@pytest.mark.exhaustive
+def test_walls_that_allow_one_section_mesh_leave_its_constants_open():
+    """Both solids share the coarsest mesh, and its torsion is half a percent uncertain."""
+    section = HollowRectangle(width=0.06, height=0.06, thickness=0.006)
+    leg = ConstantLeg(0.9, section, STEEL, ends="free")
+    subject = leg_subject(Context(load_robot("ifw"), "quick"), "leg1", leg)
+    left = judged(subject, Requirement()).entry("beam", "phi_x").uncertainties["meshes"]
+    coarse, fine = (
+        section_constants(section_mesh(section, number), 0.3).torsion_constant
+        for number in (COARSEST_WALLS, 8)
+    )
+    # Roache's factor three for two meshes of the lowest order there can be, 4/3.
+    due = 3.0 / ((8 / COARSEST_WALLS) ** (4 / 3) - 1.0) * abs(fine / coarse - 1.0)
+    assert due <= left <= 1.1 * due
+
+
+def by(arm, preset, accuracy=None, limit=0.05, **limits):
+    requirement = replace(arm.requirement, deflection=limit, accuracy=accuracy, limits=limits)
+    return robot_adequacy(Context(replace(arm, requirement=requirement), preset))
+
+
+def widest(matrix):
+    """The entry of which meshes leave most open."""
+    return max(matrix.entries, key=lambda one: one.uncertainties.get("meshes", 0.0))
+
+
+@pytest.mark.exhaustive
+def test_an_accuracy_that_is_asked_for_is_reached(arm):
+    # Also where no verdict hangs on meshes.
+    rough = by(arm, "quick", limit=10.0)
+    left = widest(rough).uncertainties["meshes"]
+    better = by(arm, "quick", 0.5 * left, limit=10.0)
+    assert widest(better).uncertainties["meshes"] <= 0.5 * left
+    assert better.notes[-1].startswith("accuracy ±")
+    assert ";" not in better.notes[-1]
+    # What finer meshes say lies within what coarser ones left open.
+    for one in rough.entries:
+        other = better.entry(one.model, one.quantity)
+        if one.error is not None and other.error is not None:
+            assert abs(one.error - other.error) <= one.uncertainty + 1e-9
+
+
+@pytest.mark.exhaustive
+def test_a_verdict_that_hangs_on_meshes_is_decided_by_the_finest(arm):
+    entry = widest(by(arm, "standard"))
+    finest = by(arm, "fine", 1e-6)
+    assert finest.notes[-1].endswith("; no preset has finer meshes of its bodies")
+    best = finest.entry(entry.model, entry.quantity)
+    # A limit that the meshes of this preset leave open, and those of the next one do not.
+    size = abs(best.error) + best.uncertainty
+    limit = 0.5 * (size + abs(entry.error) + entry.uncertainty)
+    decided = by(arm, "standard", **{entry.quantity: limit}).entry(entry.model, entry.quantity)
+    assert decided.verdict == "adequate"
+    assert decided.uncertainty == pytest.approx(best.uncertainty, rel=1e-6)
+
 
 STEPS = (*STATIC_STEPS.values(), *DYNAMIC_STEPS.values())
 REMEDIES = {
