@@ -6,16 +6,11 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from like_ifw import like_ifw, placed_at, stations
 from random_biglides import random_robots
 from written_robot import robot_of
 
-from lumped.errors import InputError
 from lumped.legs import ConstantLeg, Material
-from lumped.models.bodies import link
 from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Tube
-from lumped.system.assembly import assemble
-from lumped.system.solution import compliance, solved
 from validation.agreement.convergence import pairwise_orders
 from validation.catalogue import catalogue
 from validation.context import Context
@@ -166,41 +161,13 @@ def of_frequencies(leg):
     yield from stated("frequency", leg, divisions, values, 2)
 
 
-def of_robots(rng):
-    """Deflections of a robot of two random legs at a random posture, from two meshes."""
-    legs = random_leg(rng), random_leg(rng)
-    a = float(rng.uniform(0.7, 0.95) * (legs[0].length + legs[1].length))
-    share = rng.uniform(0.1, 0.9)
-    try:
-        robot = like_ifw(a=a, leg1=legs[0], leg2=legs[1])
-    except InputError:
-        return
-    first, last = stations(robot, 2)
-    (place,) = placed_at(robot, first + share * (last - first))
-    divisions = (1, 2, 4)
-    tips = [(leg.length, solid_compliances(leg, divisions)) for leg in legs]
-
-    def deflections(ends, at):
-        springs = {
-            f"leg{number}": link(length, of_leg[ends].values[at])
-            for number, (length, of_leg) in enumerate(tips, start=1)
-        }
-        return np.diag(compliance(solved(assemble(place, springs))))[:3]
-
-    values = {ends: np.array([deflections(ends, at) for at in range(3)]) for ends in BOTH}
-    # Of two legs of unlike order the lower one is for both.
-    slowest = min(legs, key=lambda leg: formal_order(leg, "rigid"))
-    yield from stated("robot", slowest, divisions, values, 2)
-
-
 def random_numbers(seed):
-    """Of a rectangular leg, of the robot of two more, every eighth time of frequencies."""
+    """Of a rectangular leg, every eighth time of frequencies."""
     rng = np.random.default_rng([1, seed])
     leg = random_leg(rng)
     yield from of_statics(leg)
     if seed % 8 == 0:
         yield from of_frequencies(leg)
-    yield from of_robots(rng)
     if seed % 40 == 0:
         yield from of_statics(random_leg(np.random.default_rng([1, 1000 + seed]), walls=0.25))
 

@@ -15,6 +15,7 @@ from itertools import islice
 import numpy as np
 import pytest
 from changed_leaves import changed_leaves
+from pendulum import PENDULUM
 from perturbed import assert_agrees_and_can_turn
 from written_robot import robot_of
 
@@ -26,25 +27,6 @@ from validation.context import Context
 from validation.exhibits import PlannedFigure
 from validation.results.outcome import judge
 from validation.session.runner import execute
-
-RIGID = """
-schema = 2
-name = "slide"
-points = { O = [0.0, 0.0, 0.0], P = [0.0, 0.0, 0.2] }
-tool = { body = "slide", point = "P", moves = ["x"] }
-path = { from = [0.0], to = [0.3], count = 2 }
-[bodies.slide]
-points = ["O", "P"]
-mass = 5.0
-centre = "P"
-inertia = [[0.1, 0.0, 0.0], [0.0, 0.1, 0.0], [0.0, 0.0, 0.1]]
-[joints.a]
-type = "prismatic"
-between = ["ground", "slide"]
-at = "O"
-axis = [1.0, 0.0, 0.0]
-drive = { stiffness = 1e7 }
-"""
 
 
 class Noted(dict):
@@ -84,7 +66,8 @@ DATA = ("lumped.legs.equivalent_leg ", "validation.adequacy.mechanism.path._post
 
 def test_a_robot_of_one_mode_and_no_give_is_told_what_cannot_be_compared(tmp_path):
     """Fewer modes than are judged, and a chain without any compliance: not a failed run."""
-    context = Context(robot_of(RIGID, tmp_path), "quick")
+    bob = robot_of(f"{PENDULUM}[path]\nposes = [[0.0], [0.3]]\n", tmp_path)
+    context = Context(bob, "quick")
     cases = [one for one in catalogue(context.robot_file) if isinstance(one, Case)]
     compared = {execute(case, context).verdict for case in cases if "quick" in case.presets}
     assert compared == {"agree", "skipped"}
