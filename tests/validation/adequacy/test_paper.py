@@ -73,6 +73,14 @@ def test_a_rigid_model_knows_no_motion_along_z(paper):
     assert entry.remedy == "use vjm"
 
 
+def test_the_matrix_is_of_the_path_of_all_models_and_of_both_readings(paper):
+    assert list(map(str, paper.coordinates)) == ["x (m)"]
+    assert np.allclose(paper.poses, load_robot("ifw").mechanism.poses)
+    assert [note.model for note in paper.models] == list(judged_models(load_robot("ifw").mechanism))
+    assert paper.supposed.startswith("for every plausible distribution")
+    assert any("give f1" in note for note in paper.notes)
+
+
 def test_a_given_leg_is_its_own_reference(paper):
     matrix = paper.parts[0]
     assert matrix.verdict("vjm") == "adequate"
