@@ -247,10 +247,12 @@ def test_more_digits_leave_less_and_those_of_no_leg_nothing(printed):
     assert not any(left_by_digits(one.text, postures).any() for one in (five_bar, printed))
 
 
-@pytest.mark.parametrize(("model", "count"), [("vjm", 60), ("segments", 8)])
-def test_solve_says_what_the_digits_leave_open_at_most(printed, draws, model, count):
+@pytest.mark.parametrize(
+    ("model", "given", "count"), [("vjm", {}, 60), ("segments", {"elements": 4}, 8)]
+)
+def test_solve_says_what_the_digits_leave_open_at_most(printed, draws, model, given, count):
     def solved(robot, *, digits=False):
-        return solve(Question(robot, model, {}, digits=digits)).answers[0]
+        return solve(Question(robot, model, given, digits=digits)).answers[0]
 
     def sizes(answer):
         return np.concatenate([np.diag(answer.compliance), answer.frequencies])

@@ -105,10 +105,9 @@ def test_differences_with_a_name_vanish_with_the_exponent_of_their_cause(name):
         assert low < amounts[0] < high
 
 
-@pytest.mark.parametrize("nu", [0.3, 0.45])
-def test_what_held_faces_leave_beside_theory_lies_within_what_the_mesh_leaves_open(nu):
+def test_what_held_faces_leave_beside_theory_lies_within_what_the_mesh_leaves_open():
     """Beam and end effects are exact: what is left converges with the order of the held edges."""
-    foam = replace(Material.isotropic(3.0e9, nu, 1100.0), G=0.8e9)
+    foam = replace(Material.isotropic(3.0e9, 0.45, 1100.0), G=0.8e9)
     tube = ConstantLeg(0.66, Tube(0.14, 0.0137), foam)
     context = Context(file_of(like_ifw(leg1=tube)), "quick")
     for entry in ((0, 0), (1, 1)):

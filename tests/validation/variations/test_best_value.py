@@ -33,7 +33,7 @@ name = "bar on a slide"
 points = {{ A = [0.0, 0.0, 0.0], P = [{LENGTH}, 0.0, 0.0] }}
 tool = {{ body = "bar", point = "P", moves = ["y"], mass = {TOOL} }}
 path = {{ poses = [[0.0]] }}
-accept = {{ modes = 2 }}
+accept = {{ modes = 1 }}
 [bodies.bar]
 from = "A"
 to = "P"
