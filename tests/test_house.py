@@ -83,5 +83,8 @@ def test_nothing_is_parsed_out_of_ids_and_titles():
     for text in ("case.id.startswith('robot.')", "'solid' in case.title", "case.quantity[0]"):
         assert PARSED.search(text), text
     for path in (ROOT / "validation").rglob("*.py"):
-        code = ast.unparse(ast.parse(path.read_text(encoding="utf-8")))
-        assert not PARSED.search(code), (path, PARSED.search(code))
+        text = path.read_text(encoding="utf-8")
+        # Without comments where there is anything: parsing all files takes a second.
+        if PARSED.search(re.sub(r"\s*\n\s*", "", text)):
+            code = ast.unparse(ast.parse(text))
+            assert not PARSED.search(code), (path, PARSED.search(code))

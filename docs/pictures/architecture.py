@@ -8,6 +8,7 @@ above the highest row that it imports from, so that every import points downward
 
 import ast
 from collections.abc import Iterable, Mapping
+from functools import cache
 from html import escape
 from pathlib import Path
 
@@ -36,13 +37,19 @@ def room_of(name: str) -> str:
 
 def imports(path: Path, known: Mapping[str, Path]) -> set[str]:
     """Modules of the house that a file imports, wherever in it."""
+    return imported(path) & set(known)
+
+
+@cache
+def imported(path: Path) -> set[str]:
+    """Modules that a file imports, and whatever else it imports from them."""
     named: set[str] = set()
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):
             named |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
             named |= {str(node.module), *(f"{node.module}.{alias.name}" for alias in node.names)}
-    return named & set(known)
+    return named
 
 
 def uses() -> dict[str, set[str]]:

@@ -8,48 +8,40 @@ from concurrent.futures import ThreadPoolExecutor
 from hashlib import sha256
 
 import gmsh
-import numpy as np
 import pytest
 
 from lumped.errors import ComputationError, InputError
 from lumped.sections import Rectangle
 from meshes.gmsh_session import gmsh_model
 from meshes.prism import tetrahedra
-from meshes.processes import Crashed, in_own_process, within_limits
+from meshes.processes import Crashed, Process, in_own_process, within_limits
 
-
-def refused(*faults):
-    raise InputError(faults)
+REFUSED = "from lumped.errors import InputError; raise InputError(('one', 'two'))"
 
 
 def test_values_and_errors_come_back_from_another_process():
-    assert in_own_process(divmod, 7, 2) == (3, 1)
+    process = Process()
     # In a session of its own, where Ctrl-C and hang-ups of a terminal do not reach it.
-    assert in_own_process(os.getsid, 0) != os.getsid(0)
+    questions = (divmod, 7, 2), (os.getsid, 0), (exec, REFUSED), (divmod, 1, 0)
+    for question in questions:
+        process.ask(*question)
+    assert process.answer() == (3, 1)
+    assert process.answer() != os.getsid(0)
     with pytest.raises(InputError, match="one") as raised:
-        in_own_process(refused, "one", "two")
+        process.answer()
     assert raised.value.faults == ("one", "two")
     with pytest.raises(ComputationError, match="ZeroDivisionError"):
-        in_own_process(divmod, 1, 0)
-
-
-def busy():
-    while True:
-        pass
-
-
-def hungry():
-    """Ten gigabytes, of which none is touched."""
-    return np.zeros(10**10, np.uint8).size
+        process.answer()
+    process.end()
 
 
 def test_crashes_and_limits_of_time_and_memory_end_it_alone_and_say_which():
     with pytest.raises(Crashed, match="was ended by SIGABRT"):
         in_own_process(os.abort)
     with pytest.raises(Crashed, match="was ended by SIGXCPU, its time was up"):
-        within_limits(0.5, busy)
+        within_limits(0.5, all, range(1, 10**15))
     with pytest.raises(Crashed, match="more than 8 GB of memory would be needed"):
-        within_limits(0.5, hungry)
+        within_limits(0.5, bytes, 10**10)
     assert within_limits(0.5, resource.getrlimit, resource.RLIMIT_CORE)[0] == 0
     assert resource.getrlimit(resource.RLIMIT_CPU)[0] == resource.RLIM_INFINITY
 
@@ -60,7 +52,7 @@ def test_failures_of_gmsh_name_the_part_and_others_pass_unchanged_and_all_close_
         session.option.getNumber("Mesh.NoSuchOption")
     assert not gmsh.isInitialized()
     with pytest.raises(InputError, match="mine"), gmsh_model("part"):
-        refused("mine")
+        raise InputError("mine")
     assert not gmsh.isInitialized()
 
 

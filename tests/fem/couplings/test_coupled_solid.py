@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from drawn_parts import meshed
+from drawn_parts import meshed, read_here
 from prismatic_legs import STEEL
 from scipy.sparse import block_array, block_diag, csc_array, csr_array
 from scipy.sparse.linalg import splu
@@ -19,7 +19,6 @@ from fem.couplings.grips import area_weights, rigid_motions
 from fem.elasticity import on_three_components
 from lumped.mechanism.body import ByCylinder, ByPlane, PartInterface
 from meshes.part.interfaces import find_interfaces
-from meshes.part.reading.read import read_part
 
 # The second bore is referred to a point beside its axis.
 OFF = np.array([1e-3, 2e-3, 0.0])
@@ -27,20 +26,20 @@ OFF = np.array([1e-3, 2e-3, 0.0])
 
 @pytest.fixture(scope="module")
 def lug(tmp_path_factory):
-    """A coarse bar of 200 × 40 × 30 mm with bores of radius 8 and 5, and a flat end."""
+    """A coarse bar of 100 × 40 × 30 mm with bores of radius 8 and 5, and a flat end."""
 
     def draw(kernel):
-        bar = kernel.addBox(0.0, -20.0, -15.0, 200.0, 40.0, 30.0)
-        bores = [(3, kernel.addCylinder(x, 0, -30, 0, 0, 60, r)) for x, r in ((20, 8), (180, 5))]
+        bar = kernel.addBox(0.0, -20.0, -15.0, 100.0, 40.0, 30.0)
+        bores = [(3, kernel.addCylinder(x, 0, -30, 0, 0, 60, r)) for x, r in ((20, 8), (80, 5))]
         kernel.cut([(3, bar)], bores)
 
-    file = read_part(meshed(tmp_path_factory.mktemp("lug") / "lug.msh", draw, 40.0, 9.0), "mm")
+    file = read_here(meshed(tmp_path_factory.mktemp("lug") / "lug.msh", draw, 40.0, 9.0), "mm")
     return file, meshed_part(file.mesh, STEEL)
 
 
 def grips_on(file, *kinds):
     """Both bores, and the flat end where there are three kinds."""
-    choices = ByCylinder(0.008), ByCylinder(0.005), ByPlane((1.0, 0.0, 0.0), (0.2, 0.0, 0.0))
+    choices = ByCylinder(0.008), ByCylinder(0.005), ByPlane((1.0, 0.0, 0.0), (0.1, 0.0, 0.0))
     chosen = enumerate(zip(choices, kinds, strict=False))
     wanted = {f"I{k}": PartInterface(choice, kind) for k, (choice, kind) in chosen}
     first, second, *others = find_interfaces(file, wanted)

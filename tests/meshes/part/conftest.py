@@ -1,17 +1,12 @@
 """Parts made on the spot by gmsh's kernel, as STEP in millimetres, and read in this process."""
 
 import pytest
-from drawn_parts import written
-
-from meshes.part import volume
-from meshes.part.reading import read
+from drawn_parts import here, written
 
 
 @pytest.fixture
 def in_this_process(monkeypatch):
-    """Files that do not end the CAD kernel are read and meshed without a process of their own."""
-    for module in (read, volume):
-        monkeypatch.setattr(module, "within_limits", lambda _, function, *rest: function(*rest))
+    here(monkeypatch)
 
 
 @pytest.fixture(scope="session")

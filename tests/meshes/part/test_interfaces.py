@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-from drawn_parts import meshed, written
+from drawn_parts import meshed, read_here, written
 
 from lumped.errors import InputError
 from lumped.mechanism.body import ByCylinder, ByFaces, ByName, ByPlane, PartInterface
 from meshes.part.interfaces import find_interfaces
-from meshes.part.reading.read import read_part
 
 
 @pytest.fixture(scope="module")
@@ -19,7 +18,7 @@ def lug(tmp_path_factory):
         bores = [(3, occ.addCylinder(x, 0, -30, 0, 0, 60, r)) for x, r in ((20, 8), (180, 5))]
         occ.cut([(3, bar)], bores)
 
-    return read_part(written(tmp_path_factory.mktemp("parts") / "lug.step", draw))
+    return read_here(written(tmp_path_factory.mktemp("parts") / "lug.step", draw))
 
 
 def test_a_bore_is_found_by_its_radius_and_a_plane_by_its_outward_normal_and_a_point(lug):
@@ -46,7 +45,6 @@ def fork(occ):
     occ.cut([(3, bar)], [(3, one) for one in (*bores, slot)])
 
 
-@pytest.mark.usefixtures("in_this_process")
 @pytest.mark.parametrize("suffix", ["step", "msh"])
 def test_bores_of_one_radius_are_told_apart_by_place_and_a_broken_one_is_one(suffix, tmp_path):
     path = tmp_path / f"fork.{suffix}"
@@ -55,7 +53,7 @@ def test_bores_of_one_radius_are_told_apart_by_place_and_a_broken_one_is_one(suf
         name: PartInterface(ByCylinder(0.006, point=(x, 0.0, 0.0)))
         for name, x in (("whole", 0.1), ("broken", 0.18))
     }
-    whole, broken = find_interfaces(read_part(file, "mm"), wanted)
+    whole, broken = find_interfaces(read_here(file, "mm"), wanted)
     assert (len(whole.faces), len(broken.faces)) == (1, 2)
     for bore, x, height in ((whole, 0.1, 0.03), (broken, 0.18, 0.02)):
         assert bore.point == pytest.approx([x, 0.0, 0.0], abs=1e-8)
