@@ -1,19 +1,230 @@
-"""One leg as a solid, direct and by doubling: beam theory, thin-wall theory, known values."""
+"""One leg as a solid: beam theory, thin walls, known values; modes, counted, against dense ones."""
+
+from functools import partial
 
 import numpy as np
 import pytest
 from compliances import scaled_difference
 from prismatic_legs import CUBIC, LEG_1, LEG_2, STEEL, meshed
+from scipy.linalg import eigh, null_space
+from scipy.sparse import csr_array, eye_array
 
 from fem.bodies.doubling import condensed_leg, tip_compliance
 from fem.bodies.solid import clamped_leg, section_twists, solid_leg, solid_mesh
 from fem.sections.section_constants import beam_properties, section_constants
+from fem.solvers.block_lanczos import Ritz, merged
+from fem.solvers.certificate import count_below, pencil
+from fem.solvers.factor import Inertia, analyse
+from fem.solvers.modes import MissedModesError, certify, lowest_modes
 from lumped.errors import ComputationError, InputError
 from lumped.legs import ConstantLeg, Material
 from lumped.legs import tip_compliance as beam_tip_compliance
-from lumped.sections import ISection, Rectangle, Tube
+from lumped.sections import Circle, ISection, Rectangle, Tube
 from meshes.prism import tetrahedra
 from meshes.section.section_mesh import section_mesh
+
+# Both solve one matrix pencil; what is left is rounding, eps times the condition of K (some 1e5).
+SAME = 1e-10
+
+
+def leg(section, length=0.6, slices=6, ends="rigid"):
+    return clamped_leg(meshed(ConstantLeg(length, section, STEEL), 1, slices), ends)
+
+
+def of_tetrahedra():
+    one = ConstantLeg(0.3, Rectangle(0.1, 0.1), STEEL)
+    return clamped_leg(solid_leg(one, tetrahedra(one.section, one.length, 1)))
+
+
+def dense_solution(clamped):
+    """Eigenvalues and vectors (on the leg's unknowns) by LAPACK, constraints eliminated.
+
+    As M φ = θ K φ: LAPACK's errors are relative to the largest eigenvalue, here the lowest mode's.
+    """
+    allowed = null_space(clamped.root.T)
+    K, M = clamped.solid.stiffness, clamped.solid.mass
+    theta, vectors = eigh(allowed.T @ (M @ allowed), allowed.T @ (K @ allowed))
+    vectors = allowed @ vectors
+    return 1.0 / theta[::-1], vectors[:, ::-1] / np.sqrt(theta[::-1])
+
+
+def hertz(values):
+    return np.sqrt(values) / (2.0 * np.pi)
+
+
+@pytest.fixture(scope="module", params=["rigid", "free"])
+def bar(request):
+    clamped = leg(Rectangle(0.08, 0.12), slices=4, ends=request.param)
+    return clamped, *dense_solution(clamped)
+
+
+@pytest.mark.parametrize(
+    "clamped",
+    [
+        # Near squares: bending modes in pairs up to 0.01 % apart.
+        lambda: leg(Rectangle(0.1, 0.1 * (1.0 + 1e-6)), slices=3),
+        lambda: leg(Rectangle(0.1, 0.1 * (1.0 + 1e-4)), slices=3, ends="free"),
+        lambda: leg(Circle(0.1), slices=3, ends="free"),
+        of_tetrahedra,
+    ],
+    ids=["nearly square", "nearly square, free", "circle", "tetrahedra"],
+)
+def test_modes_equal_a_dense_solution(clamped):
+    clamped = clamped()
+    values, _ = dense_solution(clamped)
+    for number in (1, 5, 12, 8):
+        found = clamped.modes(number)
+        np.testing.assert_allclose(found.frequencies, hertz(values[:number]), rtol=SAME)
+        assert found.count == (values < found.shift).sum() >= number
+    whole = clamped.solid.transformation
+    amplitudes = np.linalg.lstsq(whole.toarray(), found.shapes, rcond=None)[0]
+    gram = amplitudes.T @ (clamped.solid.mass @ amplitudes)
+    np.testing.assert_allclose(gram, np.eye(8), atol=1e-12)
+
+
+def test_errors_bound_the_true_ones(bar):
+    clamped, values, _ = bar
+    found = clamped.modes(20)
+    true = np.abs(found.frequencies / hertz(values[:20]) - 1.0)
+    # Beside the residual's share, rounding of LAPACK and of the factor.
+    assert np.all(true <= found.frequency_errors + SAME)
+    assert found.frequency_errors.max() <= 5e-7
+
+
+def test_a_pair_stays_whole_although_the_number_of_modes_would_cut_it():
+    clamped = leg(Rectangle(0.1, 0.1), slices=4)
+    values, _ = dense_solution(clamped)
+    assert values[1] / values[0] - 1.0 < 1e-9
+    found = clamped.modes(1)
+    assert (found.count, len(found.frequencies)) == (2, 1)
+    assert values[1] < found.shift < values[2]
+    found, again = (clamped.modes(6) for _ in range(2))
+    np.testing.assert_allclose(found.frequencies, hertz(values[:6]), rtol=SAME)
+    np.testing.assert_array_equal(found.shapes, again.shapes)
+
+
+def test_count_is_that_of_dense_eigenvalues(bar):
+    clamped, values, _ = bar
+    for below in (0, 2, 12, 100):
+        lower = values[below - 1] if below else 0.0
+        gap = values[below] - lower
+        # Near either of the two eigenvalues too: a tenth of the certificate's usual distance.
+        near = min(0.001 * values[below], 0.4 * gap)
+        for sigma in (lower + 0.5 * gap, lower + near, values[below] - near):
+            assert clamped.rooted_inertia(sigma) == (below, 0, len(values) - below)
+    # A shift on an eigenvalue has no sign or moves the count by one.
+    found = clamped.rooted_inertia(values[5])
+    assert found.negative in {5, 6}
+    assert found.zero <= 1
+
+
+def test_count_without_room_for_two_factors(bar, monkeypatch):
+    """The factor of K makes room for that of the count, and comes again for a solve."""
+    clamped, values, _ = bar
+    loads = clamped.equilibrated(clamped.loads)
+    before, first = clamped.factor.solve(loads), clamped.factor.numeric
+    enough = 4 * clamped.factor.symbolic.peak_bytes
+    monkeypatch.setattr("fem.solvers.factor.available_memory", lambda: enough)
+    assert clamped.rooted_inertia(0.5 * (values[5] + values[6])).negative == 6
+    assert clamped.factor.numeric is first
+    monkeypatch.setattr("fem.solvers.factor.available_memory", lambda: enough - 1)
+    for below in (6, 9):
+        assert clamped.rooted_inertia(0.5 * (values[below - 1] + values[below])).negative == below
+    assert clamped.factor.numeric is not first
+    np.testing.assert_array_equal(clamped.factor.solve(loads), before)
+
+
+def test_modes_are_counted_with_one_factor_at_a_time(bar):
+    clamped, _, _ = bar
+    loads = clamped.equilibrated(clamped.loads)
+    before = clamped.factor.solve(loads)
+    clamped.modes(3)
+    assert "numeric" not in vars(clamped.factor)
+    np.testing.assert_array_equal(clamped.factor.solve(loads), before)
+
+
+def test_residuals_of_two_searches_stay_with_their_modes():
+    first, second = (
+        Ritz(np.array(values), np.ones((2, len(values))), np.array(residuals), np.inf)
+        for values, residuals in (([1.0, 3.0], [1e-9, 2e-9]), ([2.0], [5e-9]))
+    )
+    both = merged(first, second)
+    assert both.values.tolist() == [1.0, 2.0, 3.0]
+    assert both.residuals.tolist() == [1e-9, 5e-9, 2e-9]
+
+
+def test_a_missing_mode_and_one_too_many_fail_the_certificate(bar):
+    clamped, values, _ = bar
+    count, message = clamped.rooted_inertia, "leg: certificate of the modes failed: 6 lie"
+    assert values[5] < certify(values[:6], values[6], count, "leg") < values[6]
+    with pytest.raises(MissedModesError, match=message) as one:
+        certify(np.delete(values[:6], 4), values[6], count, "leg")
+    assert one.value.missing == 1
+    with pytest.raises(ComputationError, match=message):
+        certify(np.sort(np.append(values[:6], values[4])), values[6], count, "leg")
+
+
+def test_a_shift_on_a_mode_moves_and_zero_pivots_at_every_shift_are_an_error(bar):
+    clamped, values, _ = bar
+    counts = iter([1, 1, 1, 0])
+
+    def zero_three_times(sigma):
+        return clamped.rooted_inertia(sigma)._replace(zero=next(counts))
+
+    # The second mode lies less than three times as high as the first in ω², so half way counts.
+    shift = certify(values[:1], values[1], zero_three_times, "leg")
+    assert shift == pytest.approx(0.5 * (values[0] + values[1]), rel=1e-12)
+    with pytest.raises(ComputationError, match="leg: certificate of the modes failed: zero pivots"):
+        certify(values[:1], values[1], lambda _: Inertia(1, 1, 0), "leg")
+
+
+def blinded_modes(clamped, lost, *, sees_again):
+    """Modes by a factor that loses one from every solution, or does so up to the first count."""
+    mass, counts = clamped.solid.mass, []
+
+    def solve(right_hand_sides):
+        x = clamped.flexibility(right_hand_sides)
+        return x if sees_again and counts else x - lost[:, None] * (lost @ (mass @ x))
+
+    def count(sigma):
+        counts.append(sigma)
+        return clamped.rooted_inertia(sigma)
+
+    return lowest_modes(solve, mass, 6, count, "leg")
+
+
+def test_missed_mode_is_found_beside_the_others_or_an_error(bar):
+    clamped, values, vectors = bar
+    with pytest.raises(ComputationError, match="certificate of the modes failed"):
+        blinded_modes(clamped, vectors[:, 5], sees_again=False)
+    found = blinded_modes(clamped, vectors[:, 0], sees_again=True)
+    np.testing.assert_allclose(found.frequencies, hertz(values[:6]), rtol=SAME)
+    gram = found.shapes.T @ (clamped.solid.mass @ found.shapes)
+    np.testing.assert_allclose(gram, np.eye(6), atol=1e-12)
+    # Whatever the first search has found is not searched for again.
+    assert found.count == 7
+
+
+def test_double_mode_of_a_very_slender_leg():
+    """87 diameters long: K's largest eigenvalue is 1e11 times its lowest mode's."""
+    found = leg(Circle(0.0873), length=7.6, slices=40).modes(2)
+    assert found.count == 2
+    # Bernoulli's cantilever 1.8751²/2π √(EI/ρA)/L²; shear and rotary inertia take 1e-4, and
+    # slices of two diameters and the held face add no more than that.
+    exact = 1.8751041**2 / (2.0 * np.pi) * np.sqrt(2.1e11 / 7850.0) * (0.0873 / 4.0) / 7.6**2
+    np.testing.assert_allclose(found.frequencies, exact, rtol=3e-3)
+
+
+def test_every_mode_is_found_and_wrong_input_and_more_modes_than_have_mass_are_refused(bar):
+    K, M = csr_array(np.diag(np.arange(1.0, 13.0))), csr_array(eye_array(12))
+    solve = analyse(K).factorise().solve
+    found = lowest_modes(solve, M, 12, partial(count_below, pencil(K, M)), "matrix")
+    np.testing.assert_allclose(found.frequencies, hertz(np.arange(1.0, 13.0)), rtol=1e-13)
+    light = csr_array(np.diag((np.arange(12) < 4).astype(float)))
+    with pytest.raises(ComputationError, match="leg: 5 modes asked for, but fewer have mass"):
+        lowest_modes(solve, light, 5, lambda _: None, "leg")
+    with pytest.raises(InputError, match="modes = 0"):
+        bar[0].modes(0)
 
 
 def beam_with_mesh_constants(section, length):

@@ -3,7 +3,7 @@
 That is every node and every joint written out and one null space. All nodes have six unknowns,
 every joint six more for its relative twist, and every condition (a rigid body, a joint's direction
 that does not give way) is a row. K̂ = TᵀKT with the null space T of all rows by SVD; idle motions
-are left out by the pseudo-inverse.
+are left out by the pseudo-inverse. Many postures at once are held against each by itself.
 """
 
 from contextlib import suppress
@@ -19,15 +19,20 @@ from lumped.legs import ConstantLeg
 from lumped.mechanism.body import Body, Frame, Rigid
 from lumped.mechanism.free_twists import free_twists, interface_position, turned_since_reference
 from lumped.mechanism.joint import Drive
+from lumped.mechanism.kinematics.postures import posture
 from lumped.mechanism.mechanism import GROUND, Tool
 from lumped.models import serial_chains
 from lumped.models.bodies import legs_of, links, tip_compliances
 from lumped.models.segments import segment_chain, segment_leg
+from lumped.robot_file import load_robot
 from lumped.screws import shift, turn_matrix
 from lumped.sections import Rectangle
-from lumped.system.assembly import assemble
+from lumped.system.assembly import assemble, assembly
 from lumped.system.joint_motion import Portion
 from lumped.system.solution import compliance, modes, solved, strain_shares
+from lumped.system.sweep import swept
+from validation.models.mechanism import dynamic_bodies, static_bodies
+from validation.models.options import ModelOptions
 
 X, Y, Z = np.eye(3)
 WIDTH, LENGTH, STIFFNESS = 0.3, 0.7, 1e4
@@ -212,3 +217,32 @@ def test_compliance_idle_motions_and_frequencies_are_those_of_the_null_space(see
     if len(inverse):
         frequencies = modes(solution, len(inverse)).frequencies
         assert (2 * np.pi * frequencies) ** -2 == pytest.approx(inverse, rel=1e-7 * grown)
+
+
+def postures_of(name):
+    mechanism = load_robot(name).mechanism
+    return [posture(mechanism, pose) for pose in mechanism.poses[::4]]
+
+
+@pytest.mark.parametrize(("name", "elements"), [("ifw", 60), ("five-bar", 4), ("delta", 60)])
+def test_many_postures_are_each_of_them(name, elements):
+    """Reduced bodies, bodies as they stand, and a Delta whose rods spin idly."""
+    at, options = postures_of(name), ModelOptions(elements=elements)
+    prepared = assembly(at[0].mechanism, dynamic_bodies("beam", at[0].mechanism, 500.0, options))
+    found, statics = swept(prepared, at, 8), swept(prepared, at, 0)
+    assert statics.frequencies.shape == (len(at), 0)
+    assert np.abs(statics.compliances - found.compliances).max() <= 1e-12 * found.compliances.max()
+    for number, one in enumerate(at):
+        solution = solved(prepared.at(one))
+        expected = compliance(solution)
+        size = np.abs(expected).max()
+        assert np.abs(found.compliances[number] - expected).max() <= 1e-12 * size
+        assert found.frequencies[number] == pytest.approx(modes(solution, 8).frequencies, rel=1e-11)
+        assert found.idle[number] == solution.idle
+
+
+def test_a_posture_with_too_few_modes_is_named():
+    at = postures_of("five-bar")
+    prepared = assembly(at[0].mechanism, static_bodies("links", at[0].mechanism))
+    with pytest.raises(ComputationError, match=r"at x = .* 4 modes asked for, but fewer have mass"):
+        swept(prepared, at, 4)
