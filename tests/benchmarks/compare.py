@@ -4,7 +4,7 @@
 
 Each measurement is a process of its own, on two threads, with nothing kept by an earlier one. The
 rows take turns, N times (three unless told), and medians are printed. What is not installed is left
-out: CalculiX (`ccx`), NGSolve, MKL (pypardiso). A ROW is a name of the list, or how it begins.
+out: CalculiX (`ccx`), NGSolve. A ROW is a name of the list, or how it begins.
 """
 
 # ruff: noqa: T201, E402, PLC0415  a script that prints its figures; other programs may be missing
@@ -29,7 +29,6 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 
 import numpy as np
-from scipy.sparse import csr_array, triu
 
 from fem.bodies.doubling import condensed_leg, tip_compliance
 from fem.bodies.solid import clamped_leg, solid_leg
@@ -135,25 +134,6 @@ def own(size: str) -> Figures:
     return figures | {"below": below, "count": perf_counter() - begun}
 
 
-def mkl(size: str) -> Figures:
-    """The same by MKL PARDISO's LLᵀ, without the count."""
-    from pypardiso import PyPardisoSolver
-
-    K, _ = _matrices(size)
-    triangle = csr_array(triu(K))
-    solver = PyPardisoSolver(mtype=2)
-
-    def call(phase: int, loads):
-        solver.set_phase(phase)
-        return np.asarray(solver._call_pardiso(triangle, np.asfortranarray(loads)))
-
-    start = perf_counter()
-    call(11, np.zeros((K.shape[0], 1)))
-    analysed = perf_counter()
-    call(22, np.zeros((K.shape[0], 1)))
-    return _times(start, analysed, partial(call, 33), K)
-
-
 def ngsolve(size: str) -> Figures:
     """The same by NGSolve's sparse Cholesky, which has no count."""
     from ngsolve import SetNumThreads, TaskManager
@@ -252,7 +232,6 @@ ROWS = {
 }
 for _size in LEGS:
     ROWS[f"factor {_size}"] = partial(own, _size)
-    ROWS[f"factor {_size}, MKL"] = partial(mkl, _size)
     ROWS[f"factor {_size}, NGSolve"] = partial(ngsolve, _size)
 for _typed in (
     "--help",
@@ -265,7 +244,6 @@ for _typed in (
     ROWS[f"flexproof {_typed}"] = partial(command, *_typed.split())
 INSTALLED = {
     "CalculiX": which("ccx"),
-    "MKL": find_spec("pypardiso"),
     "NGSolve": find_spec("ngsolve"),
 }
 
