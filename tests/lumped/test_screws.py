@@ -54,30 +54,19 @@ def test_turned_and_moved_compliance_keeps_the_energy(seed):
     [
         (name_twists, [[0, 0, -3, 0, 0, 0]], "translate along z"),
         # The loaded point moves along +y when the robot turns about z at 0.5 m on its −x side.
-        (
-            name_twists,
-            [[0, 0.5, 0, 0, 0, 1]],
-            "turn about z through (-0.5, 0, 0) m from the loaded point",
-        ),
-        (
-            name_twists,
-            [[0, 0, 0.02, 0, 0, 1]],
-            "turn about z through the loaded point with a pitch of 0.02 m/rad",
-        ),
+        (name_twists, [[0, 0.5, 0, 0, 0, 1]], "turn about z through (-0.5, 0, 0) m from B"),
+        (name_twists, [[0, 0, 0.02, 0, 0, 1]], "turn about z through B with a pitch of 0.02 m/rad"),
         (
             name_twists,
             [[0.3, 1, 0, 0, 0, 1], [0, 1, 0, 0, 0, 0]],
-            "turn about z through (0, 0.3, 0) m from the loaded point and translate along y",
+            "turn about z through (0, 0.3, 0) m from B and translate along y",
         ),
-        (name_wrenches, [[0, 7, 0, 0, 0, 0]], "a force along y through the loaded point"),
+        (name_wrenches, [[0, 7, 0, 0, 0, 0]], "a force along y through B"),
         (name_wrenches, [[0, 0, 0, 0, 0, 2]], "a moment about z"),
         # r × F = (0.5, 0, 0) × (0, 1, 0) = (0, 0, 0.5)
-        (
-            name_wrenches,
-            [[0, 1, 0, 0, 0, 0.5]],
-            "a force along y through (0.5, 0, 0) m from the loaded point",
-        ),
+        (name_wrenches, [[0, 1, 0, 0, 0, 0.5]], "a force along y through (0.5, 0, 0) m from B"),
     ],
 )
 def test_twists_and_wrenches_in_words(name, screws, words):
-    assert name(np.array(screws, dtype=float), 0.8) == words
+    named = name(np.array(screws, dtype=float), 0.8)
+    assert named.replace("the loaded point", "B") == words

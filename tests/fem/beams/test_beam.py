@@ -347,6 +347,7 @@ STEPS = """*STEP
 """
 
 
+@pytest.mark.exhaustive
 @pytest.mark.skipif(not any(map(shutil.which, PROGRAMS)), reason="CalculiX (ccx) is not installed")
 def test_calculix_buckles_and_loads_the_same_column(tmp_path):
     column = ConstantLeg(0.8, Rectangle(0.05, 0.06), Material.isotropic(2.1e11, 0.0, 7850.0))

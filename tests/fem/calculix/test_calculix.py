@@ -235,6 +235,7 @@ def receptances_by_calculix(text, folder):
 
 
 @needs_calculix
+@pytest.mark.exhaustive
 def test_a_damped_leg_swings_as_calculix_says(tmp_path):
     """What forty modes of CalculiX leave out stands still, and is too small to be seen at peaks."""
     leg = ConstantLeg(0.5, Rectangle(0.04, 0.06), STEEL)

@@ -1,8 +1,8 @@
 """A square bar as a part: modes counted, reductions by held and by free ones, all against dense."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import cached_property
 from types import SimpleNamespace
-from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -28,7 +28,8 @@ LENGTH, SIDE = 0.14, 0.03
 COUPLINGS = {"two": {"A": "rigid", "B": "average"}, "one": {"A": "average"}}
 
 
-class Bar(NamedTuple):
+@dataclass(frozen=True)
+class Bar:
     """A square bar and its interfaces at its ends."""
 
     part: MeshedPart
@@ -46,6 +47,15 @@ class Bar(NamedTuple):
         squared = eigh(stiffness, mass, eigvals_only=True)
         return np.sqrt(np.maximum(squared, 0.0)) / (2.0 * np.pi)
 
+    @cached_property
+    def held_frequencies(self):
+        return self.frequencies(self.rooted.solid.twists.shape[1])
+
+    @cached_property
+    def free_frequencies(self):
+        """Elastic ones."""
+        return self.frequencies(0)[6:]
+
 
 @pytest.fixture(scope="module", params=COUPLINGS.values(), ids=COUPLINGS)
 def bar(request, tmp_path_factory):
@@ -57,18 +67,6 @@ def bar(request, tmp_path_factory):
     part = meshed_part(file.mesh, STEEL)
     rooted = held_part(part, grips_of(file.mesh, find_interfaces(file, ends)), "bar")
     return Bar(part, rooted, held_body(rooted))
-
-
-@pytest.fixture(scope="module")
-def held_frequencies(bar):
-    """All that moves with the twists of all interfaces held (Hz)."""
-    return bar.frequencies(bar.rooted.solid.twists.shape[1])
-
-
-@pytest.fixture(scope="module")
-def free_frequencies(bar):
-    """Elastic ones of the free bar (Hz)."""
-    return bar.frequencies(0)[6:]
 
 
 def test_every_interface_is_a_grip_of_all_of_its_faces():
@@ -93,12 +91,10 @@ def test_it_has_the_mass_the_centre_and_the_inertia_of_a_box_that_memory_must_ho
 
 
 @pytest.mark.parametrize("free", [False, True])
-def test_inertia_counts_what_a_dense_eigensolver_finds(
-    bar, held_frequencies, free_frequencies, free
-):
+def test_inertia_counts_what_a_dense_eigensolver_finds(bar, free):
     """Of the bar with its interfaces held, and of the free bar without its rigid motions."""
     body = free_body(bar.rooted) if free else bar.held
-    frequencies = free_frequencies if free else held_frequencies
+    frequencies = bar.free_frequencies if free else bar.held_frequencies
     # Those of fewer unknowns are all solved densely.
     assert body.size > counting._DENSE_SIZE
     if free:
@@ -110,7 +106,8 @@ def test_inertia_counts_what_a_dense_eigensolver_finds(
             assert (found.negative, found.zero) == (below, 0)
 
 
-def test_a_reduction_has_the_modes_that_are_counted(bar, held_frequencies):
+def test_a_reduction_has_the_modes_that_are_counted(bar):
+    held_frequencies = bar.held_frequencies
     cutoff = 1.001 * held_frequencies[14]
     found = reduction(bar.held, 0.4 * cutoff, cutoff)
     below = held_frequencies[held_frequencies < found.cutoff]
@@ -145,15 +142,13 @@ def kept_by(rows, searches):
     return blind
 
 
-def test_missed_modes_are_counted_and_searched_for_and_else_an_error(
-    bar, held_frequencies, monkeypatch
-):
-    cutoff = 1.001 * held_frequencies[9]
+def test_missed_modes_are_counted_and_searched_for_and_else_an_error(bar, monkeypatch):
+    cutoff = 1.001 * bar.held_frequencies[9]
     for missed in (0, 7):
         blind = kept_by(lambda count, missed=missed: np.delete(np.arange(count), missed), 1)
         monkeypatch.setattr(counting, "interface_modes", blind)
         found = counted_modes(bar.held, cutoff)
-        below = held_frequencies[held_frequencies < cutoff]
+        below = bar.held_frequencies[bar.held_frequencies < cutoff]
         assert found.counted == len(below)
         assert_allclose(found.frequencies, below, rtol=1e-8)
         gram = found.shapes.T @ (bar.held.mass @ found.shapes)
@@ -169,8 +164,8 @@ CLAMPED, COUNT = 6, 6
 
 
 @pytest.fixture(scope="module")
-def cutoff(free_frequencies):
-    return 1.001 * free_frequencies[6]
+def cutoff(bar):
+    return 1.001 * bar.free_frequencies[6]
 
 
 @pytest.fixture(scope="module")
@@ -178,13 +173,13 @@ def found(bar, cutoff):
     return free_interface(bar.rooted, cutoff / 2.5, cutoff)
 
 
-def test_free_modes_below_the_cut_off_span_it_and_statics_are_exact(bar, found, free_frequencies):
+def test_free_modes_below_the_cut_off_span_it_and_statics_are_exact(bar, found):
     """Its matrices by the dense triple product; unknowns are the twists of the interfaces."""
     reduced, _ = found
     assert reduced.counted == len(reduced.frequencies) == 7
-    assert_allclose(reduced.frequencies, free_frequencies[:7], rtol=1e-8)
+    assert_allclose(reduced.frequencies, bar.free_frequencies[:7], rtol=1e-8)
     own = eigh(reduced.stiffness, reduced.mass, eigvals_only=True)[6:]
-    assert_allclose(np.sqrt(own[:7]) / (2.0 * np.pi), free_frequencies[:7], rtol=1e-8)
+    assert_allclose(np.sqrt(own[:7]) / (2.0 * np.pi), bar.free_frequencies[:7], rtol=1e-8)
     solid, V = bar.rooted.solid, reduced.recovery
     for matrix, own in ((solid.stiffness, reduced.stiffness), (solid.mass, reduced.mass)):
         assert V.T @ (matrix @ V) == pytest.approx(own, abs=1e-10 * np.abs(own).max())

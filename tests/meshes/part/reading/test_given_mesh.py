@@ -76,6 +76,7 @@ CUBE = np.array(
     [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]], float
 )
 HEXAHEDRON = np.arange(8)[None]
+FOLDED = HEXAHEDRON[:, [4, 5, 6, 7, 0, 1, 2, 3]]
 
 
 def two_cubes(*shift, shared=()):
@@ -97,20 +98,14 @@ def mesh_file(folder, points, kind, cells, **more):
     [
         (CUBE, "wedge", [[0, 1, 2, 4, 5, 6]], "kinds wedge; must be of one kind among tetra"),
         (CUBE, "quad", [[0, 1, 2, 3]], "only a surface"),
-        (
-            *(CUBE, "hexahedron", HEXAHEDRON[:, [4, 5, 6, 7, 0, 1, 2, 3]]),
-            "1 element is inverted or folded, the first is element 1 at (0.05, 0.05, 0.05) m",
-        ),
+        (CUBE, "hexahedron", FOLDED, "folded, the first is element 1 at (0.05, 0.05, 0.05) m"),
         (CUBE, "tetra", [[0, 0, 1, 2]], "inverted or folded"),
         (*two_cubes(1, 0, 0), "4 nodes coincide with another"),
         (*two_cubes(2, 0, 0), "in 2 pieces that share no face"),
         # Two that hang together by an edge, or by a corner.
         (*two_cubes(1, 1, 0, shared=[(8, 2), (12, 6)]), "in 2 pieces that share no face"),
         (*two_cubes(1, 1, 1, shared=[(8, 6)]), "in 2 pieces that share no face"),
-        (
-            *(CUBE, "hexahedron", HEXAHEDRON[[0, 0]]),
-            "1 element is given twice, the first is element 1",
-        ),
+        (CUBE, "hexahedron", HEXAHEDRON[[0, 0]], "given twice, the first is element 1"),
         (1e4 * CUBE, "hexahedron", HEXAHEDRON, "is not the size of a robot's part"),
         (np.where(CUBE == 1.0, np.nan, CUBE), "hexahedron", HEXAHEDRON, "finite"),
     ],
