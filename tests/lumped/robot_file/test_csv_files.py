@@ -1,7 +1,9 @@
-"""What is asked of models and what was measured: from robot files, options and CSV files."""
+"""CSV files beside robots, of what was measured and of wrenches, and what is asked of models."""
 
 import numpy as np
 import pytest
+from one_arm import ONE_ARM
+from written_robot import robot_of
 
 from lumped.acceptance.measured import Measured
 from lumped.acceptance.requirement import Requirement
@@ -44,9 +46,7 @@ def csv(tmp_path):
 
 def test_a_robot_file_says_what_is_asked_measured_and_uncertain(tmp_path):
     given = load_robot("ifw")
-    path = tmp_path / "mine.toml"
-    path.write_text(given.text + OWN, encoding="utf-8")
-    own = load_robot(path)
+    own = robot_of(given.text + OWN, tmp_path)
     assert [own.requirement.limit(name) for name in ("y", "z", "f6")] == [0.02, 0.2, 0.05]
     assert own.requirement.rely == ("vjm", "segments")
     assert own.measured == (Measured("z", 27.0e-6, 0.3e-6, "dial gauge", (0.4975,), 1000.0),)
@@ -122,3 +122,70 @@ def test_a_file_that_is_no_table_of_measured_values_is_refused(csv, tmp_path):
             read_measured(csv(text))
     with pytest.raises(InputError, match="cannot be read"):
         read_measured(tmp_path / "none.csv")
+
+
+LINE = "from = [-0.1]\nto = [0.2]\ncount = 3"
+LOAD = '[[loads]]\nname = "cutting"\nfile = "cutting.csv"\n'
+ROBOT = f"{ONE_ARM}\n[path]\n{LINE}\n{LOAD}"
+AXES = "Fx,Fy,Fz,Mx,My,Mz"
+ROWS = np.array([[10.0, 0, -5.0, 0, 0, 1.0], [20.0, 0, 0, 0, 0, 0], [0, 0, 0, 0.5, 0, 0]])
+CELLS = [",".join(map(str, row)) for row in ROWS]
+SOUND = f"pose,{AXES}\n1,{CELLS[0]}\n2,{CELLS[1]}\n3,{CELLS[2]}\n"
+
+
+def read(folder, csv, robot=ROBOT):
+    (folder / "cutting.csv").write_text(csv, encoding="utf-8")
+    return robot_of(robot, folder)
+
+
+def test_rows_go_by_number_or_by_coordinates_in_any_order(tmp_path):
+    by_number = read(tmp_path, SOUND)
+    by_place = f"time,{AXES},x\n0,{CELLS[2]},0.2\n1,{CELLS[1]},0.05\n2,{CELLS[0]},-0.1\n"
+    for robot in (by_number, read(tmp_path, by_place)):
+        (load,) = robot.mechanism.loads
+        np.testing.assert_array_equal(load.over_path, ROWS)
+    # Another file is another robot.
+    assert by_number.sha256 != robot.sha256
+
+
+def test_a_pose_that_comes_again_has_one_wrench(tmp_path):
+    there_and_back = ROBOT.replace(LINE, "poses = [[0.1], [0.1]]")
+    rows = f"pose,{AXES}\n1,{CELLS[0]}\n2,"
+    (load,) = read(tmp_path, f"{rows}{CELLS[0]}\n", there_and_back).mechanism.loads
+    np.testing.assert_array_equal(load.over_path, ROWS[[0, 0]])
+    with pytest.raises(InputError, match=r"line 3: x = 0\.1 m: differs from the wrench of an"):
+        read(tmp_path, f"{rows}{CELLS[1]}\n", there_and_back)
+
+
+@pytest.mark.parametrize(
+    ("csv", "said"),
+    [
+        (SOUND.replace("Mz", "mz"), "lacks the column Mz"),
+        (SOUND.replace("pose", "Pose"), "lacks the column pose (numbers of poses), or x"),
+        (f"pose,{AXES}\n", "holds no row"),
+        (SOUND.replace("-5.0", "five"), 'line 2, column Fz = "five": must be a number'),
+        (SOUND.replace("-5.0", "nan"), "line 2, column Fz = nan: not finite"),
+        (SOUND.replace("0.5", "0,5"), "line 4: more cells than headings"),
+        (SOUND.replace("3,", "4,"), "line 4, column pose = 4: must be at most 3"),
+        (SOUND.replace("3,", "1.5,"), "line 4, column pose = 1.5: must be a whole number"),
+        (SOUND.replace("3,", "2,"), "line 4: x = 0.05 m: differs from the wrench of"),
+        (SOUND.rpartition("3,")[0], "no wrench for pose 3, x = 0.2 m"),
+        (f"x,{AXES}\n0.07,{CELLS[0]}\n", "line 2: x = 0.07 m: must be a pose of the path"),
+    ],
+)
+def test_every_fault_is_named_with_line_and_column(tmp_path, csv, said):
+    with pytest.raises(InputError) as raised:
+        read(tmp_path, csv)
+    fault = raised.value.faults[0]
+    assert "loads[1].file: " in fault
+    assert "cutting.csv: " in fault
+    assert said in fault, fault
+
+
+def test_a_file_that_is_none_and_a_wrench_beside_it_are_refused(tmp_path):
+    beside = f"{ROBOT.replace('cutting.csv', 'none.csv')}wrench = [1, 0, 0, 0, 0, 0]\n"
+    with pytest.raises(InputError) as raised:
+        robot_of(beside, tmp_path)
+    without, missing = raised.value.faults
+    assert "loads[1].wrench: must be left out beside a file" in without
+    assert "none.csv: cannot be read" in missing
