@@ -1,19 +1,17 @@
 """Answers to forces that swing: closed forms first, then matrices solved without any modes."""
 
-import tomllib
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.linalg import eigh
+from written_robot import described
 
 from fem.beams.beam import beam_leg
 from lumped.arrays import dense
 from lumped.mechanism.kinematics.postures import reference_posture
 from lumped.models.bodies import legs_of
 from lumped.robot_file import load_robot
-from lumped.robot_file.load import described_by
 from lumped.system.assembly import assemble
 from lumped.system.joint_motion import Portion
 from lumped.system.response import damped_modes, tool_responses
@@ -55,15 +53,15 @@ K, MASS = 2.0e6, 10.0
 X = np.array([1.0, 0.0, 0.0])
 
 
-def described(text, **values):
+def filled(text, **values):
     for name, value in values.items():
         text = text.replace(name, str(value))
-    return described_by(tomllib.loads(text), Path())[0]
+    return described(text)
 
 
 def pushed(loss, ratio):
     rigid = TWO.replace("compliance = GIVE\nloss = SECOND\n", "")
-    return described(rigid + PUSHED, FIRST=loss, RATIO=ratio)
+    return filled(rigid + PUSHED, FIRST=loss, RATIO=ratio)
 
 
 def solution_of(mechanism, models=None):
@@ -105,7 +103,7 @@ def test_two_masses_whose_springs_lose_differently():
     """The inverse of a 2×2 matrix, its eigenvalues, and the strain energies to first order."""
     misses, give = [], np.diag([1e-7, *5 * [1e-9]]).tolist()
     for first, second in ((0.08, 0.02), (0.008, 0.002)):
-        solution = solution_of(described(TWO, FIRST=first, SECOND=second, GIVE=give))
+        solution = solution_of(filled(TWO, FIRST=first, SECOND=second, GIVE=give))
         found = damped_modes(solution, 1e6)
         one, two = 2.0e6 * (1.0 + 1j * first), 1.0e7 * (1.0 + 1j * second)
         stiffness, mass = np.array([[one + two, -two], [-two, two]]), np.diag([7.0, 3.0])
