@@ -1,16 +1,16 @@
 """Couplings of faces and ends of prisms against the obvious way, closed forms and solids.
 
-The obvious way has the displacements of all nodes and the twists as unknowns, and an equation for
-every tie: Lagrange multipliers on the full matrices. Of ends: thin-wall theory, decays known from
-plane elasticity, solids of ever thinner slices, and waves of whole wavelengths.
+The obvious way has Lagrange multipliers on the full matrices: the displacements of all nodes and
+the twists are unknowns, and every tie is an equation.
 """
 
 from dataclasses import replace
+from functools import partial
 
+import drawn_parts
 import numpy as np
 import pytest
 from compliances import scaled_difference
-from drawn_parts import meshed as mesh_of
 from drawn_parts import read_here
 from prism_waves import prism_wave_frequency
 from prismatic_legs import CUBIC, STEEL, meshed
@@ -44,14 +44,11 @@ OFF = np.array([1e-3, 2e-3, 0.0])
 
 @pytest.fixture(scope="module")
 def lug(tmp_path_factory):
-    """A coarse bar of 100 × 40 × 30 mm with bores of radius 8 and 5, and a flat end."""
-
-    def draw(kernel):
-        bar = kernel.addBox(0.0, -20.0, -15.0, 100.0, 40.0, 30.0)
-        bores = [(3, kernel.addCylinder(x, 0, -30, 0, 0, 60, r)) for x, r in ((20, 8), (80, 5))]
-        kernel.cut([(3, bar)], bores)
-
-    file = read_here(mesh_of(tmp_path_factory.mktemp("lug") / "lug.msh", draw, 40.0, 9.0), "mm")
+    """A coarse one, 100 mm long."""
+    path = tmp_path_factory.mktemp("lug") / "lug.msh"
+    file = read_here(
+        drawn_parts.meshed(path, partial(drawn_parts.lug, length=100.0), 40.0, 9.0), "mm"
+    )
     return file, meshed_part(file.mesh, STEEL)
 
 

@@ -35,6 +35,13 @@ def meshed(path, draw, size, sides=4.0):
     return path
 
 
+def lug(kernel, length=200.0):
+    """A bar `length` × 40 × 30 mm with bores along z, 20 mm from its ends, of radius 8 and 5."""
+    bar, bores = kernel.addBox(0.0, -20.0, -15.0, length, 40.0, 30.0), ((20.0, 8), (length - 20, 5))
+    tools = [(3, kernel.addCylinder(x, 0, -30, 0, 0, 60, radius)) for x, radius in bores]
+    kernel.cut([(3, bar)], tools)
+
+
 def here(patch):
     """Files that do not end the CAD kernel are read and meshed without a process of their own."""
     for module in (read, volume):

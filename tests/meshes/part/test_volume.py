@@ -1,5 +1,6 @@
 """Parts: interfaces by number, name, cylinder and plane; meshes of a size, straightened and cut."""
 
+import drawn_parts
 import numpy as np
 import pytest
 from drawn_parts import meshed, plane_ends, read_here, written
@@ -191,14 +192,7 @@ def test_cut_at_edges_of_more_than_half_a_turn_meshes_have_the_shape_of_the_whol
 
 @pytest.fixture(scope="module")
 def lug(tmp_path_factory):
-    """A bar 200 × 40 × 30 mm with bores of radius 8 and 5 along z at x = 20 and 180."""
-
-    def draw(occ):
-        bar = occ.addBox(0, -20, -15, 200, 40, 30)
-        bores = [(3, occ.addCylinder(x, 0, -30, 0, 0, 60, r)) for x, r in ((20, 8), (180, 5))]
-        occ.cut([(3, bar)], bores)
-
-    return read_here(written(tmp_path_factory.mktemp("parts") / "lug.step", draw))
+    return read_here(written(tmp_path_factory.mktemp("parts") / "lug.step", drawn_parts.lug))
 
 
 def test_a_bore_is_found_by_its_radius_and_a_plane_by_its_outward_normal_and_a_point(lug):

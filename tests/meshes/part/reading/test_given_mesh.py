@@ -4,15 +4,16 @@ import lzma
 import zlib
 from base64 import b64encode
 
+import gmsh
 import meshio
 import numpy as np
 import pytest
+from drawn_parts import meshed
 from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader, vtkXMLUnstructuredGridWriter
 
 from lumped.errors import InputError
 from lumped.mechanism.body import ByCylinder, ByName, PartInterface
 from meshes.elements import ELEMENTS
-from meshes.gmsh_session import gmsh_model
 from meshes.part.interfaces import find_interfaces
 from meshes.part.reading.read import read_part
 from meshes.part.reading.vtu_sizes import inflated_size
@@ -24,8 +25,8 @@ pytestmark = pytest.mark.usefixtures("in_this_process")
 def files(tmp_path_factory):
     """A plate with a bore in quadratic tetrahedra, its bore a physical group, in mm."""
     folder = tmp_path_factory.mktemp("meshes")
-    with gmsh_model("plate") as gmsh:
-        occ = gmsh.model.occ
+
+    def draw(occ):
         plate, bore = occ.addBox(-30, -20, 0, 60, 40, 10), occ.addCylinder(0, 0, -5, 0, 0, 20, 8)
         occ.cut([(3, plate)], [(3, bore)])
         occ.synchronize()
@@ -33,12 +34,8 @@ def files(tmp_path_factory):
         bores = [tag for tag in faces if gmsh.model.getType(2, tag) == "Cylinder"]
         gmsh.model.addPhysicalGroup(2, bores, name="bore")
         gmsh.model.addPhysicalGroup(3, [gmsh.model.getEntities(3)[0][1]], name="plate")
-        gmsh.option.setNumber("Mesh.MeshSizeMax", 12.0)
-        gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", 12)
-        gmsh.model.mesh.generate(3)
-        gmsh.model.mesh.setOrder(2)
-        gmsh.write(str(folder / "plate.msh"))
-    raw = meshio.read(folder / "plate.msh")
+
+    raw = meshio.read(meshed(folder / "plate.msh", draw, 12.0, 12.0))
     solid = [block for block in raw.cells if block.type == "tetra10"]
     plain = meshio.Mesh(raw.points, [("tetra10", solid[0].data)])
     for suffix in (".inp", ".vtu"):
