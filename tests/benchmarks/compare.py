@@ -12,7 +12,6 @@ out: CalculiX (`ccx`), NGSolve. A ROW is a name of the list, or how it begins.
 import argparse
 import json
 import os
-import platform
 import resource
 import subprocess
 import sys
@@ -24,6 +23,7 @@ from pathlib import Path
 from shutil import which
 from statistics import median
 from time import perf_counter
+from timeit import timeit
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
@@ -36,9 +36,7 @@ from fem.calculix.deck import deck_text
 from fem.calculix.leg import leg_deck
 from fem.calculix.run import calculix_program
 from fem.elasticity import on_three_components, stiffness_and_mass
-from fem.machine import usable_cores
 from fem.solvers.certificate import count_below, pencil
-from fem.solvers.factor import solver_name
 from fem.solvers.modes import lowest_modes
 from lumped.legs import ConstantLeg, Material
 from lumped.mechanism.kinematics.postures import posture
@@ -51,6 +49,7 @@ from meshes.section.section_mesh import section_mesh
 from validation.models import parts
 from validation.models.mechanism import dynamic_bodies, highest_frequency
 from validation.parts.identify import identify
+from validation.run import provenance
 
 MODES, FREQUENCIES, POSTURES, UNKNOWNS = 20, 10, 1000, 150_000
 TAPERED = ROOT / "examples" / "tapered-biglide" / "robot.toml"
@@ -268,19 +267,15 @@ def measured(name: str) -> Figures:
 
 
 def machine() -> str:
-    """Processor, cores, GFLOP/s of a product by numpy, and the solver."""
+    """The machine, GFLOP/s of a product by numpy on it, and the solver."""
     n = 1500
     dense = np.random.default_rng(0).normal(size=(n, n))
     _ = dense @ dense
-    start = perf_counter()
-    for _ in range(5):
-        _ = dense @ dense
-    speed = 10.0 * n**3 / (perf_counter() - start) / 1e9
-    lines = Path("/proc/cpuinfo").read_text().splitlines()
-    names = [line.partition(":")[2].strip() for line in lines if "model name" in line]
+    speed = 10.0 * n**3 / timeit(lambda: dense @ dense, number=5) / 1e9
+    used = provenance.versions()
     return (
-        f"{(names or [platform.machine()])[0]}, {usable_cores()} cores, Python "
-        f"{platform.python_version()}; dgemm {speed:.0f} GFLOP/s by numpy; {solver_name()}"
+        f"{provenance.machine()}, Python {used['python']}; dgemm {speed:.0f} GFLOP/s by numpy; "
+        f"{used['linear solver']}"
     )
 
 

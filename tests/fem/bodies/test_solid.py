@@ -89,6 +89,8 @@ def test_errors_bound_the_true_ones(bar):
     # Beside the residual's share, rounding of LAPACK and of the factor.
     assert np.all(true <= found.frequency_errors + SAME)
     assert found.frequency_errors.max() <= 5e-7
+    # Counted with one factor at a time.
+    assert "numeric" not in vars(clamped.factor)
 
 
 def test_a_pair_stays_whole_although_the_number_of_modes_would_cut_it():
@@ -131,15 +133,6 @@ def test_count_without_room_for_two_factors(bar, monkeypatch):
     for below in (6, 9):
         assert clamped.rooted_inertia(0.5 * (values[below - 1] + values[below])).negative == below
     assert clamped.factor.numeric is not first
-    np.testing.assert_array_equal(clamped.factor.solve(loads), before)
-
-
-def test_modes_are_counted_with_one_factor_at_a_time(bar):
-    clamped, _, _ = bar
-    loads = clamped.equilibrated(clamped.loads)
-    before = clamped.factor.solve(loads)
-    clamped.modes(3)
-    assert "numeric" not in vars(clamped.factor)
     np.testing.assert_array_equal(clamped.factor.solve(loads), before)
 
 

@@ -56,6 +56,10 @@ class Bar:
         """Elastic ones."""
         return self.frequencies(0)[6:]
 
+    @property
+    def cutoff(self):
+        return 1.001 * self.free_frequencies[6]
+
 
 @pytest.fixture(scope="module", params=COUPLINGS.values(), ids=COUPLINGS)
 def bar(request, tmp_path_factory):
@@ -164,13 +168,8 @@ CLAMPED, COUNT = 6, 6
 
 
 @pytest.fixture(scope="module")
-def cutoff(bar):
-    return 1.001 * bar.free_frequencies[6]
-
-
-@pytest.fixture(scope="module")
-def found(bar, cutoff):
-    return free_interface(bar.rooted, cutoff / 2.5, cutoff)
+def found(bar):
+    return free_interface(bar.rooted, bar.cutoff / 2.5, bar.cutoff)
 
 
 def test_free_modes_below_the_cut_off_span_it_and_statics_are_exact(bar, found):
@@ -198,12 +197,12 @@ def clamped(stiffness, mass):
     return 1.0 / (2.0 * np.pi * np.sqrt(with_mass))
 
 
-def test_clamped_it_swings_as_the_whole_bar_and_as_by_craig_and_bampton(bar, found, cutoff):
+def test_clamped_it_swings_as_the_whole_bar_and_as_by_craig_and_bampton(bar, found):
     exact = bar.frequencies(CLAMPED)[:COUNT]
     reduced, truncation = found
-    assert exact[-1] < cutoff
+    assert exact[-1] < bar.cutoff
     upper = clamped(reduced.stiffness, reduced.mass)[:COUNT]
-    fixed = reduction(bar.held, cutoff / 2.5, cutoff)
+    fixed = reduction(bar.held, bar.cutoff / 2.5, bar.cutoff)
     assert (upper >= exact * (1.0 - 1e-9)).all()
     # Measured: 3e-8 for the first two, 1e-4 for one just below the cut-off.
     assert_allclose(upper, exact, rtol=2e-4)

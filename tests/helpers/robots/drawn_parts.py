@@ -42,7 +42,7 @@ def lug(kernel, length=200.0):
     kernel.cut([(3, bar)], tools)
 
 
-def here(patch):
+def without_processes(patch):
     """Files that do not end the CAD kernel are read and meshed without a process of their own."""
     for module in (read, volume):
         patch.setattr(module, "within_limits", lambda _, function, *rest: function(*rest))
@@ -50,7 +50,7 @@ def here(patch):
 
 def read_here(path, unit=None):
     with pytest.MonkeyPatch.context() as patch:
-        here(patch)
+        without_processes(patch)
         return read.read_part(path, unit)
 
 

@@ -1,12 +1,12 @@
 """Parts made on the spot by gmsh's kernel, as STEP in millimetres, and read in this process."""
 
 import pytest
-from drawn_parts import here, written
+from drawn_parts import without_processes, written
 
 
 @pytest.fixture
 def in_this_process(monkeypatch):
-    here(monkeypatch)
+    without_processes(monkeypatch)
 
 
 @pytest.fixture(scope="session")
