@@ -52,6 +52,14 @@ def command(capsys: pytest.CaptureFixture[str]) -> CommandLine:
     return CommandLine(capsys)
 
 
+@pytest.fixture(scope="module")
+def undrawn():
+    """Charts are blank, which take most of what making a page takes, where none is looked at."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("validation.drawing.plot.chart_svg", lambda _: "<svg ></svg>")
+        yield patch
+
+
 @pytest.fixture(scope="session")
 def paper_subject() -> Subject:
     """The paper's robot, of which several modules look at the one or the other part.

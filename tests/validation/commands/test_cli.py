@@ -17,6 +17,7 @@ from validation.run.files import refusals
 from validation.run.folder import RunFolder
 from validation.session import runner
 
+pytestmark = pytest.mark.usefixtures("undrawn")
 ROOT = Path(__file__).parents[3]
 HEAVY = ("gmsh", "pyvista", "vtk", "skfem", "matplotlib", "scipy", "numpy", "jinja2")
 

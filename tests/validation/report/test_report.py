@@ -30,6 +30,8 @@ from validation.report.figures.studies import families, family_of, study_figure
 from validation.report.page import render
 from validation.report.sections import LEGS, chapters_of, unexplained_share
 
+# After the first page, whose charts are drawn.
+pytestmark = pytest.mark.usefixtures("markup", "undrawn")
 VOID = {"meta", "link", "img", "br", "hr", "input"}
 
 
@@ -244,19 +246,6 @@ def test_data_of_curves_belong_to_their_names():
     assert record["limit"] == CONVERGENCE.limits
 
 
-def test_plots_have_ids_of_their_own_and_equal_studies_give_equal_files():
-    first, again, second = (
-        study_figure(family_of([replace(CONVERGENCE, id=name)])) for name in ("one", "one", "two")
-    )
-    assert first.svg == again.svg
-    assert first.svg.startswith("<svg")
-    assert "<dc:date>" not in first.svg
-    ids = [set(re.findall(r'id="([^"]+)"', text.inline_svg(f))) for f in (first, second)]
-    assert not ids[0] & ids[1]
-    used = re.findall(r'(?:href="#|url\(#)([^")]+)', text.inline_svg(first))
-    assert set(used) <= ids[0]
-
-
 def test_studies_of_a_family_share_their_axes_and_go_by_their_variants():
     members = [
         replace(CONVERGENCE, id=name, family="cross", family_title="cross", variant=name)
@@ -267,3 +256,17 @@ def test_studies_of_a_family_share_their_axes_and_go_by_their_variants():
         ("cross", "Cross", ["bending"] * 2 + ["torsion"] * 2),
         (CONVERGENCE.id, CONVERGENCE.title, list(CONVERGENCE.series)),
     ]
+
+
+def test_plots_have_ids_of_their_own_and_equal_studies_give_equal_files(undrawn):
+    undrawn.undo()
+    first, again, second = (
+        study_figure(family_of([replace(CONVERGENCE, id=name)])) for name in ("one", "one", "two")
+    )
+    assert first.svg == again.svg
+    assert first.svg.startswith("<svg")
+    assert "<dc:date>" not in first.svg
+    ids = [set(re.findall(r'id="([^"]+)"', text.inline_svg(f))) for f in (first, second)]
+    assert not ids[0] & ids[1]
+    used = re.findall(r'(?:href="#|url\(#)([^")]+)', text.inline_svg(first))
+    assert set(used) <= ids[0]

@@ -17,6 +17,7 @@ from validation.run.files import read_regular
 from validation.session import runner
 from validation.session.validate import Request, validate
 
+pytestmark = pytest.mark.usefixtures("undrawn")
 # What `flexproof test` tries of it, and -m exhaustive besides.
 FEW, COUNT = 8, 60
 ODD = (

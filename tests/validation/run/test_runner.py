@@ -74,6 +74,7 @@ def test_whatever_happens_in_a_case_is_its_verdict(troubled_run):
         assert said in log
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_a_resumed_run_computes_only_what_is_missing(robot_file, troubled_run, capfd):
     first, path = troubled_run
     again = validate(asked(robot_file, path, start="resumed"), toys.troubled)
@@ -94,6 +95,7 @@ def test_workers_that_cannot_start_end_the_run(robot_file, tmp_path, monkeypatch
     assert "only workers come here" in (tmp_path / "run.partial" / "log.txt").read_text()
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_a_record_whose_verdict_its_numbers_do_not_bear_out_is_computed_again(
     robot_file, tmp_path, monkeypatch
 ):
