@@ -215,6 +215,7 @@ def with_part(folder: Path, change: bytes = b"") -> RobotFile:
     return load_robot(folder / "robot.toml")
 
 
+@pytest.mark.usefixtures("coarse_parts")
 def test_the_digest_of_a_robot_is_that_of_its_file_and_its_parts(tmp_path):
     one, same = with_part(tmp_path / "one"), with_part(tmp_path / "same")
     other = with_part(tmp_path / "other", b"/* other */\n")

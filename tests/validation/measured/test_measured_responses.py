@@ -75,20 +75,20 @@ def functions(derivatives=2, factor=1.0, noise=0.0, struck=(1, 1, 1), ratio=RATI
 
 @pytest.fixture
 def held(tmp_path, monkeypatch):
-    """The robot of a text with a file of the data sets, and the matrix of both."""
+    """The robot of a text with a file of the data sets."""
     monkeypatch.setattr(tested, "within_limits", lambda _, read, *given: read(*given))
 
     def hold(sets, text=""):
         path = tmp_path / "hammer.uff"
         path.unlink(missing_ok=True)
         pyuff.UFF(str(path)).write_sets(sets)
-        robot_file = with_measured_file(robot_of(text or robot_text(), tmp_path), path)
-        return robot_file, measured_matrix(Context(robot_file, "quick"))
+        return with_measured_file(robot_of(text or robot_text(), tmp_path), path)
 
     return hold
 
 
-def entries_of(matrix):
+def entries_of(robot_file):
+    matrix = measured_matrix(Context(robot_file, "quick"))
     return {one: matrix.entry("beam", f"response:{one}") for one in ALL}
 
 
@@ -98,7 +98,7 @@ def test_at_rest_it_is_1_by_k_and_at_the_modes_1_by_2_zeta_k(held, derivatives):
     # In mm and kN, by data set 164.
     units = {"units_code": 9, "length": 1e3, "force": 1e-3, "temp": 1.0, "temp_offset": 0.0}
     sets = [{"type": 164, **units}, *functions(derivatives, 1e6, ratio=ratios)]
-    entries = entries_of(held(sets)[1])
+    entries = entries_of(held(sets))
     share = np.sqrt(1 / 3)
     peaks = [entries[f"hammer.f{n}"] for n in (1, 2, 3)]
     sizes = share / (2 * ratios * SPRINGS)
@@ -114,7 +114,7 @@ def test_below_all_modes_the_largest_response_is_read(held):
     """The spring of the lowest mode is hardly struck: far below, all others move more."""
     struck = (1, 10, 10)
     text = robot_text().replace("x = [1, 1, 1]", f"x = {list(struck)}")
-    entry = entries_of(held(functions(struck=struck), text)[1])["hammer.low"]
+    entry = entries_of(held(functions(struck=struck), text))["hammer.low"]
     sizes = np.abs(exact([LOW], struck))[0]
     assert sizes.max() > 4.0 * sizes[0]
     assert entry.expected == pytest.approx(sizes.max(), rel=1e-3)
@@ -122,7 +122,7 @@ def test_below_all_modes_the_largest_response_is_read(held):
 
 
 def test_a_robot_that_is_too_stiff_is_told_by_how_much(held):
-    entries = entries_of(held(functions(), robot_text(stiffer=1.2))[1])
+    entries = entries_of(held(functions(), robot_text(stiffer=1.2)))
     for n in (1, 2, 3):
         assert entries[f"hammer.f{n}"].error == pytest.approx(1 / 1.2 - 1, abs=1e-3)
     # At a third of the measured frequency (k − k/9) / (1.2 k − k/9).
@@ -131,7 +131,7 @@ def test_a_robot_that_is_too_stiff_is_told_by_how_much(held):
 
 
 def test_the_damping_of_the_robot_file_is_that_of_the_models(held):
-    entries = entries_of(held(functions(), robot_text("[damping]\nratio = 0.02"))[1])
+    entries = entries_of(held(functions(), robot_text("[damping]\nratio = 0.02")))
     assert entries["hammer.f2"].error == pytest.approx(-0.5, abs=1e-3)
     assert entries["hammer.low"].error == pytest.approx(0.0, abs=1e-3)
     assert "damped as measured" not in entries["hammer.f2"].reference
@@ -146,19 +146,19 @@ def test_the_damping_of_the_robot_file_is_that_of_the_models(held):
     ],
 )
 def test_a_wrong_sign_or_unit_is_noticed(held, factor, verdict, said):
-    for one in entries_of(held(functions(factor=factor))[1]).values():
+    for one in entries_of(held(functions(factor=factor))).values():
         assert one.verdict == verdict
         assert said in one.reason
 
 
 def test_what_scatters_lies_within_the_uncertainty(held):
     """Of 1 % of noise by part; coherence of eight blows says the same of it."""
-    clean = {one.quantity: one.value for one in held(functions())[0].measured}
+    clean = {one.quantity: one.value for one in held(functions()).measured}
     noisy = functions(noise=0.01)
     coherent = 1.0 / (1.0 + 8 * 2 * 0.01**2)
     data = {"func_type": 6, "data": np.full(len(STEPS), coherent)}
     for sets in (noisy, noisy + [{**one, **data} for one in noisy]):
-        for one in held(sets)[0].measured:
+        for one in held(sets).measured:
             if one.quantity.startswith("response:"):
                 off = one.value / clean[one.quantity] - 1
                 random = np.sqrt((one.uncertainty / one.value) ** 2 - 0.01**2)
@@ -178,7 +178,8 @@ from = 10.0
 to = 150.0
 at = 40.0
 """
-    robot_file, matrix = held(functions(), robot_text(asked))
+    robot_file = held(functions(), robot_text(asked))
+    matrix = measured_matrix(Context(robot_file, "quick"))
     fine = np.arange(10.0, 150.0, 1e-3)
     sizes = np.abs(exact(fine)[:, 3])
     at = np.abs(exact([40.0])[0, 3])

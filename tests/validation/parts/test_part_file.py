@@ -9,6 +9,8 @@ from meshes.part.reading.read import read_part
 from validation.parts import meshes
 from validation.parts.meshes import part_file
 
+pytestmark = pytest.mark.usefixtures("coarse_parts")
+
 
 def test_what_is_kept_of_a_file_is_all_that_reading_finds(tmp_path, monkeypatch):
     """Its faces are a plate's with a bore; a byte more, or another unit, is another part."""

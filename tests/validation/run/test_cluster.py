@@ -88,9 +88,17 @@ def silent(_line):
     """Nothing is expected to be said."""
 
 
-def test_varied_robots_are_the_same_on_the_cluster(cluster, command):
+def test_varied_robots_are_the_same_on_the_cluster(command, monkeypatch):
+    """Of a scheduler and a worker in threads of this process, to which all is sent as to others."""
+    monkeypatch.setenv("FLEXPROOF_CACHE", "off")
     asked = ["solve", "five-bar", "--model", "beam", "--modes", "2", "--vary", "tool.mass=1:2:2"]
-    assert command.json(*asked, "--cluster", cluster.address) == command.json(*asked)
+    here = {"processes": False, "protocol": "tcp://", "host": "127.0.0.1", "dashboard_address": ""}
+    distributed = pytest.importorskip("distributed")
+    with distributed.LocalCluster(1, threads_per_worker=1, **here) as cluster:
+        there = command.json(*asked, "--cluster", cluster.scheduler_address)
+        assert sum(worker.state.executed_count for worker in cluster.workers.values()) == 2
+    forget()
+    assert there == command.json(*asked)
 
 
 @pytest.mark.exhaustive
