@@ -82,6 +82,15 @@ def on_terminal(arguments, environment, *, pressed):
     return os.waitstatus_to_exitcode(status), screen.decode(errors="replace")
 
 
+def refusing(number):
+    """A function that raises the system's error of that number, whatever it is given."""
+
+    def refuse(*_arguments, **_named):
+        raise OSError(number, os.strerror(number))
+
+    return refuse
+
+
 def partial(path):
     """Where a run is written that is not whole yet."""
     return path.with_name(f"{path.name}.partial")

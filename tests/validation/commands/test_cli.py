@@ -2,7 +2,6 @@
 
 import errno
 import json
-import os
 import subprocess
 import sys
 from pathlib import Path
@@ -10,7 +9,7 @@ from types import SimpleNamespace
 
 import pytest
 import toy_catalogue as toys
-from toy_runs import run_here
+from toy_runs import refusing, run_here
 
 from validation import cli
 from validation.run.files import refusals
@@ -51,16 +50,6 @@ def test_cases_are_listed_as_text_and_as_json(with_catalogue, command):
     assert listed[0]["tolerance"] == 0.1
 
 
-def test_a_new_robot_file_is_sound_and_no_file_is_overwritten(tmp_path, command):
-    path = tmp_path / "a\nforged.toml"
-    (line,) = command.told("new", path).splitlines()
-    content = path.read_bytes()
-    assert "a\\nforged.toml written" in line
-    command.told("check", path)
-    assert "exists already" in command.refused("new", path)
-    assert path.read_bytes() == content
-
-
 def test_the_audit_of_the_built_in_robot_is_shown(command):
     used, errata = command.told("check", "ifw").split("misprints and errors of the source")
     assert used.startswith("ifw: sound in form, 4 doubts; IFW demonstrator")
@@ -98,13 +87,6 @@ def test_wrong_input_ends_with_2_and_one_line(
     assert said in command.refused(*arguments)
     left = {entry.name for entry in tmp_path.rglob("*")}
     assert left <= {"report", ".lock"}
-
-
-def refusing(number):
-    def refuse(*_arguments):
-        raise OSError(number, os.strerror(number))
-
-    return refuse
 
 
 def test_a_full_disk_ends_with_3_and_says_how_to_go_on(

@@ -58,13 +58,21 @@ def test_many_poses_say_how_long_they_take(monkeypatch, capsys):
     assert capsys.readouterr().err.startswith("flexproof: 11 poses, about ")
 
 
-@pytest.mark.parametrize("robot", ["five-bar", "3-rrr", "delta", "orthoglide", "hexapod"])
-def test_a_new_file_of_each_kind_is_sound_and_commented(robot, tmp_path, command):
-    path = tmp_path / "robot.toml"
-    command.told("new", "--type", robot, path)
-    assert "#" in path.read_text(encoding="utf-8")
+@pytest.mark.parametrize(
+    "robot", ["biglide", "five-bar", "3-rrr", "delta", "orthoglide", "hexapod"]
+)
+def test_a_new_file_of_each_kind_is_sound_and_commented_and_overwrites_none(
+    robot, tmp_path, command
+):
+    path = tmp_path / "a\nforged.toml"
+    (line,) = command.told("new", "--type", robot, path).splitlines()
+    assert "a\\nforged.toml written" in line
+    content = path.read_text(encoding="utf-8")
+    assert "#" in content
     said = command.told("check", path)
     assert re.search("(?s)sound.*all 9 poses of its path within reach", said)
+    assert "exists already" in command.refused("new", path)
+    assert path.read_text(encoding="utf-8") == content
 
 
 def test_the_picture_shows_bodies_joints_and_drives(tmp_path, command):

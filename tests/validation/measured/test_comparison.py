@@ -41,19 +41,14 @@ def test_inputs_propagate_as_their_derivatives():
     assert propagated([]) == 0.0
 
 
-@pytest.mark.parametrize(
-    ("value", "uncertainty", "verdict"),
-    [
-        (1.02, 0.001, "adequate"),
-        (0.98, 0.001, "adequate"),
-        (1.12, 0.001, "inadequate"),
-        (0.90, 0.001, "inadequate"),
-        (1.04, 0.02, "undecided"),
-        (1.00, 0.10, "undecided"),
-    ],
-)
-def test_the_verdict_is_that_of_the_whole_interval(value, uncertainty, verdict):
-    assert Comparison(value, 1.0, 0.0, 0.0, uncertainty).verdict(0.05) == verdict
+def test_the_verdict_is_that_of_the_whole_interval():
+    for verdict, intervals in {
+        "adequate": [(1.02, 0.001), (0.98, 0.001)],
+        "inadequate": [(1.12, 0.001), (0.90, 0.001)],
+        "undecided": [(1.04, 0.02), (1.00, 0.10)],
+    }.items():
+        for value, uncertainty in intervals:
+            assert Comparison(value, 1.0, 0.0, 0.0, uncertainty).verdict(0.05) == verdict
 
 
 def test_measured_values_join_the_matrix_as_a_reference_of_their_own():
@@ -151,10 +146,7 @@ def test_models_are_held_against_what_was_measured(tmp_path):
 @pytest.mark.parametrize(
     ("changed", "said"),
     [
-        (
-            ("[0.1, 0.525]", "[0.1]"),
-            "pose: must hold as many numbers as the tool's moves (x, y; m, rad)",
-        ),
+        (("[0.1, 0.525]", "[0.1]"), "pose: must hold as many numbers as the tool's moves (x, y; m"),
         (("[0.1, 0.525]", "[0.9, 0.9]"), "measured[1].pose: five-bar, pose x = 0.9 m, y = 0.9 m"),
         (("rod1.c22", "rod7.c22"), 'measured[3].quantity = "rod7.c22": must be of one of crank1'),
     ],

@@ -1,29 +1,32 @@
-"""`flexproof faces` on a part of the examples, and what it calls faces and points elsewhere."""
+"""`flexproof faces` on a part of the examples, what it says elsewhere, and what is kept of it."""
 
 import re
 from pathlib import Path
 
 import numpy as np
 import pytest
+from drawn_parts import written
+from forgetting import forget
 
 from lumped.errors import InputError
+from lumped.memo import fingerprint
 from lumped.robot_file import load_robot
 from meshes.part.interfaces import find_interfaces
 from meshes.part.reading import read
 from validation import cli
+from validation.parts import meshes
 from validation.parts.face_list import as_text
+from validation.parts.meshes import part_file
 from validation.parts.request import interfaces_of
 
+pytestmark = pytest.mark.usefixtures("coarse_parts")
 HOME = Path(__file__).resolve().parents[3]
 ROCKER = HOME / "examples" / "rocker" / "rocker.step"
 
 
 @pytest.fixture(scope="module")
 def part():
-    """As read in this process, which costs less."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(read, "within_limits", lambda _, function, *given: function(*given))
-        return read.read_part(ROCKER)
+    return read.read_part(ROCKER)
 
 
 @pytest.fixture
@@ -60,29 +63,6 @@ def test_json_is_in_metres(command):
     document = command.json("faces", ROCKER)
     bores = {face["number"]: face["radius"] for face in document["faces"] if face["kind"] == "bore"}
     assert bores == pytest.approx({8: 0.022, 9: 0.028, 10: 0.016, 11: 0.016}, rel=1e-9)
-
-
-@pytest.mark.parametrize(
-    "command",
-    [
-        ["faces", "{part}", "--json"],
-        [
-            *("identify", "{part}", "--material", "{{ E = 2.1e11, nu = 0.3, rho = 7850.0 }}"),
-            *("--interface", "A = {{ faces = [1] }}", "--json"),
-        ],
-        ["check", "{robot}"],
-    ],
-    ids=lambda command: command[0],
-)
-def test_a_file_that_ends_the_kernel_is_a_line_and_nothing_else(tmp_path, capfd, command):
-    part, robot = tmp_path / "rocker.step", tmp_path / "robot.toml"
-    part.write_text(ROCKER.read_text().replace("MANIFOLD_SOLID_BREP", "SHELL_BASED_SURFACE_MODEL"))
-    robot.write_bytes(ROCKER.with_name("robot.toml").read_bytes())
-    assert cli.main([word.format(part=part, robot=robot) for word in command]) == 2
-    out, err = capfd.readouterr()
-    assert out == ""
-    assert err.count("\n") == 1
-    assert f"{part}: its reader fails" in err
 
 
 def test_what_faces_prints_can_be_pasted(part):
@@ -124,3 +104,55 @@ def test_another_name_is_refused_by_the_right_one(part, tmp_path):
     robot.write_text(text.replace(own, f"{own}, point = [0.0, 0.0, 0.0]"), "utf-8")
     with pytest.raises(InputError, match=r"interfaces\.A\.point: does not belong here"):
         load_robot(robot)
+
+
+def test_what_is_kept_of_a_file_is_all_that_reading_finds(tmp_path, monkeypatch):
+    """Its faces are a plate's with a bore; a byte more, or another unit, is another part."""
+    monkeypatch.setenv("FLEXPROOF_CACHE", str(tmp_path / "cache"))
+
+    def plate(kernel):
+        kernel.cut(
+            [(3, kernel.addBox(0, 0, 0, 90, 60, 8))],
+            [(3, kernel.addCylinder(30, 30, 0, 0, 0, 8, 9))],
+        )
+
+    path = written(tmp_path / "plate.brep", plate)
+    found = read.read_part(path, "mm")
+    assert [face.kind for face in found.faces].count("bore") == 1
+    assert fingerprint(part_file(path, "mm")) == fingerprint(found)
+    asked = []
+    monkeypatch.setattr(meshes, "read_part", lambda *one: asked.append(one) or pytest.fail("read"))
+    forget()
+    assert fingerprint(part_file(path, "mm")) == fingerprint(found)
+    assert asked == []
+    with pytest.raises(pytest.fail.Exception):
+        part_file(path, "m")
+    path.write_bytes(path.read_bytes() + b"\n")
+    with pytest.raises(pytest.fail.Exception):
+        part_file(path, "mm")
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ["faces", "{part}", "--json"],
+        [
+            *("identify", "{part}", "--material", "{{ E = 2.1e11, nu = 0.3, rho = 7850.0 }}"),
+            *("--interface", "A = {{ faces = [1] }}", "--json"),
+        ],
+        ["check", "{robot}"],
+    ],
+    ids=lambda command: command[0],
+)
+def test_a_file_that_ends_the_kernel_is_a_line_and_nothing_else(
+    tmp_path, capfd, coarse_parts, command
+):
+    coarse_parts.undo()
+    part, robot = tmp_path / "rocker.step", tmp_path / "robot.toml"
+    part.write_text(ROCKER.read_text().replace("MANIFOLD_SOLID_BREP", "SHELL_BASED_SURFACE_MODEL"))
+    robot.write_bytes(ROCKER.with_name("robot.toml").read_bytes())
+    assert cli.main([word.format(part=part, robot=robot) for word in command]) == 2
+    out, err = capfd.readouterr()
+    assert out == ""
+    assert err.count("\n") == 1
+    assert f"{part}: its reader fails" in err

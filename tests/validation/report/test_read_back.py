@@ -237,6 +237,10 @@ def test_the_record_and_the_line_of_the_api():
                 assert said[:2] == [told(entry.error), told(entry.uncertainty)]
                 assert said[-1] == told(entry.limit)
                 assert matrix.poses[pose_of(matrix, line)] == entry.pose
+            if entry.causes:
+                assert f"cause: {entry.causes[0].cause}" in line
+            if entry.remedy:
+                assert f"remedy: {entry.remedy}" in line
 
 
 def test_numbers_shares_and_tolerances_are_written_as_in_print():

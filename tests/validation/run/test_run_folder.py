@@ -9,7 +9,7 @@ from math import isnan, nan
 from pathlib import Path
 
 import pytest
-from toy_runs import content, partial
+from toy_runs import content, partial, refusing
 
 from lumped.errors import InputError
 from validation.run import opening
@@ -317,13 +317,6 @@ def test_what_cannot_be_resumed_or_written_is_refused_and_left_alone(tmp_path, m
     assert_refused(r"0\.0 MB are free, and the new run needs about", path, OTHER, "afresh")
     assert content(tmp_path) == before
     assert {entry.name for entry in tmp_path.iterdir()} == {"empty", "file", "run"}
-
-
-def refusing(number):
-    def refuse(*_arguments, **_named):
-        raise OSError(number, os.strerror(number))
-
-    return refuse
 
 
 def test_what_is_exported_is_there_whole_or_not_at_all(tmp_path):
