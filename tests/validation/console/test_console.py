@@ -110,8 +110,6 @@ def test_visible_text_is_left_alone():
     assert visible("a\nb\tc\u2028d\udcffe", keep="\n") == "a\nb\\tc\\u2028d\\udcffe"
 
 
-# Files for results: refused at once, or written after the results are told
-
 TABLE = ("solve", "five-bar", "--model", "vjm", "--vary", "tool.mass=1:2:2", "--csv")
 PICTURE = ("kinematics", "five-bar", "--picture")
 

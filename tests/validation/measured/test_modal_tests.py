@@ -257,10 +257,6 @@ def test_a_damaged_file_is_one_line(tmp_path, monkeypatch, damaged, said):
     assert said in raised.value.faults[0]
 
 
-def strained(*_):
-    return [{**shape(1, 20.0, SHAPES[:, 0]), "spec_data_type": 3}]
-
-
 @pytest.mark.parametrize(
     ("changed", "said"),
     [
@@ -268,7 +264,7 @@ def strained(*_):
         (lambda sets: [units(1.0, 1.0), units(1e3, 1.0), *sets], "must be the same in all of it"),
         (lambda sets: [*sets, *sets[2:3]], "of the same motion by the same force"),
         (lambda _: [shape(1, 20.0, np.nan * SHAPES[:, 0])], "mode 1 must have finite"),
-        (strained, "mode 1 must have finite displacements, velocities or accelerations"),
+        (lambda _: [shape(1, 20.0, SHAPES[:, 0]) | {"spec_data_type": 3}], "mode 1 must have"),
         (lambda _: [shape(1, 0.0, SHAPES[:, 0])], "none of its 0 modes above 0 Hz"),
     ],
 )

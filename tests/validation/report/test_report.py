@@ -10,15 +10,7 @@ from html.parser import HTMLParser
 from math import nan
 
 import pytest
-from report_sample import (
-    CONVERGENCE,
-    PIXEL,
-    drawn,
-    measured,
-    never,
-    sample_outcomes,
-    sample_report,
-)
+from report_sample import CONVERGENCE, PIXEL, drawn, measured, never, sample_outcomes, sample_report
 
 from validation.adequacy.matrix import ADEQUACY, MEASURED
 from validation.case import Absolute, Allowance, Relation

@@ -226,7 +226,6 @@ def test_different_robots_are_neither_better_nor_worse(saved, tmp_path, command)
         record = command.json("compare", *pair)
         assert record["different_robots"] == [load_run(path).run["robot"] for path in pair]
         assert not any(record[key] for key in ("verdicts", "new", "removed", "worsened"))
-    # As a baseline it is refused before anything is written.
     asked = ["run", "five-bar", "--preset", "quick", "--only", "adequacy", "--out"]
     assert "is of another robot" in command.refused(*asked, tmp_path / "out", "--baseline", second)
     assert not (tmp_path / "out").exists()

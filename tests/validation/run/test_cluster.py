@@ -69,7 +69,6 @@ class Cluster:
 def started(folder):
     cluster = Cluster(folder)
     yield cluster
-    # The last one first.
     for process in reversed(cluster.processes.values()):
         process.kill()
         process.wait(timeout=30)
@@ -106,7 +105,6 @@ def test_parts_are_reduced_by_a_worker_and_nothing_of_them_here(tmp_path, monkey
     """A worker with a cache of its own, and without the file: what it reduces lies here then."""
     monkeypatch.delenv("FLEXPROOF_CACHE", raising=False)
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "here"))
-    # Here in this process, which costs less.
     monkeypatch.setattr(read, "within_limits", lambda _, function, *given: function(*given))
     robot = write_meshed_crane(tmp_path)
     # Held in one way, which saves the worker a reduction.

@@ -9,25 +9,14 @@ import subprocess
 import time
 
 import pytest
-from toy_runs import (
-    ENVIRONMENT,
-    PATIENCE,
-    command,
-    completed,
-    lines,
-    numbers,
-    on_terminal,
-    partial,
-    started,
-    wait_for,
-)
+import toy_runs as toys
 
 ASKED = ("run", "--preset", "quick", "--out")
 
 
 def summary(path):
     """What a run that was given up says of itself and its cases."""
-    found = json.loads((partial(path) / "results.json").read_text())
+    found = json.loads((toys.partial(path) / "results.json").read_text())
     return found["run"], [case["verdict"] for case in found["cases"]]
 
 
@@ -36,10 +25,10 @@ def undisturbed(tmp_path_factory):
     """The numbers of a run, and how long it takes (s)."""
     path = tmp_path_factory.mktemp("undisturbed") / "run"
     begun = time.monotonic()
-    done = completed("real", *ASKED, path, "--jobs", "2")
+    done = toys.completed("real", *ASKED, path, "--jobs", "2")
     assert done.returncode == 0, done.stderr
-    assert len(numbers(path)[0]) > 25
-    return numbers(path), time.monotonic() - begun
+    assert len(toys.numbers(path)[0]) > 25
+    return toys.numbers(path), time.monotonic() - begun
 
 
 @pytest.mark.exhaustive
@@ -51,49 +40,49 @@ def test_a_run_killed_four_times_goes_on_to_the_same_results(undisturbed, tmp_pa
 
     def resumed():
         """Killed before it had even said what it is, a run has nothing to go on with."""
-        return ["--resume"] if (partial(path) / "run.json").exists() else []
+        return ["--resume"] if (toys.partial(path) / "run.json").exists() else []
 
     for _ in range(4):
-        run = started(command("real", *ASKED, path, "--jobs", "2", *resumed()))
+        run = toys.started(toys.command("real", *ASKED, path, "--jobs", "2", *resumed()))
         time.sleep(moments.uniform(0.0, duration / 2.0))
         os.killpg(run.pid, signal.SIGKILL)
         run.communicate()
         # What was finished was not computed again: the times in it are the same.
-        assert lines(path)[: len(kept)] == kept
+        assert toys.lines(path)[: len(kept)] == kept
         # Without a last line that the kill cut off.
-        kept = [record for record in lines(path) if record.endswith(b"}}")]
+        kept = [record for record in toys.lines(path) if record.endswith(b"}}")]
         if path.exists():  # finished before it was killed, on a machine that is faster now
             break
     else:
         # Numbers do not depend on the number of processes.
-        done = completed("real", *ASKED, path, "--jobs", "1", *resumed())
+        done = toys.completed("real", *ASKED, path, "--jobs", "1", *resumed())
         assert done.returncode == 0, done.stderr
-    assert numbers(path) == expected
-    assert lines(path)[: len(kept)] == kept
+    assert toys.numbers(path) == expected
+    assert toys.lines(path)[: len(kept)] == kept
     assert [entry.name for entry in tmp_path.iterdir()] == ["run"]
 
 
 @pytest.mark.exhaustive
 def test_under_nohup_a_hang_up_changes_nothing(undisturbed, tmp_path):
     path = tmp_path / "run"
-    run = started(["nohup", *command("real", *ASKED, path)])
-    wait_for(lambda: lines(path))
+    run = toys.started(["nohup", *toys.command("real", *ASKED, path)])
+    toys.wait_for(lambda: toys.lines(path))
     # As the terminal does when it is closed: to all processes in front, workers included.
     os.killpg(run.pid, signal.SIGHUP)
     _, said = run.communicate()
     assert run.returncode == 0, said
-    assert numbers(path) == undisturbed[0]
+    assert toys.numbers(path) == undisturbed[0]
 
 
 def test_a_hang_up_without_nohup_ends_the_run_as_ctrl_c_does(tmp_path):
     path = tmp_path / "run"
     # The tests themselves may run under nohup.
     before = signal.signal(signal.SIGHUP, signal.SIG_DFL)
-    run = started(command("endless", "run", "--out", path))
+    run = toys.started(toys.command("endless", "run", "--out", path))
     signal.signal(signal.SIGHUP, before)
-    wait_for(lambda: lines(path))
+    toys.wait_for(lambda: toys.lines(path))
     os.killpg(run.pid, signal.SIGHUP)
-    _, said = run.communicate(timeout=PATIENCE)
+    _, said = run.communicate(timeout=toys.PATIENCE)
     assert run.returncode == 3
     assert "go on with: flexproof run ifw" in said
     # The worker left it to the run: nothing has failed.
@@ -102,8 +91,8 @@ def test_a_hang_up_without_nohup_ends_the_run_as_ctrl_c_does(tmp_path):
 
 def test_ctrl_c_on_a_terminal_ends_the_run(tmp_path):
     path = tmp_path / "run"
-    asked = command("endless", "run", "--out", path)
-    code, screen = on_terminal(asked, ENVIRONMENT, pressed=lambda _: lines(path))
+    asked = toys.command("endless", "run", "--out", path)
+    code, screen = toys.on_terminal(asked, toys.ENVIRONMENT, pressed=lambda _: toys.lines(path))
     assert code == 3
     for said in ("1 not computed", "interrupted", "--resume"):
         assert said in screen
@@ -124,15 +113,15 @@ def test_a_full_disk_ends_with_a_clear_message_and_keeps_what_was_done(tmp_path)
     if subprocess.run(small, capture_output=True, check=False).returncode:
         pytest.skip("mounting is not allowed here")
     try:
-        done = completed(*asked)
+        done = toys.completed(*asked)
         assert done.returncode == 3
         failed, how_to_go_on = done.stderr.splitlines()
         assert "No space left on device; what was finished before is kept" in failed
         assert "go on with: flexproof run ifw" in how_to_go_on
-        assert lines(disk / "run")
+        assert toys.lines(disk / "run")
         assert set(summary(disk / "run")[1]) == {"agree"}
         subprocess.run([mount, "-o", "remount,size=8m", str(disk)], check=True)
-        done = completed(*asked, "--resume")
+        done = toys.completed(*asked, "--resume")
         assert done.returncode == 0, done.stderr
         assert "All 12 comparisons agree" in done.stdout
     finally:
