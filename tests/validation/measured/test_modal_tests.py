@@ -282,23 +282,6 @@ def test_without_the_extra_it_is_said_how_to_get_it(tmp_path, monkeypatch):
         read_modes(path)
 
 
-@pytest.mark.parametrize(
-    ("changed", "said"),
-    [
-        (('"beam", at = "P"', '"rod", at = "P"'), '5.body = "rod": must be one of beam'),
-        (('at = "P", x', 'at = "Q", x'), '5.at = "Q": must be a point of beam (A, P) or [x, y, z]'),
-        (("0.30, 0]", "0.95, 0]"), "1.at = [0.3, 0.95, 0.0]: must lie between the ends of beam"),
-        (("y = [-1, 0, 1]", "y = [2, 0, 2]"), "5.y = [2.0, 0.0, 2.0]: must not lie along"),
-        (("[hammer.nodes]", "[hammer]\npose = [0.1]\n[hammer.nodes]"), "hammer.pose: must hold as"),
-        (("5 = {", "tip = {"), "hammer.nodes.tip: a name must be a number of up to nine digits"),
-    ],
-)
-def test_every_fault_of_the_points_is_named(tmp_path, changed, said):
-    with pytest.raises(InputError) as raised:
-        robot_of((ROBOT + ALONG).replace(*changed), tmp_path)
-    assert said in raised.value.faults[0]
-
-
 def test_a_rigid_robot_is_held_against_the_few_modes_that_it_has(tmp_path):
     """A block on six springs has no eight modes; that of the spring about x swings its tip."""
     block = """[bodies.beam]
