@@ -77,6 +77,14 @@ def test_the_audit_of_the_built_in_robot_is_shown(command):
         (["check", "/nonexistent.toml"], "/nonexistent.toml"),
         (["new", "/nonexistent/robot.toml"], "cannot be written"),
         (["faces", "nothing.step"], "no such file"),
+        (["export", "five-bar", "--to", "nastran"], "takes one body"),
+        (["export", "five-bar", "--to", "statespace", "--body", "crank1"], "of the whole robot"),
+        (["export", "five-bar", "--to", "npz", "--body", "no"], "must be one of"),
+        (["export", "five-bar", "--to", "npz", "--out", "five-bar.toml"], "must end in .npz"),
+        (["export", "five-bar", "--to", "npz", "--modes", "0"], "must be from 1 to"),
+        (["export", "ifw", "--to", "npz", "--body", "leg1"], "known by its 6×6 alone"),
+        (["kinematics", "five-bar", "--pose=0.7,0.9"], "y = 0.9 m: cannot be reached: joint"),
+        (["kinematics", "five-bar", "--pose=1e300,0"], "must be 2 finite numbers up to 100 m or"),
     ],
 )
 def test_wrong_input_ends_with_2_and_one_line(

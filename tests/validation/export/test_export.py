@@ -325,20 +325,3 @@ def test_its_forecast_is_that_of_the_solids_that_differ(tmp_path, monkeypatch, c
     assert 0.0 < seconds[0] == pytest.approx(sum(seconds[1:]))
     command.told("export", "ifw", "--to", "npz", "--out", tmp_path / "any.npz")
     assert seconds[-1] == 0.0
-
-
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        (["five-bar", "--to", "nastran"], "takes one body"),
-        (["five-bar", "--to", "statespace", "--body", "crank1"], "of the whole robot"),
-        (["five-bar", "--to", "npz", "--body", "no"], "must be one of"),
-        (["five-bar", "--to", "npz", "--out", "five-bar.toml"], "must end in .npz"),
-        (["five-bar", "--to", "npz", "--modes", "0"], "must be from 1 to"),
-        (["ifw", "--to", "npz", "--body", "leg1"], "known by its 6×6 alone"),
-    ],
-)
-def test_what_cannot_be_exported_is_refused(words, said, tmp_path, monkeypatch, command):
-    monkeypatch.chdir(tmp_path)
-    assert said in command.refused("export", *words)
-    assert not list(tmp_path.iterdir())

@@ -40,16 +40,11 @@ def test_people_read_degrees_and_millimetres(robot, joint, pose, told, factor, u
     assert f"{factor * value:+.3f}{unit}" in line
 
 
-def test_every_wrong_pose_is_named(command, capsys):
+def test_every_wrong_pose_is_named(capsys):
     assert cli.main(["kinematics", "five-bar", "--pose", "1,2,3", "--pose", "a,b"]) == 2
     faults = capsys.readouterr().err.splitlines()
     assert len(faults) == 2
     assert "--pose 1,2,3: must be x,y as finite numbers separated by commas" in faults[0]
-    for typed, said in (
-        ("0.7,0.9", "pose x = 0.7 m, y = 0.9 m: cannot be reached: joint"),
-        ("1e300,1e300", "five-bar: a pose must be 2 finite numbers up to 100 m or rad (x, y)"),
-    ):
-        assert said in command.refused("kinematics", "five-bar", f"--pose={typed}")
 
 
 def test_many_poses_say_how_long_they_take(monkeypatch, capsys):
