@@ -1,13 +1,14 @@
 """Streams as shells and careless callers leave them, and files that a user names for results."""
 
+import errno
 import os
 import resource
-import signal
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+from toy_runs import refusing
 
 from fem.machine import available_memory
 from lumped.errors import InputError
@@ -167,17 +168,11 @@ def test_a_link_is_replaced_and_what_it_leads_to_stays(tmp_path):
     assert sorted(tmp_path.iterdir()) == [foreign, link]
 
 
-def test_what_cannot_be_written_whole_leaves_what_was_there(tmp_path):
+def test_what_cannot_be_written_whole_leaves_what_was_there(tmp_path, monkeypatch):
     path = tmp_path / "table.csv"
     path.write_bytes(b"earlier")
-    limit = resource.getrlimit(resource.RLIMIT_FSIZE)
-    before = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (1000, limit[1]))
-    try:
-        with pytest.raises(InputError, match="cannot be written"):
-            write(path, b"x" * 5000)
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, limit)
-        signal.signal(signal.SIGXFSZ, before)
+    monkeypatch.setattr(os, "fsync", refusing(errno.ENOSPC))
+    with pytest.raises(InputError, match="cannot be written"):
+        write(path, b"x" * 5000)
     assert path.read_bytes() == b"earlier"
     assert list(tmp_path.iterdir()) == [path]

@@ -10,7 +10,6 @@ from forgetting import forget
 
 from lumped.errors import InputError
 from lumped.memo import fingerprint
-from lumped.robot_file import load_robot
 from meshes.part.interfaces import find_interfaces
 from meshes.part.reading import read
 from validation import cli
@@ -92,18 +91,9 @@ def test_a_point_beside_the_cylinder_tells_bores_of_one_radius_apart(part):
         np.testing.assert_allclose(interface.on_axis[:2], point[:2], atol=1e-9)
 
 
-def test_another_name_is_refused_by_the_right_one(part, tmp_path):
+def test_another_name_is_refused_by_the_right_one(part):
     with pytest.raises(InputError, match=r"at.*point"):
         found(part, "{ cylinder = { radius = 0.016 }, at = [0.26, 0.0, 0.0] }")
-    text, own = (
-        ROCKER.with_name("robot.toml").read_text("utf-8"),
-        "A = { cylinder = { radius = 0.022 }",
-    )
-    assert own in text
-    robot = tmp_path / "robot.toml"
-    robot.write_text(text.replace(own, f"{own}, point = [0.0, 0.0, 0.0]"), "utf-8")
-    with pytest.raises(InputError, match=r"interfaces\.A\.point: does not belong here"):
-        load_robot(robot)
 
 
 def test_what_is_kept_of_a_file_is_all_that_reading_finds(tmp_path, monkeypatch):
