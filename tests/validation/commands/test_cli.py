@@ -97,9 +97,7 @@ def test_wrong_input_ends_with_2_and_one_line(
     assert left <= {"report", ".lock"}
 
 
-def test_a_full_disk_ends_with_3_and_says_how_to_go_on(
-    with_catalogue, tmp_path, monkeypatch, capsys
-):
+def test_a_full_disk_ends_with_3_and_how_to_go_on(with_catalogue, tmp_path, monkeypatch, capsys):
     with_catalogue(toys.sound)
     # Of what is kept, not of what is found out beforehand.
     monkeypatch.setattr(RunFolder, "keep", refusals(tmp_path)(refusing(errno.ENOSPC)))
@@ -113,9 +111,7 @@ def test_a_full_disk_ends_with_3_and_says_how_to_go_on(
     assert f"{told} --out {out} --resume" in printed
 
 
-def test_what_the_system_refuses_is_neither_a_fault_of_flexproof_nor_of_stdout(
-    tmp_path, monkeypatch, capsys
-):
+def test_what_the_system_refuses_is_no_fault_of_flexproof(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr("meshes.processes.Process.__init__", refusing(errno.EMFILE))
     # A file of its own: what is known of others is not read again.
     part = tmp_path / "rocker.step"
@@ -130,11 +126,9 @@ def test_help_imports_nothing_heavy():
         f"loaded = [name for name in {HEAVY!r} if name in sys.modules];"
         "sys.stderr.write(' '.join(loaded)); sys.exit(code)"
     )
-    done = subprocess.run(
-        [sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, check=False
-    )
-    assert done.returncode == 0
-    assert done.stderr == ""
+    line = [sys.executable, "-c", program]
+    done = subprocess.run(line, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
     assert "run" in done.stdout
 
 
@@ -173,7 +167,6 @@ def test_export_takes_its_place_in_the_run_folder(with_catalogue, tmp_path, monk
     command.told(*asked, "--export")
     assert (tmp_path / "export" / "IFW demonstrator quick.vtu").exists()
     assert not (tmp_path / ".export.tmp").exists()
-    # A run without it leaves no export of an earlier one behind.
     command.told(*asked)
     assert not (tmp_path / "export").exists()
 

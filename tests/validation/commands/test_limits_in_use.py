@@ -60,7 +60,6 @@ def test_every_way_of_the_api_to_say_a_limit(quantity, general, limit, verdict):
             by_default.accepting(accept).entry("beam", quantity),
         ]
     assert [(entry.verdict, entry.limit) for entry in said] == [(verdict, limit)] * 7
-    # A limit of one quantity is none of another's.
     assert by_default.accepting({quantity: limit}).entry("beam", "y").limit == 0.05
     if verdict == "adequate":
         by_default.assert_adequate("beam", quantity, within=limit)

@@ -293,10 +293,9 @@ def test_exudyn_finds_the_frequencies(robot, tmp_path):
     script = tmp_path / "robot.py"
     named = replace(robot.matrices, name='end""" + 1 / 0 \\N{')
     script.write_bytes(as_exudyn(named))
-    done = subprocess.run(
-        [sys.executable, str(script)], capture_output=True, text=True, check=True, timeout=120
-    )
-    found = np.array(literal_eval(done.stdout.splitlines()[-1]))[:COUNT]
+    line = [sys.executable, str(script)]
+    printed = subprocess.run(line, capture_output=True, text=True, check=True, timeout=120).stdout
+    found = np.array(literal_eval(printed.splitlines()[-1]))[:COUNT]
     assert np.allclose(found, robot.matrices.frequencies, rtol=1e-6)
 
 

@@ -56,9 +56,7 @@ def test_many_poses_say_how_long_they_take(monkeypatch, capsys):
 @pytest.mark.parametrize(
     "robot", ["biglide", "five-bar", "3-rrr", "delta", "orthoglide", "hexapod"]
 )
-def test_a_new_file_of_each_kind_is_sound_and_commented_and_overwrites_none(
-    robot, tmp_path, command
-):
+def test_a_new_file_of_each_kind_is_sound_and_overwrites_none(robot, tmp_path, command):
     path = tmp_path / "a\nforged.toml"
     (line,) = command.told("new", "--type", robot, path).splitlines()
     assert "a\\nforged.toml written" in line

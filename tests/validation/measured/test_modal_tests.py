@@ -84,10 +84,8 @@ def written(path, sets):
 
 
 def units(length, force):
-    return {"type": 164, "units_code": 9, "length": length, "force": force} | {
-        "temp": 1.0,
-        "temp_offset": 0.0,
-    }
+    kelvin = {"temp": 1.0, "temp_offset": 0.0}
+    return {"type": 164, "units_code": 9, "length": length, "force": force} | kelvin
 
 
 def likeness(one, other):
@@ -223,10 +221,7 @@ def test_modes_that_look_alike_where_they_were_measured_are_not_judged(tmp_path)
 
 
 def test_of_modes_that_look_alike_the_one_near_in_frequency_is_meant(tmp_path):
-    sets = [
-        shape(number, 0.95 * FREQUENCIES[mode], SHAPES[:, mode])
-        for number, mode in ((1, 0), (2, 4))
-    ]
+    sets = [shape(n, 0.95 * FREQUENCIES[mode], SHAPES[:, mode]) for n, mode in ((1, 0), (2, 4))]
     _, matrix = held(tmp_path, sets, ROBOT)
     errors = {one.quantity: one.error for one in matrix.of_model("beam")}
     assert errors == pytest.approx({"f2": 1 / 0.95 - 1, "f3": 1 / 0.95 - 1}, abs=3e-3)

@@ -134,9 +134,7 @@ def test_what_is_kept_of_a_file_is_all_that_reading_finds(tmp_path, monkeypatch)
     ],
     ids=lambda command: command[0],
 )
-def test_a_file_that_ends_the_kernel_is_a_line_and_nothing_else(
-    tmp_path, capfd, coarse_parts, command
-):
+def test_a_file_that_ends_the_kernel_is_one_line(tmp_path, capfd, coarse_parts, command):
     coarse_parts.undo()
     part, robot = tmp_path / "rocker.step", tmp_path / "robot.toml"
     part.write_text(ROCKER.read_text().replace("MANIFOLD_SOLID_BREP", "SHELL_BASED_SURFACE_MODEL"))

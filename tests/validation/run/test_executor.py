@@ -2,7 +2,6 @@
 
 import os
 import signal
-import subprocess
 import sys
 import time
 from contextlib import closing
@@ -14,7 +13,7 @@ import numpy as np
 import pytest
 from forgetting import forget
 from numpy.testing import assert_array_equal
-from toy_runs import ENVIRONMENT, PATIENCE, wait_for
+from toy_runs import PATIENCE, started, wait_for
 
 from lumped.errors import ComputationError, InputError
 from lumped.robot_file import load_robot
@@ -86,17 +85,11 @@ except KeyboardInterrupt:
 
 
 @pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGKILL])
-def test_ctrl_c_and_a_kill_end_all_processes(tmp_path, how):
+def test_ctrl_c_and_a_kill_end_all_processes(tmp_path, monkeypatch, how):
     # A script that does not ask whether it is run by hand is not run again by its processes.
     (tmp_path / "script.py").write_text(SCRIPT, encoding="utf-8")
-    process = subprocess.Popen(
-        [sys.executable, "script.py"],
-        cwd=tmp_path,
-        env=ENVIRONMENT,
-        stderr=subprocess.PIPE,
-        text=True,
-        start_new_session=True,
-    )
+    monkeypatch.chdir(tmp_path)
+    process = started([sys.executable, "script.py"])
     wait_for(lambda: len(list(tmp_path.iterdir())) == 3)
     workers = Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()
     assert len(workers) == 2

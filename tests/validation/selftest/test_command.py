@@ -5,6 +5,7 @@ import re
 import runpy
 from math import pi
 from pathlib import Path
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -31,14 +32,9 @@ def selftest(monkeypatch, tmp_path, command):
     """`flexproof selftest` of made-up benchmarks, each of numbers or an error: what it prints."""
     monkeypatch.setenv("FLEXPROOF_CACHE", str(tmp_path / "cache"))
 
-    def compare(found):
-        if isinstance(found, Exception):
-            raise found
-        return found
-
     def run(*outcomes, code=0):
         listed = [
-            Benchmark(f"title {k}", "problem", f"source {k}", "reason", lambda f=found: compare(f))
+            Benchmark(f"title {k}", "problem", f"source {k}", "reason", Mock(side_effect=[found]))
             for k, found in enumerate(outcomes)
         ]
         monkeypatch.setattr(benchmarks, "benchmarks", lambda: tuple(listed))
