@@ -124,14 +124,12 @@ def worst_force(difference: Array, reference: Array) -> Worst:
         root = np.sqrt(weight[..., None] * a + (1.0 - weight[..., None]) * b)
         return forms / (root[..., :, None] * root[..., None, :]), root
 
-    def largest(weight: Array) -> Array:
-        return np.asarray(np.linalg.eigvalsh(scaled(weight)[0])[..., -1])
-
     low, high = np.zeros(len(forms)), np.ones(len(forms))
     for _ in range(_STEPS):
         # For every direction the fraction is convex in the weight, and so is the largest.
         first, second = high - _GOLDEN * (high - low), low + _GOLDEN * (high - low)
-        left = np.less_equal(*largest(np.array([first, second])))
+        largest = np.linalg.eigvalsh(scaled(np.array([first, second]))[0])[..., -1]
+        left = largest[0] <= largest[1]
         low, high = np.where(left, low, first), np.where(left, second, high)
     matrices, root = scaled(0.5 * (low + high))
     force = np.array([_meeting(*of_pose) for of_pose in zip(matrices, root, a - b, strict=True)])

@@ -110,7 +110,8 @@ def test_bending_is_known_better_than_torsion_of_an_open_section():
     """The section mesh leaves torsion open, and bending of 100 × 100 mm next to nothing."""
     (solids,) = dynamic_reference(robot_on_path(at_the_centre(**OF_FLANGED))).alternatives
     first, *others = solids.dynamic[0, :4]
-    assert 0.004 < first < 0.006
+    # A twentieth of it is what the section mesh leaves open of the beams of the same shape.
+    assert 0.0052 < first < 0.0056
     assert max(others) < 0.0025
 
 
