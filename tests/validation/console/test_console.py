@@ -63,11 +63,13 @@ def test_odd_streams_and_limits_end_with_a_code_and_at_most_one_line(line, code,
     assert len(done.stderr.splitlines()) == bool(said)
 
 
-def test_what_an_ascii_terminal_cannot_show_is_spelled_out():
+def test_what_cannot_be_shown_is_spelled_out_and_what_can_is_left_alone():
     streams.prepare()
     said = "µ − ′ “” × · ± ≤ ≥ → ø § √ ∫ ° Φ ² é 中"
     plain = 'u - \' "" x * +- <= >= -> o section  sqrt  integral   deg Phi 2 e \\u4e2d'
     assert said.encode("ascii", "flexproof.plain").decode() == plain
+    assert visible(said) == said
+    assert visible("a\nb\tc\u2028d\udcffe", keep="\n") == "a\nb\\tc\\u2028d\\udcffe"
 
 
 def test_a_refused_run_leaves_nothing_at_home(tmp_path):
@@ -104,11 +106,6 @@ def test_a_limit_of_the_address_space_counts_as_available_memory(monkeypatch):
     taken = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
     monkeypatch.setattr(resource, "getrlimit", lambda _: (taken + 10**8, -1))
     assert 0.5e8 < available_memory() <= 1.1e8
-
-
-def test_visible_text_is_left_alone():
-    assert visible("1 µm ≤ 3·10⁻⁶ m, Größe, 中") == "1 µm ≤ 3·10⁻⁶ m, Größe, 中"
-    assert visible("a\nb\tc\u2028d\udcffe", keep="\n") == "a\nb\\tc\\u2028d\\udcffe"
 
 
 TABLE = ("solve", "five-bar", "--model", "vjm", "--vary", "tool.mass=1:2:2", "--csv")

@@ -104,7 +104,7 @@ def test_a_call_that_dies_is_lost_alone(tmp_path):
     """Its neighbours are computed, the rest of its group as well, and how it died is told."""
     lives = partial(abs, -1)
     groups = [
-        [("killed", partial(kill_myself, signal.SIGKILL)), ("after it", lives)],
+        [("killed", partial(signal.raise_signal, signal.SIGKILL)), ("after it", lives)],
         [("full", partial(bytearray, 2**62))],
         [("refused", partial(load_robot, "no-such-robot"))],
         [("sound", lives), ("odd", partial(divmod, 1, 0)), ("after the odd", lives)],
@@ -124,10 +124,6 @@ def test_a_call_that_dies_is_lost_alone(tmp_path):
     assert isinstance(found["refused"], InputError)
     assert [name for name in said if isinstance(found[name], Crashed)] == ["killed"]
     assert "ZeroDivisionError" in (tmp_path / "log").read_text()
-
-
-def kill_myself(how):
-    os.kill(os.getpid(), how)
 
 
 def test_a_unit_that_is_lost_ends_its_sweep_and_names_the_cause():
