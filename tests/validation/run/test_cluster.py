@@ -202,7 +202,7 @@ def test_something_else_at_the_address(greeting, answer, said, monkeypatch):
     monkeypatch.setattr(on_dask, "_ANSWER", answer)
     with socket.create_server(("127.0.0.1", 0)) as server:
         if greeting:
-            Thread(target=lambda: server.accept()[0].sendall(greeting)).start()
+            Thread(target=lambda: server.accept()[0].sendall(greeting), daemon=True).start()
         port = server.getsockname()[1]
         with pytest.raises(InputError, match=said), on_cluster(f"tcp://127.0.0.1:{port}", silent):
             pass
