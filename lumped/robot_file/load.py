@@ -251,17 +251,18 @@ def described_by(tables: Mapping[str, Any], folder: Path) -> tuple[Mechanism, di
         raise InputError(faults)
     read = rules.read(tables)
     mechanism = mechanism_of(tables, folder) if any_robot else biglide_of(read)
-    faults = motion_faults(mechanism) if any_robot else []
-    damped = replace(mechanism, damping=read["damping"]["ratio"] if read["damping"] else 0.0)
-    faults = faults or [
-        *load_faults(read["loads"], mechanism, folder),
-        *response_faults(read["responses"], damped),
+    damping = read["damping"]["ratio"] if read["damping"] else 0.0
+    whole = replace(mechanism, damping=damping)
+    faults = [
+        *load_faults(read["loads"], whole, folder),
+        *response_faults(read["responses"], whole),
     ]
-    if faults:
+    if not faults:
+        loads = loads_of(read["loads"], whole, folder)
+        whole = replace(whole, loads=loads, excitations=excitations_of(read["responses"]))
+    # Of the robot as it is given: the postures that are tried here are remembered.
+    if faults := (motion_faults(whole) if any_robot else []) or faults:
         raise InputError(faults)
-    loads = loads_of(read["loads"], mechanism, folder)
-    excitations = excitations_of(read["responses"])
-    whole = replace(damped, loads=loads, excitations=excitations)
     if faults := evidence_faults(tables, read, whole):
         raise InputError(faults)
     return whole, read

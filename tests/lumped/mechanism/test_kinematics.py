@@ -20,6 +20,7 @@ from lumped.mechanism.kinematics.mobility import mobility
 from lumped.mechanism.kinematics.postures import CLOSED, posture, reference_posture
 from lumped.mechanism.mechanism import GROUND, Mechanism, Tool
 from lumped.mechanism.placing import leg_frame, rigid_on
+from lumped.memo import forget
 from lumped.robot_file import load_robot
 
 TURN = Rotation.from_euler("z", 0.7).as_matrix()
@@ -311,3 +312,10 @@ def test_family_begins_where_the_legs_can_meet():
         faults = "".join(Stroke(a, leg1.length, leg2.length).faults())
         assert bool(faults) == bool(said)
         assert said in faults
+
+
+def test_postures_that_reading_a_file_tried_are_remembered(monkeypatch):
+    forget()
+    mechanism = load_robot("five-bar").mechanism
+    monkeypatch.setattr("lumped.mechanism.kinematics.postures._walked", pytest.fail)
+    assert "motor1" in posture(mechanism, mechanism.poses[0]).coordinates
