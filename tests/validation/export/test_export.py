@@ -21,6 +21,7 @@ from scipy.sparse import load_npz
 from written_robot import described
 
 from fem.calculix.leg import with_bars
+from fem.calculix.run import CalculixMissing, calculix_program
 from lumped.legs import tip_compliance
 from lumped.mechanism.kinematics.postures import posture, reference_posture
 from lumped.models.bodies import clamped_modes, legs_of, tip_compliance_of
@@ -202,6 +203,22 @@ def robot():
 @pytest.fixture(scope="module")
 def crank():
     return reduced_body(FIVE_BAR, "crank1", 1000.0)
+
+
+@pytest.mark.exhaustive
+def test_calculix_reads_the_deck(folder, tmp_path):
+    try:
+        program = calculix_program()
+    except CalculixMissing as missing:
+        pytest.skip(str(missing))
+    text = (folder / "mechanism.inp").read_text(encoding="utf-8")
+    # Statics alone: modes of the deck are compared elsewhere.
+    (tmp_path / "deck.inp").write_text(text[: text.rindex("*STEP")], encoding="utf-8")
+    done = subprocess.run(
+        [program, "deck"], cwd=tmp_path, capture_output=True, text=True, check=False, timeout=300
+    )
+    assert done.returncode == 0, done.stdout[-2000:]
+    assert "*ERROR" not in done.stdout
 
 
 def test_the_state_space_rings_as_the_solids_do_and_rests_where_statics_say(robot):

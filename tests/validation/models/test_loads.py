@@ -11,17 +11,24 @@ from one_arm import ONE_ARM
 from pendulum import PENDULUM
 from written_robot import described
 
+from fem import multibody
 from lumped.errors import ComputationError, InputError
+from lumped.mechanism.body import Rigid
+from lumped.mechanism.free_twists import free_twists
 from lumped.mechanism.kinematics.accelerations import accelerations
 from lumped.mechanism.kinematics.postures import posture, reference_posture
 from lumped.mechanism.load import Load
 from lumped.mechanism.mechanism import GROUND
+from lumped.models.bodies import legs_of
 from lumped.robot_file import load_robot
 from lumped.robot_file.load import described_by
-from lumped.system.loads import loading
+from lumped.system.assembly import assemble
+from lumped.system.joint_motion import Portion
+from lumped.system.loads import loading, work_on
+from lumped.system.solution import solved
 from validation.cases import ritz
 from validation.models.loads.displacements import displacements, masses_of
-from validation.models.mechanism import answers
+from validation.models.mechanism import answers, static_bodies
 from validation.models.options import ModelOptions
 
 E, RHO, LENGTH, WIDTH, HEIGHT = 2.1e11, 7850.0, 0.5, 0.06, 0.04
@@ -214,6 +221,79 @@ def test_virtual_joints_and_links_give_one_answer(name):
     sizes = np.abs(assembled).max(axis=1, keepdims=True)
     assert np.abs(chains - assembled).max() <= 1e-8 * sizes.max()
     assert (np.abs(chains - assembled) <= 1e-7 * sizes).all()
+
+
+def rigid(leg):
+    """A leg as a rigid body of its prism's mass and inertia."""
+    section, along = leg.section, leg.mass * leg.length**2 / 12.0
+    y, z = leg.mass / section.area * np.array([section.second_moment_y, section.second_moment_z])
+    inertia = np.diag([y + z, along + y, along + z])
+    return Rigid(leg.mass, np.array([0.5 * leg.length, 0.0, 0.0]), inertia)
+
+
+class _Moving(multibody._ExudynModel):
+    """Bodies of EXUDYN that move as postures nearby say that they do with a `speed` of the tool."""
+
+    def __init__(self, at, free, speed):
+        step = 1e-5 * np.array([*speed, 0.0, 0.0, 0.0])
+        before, after = (posture(at.mechanism, at.pose + way, at) for way in (-step, step))
+        self.linear, self.spin, self.moving = {}, {}, at.mechanism.tool.body
+        for name, frame in at.frames.items():
+            now, then = before.frames[name], after.frames[name]
+            self.linear[name] = (then.position - now.position) / 2e-5
+            turned = frame.rotation.T @ (then.rotation - now.rotation) / 2e-5
+            self.spin[name] = turned[[2, 0, 1], [1, 2, 0]]
+        super().__init__(replace(at, mechanism=free), 1)
+
+    def _add_rigid(self, name, shape):
+        self.moving = name
+        super()._add_rigid(name, shape)
+
+    def _node(self, position, rotation):
+        spin, node = self.spin[self.moving], self.items.NodeRigidBodyRotVecLG
+        arm = position - self.posture.frames[self.moving].position
+        velocity = self.linear[self.moving] + np.cross(rotation @ spin, arm)
+        placed = [*position, *multibody.rotation_vector(rotation)]
+        return self.mbs.AddNode(
+            node(referenceCoordinates=placed, initialVelocities=[*velocity, *spin])
+        )
+
+
+@pytest.mark.parametrize(("speed", "close"), [(0.0, 1e-4), (1.0, 1e-3)], ids=["rest", "moving"])
+def test_what_the_drives_give_moves_the_tool_of_another_program_as_the_load_says(speed, close):
+    """A hexapod of rigid bodies in EXUDYN, with forces instead of drives.
+
+    Without the inertia forces of its speed the tool would be 13 % slower along z.
+    """
+    exudyn = pytest.importorskip("exudyn", reason="EXUDYN (extra exudyn) is not installed")
+    robot, time = load_robot("hexapod").mechanism, 2e-4
+    speed = speed * np.array([1.5, -1.0, 0.5])
+    load = on(robot, acceleration=[3.0, 2.0, -4.0], speed=speed)
+    robot = replace(robot, loads=(load,))
+    at = posture(robot, robot.poses[2])
+    system = assemble(at, static_bodies("links", robot))
+    work = work_on(system, loading(at, load, masses_of(robot)))
+    moved = solved(system).displacements(work[:, None])
+    legs = legs_of(robot).items()
+    bodies = {name: replace(robot.bodies[name], shape=rigid(leg)) for name, leg in legs}
+    joints = [replace(joint, drive=None) for joint in robot.joints]
+    free = replace(robot, bodies=robot.bodies | bodies, joints=joints)
+    model = _Moving(at, free, speed)
+    for joint in (one for one in robot.joints if one.drive):
+        spring = system.motions.springs[Portion(joint.name, "drive")]
+        force = -np.sqrt(joint.drive.stiffness) * (spring @ moved)[0, 0]
+        pull = force * free_twists(at, joint)[:3, 0]
+        for side, end in ((joint.first, -1.0), (joint.second, 1.0)):
+            marker = model.marker(side, np.eye(3))
+            model.mbs.AddLoad(model.items.Force(markerNumber=marker, loadVector=end * pull))
+    model.mbs.Assemble()
+    settings = exudyn.SimulationSettings()
+    settings.solution.file.write = False
+    settings.timeIntegration.numberOfSteps = 20
+    settings.timeIntegration.endTime = time
+    model.mbs.SolveDynamic(settings)
+    gone = np.array(model.mbs.systemData.GetODE2Coordinates())[-6:-3] - speed * time
+    np.testing.assert_allclose(2.0 * gone / time**2, load.acceleration, rtol=close)
 
 
 GIVE = {"compliance": (1e-7 * np.diag([1.0, 2.0, 1.0, 30.0, 20.0, 90.0])).tolist()}
