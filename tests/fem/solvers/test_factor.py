@@ -100,6 +100,21 @@ def test_a_body_that_nothing_holds_is_refused(slices, length):
         analyse(without(solid.stiffness, root[[0, 1, 2, -3, -2]])).factorise()
 
 
+def test_a_chain_that_rounding_alone_holds_is_refused():
+    """Springs in a row, to ground by 40 or 4000 roundings of theirs: all pivots are positive."""
+    chain = 2.0 * np.eye(20) - np.eye(20, k=1) - np.eye(20, k=-1)
+    for roundings in (40.0, 4000.0):
+        chain[0, 0] = chain[-1, -1] = 1.0
+        chain[0, 0] += roundings * np.finfo(float).eps
+        symbolic = analyse(csr_array(chain))
+        assert symbolic.indefinite("chain").inertia == Inertia(0, 0, 20)
+        if roundings > 100.0:
+            symbolic.factorise("chain")
+        else:
+            with pytest.raises(NotPositiveDefiniteError):
+                symbolic.factorise("chain")
+
+
 def test_too_little_memory_is_said_before_the_factorisation(short_leg, monkeypatch):
     symbolic = analyse(short_leg[0])
     # The factor alone: half of the square of the fill, which is at least the band of a slice.

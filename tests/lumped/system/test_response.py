@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.linalg import eigh
+from scipy.sparse import csr_array
 from written_robot import described
 
 from fem.beams.beam import beam_leg
@@ -12,6 +13,7 @@ from lumped.arrays import dense
 from lumped.mechanism.kinematics.postures import reference_posture
 from lumped.models.bodies import legs_of
 from lumped.robot_file import load_robot
+from lumped.screws import shift
 from lumped.system.assembly import assemble
 from lumped.system.joint_motion import Portion
 from lumped.system.response import damped_modes, tool_responses
@@ -137,8 +139,14 @@ def on_drives(**changes):
 
 @pytest.fixture(scope="module")
 def beams():
+    """With 50 g beside every tip, 20 mm off the axis: what spins idly has a part in bending."""
     legs = legs_of(DELTA)
+    beside = shift(np.array([0.0, 0.02, 0.0]))[:3]
     alike = {leg: beam_leg(leg.timoshenko, leg.length, 2) for leg in legs.values()}
+    for leg, model in alike.items():
+        mass = dense(model.mass)
+        mass[6:12, 6:12] += 0.05 * beside.T @ beside
+        alike[leg] = replace(model, mass=csr_array(mass))
     return {name: alike[leg] for name, leg in legs.items()}
 
 
