@@ -378,7 +378,8 @@ def _value_changes(
     from scipy.spatial import KDTree  # noqa: PLC0415
 
     old, new = _valued(before), _valued(after)
-    if not (old and new) or len(old[0][0]) != len(new[0][0]):
+    # A file that somebody made may have anything as a pose.
+    if not (old and new) or len({len(pose) for pose, _ in (*old, *new)}) > 1:
         return
     # A pose of a tool without moves has no coordinates; a point has at least one.
     points = [np.array([(0.0, *pose) for pose, _ in values]) for values in (old, new)]

@@ -164,6 +164,18 @@ def test_values_go_by_their_poses_however_many_there_are():
     np.testing.assert_array_equal(found, np.array([values, -values]).T)
 
 
+@pytest.mark.parametrize("poses", [((0.1,), (0.2, 0.3)), ((), (0.1,)), ((0.1, 0.2),) * 2])
+def test_poses_of_other_lengths_have_no_values_in_common(poses):
+    """None, of robots that move otherwise and of files that somebody made."""
+    entries = (
+        replace(judged("x", "adequate"), poses=some, values=(1.0, 2.0))
+        for some in (poses, ((0.1,), (0.2,)))
+    )
+    runs = [run_of(adequacy=(entry,)) for entry in entries]
+    for pair in (runs, runs[::-1]):
+        assert compare(*pair).adequacy[0].values == ()
+
+
 def test_runs_of_models_alone_are_compared_by_these(saved, command):
     verdicts = ("adequate", "inadequate")
     paths = [saved(f"{one}.json", adequacy=(judged("x", one),)) for one in verdicts]
