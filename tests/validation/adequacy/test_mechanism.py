@@ -4,11 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from written_robot import robot_of
 
+from lumped.legs import ConstantLeg, Material, tip_compliance
 from lumped.mechanism.body import Rigid
 from lumped.mechanism.kinematics.postures import posture
 from lumped.models.bodies import legs_of
 from lumped.robot_file import load_robot
+from lumped.sections import Rectangle
 from lumped.system.assembly import assembly
 from validation.adequacy.mechanism.path import (
     HOLD,
@@ -18,10 +21,63 @@ from validation.adequacy.mechanism.path import (
     why_not_serial,
 )
 from validation.adequacy.mechanism.samples import samples_of
+from validation.adequacy.models import judged_models
+from validation.adequacy.robot import robot_adequacy
 from validation.catalogue import catalogue
 from validation.context import Context
 from validation.models.mechanism import constant_legs, on_drives_alone
 from validation.models.options import ModelOptions
+
+# A prism welded to an arm known by its 6×6, which is twice as soft along z as it would be one.
+PRISM = ConstantLeg(0.3, Rectangle(0.06, 0.04), Material.isotropic(2.1e11, 0.3, 7850.0))
+SOFTER = tip_compliance(PRISM.timoshenko, PRISM.length) * (1.0 + np.diag([0, 0, 1.0, 0, 0, 0]))
+ARM = f"""
+schema = 2
+name = "arm"
+points = {{ A = [0.0, 0.0, 0.0], M = [0.0, 0.3, 0.0], P = [0.0, 0.5, 0.0] }}
+joints.weld = {{ type = "fixed", between = ["inner", "outer"], at = "M" }}
+tool = {{ body = "outer", point = "P", moves = ["x"] }}
+path = {{ poses = [[0.0]] }}
+accept = {{ modes = 1 }}
+[bodies.inner]
+from = "A"
+to = "M"
+mass = {PRISM.mass}
+mass_centre = 0.15
+compliance = {SOFTER.tolist()}
+[bodies.outer]
+from = "M"
+to = "P"
+section = {{ shape = "rectangle", width = 0.06, height = 0.04 }}
+material = {{ E = 2.1e11, nu = 0.3, rho = 7850.0 }}
+ends = "rigid"
+[joints.motor]
+type = "revolute"
+between = ["ground", "inner"]
+at = "A"
+axis = [0.0, 0.0, 1.0]
+drive = {{ stiffness = 5.0e4 }}
+"""
+
+
+@pytest.mark.usefixtures("coarse_legs")
+def test_a_mechanism_has_a_matrix_and_plausible_masses_of_its_own(tmp_path):
+    short = robot_of(ARM, tmp_path)
+    matrix = robot_adequacy(Context(short, "quick"))
+    assert list(map(str, matrix.coordinates)) == ["x (m)"]
+    assert np.allclose(matrix.poses, short.mechanism.poses)
+    assert [note.model for note in matrix.models] == list(judged_models(short.mechanism))
+    assert all(matrix.verdict(model) == "adequate" for model in ("vjm", "links"))
+    # Rigid bodies move in the plane of their drives alone.
+    for quantity in ("z", "phi_x", "phi_y"):
+        entry = matrix.entry("simplified", quantity)
+        assert (entry.error, entry.along) == (pytest.approx(1.0), pytest.approx(-1.0))
+        assert entry.causes[0].cause == "elastic drives only, bodies and joints rigid"
+        assert entry.remedy == "use vjm"
+    assert matrix.supposed.startswith("for every plausible distribution")
+    assert any("give f1" in note for note in matrix.notes)
+    assert matrix.formulation.entry("beam", "z").verdict == "adequate"
+    assert matrix.entry("beam", "z").verdict == "inadequate"
 
 
 def test_legs_that_branch_are_no_chains_of_virtual_joints():
