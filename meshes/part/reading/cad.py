@@ -115,7 +115,7 @@ def _unit(path: Path, given: str | None) -> str:
             raise InputError(f"{path}: is not a BREP file; its first line must name the format")
         return chosen_unit(None, given, str(path))
     require_whole(content, str(path))
-    return chosen_unit(step_unit(content.decode("latin-1"), str(path)), given, str(path))
+    return chosen_unit(step_unit(content, str(path)), given, str(path))
 
 
 def _import(gmsh: ModuleType, path: Path, unit: str) -> None:

@@ -1,4 +1,4 @@
-"""Volume meshes from other programs (gmsh, Abaqus and CalculiX, VTK), read by meshio.
+"""Volume meshes from other programs: gmsh and VTK by meshio, Abaqus and CalculiX by `deck`.
 
 Faces are the smooth patches of the boundary, or what the file names: its own surface elements, if
 they are in groups, and sets of nodes.
@@ -19,24 +19,20 @@ from lumped.mechanism.body import METRES
 from lumped.text import counted, cut
 from meshes.elements import ELEMENTS, SolidElement
 from meshes.part.boundary import Facets, PartMesh, boundary, facets_of_cells, smooth_faces
+from meshes.part.reading.deck import read_deck
 from meshes.part.reading.units import chosen_unit, require_plausible
 from meshes.part.reading.vtu_sizes import inflated_size, inflating
 from meshes.quality import quality
 from meshes.solid_mesh import VolumeMesh
 
 # Said, not guessed: other programs use these endings too.
-_FORMAT = {".msh": "gmsh", ".inp": "abaqus", ".vtu": "vtu"}
-MESHES = tuple(_FORMAT)
+_FORMAT = {".msh": "gmsh", ".vtu": "vtu"}
+MESHES = (".msh", ".inp", ".vtu")
 # Bytes of a file, and of what it holds packed together.
 LARGEST = 500_000_000
 # Signs of what is said of a file that cannot be read.
 _LONGEST = 160
 _NO_NUMBER = re.compile(r"\b(?:int|float)\b.*?: (['\"].*)")
-# What makes or moves nodes and elements of an .inp file in ways that are not followed here, and
-# options of *NODE and *ELEMENT that do: another file, or coordinates that are not Cartesian.
-_NOT_FOLLOWED = ("INCLUDE", "NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYSTEM")
-_OPTIONS = ("INPUT", "SYSTEM")
-
 # A name, and which of the boundary's facets it holds.
 Group: TypeAlias = tuple[str, NDArray[np.bool_]]
 
@@ -59,8 +55,6 @@ def read_mesh(path: Path, unit: str | None = None) -> tuple[PartMesh, str]:
     Raises InputError where the file is no mesh of one solid with elements known here.
     """
     source, chosen = str(path), chosen_unit(None, unit, str(path))
-    if path.suffix.lower() == ".inp":
-        _require_followed(path)
     size = inflated_size(path.read_bytes()) if path.suffix.lower() == ".vtu" else 0
     if size > LARGEST:
         raise InputError(
@@ -92,30 +86,9 @@ def read_mesh(path: Path, unit: str | None = None) -> tuple[PartMesh, str]:
     return PartMesh(nodes, mesh.cells, element, faces, names, bare), chosen
 
 
-def _require_followed(path: Path) -> None:
-    """Raise InputError for a line of an .inp file that would change its mesh and is not followed.
-
-    Materials, steps and whatever else leaves nodes and elements as they are is passed over.
-    """
-    lines = path.read_text("utf-8", "replace").splitlines()
-    for number, (line, after) in enumerate(zip(lines, [*lines[1:], ""], strict=True), start=1):
-        if not line.startswith("*") or line.startswith("**"):
-            continue
-        keyword, *options = (word.strip().upper() for word in line[1:].split(","))
-        named = {option.partition("=")[0].strip() for option in options}
-        wrong = [f"*{keyword}"] if keyword in _NOT_FOLLOWED else []
-        if keyword in ("NODE", "ELEMENT"):
-            wrong += [f"{one} of *{keyword}" for one in _OPTIONS if one in named]
-        if keyword == "INSTANCE" and after.strip() and not after.startswith("*"):
-            wrong.append("the place of *INSTANCE")
-        if wrong:
-            raise InputError(
-                f"{path}: line {number}: {wrong[0]} is not supported; write all nodes and elements "
-                "of the part into this file, in Cartesian coordinates"
-            )
-
-
 def _raw(path: Path) -> Any:
+    if path.suffix.lower() == ".inp":
+        return read_deck(path)
     # Only who reads such a file waits for its library.
     import meshio  # noqa: PLC0415
 

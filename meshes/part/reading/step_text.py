@@ -17,6 +17,7 @@ _SOUND = re.compile(
 )
 _WORD = re.compile(rb"[^\s,()]*")
 _DEFINITION, _REFERENCE = re.compile(rb"#(\d+)\s*="), re.compile(rb"#(\d+)")
+_ENTITY = re.compile(r"#(\d+)\s*=\s*([^;]*);")
 _FACE = re.compile(rb"=\s*(?:ADVANCED_FACE|FACE_SURFACE)\s*\(", re.IGNORECASE)
 
 
@@ -40,6 +41,12 @@ def require_whole(content: bytes, source: str) -> None:
             f"{source}: refers to #{min(lost)}, which it does not hold: the file is "
             "damaged; export it anew from the CAD system"
         )
+
+
+def entities(content: bytes) -> dict[str, str]:
+    """The entities of the file by their number, without texts and comments."""
+    text = _without_texts(content).decode("latin-1")
+    return dict(_ENTITY.findall(text))
 
 
 def count_faces(content: bytes) -> int:

@@ -50,26 +50,70 @@ def test_a_bore_written_as_splines_is_a_bore(tmp_path):
 MILLIMETRE = "SI_UNIT(.MILLI.,.METRE.)"
 
 
-def in_inches(text: str) -> str:
-    """The same numbers declared as inches (ISO 10303-21, conversion based unit)."""
-    unit = re.search(rf"#(\d+) = \( LENGTH_UNIT\(\) [^;]*{re.escape(MILLIMETRE)} \);", text)
-    inch = (
-        f"#{unit[1]} = ( CONVERSION_BASED_UNIT('INCH',#9001) LENGTH_UNIT() NAMED_UNIT(#9002) );\n"
-        "#9001 = LENGTH_MEASURE_WITH_UNIT(LENGTH_MEASURE(25.4),#9003);\n"
-        "#9002 = DIMENSIONAL_EXPONENTS(1.,0.,0.,0.,0.,0.,0.);\n"
-        f"#9003 = ( LENGTH_UNIT() NAMED_UNIT(*) {MILLIMETRE} );"
-    )
-    return text.replace(unit[0], inch)
+def converted(name: str, factor: str, unit: str = MILLIMETRE):
+    """An edit that declares the same numbers in a conversion based unit (ISO 10303-21)."""
+
+    def edit(text: str) -> str:
+        own = re.search(rf"#(\d+) = \( LENGTH_UNIT\(\) [^;]*{re.escape(MILLIMETRE)} \);", text)
+        conversion = (
+            f"#{own[1]} = ( CONVERSION_BASED_UNIT('{name}',#9001) LENGTH_UNIT() "
+            "NAMED_UNIT(#9002) );\n"
+            f"#9001 = LENGTH_MEASURE_WITH_UNIT(LENGTH_MEASURE({factor}),#9003);\n"
+            "#9002 = DIMENSIONAL_EXPONENTS(1.,0.,0.,0.,0.,0.,0.);\n"
+            f"#9003 = ( LENGTH_UNIT() NAMED_UNIT(*) {unit} );"
+        )
+        return text.replace(own[0], conversion)
+
+    return edit
+
+
+def other_unit(representation: str):
+    """An edit that adds a representation with a context in metres, as exports do for views."""
+
+    def edit(text: str) -> str:
+        added = (
+            "#9001=(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT($,.METRE.));\n"
+            "#9002=(NAMED_UNIT(*)PLANE_ANGLE_UNIT()SI_UNIT($,.RADIAN.));\n"
+            "#9003=(GEOMETRIC_REPRESENTATION_CONTEXT(3)"
+            "GLOBAL_UNIT_ASSIGNED_CONTEXT((#9001,#9002))REPRESENTATION_CONTEXT('',''));\n"
+            f"#9004={representation}('',(),#9003);\n"
+        )
+        end = text.rindex("ENDSEC;")
+        return text[:end] + added + text[end:]
+
+    return edit
+
+
+METRE = "SI_UNIT($,.METRE.)"
 
 
 @pytest.mark.parametrize(
     ("edit", "unit", "length"),
     [
-        (in_inches, "inch", 0.254),
+        (converted("INCH", "25.4"), "inch", 0.254),
+        (converted("inches", "2.54E-2", METRE), "inch", 0.254),
+        (converted("MILLIMETRE", "1."), "mm", 0.01),
+        (converted("MILLIMETER", "1.E-3", METRE), "mm", 0.01),
+        # The factor counts, not the name.
+        (converted("UNIT", "10.0"), "cm", 0.1),
         (lambda text: text.replace(MILLIMETRE, "SI_UNIT(.CENTI.,.METRE.)"), "cm", 0.1),
-        (lambda text: text.replace(MILLIMETRE, "SI_UNIT($,.METRE.)"), "m", 10.0),
+        (lambda text: text.replace(MILLIMETRE, METRE), "m", 10.0),
+        (other_unit("MECHANICAL_DESIGN_GEOMETRIC_PRESENTATION_REPRESENTATION"), "mm", 0.01),
+        (other_unit("DRAUGHTING_MODEL"), "mm", 0.01),
+        (other_unit("SHAPE_REPRESENTATION"), "mm", 0.01),
     ],
-    ids=["inch", "cm", "m"],
+    ids=[
+        "inch",
+        "inches-by-metre",
+        "conversion-mm",
+        "conversion-mm-by-metre",
+        "conversion-cm",
+        "cm",
+        "m",
+        "presentation",
+        "drawing",
+        "axes",
+    ],
 )
 def test_the_unit_of_the_file_is_honoured_and_said(tmp_path, edit, unit, length):
     path = written(tmp_path / "bar.step", lambda occ: occ.addBox(0, 0, 0, 10, 2, 3))
@@ -78,6 +122,12 @@ def test_the_unit_of_the_file_is_honoured_and_said(tmp_path, edit, unit, length)
     assert part.unit == unit
     assert part.extent[0] == pytest.approx(length, rel=1e-9)
     assert part.size.startswith(f"read in {unit}: 10")
+
+
+def test_unit_of_a_foot_is_refused(tmp_path):
+    path = written(tmp_path / "bar.step", lambda occ: occ.addBox(0, 0, 0, 10, 2, 3))
+    path.write_text(converted("FOOT", "304.8")(path.read_text()))
+    assert "its unit of length of 0.3048 m is not known here; use m, cm, mm, inch" in refused(path)
 
 
 def refused(path, unit=None) -> str:
@@ -212,7 +262,10 @@ def test_a_changed_text_is_not_mended_in_silence_and_its_names_and_comments_say_
     point = re.search(r"\n#(\d+) = CARTESIAN_POINT\('',\((-?[\d.]+),", text)
     numbers = re.compile(r"CARTESIAN_POINT\('',\((.*?)\)\)", re.DOTALL)
     for changed, message in (
-        (text.replace(MILLIMETRE, "SI_UNIT(.PICO.,.METRE.)"), "length, 'pico', is not known here"),
+        (
+            text.replace(MILLIMETRE, "SI_UNIT(.PICO.,.METRE.)"),
+            "unit of length of 1e-12 m is not known here",
+        ),
         (numbers.sub(_astronomical, text), "mm is not the size of a robot's part; is its unit ri"),
         (
             text.replace(point.group(), point.group().replace(point.group(2), "NAN")),

@@ -159,18 +159,11 @@ def test_hexahedra_have_six_faces_of_unit_area(tmp_path, kind):
         assert face.direction @ (face.centre - 0.05) == pytest.approx(0.05)
 
 
-NODES = "*NODE\n1,0,0,0\n2,.1,0,0\n3,0,.1,0\n4,0,0,.1\n*ELEMENT,TYPE=C3D4\n1,1,2,3,"
-
-
 @pytest.mark.parametrize(
     ("name", "text", "said"),
     [
         ("mesh.msh", "hello", "it is damaged, cut off or not in the format of gmsh"),
         ("mesh.vtu", "<html></html>", "the format of vtu: Expected tag 'VTKFile', found html"),
-        ("mesh.inp", f"{NODES}four\n", "'four' is no number"),
-        # meshio prints the list of the words on this line, and exits.
-        ("mesh.inp", f"{NODES}4\n*NSET,NSET=a=b\n1\n", "not in the format of abaqus"),
-        ("mesh.inp", f"{NODES}4\n*NSET,NSET=a,GENERATE\n1,9,2\n", "does not hold 5, to which"),
     ],
 )
 def test_what_is_no_mesh_is_one_line(tmp_path, capfd, name, text, said):

@@ -1,0 +1,376 @@
+"""Nodes, elements and node sets of an Abaqus or CalculiX input deck (.inp).
+
+The forms are those that CalculiX runs: blanks and case have no meaning, lines that begin with **
+are comments, omitted coordinates are zero, GENERATE has the step 1 unless a third value is there,
+elements go on over lines until they have all their nodes, a set that appears again grows.
+Keyword lines may also go on after a comma, and parts and instances number their own nodes, as in
+Abaqus.
+"""
+
+import re
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from lumped.errors import InputError
+from lumped.text import shown
+
+# Keywords that make or move nodes and elements in ways that are not followed here, and options of
+# *NODE and *ELEMENT that do: another file, or coordinates that are not Cartesian.
+_NOT_FOLLOWED = frozenset(
+    {"INCLUDE", "NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYSTEM"}
+)
+_CARTESIAN = "R"
+# Options without a value that may stand alone on a keyword line that goes on.
+_FLAGS = frozenset({"GENERATE", "INTERNAL", "UNSORTED"})
+# Solids of stress and of heat: the number is that of their nodes, letters are formulations. Of 6
+# and 15 nodes they are wedges.
+_SOLID = re.compile(r"D?C3D(\d+)[A-Z]*")
+_KIND = {
+    4: "tetra",
+    6: "wedge",
+    8: "hexahedron",
+    10: "tetra10",
+    15: "wedge15",
+    20: "hexahedron20",
+}
+# Elements that are no solid: shells, membranes, plane ones, beams, trusses, rigid surfaces,
+# springs, dampers, masses, gaps and connections.
+_NO_SOLID = re.compile(
+    r"(?:S\d|DS\d|STRI|SAX|SFM|M3D|CPS|CPE|CAX|DC2D|DCAX|R2D|R3D|RAX|RB\d|B\d\d|T\dD|PIPE|ELBOW"
+    r"|FRAME|D$|D\d|SPRING|DASHPOT|MASS|ROTARYI|GAP|DCOUP|CONN|JOINTC|HEATCAP)"
+)
+# Number of a node or an element.
+_WHOLE = re.compile(r"\+?\d{1,18}", re.ASCII)
+# A number as Fortran writes it: 1.5D+3, or 1.5+3.
+_FORTRAN = re.compile(r"([+-]?\d*\.?\d*)[DQdq]?([+-]?\d+)")
+
+# Numbers of nodes or elements.
+Members: TypeAlias = list[int | range]
+
+
+@dataclass(frozen=True)
+class _Card:
+    """A keyword with its options and the numbered data lines below it.
+
+    Keyword and names of options in capitals without blanks, values as they are written.
+    """
+
+    line: int
+    keyword: str
+    options: dict[str, str]
+    data: list[tuple[int, list[str]]]
+
+
+@dataclass
+class _Scope:
+    """Nodes, elements and sets of a part, of an instance, of the assembly or of the deck itself.
+
+    `nodes`: rows of the points by number; `elements`: nodes by number; sets by name in capitals.
+    """
+
+    nodes: dict[int, int] = field(default_factory=dict)
+    elements: dict[int, list[int]] = field(default_factory=dict)
+    node_sets: dict[str, Members] = field(default_factory=dict)
+    element_sets: dict[str, Members] = field(default_factory=dict)
+
+
+@dataclass
+class _Deck:
+    """The content of a deck while it is read.
+
+    `blocks`: solid elements by kind, each with its scope and nodes; `titles` of the sets of nodes.
+    """
+
+    path: Path
+    points: list[tuple[float, float, float]] = field(default_factory=list)
+    blocks: dict[str, list[tuple[_Scope, list[int]]]] = field(default_factory=dict)
+    titles: dict[str, str] = field(default_factory=dict)
+    scopes: dict[str, _Scope] = field(default_factory=lambda: {"": _Scope()})
+    open_scopes: list[str] = field(default_factory=lambda: [""])
+
+    @property
+    def scope(self) -> _Scope:
+        return self.scopes[self.open_scopes[-1]]
+
+    def fault(self, line: int, text: str) -> InputError:
+        return InputError(f"{self.path}: line {line}: {text}")
+
+
+def read_deck(path: Path) -> Any:
+    """The meshio mesh of a deck: its points, its solid elements and its sets of nodes.
+
+    Raises InputError with the line of what is wrong or not supported.
+    """
+    import meshio  # noqa: PLC0415  only who reads such a file waits for its library
+
+    deck = _Deck(path)
+    for card in _cards(path.read_bytes().decode("utf-8-sig", "replace")):
+        _require_followed(deck, card)
+        _open_scope(deck, card)
+        if card.keyword == "NODE":
+            _read_nodes(deck, card)
+        elif card.keyword == "ELEMENT":
+            _read_elements(deck, card)
+        elif card.keyword in ("NSET", "ELSET"):
+            _read_set(deck, card)
+    cells = []
+    for kind, elements in deck.blocks.items():
+        rows = [[_row(deck, scope, node) for node in nodes] for scope, nodes in elements]
+        cells.append((kind, np.array(rows, dtype=np.int64)))
+    points = np.array(deck.points, dtype=float).reshape(-1, 3)
+    return meshio.Mesh(points, cells, point_sets=_point_sets(deck))
+
+
+def _cards(text: str) -> Iterator[_Card]:
+    card, goes_on = None, False
+    lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    for number, line in enumerate(map(str.strip, lines), start=1):
+        if not line or line.startswith("**"):
+            continue
+        fields = [one.strip() for one in line.split(",")]
+        if line.startswith("*"):
+            if card:
+                yield card
+            card = _Card(number, _plain(fields[0][1:]), _options(fields[1:]), [])
+            goes_on = not fields[-1]
+        elif card and goes_on and all(map(_is_option, filter(None, fields))):
+            card.options.update(_options(fields))
+            goes_on = not fields[-1]
+        elif card:
+            card.data.append((number, fields))
+            goes_on = False
+    if card:
+        yield card
+
+
+def _plain(word: str) -> str:
+    return "".join(word.split()).upper()
+
+
+def _is_option(text: str) -> bool:
+    return "=" in text or _plain(text) in _FLAGS
+
+
+def _options(fields: Iterable[str]) -> dict[str, str]:
+    pairs = (text.partition("=") for text in fields if text)
+    return {_plain(name): value.strip().strip('"') for name, _, value in pairs}
+
+
+def _require_followed(deck: _Deck, card: _Card) -> None:
+    """Raise InputError for a card that would change the mesh and is not followed.
+
+    Materials, steps and whatever else leaves nodes and elements as they are is passed over.
+    """
+    wrong = [f"*{card.keyword}"] if card.keyword in _NOT_FOLLOWED else []
+    if card.keyword in ("NODE", "ELEMENT"):
+        wrong += [f"INPUT of *{card.keyword}"] if "INPUT" in card.options else []
+        if card.options.get("SYSTEM", _CARTESIAN).upper() != _CARTESIAN:
+            wrong.append(f"SYSTEM of *{card.keyword}")
+    if card.keyword == "INSTANCE" and card.data:
+        wrong.append("the place of *INSTANCE")
+    if wrong:
+        raise deck.fault(
+            card.line,
+            f"{wrong[0]} is not supported; write all nodes and elements of the part into this "
+            "file, in Cartesian coordinates",
+        )
+
+
+def _open_scope(deck: _Deck, card: _Card) -> None:
+    """Parts, instances and the assembly number their nodes each for itself.
+
+    An instance without nodes of its own has those of its part.
+    """
+    name = card.options.get("NAME", "").upper()
+    if card.keyword in ("PART", "ASSEMBLY", "INSTANCE"):
+        part = f"PART {card.options.get('PART', '').upper()}"
+        key = f"{card.keyword} {name}"
+        if card.keyword == "INSTANCE" and part in deck.scopes:
+            deck.scopes[key] = deck.scopes[part]
+        deck.scopes.setdefault(key, _Scope())
+        deck.open_scopes.append(key)
+    elif card.keyword in ("ENDPART", "ENDASSEMBLY", "ENDINSTANCE") and len(deck.open_scopes) > 1:
+        deck.open_scopes.pop()
+
+
+def _read_nodes(deck: _Deck, card: _Card) -> None:
+    numbers: Members = []
+    for line, fields in card.data:
+        number = _whole(deck, line, fields[0])
+        x, y, z = (_real(deck, line, text) for text in (*fields[1:4], "", "", "")[:3])
+        deck.scope.nodes[number] = len(deck.points)
+        deck.points.append((x, y, z))
+        numbers.append(number)
+    _add_node_set(deck, deck.scope, card.options.get("NSET", ""), numbers)
+
+
+def _add_node_set(deck: _Deck, scope: _Scope, title: str, members: Members) -> None:
+    if title:
+        deck.titles.setdefault(title.upper(), title)
+        scope.node_sets.setdefault(title.upper(), []).extend(members)
+
+
+def _read_elements(deck: _Deck, card: _Card) -> None:
+    kind, count = _solid_kind(deck, card)
+    numbers: Members = []
+    element: list[int] = []
+    line = card.line
+    for line, fields in card.data if kind else ():
+        element += [_whole(deck, line, text) for text in fields if text]
+        if len(element) > count + 1:
+            break
+        if len(element) == count + 1:
+            number, *nodes = element
+            if number in deck.scope.elements:
+                raise deck.fault(line, f"element {number} is given twice; delete one of them")
+            deck.scope.elements[number] = nodes
+            deck.blocks.setdefault(kind, []).append((deck.scope, nodes))
+            numbers.append(number)
+            element = []
+    if element:
+        raise deck.fault(
+            line,
+            f"element {element[0]} has {len(element) - 1} nodes; must have {count} "
+            f"(type {card.options['TYPE']})",
+        )
+    if name := card.options.get("ELSET", "").upper():
+        deck.scope.element_sets.setdefault(name, []).extend(numbers)
+
+
+def _solid_kind(deck: _Deck, card: _Card) -> tuple[str, int]:
+    """Kind of a block of elements for meshio, and their number of nodes; "" if they are no solid.
+
+    Raises InputError for elements that might be solid and are not known.
+    """
+    name = card.options.get("TYPE", "")
+    solid = _SOLID.fullmatch(name.upper())
+    count = int(solid[1]) if solid else 0
+    if count in _KIND:
+        return _KIND[count], count
+    if not solid and _NO_SOLID.match(name.upper()):
+        return "", 0
+    known = ", ".join(f"C3D{count}" for count, kind in _KIND.items() if "wedge" not in kind)
+    raise deck.fault(
+        card.line,
+        f"elements of the type {shown(name)} are not known here; must be {known} with any letters "
+        "behind, or no solid",
+    )
+
+
+def _read_set(deck: _Deck, card: _Card) -> None:
+    title = card.options.get(card.keyword, "")
+    if not title:
+        raise deck.fault(card.line, f"*{card.keyword} must have a name: {card.keyword}=…")
+    instance = card.options.get("INSTANCE")
+    scope = None if instance is None else _instance(deck, card.line, instance)
+    members: Members = []
+    for line, fields in card.data:
+        words = [text for text in fields if text]
+        if "GENERATE" in card.options:
+            members += [_generated(deck, line, words)] if words else []
+            continue
+        for text in words:
+            scope, more = _members(deck, card.keyword, line, text, scope)
+            members += more
+    scope = scope or deck.scope
+    if card.keyword == "ELSET":
+        scope.element_sets.setdefault(title.upper(), []).extend(members)
+        return
+    elements = scope.element_sets.get(card.options.get("ELSET", "").upper(), [])
+    for number in _present(elements, scope.elements):
+        members += scope.elements[number]
+    _add_node_set(deck, scope, title, members)
+
+
+def _generated(deck: _Deck, line: int, words: list[str]) -> range:
+    """Numbers from the first to the second value, by the third one: 1 if it is left out."""
+    first, *rest = (_whole(deck, line, text) for text in words)
+    last, step = (*rest, 1)[:2] if rest else (first, 1)
+    if step < 1:
+        raise deck.fault(line, f"the step of GENERATE is {step}; must be at least 1")
+    return range(first, last + 1, step)
+
+
+def _members(
+    deck: _Deck, keyword: str, line: int, text: str, scope: _Scope | None
+) -> tuple[_Scope | None, Members]:
+    """Members by one value of a set: a number, or the name of an earlier set.
+
+    Either may follow the name of an instance and a point; the scope is that instance's then.
+    """
+    name = text.strip('"')
+    if _WHOLE.fullmatch(name):
+        return scope, [int(name)]
+    own = scope or deck.scope
+    sets = own.element_sets if keyword == "ELSET" else own.node_sets
+    if name.upper() in sets:
+        return scope, list(sets[name.upper()])
+    instance, point, rest = name.partition(".")
+    if point:
+        return _members(deck, keyword, line, rest, _instance(deck, line, instance))
+    raise deck.fault(line, f"there is no *{keyword} {shown(name)} above it, and no such number")
+
+
+def _instance(deck: _Deck, line: int, name: str) -> _Scope:
+    key = f"INSTANCE {name.strip().upper()}"
+    if key not in deck.scopes:
+        raise deck.fault(line, f"there is no *INSTANCE {shown(name)} above it")
+    return deck.scopes[key]
+
+
+def _point_sets(deck: _Deck) -> dict[str, np.ndarray[Any, Any]]:
+    """Rows of the points of each set of nodes, by its title; numbers without a node are no error.
+
+    CalculiX warns of them and goes on.
+    """
+    rows: dict[str, list[int]] = {}
+    for scope in {id(scope): scope for scope in deck.scopes.values()}.values():
+        for name, members in scope.node_sets.items():
+            own = [scope.nodes[number] for number in _present(members, scope.nodes)]
+            rows.setdefault(deck.titles[name], []).extend(own)
+    return {title: np.unique(np.array(own, dtype=np.int64)) for title, own in rows.items()}
+
+
+def _present(members: Members, numbers: dict[int, Any]) -> list[int]:
+    """The `members` that are among the `numbers`."""
+    present: list[int] = []
+    for member in members:
+        if isinstance(member, int):
+            present += [member] if member in numbers else []
+        elif len(member) < len(numbers):
+            present += [number for number in member if number in numbers]
+        else:
+            present += [number for number in numbers if number in member]
+    return present
+
+
+def _row(deck: _Deck, scope: _Scope, node: int) -> int:
+    if node not in scope.nodes:
+        raise InputError(
+            f"{deck.path}: cannot be read as a mesh: it does not hold {node}, to which it refers"
+        )
+    return scope.nodes[node]
+
+
+def _whole(deck: _Deck, line: int, text: str) -> int:
+    if not _WHOLE.fullmatch(text):
+        raise deck.fault(line, f"{shown(text)} is no number of a node or an element")
+    return int(text)
+
+
+def _real(deck: _Deck, line: int, text: str) -> float:
+    """A coordinate; zero if it is left out."""
+    if not text:
+        return 0.0
+    try:
+        return float(text.replace("_", "?"))
+    except ValueError:
+        number = _FORTRAN.fullmatch(text)
+    try:
+        return float(f"{number[1]}e{number[2]}" if number else "?")
+    except ValueError:
+        raise deck.fault(line, f"{shown(text)} is no number") from None
