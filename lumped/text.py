@@ -2,7 +2,7 @@
 
 import json
 import unicodedata
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
 
 # Control characters, marks that reorder what stands around them or take no room, and halves of
@@ -44,6 +44,29 @@ def shortened(line: str) -> str:
 def counted(count: int, one: str, several: str = "") -> str:
     """How many there are: "1 body", "2 bodies"; `several` where that is not `one` with an s."""
     return f"{count} {one if count == 1 else several or f'{one}s'}"
+
+
+def aligned(headings: Sequence[str], rows: Sequence[Sequence[str]], indent: str = "  ") -> str:
+    """A table as plain text with two blanks between columns; numbers align to the right."""
+    lines = [list(headings), *[list(row) for row in rows]]
+    widths = [max(len(line[k]) for line in lines) for k in range(len(headings))]
+    numeric = [all(_is_number(row[k]) for row in rows) for k in range(len(headings))]
+    return "\n".join(
+        indent
+        + "  ".join(
+            entry.rjust(width) if right else entry.ljust(width)
+            for entry, width, right in zip(line, widths, numeric, strict=True)
+        ).rstrip()
+        for line in lines
+    )
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
 
 
 def did_you_mean(name: str, known: Iterable[str], otherwise: str = "", cutoff: float = 0.6) -> str:

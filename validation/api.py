@@ -22,6 +22,9 @@ from validation.adequacy.judgement import judged
 from validation.adequacy.matrix import Entry, Matrix
 from validation.adequacy.response import Subject
 from validation.adequacy.robot import judged_robot
+from validation.comparisons.convergence_study import ConvergenceStudy
+from validation.comparisons.readings import RefinedModel
+from validation.comparisons.requested import convergence
 from validation.context import Context, Preset
 from validation.drawing.text import percent
 from validation.models.options import ModelName
@@ -63,6 +66,26 @@ def solve(
     with _arguments_named():
         asked = Question(_loaded(robot), model, options, modes, poses=typed, leg=leg, body=body)
         return answered(asked)
+
+
+def converge(
+    robot: Robot,
+    model: RefinedModel | None = None,
+    *,
+    body: str | None = None,
+    elements: Sequence[int] | None = None,
+    divisions: Sequence[int] | None = None,
+) -> ConvergenceStudy:
+    """Convergence with element count, of a `body` that is a leg or of the whole robot.
+
+    `model`: "segments", "beam" or "solid" (with `divisions` across the section, for a body);
+    segments and beam elements if None. The robot stands in the middle of its path.
+    Raises InputError, ComputationError.
+    """
+    with _arguments_named():
+        return convergence(
+            _loaded(robot), model=model, body=body, elements=elements, divisions=divisions
+        )
 
 
 @dataclass(frozen=True)

@@ -23,6 +23,7 @@ from fem.machine import TO_COMPUTE, TO_READ, require_room, usable_cores
 from lumped.errors import ComputationError, InputError
 from lumped.robots import FIRST_TYPE, RobotType
 from lumped.text import shortened, visible
+from validation.comparisons.command import converge
 from validation.console import streams
 from validation.console.streams import complain, say
 from validation.console.typed import (
@@ -50,6 +51,7 @@ app = App(
     # No --empty-x beside what may be given again, and no default where nothing is given.
     default_parameter=Parameter(negative=(), show_default=lambda value: value or None),
 )
+app.command(converge)
 app.command(commands.faces)
 app.command(kinematics.kinematics)
 app.command(export_model)

@@ -56,6 +56,10 @@ LOOKS: Mapping[str, Look] = {
     "difference E": Look(BLACK, "D", "none"),
     "numerical uncertainty of both sides": Look(BLACK, "o", "none"),
     "slope": Look("#999999", ""),
+    # Of convergence with element count: its limits, and the layout of the paper's text.
+    "segments, literal layout": Look(VERMILLION, "h", "--"),
+    "stated error": Look("#777777", "", "--"),
+    "stated count": Look("#777777", "", ":"),
 }
 # Names in the figures of the paper.
 _AS_WELL = {

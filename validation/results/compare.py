@@ -14,7 +14,7 @@ from typing import Any, Literal
 import msgspec
 import numpy as np
 
-from lumped.text import counted
+from lumped.text import aligned, counted
 from validation.adequacy.matrix import Adequacy
 from validation.results.outcome import Verdict
 from validation.results.records import AdequacyRecord, CaseRecord, RunRecord
@@ -214,7 +214,7 @@ def _heads(before: RunRecord, after: RunRecord, comparison: RunComparison) -> st
     ]
     differs = [name.replace("_", " ") for name in comparison.differs]
     note = f"\nThe runs differ in {', '.join(differs)}." if differs else ""
-    return table(["", "robot", "preset", "started", ""], rows) + note
+    return aligned(["", "robot", "preset", "started", ""], rows) + note
 
 
 def _given(value: object) -> str:
@@ -271,30 +271,7 @@ def _times(times: Sequence[Timing]) -> str:
 
 
 def _block(heading: str, columns: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
-    return [f"{heading}\n{table(columns, rows)}"] if rows else []
-
-
-def table(columns: Sequence[str], rows: Sequence[Sequence[str]], indent: str = "  ") -> str:
-    """Columns set off by two blanks; numbers to the right, texts to the left."""
-    lines = [list(columns), *[list(row) for row in rows]]
-    widths = [max(len(line[k]) for line in lines) for k in range(len(columns))]
-    numeric = [all(_is_number(row[k]) for row in rows) for k in range(len(columns))]
-    return "\n".join(
-        indent
-        + "  ".join(
-            entry.rjust(width) if right else entry.ljust(width)
-            for entry, width, right in zip(line, widths, numeric, strict=True)
-        ).rstrip()
-        for line in lines
-    )
-
-
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True
+    return [f"{heading}\n{aligned(columns, rows)}"] if rows else []
 
 
 def same_pose(one: tuple[float, ...], other: tuple[float, ...]) -> bool:

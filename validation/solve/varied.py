@@ -15,12 +15,11 @@ from lumped.errors import InputError, naming
 from lumped.robot_file import RobotFile
 from lumped.robot_file.places import unit_of
 from lumped.robot_file.variation import Variation, told, variations_of, varied
-from lumped.text import counted
+from lumped.text import aligned, counted
 from validation.console.progress import stage
 from validation.console.streams import complain, mention, say
 from validation.console.typed import write
 from validation.drawing.style import OTHERS, csv_of
-from validation.results import compare
 from validation.run.cluster import on_cluster
 from validation.run.executor import Executor, in_turn, on_cores
 from validation.solve.answer import Answer, Solution, record_of
@@ -181,7 +180,7 @@ def as_text(found: VariedAnswers) -> str:
     ]
     head = f"{first.robot}, {first.model}, {counted(len(found.values), 'robot')}"
     rows = list(zip(*told, strict=True))
-    return f"{head}\n{compare.table(list(numbers), rows, indent='')}"
+    return f"{head}\n{aligned(list(numbers), rows, indent='')}"
 
 
 def as_json(found: VariedAnswers) -> str:

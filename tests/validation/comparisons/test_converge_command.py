@@ -1,0 +1,137 @@
+"""`flexproof converge`, `api.converge`: text, JSON, CSV, pictures and exit codes."""
+
+import csv
+import io
+import json
+
+import numpy as np
+import pytest
+
+from validation import api
+from validation.cli import main
+
+COUNTS = "5,10,20,40"
+
+
+def run(capsys, *arguments):
+    code = main(["converge", *arguments])
+    streams = capsys.readouterr()
+    return code, streams.out, streams.err
+
+
+@pytest.fixture(scope="module")
+def leg1():
+    return api.converge("ifw", body="leg1", elements=(5, 10, 20, 40))
+
+
+def test_table_states_errors_and_needed_counts(capsys):
+    """Segments of leg 1, f1: 0.0089 % at 20; 1 % needs 2, 0.1 % needs 6, 0.01 % needs 19."""
+    code, out, _ = run(capsys, "ifw", "--body", "leg1", "--model", "segments")
+    assert code == 0
+    line = next(line for line in out.splitlines() if line.startswith("  f1: "))
+    assert "order 2.00" in line
+    assert "20 elements: +0.0089 %; 1 % needs 2, 0.1 % needs 6, 0.01 % needs 19" in line
+    row = next(line.split() for line in out.splitlines() if line.split()[:1] == ["20"])
+    assert row[1:] == ["114.52824", "+0.00886", "0.011", "2.00"]
+
+
+def test_json_has_values_errors_and_limits(capsys):
+    code, out, _ = run(capsys, "ifw", "--body", "leg1", "--elements", COUNTS, "--json")
+    document = json.loads(out)
+    assert (code, document["kind"], document["body"]) == (0, "convergence", "leg1")
+    for series in document["series"]:
+        values, limit = np.array(series["values"]["f2"]), series["limits"]["f2"]
+        np.testing.assert_allclose(series["errors"]["f2"], values / limit - 1.0, atol=1e-15)
+        assert len(values) == len(series["elements"])
+    half = document["series"][0]
+    assert half["elements"] == [5, 10, 20, 40]
+    np.testing.assert_allclose(
+        half["values"]["f2"], [182.056, 181.869, 181.822, 181.810], atol=6e-4
+    )
+    assert half["orders"]["f2"] == pytest.approx(2.0, abs=0.05)
+    assert document["units"]["f2"] == "Hz"
+    assert document["units"]["x"] == "m/N"
+
+
+def test_csv_holds_the_values(capsys, tmp_path, leg1):
+    path = tmp_path / "convergence.csv"
+    code, _, _ = run(capsys, "ifw", "--body", "leg1", "--elements", COUNTS, "--csv", str(path))
+    rows = list(csv.DictReader(io.StringIO(path.read_text())))
+    assert code == 0
+    assert len(rows) == sum(len(series.counts) for series in leg1.series)
+    literal = leg1.of("segments", "literal")
+    row = next(r for r in rows if r["layout"] == "literal" and r["elements"] == "20")
+    assert float(row["f2 (Hz)"]) == pytest.approx(191.01, abs=6e-3)
+    assert float(row["f2 relative error"]) == pytest.approx(
+        literal.errors[literal.counts.index(20), 1], rel=1e-12
+    )
+
+
+@pytest.mark.parametrize(
+    ("ending", "head"), [(".png", b"\x89PNG"), (".svg", b"<svg")], ids=["png", "svg"]
+)
+def test_picture_kind_follows_the_ending(capsys, tmp_path, ending, head):
+    path = tmp_path / f"convergence{ending}"
+    code, _, _ = run(capsys, "ifw", "--body", "leg1", "--elements", COUNTS, "--picture", str(path))
+    assert code == 0
+    assert path.read_bytes().startswith(head)
+
+
+def test_figure_shows_the_errors_in_percent(leg1):
+    figure = leg1.plot(["f1", "f2"])
+    assert len(figure.axes) == 2
+    for axes, column in zip(figure.axes, (0, 1), strict=True):
+        lines = {line.get_label(): line for line in axes.get_lines()}
+        for series in leg1.series:
+            line = next(v for k, v in lines.items() if k.startswith(series.reading.label))
+            np.testing.assert_allclose(line.get_xdata(), series.counts)
+            np.testing.assert_allclose(line.get_ydata(), 100.0 * np.abs(series.errors[:, column]))
+        assert axes.get_xscale() == axes.get_yscale() == "log"
+        np.testing.assert_allclose(lines["1 %"].get_ydata(), 1.0)
+        np.testing.assert_allclose(lines["20 elements"].get_xdata(), 20.0)
+        remarks = [text.get_text() for text in axes.texts]
+        assert sorted(remarks) == sorted(series.behaviour(column) for series in leg1.series)
+
+
+@pytest.mark.parametrize(
+    ("within", "code"),
+    # f2 of the segments is 0.0087 % off at 20 elements, that of the beams 5e-6 %.
+    [("0.0001", 0), ("0.00008", 1)],
+)
+def test_exit_code_states_whether_the_limit_is_met(capsys, within, code):
+    arguments = ("ifw", "--body", "leg1", "--elements", "20,40", "--quantity", "f2")
+    found, _, err = run(capsys, *arguments, "--within", within)
+    assert found == code
+    assert ("rigid segments" in err) == (code == 1)
+    assert "beam" not in err
+
+
+def test_assertion_holds_and_fails_as_the_values_do(leg1):
+    leg1.assert_converged("f1", elements=20, within=0.01)
+    leg1.assert_converged("f2", elements=20, within=6e-8, model="beam")
+    with pytest.raises(AssertionError, match=r"literal layout.*5\.1 %, allowed \+1 %"):
+        leg1.assert_converged("f1", within=0.01, layout="literal")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "fault"),
+    [
+        (("ifw", "--body", "leg3"), "body leg3: is no leg of the robot; must be one of leg1, leg2"),
+        (("ifw", "--quantity", "f9"), "--quantity f9: must be one of f1, f2"),
+        (("ifw", "--elements", "5,x"), "must be whole numbers from 1 to 9999"),
+        (("ifw", "--elements", "900"), "must be at most 200"),
+        (("ifw", "--elements", "1", "--model", "beam", "--within", "0.01"), "must be one of 1"),
+        (("ifw", "--model", "solid"), "name one with body"),
+        (("ifw", "--within", "2"), "must be above 0 and below 1"),
+        (("ifw", "--body", "leg1", "--model", "beam", "--divisions", "2,3"), "beam has elements"),
+        (("ifw", "--picture", "a.gif"), "must end in .png or .svg"),
+    ],
+)
+def test_wrong_input_is_refused_in_one_line(capsys, tmp_path, monkeypatch, arguments, fault):
+    monkeypatch.chdir(tmp_path)
+    code, out, err = run(capsys, *arguments)
+    assert code == 2
+    assert out == ""
+    assert fault in err
+    assert "Traceback" not in err
+    assert list(tmp_path.iterdir()) == []

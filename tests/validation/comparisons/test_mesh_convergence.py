@@ -1,0 +1,47 @@
+"""Convergence with mesh: solid legs against the exact cantilever and against finer meshes."""
+
+import numpy as np
+import pytest
+
+from lumped.errors import InputError
+from lumped.legs import ConstantLeg, Material, tip_compliance
+from lumped.sections import Rectangle
+from validation.comparisons.mesh_convergence import leg_mesh_convergence
+from validation.comparisons.readings import Reading
+
+LEG = ConstantLeg(0.25, Rectangle(0.05, 0.05), Material(E=2.1e11, G=8.0e10, nu=0.0, rho=7850.0))
+FREE = Reading("solid", ends="free")
+
+
+@pytest.fixture(scope="module")
+def study():
+    return leg_mesh_convergence("", "leg", LEG, divisions=(1, 2, 3, 4))
+
+
+def test_solid_limit_is_the_timoshenko_cantilever(study):
+    """ν = 0 and ends free to warp: beam theory is exact in bending and tension."""
+    series = next(one for one in study.series if one.reading.ends == "free")
+    expected = np.diag(tip_compliance(LEG.timoshenko, LEG.length))[:3]
+    errors = np.abs(series.limits[4:] / expected - 1.0)
+    # Shear of a rectangle with ν = 0: κ = 5/6 is exact.
+    assert (errors <= series.limit_half_widths[4:]).all()
+    assert (series.limit_half_widths[4:] < 1e-3).all()
+
+
+def test_half_width_contains_mesh_twice_as_fine():
+    coarse = leg_mesh_convergence("", "leg", LEG, [FREE], (1, 2)).series[0]
+    fine = leg_mesh_convergence("", "leg", LEG, [FREE], (2, 4)).series[0]
+    assert (np.abs(fine.values[-1] / coarse.values[-1] - 1.0) <= coarse.half_widths[-1]).all()
+
+
+def test_orders_are_near_the_formal_one(study):
+    """Quadratic elements without edges that hold contraction (ν = 0): energies of fourth order."""
+    for series in study.series:
+        assert series.formal_order == pytest.approx(4.0)
+        # Four meshes of up to four divisions reach half an order.
+        assert series.orders[0] == pytest.approx(4.0, abs=0.6)
+
+
+def test_one_mesh_is_refused():
+    with pytest.raises(InputError, match="two or more different"):
+        leg_mesh_convergence("", "leg", LEG, divisions=(3, 3))

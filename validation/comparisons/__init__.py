@@ -1,0 +1,1 @@
+"""Comparisons of the formulations with each other: element count, mesh, beam against solid."""

@@ -1,0 +1,107 @@
+"""The command `converge`."""
+
+import os
+import re
+from pathlib import Path
+from typing import Literal
+
+from lumped.errors import InputError
+from validation.console.streams import complain, say
+from validation.console.typed import (
+    AsJson,
+    Place,
+    RobotName,
+    require_apart,
+    require_place,
+    write,
+)
+
+# Dots per inch of a PNG picture.
+_DOTS = 150
+
+
+def converge(
+    robot: RobotName = "ifw",
+    *,
+    body: str | None = None,
+    model: Literal["segments", "beam", "solid"] | None = None,
+    elements: str | None = None,
+    divisions: str | None = None,
+    quantity: str = "f1",
+    within: float | None = None,
+    json: AsJson = False,
+    csv: Place | None = None,
+    picture: Place | None = None,
+) -> int:
+    """Show how frequencies and deflections converge with element count or with the mesh.
+
+    Parameters
+    ----------
+    body
+        One leg alone, its root clamped, against the exact cantilever; the whole robot in the
+        middle of its path if left out.
+    model
+        segments, beam, or solid (which needs --body); segments and beam if left out.
+    elements
+        Element counts per leg, separated by commas, as 5,10,20,40.
+    divisions
+        solid: quadratic elements across the smaller side of the section, as 2,4,8.
+    quantity
+        Quantity of the table: f1 to f4, or x, y, z, the deflection along a unit force.
+    within
+        Largest accepted relative error at 20 elements, as 0.01: exit code 1 if it is missed.
+    csv
+        Also write values and errors into this CSV file.
+    picture
+        Also draw the errors of f1 to f4 into this PNG or SVG file, as its name ends.
+    """
+    # Small dense matrices: a second thread of BLAS would wait for the first. It reads this once, as
+    # numpy is loaded.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    from lumped.robot_file import load_robot  # noqa: PLC0415
+    from validation.comparisons.element_convergence import QUANTITIES  # noqa: PLC0415
+    from validation.comparisons.requested import convergence  # noqa: PLC0415
+
+    require_place(csv, ".csv")
+    kind = _picture_kind(picture)
+    require_place(picture, kind)
+    require_apart(csv, picture)
+    if within is not None and not 0.0 < within < 1.0:
+        raise InputError(f"--within = {within:g}: must be above 0 and below 1 (1 % is 0.01)")
+    if quantity not in QUANTITIES:
+        raise InputError(f"--quantity {quantity}: must be one of {', '.join(QUANTITIES)}")
+    study = convergence(
+        load_robot(robot),
+        model=model,
+        body=body,
+        elements=_counts("--elements", elements),
+        divisions=_counts("--divisions", divisions),
+    )
+    missed = [] if within is None else study.missed(quantity, within)
+    say(study.json() if json else study.table(quantity))
+    if csv is not None:
+        write(csv, study.csv().encode())
+    if picture is not None:
+        write(picture, study.picture(kind, _DOTS))
+    return complain(missed, 1) if missed else 0
+
+
+def _counts(option: str, typed: str | None) -> tuple[int, ...] | None:
+    """Whole numbers separated by commas; None if the option was left out."""
+    if typed is None:
+        return None
+    numbers = [number.strip() for number in typed.split(",")]
+    if not all(re.fullmatch(r"[1-9]\d{0,3}", number) for number in numbers):
+        raise InputError(
+            f"{option} = {typed}: must be whole numbers from 1 to 9999 separated by commas, "
+            "as 5,10,20,40"
+        )
+    return tuple(int(number) for number in numbers)
+
+
+def _picture_kind(picture: Path | None) -> str:
+    """Ending of the picture's name; raises InputError for a kind that is not drawn."""
+    kind = ".png" if picture is None else picture.suffix.lower()
+    if kind not in {".png", ".svg"}:
+        raise InputError(f"--picture {picture}: must end in .png or .svg")
+    return kind

@@ -1,0 +1,82 @@
+"""Figure "Convergence with element count": |error| over elements per leg, log–log."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from lumped.arrays import Array
+from validation.drawing.chart import Chart, Note, Panel, Series, refined
+
+# Errors below are round-off and are not drawn (%).
+_LOWEST = 1e-7
+# Curves whose last errors differ by a smaller factor have their remarks above each other (pt).
+_NEAR, _LINE = 1.6, 9.0
+_STATED_ELEMENTS, _STATED_ERROR = 20.0, 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class ErrorCurve:
+    """Relative `errors` (n) of one formulation over `counts` (n); `remark` stands at its end.
+
+    `look` is an entry of `validation.drawing.style.LOOKS`.
+    """
+
+    label: str
+    counts: Array
+    errors: Array
+    remark: str
+    look: str
+
+
+@dataclass(frozen=True, eq=False)
+class ErrorPanel:
+    """Curves of one quantity of one subject."""
+
+    title: str
+    curves: Sequence[ErrorCurve]
+
+
+def convergence_chart(panels: Sequence[ErrorPanel], x_label: str, columns: int = 2) -> Chart:
+    """One panel each, with lines at an error of 1 % and at 20 elements; errors in percent."""
+    counts = np.unique(np.concatenate([curve.counts for one in panels for curve in one.curves]))
+    drawn = [_panel(one, counts) for one in panels]
+    return Chart(drawn, x_label, min(columns, len(drawn)), 2.4)
+
+
+def _panel(panel: ErrorPanel, counts: Array) -> Panel:
+    series = []
+    ends_of_curves: list[tuple[float, float, str]] = []
+    for curve in panel.curves:
+        sizes = 100.0 * np.abs(curve.errors)
+        sizes[sizes < _LOWEST] = np.nan
+        series.append(Series(curve.label, curve.counts, sizes, of=curve.look))
+        if visible := np.flatnonzero(np.isfinite(sizes)).tolist():
+            last = visible[-1]
+            ends_of_curves.append((float(sizes[last]), float(curve.counts[last]), curve.remark))
+    ends = np.array([counts[0], counts[-1]])
+    highest = np.nanmax([np.nanmax(one.y, initial=_STATED_ERROR) for one in series])
+    lines = [Series("1 %", ends, np.full(2, _STATED_ERROR), of="stated error")]
+    if counts[0] <= _STATED_ELEMENTS <= counts[-1]:
+        stated = np.full(2, _STATED_ELEMENTS), np.array([_LOWEST, highest])
+        lines.append(Series("20 elements", *stated, of="stated count"))
+    return Panel(
+        [*series, *lines],
+        panel.title,
+        "|error| (%)",
+        partial(refined, x=counts, decay=True),
+        notes=_notes(ends_of_curves),
+        staggered=False,
+    )
+
+
+def _notes(ends: Sequence[tuple[float, float, str]]) -> list[Note]:
+    """Remarks at the ends (error, count) of curves; those of near ones stand above each other."""
+    notes: list[Note] = []
+    height = 0.0
+    for place, (size, count, remark) in enumerate(sorted(ends)):
+        near = place > 0 and size < _NEAR * sorted(ends)[place - 1][0]
+        height = height + _LINE if near else -3.0
+        notes.append(Note(remark, count, size, (5.0, height)))
+    return notes

@@ -1,0 +1,407 @@
+"""Records of convergence with element count: values, errors, orders, half-widths, verdicts.
+
+The error of count n is e(n) = f(n)/f∞ − 1. An order is fitted by least squares to log |e| over the
+three finest counts whose errors exceed a hundred times the round-off, and only if the errors of all
+counts from five on decrease without a change of sign and the two pairwise orders have settled. The
+half-width of count n bounds every finer result: 1.25 max |e(m)|, m ≥ n, with a fitted order (ASME
+V&V 20), 3 max |e(m)| without one.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from html import escape
+from json import dumps
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from lumped.arrays import Array
+from lumped.errors import InputError
+from lumped.legs import Theory
+from lumped.models.segments import Layout
+from lumped.text import aligned
+from validation.agreement.convergence import PROVEN, SETTLED, UNPROVEN
+from validation.comparisons.convergence_chart import ErrorCurve, ErrorPanel, convergence_chart
+from validation.comparisons.readings import Reading, RefinedModel
+from validation.drawing.chart import Chart
+from validation.drawing.style import csv_of, plot_style
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+# Relative errors whose smallest element counts are reported.
+TARGETS = (0.01, 0.001, 0.0001)
+REFINED = {"elements": "element count", "divisions": "mesh"}
+X_LABELS = {"elements": "elements per leg", "divisions": "divisions across the section"}
+# Element count whose error is stated, and limit on that error: the paper's.
+STATED_ELEMENTS, STATED_ERROR = 20, 0.01
+# Relative round-off of frequencies and compliances with 80 elements: ten times the largest that was
+# seen on five processor kernels.
+ROUND_OFF = 1e-9
+# Relative errors from which on an order is fitted: round-off of 1e-10 changes them by a hundredth.
+_FITTED = 1e-8
+# An order needs errors this many times the half-width of their limit.
+_ABOVE_LIMIT = 100.0
+# Below so many elements no series is expected to be asymptotic.
+_COARSE = 5
+
+
+@dataclass(frozen=True, eq=False)
+class ConvergenceSeries:
+    """Values of one formulation over the element count, or over the divisions of a solid's mesh.
+
+    `formal_order` is that of the frequencies in 1/n. `values` (n×q, units of the study) belong to
+    `counts` (n, ascending). `limits` (q) are
+    the values for infinitely many elements, `limit_half_widths` (q) their relative uncertainty,
+    `orders` (q) the observed ones in 1/n, NaN if there is none.
+    `needed` (targets×q) are the smallest counts from which on the error stays below each of
+    `TARGETS`; 0 if the finest count of the series misses it.
+    """
+
+    reading: Reading
+    formal_order: float
+    counts: tuple[int, ...]
+    values: Array
+    limits: Array
+    limit_half_widths: Array
+    orders: Array
+    needed: Array
+
+    @cached_property
+    def errors(self) -> Array:
+        """Relative errors f(n)/f∞ − 1 (n×q)."""
+        return np.asarray(self.values / self.limits - 1.0)
+
+    @cached_property
+    def exact(self) -> Array:
+        """Quantities (q, bool) whose values are exact, apart from round-off, for every count."""
+        return np.asarray(np.abs(self.errors).max(axis=0) <= ROUND_OFF + self.limit_half_widths)
+
+    @cached_property
+    def largest_errors(self) -> Array:
+        """Largest |error| of this and every finer count (n×q)."""
+        sizes = np.abs(self.errors)
+        return np.asarray(np.maximum.accumulate(sizes[::-1], axis=0)[::-1])
+
+    @cached_property
+    def half_widths(self) -> Array:
+        """Relative half-widths of the discretisation uncertainty (n×q)."""
+        factors = np.where(np.isnan(self.orders), UNPROVEN, PROVEN)
+        return np.asarray(factors * self.largest_errors + self.limit_half_widths + ROUND_OFF)
+
+    def pairwise_orders(self, column: int) -> Array:
+        """Order between each count and the one before (n); NaN for the first and near the limit."""
+        sizes = np.abs(self.errors[:, column])
+        floor = _FITTED + _ABOVE_LIMIT * self.limit_half_widths[column]
+        orders = np.full(len(sizes), np.nan)
+        for k in range(1, len(sizes)):
+            if sizes[k] > floor:
+                ratio = np.log(self.counts[k] / self.counts[k - 1])
+                orders[k] = np.log(sizes[k - 1] / sizes[k]) / ratio
+        return orders
+
+    def behaviour(self, column: int) -> str:
+        """Observed order, or the reason why there is none."""
+        if self.exact[column]:
+            return "exact"
+        order = self.orders[column]
+        if np.isnan(order):
+            return "not monotone" if self._turns(column) else "no order"
+        return f"order {order:.2f}"
+
+    def _turns(self, column: int) -> bool:
+        errors = self.errors[np.array(self.counts) >= min(_COARSE, self.counts[-1]), column]
+        errors = errors[np.abs(errors) > _FITTED]
+        return len(errors) > 1 and bool(
+            len(set(np.sign(errors))) > 1 or np.any(np.diff(np.abs(errors)) >= 0.0)
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class ConvergenceStudy:
+    """Convergence of a leg or of a robot with element count, or with the mesh of solids.
+
+    `subject`: the body's name, empty for the whole robot, which stands in `pose` (m, rad).
+    `quantities` (q) are f1, f2, … (Hz) and x, y, z: the deflection of the tip or tool under a unit
+    force along that axis (m/N). `reference` names the source of the limits.
+    """
+
+    robot: str
+    subject: str
+    pose: tuple[float, ...]
+    quantities: tuple[str, ...]
+    units: tuple[str, ...]
+    reference: str
+    series: tuple[ConvergenceSeries, ...]
+    refined: Literal["elements", "divisions"] = "elements"
+
+    @property
+    def title(self) -> str:
+        """The subject and its boundary conditions."""
+        if self.subject:
+            return f"{self.subject}, clamped–free"
+        pose = ", ".join(f"{coordinate:.4g}" for coordinate in self.pose)
+        return f"whole robot at ({pose})" if pose else "whole robot"
+
+    def of(
+        self, model: RefinedModel, layout: Layout = "half", theory: Theory = "timoshenko"
+    ) -> ConvergenceSeries:
+        """The series of a formulation; raises InputError if it was not computed."""
+        for series in self.series:
+            reading = series.reading
+            if (reading.model, reading.layout, reading.theory) == (model, layout, theory):
+                return series
+        labels = "; ".join(series.reading.label for series in self.series)
+        raise InputError(f"{model}, {layout}, {theory}: was not computed; there are: {labels}")
+
+    def column(self, quantity: str) -> int:
+        """Column of a quantity; raises InputError for one that the study does not have."""
+        if quantity not in self.quantities:
+            known = ", ".join(self.quantities)
+            raise InputError(f'quantity "{quantity}": must be one of {known}')
+        return self.quantities.index(quantity)
+
+    def assert_converged(
+        self,
+        quantity: str,
+        elements: int = STATED_ELEMENTS,
+        within: float = STATED_ERROR,
+        *,
+        model: RefinedModel = "segments",
+        layout: Layout = "half",
+        theory: Theory = "timoshenko",
+    ) -> None:
+        """Raise AssertionError if the error at `elements` and at any finer count exceeds `within`.
+
+        The error counts with the half-width of its limit. Raises InputError for a quantity, a
+        formulation or an element count that was not computed.
+        """
+        self._require_converged(self.of(model, layout, theory), quantity, elements, within)
+
+    def _require_converged(
+        self, series: ConvergenceSeries, quantity: str, count: int, within: float
+    ) -> None:
+        column = self.column(quantity)
+        if count not in series.counts:
+            known = ", ".join(map(str, series.counts))
+            raise InputError(f"{self.refined} = {count}: was not computed; must be one of {known}")
+        place = series.counts.index(count)
+        bound = series.largest_errors[place, column] + series.limit_half_widths[column]
+        if not bound <= within:
+            raise AssertionError(
+                f"{series.reading.label}, {self.title}, {quantity}: the error with {count} "
+                f"{self.refined} or more reaches {_percent(bound)}, allowed {_percent(within)}; "
+                f"{series.behaviour(column)}; {summary(series, column)}"
+            )
+
+    def table(self, quantity: str = "f1") -> str:
+        """Values, errors and orders of one quantity over the element count, as plain text.
+
+        Below them a line on every other quantity by formulation.
+        """
+        column = self.column(quantity)
+        lines = [
+            f"{self.robot}, {self.title}: convergence with {REFINED[self.refined]}",
+            f"errors relative to the {self.reference}",
+        ]
+        for series in self.series:
+            lines += ["", f"{series.reading.label}: {quantity}", self._rows(series, column)]
+            others = [k for k in range(len(self.quantities)) if k != column]
+            lines += [
+                f"  {self.quantities[k]}: {series.behaviour(k)}; {summary(series, k)}"
+                for k in (column, *others)
+            ]
+        return "\n".join(lines)
+
+    def _rows(self, series: ConvergenceSeries, column: int) -> str:
+        orders = series.pairwise_orders(column)
+        rows = [
+            (
+                str(count),
+                f"{series.values[k, column]:.8g}",
+                f"{100.0 * series.errors[k, column]:+.3g}",
+                f"{100.0 * series.half_widths[k, column]:.2g}",
+                "" if np.isnan(orders[k]) else f"{orders[k]:.2f}",
+            )
+            for k, count in enumerate(series.counts)
+        ]
+        limit = (
+            f"{series.limits[column]:.8g}",
+            "",
+            f"{100.0 * series.limit_half_widths[column]:.2g}",
+        )
+        headings = (self.refined, self.units[column], "error (%)", "half-width (%)", "order")
+        return aligned(headings, [*rows, ("limit", *limit, "")])
+
+    def record(self) -> dict[str, Any]:
+        """The study as plain data; JSON has null for an order that there is none of."""
+        return {
+            "schema": 1,
+            "kind": "convergence",
+            "robot": self.robot,
+            "body": self.subject or None,
+            "pose": list(self.pose),
+            "reference": self.reference,
+            "quantities": list(self.quantities),
+            "units": dict(zip(self.quantities, self.units, strict=True)),
+            "series": [self._series_record(series) for series in self.series],
+        }
+
+    def json(self) -> str:
+        """The record as JSON text."""
+        return dumps(self.record(), allow_nan=False)
+
+    def missed(self, quantity: str, within: float) -> list[str]:
+        """A line for each formulation whose error at the stated count exceeds `within`.
+
+        The stated count is 20 elements, or the finest mesh of solids. The literal layout of the
+        paper is shown and not judged. Raises InputError if 20 elements were not computed.
+        """
+        lines = []
+        for series in self.series:
+            reading = series.reading
+            if reading.layout == "literal":
+                continue
+            count = series.counts[-1] if self.refined == "divisions" else STATED_ELEMENTS
+            try:
+                self._require_converged(series, quantity, count, within)
+            except AssertionError as error:
+                lines.append(str(error))
+        return lines
+
+    def csv(self) -> str:
+        """One row per formulation and element count: values, then relative errors."""
+        rows = [
+            (series, place, count)
+            for series in self.series
+            for place, count in enumerate(series.counts)
+        ]
+        columns: dict[str, list[float | str | None]] = {
+            "model": [series.reading.model for series, _, _ in rows],
+            "layout": [series.reading.layout for series, _, _ in rows],
+            "theory": [series.reading.theory for series, _, _ in rows],
+            "body": [self.subject or "robot" for _ in rows],
+            self.refined: [count for _, _, count in rows],
+        }
+        for column, (quantity, unit) in enumerate(zip(self.quantities, self.units, strict=True)):
+            columns[f"{quantity} ({unit})"] = [float(s.values[k, column]) for s, k, _ in rows]
+        for column, quantity in enumerate(self.quantities):
+            columns[f"{quantity} relative error"] = [float(s.errors[k, column]) for s, k, _ in rows]
+        return csv_of(columns)
+
+    def plot(self, quantities: Sequence[str] = ("f1", "f2", "f3", "f4")) -> "Figure":
+        """Errors over the element count on logarithmic axes, a panel for each quantity.
+
+        Raises InputError for a quantity that the study does not have.
+        """
+        # Only a picture needs the library that draws it.
+        from validation.drawing.plot import drawn_chart  # noqa: PLC0415
+
+        with plot_style():
+            return drawn_chart(self.chart(quantities))
+
+    def picture(self, kind: str, dots: int) -> bytes:
+        """The errors of f1 to f4 as ".svg", or as ".png" with `dots` per inch."""
+        # Only a picture needs the library that draws it.
+        from validation.drawing.plot import chart_png, chart_svg  # noqa: PLC0415
+
+        chart = self.chart(("f1", "f2", "f3", "f4"))
+        return chart_svg(chart).encode() if kind == ".svg" else chart_png(chart, dots)
+
+    def chart(self, quantities: Sequence[str]) -> Chart:
+        """The figure declared; raises InputError for a quantity that the study does not have."""
+        return convergence_chart([self.panel(one) for one in quantities], X_LABELS[self.refined])
+
+    def panel(self, quantity: str) -> ErrorPanel:
+        """The errors of one quantity as they are drawn."""
+        column = self.column(quantity)
+        limit = f"{self.series[0].limits[column]:.4g} {self.units[column]}"
+        return ErrorPanel(
+            f"{self.title}: {quantity} = {limit}",
+            tuple(
+                ErrorCurve(
+                    f"{series.reading.label} (formal order {series.formal_order:g})",
+                    np.array(series.counts, dtype=float),
+                    series.errors[:, column],
+                    series.behaviour(column),
+                    series.reading.look,
+                )
+                for series in self.series
+            ),
+        )
+
+    def _series_record(self, series: ConvergenceSeries) -> dict[str, Any]:
+        by_quantity = dict(enumerate(self.quantities))
+        return {
+            "model": series.reading.model,
+            "layout": series.reading.layout,
+            "theory": series.reading.theory,
+            "formal_order": series.formal_order,
+            self.refined: list(series.counts),
+            "values": {q: series.values[:, k].tolist() for k, q in by_quantity.items()},
+            "errors": {q: series.errors[:, k].tolist() for k, q in by_quantity.items()},
+            "half_widths": {q: series.half_widths[:, k].tolist() for k, q in by_quantity.items()},
+            "orders": {
+                q: None if np.isnan(series.orders[k]) else float(series.orders[k])
+                for k, q in by_quantity.items()
+            },
+            "limits": {q: float(series.limits[k]) for k, q in by_quantity.items()},
+            "limit_half_widths": {
+                q: float(series.limit_half_widths[k]) for k, q in by_quantity.items()
+            },
+            "needed": {
+                f"{target:g}": {q: int(row[k]) or None for k, q in by_quantity.items()}
+                for target, row in zip(TARGETS, series.needed, strict=True)
+            },
+        }
+
+    def _repr_html_(self) -> str:
+        return f"<pre>{escape(self.table())}</pre>"
+
+
+def summary(series: ConvergenceSeries, column: int) -> str:
+    """Error at 20 elements, and the smallest counts for 1 %, 0.1 % and 0.01 %."""
+    needed = [
+        f"{100.0 * target:g} % needs {count or f'more than {series.counts[-1]}'}"
+        for target, count in zip(TARGETS, series.needed[:, column], strict=True)
+    ]
+    stated = ""
+    if STATED_ELEMENTS in series.counts:
+        error = series.errors[series.counts.index(STATED_ELEMENTS), column]
+        stated = f"{STATED_ELEMENTS} elements: {_percent(error)}; "
+    return stated + ", ".join(needed)
+
+
+def _percent(error: float) -> str:
+    """A relative error in percent; below the round-off it is only bounded."""
+    if abs(error) < ROUND_OFF:
+        return f"below {100.0 * ROUND_OFF:g} %"
+    return f"{100.0 * error:+.2g} %"
+
+
+def fitted_orders(counts: Sequence[int], errors: Array, limit_half_widths: Array) -> Array:
+    """Orders in 1/n (q) of the relative `errors` (n×q) from known limits; NaN if there is none.
+
+    An order needs errors above round-off and a hundred times above the half-width of their limit.
+    """
+    floors = np.maximum(_FITTED, _ABOVE_LIMIT * limit_half_widths)
+    return np.array(
+        [_order(counts, own, floor) for own, floor in zip(errors.T, floors, strict=True)]
+    )
+
+
+def _order(counts: Sequence[int], errors: Array, floor: float) -> float:
+    """Order fitted over the three finest counts with |error| above `floor`, or NaN."""
+    usable = [place for place, error in enumerate(errors) if abs(error) > floor]
+    asymptotic = [place for place in usable if counts[place] >= _COARSE]
+    usable = asymptotic if len(asymptotic) >= 3 else usable
+    # Errors must decrease over all of these counts, not only over the three that are fitted.
+    sizes, signs = np.abs(errors[usable]), np.sign(errors[usable])
+    if len(usable) < 3 or len(set(signs)) > 1 or np.any(np.diff(sizes) >= 0.0):
+        return float("nan")
+    logarithms = -np.log(np.array(counts, dtype=float)[usable[-3:]]), np.log(sizes[-3:])
+    pairwise = np.diff(logarithms[1]) / np.diff(logarithms[0])
+    if abs(pairwise[1] - pairwise[0]) > SETTLED * pairwise[1]:
+        return float("nan")
+    return float(np.polyfit(*logarithms, 1)[0])

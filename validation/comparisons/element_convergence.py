@@ -1,0 +1,214 @@
+"""Convergence with element count: legs and robots of rigid segments and of beam elements.
+
+A leg, root clamped, is compared with the exact cantilever of the same theory: Huang's frequencies
+(`fem.beams.beam_theory`) and the closed tip compliance. A robot has no closed solution: its limit
+is that of the beam elements, f = f80 + (f80 − f40)/15 for their fourth order in 1/n.
+"""
+
+from collections.abc import Callable, Sequence
+from functools import partial
+
+import numpy as np
+
+from fem.beams.beam_theory import cantilever_frequencies
+from fem.beams.stepped import SteppedLeg
+from lumped.arrays import Array
+from lumped.errors import InputError
+from lumped.legs import ConstantLeg, Theory, tip_compliance
+from lumped.mechanism.body_model import LegMatrices
+from lumped.mechanism.mechanism import Posture
+from lumped.models.bodies import clamped_modes, legs_of, tip_compliance_of
+from lumped.system.assembly import assembly
+from lumped.system.solution import compliance, modes, solved
+from validation.agreement.convergence import UNPROVEN
+from validation.comparisons.convergence_study import (
+    TARGETS,
+    ConvergenceSeries,
+    ConvergenceStudy,
+    fitted_orders,
+)
+from validation.comparisons.readings import FORMULATIONS, Reading
+from validation.models.legs import leg_matrices, reduced_leg
+from validation.models.mechanism import bodies_of, highest_frequency
+from validation.models.options import BEAM_ORDER, ModelOptions
+
+# Elements per leg: about equal steps on a logarithmic axis, with 2:1 pairs for the half-widths.
+COUNTS = (1, 2, 3, 5, 8, 10, 15, 20, 30, 40, 80)
+MODES = 4
+DEFLECTIONS = ("x", "y", "z")
+QUANTITIES = (*(f"f{number}" for number in range(1, MODES + 1)), *DEFLECTIONS)
+UNITS = MODES * ("Hz",) + len(DEFLECTIONS) * ("m/N",)
+# Legs are reduced with their modes up to 16 times the highest frequency compared: 1e-11 of it.
+_CUTOFF = 16.0
+# Legs of so few elements are assembled whole: they have hardly more unknowns than reduced ones.
+_WHOLE = 8
+# Counts from which the limit of a robot is extrapolated.
+_LIMIT_COUNTS = (40, 80)
+
+Evaluate = Callable[[Reading], Array]
+
+
+def leg_convergence(
+    robot: str,
+    name: str,
+    leg: ConstantLeg | SteppedLeg,
+    readings: Sequence[Reading] = FORMULATIONS,
+    counts: Sequence[int] = COUNTS,
+) -> ConvergenceStudy:
+    """Convergence of one leg, root clamped, by formulation; raises as `_checked_counts` does.
+
+    A leg of prismatic pieces has no closed solution; its limit is that of the beam elements.
+    """
+    evaluate = partial(leg_values, leg)
+    if isinstance(leg, ConstantLeg):
+        limits = partial(_cantilever, leg)
+        reference = "exact cantilever of the same theory (Huang 1961)"
+    else:
+        limits, reference = partial(_beam_limit, evaluate), _EXTRAPOLATED
+    return _study(robot, name, (), evaluate, limits, reference, readings, counts)
+
+
+def robot_convergence(
+    posture: Posture,
+    readings: Sequence[Reading] = FORMULATIONS,
+    counts: Sequence[int] = COUNTS,
+) -> ConvergenceStudy:
+    """Convergence of a robot in one posture, equal element counts in all legs.
+
+    Raises InputError as `_checked_counts` does and for a robot without legs, ComputationError if
+    the tool is free to move or fewer than four modes have mass.
+    """
+    mechanism = posture.mechanism
+    if not (legs_of(mechanism) or mechanism.parts):
+        raise InputError(f"{mechanism.name}: has no legs that could be divided into elements")
+    evaluate = partial(_robot_values, posture, highest_frequency([posture], MODES))
+    limits = partial(_beam_limit, evaluate)
+    pose = tuple(float(coordinate) for coordinate in posture.pose)
+    return _study(mechanism.name, "", pose, evaluate, limits, _EXTRAPOLATED, readings, counts)
+
+
+_EXTRAPOLATED = "limit of the beam elements, extrapolated from 40 and 80"
+
+
+def _study(
+    robot: str,
+    subject: str,
+    pose: tuple[float, ...],
+    evaluate: Evaluate,
+    limits: Callable[[Theory], tuple[Array, Array]],
+    reference: str,
+    readings: Sequence[Reading],
+    counts: Sequence[int],
+) -> ConvergenceStudy:
+    return ConvergenceStudy(
+        robot=robot,
+        subject=subject,
+        pose=pose,
+        quantities=QUANTITIES,
+        units=UNITS,
+        reference=reference,
+        series=tuple(
+            _series(reading, evaluate, *limits(reading.theory), _checked_counts(reading, counts))
+            for reading in readings
+        ),
+    )
+
+
+def _checked_counts(reading: Reading, counts: Sequence[int]) -> tuple[int, ...]:
+    """Counts that the formulation allows, ascending; raises InputError if none is left."""
+    kept = tuple(sorted({count for count in counts if count >= reading.fewest_elements}))
+    if not kept:
+        raise InputError(
+            f"elements: {reading.label} needs a count of {reading.fewest_elements} or more"
+        )
+    return kept
+
+
+def _series(
+    reading: Reading,
+    evaluate: Evaluate,
+    limits: Array,
+    limit_half_widths: Array,
+    counts: tuple[int, ...],
+) -> ConvergenceSeries:
+    known = {count: evaluate(reading.with_count(count)) for count in counts}
+
+    def errors(count: int) -> Array:
+        if count not in known:
+            known[count] = evaluate(reading.with_count(count))
+        return np.abs(known[count] / limits - 1.0)
+
+    values = np.array([known[count] for count in counts])
+    columns = range(len(limits))
+    needed = [[_smallest_count(counts, errors, k, target) for k in columns] for target in TARGETS]
+    return ConvergenceSeries(
+        reading=reading,
+        formal_order=reading.element_order,
+        counts=counts,
+        values=values,
+        limits=limits,
+        limit_half_widths=limit_half_widths,
+        orders=fitted_orders(counts, values / limits - 1.0, limit_half_widths),
+        needed=np.array(needed),
+    )
+
+
+def _smallest_count(
+    counts: Sequence[int], errors: Callable[[int], Array], column: int, target: float
+) -> int:
+    """Smallest count from which on |error| stays below `target`; 0 if the finest misses it.
+
+    The error is taken as monotone between the last listed count that misses and the next one.
+    """
+    missed = [count for count in counts if errors(count)[column] > target]
+    met = [count for count in counts if not missed or count > missed[-1]]
+    if not met:
+        return 0
+    above, below = (missed[-1] if missed else met[0] - 1), met[0]
+    while below - above > 1:
+        middle = (above + below) // 2
+        if errors(middle)[column] > target:
+            above = middle
+        else:
+            below = middle
+    return below
+
+
+def leg_values(leg: ConstantLeg | SteppedLeg, reading: Reading) -> Array:
+    """Frequencies (Hz) and tip compliances (m/N) of one leg of elements, root clamped."""
+    matrices = leg_matrices(reading.model, leg, reading.options)
+    return _values(clamped_modes(matrices, MODES).frequencies, tip_compliance_of(matrices))
+
+
+def _cantilever(leg: ConstantLeg, theory: Theory) -> tuple[Array, Array]:
+    """Exact values of the cantilever, and their half-widths: zero."""
+    properties = leg.properties(theory)
+    exact = cantilever_frequencies(properties, leg.length, MODES)
+    frequencies = np.array([one.frequency for one in exact])
+    values = _values(frequencies, tip_compliance(properties, leg.length))
+    return values, np.zeros(len(values))
+
+
+def _robot_values(posture: Posture, highest: float, reading: Reading) -> Array:
+    def matrices(leg: ConstantLeg | SteppedLeg, options: ModelOptions) -> LegMatrices:
+        if reading.elements <= _WHOLE:
+            return leg_matrices(reading.model, leg, options)
+        return reduced_leg(reading.model, leg, options, highest, _CUTOFF * highest)
+
+    mechanism = posture.mechanism
+    bodies = bodies_of(mechanism, reading.options, matrices)
+    solution = solved(assembly(mechanism, bodies).at(posture))
+    return _values(modes(solution, MODES).frequencies, compliance(solution))
+
+
+def _beam_limit(evaluate: Evaluate, theory: Theory) -> tuple[Array, Array]:
+    """Richardson's limit of the beam elements, and half-widths of three times its last step."""
+    beams = Reading("beam", theory=theory)
+    coarse, fine = (evaluate(beams.with_count(count)) for count in _LIMIT_COUNTS)
+    step = (fine - coarse) / ((_LIMIT_COUNTS[1] / _LIMIT_COUNTS[0]) ** BEAM_ORDER - 1.0)
+    limits = fine + step
+    return limits, UNPROVEN * np.abs(step / limits)
+
+
+def _values(frequencies: Array, tip: Array) -> Array:
+    return np.concatenate([frequencies, np.diag(tip)[: len(DEFLECTIONS)]])

@@ -1,0 +1,101 @@
+"""Convergence with mesh: a leg of quadratic hexahedra over the divisions of its section.
+
+No closed solution of the solid exists: its limit is extrapolated (Richardson). From four meshes on
+the observed order decides (`validation.agreement.convergence.analyse`), with two or three the
+formal one, f∞ = f_n + (f_n − f_m)/((n/m)^p − 1), and three times that step is its half-width.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from lumped.arrays import Array
+from lumped.errors import InputError
+from lumped.legs import ConstantLeg
+from validation.agreement.convergence import UNPROVEN, analyse
+from validation.comparisons.convergence_study import TARGETS, ConvergenceSeries, ConvergenceStudy
+from validation.comparisons.element_convergence import DEFLECTIONS, MODES, QUANTITIES, UNITS
+from validation.comparisons.readings import Reading
+from validation.models.legs import clamped_solid
+from validation.solids.legs import ROUND_OFF, formal_order
+
+DIVISIONS = (1, 2, 3, 4)
+SOLIDS = (Reading("solid", ends="rigid"), Reading("solid", ends="free"))
+# An order can be observed from so many meshes on.
+_OBSERVED = 4
+
+
+def leg_mesh_convergence(
+    robot: str,
+    name: str,
+    leg: ConstantLeg,
+    readings: Sequence[Reading] = SOLIDS,
+    divisions: Sequence[int] = DIVISIONS,
+) -> ConvergenceStudy:
+    """Convergence of one leg as a solid, root clamped.
+
+    Raises InputError for fewer than two meshes or a section that cannot be meshed.
+    """
+    counts = tuple(sorted(set(divisions)))
+    if len(counts) < 2 or counts[0] < 1:
+        raise InputError(
+            f"divisions = {','.join(map(str, divisions))}: must be two or more different whole "
+            "numbers of 1 or more"
+        )
+    return ConvergenceStudy(
+        robot=robot,
+        subject=name,
+        pose=(),
+        quantities=QUANTITIES,
+        units=UNITS,
+        reference="limit extrapolated from the finest meshes",
+        series=tuple(_series(leg, reading, counts) for reading in readings),
+        refined="divisions",
+    )
+
+
+def _series(leg: ConstantLeg, reading: Reading, counts: tuple[int, ...]) -> ConvergenceSeries:
+    values = np.array([_values(leg, reading.with_count(count)) for count in counts])
+    order = formal_order(leg, reading.ends)
+    limits, half_widths, orders = _limits(counts, values, order)
+    errors = np.abs(values / limits - 1.0)
+    return ConvergenceSeries(
+        reading=reading,
+        formal_order=order,
+        counts=counts,
+        values=values,
+        limits=limits,
+        limit_half_widths=half_widths / np.abs(limits),
+        orders=orders,
+        needed=np.array([[_listed(counts, own, target) for own in errors.T] for target in TARGETS]),
+    )
+
+
+def _values(leg: ConstantLeg, reading: Reading) -> Array:
+    body = clamped_solid(leg, reading.divisions, reading.ends)
+    deflections = np.diag(body.compliance)[: len(DEFLECTIONS)]
+    return np.concatenate([body.modes(MODES).frequencies, deflections])
+
+
+def _limits(counts: tuple[int, ...], values: Array, formal: float) -> tuple[Array, Array, Array]:
+    """Limits (q), their half-widths (q, units of the values) and observed orders (q)."""
+    ratio = counts[-1] / counts[-2]
+    step = (values[-1] - values[-2]) / (ratio**formal - 1.0)
+    limits, half_widths = values[-1] + step, UNPROVEN * np.abs(step)
+    orders = np.full(len(limits), np.nan)
+    if len(counts) < _OBSERVED:
+        return limits, half_widths, orders
+    sizes = 1.0 / np.array(counts, dtype=float)
+    for k, column in enumerate(values.T):
+        observed = analyse(sizes, column, formal, ROUND_OFF)
+        if observed.extrapolated is not None and observed.uncertainty is not None:
+            limits[k], half_widths[k] = observed.extrapolated, observed.uncertainty
+            orders[k] = np.nan if observed.observed_order is None else observed.observed_order
+    return limits, half_widths, orders
+
+
+def _listed(counts: tuple[int, ...], errors: Array, target: float) -> int:
+    """Smallest of `counts` from which on the error stays below `target`; 0 if none does."""
+    missed = np.flatnonzero(errors > target)
+    first = int(missed[-1]) + 1 if len(missed) else 0
+    return counts[first] if first < len(counts) else 0

@@ -1,0 +1,88 @@
+"""The convergence study of a robot or of one of its legs, as the command line and Python ask."""
+
+from collections.abc import Sequence
+
+from fem.beams.stepped import SteppedLeg
+from lumped.errors import InputError
+from lumped.legs import ConstantLeg, equivalent_leg
+from lumped.mechanism.kinematics.postures import posture, reference_posture
+from lumped.mechanism.mechanism import Mechanism, Posture
+from lumped.models.bodies import legs_of
+from lumped.robot_file import RobotFile
+from validation.comparisons.convergence_study import ConvergenceStudy
+from validation.comparisons.element_convergence import COUNTS, leg_convergence, robot_convergence
+from validation.comparisons.mesh_convergence import DIVISIONS, leg_mesh_convergence
+from validation.comparisons.readings import FORMULATIONS, RefinedModel
+from validation.models.parts import is_leg
+from validation.models.stepped_parts import stepped
+
+# Elements per leg are solved densely.
+_MOST_ELEMENTS = 200
+
+
+def convergence(
+    robot: RobotFile,
+    *,
+    model: RefinedModel | None = None,
+    body: str | None = None,
+    elements: Sequence[int] | None = None,
+    divisions: Sequence[int] | None = None,
+) -> ConvergenceStudy:
+    """Convergence of the robot in the middle of its path, or of the leg `body`.
+
+    `model` None: segments in both layouts, and beam elements. Raises InputError with every fault of
+    the arguments.
+    """
+    mechanism = robot.mechanism
+    if faults := _faults(mechanism, model, body, elements, divisions):
+        raise InputError(faults)
+    if model == "solid" or divisions is not None:
+        leg = legs_of(mechanism)[str(body)]
+        return leg_mesh_convergence(
+            robot.name, str(body), equivalent_leg(leg), divisions=divisions or DIVISIONS
+        )
+    readings = [one for one in FORMULATIONS if model in (None, one.model)]
+    counts = elements or COUNTS
+    if body is None:
+        return robot_convergence(middle_posture(mechanism), readings, counts)
+    return leg_convergence(robot.name, body, _leg(mechanism, body), readings, counts)
+
+
+def middle_posture(mechanism: Mechanism) -> Posture:
+    """Posture in the middle of the path; the reference posture if the tool prescribes nothing."""
+    poses = mechanism.poses
+    return (
+        posture(mechanism, poses[len(poses) // 2]) if len(poses) else reference_posture(mechanism)
+    )
+
+
+def _leg(mechanism: Mechanism, body: str) -> ConstantLeg | SteppedLeg:
+    legs = legs_of(mechanism)
+    return equivalent_leg(legs[body]) if body in legs else stepped(mechanism.parts[body])
+
+
+def _faults(
+    mechanism: Mechanism,
+    model: RefinedModel | None,
+    body: str | None,
+    elements: Sequence[int] | None,
+    divisions: Sequence[int] | None,
+) -> list[str]:
+    faults = []
+    legs = legs_of(mechanism)
+    names = [*legs, *(name for name, part in mechanism.parts.items() if is_leg(part))]
+    solid = model == "solid" or divisions is not None
+    if body is not None and body not in names:
+        known = ", ".join(names) or "none"
+        faults.append(f"body {body}: is no leg of the robot; must be one of {known}")
+    elif solid and body is None:
+        faults.append("model solid: converges leg by leg; name one with body")
+    elif solid and body not in legs:
+        faults.append(f"body {body}: is a CAD part, whose meshes `identify` refines")
+    if solid and elements is not None:
+        faults.append("elements: solids have divisions; leave elements or the model solid out")
+    if divisions is not None and model not in (None, "solid"):
+        faults.append(f"divisions: {model} has elements; leave divisions out, or take model solid")
+    if elements is not None and max(elements) > _MOST_ELEMENTS:
+        faults.append(f"elements = {max(elements)}: must be at most {_MOST_ELEMENTS}")
+    return faults
