@@ -460,7 +460,7 @@ def schema() -> int:
 
     from lumped.robot_file.rules.published import json_schema  # noqa: PLC0415
 
-    say(dumps(json_schema(), indent=1, ensure_ascii=False))
+    say(dumps(json_schema(), indent=1))
     return 0
 
 

@@ -22,6 +22,21 @@ FAMILY = "Robots with longer legs"
 # The picture of the robot, which stands on the first screen.
 PORTRAIT = "robot.portrait"
 
+# Elements of drawings without scripts, foreign content or handlers of events, and comments.
+_ELEMENTS = (
+    "svg|metadata|rdf:RDF|cc:Work|cc:Agent|dc:[a-z]+|defs|style|g|path|use|clipPath|rect|circle|"
+    "line|image|text|tspan"
+)
+_INERT = re.compile(
+    rf"<!-- [^<>]*-->|</(?:{_ELEMENTS})>|"
+    rf'<(?:{_ELEMENTS})(?:\s+(?!on)[\w:-]+="[^"<>]*")*\s*/?>',
+    re.IGNORECASE,
+)
+# Links lead to other elements of the drawing, or are pictures in it.
+_LINK = re.compile(r"(?:href=\"|url\()([^\")]*)", re.IGNORECASE)
+_OWN = re.compile(r"#|data:image/png;base64,")
+_FOREIGN_STYLE = re.compile(r"<style[^<>]*>[^<]*(?:@|url)[^<]*", re.IGNORECASE)
+
 
 @dataclass(frozen=True)
 class Study:
@@ -97,6 +112,7 @@ class Figure:
         _require_file_name(self.id)
         if [bool(self.svg), bool(self.png), bool(self.left_out)].count(True) != 1:
             raise ValueError(f"figure {self.id}: either svg or png, or why there is neither")
+        _require_inert(self.svg, self.id)
 
     @property
     def files(self) -> Mapping[str, str | bytes]:
@@ -128,6 +144,16 @@ def study_record(study: Study) -> dict[str, Any]:
         "uncertainty": study.uncertainties,
         "limit": study.limits,
     }
+
+
+def _require_inert(svg: str, name: str) -> None:
+    """Raise ValueError if markup, which stands in the page as it is, can do more than be drawn.
+
+    Figures come from records of earlier runs, too, which anybody may have written.
+    """
+    for tag in (*re.findall(r"<[^<>]*>?", svg), *_FOREIGN_STYLE.findall(svg)):
+        if not _INERT.fullmatch(tag) or any(not _OWN.match(link) for link in _LINK.findall(tag)):
+            raise ValueError(f"figure {name}: {tag[:60]} has no place in a drawing")
 
 
 def _require_file_name(identifier: str) -> None:

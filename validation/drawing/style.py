@@ -20,6 +20,12 @@ YELLOW, BLUE, VERMILLION, PURPLE = "#F0E442", "#0072B2", "#D55E00", "#CC79A7"
 COLOUR_MAP = "viridis"  # told apart by colour-blind readers, and light against dark in grey
 BROWN = "#6B4226"  # dark, as orange and vermillion are not
 
+# Beginnings of cells that spreadsheets take for formulas (OWASP, CSV injection), in the wide forms
+# of East Asian text, too; and texts that are numbers, coordinates or percentages all the same.
+_FORMULA = ("=", "+", "-", "@", "\uff1d", "\uff0b", "\uff0d", "\uff20")
+_NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?"
+_NUMBERS = re.compile(rf"{_NUMBER}(?:[, ]+{_NUMBER})*(?:\s?%)?", re.IGNORECASE)
+
 
 @dataclass(frozen=True)
 class Look:
@@ -161,9 +167,18 @@ def marked(points: int, rank: int, ranks: int) -> tuple[int, int]:
 
 
 def csv_of(columns: Mapping[str, Sequence[float | str | None]]) -> str:
-    """Columns of equal length as CSV, numbers with all their digits, nothing for None."""
+    """Columns of equal length as CSV, numbers with all their digits, nothing for None.
+
+    A text that a spreadsheet would compute gets an apostrophe in front, which makes it a text.
+    """
     buffer = io.StringIO()
     writer = csv.writer(buffer, lineterminator="\n")
-    writer.writerow(columns)
-    writer.writerows(zip(*columns.values(), strict=True))
+    writer.writerow(map(_inert, columns))
+    writer.writerows(map(_inert, row) for row in zip(*columns.values(), strict=True))
     return buffer.getvalue()
+
+
+def _inert(cell: float | str | None) -> float | str | None:
+    if not isinstance(cell, str) or _NUMBERS.fullmatch(cell):
+        return cell
+    return f"'{cell}" if cell.lstrip().startswith(_FORMULA) else cell

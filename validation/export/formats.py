@@ -14,16 +14,19 @@ from validation.export.reduced import TWIST, Reduced, ReducedRobot
 # The first scalar point of Nastran that stands for the amplitude of a mode.
 _SCALARS = 100_001
 _WRENCH = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
-# What the robot file names stands in comments: it may hold any quotes, and is not to be run.
+# Python takes the encoding of a script from its first two lines (PEP 263), editors their settings
+# from the first five: no text of the robot file stands there. Further down it is a comment.
 _EXUDYN = '''\
-# {name}: {about}.
-# Reduced to {unknowns}, SI units. Frequencies (Hz) that it must show, too high by these at most:
+# -*- coding: utf-8 -*-
+# Reduced model for EXUDYN, {unknowns}, SI units.
+# Frequencies (Hz) that it must show, too high by these at most:
 {frequencies}
 
 import exudyn as exu
 import numpy as np
 from exudyn.itemInterface import MarkerNodeCoordinates, NodeGenericODE2, ObjectGenericODE2
 
+# {name}: {about}.
 stiffness = np.array({stiffness})
 mass = np.array({mass})
 # How the unknowns move a place (rows x y z phi_x phi_y phi_z, or along a drive), and what a force
@@ -81,7 +84,7 @@ def as_exudyn(reduced: Reduced) -> bytes:
         mass=reduced.mass.tolist(),
         ports=f"{{{ports}\n}}",
     )
-    return text.encode()
+    return text.encode("utf-8")
 
 
 def as_simscape(reduced: Reduced) -> bytes:
@@ -121,7 +124,8 @@ def as_nastran(reduced: Reduced) -> bytes:
     freedoms += [(_SCALARS + i, 0) for i in range(inner)]
     index = MultiIndex.from_tuples(freedoms, names=["id", "dof"])
     text = StringIO()
-    text.write(f"$ {reduced.name}: {reduced.about}\n$ SI units; K2GG = KRED, M2GG = MRED\n")
+    text.write("$ Reduced model for Nastran, SI units; K2GG = KRED, M2GG = MRED\n")
+    text.write(f"$ {visible(reduced.name)}: {reduced.about}\n")
     for grid, (name, point) in zip(grids, reduced.points.items(), strict=True):
         text.write(f"$ {name}\nGRID*   {grid:16d}{0:16d}{point[0]:16.9E}{point[1]:16.9E}\n")
         text.write(f"*       {point[2]:16.9E}\n")
@@ -129,7 +133,8 @@ def as_nastran(reduced: Reduced) -> bytes:
         text.write(f"SPOINT  {_SCALARS:8d}THRU    {_SCALARS + inner - 1:8d}\n")
     for name, matrix in (("KRED", reduced.stiffness), ("MRED", reduced.mass)):
         wtdmig(text, {name: DataFrame(matrix, index=index, columns=index)})
-    return text.getvalue().encode()
+    # Decks are ASCII; names stand in comments alone.
+    return text.getvalue().encode("ascii", "backslashreplace")
 
 
 def as_statespace(robot: ReducedRobot, kind: str) -> bytes:

@@ -79,7 +79,7 @@ def as_json(mechanism: Mechanism, postures: Sequence[Posture]) -> str:
             for posture in postures
         ],
     }
-    return json.dumps(document, indent=1, ensure_ascii=False)
+    return json.dumps(document, indent=1)
 
 
 def _mobility_json(found: Mobility) -> dict[str, Any]:

@@ -50,7 +50,7 @@ def as_json(part: PartFile) -> str:
         "volume": part.exact.volume if part.exact else None,
         "faces": [_entry(face) for face in part.faces],
     }
-    return json.dumps(document, ensure_ascii=False, allow_nan=False)
+    return json.dumps(document, allow_nan=False)
 
 
 def _entry(face: Face) -> dict[str, Any]:

@@ -141,7 +141,7 @@ def as_json(found: Identified, reached: Accuracy | None = None) -> str:
             for name in ("uncertainty", "bracket")
         },
     }
-    return json.dumps(document, ensure_ascii=False, allow_nan=False)
+    return json.dumps(document, allow_nan=False)
 
 
 def _plain(values: Array) -> Any:

@@ -76,8 +76,10 @@ _MOST_BODIES, _MOST_JOINTS, MOST_POSES = 100, 200, 10_000
 _COUNT = Number(least=1, most=MOST_POSES, whole=True)
 _MODES = Number(least=1, most=MOST_MODES, whole=True)
 _NUMBER, _POSITIVE, _TEXT = Number(), Number(above=0.0), Text()
-_TITLE = Text(r"[^\x00-\x1f\x7f]{1,100}", "a text of 1 to 100 characters on one line")
-_FILE = Text(r"[^\x00-\x1f\x7f]{1,1000}", "the name of a file, 1 to 1000 characters")
+# Control characters (C0, C1), ends of lines and marks that turn the direction of reading.
+_UNPRINTED = r"\x00-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069"
+_TITLE = Text(rf"[^{_UNPRINTED}]{{1,100}}", "a text of 1 to 100 characters on one line")
+_FILE = Text(rf"[^{_UNPRINTED}]{{1,1000}}", "the name of a file, 1 to 1000 characters")
 _NAME = Text(r"[\w-]{1,40}", "1 to 40 letters, digits, _ or -")
 _BODY_NAME, _MATERIAL_NAME, _POINT_NAME = (
     replace(_NAME, among=table) for table in ("bodies", "materials", "points")

@@ -1,0 +1,222 @@
+"""Texts of a robot file in scripts, decks, tables and pages: shown, and never run.
+
+A name may be a declaration of Python (PEP 263), end a comment or a text, or be a formula.
+"""
+
+import ast
+import csv
+import io
+import json
+from dataclasses import replace
+from html.parser import HTMLParser
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+import numpy as np
+import pytest
+from gantry import GANTRY
+from report_sample import FIG_5, FINDING, HEADER, MATRIX, sample_report, unmeasured
+from scipy.io import loadmat
+from written_robot import described, robot_of
+
+from lumped.errors import InputError
+from lumped.mechanism.kinematics.postures import reference_posture
+from meshes.part.reading.read import read_part
+from validation.drawing.chart import Chart, Panel, Series
+from validation.drawing.plot import chart_svg
+from validation.drawing.style import csv_of
+from validation.exhibits import Figure
+from validation.export.formats import as_exudyn, as_nastran, as_npz, as_simscape
+from validation.export.reduced import Reduced, reduced_robot
+from validation.parts import face_list
+from validation.report.page import render
+
+ROCKER = Path(__file__).parents[3] / "examples/rocker/rocker.step"
+# The first is a second line for Python: "+AAo-" is the end of one in UTF-7.
+NAMES = (
+    "coding: utf-7 +AAo-import os+ADs-os.abort()+ACM-",
+    "coding=rot13",
+    "vim: set modeline: -*- coding: utf-7 -*-",
+    'end""" + 1 / 0 \\N{',
+    "''' \\",
+    "{name} {0} %s",
+    "$ENDDATA",
+    "µ 中 😀",
+)
+
+
+@pytest.fixture(scope="module")
+def reduced():
+    return reduced_robot(reference_posture(described(GANTRY)), 3).matrices
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_script_runs_the_same_under_any_name(name, reduced):
+    script = as_exudyn(replace(reduced, name=name))
+    # As Python takes up a file, its declared encoding included.
+    assert ast.dump(ast.parse(script)) == ast.dump(ast.parse(as_exudyn(reduced)))
+    first, *lines = script.decode("utf-8").split("\n")
+    assert first == "# -*- coding: utf-8 -*-"
+    assert not any(name in line for line in lines[:4])
+    assert f"# {name}: {reduced.about}." in lines
+
+
+@pytest.fixture(scope="module")
+def body():
+    """Two interfaces and three modes, any numbers."""
+    stiffness = np.random.default_rng(0).uniform(-1.0, 1.0, (15, 15))
+    return Reduced(
+        name="body",
+        about="free body",
+        unknowns=tuple(str(i) for i in range(15)),
+        stiffness=stiffness + stiffness.T,
+        mass=np.eye(15),
+        ports={"A": np.eye(15)[:6], "B": np.eye(15)[6:12]},
+        points={"A": np.zeros(3), "B": np.array([0.5, -0.25, 0.0])},
+        frequencies=np.array([10.0]),
+        bounds=np.array([0.1]),
+        counted={},
+    )
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_deck_has_the_same_cards_under_any_name(name, body):
+    pytest.importorskip("pyyeti.nastran", reason="pyyeti is not installed")
+
+    def cards(content):
+        return [line for line in content.split(b"\n") if not line.startswith(b"$")]
+
+    deck = as_nastran(replace(body, name=name))
+    assert deck.isascii()
+    assert cards(deck) == cards(as_nastran(body))
+
+
+def test_deck_has_a_point_for_each_unknown_and_no_other(body):
+    """A scalar point that no matrix names would be a free motion of no mass: singular."""
+    nastran = pytest.importorskip("pyyeti.nastran", reason="pyyeti is not installed")
+    text = as_nastran(body).decode()
+    matrix = nastran.rddmig(io.StringIO(text))["kred"]
+    # Ten digits are written.
+    assert np.allclose(matrix.to_numpy(), body.stiffness, rtol=0.0, atol=1e-8)
+    freedoms = list(matrix.index)
+    (card,) = (line for line in text.splitlines() if line.startswith("SPOINT"))
+    # Fields of eight characters.
+    first, through, last = card[8:16], card[16:24], card[24:32]
+    assert through.split() == ["THRU"]
+    assert list(range(int(first), int(last) + 1)) == [one for one, way in freedoms if way == 0]
+    grids = [int(line[8:24]) for line in text.splitlines() if line.startswith("GRID*")]
+    assert [(one, way) for one in grids for way in range(1, 7)] == freedoms[:12]
+    assert len(freedoms) == 15
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_arrays_hold_any_name_without_pickle(name, reduced):
+    named = replace(reduced, name=name)
+    arrays = np.load(io.BytesIO(as_npz(named)), allow_pickle=False)
+    assert str(arrays["about"]).startswith(f"{name}: ")
+    (about,) = loadmat(io.BytesIO(as_simscape(named)))["about"]
+    assert about.startswith(f"{name}: ")
+
+
+@pytest.mark.parametrize("sign", ["\\u0085", "\\u009b2J", "\\u2028", "\\u202e", "\\u2066", "\\n"])
+def test_name_that_steers_a_terminal_is_refused(sign, tmp_path):
+    with pytest.raises(
+        InputError, match=r"name = .*: must be a text of 1 to 100 characters on one"
+    ):
+        robot_of(GANTRY.replace('"gantry"', f'"gan{sign}try"'), tmp_path)
+
+
+def test_formulas_in_tables_are_texts():
+    formulas = ("=1+2", "+A1", "-A1*2", "@SUM(A1)", "\t=1", " =1", "\uff1d1", "-1-1", "-cmd|' '!A")
+    numbers = ("-0.3", "+1.5e-3", "-0.6 0.8 0", "0.1, -0.2", "-12 %", "", "vjm", "a=1", "x-y")
+    columns = {"=HYPERLINK(A1)": [*formulas, *numbers, -1.5, None]}
+    (heading,), *rows = csv.reader(io.StringIO(csv_of(columns)))
+    assert heading == "'=HYPERLINK(A1)"
+    cells = [row[0] if row else "" for row in rows]
+    assert cells == [*(f"'{one}" for one in formulas), *numbers, "-1.5", ""]
+
+
+def test_names_of_faces_leave_json_valid(tmp_path, command):
+    part = read_part(ROCKER)
+    named = replace(part.faces[0], name="\x85\x9b\u202e\U000e0001\"</script>'")
+    part = replace(part, faces=(named, *part.faces[1:]))
+    # The terminal shows what is not printable written out, which JSON does not know.
+    assert face_list.as_json(part).isascii()
+    assert json.loads(face_list.as_json(part))["faces"][0]["name"] == named.name
+    robot = tmp_path / "robot.toml"
+    robot.write_text(GANTRY.replace('"gantry"', '"\\u200b\\U000e0001"'), encoding="utf-8")
+    assert command.json("kinematics", robot)["robot"] == "\u200b\U000e0001"
+
+
+HOSTILE = '</text><script>alert(1)</script> --><svg onload="x"> id="a" &amp; ]]> $\\frac{'
+
+
+def test_drawing_shows_markup_as_text():
+    curve = np.array([0.0, 1.0])
+    panels = [Panel([Series(HOSTILE, curve, curve)], HOSTILE, y_label=HOSTILE)]
+    drawn = Figure("a", "A", "", "Toys", svg=chart_svg(Chart(panels, HOSTILE)))
+    kinds = {element.tag.rpartition("}")[2] for element in ET.fromstring(drawn.svg).iter()}  # noqa: S314  our own
+    assert "path" in kinds
+    assert "script" not in kinds
+
+
+class Elements(HTMLParser):
+    """The elements of a page with the names of their attributes."""
+
+    def __init__(self, markup):
+        super().__init__()
+        self.found = []
+        self.feed(markup)
+
+    def handle_starttag(self, tag, attributes):
+        self.found.append((tag, [name for name, _ in attributes]))
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_page_has_the_same_elements_under_any_text(monkeypatch):
+    def page(text):
+        def said(one, *names):
+            return replace(one, **{name: text for name in names if getattr(one, name)})
+
+        matrix = replace(
+            said(MATRIX, "robot"),
+            notes=(text,),
+            entries=tuple(said(one, "reason", "reference", "remedy") for one in MATRIX.entries),
+            models=tuple(said(one, "title") for one in MATRIX.models),
+        )
+        figures = [said(FIG_5, "title", "caption")]
+        finding = said(FINDING, "where", "printed", "wrong", "evidence", "used")
+        for name in ("robot", "robot_file", "machine"):
+            monkeypatch.setitem(HEADER, name, text)
+        outcomes = [unmeasured("a", "failed", text), unmeasured("b", "skipped", text)]
+        report = sample_report(
+            outcomes=outcomes, figures=figures, matrix=matrix, findings=(finding,)
+        )
+        return Elements(render(report)).found
+
+    plain = page("plain")
+    assert ("script", []) in plain
+    assert page(HOSTILE) == plain
+
+
+@pytest.mark.parametrize(
+    "markup",
+    [
+        "<script>alert(1)</script>",
+        '<g onload="alert(1)"></g>',
+        '<g  OnLoad="alert(1)"></g>',
+        "<g onload=alert(1)></g>",
+        "<foreignObject><b>x</b></foreignObject>",
+        '<use xlink:href="https://example.org/x.svg#a"/>',
+        '<image href="javascript:alert(1)"/>',
+        '<path style="fill: url(https://example.org/a)"/>',
+        "<style>@import 'https://example.org/a.css';</style>",
+        "<!--><img src=x onerror=alert(1)>-->",
+        "<!DOCTYPE svg>",
+        "<title><img></title>",
+        "<g",
+    ],
+)
+def test_drawing_of_an_earlier_run_cannot_act(markup):
+    with pytest.raises(ValueError, match="has no place in a drawing"):
+        Figure("a", "A", "", "Toys", svg=f"<svg >{markup}</svg>")
