@@ -1,4 +1,4 @@
-"""What rigid end faces take from a prism's compliance: Saint-Venant's end effects, exact along x.
+"""End restraint of rigid faces on a prism's compliance: Saint-Venant's end effects, exact along x.
 
 On the section's mesh a prism obeys E₀u″ + Gu′ − E₂u = 0 (semi-analytical finite elements, u the 3N
 displacements of a section). Its solutions are twelve polynomials, rigid motions and Saint-Venant's
@@ -6,35 +6,39 @@ states of tension, torsion, bending and flexure, and fields e^{∓γx} that deca
 (R. A. Toupin, Arch. Rat. Mech. Anal. 18 (1965) 83; those of a strip are Papkovich's and Fadle's,
 γc = 2.106 + 1.125i with c half its height). A face that stays plane and rigid needs these as well:
 they hold warping by torque and shear, and with ν > 0 contraction by tension and bending.
+
+The decaying fields v bear no resultant, and v = −w + a rigid motion on both faces, w the warping
+of a state of unit wrench. By Betti's theorem the compliance changes by ∮ fᵢᵀvⱼ = −∮ vᵢᵀtⱼ, with the
+tractions f of that state and t of v: twice the negative strain energy of v. Neither subtracts
+compliances of the whole length. The second is computed; the first, equal to it only if v has lost
+no digits, is the check.
 """
 
-import numpy as np
-from scipy.linalg import eig
+from collections.abc import Callable
+from functools import partial
 
-from fem.couplings.section_fields import (
-    SectionFields,
-    SectionState,
-    saint_venant_states,
-    section_fields,
-)
+import numpy as np
+from scipy.linalg import cho_factor, cho_solve, eig
+
+from fem.couplings.section_fields import SectionFields, saint_venant_states, section_fields
 from lumped.arrays import Array
 from lumped.errors import ComputationError
 from lumped.legs import Material
 from meshes.section.section_mesh import SectionMesh
 
-# Differences between c_ij and c_ji, in units of √(c_ii c_jj), beyond which digits are missing that
-# comparisons of solids (0.1 %) would show.
-_UNEVEN = 1e-5
+# Largest difference of both forms of the change, in units of √(c_ii c_jj) of the leg with held
+# faces: half the tolerance of solids with rigid faces (0.02 %). Steel walls of a hundredth of the
+# side leave 1e-5, of which the change itself loses a hundredth.
+_LOST = 1e-4
 
 
 def restrained_compliance(mesh: SectionMesh, material: Material, length: float) -> Array:
     """6×6 change (SI, leg axes, at the tip) of a prism's tip compliance by rigid end faces.
 
-    That of plane, rigid faces at root and tip less that with Saint-Venant's tractions on both, work
-    conjugate: nowhere positive. Exact in x for any length, so that both ends may interact. Raises
-    InputError for a section that is not symmetric about both of its axes, ComputationError where
-    moduli are so different that rounding loses the slowest decay, or a leg so long that it loses
-    what its faces hold.
+    Tip compliance with plane, rigid faces at root and tip less that with Saint-Venant's tractions
+    on both, work conjugate: negative semidefinite. Exact in x for any length, so that both ends may
+    interact. Raises InputError for a section that is not symmetric about both of its axes,
+    ComputationError if round-off dominates: moduli, or walls and sides, that differ by too much.
     """
     change = np.zeros((6, 6))
     for fields in section_fields(mesh, material):
@@ -42,58 +46,107 @@ def restrained_compliance(mesh: SectionMesh, material: Material, length: float) 
     return change
 
 
+class _Squares:
+    """Solutions of L z = r and Lᵀy = r, L = [C 0; Bᵀ F] as in `SectionFields.squares_problem`.
+
+    C or F has the first rigid motion in its null space. Loads have no resultant along it.
+    """
+
+    def __init__(self, fields: SectionFields) -> None:
+        p = self.axial = fields.axial
+        self.left, self.right = fields.squares_problem()
+        self.coupling = self.right[:p, p:]
+        rigid = fields.rigid[:, 0]
+        self.solve_axial = _solver(self.left[:p, :p], rigid[:p])
+        self.solve_in_plane = _solver(self.left[p:, p:], rigid[p:])
+
+    def solve(self, load: Array) -> Array:
+        """Solution z (n or n×k) of L z = `load`."""
+        axial = self.solve_axial(load[: self.axial])
+        in_plane = self.solve_in_plane(load[self.axial :] - self.coupling.T @ axial)
+        return np.concatenate([axial, in_plane])
+
+    def solve_transposed(self, load: Array) -> Array:
+        """Solution y (n) of Lᵀy = `load`."""
+        in_plane = self.solve_in_plane(load[self.axial :])
+        axial = self.solve_axial(load[: self.axial] - self.coupling @ in_plane)
+        return np.concatenate([axial, in_plane])
+
+    def zeros(self, fields: SectionFields) -> tuple[Array, Array]:
+        """Chains of γ² = 0 (n×`chain`): z of L z₀ = 0, L z₁ = R z₀, and y of the transposes."""
+        rigid, p = fields.rigid[:, 0], self.axial
+        ahead, behind = rigid.copy(), rigid.copy()
+        ahead[p:] -= self.solve_in_plane(self.coupling.T @ rigid[:p])
+        behind[:p] -= self.solve_axial(self.coupling @ rigid[p:])
+        fields_chain, adjoint_chain = [ahead], [behind]
+        for _ in range(fields.chain - 1):
+            fields_chain.append(self.solve(self.right @ fields_chain[-1]))
+            adjoint_chain.append(self.solve_transposed(self.right.T @ adjoint_chain[-1]))
+        return np.column_stack(fields_chain), np.column_stack(adjoint_chain)
+
+
+def _solver(block: Array, rigid: Array) -> Callable[[Array], Array]:
+    """Solution of a symmetric `block` that is positive definite across `rigid` (0: everywhere)."""
+    size = np.linalg.norm(rigid)
+    if size > 0.0:
+        unit = rigid / size
+        block = block + np.trace(block) / len(block) * np.outer(unit, unit)
+    return partial(cho_solve, cho_factor(block))
+
+
 def _decays(fields: SectionFields) -> tuple[Array, Array]:
     """Decay rates γ (k, Re γ > 0) and the fields (n×k) of e^{γ(x − L)}, which decay from the tip.
 
-    Those of e^{−γx}, from the root, have u_x of the other sign.
+    Those of e^{−γx}, from the root, have u_x of the other sign. Found from 1/γ² across the chains
+    of γ² = 0: walls of thickness t beside a side b leave the slowest γ² only (t/b)² of the fastest
+    or less, and its digits count.
     """
-    left, right = fields.squares_problem()
-    squares, shapes = eig(np.linalg.solve(right, left))
-    kept = np.argsort(np.abs(squares))[fields.chain :]
-    rates = np.sqrt(squares[kept].astype(complex))
+    squares = _Squares(fields)
+    chain, adjoint = squares.zeros(fields)
+    # Bi-orthogonal to the adjoint chain, as all decaying fields are.
+    across = adjoint.T @ squares.right
+    basis = np.linalg.qr(across.T, mode="complete")[0][:, fields.chain :]
+    images = squares.solve(squares.right @ basis)
+    images -= chain @ np.linalg.solve(across @ chain, across @ images)
+    inverses, shapes = eig(basis.T @ images)
+    rates = 1.0 / np.sqrt(inverses.astype(complex))
     if not np.all(rates.real > 0.0):
-        # Rates are about √(G/E) of the section's size, their squares beside four zeros of a chain.
         raise ComputationError(
-            "end effects: the slowest decay along the leg is lost in rounding; moduli (E and G, "
-            "say) or sides of the section differ by too much"
+            "end effects: decay rates along the leg are lost in rounding; moduli (E and G, say) or "
+            "walls and sides of the section differ by too much"
         )
-    shapes = shapes[:, kept].astype(complex)
+    shapes = (basis @ shapes).astype(complex)
     shapes[: fields.axial] /= rates
     return rates, np.asarray(shapes / np.linalg.norm(shapes, axis=0))
 
 
 def _change(fields: SectionFields, length: float) -> Array:
     """Compliance (m×m) of the class with held faces less that with Saint-Venant's tractions."""
-    root, tip = saint_venant_states(fields, 0.0), saint_venant_states(fields, length)
-    carried = fields.rigid.copy()
-    if fields.chain == 2:
-        # A rotation about the root moves the tip sideways: φ_z along +y, φ_y along −z.
-        carried[:, 1] += (length if fields.twists == (1, 5) else -length) * fields.rigid[:, 0]
+    root, tip = (saint_venant_states(fields, x) for x in (0.0, length))
     unit = np.linalg.inv(fields.rigid.T @ tip.forces)
-    root = SectionState(root.fields @ unit, root.forces @ unit)
-    tip = SectionState(tip.fields @ unit, tip.forces @ unit)
+    warping = np.vstack([root.warping @ unit, tip.warping @ unit])
+    forces = np.vstack([-root.forces @ unit, tip.forces @ unit])
+    free = forces.T @ np.vstack([root.fields @ unit, tip.fields @ unit])
 
     rates, from_tip = _decays(fields)
     from_root = from_tip.copy()
     from_root[: fields.axial] *= -1.0
     faded = np.exp(-rates * length)
-    # u = 0 at the root, the twist of the tip unknown; a rigid motion may be added to the states.
-    nothing = np.zeros_like(fields.rigid)
-    system = np.block(
-        [
-            [from_root, from_tip * faded, fields.rigid, nothing],
-            [from_root * faded, from_tip, carried, -fields.rigid],
-        ]
+    decaying = np.block([[from_root, from_tip * faded], [from_root * faded, from_tip]])
+    slopes = decaying * np.concatenate([-rates, rates])
+    rigid = np.kron(np.eye(2), fields.rigid)
+    solved = np.linalg.solve(np.hstack([decaying, rigid]), -warping.astype(complex))
+    amplitudes = solved[: 2 * len(rates)]
+    held, slope = (one.real for one in (decaying @ amplitudes, slopes @ amplitudes))
+    n = len(fields.E0)
+    at_root, at_tip = (
+        fields.E0 @ slope[face] + fields.E1 @ held[face] for face in (slice(n), slice(n, None))
     )
-    loads = -np.vstack([root.fields, tip.fields])
-    held = np.linalg.solve(system, loads.astype(complex))[-fields.rigid.shape[1] :].real
-    free = tip.forces.T @ tip.fields - root.forces.T @ root.fields
-    # Maxwell and Betti: what is not symmetric is rounding, of long thin legs some 1e-7.
-    taken = held - free
-    sizes = np.sqrt(np.maximum(np.diag(free), 0.0))
-    if not np.all(np.abs(taken - taken.T) <= _UNEVEN * np.outer(sizes, sizes)):
+    taken = -held.T @ np.vstack([-at_root, at_tip])
+    sizes = np.sqrt(np.maximum(np.diag(free + taken), 0.0))
+    if not np.all(np.abs(taken - forces.T @ held) <= _LOST * np.outer(sizes, sizes)):
         raise ComputationError(
-            "end effects: the end restraint of rigid faces is lost in rounding; the leg is "
-            "too long for its section, or its moduli differ by too much"
+            f"end effects: the end restraint of rigid faces in {fields.name} is lost in rounding; "
+            "moduli (E and G, say) or walls and sides of the section differ by too much"
         )
     return np.asarray(0.5 * (taken + taken.T))

@@ -82,9 +82,13 @@ class SectionFields:
 
 @dataclass(frozen=True, eq=False)
 class SectionState:
-    """Polynomial fields (n×m) at one section, and the nodal forces on it, E₀u′ + E₁u."""
+    """Polynomial fields (n×m) at one section.
+
+    `warping`: these without the section's rigid motion; `forces`: nodal ones on it, E₀u′ + E₁u.
+    """
 
     fields: Array
+    warping: Array
     forces: Array
 
 
@@ -171,11 +175,15 @@ def _polynomial(fields: SectionFields, degree: int) -> list[Array]:
 
 def saint_venant_states(fields: SectionFields, x: float) -> SectionState:
     """Saint-Venant's states at x: tension or torsion, or pure bending and flexure."""
-    columns, slopes = [], []
+    columns, warping, slopes = [], [], []
     for degree in (1,) if fields.chain == 1 else (2, 3):
         terms = np.array(_polynomial(fields, degree))
         powers = np.array([x**k / factorial(k) for k in range(degree + 1)])
         columns.append(powers @ terms)
-        slopes.append(powers[:-1] @ terms[1:])
-    found = np.column_stack(columns)
-    return SectionState(found, fields.E0 @ np.column_stack(slopes) + fields.E1 @ found)
+        # The highest terms are rigid motions, which need no forces.
+        own = len(terms) - fields.chain
+        warping.append(powers[:own] @ terms[:own])
+        slopes.append(powers[:own] @ terms[1 : own + 1])
+    warped = np.column_stack(warping)
+    forces = fields.E0 @ np.column_stack(slopes) + fields.E1 @ warped
+    return SectionState(np.column_stack(columns), warped, forces)

