@@ -84,7 +84,11 @@ def converge(
     """
     with _arguments_named():
         return convergence(
-            _loaded(robot), model=model, body=body, elements=elements, divisions=divisions
+            _loaded(robot).mechanism,
+            model=model,
+            body=body,
+            elements=elements,
+            divisions=divisions,
         )
 
 

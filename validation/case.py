@@ -16,6 +16,8 @@ from validation.claims import Claim
 from validation.context import PRESETS, About, Context, Preset
 from validation.exhibits import Study
 
+# A comparison of two models, or of a model with its own refinement.
+CaseKind: TypeAlias = Literal["comparison", "convergence"]
 ReferenceKind: TypeAlias = Literal[
     "closed-form", "published", "paper-statement", "finer-model", "independent-solver"
 ]
@@ -198,6 +200,7 @@ class Case:
     subject: About = "robot"
     figure: str = ""
     label: str = ""
+    kind: CaseKind = "comparison"
 
     def measure(self, context: Context) -> Measurement:
         """What `compute` finds in the `context` of the run.

@@ -24,7 +24,7 @@ from functools import partial
 from inspect import signature
 from typing import Any, Self, TypeAlias, TypedDict, TypeVar, Unpack
 
-from validation.case import Case, Measurement, ReferenceKind, Relation, Tolerance
+from validation.case import Case, CaseKind, Measurement, ReferenceKind, Relation, Tolerance
 from validation.context import About, Preset
 
 T = TypeVar("T")
@@ -57,6 +57,7 @@ class CaseFields(TypedDict, total=False):
     subject: Field[About]
     figure: Field[str]
     label: Field[str]
+    kind: Field[CaseKind]
 
 
 class CaseGroup:

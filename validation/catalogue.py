@@ -8,6 +8,7 @@ from validation import paper
 from validation.adequacy.matrix import ADEQUACY, MEASURED, Assessment
 from validation.adequacy.robot import robot_adequacy
 from validation.cases import cases
+from validation.comparisons import convergence_cases, convergence_figure
 from validation.maps.figure import figures as maps
 from validation.maps.workspace import directions
 from validation.measured.matrix import measured_matrix
@@ -41,10 +42,12 @@ def catalogue(robot_file: RobotFile, variations: Sequence[Variation] = ()) -> Se
     described = robot_file.mechanism
     return (
         *(paper.cases() if is_the_papers(robot_file) else ()),
+        *convergence_cases.cases(bodies=convergence_cases.subjects(described)),
         *cases(described, robot_file.requirement.modes),
         *([_MEASURED] if robot_file.measured else []),
         _ADEQUACY,
         *pictures.portraits(),
+        *convergence_figure.figures(),
         *curves.figures(),
         *(maps() if directions(described) else ()),
         *pictures.figures(),

@@ -13,6 +13,7 @@ from typing import Any
 from validation.context import PRESETS, Context, Preset
 
 # Sections of the report that cases and figures share.
+CONVERGENCE = "Convergence with element count"
 STROKE = "The robot over its stroke"
 PATH = "The mechanism over its path"
 MODES = "Modes by shape and strain energy"

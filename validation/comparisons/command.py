@@ -71,7 +71,7 @@ def converge(
     if quantity not in QUANTITIES:
         raise InputError(f"--quantity {quantity}: must be one of {', '.join(QUANTITIES)}")
     study = convergence(
-        load_robot(robot),
+        load_robot(robot).mechanism,
         model=model,
         body=body,
         elements=_counts("--elements", elements),

@@ -7,12 +7,13 @@ from functools import partial
 import numpy as np
 
 from lumped.arrays import Array
-from validation.drawing.chart import Chart, Note, Panel, Series, refined
+from validation.drawing.chart import Chart, Column, Note, Panel, Series, refined
 
 # Errors below are round-off and are not drawn (%).
 _LOWEST = 1e-7
 # Curves whose last errors differ by a smaller factor have their remarks above each other (pt).
 _NEAR, _LINE = 1.6, 9.0
+_LABELLED = (1, 2, 5, 20, 80)
 _STATED_ELEMENTS, _STATED_ERROR = 20.0, 1.0
 
 
@@ -20,9 +21,11 @@ _STATED_ELEMENTS, _STATED_ERROR = 20.0, 1.0
 class ErrorCurve:
     """Relative `errors` (n) of one formulation over `counts` (n); `remark` stands at its end.
 
-    `look` is an entry of `validation.drawing.style.LOOKS`.
+    `name` is that of the formulation, `label` its entry in the legend, `look` one of
+    `validation.drawing.style.LOOKS`.
     """
 
+    name: str
     label: str
     counts: Array
     errors: Array
@@ -32,8 +35,9 @@ class ErrorCurve:
 
 @dataclass(frozen=True, eq=False)
 class ErrorPanel:
-    """Curves of one quantity of one subject."""
+    """Curves of one quantity of one subject; `name` heads its columns in the data."""
 
+    name: str
     title: str
     curves: Sequence[ErrorCurve]
 
@@ -41,11 +45,22 @@ class ErrorPanel:
 def convergence_chart(panels: Sequence[ErrorPanel], x_label: str, columns: int = 2) -> Chart:
     """One panel each, with lines at an error of 1 % and at 20 elements; errors in percent."""
     counts = np.unique(np.concatenate([curve.counts for one in panels for curve in one.curves]))
-    drawn = [_panel(one, counts) for one in panels]
-    return Chart(drawn, x_label, min(columns, len(drawn)), 2.4)
+    columns = min(columns, len(panels))
+    drawn = [_panel(one, counts, leftmost=k % columns == 0) for k, one in enumerate(panels)]
+    table: dict[str, Column] = {x_label: counts.tolist()}
+    for panel in panels:
+        for curve in panel.curves:
+            table[f"{panel.name}: {curve.name}, error (%)"] = _column(curve, counts)
+    return Chart(drawn, x_label, columns, 2.2, table)
 
 
-def _panel(panel: ErrorPanel, counts: Array) -> Panel:
+def _column(curve: ErrorCurve, counts: Array) -> Column:
+    """Errors in percent at all `counts`; None where the curve has none."""
+    errors = dict(zip(curve.counts.tolist(), (100.0 * curve.errors).tolist(), strict=True))
+    return [errors.get(count) for count in counts.tolist()]
+
+
+def _panel(panel: ErrorPanel, counts: Array, *, leftmost: bool) -> Panel:
     series = []
     ends_of_curves: list[tuple[float, float, str]] = []
     for curve in panel.curves:
@@ -64,8 +79,8 @@ def _panel(panel: ErrorPanel, counts: Array) -> Panel:
     return Panel(
         [*series, *lines],
         panel.title,
-        "|error| (%)",
-        partial(refined, x=counts, decay=True),
+        "|error| (%)" if leftmost else "",
+        partial(refined, x=_ticks(counts), decay=True),
         notes=_notes(ends_of_curves),
         staggered=False,
     )
@@ -80,3 +95,9 @@ def _notes(ends: Sequence[tuple[float, float, str]]) -> list[Note]:
         height = height + _LINE if near else -3.0
         notes.append(Note(remark, count, size, (5.0, height)))
     return notes
+
+
+def _ticks(counts: Array) -> Array:
+    """Counts that are labelled: a few with room between them if they were computed, else all."""
+    labelled = counts[np.isin(counts, _LABELLED)]
+    return labelled if len(labelled) > 1 else counts

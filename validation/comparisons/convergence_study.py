@@ -2,9 +2,14 @@
 
 The error of count n is e(n) = f(n)/f∞ − 1. An order is fitted by least squares to log |e| over the
 three finest counts whose errors exceed a hundred times the round-off, and only if the errors of all
-counts from five on decrease without a change of sign and the two pairwise orders have settled. The
-half-width of count n bounds every finer result: 1.25 max |e(m)|, m ≥ n, with a fitted order (ASME
-V&V 20), 3 max |e(m)| without one.
+counts from five on decrease without a change of sign and the two pairwise orders have settled.
+
+The half-width of count n follows from n and the count m before it, without the limit: F |f(n) −
+f(m)| / ((n/m)^p − 1), p the observed order but at most the formal one, F = 1.25 if the orders
+observed over the last four counts are both within a tenth of that, else 3 (ASME V&V 20). Errors
+that change sign give no order; their half-width is three times the largest error of n and of every
+finer count. An estimate from two counts cannot see modes that change places between them, as those
+of few elements do.
 """
 
 from collections.abc import Sequence
@@ -21,11 +26,18 @@ from lumped.errors import InputError
 from lumped.legs import Theory
 from lumped.models.segments import Layout
 from lumped.text import aligned
-from validation.agreement.convergence import PROVEN, SETTLED, UNPROVEN
+from validation.agreement.convergence import (
+    CLOSE_TO_FORMAL,
+    PROVEN,
+    SETTLED,
+    UNPROVEN,
+    pairwise_orders,
+)
 from validation.comparisons.convergence_chart import ErrorCurve, ErrorPanel, convergence_chart
 from validation.comparisons.readings import Reading, RefinedModel
 from validation.drawing.chart import Chart
 from validation.drawing.style import csv_of, plot_style
+from validation.drawing.text import number, percent
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -43,6 +55,8 @@ ROUND_OFF = 1e-9
 _FITTED = 1e-8
 # An order needs errors this many times the half-width of their limit.
 _ABOVE_LIMIT = 100.0
+# Share of the formal order that a half-width takes at least, and if three counts show none.
+_LEAST_ORDER = 0.25
 # Below so many elements no series is expected to be asymptotic.
 _COARSE = 5
 
@@ -86,9 +100,34 @@ class ConvergenceSeries:
 
     @cached_property
     def half_widths(self) -> Array:
-        """Relative half-widths of the discretisation uncertainty (n×q)."""
-        factors = np.where(np.isnan(self.orders), UNPROVEN, PROVEN)
-        return np.asarray(factors * self.largest_errors + self.limit_half_widths + ROUND_OFF)
+        """Relative half-widths of the discretisation uncertainty (n×q), NaN for the first count.
+
+        With an order from this and the coarser counts alone, so that they can be held against the
+        limit; without one, three times the largest error of this and every finer count.
+        """
+        columns = range(self.values.shape[1])
+        return np.column_stack([self._half_widths(column) for column in columns])
+
+    def _half_widths(self, column: int) -> Array:
+        sizes, values = 1.0 / np.array(self.counts, dtype=float), self.values[:, column]
+        widths = UNPROVEN * self.largest_errors[:, column]
+        if not np.isnan(self.orders[column]) or self.exact[column]:
+            steps = np.abs(np.diff(values)) / np.abs(self.limits[column])
+            ratios = sizes[:-1] / sizes[1:]
+            observed = np.concatenate([[np.nan], pairwise_orders(sizes, values)])
+            close = np.abs(observed - self.formal_order) <= CLOSE_TO_FORMAL * self.formal_order
+            # One order alone may be near by accident, where modes of coarse legs change places.
+            proven = close & np.concatenate([[False], close[:-1]])
+            factors = np.where(proven, PROVEN, UNPROVEN)
+            used = np.clip(
+                np.where(np.isnan(observed), _LEAST_ORDER, observed / self.formal_order),
+                _LEAST_ORDER,
+                1.0,
+            )
+            used[0] = 1.0
+            widths[1:] = factors * steps / (ratios ** (used * self.formal_order) - 1.0)
+        widths[0] = np.nan
+        return np.asarray(widths + self.limit_half_widths[column] + ROUND_OFF)
 
     def pairwise_orders(self, column: int) -> Array:
         """Order between each count and the one before (n); NaN for the first and near the limit."""
@@ -191,8 +230,10 @@ class ConvergenceStudy:
         if not bound <= within:
             raise AssertionError(
                 f"{series.reading.label}, {self.title}, {quantity}: the error with {count} "
-                f"{self.refined} or more reaches {_percent(bound)}, allowed {_percent(within)}; "
-                f"{series.behaviour(column)}; {summary(series, column)}"
+                f"{self.refined} or more reaches {_size(bound)}, allowed {_size(within)}; "
+                f"{series.behaviour(column)}; {summary(series, column)}".replace(
+                    "\N{NO-BREAK SPACE}", " "
+                )
             )
 
     def table(self, quantity: str = "f1") -> str:
@@ -212,7 +253,7 @@ class ConvergenceStudy:
                 f"  {self.quantities[k]}: {series.behaviour(k)}; {summary(series, k)}"
                 for k in (column, *others)
             ]
-        return "\n".join(lines)
+        return "\n".join(lines).replace("\N{NO-BREAK SPACE}", " ")
 
     def _rows(self, series: ConvergenceSeries, column: int) -> str:
         orders = series.pairwise_orders(column)
@@ -221,8 +262,8 @@ class ConvergenceStudy:
                 str(count),
                 f"{series.values[k, column]:.8g}",
                 f"{100.0 * series.errors[k, column]:+.3g}",
-                f"{100.0 * series.half_widths[k, column]:.2g}",
-                "" if np.isnan(orders[k]) else f"{orders[k]:.2f}",
+                _shown(100.0 * series.half_widths[k, column], ".2g"),
+                _shown(orders[k], ".2f"),
             )
             for k, count in enumerate(series.counts)
         ]
@@ -247,6 +288,43 @@ class ConvergenceStudy:
             "units": dict(zip(self.quantities, self.units, strict=True)),
             "series": [self._series_record(series) for series in self.series],
         }
+
+    def study_records(self) -> tuple[dict[str, Any], ...]:
+        """An entry of `studies` in results.json for each quantity; null at counts not computed."""
+        counts = sorted({count for series in self.series for count in series.counts})
+        return tuple(
+            {
+                "id": f"convergence.{self.subject or 'robot'}.{quantity}",
+                "kind": "convergence",
+                "title": f"{self.title}: {quantity}, convergence with {REFINED[self.refined]}",
+                "x_label": X_LABELS[self.refined],
+                "y_label": quantity,
+                "unit": self.units[k],
+                "x": counts,
+                "series": {
+                    one.reading.label: [
+                        float(one.values[one.counts.index(count), k])
+                        if count in one.counts
+                        else None
+                        for count in counts
+                    ]
+                    for one in self.series
+                },
+                "formal_order": {one.reading.label: one.formal_order for one in self.series},
+                "order": {
+                    one.reading.label: float(one.orders[k])
+                    for one in self.series
+                    if not np.isnan(one.orders[k])
+                },
+                "uncertainty": {
+                    one.reading.label: float(one.half_widths[-1, k] * abs(one.values[-1, k]))
+                    for one in self.series
+                },
+                "limit": {one.reading.label: float(one.limits[k]) for one in self.series},
+                "notes": [self.reference],
+            }
+            for k, quantity in enumerate(self.quantities)
+        )
 
     def json(self) -> str:
         """The record as JSON text."""
@@ -316,11 +394,14 @@ class ConvergenceStudy:
     def panel(self, quantity: str) -> ErrorPanel:
         """The errors of one quantity as they are drawn."""
         column = self.column(quantity)
-        limit = f"{self.series[0].limits[column]:.4g} {self.units[column]}"
+        limit = self.series[0].limits[column]
+        shown = f"{limit:.4g} Hz" if self.units[column] == "Hz" else f"{1e9 * limit:.3g} µm at 1 kN"
         return ErrorPanel(
-            f"{self.title}: {quantity} = {limit}",
+            f"{self.subject or 'robot'}: {quantity}",
+            f"{self.subject or 'robot'}: {quantity} = {shown}",
             tuple(
                 ErrorCurve(
+                    series.reading.label,
                     f"{series.reading.label} (formal order {series.formal_order:g})",
                     np.array(series.counts, dtype=float),
                     series.errors[:, column],
@@ -341,7 +422,10 @@ class ConvergenceStudy:
             self.refined: list(series.counts),
             "values": {q: series.values[:, k].tolist() for k, q in by_quantity.items()},
             "errors": {q: series.errors[:, k].tolist() for k, q in by_quantity.items()},
-            "half_widths": {q: series.half_widths[:, k].tolist() for k, q in by_quantity.items()},
+            # Nothing can be stated of the first count.
+            "half_widths": {
+                q: [None, *series.half_widths[1:, k].tolist()] for k, q in by_quantity.items()
+            },
             "orders": {
                 q: None if np.isnan(series.orders[k]) else float(series.orders[k])
                 for k, q in by_quantity.items()
@@ -360,6 +444,13 @@ class ConvergenceStudy:
         return f"<pre>{escape(self.table())}</pre>"
 
 
+def short_summary(series: ConvergenceSeries, column: int) -> str:
+    """Error at 20 elements and the smallest counts for 1 %, 0.1 %, 0.01 %: "0.009 % (2, 6, 19)"."""
+    error = series.errors[series.counts.index(STATED_ELEMENTS), column]
+    needed = [str(count or f"over {series.counts[-1]}") for count in series.needed[:, column]]
+    return f"{_percent(error)} ({', '.join(needed)})"
+
+
 def summary(series: ConvergenceSeries, column: int) -> str:
     """Error at 20 elements, and the smallest counts for 1 %, 0.1 % and 0.01 %."""
     needed = [
@@ -373,11 +464,19 @@ def summary(series: ConvergenceSeries, column: int) -> str:
     return stated + ", ".join(needed)
 
 
+def _shown(value: float, digits: str) -> str:
+    return "" if np.isnan(value) else f"{value:{digits}}"
+
+
+def _size(error: float) -> str:
+    return percent(error, signed=False)
+
+
 def _percent(error: float) -> str:
     """A relative error in percent; below the round-off it is only bounded."""
     if abs(error) < ROUND_OFF:
-        return f"below {100.0 * ROUND_OFF:g} %"
-    return f"{100.0 * error:+.2g} %"
+        return f"below {number(100.0 * ROUND_OFF)}\N{NO-BREAK SPACE}%"
+    return percent(error)
 
 
 def fitted_orders(counts: Sequence[int], errors: Array, limit_half_widths: Array) -> Array:

@@ -1,4 +1,4 @@
-"""The convergence study of a robot or of one of its legs, as the command line and Python ask."""
+"""The convergence study of a robot or of one of its legs."""
 
 from collections.abc import Sequence
 
@@ -8,7 +8,6 @@ from lumped.legs import ConstantLeg, equivalent_leg
 from lumped.mechanism.kinematics.postures import posture, reference_posture
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.models.bodies import legs_of
-from lumped.robot_file import RobotFile
 from validation.comparisons.convergence_study import ConvergenceStudy
 from validation.comparisons.element_convergence import COUNTS, leg_convergence, robot_convergence
 from validation.comparisons.mesh_convergence import DIVISIONS, leg_mesh_convergence
@@ -21,7 +20,7 @@ _MOST_ELEMENTS = 200
 
 
 def convergence(
-    robot: RobotFile,
+    mechanism: Mechanism,
     *,
     model: RefinedModel | None = None,
     body: str | None = None,
@@ -33,19 +32,24 @@ def convergence(
     `model` None: segments in both layouts, and beam elements. Raises InputError with every fault of
     the arguments.
     """
-    mechanism = robot.mechanism
     if faults := _faults(mechanism, model, body, elements, divisions):
         raise InputError(faults)
     if model == "solid" or divisions is not None:
         leg = legs_of(mechanism)[str(body)]
         return leg_mesh_convergence(
-            robot.name, str(body), equivalent_leg(leg), divisions=divisions or DIVISIONS
+            mechanism.name, str(body), equivalent_leg(leg), divisions=divisions or DIVISIONS
         )
     readings = [one for one in FORMULATIONS if model in (None, one.model)]
     counts = elements or COUNTS
     if body is None:
         return robot_convergence(middle_posture(mechanism), readings, counts)
-    return leg_convergence(robot.name, body, _leg(mechanism, body), readings, counts)
+    return leg_convergence(mechanism.name, body, _leg(mechanism, body), readings, counts)
+
+
+def leg_names(mechanism: Mechanism) -> list[str]:
+    """Bodies that converge leg by leg: prisms, 6×6 legs and CAD parts of two interfaces."""
+    parts = (name for name, part in mechanism.parts.items() if is_leg(part))
+    return [*legs_of(mechanism), *parts]
 
 
 def middle_posture(mechanism: Mechanism) -> Posture:
@@ -70,7 +74,7 @@ def _faults(
 ) -> list[str]:
     faults = []
     legs = legs_of(mechanism)
-    names = [*legs, *(name for name, part in mechanism.parts.items() if is_leg(part))]
+    names = leg_names(mechanism)
     solid = model == "solid" or divisions is not None
     if body is not None and body not in names:
         known = ", ".join(names) or "none"

@@ -10,7 +10,7 @@ from math import isnan
 
 from validation.case import Relation, Relative
 from validation.drawing.text import anchor
-from validation.exhibits import FAMILY, MODES, PARAMETERS, PATH, STROKE, Figure
+from validation.exhibits import CONVERGENCE, FAMILY, MODES, PARAMETERS, PATH, STROKE, Figure
 from validation.report.declared import attempted
 from validation.report.figures.budgets import budget_figure
 from validation.report.figures.studies import Family, families, study_figure
@@ -22,6 +22,7 @@ from validation.results.records import claims_of
 # list go by the subject of their cases.
 LEGS = "Modes and legs in detail"
 CHAPTERS: Mapping[str, tuple[str, ...]] = {
+    "Cross-validation": (CONVERGENCE,),
     "The robot": (PATH,),
     "The decision": (PARAMETERS,),
     LEGS: (MODES,),

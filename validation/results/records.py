@@ -33,6 +33,7 @@ class CaseRecord(msgspec.Struct, frozen=True, kw_only=True):
     quantity: str = ""
     model: str = ""
     subject: str = "robot"
+    kind: str = "comparison"
     figure: str = ""
     unit: str = "1"
     value: Real | None = None
@@ -170,7 +171,7 @@ def case_record(outcome: Outcome) -> CaseRecord:
 
 
 _OF_CASE = (
-    *("id", "title", "quantity", "model", "subject", "figure", "unit", "reference_kind"),
+    *("id", "title", "quantity", "model", "subject", "kind", "figure", "unit", "reference_kind"),
     *("citation", "tolerance_reason"),
 )
 _OF_MEASUREMENT = (

@@ -1,0 +1,153 @@
+"""Verdicts on convergence: right series agree, and wrong ones do not."""
+
+import csv
+import io
+import json
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from lumped.robot_file import load_robot
+from validation.cli import main
+from validation.comparisons import convergence_cases
+from validation.comparisons.convergence_cases import cases, study_of, subjects
+from validation.comparisons.convergence_figure import element_convergence
+from validation.comparisons.convergence_study import fitted_orders
+from validation.comparisons.readings import FORMULATIONS
+from validation.context import Context, memo_key
+from validation.results.outcome import judge
+
+BIGLIDE = load_robot("ifw")
+
+
+@cache
+def leg1_study():
+    return study_of(Context(BIGLIDE), "leg1")
+
+
+def verdict_with(study, identifier):
+    """The verdict of a case on leg 1 whose study is this one."""
+    context = Context(BIGLIDE)
+    key = memo_key(convergence_cases._study, (BIGLIDE.mechanism, "leg1"), {})
+    context._memo[key] = study
+    case = next(case for case in cases(bodies=("leg1",)) if case.id == identifier)
+    return judge(case, case.compute(context), 0.0).verdict
+
+
+def with_series(study, model, change):
+    """The study with one of its series changed."""
+    series = tuple(change(one) if one is study.of(model) else one for one in study.series)
+    return replace(study, series=series)
+
+
+def test_subjects_are_distinct_legs_and_the_robot():
+    """Nine legs of the Delta are of two kinds."""
+    assert subjects(BIGLIDE.mechanism) == ("leg1", "leg2", "")
+    assert len(subjects(load_robot("delta").mechanism)) == 3
+
+
+@pytest.mark.parametrize("what", ["order", "20", "half-width"])
+@pytest.mark.parametrize("model", ["segments", "beam"])
+def test_leg_of_the_paper_agrees(model, what):
+    assert verdict_with(leg1_study(), f"leg1.converged[{model}-{what}]") == "agree"
+
+
+@pytest.mark.parametrize("what", ["order", "20"])
+def test_literal_layout_in_place_of_the_other_disagrees(what):
+    """Order 1.0 for 2.0, and 5.1 % at 20 elements."""
+    study = leg1_study()
+    literal = study.of("segments", "literal")
+    wrong = replace(literal, reading=FORMULATIONS[0], formal_order=2.0)
+    mixed = replace(study, series=(wrong, *study.series[1:]))
+    assert verdict_with(mixed, f"leg1.converged[segments-{what}]") == "disagree"
+
+
+def test_one_quantity_beyond_the_limit_disagrees():
+    """f4 alone, the last frequency, 1.1 % off at 40 elements."""
+
+    def change(series):
+        values = series.values.copy()
+        values[series.counts.index(40), 3] = 1.011 * series.limits[3]
+        return replace(series, values=values)
+
+    study = with_series(leg1_study(), "beam", change)
+    assert verdict_with(study, "leg1.converged[beam-20]") == "disagree"
+
+
+def test_limit_of_the_other_theory_disagrees():
+    """186.8 Hz (Euler–Bernoulli) for 181.8 Hz: errors no longer vanish."""
+
+    def change(series):
+        limits = series.limits * 1.027
+        errors = series.values / limits - 1.0
+        orders = fitted_orders(series.counts, errors, series.limit_half_widths)
+        return replace(series, limits=limits, orders=orders)
+
+    study = with_series(leg1_study(), "segments", change)
+    assert verdict_with(study, "leg1.converged[segments-20]") == "disagree"
+
+
+def test_half_widths_too_narrow_disagree():
+    """Values that seem to converge to another limit, 0.1 % beside the exact one."""
+
+    def change(series):
+        return replace(series, values=1.001 * series.values)
+
+    study = with_series(leg1_study(), "beam", change)
+    assert verdict_with(study, "leg1.converged[beam-half-width]") == "disagree"
+
+
+def test_figure_and_studies_show_every_subject():
+    context = Context(BIGLIDE)
+    figure = element_convergence(context)
+    rows = list(csv.DictReader(io.StringIO(figure.data)))
+    assert "leg1" in figure.caption
+    assert "+0.0089\N{NO-BREAK SPACE}% (2, 6, 19)" in figure.caption
+    # The robot's literal layout: the paper's statement holds at 20 elements and not before.
+    assert "+0.97\N{NO-BREAK SPACE}% (20, over 80, over 80)" in figure.caption
+    identifiers = {study["id"] for study in figure.studies}
+    assert identifiers == {
+        f"convergence.{body}.{quantity}"
+        for body in ("leg1", "leg2", "robot")
+        for quantity in ("f1", "f2", "f3", "f4", "x", "y", "z")
+    }
+    study = next(one for one in figure.studies if one["id"] == "convergence.leg1.f2")
+    values = study["series"]["rigid segments, half-length end springs"]
+    at = study["x"].index(20)
+    assert values[at] == pytest.approx(181.822, abs=6e-4)
+    assert study["series"]["rigid segments, the paper's literal layout"][0] is None
+    # The data of the figure are errors in percent over the element count.
+    column = next(name for name in rows[0] if "leg1: f1" in name and "half-length" in name)
+    by_count = {float(row["elements per leg"]): row[column] for row in rows}
+    assert float(by_count[20.0]) == pytest.approx(0.00886, rel=1e-3)
+
+
+def test_run_writes_convergence_verdicts(tmp_path, capsys):
+    code = main(
+        [
+            "run",
+            "five-bar",
+            "--preset",
+            "quick",
+            "--only",
+            "robot.converged*",
+            "--out",
+            str(tmp_path / "run"),
+        ]
+    )
+    capsys.readouterr()
+    document = json.loads((tmp_path / "run" / "results.json").read_text())
+    assert code == 0
+    assert {case["id"] for case in document["cases"]} == {
+        f"robot.converged[{model}-{what}]"
+        for model in ("segments", "beam")
+        for what in ("order", "20", "half-width")
+    }
+    for case in document["cases"]:
+        assert case["kind"] == "convergence"
+        assert case["verdict"] == "agree"
+    order = next(c for c in document["cases"] if c["id"] == "robot.converged[segments-order]")
+    assert order["value"] == pytest.approx(2.0, abs=0.05)
+    assert np.isfinite(order["numerical_uncertainty"])

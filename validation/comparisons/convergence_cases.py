@@ -1,0 +1,163 @@
+"""Cases and figure of the convergence with element count, of each leg and of the robot.
+
+The paper divides each leg into 20 elements and states an error below 1 %. Here that is a verdict of
+its own for each leg and for the robot, beside the order and the half-width of the refinement.
+"""
+
+import numpy as np
+
+from lumped.arrays import Array
+from lumped.errors import ComputationError, InputError
+from lumped.mechanism.mechanism import Mechanism
+from validation.adequacy.mechanism.path import distinct_legs
+from validation.case import Absolute, Elsewhere, Measurement, Relation, Skip
+from validation.case_group import CaseGroup
+from validation.comparisons.convergence_study import (
+    STATED_ELEMENTS,
+    STATED_ERROR,
+    ConvergenceSeries,
+    ConvergenceStudy,
+)
+from validation.comparisons.element_convergence import QUANTITIES
+from validation.comparisons.readings import RefinedModel
+from validation.comparisons.requested import convergence, leg_names
+from validation.context import Context
+from validation.exhibits import CONVERGENCE
+
+GROUP = "convergence"
+FIGURE = "robot.element-convergence"
+# Formulations that the suite itself uses; the paper's literal layout is shown beside them.
+JUDGED: tuple[RefinedModel, ...] = ("segments", "beam")
+# Accepted deviation of an observed order: errors of fourth order reach the range between coarse
+# counts and round-off over few counts only.
+ORDER_TOLERANCE = {"segments": 0.05, "beam": 0.1}
+# Element counts whose half-widths are judged: coarser ones are outside the asymptotic range.
+_FINE = 5
+
+
+def subjects(mechanism: Mechanism) -> tuple[str, ...]:
+    """Distinct legs by name, then "" for the whole robot; nothing for a robot without legs."""
+    names = leg_names(mechanism)
+    alike = distinct_legs(mechanism)
+    distinct = [name for name in names if name in alike or name in mechanism.parts]
+    return (*distinct, "") if names else ()
+
+
+def study_of(context: Context, body: str) -> ConvergenceStudy:
+    """The convergence study of a leg, or of the whole robot for "".
+
+    Raises Skip, with the reason, for a leg without a beam theory.
+    """
+    try:
+        return context.get(_study, context.robot_file.mechanism, body)
+    except (ComputationError, InputError) as error:
+        raise Skip(f"no beam theory of the legs: {error}") from error
+
+
+def _study(mechanism: Mechanism, body: str) -> ConvergenceStudy:
+    return convergence(mechanism, body=body or None)
+
+
+cases = CaseGroup(
+    over={
+        "body, subject_name, about": lambda bodies: [
+            (body, body or "robot", "leg" if body else "robot") for body in bodies
+        ],
+        "model": JUDGED,
+    },
+    section=CONVERGENCE,
+    group=GROUP,
+    kind="convergence",
+    reference_kind="closed-form",
+    subject=lambda about: about,
+    figure=FIGURE,
+    unit="1",
+    effort=0.4,
+)
+
+
+@cases.case(
+    "{subject_name}.converged[{model}-order]",
+    "{subject_name}: frequencies by {model} converge with their formal order",
+    quantity="observed order in 1/n of f1, and of f2 to f4",
+    label="{model}: order",
+    citation="formal order of the formulation; exact cantilever (Huang 1961) or limit of the beams",
+    tolerance=lambda model: Absolute(ORDER_TOLERANCE[model]),
+    tolerance_reason="three counts above round-off determine an order to a few hundredths",
+)
+def _order(context: Context, body: str, model: RefinedModel) -> Measurement:
+    series = study_of(context, body).of(model)
+    frequencies = [k for k, name in enumerate(QUANTITIES) if name not in "xyz"]
+    shown = [k for k in frequencies if not np.isnan(series.orders[k])]
+    if not shown:
+        behaviours = ", ".join(f"{QUANTITIES[k]} {series.behaviour(k)}" for k in frequencies)
+        raise Skip(f"no frequency shows an order: {behaviours}")
+    first, *others = shown
+    return Measurement(
+        float(series.orders[first]),
+        series.formal_order,
+        value_uncertainty=_order_uncertainty(series, first),
+        notes=(f"the value is that of {QUANTITIES[first]}",),
+        elsewhere=tuple(
+            Elsewhere(
+                QUANTITIES[k],
+                float(series.orders[k]),
+                series.formal_order,
+                _order_uncertainty(series, k),
+            )
+            for k in others
+        ),
+    )
+
+
+def _order_uncertainty(series: ConvergenceSeries, column: int) -> float:
+    """Change of the order between the two finest steps that show one."""
+    shown = series.pairwise_orders(column)
+    shown = shown[~np.isnan(shown)]
+    return float(abs(shown[-1] - shown[-2])) if len(shown) > 1 else float("inf")
+
+
+@cases.case(
+    "{subject_name}.converged[{model}-20]",
+    "{subject_name}: the error of {model} with 20 elements or more is at most 1 %",
+    quantity="largest relative error of f1 with 20 elements or more, and of f2 to f4, x, y, z",
+    label="{model}: error at 20",
+    citation="Briot, Pashkevich and Chablat: 20 elements per leg, less than 1 %",
+    relation=Relation.AT_MOST,
+    tolerance=Absolute(1e-4),
+    tolerance_reason="1 % is meant to a hundredth of itself",
+)
+def _stated_error(context: Context, body: str, model: RefinedModel) -> Measurement:
+    series = study_of(context, body).of(model)
+    errors = series.largest_errors[series.counts.index(STATED_ELEMENTS)]
+    return _each_quantity(errors, STATED_ERROR, series.limit_half_widths)
+
+
+@cases.case(
+    "{subject_name}.converged[{model}-half-width]",
+    "{subject_name}: the half-widths of {model} contain the limit",
+    quantity="largest error over half-width of f1 from 5 elements on, and of f2 to f4, x, y, z",
+    label="{model}: error over half-width",
+    citation="exact cantilever (Huang 1961) or limit of the beam elements",
+    relation=Relation.AT_MOST,
+    tolerance=Absolute(1e-9),
+    tolerance_reason="a half-width includes round-off and the uncertainty of the limit",
+)
+def _half_width(context: Context, body: str, model: RefinedModel) -> Measurement:
+    series = study_of(context, body).of(model)
+    fine = [place for place, count in enumerate(series.counts) if count >= _FINE]
+    shares = np.abs(series.errors[fine]) / series.half_widths[fine]
+    return _each_quantity(shares.max(axis=0), 1.0, None)
+
+
+def _each_quantity(values: Array, bound: float, uncertainties: Array | None) -> Measurement:
+    """The first quantity as the measurement, the others judged beside it."""
+    known = [None] * len(values) if uncertainties is None else uncertainties.tolist()
+    others = zip(QUANTITIES[1:], values[1:], known[1:], strict=True)
+    return Measurement(
+        float(values[0]),
+        bound,
+        value_uncertainty=known[0],
+        exact=uncertainties is None,
+        elsewhere=tuple(Elsewhere(name, float(value), bound, own) for name, value, own in others),
+    )
