@@ -26,7 +26,7 @@ from validation.comparisons.convergence_study import ConvergenceStudy
 from validation.comparisons.readings import RefinedModel
 from validation.comparisons.requested import convergence
 from validation.context import Context, Preset
-from validation.drawing.text import percent
+from validation.drawing.text import error_with_spread, percent
 from validation.models.options import ModelName
 from validation.report.table import pose_text, table_of
 from validation.report.words import force_text, sentence
@@ -141,12 +141,10 @@ class Adequacy:
     def told(self, entry: Entry) -> str:
         """An entry in one line."""
         said = [f"{entry.model}, {entry.quantity}: {entry.verdict}"]
-        if entry.error is not None and entry.uncertainty is not None:
-            spread = percent(entry.uncertainty, signed=False)
+        if entry.error is not None:
             said.append(
-                f"error {percent(entry.error, signed=entry.signed)} ± {spread} at "
-                f"{pose_text(self.matrix, entry.pose)}, accepted "
-                f"{percent(entry.limit, signed=False)}"
+                f"error {error_with_spread(entry)} at {pose_text(self.matrix, entry.pose)}, "
+                f"accepted {percent(entry.limit, signed=False)}"
             )
         if entry.along is not None:
             worst = f" of a force along {force_text(entry)}" if entry.force else ""

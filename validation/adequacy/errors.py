@@ -71,11 +71,23 @@ class Errors:
         return np.isnan(self.error)
 
     @property
-    def interval(self) -> tuple[Array, Array]:
-        """Lowest and highest error (p each) that alternatives and uncertainties leave open.
+    def spread(self) -> Array:
+        """Half-width of each error (a×p) that meshes, digits and the rest leave open."""
+        spread = self.numerical + self.digits
+        return spread if self.loaded is None else spread + self.loaded.masses + self.loaded.linear
 
-        Of the order that of the alternative by which it misleads most: between a mode in its place
-        and one in another there is nothing.
+    @property
+    def bounds(self) -> tuple[Array, Array]:
+        """Each error less and plus its half-width (a×p each)."""
+        return self.error - self.spread, self.error + self.spread
+
+    @property
+    def interval(self) -> tuple[Array, Array]:
+        """Lowest and highest error (p each) of all alternatives with their half-widths.
+
+        The error of a whole displacement is never below zero. Of the order the interval is that of
+        the alternative by which it misleads most: between a mode in its place and one in another
+        there is nothing.
         """
         low, high = self.bounds
         if self.numbers is not None:
@@ -85,18 +97,17 @@ class Errors:
         return (low if self.loaded is None else np.maximum(low, 0.0)), high
 
     @property
-    def bounds(self) -> tuple[Array, Array]:
-        """Lowest and highest error (a×p each) that meshes, digits and the rest leave open."""
-        spread = self.numerical + self.digits
-        if self.loaded is not None:
-            spread = spread + self.loaded.masses + self.loaded.linear
-        return self.error - spread, self.error + spread
+    def bound(self) -> Array:
+        """The largest size (p) of the errors that are left open; NaN if one is missing."""
+        low, high = self.interval
+        bound = np.maximum(np.abs(low), np.abs(high))
+        return np.where(self.missing.any(axis=0), np.nan, bound)
 
     @property
-    def middle(self) -> Array:
-        """The error (p) in the middle of what is left open."""
-        low, high = self.interval
-        return np.asarray(0.5 * (low + high))
+    def worst(self) -> Array:
+        """The largest error (p) by size of all alternatives; NaN if one of them has none."""
+        worst = self.error[self.largest, np.arange(self.error.shape[1])]
+        return np.where(self.missing.any(axis=0), np.nan, worst)
 
     @property
     def largest(self) -> IntArray:

@@ -7,6 +7,7 @@ knows the reference; what the ladder does not reach is the rest, and is shown as
 import re
 from collections.abc import Sequence
 from itertools import compress
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +20,7 @@ from lumped.acceptance.requirement import (
     Requirement,
     is_static,
 )
-from lumped.arrays import Array
+from lumped.arrays import Array, IntArray
 from validation.adequacy.errors import Errors, Scale
 from validation.adequacy.matrix import Adequacy, Cause, Entry, Matrix, ModelNote, worst_of
 from validation.adequacy.probability import Probability, UncertainInputs, probability
@@ -46,7 +47,11 @@ _DECIDED_BY = {
 # Causes below this share of an error are not named, steps below this part of a limit not taken.
 _WORTH_NAMING, _WORTH_TAKING = 0.005, 0.1
 _NEARLY = 0.5
+# Relative difference up to which errors of two poses are one, far above rounding.
+_SAME = 1e-9
 _OPTION = re.compile(r"--\w+")
+# The alternative of the reference and the pose, by number, of which an entry has its numbers.
+Told: TypeAlias = tuple[int, int]
 
 
 def judged(subject: Subject, requirement: Requirement) -> Matrix:
@@ -55,8 +60,8 @@ def judged(subject: Subject, requirement: Requirement) -> Matrix:
     Its parts are judged with it, what beams get wrong of one alone is noted. Where inputs of the
     robot are uncertain, a verdict that they leave less than 95 % probable is none.
     """
-    inputs = UncertainInputs(subject.inputs, requirement.modes) if subject.inputs else None
     scale = Scale(subject, requirement.modes)
+    inputs = UncertainInputs(scale, subject.inputs) if subject.inputs else None
     named = {*subject.loads, *subject.responses}
     quantities = tuple(
         one
@@ -97,24 +102,33 @@ def _entry(
         return _unknown(scale, candidate, quantity, requirement.limit(quantity))
     limits = _limits(errors, quantity, requirement)
     verdicts = verdicts_of(errors, limits)
-    low, high = errors.interval
-    middle, half = 0.5 * (low + high), 0.5 * (high - low)
     verdict = worst_of(verdicts)
-    pose = _deciding(verdicts, verdict, middle / limits)
+    pose = _deciding(verdicts, verdict, errors.bound / limits)
     limit = float(limits[pose])
-    missing = bool(errors.missing[:, pose].any())
-    told, alongs = _told(errors, quantity, pose), _alongs(errors, quantity)
-    causes = explained(scale, candidate, quantity, errors, pose) if verdict != "adequate" else ()
+    path = np.arange(len(limits))
+    chosen = _chosen(errors, pose)
+    told = int(chosen[pose]), pose
+    missing = np.asarray(errors.missing.any(axis=0))
+    error, spread, low, high = (
+        _optional(np.where(missing, np.nan, one))
+        for one in (errors.error[chosen, path], errors.spread[chosen, path], *errors.interval)
+    )
+    alongs = _alongs(errors, chosen)
+    causes = explained(scale, candidate, quantity, errors, told) if verdict != "adequate" else ()
     remedy, left = "", None
     if verdict == "inadequate":
         remedy, left = remedied(scale, candidate, quantity, errors, limit, pose)
     off = inputs.error(candidate.model, quantity, errors) if inputs else None
     known = probability(off, verdict, limits, pose) if off else None
+    there = not missing[pose]
     return Entry(
         model=candidate.model,
         quantity=quantity,
-        error=None if missing else float(middle[pose]),
-        uncertainty=None if missing else float(half[pose]),
+        error=error[pose],
+        uncertainty=spread[pose],
+        low=low[pose],
+        high=high[pose],
+        readings=_readings(errors, pose),
         limit=limit,
         verdict=known.settled(verdict) if known else verdict,
         pose=_pose(scale.subject, pose),
@@ -123,14 +137,17 @@ def _entry(
         remedy=remedy,
         error_with_remedy=left,
         reason=(known.decides if known else "")
-        or _reason(errors, candidate, quantity, verdict, reference, pose),
-        value=None if missing else float(np.mean(errors.value[told, pose])),
-        expected=None if missing else _expected(errors.expected[told, pose]),
+        or _reason(errors, candidate, quantity, verdict, reference, told),
+        value=float(errors.value[told]) if there else None,
+        expected=float(errors.expected[told]) if there else None,
+        expected_range=_expected_range(errors, pose) if there else (),
         along=alongs[pose] if alongs else None,
-        force=_force(errors, quantity, told, pose),
-        uncertainties={} if missing else _parts(errors, reference, pose) | _of_inputs(known),
-        errors=_optional(middle),
-        spreads=_optional(half),
+        force=_force(errors, quantity, told),
+        uncertainties=_parts(errors, reference, told) | _of_inputs(known) if there else {},
+        errors=error,
+        spreads=spread,
+        lows=low,
+        highs=high,
         # Of another force, or another mode, at every pose numbers make no series.
         values=() if quantity in (ANY_FORCE, ORDER) else _optional(errors.value[0]),
         alongs=alongs,
@@ -216,11 +233,15 @@ def _verdict(
     return "inadequate" if low > limit or high < -limit else "undecided"
 
 
-def _deciding(verdicts: Sequence[Adequacy], verdict: Adequacy, middle: Array) -> int:
-    """The pose of the largest error among those that have the verdict of the whole."""
+def _deciding(verdicts: Sequence[Adequacy], verdict: Adequacy, shares: Array) -> int:
+    """The pose with the verdict of the whole in which most of its limit is left open.
+
+    Poses that are alike up to rounding, as in a symmetric robot, leave it to the first of them.
+    """
     alike = np.array([one == verdict for one in verdicts])
-    size = np.where(np.isnan(middle), -0.5, np.abs(middle))
-    return int(np.argmax(np.where(alike, size, -1.0)))
+    size = np.where(np.isnan(shares), -0.5, np.abs(shares))
+    size = np.where(alike, size, -1.0)
+    return int(np.argmax(size >= size.max() - _SAME * abs(size.max())))
 
 
 def _reason(
@@ -229,10 +250,11 @@ def _reason(
     quantity: str,
     verdict: Adequacy,
     reference: Reference,
-    pose: int,
+    told: Told,
 ) -> str:
     if verdict == "adequate":
         return ""
+    pose = told[1]
     unknown, of_response = errors.unknown[:, pose], quantity.startswith(RESPONSE)
     if errors.missing[:, pose].all() and not unknown.any():
         lacking = "has no mode of this shape: MAC below 0.5 with each of its modes"
@@ -251,7 +273,7 @@ def _reason(
         places.append(f"with {', '.join(without)} {lacking}")
     if places or errors.missing[:, pose].any():
         return "; ".join(filter(None, (*places, reference.decides or reference.finer)))
-    parts = _parts(errors, reference, pose)
+    parts = _parts(errors, reference, told)
     decided = {"meshes": reference.finer, **_DECIDED_BY, reference.open: reference.decides}
     decided[OPEN_MASSES] = reference.masses or reference.decides
     widest = max(parts.values())
@@ -279,46 +301,61 @@ def _places(errors: Errors, reference: Reference, pose: int) -> list[str]:
     return [*told, "otherwise every mode is in its place"] if "" in said else told
 
 
-def _told(errors: Errors, quantity: str, pose: int) -> slice:
-    """The alternatives whose numbers are told: all; of any force, of the order the worst one."""
-    if quantity not in (ANY_FORCE, ORDER) or errors.missing[:, pose].all():
-        return slice(None)
-    worst = int(errors.largest[pose])
-    return slice(worst, worst + 1)
+def _chosen(errors: Errors, pose: int) -> IntArray:
+    """The alternative (p) whose numbers an entry has: at `pose` the one of the largest error.
+
+    The others follow it, so that a curve over the poses is of one alternative. The order, which
+    jumps anyway, has the largest at every pose.
+    """
+    largest = errors.largest
+    return largest if errors.numbers is not None else np.full_like(largest, largest[pose])
 
 
-def _expected(expected: Array) -> float:
-    """The reference's number that the mean of the errors belongs to; 0 where it is rigid."""
-    return float(1.0 / np.mean(1.0 / expected)) if expected.all() else 0.0
+def _readings(errors: Errors, pose: int) -> dict[str, float]:
+    """The error by each alternative at a pose; {} if there is one alternative or an error lacks.
+
+    Alternatives that compare modes of different numbers are no readings of one error.
+    """
+    if len(errors.names) == 1 or errors.numbers is not None or errors.missing[:, pose].any():
+        return {}
+    return dict(zip(errors.names, errors.error[:, pose].tolist(), strict=True))
 
 
-def _alongs(errors: Errors, quantity: str) -> tuple[float | None, ...]:
+def _expected_range(errors: Errors, pose: int) -> tuple[float, float]:
+    """Lowest and highest number of the reference that alternatives and uncertainties leave open."""
+    expected, spread = errors.expected[:, pose], errors.spread[:, pose]
+    # Half-widths of an error are those of the reference times this.
+    reach = np.ones_like(expected)
+    reach = np.abs(np.divide(errors.value[:, pose], expected, out=reach, where=expected != 0.0))
+    half = np.divide(spread, reach, out=spread.copy(), where=reach > 0.0)
+    return float(np.min(expected * (1.0 - half))), float(np.max(expected * (1.0 + half)))
+
+
+def _alongs(errors: Errors, chosen: IntArray) -> tuple[float | None, ...]:
     """Signed errors along the load at every pose; () for frequencies."""
     if errors.loaded is None:
         return ()
-    along = errors.loaded.along
-    told = [np.mean(along[_told(errors, quantity, p), p]) for p in range(along.shape[1])]
-    return _optional(np.where(errors.missing.any(axis=0), np.nan, told))
+    along = errors.loaded.along[chosen, np.arange(len(chosen))]
+    return _optional(np.where(errors.missing.any(axis=0), np.nan, along))
 
 
-def _force(errors: Errors, quantity: str, told: slice, pose: int) -> tuple[float, ...]:
+def _force(errors: Errors, quantity: str, told: Told) -> tuple[float, ...]:
     """The worst direction of force; () of any other quantity."""
     if errors.loaded is None or quantity != ANY_FORCE:
         return ()
-    return tuple(float(number) for number in errors.loaded.load[told, pose][0, :3])
+    return tuple(float(number) for number in errors.loaded.load[told][:3])
 
 
-def _parts(errors: Errors, reference: Reference, pose: int) -> dict[str, float]:
-    error = errors.error[:, pose]
-    told = slice(None) if errors.numbers is None else errors.largest[pose]
-    parts = {"meshes": float(np.max(errors.numerical[told, pose]))}
+def _parts(errors: Errors, reference: Reference, told: Told) -> dict[str, float]:
+    """Parts of the half-width, and half of what lies between the alternatives."""
+    parts = {"meshes": float(errors.numerical[told])}
     if (errors.digits > 0.0).any():
-        parts[DIGITS] = float(np.max(errors.digits[told, pose]))
+        parts[DIGITS] = float(errors.digits[told])
     if errors.loaded is not None:
         loaded = {OPEN_MASSES: errors.loaded.masses, OPEN_LINEAR: errors.loaded.linear}
-        parts |= {name: float(np.max(of[:, pose])) for name, of in loaded.items() if of.any()}
+        parts |= {name: float(of[told]) for name, of in loaded.items() if of.any()}
     if reference.open and errors.numbers is None:
-        parts[reference.open] = float(0.5 * (np.max(error) - np.min(error)))
+        parts[reference.open] = float(0.5 * np.ptp(errors.error[:, told[1]]))
     return parts
 
 
@@ -331,17 +368,16 @@ def _optional(numbers: Array) -> tuple[float | None, ...]:
 
 
 def explained(
-    scale: Scale, candidate: Candidate, quantity: str, errors: Errors, pose: int
+    scale: Scale, candidate: Candidate, quantity: str, errors: Errors, told: Told
 ) -> tuple[Cause, ...]:
-    """Causes of the error at a pose (its index), the largest first; shares sum to one.
+    """Causes of the error `told`, the largest first; shares sum to one.
 
-    Where the reference has alternatives, error and amounts are means over them. The error of a
-    deflection is the length of a vector; a step takes off it what it does along that vector, under
-    the load that the error is of.
+    The error of a deflection is the length of a vector; a step takes off it what it does along that
+    vector, under the load that the error is of.
     """
-    if errors.missing[:, pose].any():
+    if errors.missing[:, told[1]].any():
         return ()
-    total = float(np.mean(errors.error[:, pose]))
+    total = float(errors.error[told])
     if total == 0.0:
         return ()
     amounts: dict[str, float] = {}
@@ -349,7 +385,7 @@ def explained(
     before = [candidate.response] * len(errors.names)
     for step in steps_of(candidate, quantity):
         after = [step.responses[name] for name in errors.names]
-        amount = _amount(scale, quantity, errors, before, after, pose)
+        amount = _amount(scale, quantity, errors, before, after, told)
         if amount is None:
             if unsolved := next(filter(None, (one.unsolved(quantity) for one in after)), ""):
                 sources[REST] += f"; {step.cause} cannot be computed: {unsolved}"
@@ -369,23 +405,22 @@ def _amount(
     errors: Errors,
     before: Sequence[Response],
     after: Sequence[Response],
-    pose: int,
+    told: Told,
 ) -> float | None:
     """What the step from `before` to `after` takes off an error; None where it has no answer."""
+    k, pose = told
     if errors.loaded is None:
         first, second = scale.errors(before, quantity), scale.errors(after, quantity)
         if first is None or second is None or second.missing[:, pose].any():
             return None
-        return float(np.mean(first.error[:, pose] - second.error[:, pose]))
-    loaded, amounts = errors.loaded, []
-    for k, (one, other) in enumerate(zip(before, after, strict=True)):
-        if one.compliance is None or other.compliance is None:
-            return None
-        change = one.compliance[pose] - other.compliance[pose]
-        step = displacement(change, loaded.load[k, pose], quantity)
-        off, size = loaded.off[k, pose], float(errors.error[k, pose])
-        amounts.append(float(step @ off) / (loaded.length[k, pose] * size) if size > 0.0 else 0.0)
-    return float(np.mean(amounts))
+        return float(first.error[told] - second.error[told])
+    loaded, one, other = errors.loaded, before[k].compliance, after[k].compliance
+    if one is None or other is None:
+        return None
+    step = displacement(one[pose] - other[pose], loaded.load[k, pose], quantity)
+    size = float(errors.error[k, pose])
+    amount = step @ loaded.off[k, pose]
+    return float(amount / (loaded.length[k, pose] * size)) if size > 0.0 else 0.0
 
 
 def remedied(
@@ -394,28 +429,27 @@ def remedied(
     """The shortest way up the ladder that brings the error within its limit, with what it leaves.
 
     Where all leave it inadequate, the model that answers as the reference; without one the way that
-    comes nearest to the limit. What is left is the largest over all poses, in the middle of what is
-    left open. Only those steps are named that change anything worth the name. ("", None) where
-    none helps.
+    comes nearest to the limit. What is left is the largest error over all poses and alternatives.
+    Only those steps are named that change anything worth the name. ("", None) where none helps.
     """
     tried: list[tuple[float, float, str, bool]] = []
     remedies: dict[str, str] = {}
-    start = before = float(errors.middle[pose])
+    start = before = float(errors.worst[pose])
     for step in steps_of(candidate, quantity):
         after = scale.errors([step.responses[name] for name in errors.names], quantity)
         if after is None:
             break
-        middle = after.middle
-        if step.remedy and not abs(middle[pose] - before) < _WORTH_TAKING * limit:
+        errors_after = after.worst
+        if step.remedy and not abs(errors_after[pose] - before) < _WORTH_TAKING * limit:
             # Another model takes the place of what was before, an option that of its other value.
             remedies = {} if step.remedy.startswith(USE) else remedies
             remedies[(_OPTION.findall(step.remedy) or [step.remedy])[0]] = step.remedy
-        if step.remedy and remedies and np.isfinite(middle).all():
-            worst = float(middle[np.argmax(np.abs(middle))])
-            beyond = "inadequate" in verdicts_of(after, np.full(len(middle), limit))
+        if step.remedy and remedies and np.isfinite(errors_after).all():
+            worst = float(errors_after[np.argmax(np.abs(errors_after))])
+            beyond = "inadequate" in verdicts_of(after, np.full(len(errors_after), limit))
             tried.append((abs(worst), worst, ", ".join(remedies.values()), beyond))
         # A step without a remedy of its own is taken together with the next one.
-        before = float(middle[pose]) if step.remedy else before
+        before = float(errors_after[pose]) if step.remedy else before
     enough = [one for one in tried if one[0] <= limit]
     model = scale.reference(quantity).remedy
     if model and not enough and all(beyond for *_, beyond in tried):

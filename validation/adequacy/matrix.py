@@ -49,13 +49,18 @@ class Entry:
 
     `error` is total and relative at `pose`, the one that decides: of frequencies
     (model − reference)/reference, of deflections |u − u*|/|u*| of the whole displacement, never
-    negative. None where the model does not have the quantity at all or nothing is known. `error` ±
-    `uncertainty` holds what the reference leaves open: `uncertainties` are its parts by name, from
-    meshes and from what the user did not say. `value` and `expected` are the model's and the
-    reference's numbers there (Hz, of "order", too; of deflections along their load, m/N or
-    rad/(N m)), `along` the signed error that they show, `force` (x, y, z) the worst direction of
-    any force. `errors` and `spreads` are error and uncertainty at every pose, `values` the model's
-    numbers there, `alongs` the signed errors along the load. `reason` says why a verdict is
+    negative. None where the model does not have the quantity at all or nothing is known. It is
+    against one reading of the reference: where the robot file leaves something open, against the
+    one from which the model is farthest. `uncertainty` is the half-width of that error. From `low`
+    to `high` is every error that the readings with their half-widths leave open, by which the
+    verdict is given; that of a deflection ends at zero. `readings` are the errors by the names of
+    the readings, where there are several. `uncertainties` are parts by name: those of the
+    half-width, and half of what lies between the readings. `value` and `expected` are the model's
+    and the reference's numbers there (Hz, of "order", too; of deflections along their load, m/N or
+    rad/(N m)), `expected_range` (lowest, highest) what is left open of the latter, `along` the
+    signed error that they show, `force` (x, y, z) the worst direction of any force. `errors`,
+    `spreads`, `lows` and `highs` are error, uncertainty, low and high at every pose, `values` the
+    model's numbers there, `alongs` the signed errors along the load. `reason` says why a verdict is
     not "adequate" where no number does, and what would decide where it is undecided. `measured`:
     the reference is a measured value, of which `unit` is that of `value` and `expected`, `mac` how
     like the modes are of which it is the frequency. Where inputs are uncertain: `probability` (0 to
@@ -73,15 +78,21 @@ class Entry:
     verdict: Adequacy
     pose: tuple[float, ...]
     reference: str
+    low: float | None = None
+    high: float | None = None
+    readings: Mapping[str, float] = field(default_factory=dict)
     causes: tuple[Cause, ...] = ()
     remedy: str = ""
     error_with_remedy: float | None = None
     reason: str = ""
     value: float | None = None
     expected: float | None = None
+    expected_range: tuple[float, ...] = ()
     uncertainties: Mapping[str, float] = field(default_factory=dict)
     errors: tuple[float | None, ...] = ()
     spreads: tuple[float | None, ...] = ()
+    lows: tuple[float | None, ...] = ()
+    highs: tuple[float | None, ...] = ()
     values: tuple[float | None, ...] = ()
     along: float | None = None
     alongs: tuple[float | None, ...] = ()

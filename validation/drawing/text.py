@@ -2,11 +2,11 @@
 
 import re
 from base64 import b64encode
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
 from inspect import unwrap
 from math import isfinite
-from typing import Any
+from typing import Any, Protocol
 
 from markupsafe import escape
 
@@ -17,6 +17,9 @@ _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _MINUS = "−"
 # Ratios below this are rounding: their digits say nothing.
 _ROUNDING = 1e-8
+# Half-widths below this share of the reference are not shown.
+_WORTH_SHOWING = 5e-4
+_PERCENT = "\u00a0%"
 
 
 def number(value: Any, digits: int = 5) -> str:
@@ -50,6 +53,99 @@ def percent(fraction: float, *, signed: bool = True) -> str:
         return "0\u00a0%" if not fraction else f"<\u00a0{number(100.0 * _ROUNDING)}\u00a0%"
     sign = "+" if signed and fraction > 0.0 else ""
     return f"{sign}{number(100.0 * fraction, 2)}\u00a0%"
+
+
+def error_text(error: float, *, signed: bool = True) -> str:
+    """An error in percent, two digits, none behind hundredths; "0 %" below these."""
+    return percent(round(error, 4), signed=signed)
+
+
+def spread_text(uncertainty: float | None) -> str:
+    """A half-width of an error: "± 0.3 %"; "" if it is too small to be shown."""
+    if uncertainty is None or uncertainty < _WORTH_SHOWING:
+        return ""
+    return f"±\u00a0{error_text(uncertainty, signed=False)}"
+
+
+class StatedError(Protocol):
+    """An error with its half-width, the interval that is left open, and its readings by name."""
+
+    @property
+    def error(self) -> float | None:
+        """The error against the reading from which it is farthest."""
+
+    @property
+    def uncertainty(self) -> float | None:
+        """Half-width of that error."""
+
+    @property
+    def low(self) -> float | None:
+        """The lowest error of all readings with their half-widths."""
+
+    @property
+    def high(self) -> float | None:
+        """The largest one."""
+
+    @property
+    def readings(self) -> Mapping[str, float]:
+        """Errors by the names of the readings; empty if there is one."""
+
+    @property
+    def signed(self) -> bool:
+        """Whether the error has a sign."""
+
+
+class ErrorText(Protocol):
+    """An error in percent, with its sign if it is `signed`."""
+
+    def __call__(self, error: float, *, signed: bool = True) -> str:
+        """The text."""
+
+
+def error_parts(
+    stated: StatedError, *, named: bool = True, written: ErrorText = error_text
+) -> tuple[str, str]:
+    """An error and the half-width beside it as text; ("", "") without an error.
+
+    Readings that lie farther apart than their half-width are shown as such, the lowest and the
+    highest, with their names if `named`. Of any other interval that contains zero the largest size
+    is the bound of the error: "below 4.4 %". What is left is an error with its half-width.
+    """
+    error, half, low, high = stated.error, stated.uncertainty or 0.0, stated.low, stated.high
+    if error is None:
+        return "", ""
+    apart = _apart(stated, written, named=named)
+    far = apart and max(stated.readings.values()) - min(stated.readings.values()) > half
+    contains_zero = low is not None and high is not None and low <= 0.0 <= high
+    if contains_zero and not far and bound(stated) - abs(error) >= _WORTH_SHOWING:
+        return f"below\u00a0{written(bound(stated), signed=False)}", ""
+    spread = f"±\u00a0{written(half, signed=False)}" if half >= _WORTH_SHOWING else ""
+    return apart or written(error, signed=stated.signed), spread
+
+
+def error_with_spread(stated: StatedError, written: ErrorText = error_text) -> str:
+    """An error in one text: "+1.2 % ± 0.3 %", "below 4.4 %"; readings with their names."""
+    return " ".join(filter(None, error_parts(stated, written=written)))
+
+
+def bound(stated: StatedError) -> float:
+    """The largest size of an error that is left open."""
+    ends = (stated.error, stated.low, stated.high)
+    return max(abs(end) for end in ends if end is not None)
+
+
+def _apart(stated: StatedError, written: ErrorText, *, named: bool) -> str:
+    """The lowest and the highest reading; "" if there is one, or both read alike."""
+    ranked = sorted(stated.readings.items(), key=lambda reading: reading[1])
+    if len(ranked) < 2:
+        return ""
+    (first, low), (last, high) = ranked[0], ranked[-1]
+    texts = [written(one, signed=stated.signed) for one in (low, high)]
+    if texts[0] == texts[1] or high - low < _WORTH_SHOWING:
+        return ""
+    if named:
+        return f"{texts[0]} with {first}, {texts[1]} with {last}"
+    return f"{texts[0].removesuffix(_PERCENT)} to {texts[1]}"
 
 
 def share_text(share: float) -> str:

@@ -210,6 +210,8 @@ def _entry(
         quantity=quantity,
         error=compared.error,
         uncertainty=compared.uncertainty,
+        low=compared.error - compared.uncertainty,
+        high=compared.error + compared.uncertainty,
         limit=limit,
         verdict=verdict,
         pose=worst.pose,
@@ -220,6 +222,8 @@ def _entry(
         uncertainties=compared.uncertainties,
         errors=tuple(own.error if own else None for own in at),
         spreads=tuple(own.uncertainty if own else None for own in at),
+        lows=tuple(own.error - own.uncertainty if own else None for own in at),
+        highs=tuple(own.error + own.uncertainty if own else None for own in at),
         values=tuple(own.value if own else None for own in at),
         measured=True,
         unit=worst.unit,
@@ -237,4 +241,5 @@ def _entry(
         return entry
     # Modes that are not alike say nothing of each other, nor do signs that are not.
     entry = replace(entry, error=None, uncertainty=None, value=None, uncertainties={})
-    return replace(entry, verdict="undecided", reason=reason, errors=(), spreads=(), values=())
+    entry = replace(entry, low=None, high=None, errors=(), spreads=(), lows=(), highs=(), values=())
+    return replace(entry, verdict="undecided", reason=reason)

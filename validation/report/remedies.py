@@ -5,10 +5,9 @@ from dataclasses import dataclass
 from functools import partial
 
 from validation.adequacy.matrix import Entry, Matrix
-from validation.drawing.text import percent
+from validation.drawing.text import error_text, percent
 from validation.report.words import (
     capital,
-    error_text,
     listed,
     model_name,
     quantities_text,

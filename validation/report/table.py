@@ -17,14 +17,20 @@ from lumped.acceptance.requirement import (
 )
 from validation.adequacy.matrix import Adequacy, Entry, Matrix, ModelNote
 from validation.drawing.style import csv_of
-from validation.drawing.text import anchor, number, percent
+from validation.drawing.text import (
+    anchor,
+    error_parts,
+    error_text,
+    error_with_spread,
+    number,
+    percent,
+    spread_text,
+)
 from validation.report.words import (
     capital,
-    error_text,
     force_text,
     heading,
     model_name,
-    spread_text,
 )
 
 # A word, and what is to be said under it.
@@ -111,7 +117,7 @@ def table_of(matrix: Matrix, named: Collection[str] = ()) -> Table:
 
 
 def _cell(matrix: Matrix, note: ModelNote, entry: Entry) -> Cell:
-    open_, text = spread_text(entry.uncertainty), _text(entry)
+    text, open_ = _text(entry)
     # Where readings of the robot file disagree on the order, one of them says so much.
     if entry.quantity == ORDER and entry.verdict == "undecided" and entry.error is not None:
         open_ = "at most"
@@ -129,7 +135,7 @@ def _cell(matrix: Matrix, note: ModelNote, entry: Entry) -> Cell:
         mark=MARKS[entry.verdict],
         hint=_hint(matrix, entry),
         anchor=anchor(f"{matrix.robot}.{entry.model}.{entry.quantity}{kind}"),
-        title=f"{capital(model_name(entry.model))}, {meaning}: {text}",
+        title=f"{capital(model_name(entry.model))}, {meaning}: {error_with_spread(entry) or text}",
         sheet=sheet,
     )
 
@@ -168,8 +174,11 @@ def _own(matrix: Matrix, quantity: str) -> tuple[str, str]:
         own = max(found, default=own)
         unit, scale = ("µrad", 1e6 * MOMENT) if quantity in ROTATIONS else ("µm", 1e6 * FORCE)
         scale = 1e6 if quantity.startswith(LOAD) else scale
-    # Errors and what is left open of them are relative to the reference.
-    spread = (best.uncertainty or 0.0) / (1.0 + abs(best.error or 0.0))
+    spread = 0.0
+    if best.expected and len(best.expected_range) == 2:
+        # What is left open of the number where the model is worst, relative, is so of all.
+        low, high = (end / best.expected for end in best.expected_range)
+        own, spread = 0.5 * (low + high) * own, (high - low) / (low + high)
     return f"{number(scale * own, 3)}\u00a0{unit}", spread_text(spread)
 
 
@@ -182,23 +191,30 @@ def csv_of_matrix(matrix: Matrix) -> str:
     named = {
         _HEADINGS.get(name, name.replace("_", " ")): [getattr(one, name) for one in matrix.entries]
         for name in (
-            *("model", "quantity", "verdict", "error", "uncertainty", "limit", "along", "value"),
+            *("model", "quantity", "verdict", "error", "uncertainty", "low", "high"),
+            *("limit", "along", "value"),
             *("expected", "reference", "mac", "remedy", "error_with_remedy", "reason"),
             "probability",
         )
     }
     forces = [" ".join(f"{one:.6g}" for one in entry.force) for entry in matrix.entries]
+    readings = [
+        "; ".join(f"{name} {error:.6g}" for name, error in entry.readings.items())
+        for entry in matrix.entries
+    ]
     causes = [
         "; ".join(f"{cause.cause} {cause.share:.3g}" for cause in entry.causes)
         for entry in matrix.entries
     ]
-    return csv_of({**named, "worst force": forces, **poses, "causes": causes})
+    further = {"readings": readings, "causes": causes}
+    return csv_of({**named, "worst force": forces, **poses, **further})
 
 
-def _text(entry: Entry) -> str:
+def _text(entry: Entry) -> tuple[str, str]:
+    """The error and its half-width; without an error what there is instead."""
     if entry.error is not None:
-        return error_text(entry.error, signed=entry.signed)
-    return "none" if entry.verdict == "inadequate" else "open"
+        return error_parts(entry, named=False)
+    return "none" if entry.verdict == "inadequate" else "open", ""
 
 
 def _hint(matrix: Matrix, entry: Entry) -> str:
@@ -246,6 +262,11 @@ def _numbers(matrix: Matrix, entry: Entry) -> list[Line]:
         accepted = f"{'± ' * entry.signed}{percent(entry.limit, signed=False)}"
         error = error_text(entry.error, signed=entry.signed)
         lines.append(("Error", f"{error}{whole}, accepted {accepted}"))
+        if len(entry.readings) > 1:
+            lines.append(("Readings", _readings(entry)))
+        if entry.low is not None and entry.high is not None:
+            low, high = (error_text(end, signed=entry.signed) for end in (entry.low, entry.high))
+            lines.append(("Left open", f"from {low} to {high}"))
     if entry.mac is not None:
         lines.append(("Likeness (MAC)", f"{entry.mac:.4f}"))
     if entry.along is not None:
@@ -262,6 +283,14 @@ def _numbers(matrix: Matrix, entry: Entry) -> list[Line]:
         detail = f" ({', '.join(parts)})" if parts else ""
         lines.append(("Uncertainty", f"± {percent(entry.uncertainty, signed=False)}{detail}"))
     return lines
+
+
+def _readings(entry: Entry) -> str:
+    """Errors by the names of the readings: "0 % with rigid pins, 33 % with averaged ones"."""
+    return ", ".join(
+        f"{error_text(error, signed=entry.signed)} with {name}"
+        for name, error in entry.readings.items()
+    )
 
 
 def _reasons(entry: Entry) -> list[Line]:

@@ -17,7 +17,7 @@ from lumped.acceptance.requirement import (
     is_static,
 )
 from validation.adequacy.matrix import VERDICTS, Adequacy, Entry, Matrix
-from validation.drawing.text import number, percent
+from validation.drawing.text import bound, error_text, number, percent
 
 _OF_RESPONSES = {"": "peak", "frequency": "peak frequency", "at": "at one frequency"}
 _MODELS: Mapping[str, str] = {
@@ -37,8 +37,6 @@ SIGNS: Mapping[str, str] = {
     ANY_FORCE: "any force",
     ORDER: "order of modes",
 }
-# Uncertainties below this share of the reference are not shown.
-_WORTH_SAYING = 5e-4
 
 
 def model_name(model: str) -> str:
@@ -83,18 +81,6 @@ def capital(text: str) -> str:
 def listed(words: Sequence[str]) -> str:
     """Words with commas and a final "and"."""
     return " and ".join(filter(None, (", ".join(words[:-1]), *words[-1:])))
-
-
-def error_text(error: float, *, signed: bool = True) -> str:
-    """An error in percent, two digits, none behind hundredths; "0 %" below these."""
-    return percent(round(error, 4), signed=signed)
-
-
-def spread_text(uncertainty: float | None) -> str:
-    """What is left open of an error: "± 0.3 %"; "" where it is not worth showing."""
-    if uncertainty is None or uncertainty < _WORTH_SAYING:
-        return ""
-    return f"±\u00a0{error_text(uncertainty, signed=False)}"
 
 
 def force_text(entry: Entry) -> str:
@@ -144,7 +130,7 @@ def _for_what(matrix: Matrix, quantities: Sequence[str]) -> str:
 
 
 def _by(entries: Sequence[Entry]) -> str:
-    """How far entries of one verdict are off, with what is left open where they hold.
+    """The largest error of entries of one verdict; of adequate ones the largest that is left open.
 
     Of the order, which compares modes that have nothing in common, only where nothing else is.
     """
@@ -153,9 +139,8 @@ def _by(entries: Sequence[Entry]) -> str:
     found = [entry for entry in found if entry.quantity != ORDER] or found
     if not found or entries[0].verdict == "undecided":
         return ""
-    sizes = [(abs(one.error or 0.0), (one.uncertainty or 0.0) * adequate) for one in found]
-    error, left = max(sizes, key=sum)
-    off = f"{error_text(error, signed=False)} {spread_text(left)}".strip()
+    largest = max(bound(one) if adequate else abs(one.error or 0.0) for one in found)
+    off = error_text(largest, signed=False)
     return f" (off by {'at most' if adequate else 'up to'} {off})"
 
 

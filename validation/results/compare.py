@@ -16,6 +16,7 @@ import numpy as np
 
 from lumped.text import aligned, counted
 from validation.adequacy.matrix import Adequacy
+from validation.drawing.text import error_with_spread
 from validation.results.outcome import Verdict
 from validation.results.records import AdequacyRecord, CaseRecord, RunRecord
 
@@ -87,7 +88,15 @@ class Judged:
     verdict: Adequacy
     error: float | None
     uncertainty: float | None
+    low: float | None
+    high: float | None
+    readings: Mapping[str, float]
     along: float | None
+
+    @property
+    def signed(self) -> bool:
+        """Whether the error has a sign; that of a whole displacement, with `along`, has none."""
+        return self.along is None
 
 
 @dataclass(frozen=True)
@@ -226,10 +235,14 @@ def _told(entry: Judged | None) -> list[str]:
         return ["", ""]
     if entry.error is None:
         return ["", entry.verdict]
-    # The error of a whole displacement has no sign; its part along the load has.
-    sign = "" if entry.along is not None else "+"
-    along = "" if entry.along is None else f" ({100.0 * entry.along:+.2f} % along)"
-    return [f"{100.0 * entry.error:{sign}.2f} %{along}", entry.verdict]
+    along = "" if entry.along is None else f" ({_percent(entry.along)} along)"
+    error = error_with_spread(entry, _percent).replace("\N{NO-BREAK SPACE}", " ")
+    return [f"{error}{along}", entry.verdict]
+
+
+def _percent(error: float, *, signed: bool = True) -> str:
+    """An error in percent with two decimals, in which variants of a robot differ."""
+    return f"{100.0 * error:{'+' if signed else ''}.2f} %"
 
 
 def _rejudged(change: AdequacyChange) -> bool:

@@ -82,6 +82,9 @@ class AdequacyRecord(msgspec.Struct, frozen=True, kw_only=True):
     quantity: str
     error: Real | None = None
     uncertainty: Real | None = None
+    low: Real | None = None
+    high: Real | None = None
+    readings: Mapping[str, Real] = {}
     limit: Real | None = None
     verdict: Adequacy
     pose: tuple[Real, ...] = ()

@@ -6,6 +6,7 @@ Its matrix is like that of a robot whose legs are given by a 6×6.
 import base64
 from functools import cache
 
+import numpy as np
 import toy_catalogue
 
 from lumped.acceptance.requirement import STATIC_QUANTITIES
@@ -57,6 +58,11 @@ def entry(model, quantity, *curve, **fields):
         if quantity in STATIC_QUANTITIES and not fields.get("measured"):
             own |= {"error": abs(worst), "errors": tuple(map(abs, errors))}
             own |= {"along": worst, "alongs": errors}
+        half = fields.get("uncertainty", own["uncertainty"])
+        least = 0.0 if "along" in own else -np.inf
+        own |= {"low": max(own["error"] - half, least), "high": own["error"] + half}
+        own["lows"] = tuple(max(one - half, least) for one in own["errors"])
+        own["highs"] = tuple(one + half for one in own["errors"])
     elif "verdict" not in fields:
         own["reason"] = "say how the mass is distributed"
     own |= {"limit": 0.05, "reference": "robot assembled from the legs' own 6×6"}

@@ -22,17 +22,28 @@ LEFT_OPEN = {"meshes": ("static", "dynamic"), "digits of the file": ("digits", "
 class Plain(NamedTuple):
     """Error of a quantity at a pose: `low` to `high` over all that is open; or it is not there.
 
-    `alone`: what each alternative says of the order by itself.
+    `error` is the largest of all alternatives, `halves` and `errors` are those of each. `alone`:
+    what each alternative says of the order by itself.
     """
 
     low: float
     high: float
     missing: bool = False
+    errors: tuple = ()
+    halves: tuple = ()
     alone: tuple = ()
 
     @property
-    def middle(self):
-        return None if self.missing else (self.low + self.high) / 2.0
+    def bound(self):
+        return 0.0 if self.missing else max(abs(self.low), abs(self.high))
+
+    @property
+    def place(self):
+        return max(range(len(self.errors)), key=lambda k: abs(self.errors[k]))
+
+    @property
+    def error(self):
+        return None if self.missing else self.errors[self.place]
 
     def verdict(self, limit):
         if self.missing:
@@ -137,18 +148,21 @@ class Rule:
         return float(sum(getattr(one, name)[pose, column] for name in names) * found["grown"])
 
     def at(self, responses, pose):
-        alone = []
+        alone, errors, halves = [], [], []
         for place, found in enumerate(self.each(responses, pose)):
-            spread = self.spread(found, place, pose)
-            if isfinite(found["error"]):
-                alone.append(Plain(found["error"] - spread, found["error"] + spread))
-        missing = len(alone) < len(responses)
-        if self.quantity == "order" and not missing:
-            worst = max(alone, key=lambda one: abs(one.middle))
-            return worst._replace(alone=tuple(alone))
-        low = min((one.low for one in alone), default=nan)
-        high = max((one.high for one in alone), default=nan)
-        return Plain(max(low, 0.0) if self.static else low, high, missing)
+            spread, error = self.spread(found, place, pose), found["error"]
+            if isfinite(error):
+                alone.append(Plain(error - spread, error + spread))
+                errors.append(error)
+                halves.append(spread)
+        if len(alone) < len(responses):
+            return Plain(nan, nan, missing=True)
+        told = {"errors": tuple(errors), "halves": tuple(halves)}
+        if self.quantity == "order":
+            worst = alone[max(range(len(alone)), key=lambda k: abs(errors[k]))]
+            return Plain(worst.low, worst.high, alone=tuple(alone), **told)
+        low, high = min(one.low for one in alone), max(one.high for one in alone)
+        return Plain(max(low, 0.0) if self.static else low, high, **told)
 
     def along(self, responses):
         return [self.at(responses, pose) for pose in range(len(self.poses))]
@@ -160,49 +174,67 @@ class Rule:
         worst = min(verdicts, key=("inadequate", "undecided", "adequate").index)
         alike = [p for p, said in enumerate(verdicts) if said == worst]
         known = [p for p in alike if not path[p].missing] or alike
-        pose = max(known, key=lambda p: abs(path[p].middle or 0.0))
+        pose = max(known, key=lambda p: path[p].bound)
         told = {"verdict": worst, "pose": tuple(self.poses[pose])}
         if path[pose].missing:
             return told
-        alone = self.each(self.model, pose)
-        errors = [one["error"] for one in alone]
-        left = {
-            kind: max(self.spread(one, k, pose, kind) for k, one in enumerate(alone))
-            for kind in LEFT_OPEN
-        }
-        halves = [None if one.missing else one.high - one.middle for one in path]
-        if self.quantity == "order":
-            k = max(range(len(alone)), key=lambda k: abs(errors[k]))
-            kinds = LEFT_OPEN if any(halves) else ("meshes",)
-            left = {kind: self.spread(alone[k], k, pose, kind) for kind in kinds}
-        elif self.reference.open:
-            left[self.reference.open] = 0.5 * (max(errors) - min(errors))
-        told |= {"error": path[pose].middle, "uncertainty": halves[pose], "uncertainties": left}
-        told |= {"errors": [one.middle for one in path], "spreads": halves}
+        alone, at = self.each(self.model, pose), path[pose]
+        k = at.place
+        # The same alternative at every pose, of the order the worst.
+        places = [one.place if self.quantity == "order" else k for one in path if one.errors]
+        kinds = LEFT_OPEN
+        if self.quantity == "order" and not any(any(one.halves) for one in path):
+            kinds = ("meshes",)
+        left = {kind: self.spread(alone[k], k, pose, kind) for kind in kinds}
+        if self.quantity != "order" and self.reference.open:
+            left[self.reference.open] = 0.5 * (max(at.errors) - min(at.errors))
+        told |= {"error": at.errors[k], "uncertainty": at.halves[k], "uncertainties": left}
+        told |= {"low": at.low, "high": at.high, "readings": self.readings(at)}
+        told |= self.series(path, iter(places))
         if self.static and self.quantity != "any_force":
-            told["along"] = np.mean([one["along"] for one in alone])
-            told["value"] = alone[0]["value"]
+            told["along"] = alone[k]["along"]
+        if self.static:
+            told["value"] = alone[k]["value"]
         if self.quantity not in ("any_force", "order"):
             told["values"] = [self.numbers(self.model[0], 0, p)["value"] for p in range(len(path))]
         advice = self.remedy(limit, pose) if worst == "inadequate" else ("", None)
         causes = {} if worst == "adequate" else self.causes(pose)
         return told | {"causes": causes, "remedy": advice[0], "error_with_remedy": advice[1]}
 
+    def readings(self, at):
+        """Errors by the names of the alternatives, where there are several of one quantity."""
+        names = [one.name for one in self.reference.alternatives]
+        several = len(names) > 1 and self.quantity != "order"
+        return dict(zip(names, at.errors, strict=True)) if several else {}
+
+    def series(self, path, places):
+        """Errors over the poses; None where one is not there."""
+        rows = []
+        for one in path:
+            place = None if one.missing else next(places)
+            known = not one.missing
+            rows.append(
+                (one.errors[place], one.halves[place], one.low, one.high) if known else [None] * 4
+            )
+        names = ("errors", "spreads", "lows", "highs")
+        return dict(zip(names, zip(*rows, strict=True), strict=True))
+
     def causes(self, pose):
-        """Shares by cause, with the rest that no cause accounts for."""
-        first = self.each(self.model, pose)
-        total = sum(one["error"] for one in first)
+        """Shares by cause of the largest error, with the rest that no cause accounts for."""
+        k = self.at(self.model, pose).place
+        of = self.each(self.model, pose)[k]
+        total = of["error"]
         amounts, before = {}, self.model
         for step, after in self.steps:
-            taken = 0.0
-            for k, of in enumerate(first):
-                if self.static:
-                    change = before[k].compliance[pose] - after[k].compliance[pose]
-                    along = (change[of["part"]] @ of["load"]) @ of["off"]
-                    taken += along / of["length"] / of["error"]
-                else:
-                    taken += self.numbers(before[k], k, pose)["error"]
-                    taken -= self.numbers(after[k], k, pose)["error"]
+            if self.static:
+                change = before[k].compliance[pose] - after[k].compliance[pose]
+                along = (change[of["part"]] @ of["load"]) @ of["off"]
+                taken = along / of["length"] / of["error"]
+            else:
+                taken = self.numbers(before[k], k, pose)["error"]
+                taken -= self.numbers(after[k], k, pose)["error"]
+                if any(isnan(one["error"]) for one in self.each(after, pose)):
+                    taken = nan
             if isnan(taken):
                 break
             amounts[step.cause] = amounts.get(step.cause, 0.0) + taken
@@ -221,13 +253,13 @@ class Rule:
             after = self.along(responses)
             lost = before.missing or after[pose].missing
             if step.remedy:
-                if lost or abs(after[pose].middle - before.middle) >= 0.1 * limit:
+                if lost or abs(after[pose].error - before.error) >= 0.1 * limit:
                     if step.remedy.startswith("use "):
                         words = {}
                     option = step.remedy.partition("--")[2].split(" ")[0]
                     words[option or step.remedy] = step.remedy
                 if words and not any(one.missing for one in after):
-                    worst = max((one.middle for one in after), key=abs)
+                    worst = max((one.error for one in after), key=abs)
                     beyond = any(one.verdict(limit) == "inadequate" for one in after)
                     tried.append((abs(worst), worst, ", ".join(words.values()), beyond))
                 before = after[pose]
@@ -235,5 +267,5 @@ class Rule:
         if self.reference.remedy and not enough and all(one[3] for one in tried):
             return self.reference.remedy, 0.0
         size, error, said, _ = (enough or [min(tried, default=(inf, 0.0, "", True))])[0]
-        better = size < (inf if start.missing else abs(start.middle))
+        better = size < (inf if start.missing else abs(start.error))
         return (said, error) if better else ("", None)

@@ -140,8 +140,10 @@ def test_free_ends_leave_saint_venants_torsion_as_it_is_and_unsaid_ones_leave_it
     entry = alone(replace(FLANGED, ends="free"))
     # The thin-walled J alone is off; inward corners leave the quick mesh 4 % uncertain.
     assert entry.along == pytest.approx(0.0, abs=0.02)
-    # Of an error that has no sign the middle of what is left open is not its best estimate.
-    assert 0.0 <= entry.error - entry.uncertainty < entry.error < 0.03
+    # The error is as computed, however much is left open of it; none is below zero.
+    assert entry.error == pytest.approx(abs(entry.along), rel=1e-6)
+    assert entry.low == 0.0 < entry.error < entry.uncertainty
+    assert entry.high == pytest.approx(entry.error + entry.uncertainty, rel=1e-12)
     assert [cause.cause for cause in entry.causes] == ["textbook section constants"]
     unsaid = alone(replace(FLANGED, ends=None))
     assert unsaid.verdict == "undecided"

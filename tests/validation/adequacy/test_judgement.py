@@ -19,6 +19,7 @@ from validation.adequacy.response import (
     Response,
     Vibration,
 )
+from validation.drawing.text import error_with_spread
 
 WEIGHTS = np.ones(4)
 AXES = np.eye(4)
@@ -120,13 +121,76 @@ def test_a_mode_with_less_than_half_in_common_is_another_one(common, number):
     assert found.likeness[0, 0] == pytest.approx(common)
 
 
-def test_the_reference_that_is_told_goes_with_the_mean_error():
+def test_entry_of_two_readings_has_the_farther_one():
     """Of two readings of the reference, 100 and 104 Hz."""
     model = vibration([101.0, 150.0, 200.0, 300.0], *AXES)
     told = entry(model, "f1", vibration([104.0, 150.0, 200.0, 300.0], *AXES))
-    mean = np.mean([101.0 / 100.0 - 1.0, 101.0 / 104.0 - 1.0])
-    assert told.value == pytest.approx(101.0)
-    assert told.value / told.expected - 1.0 == pytest.approx(mean, rel=1e-12)
+    near, far = 101.0 / 100.0 - 1.0, 101.0 / 104.0 - 1.0
+    assert (told.value, told.expected) == pytest.approx((101.0, 104.0))
+    assert told.error == pytest.approx(far, rel=1e-12)
+    assert told.readings == pytest.approx({"ends 0": near, "ends 1": far}, rel=1e-12)
+    assert (told.low, told.high) == pytest.approx((far, near), rel=1e-12)
+    assert told.expected_range == pytest.approx((100.0, 104.0), rel=1e-12)
+
+
+def static_entry(*factors, meshes=0.0):
+    """Deflection along x by a model, against readings of the reference stiffer by factors."""
+    toy = toy_subject(3)
+    truth = toy.statics.alternatives[0].response.compliance
+    names = ("rigid pins", "averaged ones")
+    alternatives = [
+        Alternative(name, Response(truth / factor), static=np.full((2, 7), meshes))
+        for name, factor in zip(names, factors, strict=False)
+    ]
+    subject = replace(
+        toy,
+        candidates=[Candidate("model", "a model", Response(truth))],
+        statics=Reference("solids", alternatives, "how pins are held"),
+    )
+    return judged(subject, Requirement(modes=3)).entry("model", "x")
+
+
+def test_model_equal_to_its_reference_has_no_error():
+    told = static_entry(1.0, meshes=0.044)
+    assert (told.error, told.uncertainty) == (0.0, pytest.approx(0.044, rel=1e-12))
+    assert (told.low, told.high) == (0.0, pytest.approx(0.044, rel=1e-12))
+    assert (told.verdict, told.readings) == ("adequate", {})
+    assert plain(error_with_spread(told)) == "below 4.4 %"
+
+
+def test_error_beyond_its_half_width_is_shown_with_it():
+    # |u − u*|/|u*| is 0.2; 1 % of the reference moves it by 1 % of |u|/|u*|.
+    told = static_entry(1.2, meshes=0.01)
+    assert (told.error, told.uncertainty) == pytest.approx((0.2, 0.012), rel=1e-12)
+    assert (told.low, told.high) == pytest.approx((0.188, 0.212), rel=1e-12)
+    assert plain(error_with_spread(told)) == "20 % ± 1.2 %"
+
+
+def test_readings_apart_are_shown_as_such():
+    told = static_entry(1.0, 1.33)
+    assert (told.verdict, told.readings) == (
+        "undecided",
+        {"rigid pins": 0.0, "averaged ones": pytest.approx(0.33, rel=1e-12)},
+    )
+    assert (told.error, told.uncertainty) == (pytest.approx(0.33, rel=1e-12), 0.0)
+    assert (told.low, told.high) == (0.0, told.error)
+    assert plain(error_with_spread(told)) == "0 % with rigid pins, 33 % with averaged ones"
+    # Closer together than each is known they say no more than the bound does.
+    told = static_entry(1.0, 1.01, meshes=0.03)
+    assert plain(error_with_spread(told)) == "below 4 %"
+
+
+@pytest.mark.parametrize(("value", "text"), [(98.0, "−2 % ± 0.98 %"), (100.5, "below 1.5 %")])
+def test_frequency_error_keeps_its_sign_beyond_zero(value, text):
+    told = entry(vibration([value, 150.0, 200.0, 300.0], *AXES), "f1", unsure=0.01)
+    assert (told.low, told.high) == pytest.approx(
+        (told.error - told.uncertainty, told.error + told.uncertainty), rel=1e-12
+    )
+    assert plain(error_with_spread(told)) == text
+
+
+def plain(text):
+    return text.replace("\N{NO-BREAK SPACE}", " ")
 
 
 LIMITS = (0.02, 0.2)

@@ -152,8 +152,9 @@ def test_where_masses_of_given_legs_lie_is_an_interval_of_weight_alone(tmp_path)
     links = {"links": judged_models(mechanism)["links"]}
     matrix = judged(static_subject(robot, links), wanted)
     weight, push, stop = (matrix.entry("links", name) for name in OF_LOADS)
-    # From nothing to what other places of the mass make of it.
-    assert weight.error == pytest.approx(weight.uncertainty, rel=0.01)
+    # Links are the reference: from nothing to what other places of the mass make of it.
+    assert weight.error == pytest.approx(0.0, abs=1e-9)
+    assert (weight.low, weight.high) == (0.0, pytest.approx(weight.uncertainty, rel=1e-6))
     assert weight.uncertainties[OPEN_MASSES] > 0.01 > 10.0 * push.uncertainty
     assert OPEN_MASSES not in push.uncertainties
     assert weight.verdict == "undecided"

@@ -50,8 +50,8 @@ def test_legs_as_given_hold_in_statics_and_constant_sections_distort_them(paper,
         assert 0.8 < entry.causes[0].share < 1.1
         assert sum(cause.share for cause in entry.causes) == pytest.approx(1.0, abs=0.02)
         assert "6×6" in entry.remedy
-        # The middle between nothing and what the digits of the 6×6 leave open.
-        assert 0.0 < entry.error_with_remedy < 1e-3
+        # The 6×6 is the reference itself.
+        assert entry.error_with_remedy == pytest.approx(0.0, abs=1e-9)
 
 
 @pytest.mark.parametrize("model", BEAMS)
@@ -88,8 +88,7 @@ def test_a_given_leg_is_its_own_reference(paper):
     assert entry.verdict == "inadequate"
     assert entry.causes[0].cause.startswith("equivalent leg")
     assert "6×6" in entry.remedy
-    # The digits of the file leave so much open of it, of which the middle is told.
-    assert entry.error_with_remedy == pytest.approx(0.0, abs=2e-3)
+    assert entry.error_with_remedy == pytest.approx(0.0, abs=1e-9)
 
 
 @pytest.mark.parametrize("model", BEAMS)

@@ -82,6 +82,35 @@ def pose_of(matrix, text):
     return place
 
 
+def unbroken(text):
+    return text.replace("\N{NO-BREAK SPACE}", " ")
+
+
+def assert_error_is_told(entry, text, spread):
+    """The rule of the guide once more: readings apart, a bound, or an error with its half-width."""
+    text, spread = unbroken(text), unbroken(spread)
+    ends = sorted(entry.readings.values())
+    distance = ends[-1] - ends[0] if ends else 0.0
+    half = entry.uncertainty if entry.uncertainty >= 5e-4 else 0.0
+    reach = max(-entry.low, entry.high)
+    if (
+        distance <= entry.uncertainty
+        and entry.low <= 0.0 <= entry.high
+        and (reach - abs(entry.error) >= 5e-4)
+    ):
+        assert (text[:6], spread) == ("below ", "")
+        assert numbers(text) == [told(reach)]
+        return
+    assert numbers(spread) == ([told(half)] if half else [])
+    shown = numbers(re.sub(r"(?<=\d) to ", " % to ", text))
+    if len(shown) == 2:
+        assert shown == [told(ends[0]), told(ends[-1])]
+    else:
+        assert shown == [told(entry.error)]
+        # Both ends read alike.
+        assert distance < 5e-4 or told(ends[0]) == ends[-1]
+
+
 def test_numbers_are_read_as_they_are_printed():
     assert numbers("−1.06 × 10⁻⁶ m/N, +12 %, 0 %") == pytest.approx([-1.06e-6, 0.12, 0.0])
 
@@ -99,10 +128,6 @@ def test_every_cell_and_its_sheet(matrix):
     for entry, (model, heading, cell) in zip(matrix.entries, cells, strict=True):
         assert (model, heading) == (entry.model, SIGNS.get(entry.quantity, entry.quantity))
         assert cell.mark == MARKS[entry.verdict]
-        if cell.spread:
-            assert numbers(cell.spread) == [told(entry.uncertainty)]
-        else:
-            assert not (entry.uncertainty or 0.0) >= 5e-4
         assert cell.hint.startswith(f"{entry.verdict} (limit ")
         assert numbers(cell.hint)[0] == told(entry.limit)
         assert matrix.poses[pose_of(matrix, cell.hint)] == entry.pose
@@ -113,9 +138,16 @@ def test_every_cell_and_its_sheet(matrix):
             assert cell.text == ("none" if entry.verdict == "inadequate" else "open")
             assert "Error" not in said
             continue
-        assert numbers(cell.text) == [told(entry.error)]
-        assert cell.text.startswith("+") == (entry.signed and entry.error >= NOTHING)
+        assert_error_is_told(entry, cell.text, cell.spread)
         assert numbers(said["Error"]) == [told(entry.error), told(entry.limit)]
+        assert said["Error"].startswith("+") == (entry.signed and entry.error >= NOTHING)
+        assert numbers(said["Left open"]) == [told(entry.low), told(entry.high)]
+        readings = re.findall(
+            rf"({NUMBER} %) with (ends [a-z]+)", unbroken(said.get("Readings", ""))
+        )
+        assert {name: numbers(error)[0] for error, name in readings} == {
+            name: told(error) for name, error in entry.readings.items()
+        }
         assert numbers(said["Uncertainty"])[0] == told(entry.uncertainty)
         detail = dict(
             re.findall(r"([a-z][a-z ]*[a-z]) ([^a-z,)]*\s%)", said["Uncertainty"].partition("(")[2])
@@ -145,7 +177,12 @@ def test_every_line_of_the_csv(matrix):
     rows = list(csv.DictReader(io.StringIO(csv_of_matrix(matrix))))
     assert {"error", "uncertainty", "limit", "value", "error with remedy"} <= rows[0].keys()
     fields = {"error along the load": "along", "reference value": "expected"}
+    assert {"low", "high"} <= rows[0].keys()
     for row, entry in zip(rows, matrix.entries, strict=True):
+        readings = re.findall(r"(?:^|; )(.*?) (-?[\d.e-]+)(?=;|$)", row.pop("readings"))
+        assert {name: float(error) for name, error in readings} == pytest.approx(
+            entry.readings, rel=1e-5
+        )
         causes = re.findall(r"(?:^|; )(.*?) (-?[\d.e-]+)(?=;|$)", row.pop("causes"))
         assert {cause: float(share) for cause, share in causes} == {
             one.cause: pytest.approx(one.share, rel=6e-3) for one in entry.causes
@@ -179,21 +216,27 @@ def test_every_curve_and_its_table(matrix):
                 continue
             series = drawn[entry.model]
             # None is NaN.
-            errors, spreads = (
-                100.0 * np.array(one, float) for one in (entry.errors, entry.spreads)
+            errors, lows, highs = (
+                100.0 * np.array(one, float) for one in (entry.errors, entry.lows, entry.highs)
             )
+            down, up = errors - lows, highs - errors
             np.testing.assert_allclose(series.y, errors)
             np.testing.assert_array_equal(series.x, np.arange(1.0, len(matrix.poses) + 1.0))
             if series.bars is None:
-                assert np.nanmax(spreads) <= 0.02 * limit
+                assert np.nanmax([down, up]) <= 0.02 * limit
             else:
-                np.testing.assert_allclose(series.bars, spreads)
+                np.testing.assert_allclose(series.bars, [down, up], atol=1e-12)
     rows = list(csv.DictReader(io.StringIO(chart_table(chart))))
     for p, (row, pose) in enumerate(zip(rows, matrix.poses, strict=True)):
         assert (float(row["x (m)"]), float(row["phi_z (rad)"])) == pytest.approx(pose)
         for entry in matrix.entries:
-            cell = row[f"{entry.model}: error of {entry.quantity}"]
-            assert known(cell) == close(entry.errors[p])
+            for what, errors in (
+                ("error", entry.errors),
+                ("lowest error", entry.lows),
+                ("highest error", entry.highs),
+            ):
+                cell = row[f"{entry.model}: {what} of {entry.quantity}"]
+                assert known(cell) == close(errors[p])
 
 
 def test_every_remedy_names_its_entries_and_their_range():
@@ -215,8 +258,8 @@ def test_every_remedy_names_its_entries_and_their_range():
 
 def test_a_matrix_survives_its_record_whose_keys_programs_read():
     record = to_builtins(adequacy_records(MATRICES[0])[0])
-    keys = "model quantity error uncertainty limit verdict pose reference causes remedy"
-    assert list(record)[:11] == [*keys.split(), "error_with_remedy"]
+    keys = "model quantity error uncertainty low high readings limit verdict pose reference causes"
+    assert list(record)[:14] == [*keys.split(), "remedy", "error_with_remedy"]
     assessment = Assessment("adequacy", "title", pytest.fail)
     for matrix in MATRICES:
         result = Result("adequacy", "made", 1.0, found=matrix)
@@ -228,14 +271,18 @@ def test_the_record_and_the_line_of_the_api():
         records = adequacy_records(matrix)
         found = api.Adequacy(matrix, Requirement(), own)
         for record, entry in zip(records, matrix.entries, strict=True):
-            for name in ("error", "uncertainty", "limit", "verdict", "pose", "along", "remedy"):
+            for name in (
+                *("error", "uncertainty", "low", "high", "readings"),
+                *("limit", "verdict", "pose", "along", "remedy"),
+            ):
                 assert getattr(record, name) == getattr(entry, name), name
             line = found.told(entry)
             assert line.startswith(f"{entry.model}, {entry.quantity}: {entry.verdict}")
             if entry.error is not None:
-                said = numbers(line.partition("; error ")[2].partition(";")[0])
-                assert said[:2] == [told(entry.error), told(entry.uncertainty)]
-                assert said[-1] == told(entry.limit)
+                said, _, accepted = line.partition("; error ")[2].partition(" at ")
+                assert numbers(accepted.partition(";")[0])[-1] == told(entry.limit)
+                text, _, spread = said.partition(" ±")
+                assert_error_is_told(entry, text, spread)
                 assert matrix.poses[pose_of(matrix, line)] == entry.pose
             if entry.causes:
                 assert f"cause: {entry.causes[0].cause}" in line

@@ -38,8 +38,8 @@ def error_curves(matrix: Matrix) -> Shown | None:
     return curves(
         _chart(panels, matrix, _table(matrix)),
         "Error of the whole displacement of the loaded point (never negative) and of frequencies; "
-        "bars: uncertainty of the reference. Shaded: the accepted error, beyond which the scale is "
-        "logarithmic.",
+        "bars: from the lowest to the highest error that the reference leaves open. Shaded: the "
+        "accepted error, beyond which the scale is logarithmic.",
         title="Relative error of the models",
     )
 
@@ -98,6 +98,13 @@ def _numbers(values: Sequence[float | None]) -> Array:
     return np.array([np.nan if value is None else value for value in values])
 
 
+def _left_open(entry: Entry) -> Array:
+    """By how much errors may be lower and higher at each pose (2×p)."""
+    errors, lows, highs = map(_numbers, (entry.errors, entry.lows, entry.highs))
+    # Differences of numbers that are one up to rounding are never negative.
+    return np.maximum([errors - lows, highs - errors], 0.0)
+
+
 def _known(matrix: Matrix, quantity: str) -> list[Entry]:
     """What is known of a quantity, a model each."""
     entries = (entry for entry in matrix.entries if entry.quantity == quantity)
@@ -110,8 +117,8 @@ def _panel(matrix: Matrix, quantity: str, *, leftmost: bool) -> Panel:
     limit = 100.0 * max(entry.limit for entry in entries)
     signed = any(entry.signed for entry in entries)
     for entry in entries:
-        spreads = 100.0 * _numbers(entry.spreads)
-        bars = spreads if len(spreads) and np.nanmax(spreads, initial=0.0) > 0.02 * limit else None
+        left_open = 100.0 * _left_open(entry)
+        bars = left_open if np.nanmax(left_open, initial=0.0) > 0.02 * limit else None
         series.append(Series(entry.model, x, 100.0 * _numbers(entry.errors), bars=bars))
     return Panel(
         series,
@@ -128,7 +135,12 @@ def _table(matrix: Matrix) -> Mapping[str, Column]:
         for place, coordinate in enumerate(matrix.coordinates)
     }
     for entry in matrix.entries:
-        for what, errors in (("error", entry.errors), ("error along the load", entry.alongs)):
+        for what, errors in (
+            ("error", entry.errors),
+            ("lowest error", entry.lows),
+            ("highest error", entry.highs),
+            ("error along the load", entry.alongs),
+        ):
             if len(errors) == len(matrix.poses):
                 columns[f"{entry.model}: {what} of {entry.quantity}"] = errors
     return columns
@@ -155,9 +167,10 @@ def _over_poses(matrix: Matrix, entries: Sequence[Entry]) -> list[Series]:
     x, _ = _abscissa(matrix)
     series = []
     for entry in entries:
-        errors, spreads = _numbers(entry.errors), _numbers(entry.spreads)
+        errors = _numbers(entry.errors)
         known = np.isfinite(errors)
-        series.append(Series(entry.model, x[known], 1.0 + errors[known], bars=spreads[known]))
+        bars = _left_open(entry)[:, known]
+        series.append(Series(entry.model, x[known], 1.0 + errors[known], bars=bars))
     at = series[-1].x
     return [*series, Series("measured", at, np.ones(len(at)))]
 
