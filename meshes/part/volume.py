@@ -8,7 +8,6 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from math import isclose, log, sqrt
-from pathlib import Path
 from time import monotonic
 from types import ModuleType
 
@@ -18,6 +17,7 @@ from lumped.errors import ComputationError, InputError
 from meshes.elements import SIMPLEX_EDGES, SectionElement, SolidElement
 from meshes.gmsh_session import connectivity, numbered
 from meshes.part.boundary import Facets, PartMesh, area_vectors
+from meshes.part.enclosed import ROUNDING
 from meshes.part.inner_edges import cut_at_inner_edges, second_order_unknowns
 from meshes.part.interfaces import Interface
 from meshes.part.reading.cad import CadModel, cad_model, naming_the_place
@@ -71,14 +71,13 @@ _SHORTEST = 0.2
 _SECONDS = 600.0
 # Degree of the Jacobian of a curved tetrahedron.
 _DEGREE = 3
-# Share of the volume to which the kernel integrates over splines.
-_ROUNDING = 1e-6
 
 
 @dataclass(frozen=True)
 class Grading:
     """Element size `size` (m) away from curvature and interfaces, `sides` of a full circle.
 
+    `sides` is zero if sizes do not follow the curvature.
     `cut`: elements at re-entrant edges are cut near these.
     """
 
@@ -140,7 +139,7 @@ def _meshed(
             gmsh.model.mesh.generate(3)
             gmsh.model.mesh.setOrder(2)
         mesh = _as_it_is(gmsh, model.faces(), "tet10", "tri6")
-        _require_filled(mesh, model, part.path)
+        _require_filled(mesh, part)
     # Not by gmsh's own optimisers of curved elements: where they do not succeed they may end the
     # whole process (std::runtime_error in 4.15).
     places, count = straightened(mesh.nodes, mesh.cells)
@@ -153,19 +152,36 @@ def ladder(part: PartFile, interfaces: Sequence[Interface], unknowns: int) -> tu
 
     Found by meshes of straight edges, which are quick, of the finest: from large elements on, by
     secants of the logarithms. Facets of thin round walls may cross where they are too
-    coarse: then all three are finer. Raises InputError as `volume_mesh` does.
+    coarse: then all three are finer. What cannot be meshed with sizes from its curvature is meshed
+    without. Raises InputError as `volume_mesh` does.
     """
     if part.exact is None:
         raise InputError(f"{part.path}: is a mesh already; it cannot be meshed anew")
+    if not part.by_curvature:
+        return _limited_ladder(part, interfaces, unknowns, 0.0)
     try:
-        return within_limits(_SECONDS, _ladder, part, interfaces, unknowns)
+        return _limited_ladder(part, interfaces, unknowns, _SIDES)
+    except InputError as failed:
+        try:
+            return _limited_ladder(part, interfaces, unknowns, 0.0)
+        except InputError:
+            raise failed from None
+
+
+def _limited_ladder(
+    part: PartFile, interfaces: Sequence[Interface], unknowns: int, sides: float
+) -> tuple[Grading, ...]:
+    try:
+        return within_limits(_SECONDS, _ladder, part, interfaces, unknowns, sides)
     except Crashed as crash:
         raise InputError(
             f"{part.path}: gmsh fails to mesh it ({crash}); ask for another number of unknowns"
         ) from crash
 
 
-def _ladder(part: PartFile, interfaces: Sequence[Interface], unknowns: int) -> tuple[Grading, ...]:
+def _ladder(
+    part: PartFile, interfaces: Sequence[Interface], unknowns: int, sides: float
+) -> tuple[Grading, ...]:
     largest = max(part.extent) / 2.0
     size, power, cut = largest, _POWER, unknowns >= _CUT_FROM
 
@@ -186,9 +202,9 @@ def _ladder(part: PartFile, interfaces: Sequence[Interface], unknowns: int) -> t
     def feasible(size: float, rung: Callable[[Grading], Grading]) -> tuple[float, int]:
         for _ in range(_RETRIES):
             with suppress(InputError):
-                return size, count(rung(Grading(size, cut=cut)))
+                return size, count(rung(Grading(size, sides, cut)))
             size /= RATIO
-        return size, count(rung(Grading(size, cut=cut)))
+        return size, count(rung(Grading(size, sides, cut)))
 
     size, found = feasible(size, finest)
     for _ in range(_ATTEMPTS):
@@ -201,7 +217,7 @@ def _ladder(part: PartFile, interfaces: Sequence[Interface], unknowns: int) -> t
             # What is coarser cannot be meshed.
             break
         power = max(log(found / before[1]) / log(before[0] / size), _LEAST_POWER)
-    coarse = Grading(feasible(size, lambda coarse: coarse)[0], cut=cut)
+    coarse = Grading(feasible(size, lambda coarse: coarse)[0], sides, cut)
     return coarse, coarse.refined(), finest(coarse)
 
 
@@ -251,14 +267,16 @@ def _as_it_is(
     )
 
 
-def _require_filled(mesh: PartMesh, model: CadModel, path: Path) -> None:
-    """Raise InputError where tet10 with middles on the surface have another volume than `model`.
+def _require_filled(mesh: PartMesh, part: PartFile) -> None:
+    """Raise InputError where tet10 with middles on the surface have another volume than the part.
 
-    The kernel integrates over the faces, each with its own outline and outside; tetrahedra fill
+    That is integrated over the faces, each with its own outline and outside; tetrahedra fill
     what lies between them. The mesh explains what lies between its curved facets and the flat ones
     of their corners: curved ones are nearer to the surface. The gap along all of the surface, too.
     """
-    volume = model.properties().volume
+    if part.exact is None:
+        return
+    volume = part.exact.volume
     points, weights = quadrature("tet10", _DEGREE)
     slopes = gradients("tet10", points)
     jacobians = np.einsum("mki,kjq->mqij", mesh.nodes[mesh.cells], slopes, optimize=True)
@@ -270,10 +288,10 @@ def _require_filled(mesh: PartMesh, model: CadModel, path: Path) -> None:
         vectors = area_vectors(mesh.nodes, Facets(facets.corners, "tri3"))
         # The shape function of a middle integrates to a third of the area.
         between += float(np.abs(np.einsum("fmi,fi->fm", rises, vectors)).sum()) / 3.0
-    allowed = between + (model.unknown_share + _ROUNDING) * volume
+    allowed = between + part.exact.error + (part.unknown_share + ROUNDING) * volume
     if not abs(filled - volume) <= allowed:
         raise InputError(
-            f"{path}: its faces enclose {1e6 * volume:.6g} cm³, tetrahedra between them fill "
+            f"{part.path}: its faces enclose {1e6 * volume:.6g} cm³, tetrahedra between them fill "
             f"{1e6 * filled:.6g} cm³, and the mesh explains a difference of "
             f"{1e6 * allowed:.2g} cm³: a face looks the wrong way or is bounded wrongly; export it "
             "anew from the CAD system"

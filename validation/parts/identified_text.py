@@ -27,9 +27,14 @@ def as_text(found: Identified, reached: Accuracy | None = None) -> str:
         meshes = f"one mesh, as given, of {counts} unknowns"
     if found.straightened:
         meshes += f", {found.straightened} of them straightened"
+    if not found.by_curvature:
+        meshes += "; without sizes from curvature, with which gmsh does not mesh it"
     mass = f"mass {found.total:.6g} kg, centre ({_place(found.centre)}) m"
     if found.deviation is not None:
         mass += f", volume {found.deviation:+.1e} of the exact one"
+        if found.part.exact and found.part.exact.error:
+            share = found.part.exact.error / found.part.exact.volume
+            mass += f" (integrated over its splines to {share:.0e})"
     axes = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)]
     inertia = " ".join(f"{found.inertia[place] + 0.0:.4g}" for place in axes)
     lines = [

@@ -62,7 +62,8 @@ class Identified:
     clamped, and `frequencies` (Hz) then: `counted` below `counted_below` (Hz) by inertia, none of
     them missing. `refinement` of each compliance and of each frequency
     (their units; NaN for a given mesh, which cannot be refined); `bracket`: averaged less rigid.
-    `unknowns` of the meshes, coarse to fine; `straightened` elements of the finest.
+    `unknowns` of the meshes, coarse to fine; `straightened` elements of the finest; `by_curvature`:
+    False if gmsh makes them without sizes from curvature alone.
 
     `places` (s×3, m) all over the part, `shares` (s, kg) of its mass there, and `shapes` (3s×6m):
     how they move for unit twists of the interfaces.
@@ -87,6 +88,7 @@ class Identified:
     unknowns: tuple[int, ...]
     elements: int
     straightened: int
+    by_curvature: bool
     places: Array
     shares: Array
     shapes: Array
@@ -155,10 +157,11 @@ def _computed(
     """The fields of `Identified` beside the part and its interfaces."""
     name, given = part.path.name, part.mesh is not None
     coarse_to_fine = (FINEST,) if given else LEVELS
+    by_curvature = True
     if not given:
         require_memory(unknowns, name)
         # Once, before two ask for them.
-        gradings(part, interfaces, unknowns)
+        by_curvature = all(step.sides for step in gradings(part, interfaces, unknowns))
     # Meshes are made while coarser ones are used; the finest takes longest.
     with ThreadPoolExecutor(2) as pool:
         began = {
@@ -200,6 +203,7 @@ def _computed(
         "unknowns": (*(count for count, _ in coarser), finest.unknowns),
         "elements": len(finest.cells),
         "straightened": finest.straightened,
+        "by_curvature": by_curvature,
         "places": finest.nodes[rows],
         "shares": material.rho * volumes,
         "shapes": fine.shapes.reshape(len(finest.nodes), 3, -1)[rows].reshape(3 * len(rows), -1),

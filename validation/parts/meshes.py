@@ -13,16 +13,16 @@ import numpy as np
 from lumped.arrays import Array
 from lumped.legs import Material
 from meshes.part.boundary import Facets, PartMesh
+from meshes.part.enclosed import VolumeProperties
 from meshes.part.faces import Face
 from meshes.part.interfaces import Interface
-from meshes.part.reading.cad import VolumeProperties
 from meshes.part.reading.given_mesh import MESHES
 from meshes.part.reading.read import PartFile, read_part, require_file
 from meshes.part.volume import Grading, ladder, volume_mesh
 from validation.run.cache import kept, key_of, require_shape
 
 # Raised where the same input gives other numbers than before: meshes, elements, reduction.
-_EDITION = 13
+_EDITION = 14
 COARSE, MIDDLE, FINEST = 0, 1, 2
 LEVELS = (COARSE, MIDDLE, FINEST)
 # What is kept of each face beside its facets.
@@ -141,6 +141,7 @@ def _file_packed(part: PartFile) -> dict[str, Any]:
             "cells": np.vstack([face.facets.cells for face in faces]),
             "gap": part.gap,
             "unknown_share": part.unknown_share,
+            "by_curvature": part.by_curvature,
         }
     )
 
@@ -161,9 +162,13 @@ def _file_unpacked(path: Path, found: dict[str, Array]) -> PartFile:
             for cells, *values in zip(pieces, *columns, strict=True)
         ),
         VolumeProperties(
-            float(found["exact_volume"]), found["exact_centre"], found["exact_inertia"]
+            float(found["exact_volume"]),
+            found["exact_centre"],
+            found["exact_inertia"],
+            float(found["exact_error"]),
         ),
         None,
         float(found["gap"]),
         float(found["unknown_share"]),
+        bool(found["by_curvature"]),
     )

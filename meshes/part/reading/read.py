@@ -11,23 +11,23 @@ from lumped.errors import ComputationError, InputError
 from lumped.files import require_ordinary
 from lumped.mechanism.body import METRES
 from lumped.text import counted
-from meshes.gmsh_session import connectivity, numbered
+from meshes.gmsh_session import numbered
 from meshes.part.boundary import Facets, PartMesh
+from meshes.part.enclosed import COARSENESS, VolumeProperties
 from meshes.part.faces import Face, face_of
 from meshes.part.reading.cad import (
     BREP,
     STEP,
-    CadModel,
-    VolumeProperties,
+    NotMeshedError,
     cad_model,
-    naming_the_place,
 )
 from meshes.part.reading.given_mesh import LARGEST, MESHES, read_mesh
+from meshes.part.reading.surface import corrected_integrals, surface_integrals, triangulate
 from meshes.part.reading.units import describe
-from meshes.processes import within_limits
+from meshes.processes import Crashed, within_limits
 
-# Sides of a full circle and pieces along the part of the surface that faces are recognised on.
-_SIDES, _PIECES = 24.0, 25.0
+# Sides of a full circle of the surface that faces are recognised on.
+_SIDES = 24.0
 # Share of the volume below which rounding alone opens gaps.
 _EXACT = 1e-9
 # Computing (s) that reading may take, and more for each MB: plates full of bores take 17 s a MB.
@@ -39,9 +39,10 @@ class PartFile:
     """A part read from `path`, in metres, the file's own axes.
 
     `unit` of the file, `extent` (3, m); `surface` nodes (N×3, m) and the `faces` on them;
-    `exact`: volume properties of the CAD kernel, None for a mesh; `mesh`: that of a mesh file.
+    `exact`: volume properties of the shape, None for a mesh; `mesh`: that of a mesh file.
     `gap` (m): how far the file's faces, edges and corners are apart where they should meet, and
-    `unknown_share` of the volume that this leaves open at most.
+    `unknown_share` of the volume that this leaves open at most. `by_curvature`: its meshes have
+    sizes from curvature; False if gmsh does not mesh it so.
     """
 
     path: Path
@@ -53,11 +54,14 @@ class PartFile:
     mesh: PartMesh | None
     gap: float = 0.0
     unknown_share: float = 0.0
+    by_curvature: bool = True
 
     @property
     def size(self) -> str:
         """What was read: "read in mm: 905 × 170 × 210 mm", and what the kernel bridged."""
         said = f"read in {self.unit}: {describe(self.extent, self.unit)}"
+        if not self.by_curvature:
+            said += ", meshed without sizes from curvature"
         if self.unknown_share < _EXACT:
             return said
         gap = f"{self.gap / METRES[self.unit]:.2g} {self.unit}"
@@ -96,20 +100,25 @@ def require_file(path: Path) -> int:
 def read_part(path: Path, unit: str | None = None) -> PartFile:
     """The part in a STEP, BREP or mesh file; `unit` of length where the file names none.
 
-    Raises InputError with the file and the place where it is no sound solid.
+    A surface that cannot be meshed with sizes from its curvature is meshed without. Raises
+    InputError with the file and the place where it is no sound solid.
     """
     seconds = _SECONDS + _SECONDS_PER_MB * require_file(path) / 1e6
     try:
-        return within_limits(seconds, _read, path, unit)
+        if path.suffix.lower() in MESHES:
+            return within_limits(seconds, _read_mesh, path, unit)
+        try:
+            return within_limits(seconds, _read_cad, path, unit, _SIDES)
+        except (NotMeshedError, Crashed) as error:
+            try:
+                return within_limits(seconds, _read_cad, path, unit, 0.0)
+            except (InputError, ComputationError):
+                raise error from None
     except ComputationError as error:
         raise InputError(
             f"{path}: its reader fails ({error}): the file is damaged, or much too large; "
             "export it anew"
         ) from error
-
-
-def _read(path: Path, unit: str | None) -> PartFile:
-    return _read_mesh(path, unit) if path.suffix.lower() in MESHES else _read_cad(path, unit)
 
 
 def _read_mesh(path: Path, unit: str | None) -> PartFile:
@@ -122,43 +131,33 @@ def _read_mesh(path: Path, unit: str | None) -> PartFile:
     return PartFile(path, said, extent, mesh.nodes, faces, None, mesh)
 
 
-def _read_cad(path: Path, unit: str | None) -> PartFile:
+def _read_cad(path: Path, unit: str | None, sides: float) -> PartFile:
     with cad_model(path, unit) as model:
-        return _picked(path, model)
-
-
-def _picked(path: Path, model: CadModel) -> PartFile:
-    gmsh = model.gmsh
-    gmsh.option.setNumber("Mesh.MeshSizeMax", max(model.extent) / _PIECES)
-    gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", _SIDES)
-    with naming_the_place(path, model):
-        gmsh.model.mesh.generate(2)
-    triangles = {tag: connectivity(gmsh, "tri3", tag) for tag in model.faces()}
-    bare = [tag for tag, cells in triangles.items() if not len(cells)]
-    if bare:
-        raise InputError(f"{path}: face {bare[0]} cannot be meshed: it has no area or no outline")
-    tags, nodes = numbered(gmsh, np.concatenate(list(triangles.values())))
-    _require_outward(path, triangles)
-    names, occ = model.names(), gmsh.model.occ
-    faces = tuple(
-        replace(
-            face_of(tag, nodes, Facets(np.searchsorted(tags, cells), "tri3"), names.get(tag, "")),
-            area=float(occ.getMass(2, tag)),
-            centre=np.array(occ.getCenterOfMass(2, tag)),
+        coarse = None
+        if not model.is_elementary:
+            larger = triangulate(path, model, sides, COARSENESS)
+            coarse = surface_integrals(model, larger)
+        triangles = triangulate(path, model, sides)
+        _require_outward(path, triangles)
+        tags, nodes = numbered(model.gmsh, np.concatenate(list(triangles.values())))
+        integrals, names = corrected_integrals(model, triangles, coarse), model.names()
+        faces = []
+        for tag, cells in triangles.items():
+            facets, of_face = Facets(np.searchsorted(tags, cells), "tri3"), integrals.areas[tag]
+            face = face_of(tag, nodes, facets, names.get(tag, ""))
+            faces.append(replace(face, area=of_face.area, centre=of_face.centre))
+        return PartFile(
+            path,
+            model.unit,
+            integrals.extent.tolist(),
+            nodes,
+            tuple(faces),
+            integrals.inside,
+            None,
+            model.gap,
+            model.unknown_share,
+            by_curvature=sides > 0.0,
         )
-        for tag, cells in triangles.items()
-    )
-    return PartFile(
-        path,
-        model.unit,
-        model.extent,
-        nodes,
-        faces,
-        model.properties(),
-        None,
-        model.gap,
-        model.unknown_share,
-    )
 
 
 def _require_outward(path: Path, triangles: Mapping[int, IntArray]) -> None:
@@ -170,7 +169,11 @@ def _require_outward(path: Path, triangles: Mapping[int, IntArray]) -> None:
     faces = np.repeat(list(triangles), [3 * len(cells) for cells in triangles.values()])
     edges = np.concatenate(list(triangles.values()))[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
     _, place, counts = np.unique(edges, axis=0, return_inverse=True, return_counts=True)
-    alike = faces[counts[place.ravel()] > 1]
+    least, largest = np.full(len(counts), faces.max()), np.zeros(len(counts), dtype=np.int64)
+    np.minimum.at(least, place.ravel(), faces)
+    np.maximum.at(largest, place.ravel(), faces)
+    # Triangles of one face that run alike lie over each other, at the tip of a cone, say.
+    alike = faces[(counts > 1)[place.ravel()] & (least < largest)[place.ravel()]]
     if len(alike):
         raise InputError(
             f"{path}: face {np.bincount(alike).argmax()} looks inwards: its edges run as those of "

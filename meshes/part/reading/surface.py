@@ -1,0 +1,190 @@
+"""Triangles on the faces of a CAD model, and integrals over quadratic ones."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+
+from lumped.arrays import Array, IntArray
+from meshes.elements import SIMPLEX_EDGES
+from meshes.gmsh_session import connectivity, numbered
+from meshes.part.boundary import Facets
+from meshes.part.enclosed import (
+    FaceArea,
+    VolumeProperties,
+    corrected,
+    corrected_area,
+    enclosed,
+    face_area,
+)
+from meshes.part.reading.cad import CadModel, NotMeshedError, naming_the_place
+
+# gmsh's type of a piece of a curve.
+_LINE = 1
+# Share of an edge by which its middle may lie off that of its chord: 0.13 on arcs of 60°.
+_NEAR = 0.3
+# Points along a curve among which its extremes are looked for.
+_SAMPLES = 201
+_NOWHERE = np.full(3, np.nan)
+# Pieces along the part of the surface that faces are recognised on.
+_PIECES = 25.0
+# Share of the part's size below which no edge is shorter: at the tip of a cone curvature has no
+# bound, and triangles would have no end.
+_SHORTEST = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class SurfaceIntegrals:
+    """The solid inside a surface, the areas of its faces by number, and its `extent` (3, m)."""
+
+    inside: VolumeProperties
+    areas: dict[int, FaceArea]
+    extent: Array
+
+
+def triangulate(
+    path: Path, model: CadModel, sides: float, coarseness: float = 1.0
+) -> dict[int, IntArray]:
+    """Mesh the surface: linear triangles (F×3, tags of nodes) by face, each as its face looks.
+
+    `sides` of a full circle; zero if sizes do not follow the curvature. `coarseness`: factor on
+    all sizes.
+
+    Raises NotMeshedError with the place where the surface is at fault.
+    """
+    gmsh = model.gmsh
+    gmsh.model.mesh.clear()
+    size = coarseness * max(model.extent)
+    gmsh.option.setNumber("Mesh.MeshSizeMax", size / _PIECES)
+    gmsh.option.setNumber("Mesh.MeshSizeMin", _SHORTEST * size)
+    gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", sides / coarseness)
+    with naming_the_place(path, model):
+        gmsh.model.mesh.generate(2)
+    triangles = {tag: connectivity(gmsh, "tri3", tag) for tag in model.faces()}
+    bare = [tag for tag, cells in triangles.items() if not len(cells)]
+    if bare:
+        raise NotMeshedError(
+            f"{path}: face {bare[0]} cannot be meshed: it has no area or no outline"
+        )
+    return triangles
+
+
+def surface_integrals(model: CadModel, triangles: Mapping[int, IntArray]) -> SurfaceIntegrals:
+    """Integrals over the `triangles` of the model with middles of their edges on its surface."""
+    gmsh = model.gmsh
+    tags, corners = numbered(gmsh, np.concatenate(list(triangles.values())))
+    middles = _middles_on_curves(gmsh)
+    facets: dict[int, Facets] = {}
+    added: list[Array] = []
+    count = len(corners)
+    for face, cells in triangles.items():
+        pairs = np.sort(cells[:, SIMPLEX_EDGES[3]].reshape(-1, 2), axis=1)
+        edges, places = np.unique(pairs, axis=0, return_inverse=True)
+        shared = np.array([middles.get((a, b), _NOWHERE) for a, b in edges.tolist()])
+        inside = np.isnan(shared[:, 0])
+        shared[inside] = _middles_inside(gmsh, face, edges[inside])
+        rows = count + places.reshape(-1, 3)
+        facets[face] = Facets(np.hstack([np.searchsorted(tags, cells), rows]), "tri6")
+        added.append(shared)
+        count += len(shared)
+    nodes = np.concatenate([corners, *added])
+    return SurfaceIntegrals(
+        enclosed(nodes, list(facets.values())),
+        {face: face_area(nodes, own) for face, own in facets.items()},
+        np.ptp(np.concatenate([nodes, _curve_extremes(gmsh)]), axis=0),
+    )
+
+
+def _middles_on_curves(gmsh: ModuleType) -> dict[tuple[int, int], Array]:
+    """Points (3, m) half way along each piece of a curve, by the tags of its ends."""
+    middles: dict[tuple[int, int], Array] = {}
+    for _, curve in gmsh.model.getEntities(1):
+        _, ends = gmsh.model.mesh.getElementsByType(_LINE, curve)
+        tags, _, parameters = gmsh.model.mesh.getNodes(
+            1, curve, includeBoundary=True, returnParametricCoord=True
+        )
+        if not len(ends):
+            continue
+        by_tag = dict(zip(tags.tolist(), parameters.tolist(), strict=True))
+        pieces = ends.reshape(-1, 2).tolist()
+        along = np.array([[by_tag[tag] for tag in piece] for piece in pieces])
+        (low,), (high,) = gmsh.model.getParametrizationBounds(1, curve)
+        # Of a closed curve the first point is the last one, too.
+        step = np.diff(along, axis=1)[:, 0]
+        if pieces[0][0] == pieces[-1][1] and len(pieces) > 1:
+            along[-1, 1] = high if step[0] > 0.0 else low
+        points = gmsh.model.getValue(1, curve, along.mean(axis=1))
+        for piece, point in zip(pieces, np.reshape(points, (-1, 3)), strict=True):
+            middles[min(piece), max(piece)] = point
+    return middles
+
+
+def _middles_inside(gmsh: ModuleType, face: int, edges: IntArray) -> Array:
+    """Points (E×3, m) of a face half way between the nodes of `edges` (E×2, tags)."""
+    tags, coordinates, parameters = gmsh.model.mesh.getNodes(
+        2, face, includeBoundary=True, returnParametricCoord=True
+    )
+    order = np.argsort(tags)
+    rows = order[np.searchsorted(tags[order], edges)]
+    chords = np.asarray(coordinates, dtype=float).reshape(-1, 3)[rows]
+    middles: Array = chords.mean(axis=1)
+    lengths = np.linalg.norm(np.diff(chords, axis=1)[:, 0], axis=1)
+    if not len(edges):
+        return middles
+    halfway = parameters.reshape(-1, 2)[rows].mean(axis=1)
+    points: Array = np.array(gmsh.model.getValue(2, face, halfway.ravel())).reshape(-1, 3)
+    # A node on a seam or at a pole has several parameters.
+    far = np.linalg.norm(points - middles, axis=1) > _NEAR * lengths
+    if far.any():
+        nearest, _ = gmsh.model.getClosestPoint(2, face, middles[far].ravel())
+        points[far] = np.reshape(nearest, (-1, 3))
+    return points
+
+
+def _curve_extremes(gmsh: ModuleType) -> Array:
+    """Largest and smallest coordinates (2×3, m) of the curves of the model.
+
+    By the parabola through the extreme one of many points and its neighbours.
+    """
+    extremes = []
+    for _, curve in gmsh.model.getEntities(1):
+        (low,), (high,) = gmsh.model.getParametrizationBounds(1, curve)
+        along = np.linspace(low, high, _SAMPLES)
+        points = np.reshape(gmsh.model.getValue(1, curve, along), (-1, 3))
+        for sign in (1.0, -1.0):
+            heights = sign * points
+            row = heights.argmax(axis=0).clip(1, _SAMPLES - 2)
+            before, top, after = (heights[row + step, range(3)] for step in (-1, 0, 1))
+            bend = 2.0 * top - before - after
+            rise = np.divide((before - after) ** 2, 8.0 * bend, np.zeros(3), where=bend > 0.0)
+            # At an end of the curve the parabola's top lies beyond it.
+            inside = np.abs(before - after) <= 2.0 * bend
+            extremes.append(sign * np.where(inside, top + rise, heights.max(axis=0)))
+    return np.array([np.max(extremes, axis=0), np.min(extremes, axis=0)])
+
+
+def corrected_integrals(
+    model: CadModel, triangles: Mapping[int, IntArray], coarse: SurfaceIntegrals | None
+) -> SurfaceIntegrals:
+    """The kernel's integrals, corrected if those over two meshes do not confirm them.
+
+    The extent is that of the mesh then: the kernel's boxes around splines are larger.
+
+    `coarse`: those over triangles larger by COARSENESS than the `triangles`. None if the kernel's
+    integrals are exact.
+    """
+    areas = {tag: model.area(tag) for tag in model.faces()}
+    kernel = SurfaceIntegrals(model.properties(), areas, np.array(model.extent))
+    if coarse is None:
+        return kernel
+    fine = surface_integrals(model, triangles)
+    return SurfaceIntegrals(
+        corrected(kernel.inside, coarse.inside, fine.inside),
+        {
+            tag: corrected_area(own, coarse.areas[tag], fine.areas[tag])
+            for tag, own in kernel.areas.items()
+        },
+        fine.extent,
+    )
