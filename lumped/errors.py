@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
+from errno import EAGAIN, EDQUOT, EFBIG, EIO, EMFILE, ENFILE, ENOMEM, ENOSPC
 from typing import Any, TypeVar
 
 from lumped.text import shortened
@@ -9,6 +10,8 @@ from lumped.text import shortened
 Item = TypeVar("Item")
 Found = TypeVar("Found")
 
+# Error numbers of a system that is out of files, processes, memory or room on its disk.
+EXHAUSTED = frozenset({EMFILE, ENFILE, EAGAIN, ENOMEM, ENOSPC, EDQUOT, EFBIG, EIO})
 # What a person reads before mending the first of them.
 _MOST_LINES = 50
 
@@ -41,6 +44,16 @@ class InputError(_SendableError):
 
 class ComputationError(_SendableError):
     """A computation failed: the message names the part of the model and the likely cause."""
+
+
+def write_error(path: object, error: OSError, advice: str = "") -> InputError | ComputationError:
+    """Error of a file that cannot be written: of the system if it is out of room, else of input.
+
+    `advice` is what to do about a wrong name.
+    """
+    if error.errno in EXHAUSTED:
+        return ComputationError(f"{path}: cannot be written ({error.strerror})")
+    return InputError(f"{path}: cannot be written ({error.strerror}){advice}")
 
 
 def each(function: Callable[[Item], Found], items: Iterable[Item]) -> tuple[list[Found], list[str]]:

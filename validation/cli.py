@@ -11,7 +11,6 @@ import signal
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from errno import EAGAIN, EDQUOT, EMFILE, ENFILE, ENOMEM, ENOSPC
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from traceback import format_exception
@@ -20,7 +19,7 @@ from typing import Annotated, Literal
 from cyclopts import App, CycloptsError, Parameter, UnusedCliTokensError
 
 from fem.machine import TO_COMPUTE, TO_READ, require_room, usable_cores
-from lumped.errors import ComputationError, InputError
+from lumped.errors import EXHAUSTED, ComputationError, InputError
 from lumped.robots import FIRST_TYPE, RobotType
 from lumped.text import shortened, visible
 from validation.comparisons.command import converge
@@ -28,6 +27,7 @@ from validation.console import streams
 from validation.console.streams import complain, say
 from validation.console.typed import (
     AsJson,
+    Force,
     Place,
     ProcessCount,
     RobotName,
@@ -39,9 +39,6 @@ from validation.export.command import export as export_model
 from validation.kinematics import commands as kinematics
 from validation.selftest.command import selftest
 from validation.solve import parts as commands
-
-# Of a system that is out of files, processes, memory or room on its disk.
-_REFUSALS = {EMFILE, ENFILE, EAGAIN, ENOMEM, ENOSPC, EDQUOT}
 
 app = App(
     name="flexproof",
@@ -124,7 +121,7 @@ def _run(arguments: list[str]) -> int:
         # Help and version are printed elsewhere.
         if command.__module__.startswith("cyclopts"):
             streams.lost(error)
-        elif error.errno in _REFUSALS:
+        elif error.errno in EXHAUSTED:
             raise ComputationError(f"the system refuses: {error.strerror}") from error
         else:
             raise
@@ -303,6 +300,7 @@ def solve(
     cluster: str | None = None,
     csv: Place | None = None,
     picture: Place | None = None,
+    force: Force = False,
     json: AsJson = False,
 ) -> int:
     """Solve one model of the robot, or of one leg: compliance and natural frequencies.
@@ -371,8 +369,8 @@ def solve(
     from validation.solve.question import Question  # noqa: PLC0415
 
     require_room(TO_COMPUTE)
-    require_place(csv, ".csv")
-    require_place(picture, ".png")
+    require_place(csv, ".csv", force=force)
+    require_place(picture, ".png", force=force)
     require_apart(csv, picture)
     robot_file = load_robot(robot)
     choices = {

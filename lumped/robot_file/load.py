@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 from lumped.acceptance.measured import Measured, pose_faults
 from lumped.acceptance.requirement import Requirement
-from lumped.errors import InputError
+from lumped.errors import InputError, write_error
 from lumped.files import read_ordinary, require_ordinary
 from lumped.mechanism.body import Part
 from lumped.mechanism.mechanism import Mechanism
@@ -218,7 +218,8 @@ def as_printed(robot_file: RobotFile) -> dict[str, Any]:
 def write_template(path: str | Path, kind: RobotType = FIRST_TYPE) -> None:
     """Write a commented robot file to start from: the built-in robot of that name, all keys below.
 
-    Raises InputError where `path` exists already or cannot be written; nothing half-written stays.
+    Raises InputError where `path` exists already or cannot be written, ComputationError if the disk
+    is full; nothing half-written stays.
     """
     target = Path(path)
     text = decoded(_built_in(kind), kind)
@@ -228,16 +229,14 @@ def write_template(path: str | Path, kind: RobotType = FIRST_TYPE) -> None:
     except FileExistsError as error:
         raise InputError(f"{path}: exists already; must be the name of a new file") from error
     except OSError as error:
-        raise InputError(
-            f"{path}: cannot be written ({error.strerror}); must be in a folder that exists and "
-            "may be written to"
-        ) from error
+        advice = "; must be in a folder that exists and may be written to"
+        raise write_error(path, error, advice) from error
     try:
         with file:
             file.write(content)
     except OSError as error:
         target.unlink(missing_ok=True)
-        raise InputError(f"{path}: cannot be written ({error.strerror})") from error
+        raise write_error(path, error) from error
 
 
 def described_by(tables: Mapping[str, Any], folder: Path) -> tuple[Mechanism, dict[str, Any]]:

@@ -9,6 +9,7 @@ from lumped.errors import InputError
 from validation.console.streams import complain, say
 from validation.console.typed import (
     AsJson,
+    Force,
     Place,
     RobotName,
     require_apart,
@@ -32,6 +33,7 @@ def converge(
     json: AsJson = False,
     csv: Place | None = None,
     picture: Place | None = None,
+    force: Force = False,
 ) -> int:
     """Show how frequencies and deflections converge with element count or with the mesh.
 
@@ -62,9 +64,9 @@ def converge(
     from validation.comparisons.element_convergence import QUANTITIES  # noqa: PLC0415
     from validation.comparisons.requested import convergence  # noqa: PLC0415
 
-    require_place(csv, ".csv")
+    require_place(csv, ".csv", force=force)
     kind = _picture_kind(picture)
-    require_place(picture, kind)
+    require_place(picture, kind, force=force)
     require_apart(csv, picture)
     if within is not None and not 0.0 < within < 1.0:
         raise InputError(f"--within = {within:g}: must be above 0 and below 1 (1 % is 0.01)")
@@ -80,9 +82,9 @@ def converge(
     missed = [] if within is None else study.missed(quantity, within)
     say(study.json() if json else study.table(quantity))
     if csv is not None:
-        write(csv, study.csv().encode())
+        write(csv, study.csv().encode(), ".csv")
     if picture is not None:
-        write(picture, study.picture(kind, _DOTS))
+        write(picture, study.picture(kind, _DOTS), kind)
     return complain(missed, 1) if missed else 0
 
 

@@ -1,7 +1,8 @@
 """What people type: whole numbers, and files for results, refused at once and written afterwards.
 
-A file that is there is replaced only by one of its kind, as its name ends: never a robot file or a
-drawing by the table made of it.
+A file that is there is replaced if it is an earlier result (`validation.console.marks`), or by
+`--force`, and only by one of its kind, as its name ends: never a robot file or a drawing by the
+table made of it.
 """
 
 import os
@@ -13,7 +14,8 @@ from typing import Annotated, TypeAlias
 
 from cyclopts import Parameter, Token
 
-from lumped.errors import InputError
+from lumped.errors import InputError, write_error
+from validation.console.marks import is_marked, marked
 from validation.console.streams import complain
 from validation.run.files import write_whole
 
@@ -50,13 +52,16 @@ WholeNumber: TypeAlias = Annotated[int, Parameter(converter=_whole_number)]
 ProcessCount: TypeAlias = Annotated[int | None, Parameter(converter=_process_count)]
 RobotName: TypeAlias = Annotated[str, Parameter(help="A built-in robot or a robot file.")]
 AsJson: TypeAlias = Annotated[bool, Parameter(help="Print JSON for programs.")]
+Force: TypeAlias = Annotated[
+    bool, Parameter(help="Replace a file of the same kind, even if flexproof did not write it.")
+]
 
 
-def require_place(path: Path | None, kind: str) -> None:
+def require_place(path: Path | None, kind: str, *, force: bool = False) -> None:
     """Raise InputError where no file can be written to `path`, before anything is computed for it.
 
     Folders that it lacks count as there: `write` makes them. `kind` is the ending (".csv", say) of
-    files that are replaced. None asks for no file.
+    files that are replaced: earlier results, with `force` any. None asks for no file.
     """
     if path is None:
         return
@@ -66,6 +71,11 @@ def require_place(path: Path | None, kind: str) -> None:
         raise InputError(
             f"{path}: exists already, and only {kind} files are replaced; must be the name of a "
             "new file or end so"
+        )
+    if path.is_file() and not (force or is_marked(path, kind)):
+        raise InputError(
+            f"{path}: exists already and was not written by flexproof, or was changed since; "
+            "must be the name of a new file, or be replaced with --force"
         )
     nearest = next(place for place in (path, *path.absolute().parents) if place.exists())
     if nearest != path and not nearest.is_dir():
@@ -81,11 +91,13 @@ def require_apart(*paths: Path | None) -> None:
         raise InputError(f"{paths[0]}: is named for two results; each must have a file of its own")
 
 
-def write(path: Path, content: bytes) -> None:
-    """Write a file whole, and say so; raises InputError with the system's reason.
+def write(path: Path, content: bytes, kind: str) -> None:
+    """Write a file of a kind (its ending) whole, with a mark, and say so.
 
-    What was there stays until all is written; a link is replaced, not what it leads to.
+    What was there stays until all is written; a link is replaced, not what it leads to. Raises
+    InputError with the system's reason, ComputationError if it is out of room.
     """
+    content = marked(content, kind)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         if path.exists() and not path.is_file():
@@ -94,5 +106,5 @@ def write(path: Path, content: bytes) -> None:
         else:
             write_whole(path, content)
     except OSError as error:
-        raise InputError(f"{path}: cannot be written ({error.strerror})") from error
+        raise write_error(path, error) from error
     complain([f"{path} written"], 0)

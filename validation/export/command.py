@@ -6,7 +6,14 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from cyclopts import Parameter
 
 from lumped.errors import InputError
-from validation.console.typed import Place, RobotName, WholeNumber, require_place, write
+from validation.console.typed import (
+    Force,
+    Place,
+    RobotName,
+    WholeNumber,
+    require_place,
+    write,
+)
 
 if TYPE_CHECKING:
     from lumped.mechanism.mechanism import Mechanism
@@ -25,6 +32,7 @@ def export(
     body: str | None = None,
     modes: WholeNumber = 20,
     out: Place | None = None,
+    force: Force = False,
 ) -> int:
     """Write a body, or the robot about one pose, as a reduced model with a bound on its error.
 
@@ -72,10 +80,10 @@ def export(
         ending = ".mat"
     if place.suffix != ending:
         raise InputError(f"--out {place}: must end in {ending}")
-    require_place(place, ending)
+    require_place(place, ending, force=force)
     with stage("meshing and reducing", _seconds(mechanism, body, modes)):
         content = in_own_process(_content, robot_file, to, pose, body, modes, ending)
-    write(place, content)
+    write(place, content, ending)
     return 0
 
 

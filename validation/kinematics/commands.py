@@ -5,7 +5,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from validation.console.streams import complain, say
-from validation.console.typed import AsJson, Place, RobotName, require_place, write
+from validation.console.typed import AsJson, Force, Place, RobotName, require_place, write
 
 
 def kinematics(
@@ -13,6 +13,7 @@ def kinematics(
     *,
     pose: Annotated[tuple[str, ...], Parameter(allow_leading_hyphen=True)] = (),
     picture: Place | None = None,
+    force: Force = False,
     json: AsJson = False,
 ) -> int:
     """Close the loops of a mechanism: mobility, idle motions, overconstraint, joint coordinates.
@@ -33,7 +34,7 @@ def kinematics(
         postures_on_path,
     )
 
-    require_place(picture, ".png")
+    require_place(picture, ".png", force=force)
     mechanism = load_robot(robot).mechanism
     if pose:
         found = postures_of(mechanism, parsed_poses(mechanism, pose))
@@ -48,5 +49,5 @@ def kinematics(
         if drawn.left_out:
             complain([drawn.left_out], 3)
         else:
-            write(picture, drawn.png)
+            write(picture, drawn.png, ".png")
     return 0

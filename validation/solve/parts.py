@@ -6,7 +6,7 @@ from typing import Any, Literal
 
 from lumped.errors import InputError
 from validation.console.streams import complain, say
-from validation.console.typed import AsJson, Place, WholeNumber, require_place, write
+from validation.console.typed import AsJson, Force, Place, WholeNumber, require_place, write
 
 Unit = Literal["m", "mm", "cm", "inch"]
 _FEWEST_UNKNOWNS, _MOST_UNKNOWNS = 1000, 10_000_000
@@ -21,6 +21,7 @@ def faces(
     *,
     unit: Unit | None = None,
     out: Place | None = None,
+    force: Force = False,
     json: bool = False,
 ) -> int:
     """List the faces of a CAD part or of a mesh, and draw them numbered.
@@ -40,6 +41,11 @@ def faces(
     from validation.parts import face_list  # noqa: PLC0415
     from validation.parts.meshes import part_file  # noqa: PLC0415
 
+    folder = Path() if out is None else out
+    drawing, scene = (folder / f"{part.name}.faces{kind}" for kind in (".png", ".html"))
+    if not json:
+        require_place(drawing, ".png", force=force)
+        require_place(scene, ".html", force=force)
     size = part.stat().st_size if part.is_file() else 0
     with stage(f"reading {part.name}", _READING_A_BYTE * size):
         found = part_file(part, unit)
@@ -49,14 +55,13 @@ def faces(
     say(face_list.as_text(found))
     from validation.parts import face_pictures  # noqa: PLC0415
 
-    folder = Path() if out is None else out
     with stage("drawing the faces"):
         drawn = face_pictures.picture(found)
     if drawn.left_out:
         complain([drawn.left_out], 0)
     else:
-        write(folder / f"{part.name}.faces.png", drawn.png)
-    write(folder / f"{part.name}.faces.html", face_pictures.scene_page(found).encode())
+        write(drawing, drawn.png, ".png")
+    write(scene, face_pictures.scene_page(found).encode(), ".html")
     return 0
 
 
@@ -71,6 +76,7 @@ def identify(
     modes: WholeNumber | None = None,
     accuracy: float | None = None,
     out: Place | None = None,
+    force: Force = False,
     json: AsJson = False,
 ) -> int:
     """Identify a part: stiffness, mass and frequencies between its interfaces, with uncertainty.
@@ -110,7 +116,7 @@ def identify(
     from validation.parts.identify import Identified  # noqa: PLC0415
     from validation.parts.meshes import part_file  # noqa: PLC0415
 
-    require_place(out, ".npz")
+    require_place(out, ".npz", force=force)
     faults = [] if accuracy is None else accuracy_faults(accuracy)
     if unknowns is not None and not _FEWEST_UNKNOWNS <= unknowns <= _MOST_UNKNOWNS:
         allowed = f"from {_FEWEST_UNKNOWNS} to {_MOST_UNKNOWNS}"
@@ -153,5 +159,5 @@ def identify(
         buffer = BytesIO()
         named: Any = identified_text.as_arrays(found)
         np.savez(buffer, **named)
-        write(out, buffer.getvalue())
+        write(out, buffer.getvalue(), ".npz")
     return 0

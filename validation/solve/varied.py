@@ -88,9 +88,9 @@ def tell_varied(
     say(as_json(found) if json else as_text(found))
     complain(without_say(found), 0)
     if csv is not None:
-        write(csv, csv_of(columns(found)).encode())
+        write(csv, csv_of(columns(found)).encode(), ".csv")
     if picture is not None:
-        write(picture, png(question.robot_file, found))
+        write(picture, png(question.robot_file, found), ".png")
 
 
 def solve_varied(

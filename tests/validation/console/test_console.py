@@ -11,7 +11,7 @@ import pytest
 from toy_runs import refusing
 
 from fem.machine import available_memory
-from lumped.errors import InputError
+from lumped.errors import ComputationError, InputError
 from lumped.text import visible
 from validation import cli
 from validation.console import streams
@@ -135,8 +135,8 @@ def test_folders_that_lack_are_made_where_one_may_write(tmp_path, capsys, monkey
     path = tmp_path / "new" / "deeper" / "table"
     require_place(path, ".csv")
     assert not (tmp_path / "new").exists()
-    write(path, b"content")
-    assert path.read_bytes() == b"content"
+    write(path, b"x,y\n1,2\n", ".csv")
+    assert path.read_bytes() == b"x,y\r\n1,2\n"
     assert capsys.readouterr().err == f"flexproof: {path} written\n"
     monkeypatch.setattr("os.access", lambda *_: False)
     with pytest.raises(InputError, match=f"{tmp_path} is not yours to write to"):
@@ -155,12 +155,38 @@ def test_results_are_told_though_their_file_cannot_be_written(tmp_path, capsys, 
     assert said in command.refused(*TABLE, path, "--picture", path)
 
 
+EXPORT = ("export", "five-bar", "--to", "npz", "--out")
+
+
+@pytest.mark.parametrize(
+    ("words", "name"), [(TABLE, "table.csv"), (EXPORT, "robot.npz")], ids=["table", "export"]
+)
+def test_full_disk_ends_with_3_and_nothing_written(words, name, tmp_path, monkeypatch, capsys):
+    """What is out of the user's hands is no wrong input."""
+    monkeypatch.setattr("meshes.processes.in_own_process", lambda *_: b"content")
+    monkeypatch.setattr(os, "fsync", refusing(errno.ENOSPC))
+    path = tmp_path / name
+    assert cli.main([*words, str(path)]) == 3
+    *_, said = capsys.readouterr().err.splitlines()
+    assert said == f"flexproof: {path}: cannot be written (No space left on device)"
+    assert not list(tmp_path.iterdir())
+
+
+def test_full_disk_leaves_no_half_template(tmp_path):
+    """A limit of the size of files, in blocks of 1024 bytes, stands for a full disk."""
+    path = tmp_path / "robot.toml"
+    done = shell(f"ulimit -f 1; flexproof new '{path}'")
+    said = f"flexproof: {path}: cannot be written (File too large)\n"
+    assert (done.returncode, done.stderr) == (3, said)
+    assert not path.exists()
+
+
 def test_a_link_is_replaced_and_what_it_leads_to_stays(tmp_path):
     foreign, link = tmp_path / "foreign.csv", tmp_path / "link.csv"
     foreign.write_bytes(b"mine")
     link.symlink_to(foreign)
-    write(link, b"table")
-    assert (foreign.read_bytes(), link.read_bytes()) == (b"mine", b"table")
+    write(link, b"x\n1\n", ".csv")
+    assert (foreign.read_bytes(), link.read_bytes()) == (b"mine", b"x\r\n1\n")
     assert not link.is_symlink()
     assert sorted(tmp_path.iterdir()) == [foreign, link]
 
@@ -169,7 +195,7 @@ def test_what_cannot_be_written_whole_leaves_what_was_there(tmp_path, monkeypatc
     path = tmp_path / "table.csv"
     path.write_bytes(b"earlier")
     monkeypatch.setattr(os, "fsync", refusing(errno.ENOSPC))
-    with pytest.raises(InputError, match="cannot be written"):
-        write(path, b"x" * 5000)
+    with pytest.raises(ComputationError, match="cannot be written"):
+        write(path, b"x\n1\n", ".csv")
     assert path.read_bytes() == b"earlier"
     assert list(tmp_path.iterdir()) == [path]
