@@ -6,7 +6,6 @@ its own for each leg and for the robot, beside the order and the half-width of t
 
 import numpy as np
 
-from lumped.arrays import Array
 from lumped.errors import ComputationError, InputError
 from lumped.mechanism.mechanism import Mechanism
 from validation.adequacy.mechanism.path import distinct_legs
@@ -120,7 +119,7 @@ def _order_uncertainty(series: ConvergenceSeries, column: int) -> float:
 @cases.case(
     "{subject_name}.converged[{model}-20]",
     "{subject_name}: the error of {model} with 20 elements or more is at most 1 %",
-    quantity="largest relative error of f1 with 20 elements or more, and of f2 to f4, x, y, z",
+    quantity="largest relative error of f1 to f4, x, y, z with 20 elements or more",
     label="{model}: error at 20",
     citation="Briot, Pashkevich and Chablat: 20 elements per leg, less than 1 %",
     relation=Relation.AT_MOST,
@@ -130,13 +129,19 @@ def _order_uncertainty(series: ConvergenceSeries, column: int) -> float:
 def _stated_error(context: Context, body: str, model: RefinedModel) -> Measurement:
     series = study_of(context, body).of(model)
     errors = series.largest_errors[series.counts.index(STATED_ELEMENTS)]
-    return _each_quantity(errors, STATED_ERROR, series.limit_half_widths)
+    worst = int(np.argmax(errors))
+    return Measurement(
+        float(errors[worst]),
+        STATED_ERROR,
+        value_uncertainty=float(series.limit_half_widths[worst]),
+        notes=(f"largest of {QUANTITIES[worst]}",),
+    )
 
 
 @cases.case(
     "{subject_name}.converged[{model}-half-width]",
     "{subject_name}: the half-widths of {model} contain the limit",
-    quantity="largest error over half-width of f1 from 5 elements on, and of f2 to f4, x, y, z",
+    quantity="largest error over half-width of f1 to f4, x, y, z, from 5 elements on",
     label="{model}: error over half-width",
     citation="exact cantilever (Huang 1961) or limit of the beam elements",
     relation=Relation.AT_MOST,
@@ -147,17 +152,7 @@ def _half_width(context: Context, body: str, model: RefinedModel) -> Measurement
     series = study_of(context, body).of(model)
     fine = [place for place, count in enumerate(series.counts) if count >= _FINE]
     shares = np.abs(series.errors[fine]) / series.half_widths[fine]
-    return _each_quantity(shares.max(axis=0), 1.0, None)
-
-
-def _each_quantity(values: Array, bound: float, uncertainties: Array | None) -> Measurement:
-    """The first quantity as the measurement, the others judged beside it."""
-    known = [None] * len(values) if uncertainties is None else uncertainties.tolist()
-    others = zip(QUANTITIES[1:], values[1:], known[1:], strict=True)
+    worst = int(np.argmax(shares.max(axis=0)))
     return Measurement(
-        float(values[0]),
-        bound,
-        value_uncertainty=known[0],
-        exact=uncertainties is None,
-        elsewhere=tuple(Elsewhere(name, float(value), bound, own) for name, value, own in others),
+        float(shares.max()), 1.0, exact=True, notes=(f"largest of {QUANTITIES[worst]}",)
     )
