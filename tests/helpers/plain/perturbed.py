@@ -30,6 +30,7 @@ def assert_agrees_and_can_turn(outcome: Outcome) -> None:
     assert outcome.verdict == "agree", said
     assert outcome.measurement is not None
     assert outcome.share is not None
-    # Where one side alone is claimed, from where the claim would just hold.
-    assert perturbed(outcome, max(0.0, -outcome.share) + 3.0) == "disagree", said
+    # Where one side alone is claimed, from where the claim on its first number would just hold.
+    excess = outcome.case.relation.excess(outcome.measurement.unexplained) / outcome.tolerance
+    assert perturbed(outcome, max(0.0, -excess) + 3.0) == "disagree", said
     assert outcome.measurement.exact or isfinite(outcome.measurement.numerical_uncertainty), said

@@ -30,6 +30,8 @@ from validation.solve.answer import record_of
 
 COUNT, FEW = 60, 6
 ROBOTS = list(random_robots(COUNT, seed=7))
+# Stiffnesses of which double precision resolves one formulation at most.
+UNRESOLVED = (38, 40, 42)
 # The same theory in three formulations. Each may be off by 1e-4, beyond which it would be refused
 # for the balance of its energies; that is known to first order, so not to the last of them.
 SAME = 3e-4
@@ -61,22 +63,43 @@ def compliance(robot_file, model, **options):
     return found
 
 
-@extreme(
-    *range(FEW), *(pytest.param(n, marks=pytest.mark.exhaustive) for n in range(FEW, COUNT, 2))
-)
-def test_lumped_models_agree_or_say_why_not(robot_file, command):
-    assert ": sound" in command.told("check", robot_file.source).splitlines()[0]
-    compliance(robot_file, "simplified")
-    compliance(robot_file, "vjm")
+def formulations(robot_file):
+    """Compliances of one theory in three formulations, those that answer."""
     found = {
         "vjm": compliance(robot_file, "vjm", legs="equivalent"),
         "segments": compliance(robot_file, "segments", elements=4),
         "beam": compliance(robot_file, "beam", elements=4),
     }
-    answered = [one for one in found.values() if one is not None]
-    for one, other in combinations(answered, 2):
+    answered = {model: one for model, one in found.items() if one is not None}
+    for one, other in combinations(answered.values(), 2):
         size = np.sqrt(np.outer(np.diag(one), np.diag(one)))
         assert np.abs((one - other) / size).max() < SAME, found
+    return answered
+
+
+@extreme(
+    *range(FEW),
+    *(
+        pytest.param(n, marks=pytest.mark.exhaustive)
+        for n in range(FEW, COUNT, 2)
+        if n not in UNRESOLVED
+    ),
+)
+def test_lumped_models_agree(robot_file, command):
+    assert ": sound" in command.told("check", robot_file.source).splitlines()[0]
+    assert compliance(robot_file, "simplified") is not None
+    answered = formulations(robot_file)
+    # Virtual joints may be refused: sums of both legs' rotations lose a soft one's.
+    assert len(answered) >= 2
+    given = compliance(robot_file, "vjm")
+    assert given is not None or "vjm" not in answered
+
+
+@pytest.mark.exhaustive
+@extreme(*UNRESOLVED)
+def test_robots_beyond_double_precision_are_refused(robot_file):
+    assert compliance(robot_file, "simplified") is not None
+    assert len(formulations(robot_file)) < 3
 
 
 def planar_exactly(at):
@@ -105,11 +128,7 @@ def test_what_rounding_leaves_open_covers_the_error_against_the_closed_form(robo
     options = ModelOptions(legs="equivalent", theory="euler-bernoulli")
     for at in placed_at(robot, *stations(robot, 5)):
         exact = planar_exactly(at)
-        try:
-            found = compliances((at,), model, options)[0]
-        except ComputationError:
-            # Refused, since its energies are out of balance.
-            continue
+        found = compliances((at,), model, options)[0]
         left_open = path_roundings((at,), model, options)[0]
         off = np.abs(np.linalg.norm(found[:2, :2], axis=0) - exact)
         # Beside the roundings of the matrix those of its solution, some in the last place.

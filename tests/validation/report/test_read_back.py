@@ -7,6 +7,7 @@ are parsed as a reader would; a factor, a sign, a unit or another entry's number
 import csv
 import io
 import re
+from collections import defaultdict
 from xml.etree import ElementTree as ET
 
 import numpy as np
@@ -239,21 +240,39 @@ def test_every_curve_and_its_table(matrix):
                 assert known(cell) == close(errors[p])
 
 
-def test_every_remedy_names_its_entries_and_their_range():
+def test_remedy_lines_have_the_range_of_their_errors():
+    """One line for each set of two foremost causes and remedy, in the order of the matrix."""
     for matrix in MATRICES:
         off = [entry for entry in matrix.entries if entry.verdict == "inadequate"]
+        groups = defaultdict(list)
+        for entry in off:
+            foremost = frozenset(cause.cause for cause in entry.causes[:2])
+            reason = "" if foremost else entry.reason
+            groups[foremost, entry.remedy, reason, entry.signed].append(entry)
         lines = remedies_of(matrix, {entry.model for entry in off})
-        assert sum(line.quantities.count(",") + 1 for line in lines) <= len(off)
-        for line in lines:
-            found = [one for one in off if one.remedy == line.remedy]
+        for line, ((foremost, remedy, reason, _), entries) in zip(
+            lines, groups.items(), strict=True
+        ):
+            assert line.remedy == remedy
+            if foremost:
+                named = {text.partition(":")[0] for text in line.causes}
+                assert named
+                assert named <= foremost | {"all others"}
+            else:
+                assert line.causes == (reason,)
+            quantities = re.split(", | and ", line.quantities)
+            assert len(quantities) == len({entry.quantity for entry in entries})
             for shown, errors in (
-                (line.without, [one.error for one in found]),
-                (line.with_remedy, [one.error_with_remedy for one in found if one.remedy]),
+                (line.without, [one.error for one in entries]),
+                (line.with_remedy, [one.error_with_remedy for one in entries]),
             ):
                 # "3.1 to 12 %": the percent sign stands for both.
                 ends = numbers(re.sub(r"(?<=\d) to ", " % to ", shown))
-                ways = [told(abs(one)) for one in errors if one is not None]
-                assert all(any(abs(end) == one for one in ways) for end in ends), shown
+                known = sorted((one for one in errors if one is not None), key=abs)
+                assert bool(ends) is bool(known), shown
+                if known:
+                    # One number for all stands for the smallest and for the largest.
+                    assert [ends[0], ends[-1]] == [told(known[0]), told(known[-1])], shown
 
 
 def test_a_matrix_survives_its_record_whose_keys_programs_read():
