@@ -4,6 +4,7 @@ import csv
 import io
 import re
 from itertools import product
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -22,7 +23,7 @@ from validation.adequacy.robot import static_subject
 from validation.catalogue import catalogue
 from validation.context import Context
 from validation.kinematics.poses import postures_of
-from validation.maps.figure import _MOST, maps
+from validation.maps.figure import _MOST, _panels, maps
 from validation.maps.quantities import _error
 from validation.maps.workspace import evenly, values_on, workspace, worst_posture
 from validation.results.outcome import Result, from_plain, plain
@@ -218,3 +219,18 @@ def test_maps_are_planned_for_grids_and_kept_with_the_run(five_bar):
     record = plain(Result("mechanism.maps", "made", 1.0, found=figure))
     kept = from_plain(planned["mechanism.maps"], record).found
     assert run_record({}, (), (), (), [kept]).studies == figure.studies
+
+
+def test_star_stands_in_the_slice_nearest_to_the_worst_posture():
+    """Three directions, slices at z = 0, 1, 2, 3: the worst posture at z = 2.2."""
+    axes = (np.array([0.0, 1.0]), np.array([0.0, 1.0]), np.arange(4.0))
+    space = SimpleNamespace(axes=axes, moves=(0, 1, 2))
+    shown = SimpleNamespace(title="stiffness", unit="N/µm")
+    values = np.arange(16.0).reshape(2, 2, 4)
+    worst = SimpleNamespace(pose=np.array([0.4, 0.7, 2.2]))
+    panels = _panels(space, ["x (m)", "y (m)", "z (m)"], [(shown, values, worst)])
+    stars = [panel.contours.star for panel in panels]
+    assert stars == [None, None, (0.4, 0.7), None]
+    for k, panel in enumerate(panels):
+        assert panel.y_label.startswith(f"z = {k} m")
+        np.testing.assert_array_equal(panel.contours.values, values[:, :, k])
