@@ -43,6 +43,25 @@ class Loaded:
 
 
 @dataclass(frozen=True, eq=False)
+class Paired:
+    """Pairing by shape behind errors of frequencies: a alternatives of the reference by p poses.
+
+    `below` and `above` the error lie those of other partners that shapes leave open; of the order
+    those of other places. `undecided`: shapes do not decide whether the model has the mode.
+    `local`: the mode is local to a leg's section, `seen` the share of its kinetic energy in
+    sections and bodies that move as wholes. `likeness` with the partner, or the largest with any
+    mode of the model.
+    """
+
+    below: Array
+    above: Array
+    undecided: NDArray[np.bool_]
+    local: NDArray[np.bool_]
+    seen: Array
+    likeness: Array
+
+
+@dataclass(frozen=True, eq=False)
 class Errors:
     """Errors of one quantity: a alternatives of the reference, by their `names`, by p poses.
 
@@ -50,9 +69,10 @@ class Errors:
     likewise, in m/N. Deflections: `value` and `expected` along the load, `error` of the whole
     displacement, never negative, and what belongs to it in `loaded`. NaN where model and reference
     have nothing that could be compared; `unknown` where the reference has fewer modes than are
-    asked for, or none that is damped. `numerical` is what meshes leave open of the error, `digits`
-    what the printed digits of the robot's 6×6 do. `numbers` (a×p×m, of the order alone): which mode
-    of the model, from 0, has the shape of each of the reference's; −1: none has.
+    asked for, or none that is damped, and where shapes do not decide whether the model has the
+    mode. `numerical` is what meshes leave open of the error, `digits` what the printed digits of
+    the robot's 6×6 do, `paired` what belongs to modes. `numbers` (a×p×m, of the order alone): which
+    mode of the model, from 0, has the shape of each of the reference's; −1: none has.
     """
 
     names: tuple[str, ...]
@@ -63,6 +83,7 @@ class Errors:
     digits: Array
     unknown: NDArray[np.bool_]
     loaded: Loaded | None = None
+    paired: Paired | None = None
     numbers: IntArray | None = None
 
     @property
@@ -77,9 +98,19 @@ class Errors:
         return spread if self.loaded is None else spread + self.loaded.masses + self.loaded.linear
 
     @property
+    def farthest(self) -> Array:
+        """Distance of the farther bound from each error (a×p)."""
+        if self.paired is None:
+            return self.spread
+        return self.spread + np.maximum(self.paired.below, self.paired.above)
+
+    @property
     def bounds(self) -> tuple[Array, Array]:
-        """Each error less and plus its half-width (a×p each)."""
-        return self.error - self.spread, self.error + self.spread
+        """Each error less and plus its half-width (a×p each), and those of other partners."""
+        low, high = self.error - self.spread, self.error + self.spread
+        if self.paired is None:
+            return low, high
+        return low - self.paired.below, high + self.paired.above
 
     @property
     def interval(self) -> tuple[Array, Array]:
@@ -137,9 +168,10 @@ class Scale:
         None where a response says nothing of it.
         """
         alternatives = self.reference(quantity).alternatives
-        of = self._deflection if is_static(quantity) else self._frequency
-        if quantity.startswith(RESPONSE):
-            of = self._peak
+        is_frequency = not is_static(quantity) and not quantity.startswith(RESPONSE)
+        of = self._deflection if is_static(quantity) else self._peak
+        if is_frequency:
+            of = self._frequency
         rows = [
             row
             for one, response in zip(alternatives, responses, strict=True)
@@ -159,41 +191,47 @@ class Scale:
             digits,
             unknown,
             loaded=Loaded(*further) if is_static(quantity) else None,
-            numbers=further[0] if quantity == ORDER else None,
+            paired=Paired(*further[:-1]) if is_frequency else None,
+            numbers=further[-1] if quantity == ORDER else None,
         )
 
     def _frequency(
         self, one: Alternative, response: Response, quantity: str
     ) -> tuple[NDArray[Any], ...] | None:
-        """The first fields of `Errors` for every pose, and the numbers.
+        """The first fields of `Errors` for every pose, those of `Paired`, and the numbers.
 
         Of the order those of the mode, among all in another place, whose number misleads most.
         """
         truth, model = one.response.vibration, response.vibration
         if truth is None or model is None:
             return None
-        found = self._partners(one.name, truth, response, model)
+        found = self._partners(one, truth, response, model)
         own = truth.frequencies[:, : self.modes]
-        poses, values, known = np.arange(len(own)), found.frequency, np.isfinite(own)
-        # A mode in its place says nothing wrong of the order, nor does one that nobody knows.
-        numbers = np.where(known, found.number, np.arange(self.modes))
-        moved = numbers != np.arange(self.modes)
+        poses, known = np.arange(len(own)), np.isfinite(own)
         if quantity == ORDER:
-            misled = np.where(moved, np.abs(found.by_number / own - 1.0), 0.0)
-            # A number that does not exist misleads more than any that does.
-            at = poses, np.argmax(np.where(np.isnan(misled), np.inf, misled), axis=1)
-            values, unknown = np.where(moved, found.by_number, own), (~known).any(axis=1)
+            numbers, at, value, below, above = _misplaced(found, own)
+            unknown = (~known | found.undecided).any(axis=1)
+            moved = (numbers[poses, at] != at) | found.loose[poses, at]
         else:
-            at = poses, np.full(len(own), FREQUENCIES[quantity] - 1)
-            moved, unknown = np.ones_like(moved), ~known[at]
-        ratio = values[at] / own[at]
+            at = np.full(len(own), FREQUENCIES[quantity] - 1)
+            value, numbers = found.frequency[poses, at], found.number
+            below, above = value - found.lowest[poses, at], found.highest[poses, at] - value
+            unknown = ~known[poses, at] | found.undecided[poses, at]
+            moved = np.ones(len(own), bool)
+        expected = own[poses, at]
+        ratio = value / expected
         numerical, digits = (
-            np.zeros(len(own)) if left is None else np.where(moved[at], left[at], 0.0)
+            np.zeros(len(own)) if left is None else np.where(moved, left[poses, at], 0.0)
             for left in (one.dynamic, one.dynamic_digits)
         )
         sizes = np.abs(ratio)
         left = numerical * sizes, digits * sizes
-        return values[at], own[at], ratio - 1.0, *left, np.asarray(unknown), numbers
+        pairing = [
+            np.nan_to_num(below / expected),
+            np.nan_to_num(above / expected),
+            *(of[poses, at] for of in (found.undecided, found.local, found.seen, found.likeness)),
+        ]
+        return value, expected, ratio - 1.0, *left, np.asarray(unknown), *pairing, numbers
 
     def _peak(
         self, one: Alternative, response: Response, quantity: str
@@ -212,11 +250,15 @@ class Scale:
         return value, own, value / own - 1.0, numerical, digits, np.isnan(own)
 
     def _partners(
-        self, name: str, truth: Vibration, response: Response, model: Vibration
+        self, one: Alternative, truth: Vibration, response: Response, model: Vibration
     ) -> Partners:
-        key = id(response), name
+        key = id(response), one.name
         if key not in self._pairs:
-            self._pairs[key] = partners(truth, model, self.subject.weights, self.modes)
+            left = [
+                of[:, : self.modes] for of in (one.dynamic, one.dynamic_digits) if of is not None
+            ]
+            unsure = np.sum(left, axis=0) if left else None
+            self._pairs[key] = partners(truth, model, self.subject.weights, self.modes, unsure)
         return self._pairs[key]
 
     def _deflection(
@@ -252,3 +294,31 @@ class Scale:
         unknown = np.zeros(len(size), bool)
         of_load = found.load, found.along, off, length, masses, linear
         return value, expected, error, numerical, digits, unknown, *of_load
+
+
+def _misplaced(found: Partners, own: Array) -> tuple[IntArray, IntArray, Array, Array, Array]:
+    """Numbers (p×K) of the modes, and the place (p) of the one in another place that misleads most.
+
+    Then the model's frequency (p, Hz) there, and by how much the frequency is below and above it
+    that misleads most if modes stand in their places that may. `own` (p×K, Hz) are the reference's.
+    """
+    poses, places = np.arange(len(own)), np.arange(own.shape[1])
+    known = np.isfinite(own) & ~found.undecided
+    # A mode in its place does not mislead, nor does one that is not known.
+    numbers = np.where(known, found.ordered, places)
+    moved = numbers != places
+    off = np.where(known, found.by_number / own - 1.0, 0.0)
+    certain, possible = (np.where(of, off, 0.0) for of in (moved, moved | (known & found.loose)))
+    (least, _), (error, at) = (_most_misleading(errors) for errors in (certain, possible))
+    expected = own[poses, at]
+    below, above = (np.maximum(of, 0.0) * expected for of in (error - least, least - error))
+    return numbers, at, expected * (1.0 + error), below, above
+
+
+def _most_misleading(errors: Array) -> tuple[Array, IntArray]:
+    """The largest of the errors (p×K) by size at each pose, and its place.
+
+    A number that does not exist (NaN) misleads more than any that does.
+    """
+    at = np.argmax(np.where(np.isnan(errors), np.inf, np.abs(errors)), axis=1)
+    return errors[np.arange(len(errors)), at], at

@@ -39,11 +39,14 @@ from validation.adequacy.response import (
 from validation.agreement.displacement import displacement
 
 DIGITS = "digits of the file"
+PAIRING = "modes whose shapes mix"
 REST = "rest, not attributed"
 _DECIDED_BY = {
     DIGITS: "give the 6×6 in the robot file with more digits",
     OPEN_LINEAR: SAY_LINEAR,
+    PAIRING: "shapes of close modes mix and do not decide which mode of the model is which",
 }
+_UNDECIDED_SHAPES = "several modes of the reference have the shape of one mode"
 # Causes below this share of an error are not named, steps below this part of a limit not taken.
 _WORTH_NAMING, _WORTH_TAKING = 0.005, 0.1
 _NEARLY = 0.5
@@ -257,16 +260,14 @@ def _reason(
     pose = told[1]
     unknown, of_response = errors.unknown[:, pose], quantity.startswith(RESPONSE)
     if errors.missing[:, pose].all() and not unknown.any():
-        lacking = "has no mode of this shape: MAC below 0.5 with each of its modes"
-        if is_static(quantity):
-            lacking = "is elastic where the reference is rigid"
-        if of_response:
-            lacking = "has no peak there, or one without bound that nothing damps"
-        return f"{candidate.model} {'has too few modes' if quantity == ORDER else lacking}"
+        return f"{candidate.model} {_lacking(errors, quantity, pose)}"
     if verdict == "inadequate":
         rigid = errors.loaded is not None and not errors.value[:, pose].any()
         return candidate.rigid if rigid else ""
     places = _places(errors, reference, pose)
+    if errors.paired is not None and errors.paired.undecided[:, pose].any():
+        places.append(f"{_UNDECIDED_SHAPES} of {candidate.model}")
+        unknown = unknown & ~errors.paired.undecided[:, pose]
     if unknown.any():
         without = [one.name for one in compress(reference.alternatives, unknown)]
         lacking = "nothing damps it" if of_response else "there are fewer modes than are judged"
@@ -281,6 +282,26 @@ def _reason(
     # Where nothing helps against what leaves most open, what helps against nearly as much does.
     helps = [decided[name] for name in ranked if parts[name] >= _NEARLY * widest and decided[name]]
     return next((said for said in helps if said != NOT_FINER), reference.finer)
+
+
+def _lacking(errors: Errors, quantity: str, pose: int) -> str:
+    """Why a model has nothing to compare."""
+    if is_static(quantity):
+        return "is elastic where the reference is rigid"
+    if quantity.startswith(RESPONSE):
+        return "has no peak there, or one without bound that nothing damps"
+    if quantity == ORDER or errors.paired is None:
+        return "has too few modes"
+    paired = errors.paired
+    seen, likeness = (float(of[:, pose].max()) for of in (paired.seen, paired.likeness))
+    lacking = f"energy-weighed MAC at most {likeness:.2f} with each of its modes"
+    if paired.local[:, pose].all():
+        return (
+            "does not have this mode, a local one of a leg's section: "
+            f"{100.0 * seen:.2g} % of its kinetic energy is motion of whole cross-sections and "
+            f"bodies; {lacking}"
+        )
+    return f"has no mode of this shape: {lacking}"
 
 
 def _places(errors: Errors, reference: Reference, pose: int) -> list[str]:
@@ -351,6 +372,9 @@ def _parts(errors: Errors, reference: Reference, told: Told) -> dict[str, float]
     parts = {"meshes": float(errors.numerical[told])}
     if (errors.digits > 0.0).any():
         parts[DIGITS] = float(errors.digits[told])
+    if errors.paired is not None:
+        mixed = 0.5 * float(errors.paired.below[told] + errors.paired.above[told])
+        parts |= {PAIRING: mixed} if mixed else {}
     if errors.loaded is not None:
         loaded = {OPEN_MASSES: errors.loaded.masses, OPEN_LINEAR: errors.loaded.linear}
         parts |= {name: float(of[told]) for name, of in loaded.items() if of.any()}

@@ -1,50 +1,80 @@
-"""Which mode of a model is which of the reference, at every pose, and where there is none."""
+"""Partners of the reference's modes among those of a model, pose by pose."""
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, fields
 
 import numpy as np
 
 from lumped.arrays import Array, IntArray
 from validation.adequacy.response import Vibration
-from validation.agreement.mode_pairing import mac_matrix, neighbours, pair_modes
+from validation.agreement.mode_pairing import (
+    ALIKE,
+    BoolArray,
+    Pairs,
+    SampledModes,
+    pair_modes,
+)
 
-# A mode that has less than half of its (mass-weighted, squared) shape in common is another one.
-ALIKE = 0.5
-# From here on a shape is its partner's own, not a mixture of close ones.
-_ALONE = 0.9
+# Modes are local if the samples, cross-sections and bodies moving as wholes, have less than this
+# share of their kinetic energy.
+_LOCAL = ALIKE
+# Likeness of exchanged partners, relative, from which on modes share what changes them: shapes with
+# 0.9 and 0.1 in common.
+_SHARED = 0.1
 
 
 @dataclass(frozen=True, eq=False)
 class Partners:
     """A model's partners of the reference's first K modes at p poses (p×K each).
 
-    `frequency` (Hz, NaN where model or reference has no such mode), `number` (from 0, −1 where
-    none) and `likeness`, the squared cosine between the shape and the space of its partner and
-    those close to it. `by_number` is the model's K-th frequency, NaN where it has fewer.
+    `frequency` (Hz) of the partner, NaN without one, and its `number` from 0, −1 without one.
+    `lowest` and `highest` (Hz) are the frequencies among which shapes that mix leave the partner
+    open, equal to `frequency` if they do not mix. `undecided`: shapes do not decide whether the
+    model has the mode. `likeness` is the squared cosine between the shape and the space of its
+    partner, without partner the largest with any mode; `seen` the share of the reference's kinetic
+    energy in cross-sections and bodies that move as wholes. `ordered` are the numbers in the most
+    ascending order that shapes and uncertainties allow, `loose` the modes that may stand elsewhere.
+    `by_number` is the model's K-th frequency, NaN if it has fewer.
     """
 
     frequency: Array
     number: IntArray
+    lowest: Array
+    highest: Array
+    undecided: BoolArray
     likeness: Array
+    seen: Array
+    ordered: IntArray
+    loose: BoolArray
     by_number: Array
 
+    @property
+    def local(self) -> BoolArray:
+        """Modes (p×K) that the model does not have since they are local to a leg's section."""
+        return (self.number < 0) & ~self.undecided & (self.seen < _LOCAL)
 
-def partners(reference: Vibration, model: Vibration, weights: Array, count: int) -> Partners:
-    """Partners by shape of the reference's first `count` modes."""
+
+def partners(
+    reference: Vibration,
+    model: Vibration,
+    weights: Array,
+    count: int,
+    unsure: Array | None = None,
+) -> Partners:
+    """Partners by shape of the reference's first `count` modes.
+
+    `unsure` (p×K): relative uncertainties of the reference's frequencies.
+    """
+    poses = len(reference.frequencies)
     rows = [
-        _at_pose(weights, count, *of_pose)
-        for of_pose in zip(
-            reference.frequencies,
-            reference.samples,
-            model.frequencies,
-            model.samples,
-            strict=True,
+        _at_pose(own, other, count, None if unsure is None else unsure[pose])
+        for pose, (own, other) in zip(
+            range(poses), _sampled(reference, model, weights), strict=True
         )
     ]
-    frequency, number, likeness, by_number = (
-        np.array(column) for column in zip(*rows, strict=True)
+    return Partners(
+        **{one.name: np.array([row[one.name] for row in rows]) for one in fields(Partners)}
     )
-    return Partners(frequency, number, likeness, by_number)
 
 
 def amounts_by_shape(
@@ -52,31 +82,29 @@ def amounts_by_shape(
 ) -> Array:
     """`amounts` (p×m×n, ≥ 0) of the reference's first `count` modes and their partners (p×count).
 
-    A mode that looks like its partner alone has their amount. Close modes that mix have the sum
-    over all of them: what changes such modes changes the sum of their squares alike whichever of
-    them is whose partner, but not each of them. NaN where there is no partner.
+    A mode that looks like its partner alone has their amount. Modes that mix have the sum over all
+    of them: what changes such modes changes the sum of their squares alike whichever of them is
+    whose partner, but not each of them. NaN without a partner.
     """
-    missing = partners(reference, other, weights, count).number < 0
-    found = np.full(missing.shape, np.nan)
-    for row, frequencies, shapes, others, other_shapes, amount in zip(
+    found = np.full((len(amounts), count), np.nan)
+    poses = zip(
         found,
+        _sampled(reference, other, weights),
         reference.frequencies,
-        reference.samples,
         other.frequencies,
-        other.samples,
         amounts,
         strict=True,
-    ):
+    )
+    for row, modes, frequencies, others, amount in poses:
         there, known = (np.flatnonzero(np.isfinite(one)) for one in (frequencies, others))
-        mac = mac_matrix(shapes[:, there], other_shapes[:, known], weights)
-        modes, partner = np.arange(len(there)), pair_modes(mac)
-        of_pairs = np.where(partner >= 0, amount[np.ix_(there, known)][modes, partner], np.nan)
-        alone = np.where(partner >= 0, mac[modes, partner], 0.0) >= _ALONE
-        own = frequencies[there]
-        mixed = np.array([np.nansum(of_pairs[neighbours(own, k)]) for k in range(len(own))])
-        amounts_of_modes = np.where(alone | np.isnan(of_pairs), of_pairs, mixed)[:count]
-        row[: len(amounts_of_modes)] = amounts_of_modes
-    return np.where(missing, np.nan, found)
+        pairs = pair_modes(*modes)
+        paired = np.flatnonzero(pairs.partner >= 0)
+        own = np.zeros(len(there))
+        own[paired] = amount[there[paired], known[pairs.partner[paired]]]
+        sums = own + (pairs.exchange >= _SHARED) @ own
+        inside = paired[paired < count]
+        row[inside] = sums[inside]
+    return found
 
 
 def frequency_changes(fine: Vibration, coarse: Vibration, weights: Array, count: int) -> Array:
@@ -88,30 +116,54 @@ def frequency_changes(fine: Vibration, coarse: Vibration, weights: Array, count:
     return amounts_by_shape(fine, coarse, changes, weights, count)
 
 
+def _sampled(
+    reference: Vibration, model: Vibration, weights: Array
+) -> Iterator[tuple[SampledModes, SampledModes]]:
+    """Modes of reference and model at each pose."""
+    for pose in range(len(reference.frequencies)):
+        yield reference.modes_at(pose, weights), model.modes_at(pose, weights)
+
+
 def _at_pose(
-    weights: Array, count: int, own: Array, own_shapes: Array, others: Array, other_shapes: Array
-) -> tuple[Array, IntArray, Array, Array]:
-    there, known = np.isfinite(own), np.isfinite(others)
-    own, others, other_shapes = own[there], others[known], other_shapes[:, known]
-    mac = mac_matrix(own_shapes[:, there], other_shapes, weights)
-    partner = np.full(count, -1)
-    partner[: len(own)] = pair_modes(mac)[:count]
-    families = [neighbours(own, mode) for mode in range(min(count, len(own)))]
-    likeness = np.zeros(count)
-    for mode, family in enumerate(families):
-        if (found := partner[mode]) >= 0:
-            # Close modes mix: what counts is the space that they span, in either model.
-            beside = neighbours(others, found)
-            spanned = max(mac[mode, beside].sum(), mac[family, found].sum())
-            likeness[mode] = min(spanned, 1.0)
-    number = np.where(likeness >= ALIKE, partner, -1)
-    frequency = np.where(number >= 0, others[number], np.nan)
-    for family in families:
-        # Which of close modes is whose partner is an accident: they are in order of frequency.
-        inside = family[family < count]
-        frequency[inside] = np.sort(frequency[inside])
-        if (number[inside] >= 0).all():
-            number[inside] = np.sort(number[inside])
-    by_number = np.full(count, np.nan)
-    by_number[: len(others)] = others[:count]
-    return frequency, number, likeness, by_number
+    own: SampledModes, other: SampledModes, count: int, unsure: Array | None
+) -> dict[str, Array | IntArray | BoolArray]:
+    """Fields of `Partners` at one pose."""
+    known = np.zeros(len(own.frequencies))
+    if unsure is not None:
+        judged = min(len(known), len(unsure))
+        known[:judged] = unsure[:judged]
+    pairs = pair_modes(own, other, known)
+    frequency, lowest, highest = _frequencies(pairs, other.frequencies)
+    loose = pairs.mixed.any(axis=1) | (pairs.ordered != pairs.partner)
+
+    def first(values: Array | IntArray | BoolArray, missing: float) -> Array:
+        found: Array = np.full(count, missing, dtype=values.dtype)
+        found[: len(values)] = values[:count]
+        return found
+
+    return {
+        "frequency": first(frequency, np.nan),
+        "number": first(pairs.partner, -1),
+        "lowest": first(lowest, np.nan),
+        "highest": first(highest, np.nan),
+        "undecided": first(pairs.undecided, missing=False),
+        "likeness": first(pairs.likeness, 0.0),
+        "seen": first(own.seen, 1.0),
+        "ordered": first(pairs.ordered, -1),
+        "loose": first(loose, missing=False),
+        "by_number": first(other.frequencies, np.nan),
+    }
+
+
+def _frequencies(pairs: Pairs, others: Array) -> tuple[Array, Array, Array]:
+    """Frequencies (m, Hz) of the partners, and the lowest and highest that shapes leave open."""
+    frequency = np.full(len(pairs.partner), np.nan)
+    found = pairs.partner >= 0
+    frequency[found] = others[pairs.partner[found]]
+    candidates = np.where(
+        pairs.mixed | np.eye(len(frequency), dtype=bool), frequency[None, :], np.nan
+    )
+    lowest, highest = frequency.copy(), frequency.copy()
+    lowest[found] = np.nanmin(candidates[found], axis=1)
+    highest[found] = np.nanmax(candidates[found], axis=1)
+    return frequency, lowest, highest

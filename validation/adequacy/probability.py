@@ -340,7 +340,7 @@ class _OfRobot:
         if errors is None:
             return np.full(shape, np.nan)
         found = np.empty(shape)
-        found[..., -1] = errors.spread[..., None]
+        found[..., -1] = errors.farthest[..., None]
         if errors.loaded is None:
             found[..., 0] = errors.error[..., None]
             return found

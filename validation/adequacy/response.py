@@ -10,6 +10,7 @@ from lumped.acceptance.requirement import is_static
 from lumped.arrays import Array, ComplexArray
 from lumped.errors import ComputationError, InputError
 from validation.adequacy.matrix import Coordinate
+from validation.agreement.mode_pairing import SampledModes, sampled_modes
 
 # What a leg known by its 6×6 leaves open.
 OPEN_MASSES = "where the legs' mass lies"
@@ -26,15 +27,23 @@ class Vibration:
     """Natural modes at p poses: `frequencies` (Hz, p×m), `samples` (p×k×m) of their shapes.
 
     All models of a robot are sampled at the same points of its bodies, so that shapes can be
-    compared; NaN stands for a mode that a model does not have in some pose. `peaks` (p×q) are the
+    compared; NaN stands for a mode that a model does not have in some pose. `seen` (p×m) is the
+    share of each mode's kinetic energy that the samples see. `peaks` (p×q) are the
     numbers that are judged of the tool's responses, infinite where nothing damps one, and
     `receptances` (p×n, m/N) its answers to each of the excitations.
     """
 
     frequencies: Array
     samples: Array
+    seen: Array
     peaks: Array = field(default_factory=lambda: np.zeros((0, 0)))
     receptances: Sequence[ComplexArray] = ()
+
+    def modes_at(self, pose: int, weights: Array) -> SampledModes:
+        """The modes that there are at a pose (its index), with the masses `weights` (k)."""
+        there = np.isfinite(self.frequencies[pose])
+        shapes = self.samples[pose][:, there] * np.sqrt(weights)[:, None]
+        return sampled_modes(self.frequencies[pose, there], shapes, self.seen[pose, there])
 
 
 @dataclass(frozen=True, eq=False)

@@ -25,7 +25,12 @@ from lumped.robot_file.load import RobotFile, with_measured
 from lumped.system.assembly import System
 from lumped.system.response import DampedModes, damped_modes
 from lumped.text import counted
-from validation.agreement.mode_pairing import mac_matrix, pair_modes
+from validation.agreement.mode_pairing import (
+    assigned,
+    one_frequency,
+    sampled_modes,
+    space_likeness,
+)
 from validation.measured.responses import responses_of
 from validation.measured.tested import SUFFIXES, read_modes
 from validation.models.mechanism import PostureModes, mechanism_modes
@@ -128,20 +133,22 @@ def modal_answer(
     moved = _motions(found.system, found.modes.shapes, test.at)
     sizes = np.linalg.norm(moved, axis=0)
     seen = np.flatnonzero(sizes > _UNSEEN * sizes.max(initial=0.0))
-    # A measured mode that does not move the named points is like none.
-    with np.errstate(invalid="ignore"):
-        mac = np.nan_to_num(mac_matrix(test.shapes, moved[:, seen], np.ones(len(moved))))
-    frequencies, alike = found.modes.frequencies[seen], mac >= LEAST_MAC
+    # Modes of one frequency are compared as a space. A measured mode that does not move the named
+    # points is like none.
+    frequencies = found.modes.frequencies[seen]
+    measured = sampled_modes(test.frequencies, test.shapes)
+    mac = space_likeness(measured, sampled_modes(frequencies, moved[:, seen]))
+    alike, spaces = mac >= LEAST_MAC, one_frequency(frequencies)
     ratios = np.divide.outer(test.frequencies, frequencies)
     near = alike & (np.maximum(ratios, 1.0 / ratios) < _OFF)
     mac[alike & ~near & near.any(axis=1, keepdims=True)] = 0.0
-    for column, other in enumerate(pair_modes(mac)):
+    for column, other in enumerate(assigned(mac)):
         if other >= 0:
             same, own = mac[column] >= LEAST_MAC, float(mac[column, other])
             reason = ""
             if own < LEAST_MAC:
                 reason = f"another mode, or measured elsewhere: MAC {own:.2f}, must be {LEAST_MAC}"
-            elif same.sum() > 1 or len(moved) == 1:
+            elif len(set(spaces[same])) > 1 or len(moved) == 1:
                 told = ", ".join(f"f{number + 1}" for number in seen[same | (len(moved) == 1)])
                 reason = f"{told} of the model look like it where it was measured: add points"
             partners[column] = Partner(int(seen[other]) + 1, float(frequencies[other]), own, reason)

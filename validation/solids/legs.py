@@ -32,10 +32,10 @@ from validation.agreement.convergence import (
     uncertainty_of_known_orders,
 )
 from validation.agreement.mode_pairing import (
+    assigned,
     centreline_samples,
     centreline_weights,
     mac_matrix,
-    pair_modes,
 )
 from validation.context import Preset
 
@@ -272,7 +272,7 @@ def solid_frequencies(
         modes = clamped.modes(count + _SPARE_MODES)
         shapes = section_twists(mesh, stations) @ modes.shapes
         likeness = mac_matrix(target, shapes, weights)
-        partner = pair_modes(likeness)
+        partner = assigned(likeness)
         frequencies.append(modes.frequencies[partner])
         mac.append(likeness[np.arange(count), partner])
     found = Refinement(divisions, np.array(frequencies), formal_order(leg, ends))

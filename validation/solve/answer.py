@@ -399,14 +399,27 @@ def _mode_lines(answer: Answer) -> list[str]:
             lines.append(f"    {mode}: {said}")
     if answer.pairs:
         lines.append(f"  the same modes by the {answer.pairs['against']} model:")
-        for pair in answer.pairs["pairs"]:
-            other = (
-                f"mode {pair['partner']}, {pair['frequency']:.5g} Hz"
-                if pair["partner"]
-                else "none of this shape"
-            )
-            lines.append(f"    {pair['mode']}: {other}, MAC {pair['mac']:.4f}")
+        lines += [
+            f"    {pair['mode']}: {_partner(pair)}, MAC {pair['mac']:.4f}"
+            for pair in answer.pairs["pairs"]
+        ]
     return lines
+
+
+def _partner(pair: Mapping[str, Any]) -> str:
+    """The partner of a mode, or why it has none."""
+    if pair["undecided"]:
+        return "several modes have the shape of one, which of them it is is open"
+    if pair["local"]:
+        whole = f"{100.0 * pair['seen']:.2g} % of its kinetic energy"
+        return f"none, a local mode ({whole} in whole cross-sections and bodies)"
+    if not pair["partner"]:
+        return "none of this shape"
+    partner = f"mode {pair['partner']}, {pair['frequency']:.5g} Hz"
+    if pair["open"]:
+        low, high = pair["open"]
+        return f"{partner} (shapes mix: {low:.5g} to {high:.5g} Hz)"
+    return partner
 
 
 def _part_lines(answer: Answer, found: PartUncertainty) -> list[str]:

@@ -5,7 +5,7 @@ from typing import Any
 
 from validation.adequacy.mechanism.samples import samples_of
 from validation.adequacy.mechanism.vibration import vibration_of
-from validation.adequacy.partners import partners
+from validation.adequacy.partners import Partners, partners
 from validation.models.mechanism import PostureModes, mechanism_modes
 from validation.models.options import ModelName, ModelOptions
 
@@ -16,9 +16,10 @@ _BESIDES = 6
 def paired(
     found: Sequence[PostureModes], against: ModelName, options: ModelOptions
 ) -> list[dict[str, Any]]:
-    """Partners of all modes of `found` by mass-weighted MAC, a record of each posture's.
+    """Partners of all modes of `found` by energy-weighed MAC, a record of each posture's.
 
-    Modes that lie close together count by the space that they span. None stands for no partner.
+    `seen` is the share of a mode's kinetic energy in cross-sections and bodies that move as wholes.
+    None stands for no partner.
     """
     postures = [one.posture for one in found]
     mechanism = postures[0].mechanism
@@ -27,19 +28,27 @@ def paired(
     others = mechanism_modes(against, postures, looked_at, options)
     own, other = (vibration_of(samples, ones, looked_at) for ones in (found, others))
     of_postures = partners(own, other, samples.weights, count)
-    columns = of_postures.number, of_postures.frequency, of_postures.likeness
     return [
         {
             "against": against,
-            "pairs": [
-                {
-                    "mode": mode,
-                    "partner": int(number) + 1 if number >= 0 else None,
-                    "frequency": float(frequency) if number >= 0 else None,
-                    "mac": float(mac),
-                }
-                for mode, (number, frequency, mac) in enumerate(zip(*at, strict=True), start=1)
-            ],
+            "pairs": [_record(of_postures, at, mode) for mode in range(count)],
         }
-        for at in zip(*columns, strict=True)
+        for at in range(len(postures))
     ]
+
+
+def _record(found: Partners, at: int, mode: int) -> dict[str, Any]:
+    """Partner of a mode in a posture (their indices)."""
+    number = int(found.number[at, mode])
+    ends = found.lowest[at, mode], found.highest[at, mode]
+    return {
+        "mode": mode + 1,
+        "partner": int(number) + 1 if number >= 0 else None,
+        "frequency": float(found.frequency[at, mode]) if number >= 0 else None,
+        "mac": float(found.likeness[at, mode]),
+        "seen": float(found.seen[at, mode]),
+        "local": bool(found.local[at, mode]),
+        # Frequencies (Hz) of all modes that may be the partner, if shapes do not decide.
+        "open": [float(end) for end in ends] if ends[1] > ends[0] else None,
+        "undecided": bool(found.undecided[at, mode]),
+    }

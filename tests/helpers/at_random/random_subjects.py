@@ -54,7 +54,7 @@ def vibration(rng, truth, size):
         samples[p] += 0.1 * rng.normal(size=samples[p].shape) / np.sqrt(SAMPLES)
         if rng.random() < 0.2:
             samples[p, :, rng.integers(count)] = rng.normal(size=SAMPLES)
-    return Vibration(frequencies, samples)
+    return Vibration(frequencies, samples, np.ones_like(frequencies))
 
 
 def subject(seed):
@@ -63,13 +63,16 @@ def subject(seed):
     names = ("ends rigid", "ends free")[: int(rng.integers(1, 3))]
     basis = np.linalg.qr(rng.normal(size=(POSES, SAMPLES, SAMPLES)))[0][:, :, : MODES + 2]
     frequencies = 40.0 * np.cumprod(rng.uniform(1.3, 1.8, size=(POSES, MODES + 2)), axis=1)
-    truth = Response(compliance(rng), Vibration(frequencies, basis))
+    truth = Response(compliance(rng), Vibration(frequencies, basis, np.ones_like(frequencies)))
     alternatives = []
     for number, name in enumerate(names):
         own = truth
         if number:
             off = rng.uniform(0.99, 1.01, frequencies.shape)
-            own = Response(near(rng, truth.compliance, 0.01), Vibration(frequencies * off, basis))
+            own = Response(
+                near(rng, truth.compliance, 0.01),
+                Vibration(frequencies * off, basis, np.ones_like(off)),
+            )
         unsure = 0.02 * rng.random((POSES, 7)), 0.01 * rng.random(frequencies.shape)
         meshes, digits = ([share * one for one in unsure] for share in (0.7, 0.3))
         alternatives.append(Alternative(name, own, *meshes, *digits))

@@ -29,10 +29,13 @@ def toy_subject(modes):
     compliance = np.array([np.diag([1.0, 2.0, 3.0, 40.0, 50.0, 60.0])] * len(POSES)) * 1e-8
     frequencies = np.array([100.0 * np.arange(1, modes + 1)] * len(POSES))
     shapes = np.array([np.eye(modes)] * len(POSES))
-    truth = Response(compliance, Vibration(frequencies, shapes))
+    truth = Response(compliance, Vibration(frequencies, shapes, np.ones_like(frequencies)))
     unsure = np.zeros_like(frequencies)
     unsure[:, 1:2] = OPEN
-    beam = Response((1.0 + ERROR) * compliance, Vibration((1.0 + ERROR) * frequencies, shapes))
+    beam = Response(
+        (1.0 + ERROR) * compliance,
+        Vibration((1.0 + ERROR) * frequencies, shapes, np.ones_like(frequencies)),
+    )
     return Subject(
         robot="toy",
         coordinates=(Coordinate("x", "m"),),

@@ -28,27 +28,34 @@ A, B, C, D = AXES
 MIXED = (A + B) / np.sqrt(2.0), (A - B) / np.sqrt(2.0)
 
 
-def vibration(frequencies, *shapes):
+def vibration(frequencies, *shapes, seen=1.0):
     """One pose."""
-    return Vibration(np.array([frequencies]), np.column_stack(shapes)[None])
+    shares = np.broadcast_to(seen, (1, len(frequencies)))
+    return Vibration(np.array([frequencies]), np.column_stack(shapes)[None], shares)
 
 
 TRUTH = vibration([100.0, 150.0, 200.0, 300.0], *AXES)
 
 
-def entry(model, quantity, *others, unsure=0.0):
-    """What is said of a model against the truth above and other alternatives, limits 5 %."""
+def subject_of(truth, model, *others, unsure=0.0):
+    """A model against a reference of one or more alternatives."""
     left = np.full((1, 4), unsure)
     alternatives = [
-        Alternative(f"ends {k}", Response(vibration=truth), dynamic=left)
-        for k, truth in enumerate((TRUTH, *others))
+        Alternative(f"ends {k}", Response(vibration=one), dynamic=left)
+        for k, one in enumerate((truth, *others))
     ]
     said = ("how the ends are held", "say how the ends are held") if others else ()
-    subject = replace(
+    return replace(
         toy_subject(4),
         candidates=[Candidate("model", "a model", Response(vibration=model))],
         dynamics=Reference("truth", alternatives, *said),
+        weights=WEIGHTS,
     )
+
+
+def entry(model, quantity, *others, unsure=0.0):
+    """What is said of a model against the truth above and other alternatives, limits 5 %."""
+    subject = subject_of(TRUTH, model, *others, unsure=unsure)
     return judged(subject, Requirement(modes=3)).entry("model", quantity)
 
 
@@ -78,19 +85,92 @@ def test_modes_that_a_model_or_a_pose_does_not_have():
     assert [entry(absent, name).verdict for name in ("f1", "f2")] == ["adequate", "inadequate"]
 
 
-def test_close_modes_mix_and_count_as_the_space_they_span():
-    close, mixed, swapped = (
-        vibration([100.0, 102.0, 200.0], *pair, C) for pair in ((A, B), MIXED, (B, A))
+def test_close_modes_in_other_order_keep_their_shapes():
+    """Two per cent apart: shapes decide, not the order of the frequencies."""
+    close, swapped = (vibration([100.0, 102.0, 200.0], *pair, C) for pair in ((A, B), (B, A)))
+    found = partners(close, swapped, WEIGHTS, 3)
+    assert found.frequency[0] == pytest.approx([102.0, 100.0, 200.0])
+    assert found.number[0].tolist() == [1, 0, 2]
+    assert found.likeness[0] == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize(("unsure", "open_to"), [(0.0, [(110, 112), (110, 112)]), (0.03, None)])
+def test_mixed_modes_count_as_the_space_they_span(unsure, open_to):
+    """Turned into each other by 45°: which is which is open unless they are of one frequency."""
+    close, mixed = (
+        vibration([start, start + 2.0, 200.0], *pair, C)
+        for start, pair in ((100.0, (A, B)), (110.0, MIXED))
     )
-    for one in (mixed, swapped):
-        found = partners(close, one, WEIGHTS, 3)
-        assert found.likeness[0] == pytest.approx(1.0)
-        assert found.frequency[0] == pytest.approx([100.0, 102.0, 200.0])
+    found = partners(close, mixed, WEIGHTS, 3, np.full((1, 3), unsure))
+    assert found.likeness[0] == pytest.approx(1.0)
+    assert sorted(found.frequency[0]) == pytest.approx([110.0, 112.0, 200.0])
+    if open_to is None:
         assert found.number[0].tolist() == [0, 1, 2]
-    # Likewise where they are close on one side alone.
-    apart = vibration([100.0, 130.0, 300.0], A, B, C)
-    for one, other in ((mixed, apart), (apart, mixed)):
-        assert partners(one, other, WEIGHTS, 2).likeness == pytest.approx(1.0)
+        open_to = [(110.0, 110.0), (112.0, 112.0)]
+    spans = np.column_stack([found.lowest[0], found.highest[0]])
+    np.testing.assert_allclose(spans, [*open_to, (200.0, 200.0)])
+
+
+@pytest.mark.parametrize(
+    ("limit", "verdict"), [(0.05, "undecided"), (0.13, "adequate"), (0.01, "inadequate")]
+)
+def test_verdict_on_mixed_modes_covers_both_partners(limit, verdict):
+    """100 and 104 Hz against 104 and 112 Hz, mixed: errors of the first 4 to 12 %."""
+    truth, model = (
+        vibration([*pair, 200.0, 300.0], *shapes, C, D)
+        for pair, shapes in (((100.0, 104.0), (A, B)), ((104.0, 112.0), MIXED))
+    )
+    subject = subject_of(truth, model)
+    matrix = judged(subject, Requirement(frequency=limit, modes=3))
+    assert matrix.entry("model", "f1").verdict == verdict
+
+
+def test_mode_shared_with_a_local_one_is_undecided():
+    """Two modes of the reference, each half of one shape of the model and half local."""
+    truth = vibration([100.0, 150.0, 152.0, 300.0], A, B, -B, D, seen=[1.0, 0.5, 0.5, 1.0])
+    subject = subject_of(truth, vibration([100.0, 149.0, 250.0, 300.0], A, B, C, D))
+    matrix = judged(subject, Requirement(modes=3))
+    for quantity in ("f2", "f3"):
+        entry = matrix.entry("model", quantity)
+        assert entry.verdict == "undecided"
+        assert "several modes of the reference have the shape of one" in entry.reason
+
+
+def test_local_mode_is_no_partner_and_named_with_its_energy():
+    """5 % of its energy in the samples, all of that like a mode of the model."""
+    truth = vibration([100.0, 150.0, 152.0, 300.0], A, B, B, D, seen=[1.0, 0.05, 1.0, 1.0])
+    subject = subject_of(truth, vibration([100.0, 153.0, 250.0, 300.0], A, B, C, D))
+    matrix = judged(subject, Requirement(modes=3))
+    local, true = (matrix.entry("model", quantity) for quantity in ("f2", "f3"))
+    assert (local.verdict, local.error) == ("inadequate", None)
+    assert "a local one of a leg's section: 5 % of its kinetic energy" in local.reason
+    assert "energy-weighed MAC at most 0.05" in local.reason
+    assert true.error == pytest.approx(153.0 / 152.0 - 1.0)
+    # The model's third frequency is another mode than the robot's third.
+    assert matrix.entry("model", "order").error == pytest.approx(250.0 / 152.0 - 1.0)
+
+
+def test_permutation_inside_a_repeated_pair_is_no_order():
+    """Any two directions of a repeated pair are modes; an exchanged third is another order."""
+    turned = np.cos(1.0) * B + np.sin(1.0) * C, np.cos(1.0) * C - np.sin(1.0) * B
+    truth = vibration([100.0, 150.0, 150.0, 300.0], A, B, C, D)
+    for shapes in ((B, C), (C, B), turned):
+        model = vibration([100.0, 120.0, 120.0, 300.0], A, *shapes, D)
+        matrix = judged(subject_of(truth, model), Requirement(modes=3))
+        assert matrix.entry("model", "order").error == 0.0
+        assert matrix.entry("model", "f2").error == pytest.approx(-0.2)
+    model = vibration([90.0, 90.0, 100.0, 300.0], *turned, A, D)
+    order = judged(subject_of(truth, model), Requirement(modes=3)).entry("model", "order")
+    assert (order.verdict, order.error) == ("inadequate", pytest.approx(90.0 / 150.0 - 1.0))
+
+
+def test_order_of_modes_closer_than_known_is_undecided():
+    """Exchanged in the model, 0.1 Hz apart in a reference that is known to 1 %."""
+    truth = vibration([100.0, 100.1, 200.0, 300.0], A, B, C, D)
+    model = vibration([90.0, 112.0, 200.0, 300.0], B, A, C, D)
+    matrix = judged(subject_of(truth, model, unsure=0.01), Requirement(modes=3))
+    assert matrix.entry("model", "order").verdict == "undecided"
+    assert matrix.entry("model", "f1").error == pytest.approx(0.12)
 
 
 @pytest.mark.parametrize(

@@ -15,10 +15,10 @@ from lumped.models.bodies import clamped_modes
 from lumped.sections import Rectangle
 from validation.agreement.displacement import FLOOR, relative, sizes, worst_force
 from validation.agreement.mode_pairing import (
+    assigned,
     centreline_samples,
     centreline_weights,
     mac_matrix,
-    pair_modes,
 )
 
 
@@ -107,8 +107,8 @@ def test_what_is_rigid_in_both_is_right_and_what_yields_alone_is_infinite() -> N
 
 def test_the_sum_of_all_pairs_decides_and_not_the_best_of_them():
     """Greedy takes 0.9 for the first and leaves 0; together 0.8 + 0.7 is more."""
-    assert list(pair_modes(np.array([[0.9, 0.8], [0.7, 0.0]]))) == [1, 0]
-    assert list(pair_modes(np.array([[0.9], [0.1]]))) == [0, -1]
+    assert list(assigned(np.array([[0.9, 0.8], [0.7, 0.0]]))) == [1, 0]
+    assert list(assigned(np.array([[0.9], [0.1]]))) == [0, -1]
 
 
 def test_sampled_modes_of_a_clamped_beam_are_orthogonal_and_find_themselves():
@@ -124,4 +124,4 @@ def test_sampled_modes_of_a_clamped_beam_are_orthogonal_and_find_themselves():
     # Gauss stations integrate the first modes to 1e-4 and better, squared in MAC.
     assert_allclose(mac_matrix(shapes, -3.0 * shapes, weights), np.eye(6), atol=1e-7)
     reversed_order = mac_matrix(shapes, shapes[:, ::-1], weights)
-    assert list(pair_modes(reversed_order)) == [5, 4, 3, 2, 1, 0]
+    assert list(assigned(reversed_order)) == [5, 4, 3, 2, 1, 0]

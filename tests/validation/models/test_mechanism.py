@@ -169,3 +169,4 @@ def test_a_model_is_its_own_partner(command):
     assert [pair["mac"] for pair in pairs] == pytest.approx([1.0] * 12, abs=1e-9)
     assert [pair["frequency"] for pair in pairs] == pytest.approx(result["frequencies"])
     assert sum(shares[0] for shares in result["strain"].values()) == pytest.approx(1.0)
+    assert [pair["seen"] for pair in pairs] == pytest.approx([1.0] * 12, abs=1e-6)

@@ -177,5 +177,6 @@ def _scaled(
         reference,
         frequencies=reference.frequencies[:, :count] * ratio,
         samples=reference.samples[:, :, :count],
+        seen=reference.seen[:, :count],
         peaks=peaks,
     )

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lumped.arrays import Array
-from lumped.legs import equivalent_leg
+from lumped.legs import ConstantLeg, equivalent_leg
 from lumped.mechanism.body import Body, Rigid
 from lumped.mechanism.body_model import BodyModel
 from lumped.mechanism.mechanism import Mechanism
@@ -25,12 +25,14 @@ _CORNERS = np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])
 class Samples:
     """What is sampled of a shape (k numbers), with the mass `weights` (k) of each.
 
-    `points` (m×3, body axes) of legs and parts, `turned` the principal axes of every rigid body.
+    `points` (m×3, body axes) of legs and parts, `turned` the principal axes of every rigid body,
+    `prisms` the masses (m, kg) at the points of the legs of constant section.
     """
 
     mechanism: Mechanism
     points: Mapping[str, Array]
     turned: Mapping[str, Array]
+    prisms: Mapping[str, Array]
     weights: Array
 
     def of_models(self, models: Mapping[str, BodyModel]) -> dict[str, Array]:
@@ -64,6 +66,20 @@ class Samples:
             rows += [(shift(place) @ own)[:3] for place in points]
         return np.vstack(rows)
 
+    def seen(self, system: System, shapes: Array, of_models: Mapping[str, Array]) -> Array:
+        """Share (m) of the kinetic energy of mass-normalised shapes (n×m) that the samples see.
+
+        Samples of prisms move with whole cross-sections, as all of a beam does: the rest of the
+        energy is motion inside the sections of solids. That of all other bodies counts as seen.
+        """
+        inside = np.zeros(shapes.shape[1])
+        for name in self.prisms.keys() & of_models.keys():
+            own = system.own(name, shapes)
+            whole = np.repeat(self.prisms[name], 3) @ np.square(of_models[name] @ own)
+            energy = np.sum(own * (system.models[name].mass @ own), axis=0)
+            inside += np.maximum(energy - whole, 0.0)
+        return np.asarray(np.clip(1.0 - inside, 0.0, 1.0))
+
 
 def samples_of(mechanism: Mechanism) -> Samples:
     """Samples of a mechanism: its tool, its rigid bodies with mass, its legs and its parts."""
@@ -73,15 +89,17 @@ def samples_of(mechanism: Mechanism) -> Samples:
         if isinstance(body.shape, Rigid) and body.shape.mass:
             moments, turned[name] = np.linalg.eigh(body.shape.inertia)
             weights += [np.full(3, body.shape.mass), np.maximum(moments, 0.0)]
-    points = {}
-    for name in legs_of(mechanism):
+    points, prisms = {}, {}
+    for name, leg in legs_of(mechanism).items():
         points[name], masses = _of_leg(mechanism.bodies[name])
+        if isinstance(leg, ConstantLeg):
+            prisms[name] = masses
         weights.append(np.repeat(masses, 3))
     for name, body in mechanism.parts.items():
         part = identified(body)
         points[name] = part.places
         weights.append(np.repeat(part.shares, 3))
-    return Samples(mechanism, points, turned, np.concatenate(weights))
+    return Samples(mechanism, points, turned, prisms, np.concatenate(weights))
 
 
 def _of_leg(body: Body) -> tuple[Array, Array]:

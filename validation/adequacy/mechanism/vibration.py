@@ -112,17 +112,19 @@ def vibration_of(samples: Samples, found: Iterable[PostureModes], count: int) ->
 
     Lumps of mass have few modes; on its drives alone a robot has fewer at the end of a stroke.
     """
-    frequencies, shapes, responses, of_models = [], [], [], None
+    frequencies, shapes, seen, responses, of_models = [], [], [], [], None
     for one in found:
         # Bodies have the same models in every posture.
         of_models = of_models or samples.of_models(one.system.models)
         beyond = (0, count - len(one.modes.frequencies))
         frequencies.append(np.pad(one.modes.frequencies, beyond, constant_values=np.nan))
         shapes.append(np.pad(samples.at(one.system, one.modes.shapes, of_models), ((0, 0), beyond)))
+        seen.append(np.pad(samples.seen(one.system, one.modes.shapes, of_models), beyond))
         responses.append(one.responses)
     return Vibration(
         np.array(frequencies),
         np.array(shapes),
+        np.array(seen),
         np.array([[number for one in of for number in one.judged] for of in responses]),
         [np.array([one.receptance for one in ones]) for ones in zip(*responses, strict=True)],
     )

@@ -27,7 +27,7 @@ from validation.adequacy.mechanism.path import (
 from validation.adequacy.mechanism.vibration import modes_by_model
 from validation.adequacy.partners import partners
 from validation.adequacy.response import Vibration
-from validation.agreement.mode_pairing import mac_matrix
+from validation.agreement.mode_pairing import likeness_matrix
 from validation.case import Skip
 from validation.context import Context
 from validation.drawing.chart import Bars, Chart, Column, Panel, Series
@@ -121,7 +121,7 @@ def pairs(context: Context) -> Shown:
     panels: list[Panel] = []
     changes: list[Series] = []
     for name, model in models.items():
-        mac = mac_matrix(first.samples[0], model.samples[0], weights)
+        mac = likeness_matrix(*(of.modes_at(0, weights) for of in (first, model)))
         label = "" if panels else "mode of the reference"
         panels.append(Panel((), f"MAC with {name}", label, x_label=f"mode of {name}", matrix=mac))
         found = partners(first, model, weights, shown)
@@ -135,10 +135,10 @@ def pairs(context: Context) -> Shown:
     panels.append(Panel(changes, "difference (%)", levels=(0.0,), staggered=False))
     return curves(
         Chart(panels, "mode of the reference", len(panels), 2.0, columns),
-        f"In the middle of the path; reference: {held.name or 'solid'}. Left: modal assurance "
-        "criterion (MAC), black where two shapes are equal; blocks are modes of nearly equal "
-        "frequency, which may mix. Right: frequencies of paired modes; those without a partner are "
-        "left out.",
+        f"In the middle of the path; reference: {held.name or 'solid'}. Left: energy-weighed modal "
+        "assurance criterion (MAC), black where two shapes are equal; blocks are modes of nearly "
+        "equal frequency, which may mix. Right: frequencies of paired modes; those without a "
+        "partner are left out.",
     )
 
 
@@ -147,7 +147,9 @@ def _in_the_middle(found: Vibration) -> Vibration:
     place = len(found.frequencies) // 2
     known = np.isfinite(found.frequencies[place])
     return Vibration(
-        found.frequencies[place : place + 1, known], found.samples[place : place + 1][:, :, known]
+        found.frequencies[place : place + 1, known],
+        found.samples[place : place + 1][:, :, known],
+        found.seen[place : place + 1, known],
     )
 
 

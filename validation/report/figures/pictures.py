@@ -9,7 +9,7 @@ from lumped.models.bodies import legs_of
 from lumped.system.assembly import System
 from lumped.system.solution import solved
 from validation.adequacy.mechanism.path import path_postures
-from validation.agreement.mode_pairing import neighbours
+from validation.agreement.mode_pairing import one_frequency
 from validation.case import Skip
 from validation.context import Context
 from validation.drawing.scene import Arrow, Marks, Scene, readable_factor
@@ -33,6 +33,8 @@ FORCE = 1000.0  # N
 _MODES = 4
 # Modes of the segments among which those of the beams are looked for.
 _BESIDES = 4
+# Relative width of the space of modes in which two discretisations of a robot may mix them.
+_MIX = 0.02
 _MICRO = 1e6
 # Largest displacement in a picture, of the size of the mechanism (half its extent).
 _DRAWN = 0.16
@@ -182,7 +184,8 @@ def _like(beam: PostureModes, lumped: PostureModes, mode: int) -> Array:
     """
     wanted = compared_points(beam.system, beam.modes.shapes[:, mode])[1].ravel()
     nearest = int(np.argmin(np.abs(lumped.modes.frequencies - beam.modes.frequencies[mode])))
-    close = neighbours(lumped.modes.frequencies, nearest)
+    spaces = one_frequency(lumped.modes.frequencies, np.full(len(lumped.modes.frequencies), _MIX))
+    close = np.flatnonzero(spaces == spaces[nearest])
     shapes = lumped.modes.shapes[:, close]
     sampled = compared_points(lumped.system, shapes)[1].reshape(len(wanted), -1)
     mixture = np.linalg.lstsq(sampled, wanted, rcond=None)[0]

@@ -146,8 +146,8 @@ def test_modes_are_paired_by_shape_in_the_middle_of_the_path(five_bar, monkeypat
     """Made up: two modes of the models exchanged, each a tenth too high."""
     shapes = np.linalg.qr(np.random.default_rng(2).normal(size=(3, 12, 4)))[0]
     frequencies = np.outer([1.0, 2.0, 3.0], [10.0, 20.0, 40.0, 80.0])
-    model = Vibration(1.1 * frequencies, shapes[:, :, [1, 0, 2, 3]])
-    truth = Alternative("", Response(None, Vibration(frequencies, shapes)))
+    model = Vibration(1.1 * frequencies, shapes[:, :, [1, 0, 2, 3]], np.ones((3, 4)))
+    truth = Alternative("", Response(None, Vibration(frequencies, shapes, np.ones((3, 4)))))
     robot = SimpleNamespace(samples=SimpleNamespace(weights=np.full(12, 1.0 / 12.0)))
     monkeypatch.setattr(modes, "robot_on_path", lambda _: robot)
     monkeypatch.setattr(modes, "dynamic_reference", lambda _: Reference("solid", [truth]))

@@ -1,0 +1,93 @@
+"""Verdicts on the order of modes against permutations that are known by construction."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from toy_subject import toy_subject
+
+from lumped.acceptance.requirement import Requirement
+from validation.adequacy.judgement import judged
+from validation.adequacy.partners import partners
+from validation.adequacy.response import Alternative, Candidate, Reference, Response, Vibration
+
+SAMPLES, JUDGED, LIMIT = 24, 7, 0.05
+
+
+def families(rng):
+    """Modes of a robot of equal legs: their multiplicities, frequencies (Hz) and those of a model.
+
+    A chain of small gaps; the model has each family off by up to 40 %.
+    """
+    sizes = rng.choice([1, 1, 2, 3], 6)
+    own = 100.0 * np.cumprod(rng.uniform(1.01, 1.09, len(sizes)))
+    off = np.where(rng.random(len(sizes)) < 0.4, rng.uniform(0.6, 1.4, len(sizes)), 1.001)
+    return sizes, own, own * off
+
+
+def vibration(rng, sizes, frequencies, shapes):
+    """Modes in ascending order, those of one family in any mixture; and the family of each."""
+    places = np.split(np.arange(sizes.sum()), np.cumsum(sizes)[:-1])
+    order = np.argsort(frequencies)
+    turned = [
+        shapes[:, places[k]] @ np.linalg.qr(rng.normal(size=(sizes[k],) * 2))[0] for k in order
+    ]
+    repeated = np.repeat(frequencies[order], sizes[order])
+    return Vibration(repeated[None], np.hstack(turned)[None], np.ones((1, sizes.sum()))), np.repeat(
+        order, sizes[order]
+    )
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_order_of_modes_is_that_of_their_families(seed):
+    """A mode is in its place if the model's mode of that number is of the same family."""
+    rng = np.random.default_rng([43, seed])
+    sizes, own, others = families(rng)
+    shapes = np.linalg.qr(rng.normal(size=(SAMPLES, sizes.sum())))[0]
+    truth, of_truth = vibration(rng, sizes, own, shapes)
+    model, of_model = vibration(rng, sizes, others, shapes)
+    count = min(JUDGED, sizes.sum())
+    subject = replace(
+        toy_subject(SAMPLES),
+        candidates=[Candidate("model", "a model", Response(vibration=model))],
+        dynamics=Reference(
+            "truth", [Alternative("", Response(vibration=truth), dynamic=np.zeros((1, count)))]
+        ),
+        weights=np.ones(SAMPLES),
+    )
+    matrix = judged(subject, Requirement(frequency=LIMIT, modes=count))
+    for mode in range(count):
+        entry = matrix.entry("model", f"f{mode + 1}")
+        family = of_truth[mode]
+        assert entry.error == pytest.approx(others[family] / own[family] - 1.0, abs=1e-9)
+    moved = of_truth[:count] != of_model[:count]
+    misled = np.where(moved, others[of_model[:count]] / own[of_truth[:count]] - 1.0, 0.0)
+    order = matrix.entry("model", "order")
+    # Families of different sizes shift the members of those between them.
+    places = [
+        np.flatnonzero(of_model == family)[: (of_truth[:count] == family).sum()]
+        for family in dict.fromkeys(of_truth[:count])
+    ]
+    shifted = np.concatenate(places) != np.arange(count)
+    expected = np.where(shifted, model.frequencies[0, :count] / truth.frequencies[0, :count] - 1, 0)
+    assert abs(order.error) == pytest.approx(np.abs(expected).max(), abs=1e-9)
+    assert abs(order.error) >= np.abs(misled).max() - 1e-9
+    assert order.verdict == ("inadequate" if abs(order.error) > LIMIT else "adequate")
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_frequency_is_there_if_and_only_if_a_partner_is(seed):
+    """Of models that lack modes in chains; each number is of one mode alone."""
+    rng = np.random.default_rng([44, seed])
+    shapes = np.linalg.qr(rng.normal(size=(SAMPLES, 9)))[0]
+    frequencies = 100.0 * np.cumprod(rng.uniform(1.0, 1.09, 9))
+    kept = np.sort(rng.permutation(9)[:6])
+    order = rng.permutation(kept)
+    model = Vibration(frequencies[None, :6], shapes[None][:, :, order], np.ones((1, 6)))
+    truth = Vibration(frequencies[None], shapes[None], np.ones((1, 9)))
+    found = partners(truth, model, np.ones(SAMPLES), 9)
+    assert (np.isnan(found.frequency) == (found.number < 0)).all()
+    expected = [int(np.flatnonzero(order == k)[0]) if k in kept else -1 for k in range(9)]
+    assert found.number[0].tolist() == expected
+    there = found.number[0] >= 0
+    np.testing.assert_array_equal(found.frequency[0, there], frequencies[found.number[0, there]])

@@ -1,0 +1,42 @@
+"""Partners of modes in another model, as they are shown."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from lumped.robot_file import load_robot
+from validation.solve import pairs
+from validation.solve.answer import as_text
+from validation.solve.model_answers import solve
+from validation.solve.question import Question
+
+
+@pytest.mark.parametrize(
+    ("seen", "line"),
+    [
+        (1.0, "mode 2, {second:.5g} Hz, MAC 1.0000"),
+        (0.07, "none, a local mode (7 % of its kinetic energy in whole cross-sections"),
+        (0.4, "none, a local mode (40 % of its kinetic energy in whole cross-sections"),
+    ],
+)
+def test_partner_or_its_lack_is_shown_with_the_reason(monkeypatch, seen, line):
+    """The second of three modes of beams as if so much of it were seen."""
+    sampled, of_models = pairs.vibration_of, []
+
+    def second_seen(*of):
+        of_models.append(sampled(*of))
+        if len(of_models) > 1:
+            return of_models[1]
+        shares = of_models[0].seen.copy()
+        shares[:, 1] = seen
+        return replace(of_models[0], seen=shares)
+
+    monkeypatch.setattr(pairs, "vibration_of", second_seen)
+    solution = solve(Question(load_robot("five-bar"), "beam", {}, 3, against="beam"))
+    (answer,) = solution.answers
+    record = answer.pairs["pairs"][1]
+    assert record["mac"] == pytest.approx(seen)
+    assert (record["partner"] is None) == record["local"] == (seen < 0.5)
+    assert np.isfinite([pair["frequency"] or 0.0 for pair in answer.pairs["pairs"]]).all()
+    assert f"    2: {line.format(second=answer.frequencies[1])}" in as_text(solution)
