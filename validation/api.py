@@ -245,7 +245,7 @@ def run(
     found = [outcome.verdict for outcome in gathered.outcomes]
     return Run(
         out=gathered.path,
-        exit_code=gathered.exit_code(),
+        exit_code=gathered.standing.exit_code,
         verdicts={verdict: found.count(verdict) for verdict in dict.fromkeys(found)},
         matrix=gathered.matrix,
         seconds=float(gathered.header["seconds"]),

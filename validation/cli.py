@@ -239,7 +239,7 @@ def run(
         say(line)
     if gathered.unfinished:
         complain(["interrupted", summary.how_to_go_on(request)], 3)
-    return max(gathered.exit_code(), int(worsened))
+    return max(gathered.standing.exit_code, int(worsened))
 
 
 @app.command

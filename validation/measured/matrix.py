@@ -21,6 +21,7 @@ from validation.adequacy.matrix import Adequacy, Entry, Matrix, ModelNote, worst
 from validation.adequacy.mechanism.path import coordinates, why_not_serial
 from validation.adequacy.models import judged_models
 from validation.adequacy.probability import COVERAGE, propagated
+from validation.adequacy.response import UNSOLVED
 from validation.context import Context
 from validation.measured.modes import Partner, modal_answer
 from validation.models.legs import leg_compliance
@@ -93,10 +94,21 @@ def measured_matrix(context: Context) -> Matrix:
     for name, (model, _, options) in candidates.items():
         for quantity in quantities:
             alike = [one for one in ones if one.quantity == quantity]
-            compared = {one: _compared(model, robot, one, options, off) for one in alike}
-            if found := {one: comparison for one, comparison in compared.items() if comparison}:
-                pairs = {one: _partner(model, robot, one, options) for one in found}
-                entries.append(_entry(name, quantity, found, robot_file.requirement, poses, pairs))
+            found: dict[Measured, Comparison] = {}
+            pairs: dict[Measured, Partner | None] = {}
+            refused: dict[Measured, str] = {}
+            for one in alike:
+                try:
+                    if comparison := _compared(model, robot, one, options, off):
+                        pairs[one] = _partner(model, robot, one, options)
+                        found[one] = comparison
+                except UNSOLVED as error:
+                    refused[one] = str(error)
+            if found:
+                entry = _entry(name, quantity, found, robot_file.requirement, poses, pairs)
+                entries.append(_with_refusals(entry, refused))
+            elif refused:
+                entries.append(_refused(name, quantity, refused, robot_file.requirement))
     return Matrix(
         robot=robot.name,
         coordinates=coordinates(robot),
@@ -105,6 +117,38 @@ def measured_matrix(context: Context) -> Matrix:
         quantities=quantities,
         entries=tuple(entries),
     )
+
+
+def _refused(
+    model: str, quantity: str, refused: Mapping[Measured, str], requirement: Requirement
+) -> Entry:
+    """The entry of a quantity of which a model computes no value: undecided, and why."""
+    one, reason = next(iter(refused.items()))
+    return Entry(
+        model=model,
+        quantity=quantity,
+        error=None,
+        uncertainty=None,
+        limit=_limit(quantity, requirement),
+        verdict="undecided",
+        pose=one.pose,
+        reference=f"measured: {one.source}",
+        reason=f"{model} cannot be computed: {reason}",
+        measured=True,
+        unit=one.unit,
+    )
+
+
+def _with_refusals(entry: Entry, refused: Mapping[Measured, str]) -> Entry:
+    """The entry as it is if some of its measured values cannot be computed: not adequate."""
+    if not refused or entry.verdict == "inadequate":
+        return entry
+    reason = f"{entry.model} cannot be computed for all values: {next(iter(refused.values()))}"
+    return replace(entry, verdict="undecided", reason=reason)
+
+
+def _limit(quantity: str, requirement: Requirement) -> float:
+    return requirement.deflection if leg_entry(quantity) else requirement.limit(quantity)
 
 
 def predicted(
@@ -198,7 +242,7 @@ def _entry(
     poses: Sequence[tuple[float, ...]],
     pairs: Mapping[Measured, Partner | None],
 ) -> Entry:
-    limit = requirement.deflection if leg_entry(quantity) else requirement.limit(quantity)
+    limit = _limit(quantity, requirement)
     verdict = worst_of([compared.verdict(limit) for compared in found.values()])
     # The farthest off decides, of the whole and of several in one pose.
     ordered = sorted(found.items(), key=lambda pair: abs(pair[1].error), reverse=True)

@@ -161,7 +161,9 @@ def _responses(
     """Damped modes as each response feels them; where no part loses energy, damped as measured."""
     unit = np.eye(found.system.size)
     felt_at = np.vstack([_motions(found.system, unit, one.ends) for one in test.responses])
-    damped = damped_modes(found.solution, _ABOVE * test.frequencies.max(), felt_at)
+    # A model that is stiff where it was measured has its partners far above what was measured.
+    highest = max([*test.frequencies, *(one.frequency for one in partners if one)])
+    damped = damped_modes(found.solution, _ABOVE * highest, felt_at)
     if not robot.loses_energy:
         ratios = np.full(len(damped.gives), test.ratios.mean())
         for ratio, partner in zip(test.ratios, partners, strict=True):

@@ -2,7 +2,6 @@
 
 import json
 import re
-from collections import Counter
 from collections.abc import Sequence
 from xml.etree import ElementTree as ET
 
@@ -12,7 +11,7 @@ from lumped.text import counted
 from validation.case import Absolute, Case, Tolerance
 from validation.drawing.text import tolerance
 from validation.kinematics.listing import mobility_text
-from validation.results.outcome import Outcome, Task, Verdict
+from validation.results.outcome import Outcome, Task
 
 _FIELDS = (
     *("id", "title", "section", "quantity", "unit", "reference_kind", "citation"),
@@ -112,23 +111,6 @@ def outcome_line(outcome: Outcome) -> str:
     )
     remark = f"; {outcome.message}" if outcome.message else ""
     return f"{outcome.verdict:9} {case.id}: {numbers}{remark}"
-
-
-def summary(outcomes: Sequence[Outcome], unfinished: int = 0) -> str:
-    """The verdict on the whole run in one sentence."""
-    total = len(outcomes)
-    counts = Counter(outcome.verdict for outcome in outcomes)
-    judged = total - counts["skipped"]
-    if judged == 0:
-        sentence = "No comparison was made"
-    elif counts["agree"] == judged:
-        sentence = f"All {judged} comparisons agree" if judged > 1 else "The comparison agrees"
-    else:
-        sentence = f"{counts['agree']} of {counted(judged, 'comparison')} agree"
-    others: tuple[Verdict, ...] = ("disagree", "undecided", "failed", "skipped")
-    parts = [sentence, *(f"{counts[one]} {one}" for one in others if counts[one])]
-    parts += [f"{unfinished} not computed"] if unfinished else []
-    return ", ".join(parts) + "."
 
 
 def _tolerance(allowed: Tolerance) -> dict[str, float | str]:

@@ -16,7 +16,6 @@ from validation.drawing import text
 from validation.drawing.turnable import viewer
 from validation.exhibits import PORTRAIT, Figure
 from validation.report.first_screen import FirstScreen, first_screen
-from validation.report.listing import summary
 from validation.report.sections import Chapter, chapters_of
 from validation.results.gathered import Results
 from validation.results.outcome import Outcome, Verdict
@@ -69,10 +68,7 @@ class Report:
     @property
     def checks(self) -> str:
         """The comparisons in one sentence."""
-        said, lost = (
-            summary(self.outcomes, self.results.unfinished),
-            self.results.no_longer_compared,
-        )
+        said, lost = self.results.standing.sentence, self.results.no_longer_compared
         if lost:
             said += f" Agreed earlier and skipped now: {', '.join(lost)}."
         return said

@@ -13,6 +13,7 @@ from validation.exhibits import Figure, PlannedFigure
 from validation.results.compare import RunComparison, compare, with_drift
 from validation.results.outcome import AnyResult, Outcome, Record, Task, from_plain, still_holding
 from validation.results.records import CaseRecord, RunRecord, case_record, parse_run, run_record
+from validation.results.standing import Standing, standing_of
 
 _JUDGED = {ADEQUACY: "by finite elements", MEASURED: "against measured values"}
 
@@ -132,8 +133,11 @@ class Results:
 
     @property
     def refused(self) -> tuple[str, ...]:
-        """Models relied on that are not adequate; all of them where strict and nothing is known."""
-        if self.matrix is None:
+        """Models relied on that are not adequate by any matrix there is.
+
+        All of them if strict, and models were to be judged and no matrix came of it.
+        """
+        if not self.matrices:
             return tuple(self.rely) if self.strict and {ADEQUACY, MEASURED} & set(self.done) else ()
         refused = {
             model
@@ -142,16 +146,10 @@ class Results:
         }
         return tuple(model for model in self.rely if model in refused)
 
-    def exit_code(self) -> int:
-        """0 nothing against it, 1 a case disagrees or a model relied on is inadequate, 3 a failure.
-
-        A failure is a computation that failed or was interrupted. Where strict, undecided is 1 too.
-        """
-        verdicts = {result.verdict for result in self.done.values()}
-        if "failed" in verdicts or self.unfinished:
-            return 3
-        wrong = {"disagree", "undecided"} if self.strict else {"disagree"}
-        return 1 if verdicts & wrong or self.refused else 0
+    @property
+    def standing(self) -> Standing:
+        """What the run comes to: the sentence on it and its exit code."""
+        return standing_of(self.tasks, self.done, self.refused, strict=self.strict)
 
     def as_json(self) -> str:
         """The text of results.json."""

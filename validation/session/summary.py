@@ -2,7 +2,7 @@
 
 from shlex import join
 
-from validation.report.listing import outcome_line, summary
+from validation.report.listing import outcome_line
 from validation.report.words import sentence, supposition
 from validation.results import compare
 from validation.results.gathered import Results
@@ -13,15 +13,16 @@ def verdicts(gathered: Results) -> list[str]:
     """Lines on what does not agree, and the verdict on the whole."""
     outcomes = gathered.outcomes
     worst = [o for o in outcomes if o.verdict in {"disagree", "undecided", "failed"}]
+    standing = gathered.standing
     # A run of models alone makes no comparison that could be summed up.
-    nothing = not outcomes and gathered.matrices
-    said = [] if nothing else [summary(outcomes, gathered.unfinished)]
+    nothing = not outcomes and gathered.matrices and not standing.failures
+    said = [] if nothing else [standing.sentence]
     return [*(outcome_line(outcome) for outcome in worst), *said]
 
 
 def adequacy(gathered: Results) -> list[str]:
     """Lines on the models relied on that are not adequate, and the answer as the page has it."""
-    refused, rely = ", ".join(gathered.refused), gathered.rely
+    refused, rely = ", ".join(gathered.standing.refused), gathered.rely
     lines = [f"relied on but not adequate: {refused}"] if refused else []
     lines += gathered.unjudged
     matrix, measured = gathered.matrix, gathered.measured

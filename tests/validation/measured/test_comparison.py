@@ -5,9 +5,11 @@ from math import hypot
 
 import numpy as np
 import pytest
+from one_arm import ONE_ARM
 from written_robot import robot_of
 
-from lumped.acceptance.measured import Measured
+from lumped.acceptance.measured import Freedoms, Measured, MeasuredResponse, ModalTest
+from lumped.errors import ComputationError
 from lumped.legs import tip_compliance
 from lumped.models.bodies import legs_of
 from lumped.robot_file import load_robot
@@ -78,6 +80,71 @@ def test_measured_values_join_the_matrix_as_a_reference_of_their_own():
     assert more.entry("simplified", "leg1.c33") is None
     assert chart_svg(measured_curves(more).chart)
     assert "leg1.c33" in sentence(more)
+
+
+def test_leg_entries_alone_have_a_chart():
+    """Of a robot whose poses have one coordinate, too, though entries of a leg have no pose."""
+    biglide = load_robot("biglide")
+    ones = tuple(Measured(f"leg1.{name}", 1e-6, 1e-8, "stand") for name in ("c22", "c33"))
+    matrix = measured_matrix(Context(replace(biglide, measured=ones), "quick"))
+    chart = measured_curves(matrix).chart
+    assert [panel.title for panel in chart.panels] == ["leg1.c22", "leg1.c33"]
+    for panel, quantity in zip(chart.panels, matrix.quantities, strict=True):
+        values = {one.label: one.y[0] for one in panel.series}
+        entry = matrix.entry("beam", quantity)
+        assert values["beam"] == pytest.approx(entry.value / 1e-6, rel=1e-12)
+    assert chart_svg(chart)
+
+
+def test_value_that_one_model_refuses_costs_that_entry_alone(monkeypatch):
+    robot_file = load_robot("five-bar")
+    robot = robot_file.mechanism
+    first, last = (tuple(map(float, robot.poses[place])) for place in (0, -1))
+    ones = tuple(Measured("x", 1e-6, 1e-9, "gauge", pose) for pose in (first, last))
+
+    def refusing(model, robot, one, options):
+        if model == "simplified" or (model == "beam" and one.pose == last):
+            raise ComputationError("the drives do not hold the tool")
+        return predicted(model, robot, one, options)
+
+    monkeypatch.setattr("validation.measured.matrix.predicted", refusing)
+    requirement = replace(robot_file.requirement, deflection=0.99)
+    robot_file = replace(robot_file, measured=ones, requirement=requirement)
+    matrix = measured_matrix(Context(robot_file, "quick"))
+    entry = matrix.entry("simplified", "x")
+    assert (entry.verdict, entry.error, entry.pose) == ("undecided", None, first)
+    assert entry.reason == "simplified cannot be computed: the drives do not hold the tool"
+    # What is known of one pose is no verdict on both.
+    beam, links = (matrix.entry(model, "x") for model in ("beam", "links"))
+    assert (links.verdict, links.reason) == ("adequate", "")
+    assert (beam.verdict, beam.errors[1]) == ("undecided", None)
+    assert "do not hold the tool" in beam.reason
+    assert matrix.entry("vjm", "x").value == pytest.approx(links.value, rel=1e-6)
+    assert chart_svg(measured_curves(matrix).chart)
+
+
+def test_mode_far_above_the_measured_one_keeps_the_matrix(tmp_path):
+    """Along itself the arm is so stiff that its mode lies far above what a hammer excites."""
+    robot_file = robot_of(ONE_ARM + "[path]\nposes = [[0.0]]\n", tmp_path)
+    places, along = np.array([[0.5, 0.0, 0.0], [0.25, 0.0, 0.0]]), np.eye(3)[[1, 1]]
+    frequencies = np.linspace(5.0, 200.0, 50)
+    ends = Freedoms(("arm", "arm"), places[[0, 0]], along)
+    response = MeasuredResponse("tip", ends, frequencies, np.full(50, 1e-6 + 0j))
+    test = ModalTest(
+        (0.0,),
+        Freedoms(("arm", "arm"), places, along),
+        np.array([[1.0], [0.7]]),
+        np.array([50.0]),
+        np.array([0.01]),
+        (response,),
+    )
+    mode = Measured("f1", 50.0, 0.5, "hammer", (0.0,), 1.0, test, 0)
+    push = Measured("x", 1e-6, 1e-8, "gauge", (0.0,))
+    matrix = measured_matrix(Context(replace(robot_file, measured=(mode, push)), "quick"))
+    assert matrix.entry("simplified", "x").value is not None
+    # √(E/ρ)/4L = 2586 Hz of the arm alone, less with 1 kg at its end; 50 Hz is none of it.
+    entry = matrix.entry("beam", "f1")
+    assert (entry.verdict, entry.value > 1000.0) == ("inadequate", True)
 
 
 OWN = """

@@ -24,12 +24,13 @@ from validation.case import Absolute, Relative
 from validation.drawing import text
 from validation.drawing.chart import chart_table
 from validation.report.figures.adequacy import error_curves
-from validation.report.listing import junit_xml, outcome_line, summary
+from validation.report.listing import junit_xml, outcome_line
 from validation.report.remedies import remedies_of
 from validation.report.table import csv_of_matrix, table_of
 from validation.report.words import SIGNS
 from validation.results.outcome import Result, from_plain, plain
 from validation.results.records import adequacy_records
+from validation.results.standing import standing_of
 
 LIMITS = {"x": 0.011, "f1": 0.023, "phi_y": 0.37}
 MARKS = {"adequate": "✓", "inadequate": "✗", "undecided": "?"}
@@ -336,7 +337,8 @@ def test_lines_sum_and_junit_say_the_verdicts():
     line = outcome_line(outcomes[-1])
     assert "deflection 9.5 µm, should be 2 µm (tolerance 0.2 µm)" in line
     outcomes.append(unmeasured("broken", "failed", "it broke"))
-    assert summary(outcomes) == "3 of 8 comparisons agree, 4 disagree, 1 failed."
+    standing = standing_of([one.case for one in outcomes], {one.case.id: one for one in outcomes})
+    assert standing.sentence == "3 of 8 comparisons agree, 4 disagree, 1 failed."
     suite = ET.fromstring(junit_xml(outcomes, "toys")).find("testsuite")  # noqa: S314
     assert suite is not None
     assert [one.find("failure") is not None for one in suite] == [*wrong, False]

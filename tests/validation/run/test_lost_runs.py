@@ -221,7 +221,7 @@ def test_a_corrupted_run_goes_on_to_the_same_numbers(untouched, tmp_path, seed):
         mark.write_bytes(sound)
     before = toys.content(path)
     gathered = validate(asked(path, start="resumed"), toy_catalogue.disagreeing)
-    assert gathered.exit_code() == 1, done
+    assert gathered.standing.exit_code == 1, done
     assert toys.numbers(path) == toys.numbers(untouched), done
     after = toys.content(path)
     for name, written in before.items():

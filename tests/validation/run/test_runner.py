@@ -61,7 +61,7 @@ def test_a_run_leaves_everything_in_its_folder(troubled_run):
 def test_whatever_happens_in_a_case_is_its_verdict(troubled_run):
     gathered, path = troubled_run
     messages = {name: outcome.message for name, outcome in gathered.done.items()}
-    assert gathered.exit_code() == 3
+    assert gathered.standing.exit_code == 3
     assert messages["toy.singular"] == "leg 2: the stiffness matrix is singular"
     assert messages["toy.bug"] == "IndexError: pop from empty list (traceback in log.txt)"
     assert "was ended by SIGSEGV" in messages["toy.crash"]
@@ -88,7 +88,7 @@ def test_a_resumed_run_computes_only_what_is_missing(robot_file, troubled_run, c
     assert again.done["toy.agrees"].seconds == first.done["toy.agrees"].seconds
     # What failed is tried again.
     assert (path / "log.txt").read_text().count("this belongs into the log") == 2
-    assert again.exit_code() == 3
+    assert again.standing.exit_code == 3
 
 
 def test_workers_that_cannot_start_end_the_run(robot_file, tmp_path, monkeypatch):

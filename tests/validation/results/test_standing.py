@@ -1,0 +1,94 @@
+"""What a run comes to: exit code and sentence of the same count, whatever failed."""
+
+from dataclasses import replace
+from itertools import product
+
+import pytest
+from report_sample import HEADER, entry, never, sample_matrix, sample_report
+from toy_catalogue import case
+
+from validation.adequacy.matrix import ADEQUACY, MEASURED, Assessment
+from validation.exhibits import PlannedFigure
+from validation.results.gathered import Results
+from validation.results.outcome import Result
+from validation.results.standing import standing_of
+from validation.session.summary import adequacy, verdicts
+
+FIGURE = PlannedFigure("fig7", "Fig. 7", never)
+MODELS = Assessment(ADEQUACY, "", never)
+CASES = [case(f"toy[{k}]", never) for k in range(3)]
+
+
+def results(tasks, *verdicts, **fields):
+    """The results of tasks that have these verdicts; without one a task is not computed."""
+    done = {
+        task.id: Result(task.id, verdict, 0.1, "why")
+        for task, verdict in zip(tasks, verdicts, strict=False)
+    }
+    return Results(HEADER, tasks, done=done, **fields)
+
+
+@pytest.mark.parametrize(
+    ("tasks", "said", "sentence", "code"),
+    [
+        (CASES, ["agree"] * 3, "All 3 comparisons agree.", 0),
+        (CASES, ["agree", "skipped", "undecided"], "1 of 2 comparisons agree, 1 und", 0),
+        (CASES, ["agree", "agree", "disagree"], "2 of 3 comparisons agree, 1 disagree.", 1),
+        (CASES, ["agree", "agree"], "All 2 comparisons agree, 1 not computed.", 3),
+        # Figures and assessments fail, too.
+        (
+            [*CASES, FIGURE],
+            [*["agree"] * 3, "failed"],
+            "All 3 comparisons agree, 1 figure failed.",
+            3,
+        ),
+        ([*CASES, FIGURE], [*["agree"] * 3, "skipped"], "All 3 comparisons agree.", 0),
+        (
+            [*CASES, MODELS],
+            [*["agree"] * 3, "failed"],
+            "All 3 comparisons agree, 1 assessment of the models failed.",
+            3,
+        ),
+        ([MODELS], ["failed"], "No comparison was made, 1 assessment of the models failed.", 3),
+    ],
+)
+def test_sentence_tells_what_the_exit_code_stands_for(tasks, said, sentence, code):
+    found = results(tasks, *said)
+    assert found.standing.exit_code == code
+    assert found.standing.sentence.startswith(sentence)
+    # Terminal and page have it from there.
+    assert found.standing.sentence in verdicts(found)
+    assert sample_report().checks == sample_report().results.standing.sentence
+
+
+def test_no_run_that_fails_says_that_all_is_well():
+    kinds = [CASES[0], CASES[1], FIGURE, MODELS]
+    for said in product(["agree", "skipped", "failed", None], repeat=len(kinds)):
+        done = {
+            task.id: Result(task.id, one, 0.1) for task, one in zip(kinds, said, strict=True) if one
+        }
+        standing = standing_of(kinds, done)
+        troubled = "failed" in said or None in said
+        assert (standing.exit_code == 3) is troubled
+        words = ("failed", "not computed")
+        assert any(word in standing.sentence for word in words) is troubled
+
+
+def by_gauge(size):
+    """A matrix against a measured value, of which a model is off by a size."""
+    of_gauge = entry("simplified", "z", size, measured=True, reference="measured: gauge", unit="m")
+    return sample_matrix(entries=(of_gauge,), quantities=("z",))
+
+
+@pytest.mark.parametrize(("size", "code"), [(16.0, 1), (0.001, 0)])
+def test_measured_values_alone_refuse_a_model(size, code):
+    done = {MEASURED: Result(MEASURED, "made", 0.1, found=by_gauge(size))}
+    tasks = [Assessment(MEASURED, "", never)]
+    found = Results(HEADER, tasks, done=done, rely=("simplified",))
+    assert found.standing.exit_code == code
+    refused = "relied on but not adequate: simplified"
+    assert (refused in adequacy(found)) is bool(code)
+    # Either matrix refuses.
+    both = {ADEQUACY: Result(ADEQUACY, "made", 0.1, found=sample_matrix()), **done}
+    tasks.append(MODELS)
+    assert replace(found, tasks=tasks, done=both).standing.exit_code == 1
