@@ -137,8 +137,9 @@ def test_tip_compliance_is_exact_for_any_slenderness_and_number_of_elements(theo
         properties = leg.properties(theory)
         for elements in (1, 2, 7):
             found = tip_compliance_of(beam_leg(properties, leg.length, elements))
-            # Rounding alone, which the condition of n elements raises as n⁴: 2400 eps for n = 7.
-            assert scaled_difference(found, tip_compliance(properties, leg.length)) < 1e-12
+            # Rounding alone, which the condition of n elements raises as n⁴: 2400 eps for n = 7,
+            # 7.3e-13 by five kernels of OpenBLAS.
+            assert scaled_difference(found, tip_compliance(properties, leg.length)) < 1e-11
 
 
 @both_theories

@@ -80,7 +80,8 @@ def test_a_parallelogram_yields_by_its_drive_its_driven_rod_and_the_stretch_of_b
     expected = {Portion("j0", "drive"): turned, Portion("rod1", "bending z"): bent}
     for portion, share in shares.items():
         amount = expected.get(portion, 0.0) / (turned + bent)
-        assert share == pytest.approx(amount, rel=1e-8, abs=1e-12), portion
+        # Rounding of what has no share: 2.4e-13 by five kernels of OpenBLAS.
+        assert share == pytest.approx(amount, rel=1e-8, abs=1e-11), portion
 
 
 def test_a_rod_between_ball_joints_goes_round_a_cone_without_spinning():
