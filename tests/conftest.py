@@ -11,6 +11,8 @@ os.environ["MPLBACKEND"] = "Agg"
 os.environ["PYVISTA_OFF_SCREEN"] = "true"
 
 CACHE = pytest.StashKey[str]()
+# Time limits (s) of the sets that run only when asked for; pyproject.toml has that of all others.
+LIMITS = {"exhaustive": 3600, "faults": 3600, "soak": 6 * 3600}
 
 
 def pytest_configure(config):
@@ -23,6 +25,14 @@ def pytest_configure(config):
         os.environ["XDG_CACHE_HOME"] = config.stash[CACHE]
         # The fonts of this machine are looked for once, not by each worker of each session.
         os.environ["MPLCONFIGDIR"] = str(config.rootpath / ".pytest_cache" / "matplotlib")
+
+
+def pytest_collection_modifyitems(items):
+    """Give tests of the long sets the limit of their set."""
+    for item in items:
+        for mark, seconds in LIMITS.items():
+            if item.get_closest_marker(mark):
+                item.add_marker(pytest.mark.timeout(seconds))
 
 
 def pytest_unconfigure(config):

@@ -4,6 +4,7 @@ import ast
 import re
 import runpy
 import subprocess
+import sys
 from collections import Counter
 from fnmatch import fnmatch
 from graphlib import TopologicalSorter
@@ -48,6 +49,22 @@ def test_no_room_of_tests_is_passed_over(pytestconfig):
     for module in (ROOT / "tests").rglob("test_*.py"):
         rooms = module.relative_to(ROOT).parts[:-1]
         assert not [room for room in rooms for one in patterns if fnmatch(room, one)], module
+
+
+def test_endless_test_is_ended_by_its_time_limit(pytestconfig, tmp_path):
+    assert float(pytestconfig.getini("timeout")) > 0.0
+    endless = tmp_path / "test_endless.py"
+    endless.write_text("def test_endless():\n    while True:\n        pass\n")
+    options = ["-q", "-c", ROOT / "pyproject.toml", "-o", "timeout=1", "-p", "no:cacheprovider"]
+    ended = subprocess.run(
+        [sys.executable, "-m", "pytest", *options, endless],
+        cwd=tmp_path,
+        capture_output=True,
+        check=False,
+        text=True,
+    )
+    assert ended.returncode == pytest.ExitCode.TESTS_FAILED
+    assert "Timeout (>1.0s)" in ended.stdout
 
 
 def test_imports_go_one_way_and_never_in_a_circle():
