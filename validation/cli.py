@@ -410,6 +410,7 @@ def check(robot: RobotName) -> int:
     from lumped.audit import audit  # noqa: PLC0415
     from lumped.robot_file import load_robot  # noqa: PLC0415
     from validation.kinematics.poses import postures_on_path  # noqa: PLC0415
+    from validation.models.plausibility import robot_findings  # noqa: PLC0415
     from validation.paper.errata import paper_findings  # noqa: PLC0415
     from validation.report.listing import audit_text  # noqa: PLC0415
 
@@ -421,7 +422,7 @@ def check(robot: RobotName) -> int:
         from validation.models.part_check import parts_text  # noqa: PLC0415
 
         of_parts = parts_text(mechanism)
-    findings = (*audit(robot_file), *paper_findings(robot_file))
+    findings = (*audit(robot_file), *paper_findings(robot_file), *robot_findings(mechanism))
     say(audit_text(robot, mechanism, findings, reached))
     if of_parts:
         say(of_parts)

@@ -8,6 +8,7 @@ fewer than three digits throughout: a round figure that somebody chose, as a dri
 import csv
 import re
 import tomllib
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from decimal import Decimal
 from io import StringIO
@@ -21,7 +22,7 @@ from lumped.errors import InputError
 from lumped.files import read_ordinary
 from lumped.robot_file.rules.matrices import symmetric
 from lumped.robot_file.rules.rule import too_many
-from lumped.text import cut
+from lumped.text import cut, shown
 
 # Of a key "a.b.c": tomllib takes the square of that time.
 _MOST_PARTS = 100
@@ -59,6 +60,8 @@ def table_rows(path: Path, kind: str, columns: Sequence[str], most: int) -> list
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise InputError(f"{path}: cannot be read: {error}") from error
     faults = [f"{path}: lacks the column {', '.join(lacking)}"] if lacking else []
+    twice = [name for name, count in Counter(reader.fieldnames or ()).items() if count > 1]
+    faults += [f"{path}: has the column {shown(name)} twice; must have it once" for name in twice]
     if not (rows or faults):
         faults = [f"{path}: holds no row; must be {kind}"]
     if len(rows) > most:

@@ -33,8 +33,8 @@ class Stability:
     None where there is no factor below a million. `shares`: of strain energy as it buckles, by body
     or joint, the largest first. `lost`: shares of the tool's stiffness (6, along and about each
     axis alone) that the load takes, negative where it adds to it; `farther`: how much farther the
-    tool moves than linear models say, relative; `frequencies` (Hz) under the load. NaN and none
-    where it has buckled.
+    tool moves than linear models say, relative, negative if it moves less far; `frequencies` (Hz)
+    under the load. NaN and none where it has buckled.
     """
 
     factor: float | None
@@ -61,11 +61,11 @@ def stability(solution: Solved, geometric: Array, load: Loading, count: int = 0)
         return found
     before, after = (np.diag(compliance(one)) for one in (solution, loaded))
     here, there = (tool_displacements(one, [load])[0, :3] for one in (solution, loaded))
-    whole = float(np.linalg.norm(here))
+    whole, off = float(np.linalg.norm(here)), there - here
     return replace(
         found,
         lost=1.0 - np.divide(before, after, out=np.ones(6), where=before > 0.0),
-        farther=float(np.linalg.norm(there - here)) / whole if whole else 0.0,
+        farther=float(np.copysign(np.linalg.norm(off), off @ here)) / whole if whole else 0.0,
         frequencies=modes_with_mass(loaded, count).frequencies,
     )
 

@@ -1,6 +1,7 @@
 """One model of a robot in the poses asked for, or of one of its bodies."""
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import asdict, replace
 from math import ceil
 from typing import Any
@@ -8,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from lumped.arrays import Array
+from lumped.dense.modes import FewerModesError
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg
 from lumped.mechanism.mechanism import Mechanism, Posture
@@ -47,11 +49,20 @@ def checked(question: Question) -> Cost:
 
 
 def solve(question: Question) -> Solution:
-    """The model's answers.
+    """The model's answers; unless `modes` are asked for, as many as there are of six.
 
     Raises InputError as `checked` does, ComputationError where the drives do not hold the tool.
     """
     checked(question)
+    if question.modes is not None:
+        return _solved(question)
+    for count in range(question.count, 0, -1):
+        with suppress(FewerModesError):
+            return _solved(replace(question, modes=count))
+    return _solved(replace(question, modes=0))
+
+
+def _solved(question: Question) -> Solution:
     if "ends" in question.given:
         question = _of(question, _without_own_ends(question.mechanism))
     reached = None

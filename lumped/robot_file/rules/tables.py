@@ -181,6 +181,14 @@ BODY = TableRule(
     Key("interfaces", Named(_POINT_NAME, INTERFACE), "faces by the name of their point", of=_PART),
 )
 
+
+class _Axes(Several):
+    """The two axes of a universal joint; written for the one `axis` of another it is misplaced."""
+
+    def refused(self, value: object, key: str) -> str:
+        return f"{super().refused(value, key)}; a joint of one axis has axis = [x, y, z]"
+
+
 _TWO_NAMES = Either(_POINT_NAME, Several(_POINT_NAME, 2))
 _SERIES = "its own give, in series: base axes of the reference posture, fixed to the first body"
 _DRIVE = TableRule(
@@ -195,7 +203,7 @@ JOINT = TableRule(
     needed("between", Several(_BODY_NAME, 2), 'two bodies; "ground" is one'),
     needed("at", _TWO_NAMES, "a point of both, or one of each, apart along a sliding axis"),
     Key("axis", _DIRECTION, "along which it slides, about which it turns; a plane's normal"),
-    Key("axes", Several(_DIRECTION, 2), "of a universal joint: the first body's, the second's"),
+    Key("axes", _Axes(_DIRECTION, 2), "of a universal joint: the first body's, the second's"),
     Key("drive", _DRIVE, "of a revolute or prismatic joint; passive where left out"),
     Key("compliance", _COMPLIANCE, _SERIES),
     Key("loss", _LOSS, "loss factor of its compliance", default=0.0),

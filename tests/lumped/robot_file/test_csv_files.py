@@ -44,6 +44,12 @@ def csv(tmp_path):
     return write
 
 
+def test_column_named_twice_is_refused(csv):
+    path = csv("quantity,pose,value,value,uncertainty,source\nx,0.5,1e-6,2e-6,1e-7,gauge\n")
+    with pytest.raises(InputError, match='has the column "value" twice; must have it once'):
+        read_measured(path)
+
+
 def test_a_robot_file_says_what_is_asked_measured_and_uncertain(tmp_path):
     given = load_robot("ifw")
     own = robot_of(given.text + OWN, tmp_path)

@@ -13,8 +13,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from mutated_robots import places
+from pendulum import PENDULUM
 from sound_biglide import SOUND
-from written_robot import robot_of
+from written_robot import described, robot_of
 from wrong_files import wrong_files
 
 from lumped.errors import InputError
@@ -350,3 +351,9 @@ def test_a_new_file_is_the_robot_and_names_every_key(robot, keys, tmp_path):
 def test_the_command_prints_it(capsys):
     assert cli.main(["schema"]) == 0
     assert '"https://json-schema.org/draft/2020-12/schema"' in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("axes", ["[0.0, 0.0, 1.0]", "[[0.0, 0.0, 1.0]]"])
+def test_axes_in_place_of_axis_ask_for_axis(axes):
+    with pytest.raises(InputError, match=r"joints.pivot.axes .*one axis has axis = \[x, y, z\]"):
+        described(PENDULUM.replace("axis = [0.0, 0.0, 1.0]", f"axes = {axes}"))

@@ -173,6 +173,14 @@ def test_where_masses_of_given_legs_lie_is_an_interval_of_weight_alone(tmp_path)
     assert stop.uncertainty > 0.0
 
 
+def test_pulled_arm_moves_less_far(tmp_path):
+    """Pulled with a fifth of the load that turns it over when pressed, it yields 1/6 less."""
+    pull = '[[loads]]\nname = "pull"\nwrench = [10.0, 2.0e4, 0.0, 0.0, 0.0, 0.0]\n'
+    arm = robot_of(HELD + "[path]\nposes = [[0.0]]\n" + pull, tmp_path)
+    ((at,),) = stabilities("links", robot_on_path(Context(arm, "quick")).postures)
+    assert at.farther == pytest.approx(-1.0 / 6.0, rel=0.1)
+
+
 def test_a_load_that_softens_what_it_meets_is_judged_by_no_linear_model(tmp_path):
     """Pressed with a fifth of k/L, which turns the drive over, the arm yields 1/(5 − 1) more."""
     press = '[[loads]]\nname = "press"\nwrench = [10.0, -2.0e4, 0.0, 0.0, 0.0, 0.0]\n'

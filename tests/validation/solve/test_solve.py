@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from one_arm import LOADS, ONE_ARM
+from pendulum import PENDULUM
 from sound_biglide import SOUND
 from toy_runs import ENVIRONMENT, on_terminal
 from written_robot import robot_of
@@ -14,7 +15,7 @@ from written_robot import robot_of
 from fem.bodies.solid import coupled_leg, solid_leg, solid_mesh
 from fem.calculix.leg import with_bars
 from fem.solvers.factor import analyse
-from lumped.errors import InputError
+from lumped.errors import ComputationError, InputError
 from lumped.legs import ConstantLeg, Material, equivalent_leg
 from lumped.mechanism.kinematics.postures import reference_posture
 from lumped.mechanism.load import Load
@@ -50,6 +51,17 @@ def bar(tmp_path):
     """A leg of it a rectangle, which is meshed with few elements."""
     text = SOUND.replace("hollow-rectangle", "rectangle").replace(", thickness = 0.008", "")
     return robot_of(text, tmp_path).source
+
+
+@pytest.mark.parametrize("model", ["simplified", "segments", "beam"])
+def test_robot_of_one_mode_gives_that_one(tmp_path, model):
+    """The pendulum is one rigid body on a spring: f = √(k/J)/2π, J = 0.11 + 3 · 0.5² kg m²."""
+    asked = Question(robot_of(PENDULUM, tmp_path), model, {})
+    (answer,) = solve(asked).answers
+    frequency = np.sqrt(4.0e4 / 0.86) / (2.0 * np.pi)
+    assert answer.frequencies == pytest.approx([frequency], rel=1e-9)
+    with pytest.raises(ComputationError, match="3 modes asked for, but fewer have mass"):
+        solve(replace(asked, model="beam", modes=3))
 
 
 # Options that would change nothing, or are no number; without a name it is the robot above.

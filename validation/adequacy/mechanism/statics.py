@@ -180,7 +180,7 @@ def _left_by_linearity(robot: RobotOnPath) -> Array | None:
         found = robot.context.get(stabilities, "links", robot.postures)
     except UNSOLVED:
         return None
-    farther = np.array([[one.farther if one else 0.0 for one in row] for row in found])
+    farther = np.array([[abs(one.farther) if one else 0.0 for one in row] for row in found])
     left = np.nan_to_num(farther, nan=1.0)
     left[left < _LINEAR] = 0.0
     return np.pad(left, ((0, 0), (len(STATIC_QUANTITIES), 0)))

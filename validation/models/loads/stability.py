@@ -121,7 +121,7 @@ def _said(
     load: str, requirement: Requirement, found: Sequence[tuple[Posture, Stability]]
 ) -> Iterator[str]:
     lost = np.array([one.lost for _, one in found])
-    taken, moved = float(lost.max()), max(one.farther for _, one in found)
+    taken, moved = float(lost.max()), max(abs(one.farther) for _, one in found)
     if np.isfinite(lost).all() and max(taken, moved) < _NOTHING:
         return
     buckling = [(one.factor, at, one) for at, one in found if one.factor is not None]

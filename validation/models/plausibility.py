@@ -1,0 +1,160 @@
+"""Doubts about a robot whose data are sound in form: units, axes of bores, gaps of slides."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from lumped.arrays import Array
+from lumped.audit import Finding
+from lumped.legs import ConstantLeg
+from lumped.mechanism.body import Body, Part
+from lumped.mechanism.joint import Joint
+from lumped.mechanism.mechanism import GROUND, Mechanism
+from validation.models.parts import found_in
+
+# Length (m), mass (kg) and mass per length (kg/m) above which a leg is no machine's: a solid steel
+# bar of 1.1 m × 1.1 m has 1e4 kg/m, the box boom of a large crane 3e3. In millimetres taken for
+# metres 2.5 mm² of steel have 2e4 kg/m.
+_LONG, _HEAVY, _HEAVY_PER_LENGTH = 5.0, 1e4, 1e4
+# Span (m) of a body whose mass is given, and mass per length (kg/m) below which it is none: of a
+# carbon tube of that length 0.3 kg/m.
+_WIDE, _LIGHT_PER_LENGTH = 10.0, 0.02
+# Gravity (m/s²) above which it is hardly meant so: five times the earth's.
+_LARGEST_GRAVITY = 50.0
+# Cosine of the angle between a bore and the axis of its joint: 30°.
+_ALONG = float(np.cos(np.pi / 6.0))
+# Share of the distance of a slide's points that rounding may leave between its bodies.
+_TOUCHING = 1e-6
+
+
+def robot_findings(mechanism: Mechanism) -> tuple[Finding, ...]:
+    """All doubts about a mechanism. Opens its parts: raises InputError as `found_in` does."""
+    checks = (_size_and_mass, _gravity, _bores, _slides)
+    return tuple(finding for check in checks for finding in check(mechanism))
+
+
+def _size_and_mass(mechanism: Mechanism) -> Iterator[Finding]:
+    """Millimetres written as metres: legs by density far too heavy, given masses far too light."""
+    for body in mechanism.bodies.values():
+        if body.name == GROUND:
+            continue
+        span, mass = _span(body), _mass(body)
+        heavy = isinstance(body.shape, ConstantLeg) and mass > max(_HEAVY, _HEAVY_PER_LENGTH * span)
+        light = 0.0 < mass < _LIGHT_PER_LENGTH * span
+        if (heavy and span > _LONG) or (light and span > _WIDE):
+            yield Finding(
+                f"bodies.{body.name}",
+                "size and mass",
+                printed=f"{span:.4g} m from end to end, {mass:.3g} kg",
+                wrong="no body of a machine has this size and this mass; are lengths given in mm? "
+                "they must be in m",
+                evidence=f"{mass / span:.3g} kg/m; a robot's legs have 0.1 to 3000 kg/m",
+                severity="warning",
+                numbers={"span": span, "mass": mass},
+            )
+
+
+def _span(body: Body) -> float:
+    """Largest distance (m) between two interfaces."""
+    places = np.array([frame.position for frame in body.interfaces.values()])
+    if not len(places):
+        return 0.0
+    return float(np.linalg.norm(places[:, None] - places, axis=2).max())
+
+
+def _mass(body: Body) -> float:
+    """Mass (kg); zero of a part, whose file has a unit of its own."""
+    return 0.0 if isinstance(body.shape, Part) else body.shape.mass
+
+
+def _gravity(mechanism: Mechanism) -> Iterator[Finding]:
+    for load in mechanism.loads:
+        size = float(np.linalg.norm(load.gravity))
+        if size > _LARGEST_GRAVITY:
+            yield Finding(
+                f"loads.{load.name}.gravity",
+                "gravity",
+                printed=f"{[float(f'{part:.6g}') for part in load.gravity]} m/s²",
+                wrong="gravity is 9.81 m/s² on earth; is it given in mm/s²? it must be in m/s²",
+                evidence=f"its size is {size:.5g} m/s², {size / 9.81:.3g} times the earth's",
+                severity="warning",
+                numbers={"gravity": size},
+            )
+
+
+def _bores(mechanism: Mechanism) -> Iterator[Finding]:
+    """The bore or boss by which a part turns lies along the axis of its joint."""
+    interfaces = {
+        (body.name, one.name): one
+        for body in mechanism.parts.values()
+        for one in found_in(body)[1]
+        if one.axis is not None
+    }
+    for joint in mechanism.joints:
+        if joint.kind not in ("revolute", "cylindrical"):
+            continue
+        for side in (joint.first, joint.second):
+            held = interfaces.get((side.body, side.point))
+            if held is None or held.axis is None:
+                continue
+            axis = mechanism.reference[side.body].rotation @ held.axis
+            cosine = min(abs(float(axis @ joint.axes[0])), 1.0)
+            if cosine < _ALONG:
+                angle = float(np.degrees(np.arccos(cosine)))
+                yield Finding(
+                    f"bodies.{side.body}.interfaces.{side.point}",
+                    "axis of a bore",
+                    printed=f"its axis along {_direction(axis)}",
+                    wrong=f"the bore or boss does not lie along the axis of {joint.name}; is the "
+                    f"part turned? bodies.{side.body}.place",
+                    evidence=f"{joint.name} turns about {_direction(joint.axes[0])}, "
+                    f"{angle:.3g}° apart",
+                    severity="warning",
+                    numbers={"angle": angle},
+                )
+
+
+def _direction(axis: Array) -> str:
+    return ", ".join(f"{part + 0.0:.3g}" for part in axis.round(6))
+
+
+def _slides(mechanism: Mechanism) -> Iterator[Finding]:
+    """Bodies that slide in each other overlap along the axis, or at least touch."""
+    for joint in mechanism.joints:
+        if joint.kind not in ("prismatic", "cylindrical"):
+            continue
+        sides = [joint.first, joint.second]
+        if GROUND in {side.body for side in sides}:
+            continue
+        spans = [_along(mechanism, joint, side.body) for side in sides]
+        (_, low_end), (high_start, _) = sorted(spans)
+        gap, apart = high_start - low_end, _apart(mechanism, joint)
+        if gap > _TOUCHING * apart:
+            yield Finding(
+                f"joints.{joint.name}.at",
+                "gap of a slide",
+                printed=f"{sides[0].point} of {sides[0].body}, {sides[1].point} of {sides[1].body}",
+                wrong="the bodies that slide in each other end before they meet: the points of the "
+                "slide lie off the other body",
+                evidence=f"{gap:.4g} m along the axis lie between them",
+                severity="warning",
+                numbers={"gap": gap},
+            )
+
+
+def _along(mechanism: Mechanism, joint: Joint, name: str) -> tuple[float, float]:
+    """First and last coordinate (m) of a body's interfaces along the axis of a joint."""
+    frame = mechanism.reference[name]
+    places = [
+        float(joint.axes[0] @ (frame @ one).position)
+        for one in mechanism.bodies[name].interfaces.values()
+    ]
+    return min(places), max(places)
+
+
+def _apart(mechanism: Mechanism, joint: Joint) -> float:
+    first, second = (
+        (mechanism.reference[side.body] @ mechanism.bodies[side.body].interfaces[side.point])
+        for side in (joint.first, joint.second)
+    )
+    return float(np.linalg.norm(second.position - first.position))
