@@ -56,6 +56,10 @@ class PrismWaves:
         """
         return _stiffness(self, length, omega)
 
+    def wave_number(self, omega: float) -> float:
+        """Wave number k (rad/m) of the wave that travels, at `omega` (rad/s)."""
+        return float(np.sqrt(-beam_wave(self, omega, -1.0)[0]))
+
 
 def prism_waves(mesh: SectionMesh, material: Material) -> tuple[PrismWaves, ...]:
     """All kinds of the section `mesh`.
@@ -75,7 +79,7 @@ def prism_waves(mesh: SectionMesh, material: Material) -> tuple[PrismWaves, ...]
 def _stiffness(kind: PrismWaves, length: float, omega: float) -> Array:
     fields = kind.fields
     rates, columns = [], []
-    for square, shape in (_wave(kind, omega, sign) for sign in kind.signs):
+    for square, shape in (beam_wave(kind, omega, sign) for sign in kind.signs):
         for root in (np.sqrt(complex(square)), -np.sqrt(complex(square))):
             # γ² has both signs of γ, with u_x = p′/γ of either.
             own = shape.astype(complex)
@@ -93,7 +97,7 @@ def _stiffness(kind: PrismWaves, length: float, omega: float) -> Array:
     return np.asarray(0.5 * (found + found.T))
 
 
-def _wave(kind: PrismWaves, omega: float, sign: float) -> tuple[float, Array]:
+def beam_wave(kind: PrismWaves, omega: float, sign: float) -> tuple[float, Array]:
     """γ² and (p′, q) of the wave of a `sign` that moves as a slender beam does.
 
     By inverse iteration from the beam's, γ⁴ = ω²μ/EI or γ² = −ω²μ/EA, and a plane section.

@@ -20,6 +20,7 @@ from fem.bodies.rooted import RootedBody, rooted_body
 from fem.bodies.solid import clamped_leg, solid_leg_matrices
 from fem.calculix.mechanism import compliance_and_frequencies
 from fem.couplings.end_effects import restrained_compliance
+from fem.couplings.wave_cantilever import prism_frequency, wave_frequency
 from fem.couplings.wave_stiffness import prism_waves
 from fem.reduction.craig_bampton import craig_bampton, reduction
 from fem.reduction.free_interface import free_interface
@@ -94,6 +95,8 @@ SIDES = {
             beam_theory.cantilever_frequencies,
             nonuniform_torsion.cantilever_frequencies,
             torsion_wave,
+            wave_frequency,
+            prism_frequency,
         ),
     ),
     "refinement.*": (DOUBLED, ()),

@@ -57,6 +57,9 @@ _DOUBLING_LADDER = (COARSEST_WALLS, 8, 16, 32)
 _THINNER = 16
 # Twice the modes asked for, so that no partner is missing where two models order them differently.
 _SPARE_MODES = 6
+# Likeness of partners, above which no more modes are asked for: half and a margin for a beam's mode
+# that two modes of one frequency share.
+_PARTNER = 0.4
 _STATIONS = 24
 _ENDS: tuple[Ends, Ends] = ("rigid", "free")
 # Tasks of this group share what is kept of the robot's solids.
@@ -269,12 +272,20 @@ def solid_frequencies(
         counts = section_counts(leg, number)
         mesh = hexahedra(leg.section, leg.length, counts, slices(leg, number))
         clamped = clamped_leg(solid_leg(leg, mesh), ends)
-        modes = clamped.modes(count + _SPARE_MODES)
-        shapes = section_twists(mesh, stations) @ modes.shapes
-        likeness = mac_matrix(target, shapes, weights)
-        partner = assigned(likeness)
+        twists = section_twists(mesh, stations)
+        for offered in count + _SPARE_MODES * np.array([1, 2, 4, 8]):
+            modes = clamped.modes(int(offered))
+            shapes = twists @ modes.shapes
+            # Of unit modal mass; walls that move by themselves leave next to none to the sections.
+            seen = np.square(np.sqrt(weights)[:, None] * shapes).sum(axis=0)
+            likeness = seen * mac_matrix(target, shapes, weights)
+            partner = assigned(likeness)
+            alike = likeness[np.arange(count), partner]
+            # Two modes of one frequency may share a beam's.
+            if alike.min() > _PARTNER:
+                break
         frequencies.append(modes.frequencies[partner])
-        mac.append(likeness[np.arange(count), partner])
+        mac.append(alike)
     found = Refinement(divisions, np.array(frequencies), formal_order(leg, ends))
     return SolidModes(found, np.array(mac))
 

@@ -1,0 +1,217 @@
+"""Frequencies of a cantilever prism by the waves of 3-D elasticity in it, ends free to warp.
+
+All from the section alone, exact along the leg. The beam of Saint-Venant's states is Timoshenko's.
+The waves on the section's mesh (`prism_waves`) contract, warp by shear and bend the walls on the
+way. The tractions that they leave on the end faces, where Saint-Venant's alone may act, excite all
+other fields e^{γx} of the section: a section distorts at an open end. The ratio of the frequencies
+with and without these effects holds for any beam theory of the same section's constants.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+import scipy
+from scipy.linalg import eig, eigh, eigvalsh, svd
+
+from fem.couplings.section_fields import saint_venant_states
+from fem.couplings.wave_stiffness import PrismWaves, beam_wave
+from lumped.arrays import Array
+from lumped.errors import ComputationError
+
+# Phase (rad) of a travelling wave over one piece of the leg. A piece with both ends held swings
+# from π (shear, tension, torsion) to 4.73 (slender bending).
+_PHASE = 0.5 * np.pi
+# Relative step of the search for a change of sign, and the largest number of steps: a factor of 6.
+_STEP, _STEPS = 0.03, 60
+# Relative accuracy of a frequency between two changes of sign.
+_ACCURACY = 1e-10
+# Secant steps for the frequency with all fields (four to six are needed), the first one relative,
+# and the relative step that ends the search: long waves of slender legs keep 1e-8 of γ².
+_SECANTS, _FIRST, _CONVERGED = 20, 1e-4, 1e-7
+# Relative distance from the estimate beyond which the frequency is another mode's.
+_ANOTHER = 0.1
+
+
+def cut_off(kind: PrismWaves) -> float:
+    """Lowest frequency (Hz) at which the section shears or distorts, all along the leg in phase.
+
+    Of the symmetry of one kind of waves. Below it one wave of the kind travels, a beam's.
+    """
+    # The first is the section's rigid motion: tension, torsion or the translation of bending.
+    squares = eigh(kind.fields.E2, kind.fields.mass, subset_by_index=[1, 1], eigvals_only=True)
+    return float(np.sqrt(squares[0]) / (2.0 * np.pi))
+
+
+def wave_frequency(kind: PrismWaves, length: float, order: int, near: float) -> float:
+    """Frequency (Hz) number `order` (1, 2, …) of a cantilever of `length` (m), `near` another.
+
+    By the waves of one kind alone, with Saint-Venant's resultants at the ends. Raises
+    ComputationError if a wave is not a beam's, or if the frequency is far from `near`.
+    """
+    start = 2.0 * np.pi * near
+
+    def eigenvalue(omega: float) -> float:
+        """Falls with ω between the frequencies of pieces with held ends (Wittrick, Williams)."""
+        return float(eigvalsh(_cantilever(kind, length, omega))[order - 1])
+
+    value, omega = eigenvalue(start), start
+    factor = 1.0 + _STEP if value > 0.0 else 1.0 / (1.0 + _STEP)
+    for _ in range(_STEPS):
+        before, omega = omega, omega * factor
+        if eigenvalue(omega) * value <= 0.0:
+            bracket = sorted((before, omega))
+            found = scipy.optimize.brentq(eigenvalue, *bracket, rtol=_ACCURACY)
+            return float(found) / (2.0 * np.pi)
+    raise ComputationError(
+        f"waves: frequency {order} of {kind.fields.name} is not near {near:.4g} Hz"
+    )
+
+
+def beam_frequency(kind: PrismWaves, length: float, order: int) -> float:
+    """Frequency (Hz) number `order` of a cantilever by the beam of its Saint-Venant states."""
+    beam = saint_venant_beam(kind)
+    fields = beam.fields
+    quarter = (2 * order - 1) * np.pi / (2.0 * length)
+    stiffness, inertia = fields.E0[-1, -1], fields.mass[-1, -1]
+    rod = quarter * np.sqrt(stiffness / inertia)
+    if fields.chain == 1:
+        return float(rod / (2.0 * np.pi))
+    # Dunkerley: the rod in shear and the slender beam in series.
+    slender = quarter**2 * np.sqrt(beam.rigidity / inertia)
+    return wave_frequency(
+        beam, length, order, 1.0 / np.hypot(1.0 / rod, 1.0 / slender) / (2.0 * np.pi)
+    )
+
+
+def saint_venant_beam(kind: PrismWaves) -> PrismWaves:
+    """Beam with the stiffness of the section's Saint-Venant states and its inertia.
+
+    Unknowns of bending: θ (axial) and w; ∫ε·σ = EI θ′² + κGA (w′ ∓ θ)².
+    """
+    fields = kind.fields
+    inertia = np.diag(fields.rigid.T @ fields.mass @ fields.rigid)
+    rigidity = kind.rigidity
+    if fields.chain == 1:
+        one, nothing = np.ones((1, 1)), np.zeros((1, 1))
+        axial = int(fields.twists == (0,))
+        section = replace(
+            fields, E0=rigidity * one, E1=nothing, E2=nothing, mass=inertia[0] * one,
+            axial=axial, rigid=one,
+        )  # fmt: skip
+        return PrismWaves(section, one, rigidity)
+    shear = _shear_stiffness(kind)
+    exchange = np.array([[0.0, 1.0], [1.0, 0.0]])
+    section = replace(
+        fields,
+        E0=np.diag([rigidity, shear]),
+        # A rotation φ_z moves along +y, φ_y along −z.
+        E1=np.array([[0.0, 0.0], [-shear if fields.twists == (1, 5) else shear, 0.0]]),
+        E2=np.diag([shear, 0.0]),
+        mass=np.diag([inertia[1], inertia[0]]),
+        axial=1,
+        rigid=exchange,
+    )
+    return PrismWaves(section, exchange, rigidity)
+
+
+def _shear_stiffness(kind: PrismWaves) -> float:
+    """κGA (N) of flexure: c = L³/3EI + L/κGA at the tip, for L of the section's size."""
+    fields = kind.fields
+    inertia = np.diag(fields.rigid.T @ fields.mass @ fields.rigid)
+    length = float(np.sqrt(inertia[1] / inertia[0]))
+    root, tip = saint_venant_states(fields, 0.0), saint_venant_states(fields, length)
+    unit = np.linalg.inv(fields.rigid.T @ tip.forces)
+    moved = tip.forces.T @ tip.fields - root.forces.T @ root.fields
+    compliance = (unit.T @ moved @ unit)[0, 0]
+    return float(length / (compliance - length**3 / (3.0 * kind.rigidity)))
+
+
+def _cantilever(kind: PrismWaves, length: float, omega: float) -> Array:
+    """Dynamic stiffness on the motions of all sections between pieces, root held.
+
+    Translations in units of a piece's length: signs of eigenvalues are those without units.
+    """
+    pieces = int(length * kind.wave_number(omega) / _PHASE) + 1
+    piece = length / pieces
+    own = kind.stiffness(piece, omega)
+    motions = len(own) // 2
+    if motions == 2:
+        unit = np.array([piece, 1.0, piece, 1.0])
+        own = own * np.outer(unit, unit)
+    assembled = np.zeros(((pieces + 1) * motions,) * 2)
+    for first in range(0, pieces * motions, motions):
+        ends = slice(first, first + 2 * motions)
+        assembled[ends, ends] += own
+    return assembled[motions:, motions:]
+
+
+def prism_frequency(kind: PrismWaves, length: float, near: float) -> float:
+    """Frequency (Hz) of a cantilever of `length` (m) by all fields of its section, `near` another.
+
+    Saint-Venant's tractions on the root, whose mean motion is none, and no tractions on the tip.
+    The boundary conditions have a solution where the implicit determinant is zero (A. Spence, C.
+    Poulton, J. Comput. Phys. 204 (2005) 65). Raises ComputationError if none is found near.
+    """
+    first = 2.0 * np.pi * near
+    matrix, _ = _boundary(kind, length, first)
+    forces = svd(matrix)[0][:, -1:]
+    unit = np.zeros(len(matrix) + 1, complex)
+    unit[-1] = 1.0
+
+    def determinant(omega: float) -> complex:
+        matrix, tip = _boundary(kind, length, omega)
+        # The tip moves by one: what is left of the boundary conditions, in units of `forces`.
+        bordered = np.block([[matrix, forces], [tip[None], np.zeros((1, 1))]])
+        return complex(np.linalg.solve(bordered, unit)[-1])
+
+    before, omega = first, first * (1.0 + _FIRST)
+    value = determinant(before)
+    for _ in range(_SECANTS):
+        last, value = value, determinant(omega)
+        if value == last:
+            break
+        step = (value * (omega - before) / (value - last)).real
+        before, omega = omega, omega - step
+        if not abs(omega / first - 1.0) < _ANOTHER:
+            break
+        if abs(step) <= _CONVERGED * first:
+            return omega / (2.0 * np.pi)
+    raise ComputationError(
+        f"waves: no {kind.fields.name} of a leg with free ends near {near:.4g} Hz"
+    )
+
+
+def _boundary(kind: PrismWaves, length: float, omega: float) -> tuple[Array, Array]:
+    """Boundary conditions on the amplitudes of all fields and the wrench on the root, and the tip.
+
+    Columns in units of their norms; the tip's row is its motion (m or rad) conjugate to a wrench.
+    """
+    fields, tractions = kind.fields, kind.tractions
+    left, right = fields.squares_problem(omega)
+    squares, shapes = eig(np.linalg.solve(right, left))
+    squares, shapes = squares.astype(complex), shapes.astype(complex)
+    # Long waves beside fields that fade within a wall keep few digits: theirs are computed apart.
+    for square, shape in (beam_wave(kind, omega, sign) for sign in kind.signs):
+        nearest = int(np.argmin(np.abs(squares - square)))
+        squares[nearest], shapes[:, nearest] = square, shape / np.linalg.norm(shape)
+    rates = np.sqrt(squares)
+    rates = np.where(rates.real < 0.0, -rates, rates)
+    from_tip = shapes
+    from_tip[: fields.axial] /= rates
+    from_root = from_tip.copy()
+    from_root[: fields.axial] *= -1.0
+    faded = np.exp(-rates * length)
+    at_tip = fields.E0 @ (from_tip * rates) + fields.E1 @ from_tip
+    at_root = fields.E0 @ (from_root * -rates) + fields.E1 @ from_root
+    count, motions = tractions.shape
+    moved = np.linalg.norm(fields.E0) * tractions.T
+    system = np.block(
+        [
+            [at_root, at_tip * faded, tractions],
+            [at_root * faded, at_tip, np.zeros((count, motions))],
+            [moved @ from_root, moved @ (from_tip * faded), np.zeros((motions, motions))],
+        ]
+    )
+    tip = tractions[:, 0] @ np.hstack([from_root * faded, from_tip])
+    norms = np.linalg.norm(system, axis=0)
+    return system / norms, np.append(tip, np.zeros(motions)) / norms
