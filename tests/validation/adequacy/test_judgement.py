@@ -273,6 +273,28 @@ def plain(text):
     return text.replace("\N{NO-BREAK SPACE}", " ")
 
 
+def test_limit_in_metres_decides_by_the_way_of_each_pose():
+    """4 % of 0.1 mm are 4 µm, 2 % of 1 mm are 20 µm: of 0.1 mm the latter are more."""
+    due = np.zeros((2, 6, 7))
+    due[:, :, :6] = 1e-8 * np.eye(6)
+    due[:, 0, 6] = 1e-4, 1e-3
+    moved = due.copy()
+    moved[:, 0, 6] *= 1.04, 1.02
+    subject = replace(
+        toy_subject(3),
+        candidates=[Candidate("model", "a model", Response(moved))],
+        statics=Reference("exact", [Alternative("", Response(due))]),
+        loads=("load:press",),
+    )
+    wanted = Requirement(modes=3, loads=("press",), displacement=1e-4)
+    told = judged(subject, wanted).entry("model", "load:press")
+    assert (told.verdict, told.pose) == ("adequate", (0.7,))
+    assert (told.error, told.limit) == pytest.approx((0.02, 0.1), rel=1e-9)
+    # In both poses beyond 3 µm, the second by more.
+    told = judged(subject, replace(wanted, displacement=3e-6)).entry("model", "load:press")
+    assert (told.verdict, told.pose, told.limit) == ("inadequate", (0.7,), pytest.approx(3e-3))
+
+
 LIMITS = (0.02, 0.2)
 SEEDS = range(3)
 

@@ -176,6 +176,33 @@ def test_poses_of_other_lengths_have_no_values_in_common(poses):
         assert compare(*pair).adequacy[0].values == ()
 
 
+def test_errors_are_compared_in_percent(saved, command):
+    """With sign, half-width, bound, readings and the part along the load, as of an entry."""
+    own = {"model": "vjm", "verdict": "undecided", "limit": 0.05}
+    known = {"error": 0.0325, "uncertainty": 0.0125, "low": 0.02, "high": 0.045}
+    entries = [
+        {**own, **known, "quantity": "f1"},
+        {**own, **known, "quantity": "x", "along": -0.0225},
+        {**own, **known, "quantity": "f2", "error": -0.0325, "low": -0.045, "high": -0.02},
+        {**own, "quantity": "y", "error": 0.0, "uncertainty": 0.044, "low": 0.0, "high": 0.044}
+        | {"along": 0.0},
+        {**own, "quantity": "z", "error": 0.33, "uncertainty": 0.0, "low": 0.0, "high": 0.33}
+        | {"along": -0.33, "readings": {"rigid pins": 0.0, "averaged ones": 0.33}},
+    ]
+    before = saved("before.json", adequacy=[{**one, "verdict": "adequate"} for one in entries])
+    told = command.told("compare", before, saved("after.json", adequacy=entries))
+    lines = {line.split()[1]: line for line in told.splitlines() if line.startswith("  vjm ")}
+    assert {
+        name: " ".join(line.split()).partition(" adequate")[0] for name, line in lines.items()
+    } == {
+        "f1": "vjm f1 +3.25 % ± 1.25 %",
+        "x": "vjm x 3.25 % ± 1.25 % (-2.25 % along)",
+        "f2": "vjm f2 -3.25 % ± 1.25 %",
+        "y": "vjm y below 4.40 % (+0.00 % along)",
+        "z": "vjm z 0.00 % with rigid pins, 33.00 % with averaged ones (-33.00 % along)",
+    }
+
+
 def test_runs_of_models_alone_are_compared_by_these(saved, command):
     verdicts = ("adequate", "inadequate")
     paths = [saved(f"{one}.json", adequacy=(judged("x", one),)) for one in verdicts]

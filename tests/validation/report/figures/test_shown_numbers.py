@@ -1,0 +1,161 @@
+"""Numbers that a figure shows are those of the pose that it names, with all that is left open."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from report_sample import sample_matrix
+
+from lumped.mechanism.load import Excitation
+from lumped.robot_file import load_robot
+from validation.adequacy.compared import Compared
+from validation.adequacy.matrix import Entry
+from validation.adequacy.mechanism.dynamics import mass_notes
+from validation.adequacy.response import (
+    Alternative,
+    Reference,
+    Response,
+    ResponsesLeftOpen,
+    Vibration,
+)
+from validation.context import Context
+from validation.kinematics.poses import postures_of
+from validation.report.figures import responses
+from validation.report.figures.adequacy import measured_curves
+from validation.variations import curves
+
+# Sizes of responses at three poses and two frequencies, m/N.
+SIZES = 1e-6 * np.array([[1.0, 2.0], [10.0, 20.0], [100.0, 200.0]])
+LEFT_OPEN = np.array([[0.5, 0.5], [0.25, 0.125], [0.9, 0.9]])
+POSES = np.array([[-0.2, 0.45], [0.0, 0.55], [0.2, 0.45]])
+
+
+@pytest.fixture
+def robot():
+    mechanism = load_robot("five-bar").mechanism
+    swing = Excitation("mill", np.array([1.0, 0.0, 0.0]), 10.0, 100.0, 2)
+    shown = SimpleNamespace(
+        tool=mechanism.tool, excitations=(swing,), parts=mechanism.parts, reference=None
+    )
+    return SimpleNamespace(mechanism=shown, postures=postures_of(mechanism, POSES), judged=2)
+
+
+def vibration(scale=1.0):
+    """Made-up modes, at each pose ten times as high as at the one before, and responses."""
+    frequencies = scale * np.outer([1.0, 10.0, 100.0], [1.0, 2.0])
+    return Vibration(
+        frequencies, np.zeros((3, 4, 2)), np.ones((3, 2)), receptances=[scale * SIZES + 0j]
+    )
+
+
+def test_band_of_a_response_is_that_of_the_middle_pose(robot, monkeypatch):
+    alternatives = [
+        Alternative(
+            name,
+            Response(vibration=vibration(scale)),
+            responses=ResponsesLeftOpen(np.zeros((3, 1)), np.zeros((3, 1)), [LEFT_OPEN * wide]),
+        )
+        for name, scale, wide in (("rigid", 1.0, 1.0), ("free", 1.5, 2.0))
+    ]
+    monkeypatch.setattr(responses, "robot_on_path", lambda _: robot)
+    monkeypatch.setattr(responses, "answering_modes", lambda _: {"beam": vibration(2.0)})
+    monkeypatch.setattr(responses, "dynamic_reference", lambda _: Reference("s", alternatives))
+    shown = responses._response(Context(load_robot("five-bar"), "quick"), 0)
+    sizes = {one.label: one for one in shown.chart.panels[0].series}
+    # In µm/N, of the second pose.
+    assert sizes["beam"].y == pytest.approx([20.0, 40.0])
+    assert sizes["solid"].y == pytest.approx([10.0, 20.0])
+    # 10 (1 − 0.25) and 15 (1 − 0.5), 20 (1 − 0.125) and 30 (1 − 0.25): the lower ones below,
+    # 10 (1 + 0.25) and 15 (1 + 0.5), 20 (1 + 0.125) and 30 (1 + 0.25): the higher ones above.
+    low, high = sizes["solid"].left_open
+    assert low == pytest.approx([7.5, 17.5])
+    assert high == pytest.approx([22.5, 37.5])
+    assert "with the tool at x = 0 m, y = 0.55 m" in shown.caption
+
+
+def test_band_below_reaches_down_to_the_reading_that_is_least(robot, monkeypatch):
+    left_open = ResponsesLeftOpen(np.zeros((3, 1)), np.zeros((3, 1)), [np.full((3, 2), 0.4)])
+    alternatives = [
+        Alternative(name, Response(vibration=vibration(scale)), responses=left_open)
+        for name, scale in (("rigid", 1.0), ("free", 3.0))
+    ]
+    monkeypatch.setattr(responses, "robot_on_path", lambda _: robot)
+    monkeypatch.setattr(responses, "answering_modes", lambda _: {})
+    monkeypatch.setattr(responses, "dynamic_reference", lambda _: Reference("s", alternatives))
+    shown = responses._response(Context(load_robot("five-bar"), "quick"), 0)
+    (reference,) = shown.chart.panels[0].series
+    assert reference.left_open == pytest.approx(np.array([[6.0, 12.0], [42.0, 84.0]]))
+
+
+def test_note_on_masses_has_numbers_of_the_middle_pose(robot):
+    robot.prisms = [None]
+    alternatives = [
+        Alternative(name, Response(vibration=vibration(scale)))
+        for name, scale in (("wedge", 1.0), ("lump", 0.9))
+    ]
+    (note,) = mass_notes(robot, Reference("", alternatives, supposed="plausible"))
+    assert "give f1 9 to 10 Hz, f2 18 to 20 Hz in the middle of the path" in note
+
+
+def test_varied_robot_has_numbers_of_the_middle_pose(monkeypatch):
+    found = {"beam": np.arange(3.0)[:, None] + 1.0, "solid": np.arange(3.0)[:, None] + 10.0}
+    off = {"beam": np.arange(3.0)[:, None] / 10.0}
+    compared = Compared(found, off, "solid")
+    robot_file = load_robot("five-bar")
+    varied = curves.VariedRobot(robot_file, "quick", "a = 1", "frequency")
+    monkeypatch.setattr(curves, "path_postures", lambda _: postures_of(robot_file.mechanism, POSES))
+    extremes = np.array([1.0, 10.0]), np.array([0.0, 0.0])
+    monkeypatch.setattr(curves.VariedRobot, "_over_path", lambda *_: (compared, extremes))
+    answer = varied.compute()
+    assert answer.pose == pytest.approx(POSES[1])
+    assert answer.values[:, 0] == pytest.approx([2.0, 11.0])
+    assert answer.differences[0, 0] == pytest.approx(0.1)
+
+
+def measured_entry(poses):
+    """A model 10 % above what was measured, known to 4 % by numerics and inputs and 3 % of that."""
+    many = (0.1,) * len(poses)
+    return Entry(
+        model="beam",
+        quantity="z",
+        error=0.1,
+        uncertainty=0.05,
+        low=0.05,
+        high=0.15,
+        limit=0.05,
+        verdict="undecided",
+        pose=poses[0],
+        reference="measured: gauge",
+        value=1.1e-6,
+        expected=1e-6,
+        uncertainties={"numerics": 0.024, "inputs": 0.032, "measurement": 0.03},
+        errors=many,
+        spreads=tuple(0.05 for _ in poses),
+        lows=tuple(0.05 for _ in poses),
+        highs=tuple(0.15 for _ in poses),
+        measured=True,
+        unit="m",
+    )
+
+
+def test_measured_chart_has_bars_with_inputs():
+    pose = ((0.4,),)
+    matrix = sample_matrix(entries=(measured_entry(pose),), quantities=("z",), poses=pose)
+    chart = measured_curves(matrix).chart
+    (panel,) = chart.panels
+    bars = {one.label: float(np.squeeze(one.bars)) for one in panel.series}
+    # √(2.4² + 3.2²) % of the model's own.
+    assert bars == pytest.approx({"measured": 0.03, "beam": 0.04})
+    assert chart.table["95 % of numerics and inputs"] == pytest.approx([0.04])
+    assert chart.table["95 % of the measurement"] == pytest.approx([0.03])
+    values = [chart.table[name][0] for name in ("value", "measured")]
+    assert values == pytest.approx([1.1e-6, 1e-6])
+
+
+def test_measured_chart_over_poses_has_all_that_is_left_open():
+    poses = ((0.4,), (0.5,))
+    matrix = sample_matrix(entries=(measured_entry(poses),), quantities=("z",), poses=poses)
+    (panel,) = measured_curves(matrix).chart.panels
+    beam = next(one for one in panel.series if one.label == "beam")
+    assert beam.y == pytest.approx([1.1, 1.1])
+    assert beam.bars == pytest.approx(np.full((2, 2), 0.05))
