@@ -8,8 +8,9 @@ from validation.adequacy.judgement import judged
 from validation.adequacy.robot import robot_subject
 from validation.context import Context
 
-BODIES = """
-slide{k} = {{ points = ["A{k}"] }}
+LEG = """
+[bodies.slide{k}]
+points = ["A{k}"]
 [bodies.leg{k}]
 from = "A{k}"
 to = "C{k}"
@@ -31,7 +32,7 @@ axis = [{x:.12f}, {y:.12f}, 0.0]
 type = "spherical"
 between = ["leg{k}", "platform"]
 at = "C{k}"
-[bodies]"""
+"""
 PLATFORM = """
 [bodies.platform]
 points = ["C1", "C2", "C3", "P"]
@@ -51,15 +52,15 @@ modes = 9
 
 def equal_legs():
     """A 3-PRS, 0.76 m high, on circles of 0.297 and 0.142 m radius."""
-    points, legs = ["P = [0.0, 0.0, 0.760770915244]"], ["\n[bodies]"]
+    points, legs = ["P = [0.0, 0.0, 0.760770915244]"], []
     for k in (1, 2, 3):
         angle = 2.0 * np.pi * (k - 1) / 3.0
         x, y = np.cos(angle), np.sin(angle)
         for name, radius, z in (("A", 0.296901632823, 0.0), ("C", 0.141731785598, 0.760770915244)):
             points.append(f"{name}{k} = [{radius * x:.12f}, {radius * y:.12f}, {z}]")
-        legs.append(BODIES.format(k=k, x=-y, y=x))
+        legs.append(LEG.format(k=k, x=-y, y=x))
     head = 'schema = 2\nname = "equal legs"\n[points]\n'
-    return head + "\n".join(points) + "".join(legs).removesuffix("[bodies]") + PLATFORM
+    return head + "\n".join(points) + "".join(legs) + PLATFORM
 
 
 # Local modes of the second leg's section lie among the first six.

@@ -227,6 +227,18 @@ def test_of_modes_that_look_alike_the_one_near_in_frequency_is_meant(tmp_path):
     assert errors == pytest.approx({"f2": 1 / 0.95 - 1, "f3": 1 / 0.95 - 1}, abs=3e-3)
 
 
+def test_mixture_of_a_repeated_pair_is_a_mode_of_it(tmp_path):
+    """A square section bends alike about any axis: along 45° neither of the pair looks like it."""
+    square = ROBOT.replace("height = 0.012", "height = 0.020") + ALONG
+    # Of both first modes, each of half the square; the frequency along the side of 0.020 m.
+    sets = [shape(1, FREQUENCIES[0], SHAPES[:, 0] + SHAPES[:, 3])]
+    _, matrix = held(tmp_path, sets, square)
+    (entry,) = matrix.of_model("beam")
+    assert entry.quantity == "f1"
+    assert entry.mac > 0.999
+    assert entry.error == pytest.approx(0.0, abs=2e-3)
+
+
 @pytest.mark.parametrize(
     ("damaged", "said"),
     [
