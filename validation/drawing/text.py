@@ -19,7 +19,6 @@ _MINUS = "−"
 _ROUNDING = 1e-8
 # Half-widths below this share of the reference are not shown.
 _WORTH_SHOWING = 5e-4
-_PERCENT = "\u00a0%"
 
 
 def number(value: Any, digits: int = 5) -> str:
@@ -109,16 +108,22 @@ def error_parts(
 
     Readings that lie farther apart than their half-width are shown as such, the lowest and the
     highest, with their names if `named`. Of any other interval that contains zero the largest size
-    is the bound of the error: "below 4.4 %". What is left is an error with its half-width.
+    is the bound of the error: "below 4.4 %". An interval wider than the half-width is shown by its
+    ends. What is left is an error with its half-width.
     """
-    error, half, low, high = stated.error, stated.uncertainty or 0.0, stated.low, stated.high
+    error, half = stated.error, stated.uncertainty or 0.0
     if error is None:
         return "", ""
+    low = error - half if stated.low is None else stated.low
+    high = error + half if stated.high is None else stated.high
     apart = _apart(stated, written, named=named)
     far = apart and max(stated.readings.values()) - min(stated.readings.values()) > half
-    contains_zero = low is not None and high is not None and low <= 0.0 <= high
-    if contains_zero and not far and bound(stated) - abs(error) >= _WORTH_SHOWING:
-        return f"below\u00a0{written(bound(stated), signed=False)}", ""
+    largest = max(abs(low), abs(high))
+    if low <= 0.0 <= high and not far and largest - abs(error) >= _WORTH_SHOWING:
+        return f"below\u00a0{written(largest, signed=False)}", ""
+    # More may be left open to one side, by other partners of a mode say.
+    if max(error - low, high - error) - half >= _WORTH_SHOWING and not apart:
+        return _range(low, high, written, signed=stated.signed), ""
     spread = f"±\u00a0{written(half, signed=False)}" if half >= _WORTH_SHOWING else ""
     return apart or written(error, signed=stated.signed), spread
 
@@ -145,7 +150,13 @@ def _apart(stated: StatedError, written: ErrorText, *, named: bool) -> str:
         return ""
     if named:
         return f"{texts[0]} with {first}, {texts[1]} with {last}"
-    return f"{texts[0].removesuffix(_PERCENT)} to {texts[1]}"
+    return _range(low, high, written, signed=stated.signed)
+
+
+def _range(low: float, high: float, written: ErrorText, *, signed: bool) -> str:
+    """Two errors with one sign of percent: "0 to 33 %"."""
+    first, last = (written(end, signed=signed) for end in (low, high))
+    return f"{first.removesuffix('%').rstrip()} to {last}"
 
 
 def share_text(share: float) -> str:

@@ -269,6 +269,14 @@ def test_frequency_error_keeps_its_sign_beyond_zero(value, text):
     assert plain(error_with_spread(told)) == text
 
 
+def test_interval_wider_than_the_half_width_is_shown_by_its_ends():
+    told = static_entry(1.2, meshes=0.01)
+    assert plain(error_with_spread(replace(told, high=0.35))) == "19 to 35 %"
+    signed = entry(vibration([90.0, 150.0, 200.0, 300.0], *AXES), "f1", unsure=0.01)
+    wider = replace(signed, low=-0.2)
+    assert plain(error_with_spread(wider)) == "−20 to −9.1 %"
+
+
 def plain(text):
     return text.replace("\N{NO-BREAK SPACE}", " ")
 

@@ -103,6 +103,12 @@ def assert_error_is_told(entry, text, spread):
         assert (text[:6], spread) == ("below ", "")
         assert numbers(text) == [told(reach)]
         return
+    beyond = max(entry.error - entry.low, entry.high - entry.error) - entry.uncertainty
+    if beyond >= 5e-4 and (distance < 5e-4 or told(ends[0]) == ends[-1]):
+        assert spread == ""
+        ends_shown = numbers(re.sub(r"(?<=\d) to ", " % to ", text))
+        assert ends_shown == [told(entry.low), told(entry.high)]
+        return
     assert numbers(spread) == ([told(half)] if half else [])
     shown = numbers(re.sub(r"(?<=\d) to ", " % to ", text))
     if len(shown) == 2:
