@@ -10,6 +10,7 @@ from typing import Any, assert_never
 
 import numpy as np
 
+from fem.extras import missing_message
 from lumped.arrays import Array
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, GivenLeg, equivalent_leg
@@ -33,9 +34,7 @@ def exudyn_version() -> str:
     try:
         return version("exudyn")
     except PackageNotFoundError:
-        raise ExudynMissing(
-            "EXUDYN is not installed; pip install 'flexproof[exudyn]' brings it"
-        ) from None
+        raise ExudynMissing(f"the comparison with EXUDYN {missing_message('exudyn')}") from None
 
 
 def require_beams(mechanism: Mechanism) -> None:

@@ -18,12 +18,14 @@ from typing import Annotated, Literal
 
 from cyclopts import App, CycloptsError, Parameter, UnusedCliTokensError
 
+from fem.extras import require_extra
 from fem.machine import TO_COMPUTE, TO_READ, require_room, usable_cores
 from lumped.errors import EXHAUSTED, ComputationError, InputError
 from lumped.robots import FIRST_TYPE, RobotType
 from lumped.text import shortened, visible
 from validation.comparisons.command import converge
 from validation.console import streams
+from validation.console.extras import extras
 from validation.console.streams import complain, say
 from validation.console.typed import (
     AsJson,
@@ -49,6 +51,7 @@ app = App(
     default_parameter=Parameter(negative=(), show_default=lambda value: value or None),
 )
 app.command(converge)
+app.command(extras)
 app.command(commands.faces)
 app.command(kinematics.kinematics)
 app.command(export_model)
@@ -206,6 +209,8 @@ def run(
     from validation.session.validate import Request, validate  # noqa: PLC0415
 
     require_room(TO_COMPUTE)
+    if cluster is not None:
+        require_extra("cluster", "--cluster")
     request = Request(
         load_robot(robot),
         preset,
@@ -369,6 +374,8 @@ def solve(
     from validation.solve.question import Question  # noqa: PLC0415
 
     require_room(TO_COMPUTE)
+    if cluster is not None:
+        require_extra("cluster", "--cluster")
     require_place(csv, ".csv", force=force)
     require_place(picture, ".png", force=force)
     require_apart(csv, picture)

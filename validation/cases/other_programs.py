@@ -160,13 +160,14 @@ def _beam_frequencies(context: Context, place: str) -> Measurement:
     at = path_postures(context)[0]
     at = reference_posture(at.mechanism) if place == "reference" else at
     try:
+        program = exudyn_version()
         own, theirs, uncertain = context.get(by_both, at)
     except (ExudynMissing, FewerModesError) as missing:
         raise Skip(str(missing)) from None
     except InputError as error:
         raise Skip("; ".join(error.faults)) from None
     headings = "EXUDYN, extrapolated (Hz)", "beam elements (Hz)"
-    note = f"mode 1; EXUDYN {exudyn_version()}"
+    note = f"mode 1; EXUDYN {program}"
     return _side_by_side(own.frequencies, theirs, uncertain, headings, note)
 
 

@@ -54,6 +54,7 @@ def export(
         The file; if left out named by robot and body, with the ending of its kind, in this folder.
         The state space takes .npz and .mat.
     """
+    from fem.extras import require_extra  # noqa: PLC0415
     from lumped.robot_file import load_robot  # noqa: PLC0415
     from meshes.processes import in_own_process  # noqa: PLC0415
     from validation.console.progress import stage  # noqa: PLC0415
@@ -65,6 +66,8 @@ def export(
     if body is not None and (to == "statespace" or pose is not None):
         whole = "--to statespace" if to == "statespace" else "--pose"
         raise InputError(f"--body: must be left out with {whole}, which is of the whole robot")
+    if to == "nastran":
+        require_extra("nastran", "--to nastran")
     robot_file = load_robot(robot)
     mechanism = robot_file.mechanism
     if body is not None and body not in mechanism.bodies:

@@ -6,7 +6,6 @@ from io import BytesIO, StringIO
 import numpy as np
 
 from lumped.arrays import Array
-from lumped.errors import InputError
 from lumped.system.response import modal_losses
 from lumped.text import counted, visible
 from validation.export.reduced import TWIST, Reduced, ReducedRobot
@@ -109,15 +108,11 @@ def as_simscape(reduced: Reduced) -> bytes:
 def as_nastran(reduced: Reduced) -> bytes:
     """Bulk data: a GRID at every interface, an SPOINT for every mode, K and M as DMIG.
 
-    To be taken by K2GG = KRED and M2GG = MRED. Raises InputError without pyyeti.
+    To be taken by K2GG = KRED and M2GG = MRED. Needs the extra "nastran".
     """
-    try:
-        from pandas import DataFrame, MultiIndex  # noqa: PLC0415  of the optional extra
-        from pyyeti.nastran import wtdmig  # noqa: PLC0415
-    except ImportError as error:
-        raise InputError(
-            "--to nastran: pyyeti is not installed; pip install 'flexproof[nastran]' brings it"
-        ) from error
+    from pandas import DataFrame, MultiIndex  # noqa: PLC0415  of the optional extra
+    from pyyeti.nastran import wtdmig  # noqa: PLC0415
+
     grids = range(1, len(reduced.points) + 1)
     inner = len(reduced.unknowns) - 6 * len(grids)
     freedoms = [(grid, i + 1) for grid in grids for i in range(6)]

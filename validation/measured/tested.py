@@ -12,6 +12,7 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
+from fem.extras import require_extra
 from lumped.arrays import Array, ComplexArray, IntArray
 from lumped.errors import ComputationError, InputError
 from lumped.files import read_ordinary
@@ -58,6 +59,7 @@ class TestedModes(NamedTuple):
 
 def read_modes(path: Path) -> TestedModes:
     """The modes of a universal file, by frequency; raises InputError, one line."""
+    require_extra("hammer", str(path))
     try:
         content = read_ordinary(path, _KIND, _LARGEST)
         if content.split()[-1:] != [b"-1"]:
@@ -70,13 +72,8 @@ def read_modes(path: Path) -> TestedModes:
 
 
 def _read(path: Path) -> TestedModes:
-    try:
-        from pyuff import UFF  # noqa: PLC0415  of the optional extra
-    except ImportError as error:
-        raise InputError(
-            f"{path}: pyuff and sdypy-EMA are not installed; pip install 'flexproof[hammer]' "
-            "brings them"
-        ) from error
+    from pyuff import UFF  # noqa: PLC0415  of the optional extra
+
     found = UFF(str(path)).read_sets()
     sets: list[Set] = [found] if isinstance(found, dict) else found
     if modes := [one for one in sets if one["type"] == 55 and one["analysis_type"] in _MODES]:

@@ -16,6 +16,7 @@ from time import monotonic, sleep
 from types import ModuleType
 from typing import Any
 
+from fem.extras import require_extra
 from lumped.errors import ComputationError, InputError
 from lumped.memo import memo
 from validation.run.executor import Executor, Finished, Work
@@ -47,6 +48,7 @@ def on_cluster(address: str, say: Callable[[str], object]) -> Iterator[Executor]
     executor raises what a call raises, and ComputationError where the scheduler is lost, where a
     worker of another program joins, and where workers are lost faster than units are finished.
     """
+    require_extra("cluster", "--cluster")
     require_scheduler(address)
     distributed = _distributed()
     try:
@@ -225,12 +227,8 @@ def _install(worker: str, differing: str) -> str:
 
 
 def _distributed() -> ModuleType:
-    try:
-        import distributed  # noqa: PLC0415  an optional extra, and slow to import
-    except ImportError as error:
-        raise InputError(
-            "--cluster: Dask is not installed; pip install 'flexproof[cluster]' brings it"
-        ) from error
+    import distributed  # noqa: PLC0415  an optional extra, and slow to import
+
     # What matters is said here; how its tasks ended is of no use to the reader of a terminal.
     for name in ("asyncio", *logging.root.manager.loggerDict):
         if name.partition(".")[0] in {"asyncio", "distributed", "tornado"}:

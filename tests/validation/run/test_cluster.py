@@ -211,7 +211,7 @@ def test_something_else_at_the_address(greeting, answer, said, monkeypatch):
 def test_without_dask_the_message_says_how_to_get_it(monkeypatch):
     monkeypatch.setitem(sys.modules, "distributed", None)
     monkeypatch.setattr(on_dask, "require_scheduler", silent)
-    needed = r"Dask is not installed; pip install 'flexproof\[cluster"
+    needed = r"--cluster: needs distributed, not installed; \./flexproof extras cluster adds"
     with pytest.raises(InputError, match=needed), on_cluster("tcp://127.0.0.1:9", silent):
         pass
 

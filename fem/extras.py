@@ -1,0 +1,47 @@
+"""Optional packages of flexproof, its extras: which there are, and whether they are installed."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib.util import find_spec
+
+from lumped.errors import InputError
+
+
+@dataclass(frozen=True)
+class Extra:
+    """An extra: the `modules` that it brings, and what it is needed `for`."""
+
+    modules: tuple[str, ...]
+    needed_for: str
+
+    @property
+    def installed(self) -> bool:
+        """Whether all of its modules can be imported."""
+        return all(find_spec(module) for module in self.modules)
+
+
+# By the names in pyproject.toml.
+EXTRAS: Mapping[str, Extra] = {
+    "cluster": Extra(("dask", "distributed"), "--cluster"),
+    "exudyn": Extra(("exudyn",), "comparisons with EXUDYN, scripts of export --to exudyn"),
+    "hammer": Extra(("pyuff", "sdypy"), "--measured with a universal file (.uff, .unv)"),
+    "nastran": Extra(("pyyeti", "pandas"), "export --to nastran"),
+}
+
+
+def missing_message(name: str) -> str:
+    """What an extra lacks and what adds it; "" if it is installed."""
+    extra = EXTRAS[name]
+    missing = " and ".join(module for module in extra.modules if not find_spec(module))
+    if not missing:
+        return ""
+    return (
+        f"needs {missing}, not installed; ./flexproof extras {name} adds the extra (in an "
+        f"environment of your own, beside the sources: pip install '.[{name}]')"
+    )
+
+
+def require_extra(name: str, wanted_by: str) -> None:
+    """Raise InputError if an extra is not installed; `wanted_by` is the option that needs it."""
+    if message := missing_message(name):
+        raise InputError(f"{wanted_by}: {message}")

@@ -1,0 +1,146 @@
+"""Optional packages: what needs one says so before it computes, and the launcher adds them."""
+
+import sys
+import tomllib
+from importlib.metadata import PackageNotFoundError
+from types import SimpleNamespace
+
+import pytest
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
+
+from fem.extras import EXTRAS
+from lumped.errors import ComputationError
+from validation.console import extras, locked
+
+LOCK = """\
+# made by a tool
+first==1.0 \\
+    --hash=sha256:aa \\
+    --hash=sha256:ab
+    # via sample
+second==2.5 ; python_version >= '3' \\
+    --hash=sha256:bb
+third==3.0 \\
+    --hash=sha256:cc
+windows==1.0 ; sys_platform == 'win32' \\
+    --hash=sha256:dd
+"""
+
+
+@pytest.fixture
+def packages(monkeypatch):
+    """Installed packages: version and requirements by name."""
+    there = {}
+
+    def distribution(name):
+        if name not in there:
+            raise PackageNotFoundError(name)
+        version, *requires = there[name]
+        return SimpleNamespace(version=version, requires=requires)
+
+    monkeypatch.setattr(locked, "distribution", distribution)
+    return there
+
+
+def missing(*wanted):
+    return locked.missing_packages(map(Requirement, wanted), locked.locked_packages(LOCK))
+
+
+def test_packages_are_missing_with_all_that_they_need(packages):
+    assert missing("First>=1") == ["first"]
+    packages["first"] = ("1.0", "second[more]>2", "windows; sys_platform == 'win32'")
+    assert missing("first") == ["second"]
+    packages["second"] = ("2.5", "third; extra == 'more'", "lost; extra == 'other'", "first")
+    assert missing("first") == ["third"]
+    packages["third"] = ("3.0",)
+    assert missing("first") == []
+    # Of another version than the lock: an earlier set-up's.
+    packages["third"] = ("2.9",)
+    assert missing("first") == ["third"]
+
+
+@pytest.mark.usefixtures("packages")
+@pytest.mark.parametrize("name", ["fourth", "windows"])
+def test_package_that_the_lock_lacks_is_named(name):
+    with pytest.raises(ComputationError, match=f"requirements-dev.lock has no {name} for this"):
+        missing(name)
+
+
+def test_packages_are_installed_by_their_hashes(packages, monkeypatch, tmp_path):
+    (tmp_path / "requirements-dev.lock").write_text(LOCK)
+    project = '[project.optional-dependencies]\nsample = ["first"]\n'
+    (tmp_path / "pyproject.toml").write_text(project)
+    installed = []
+
+    def run(command, **_):
+        content = open(command[-1]).read()  # noqa: PTH123, SIM115
+        assert {"--require-hashes", "--no-deps", "--only-binary"} <= set(command)
+        installed.append(content)
+        packages["first" if "first" in content else "second"] = (
+            ("1.0", "second") if "first" in content else ("2.5",)
+        )
+        return SimpleNamespace(returncode=0)
+
+    monkeypatch.setattr(locked.subprocess, "run", run)
+    assert locked.add(tmp_path, ["sample", "sample"]) == ["first", "second"]
+    first, second = installed
+    assert first == "".join(line + "\n" for line in LOCK.splitlines()[1:5])
+    assert second == "".join(line + "\n" for line in LOCK.splitlines()[5:7])
+    assert locked.add(tmp_path, ["sample"]) == []
+    packages.clear()
+    monkeypatch.setattr(locked.subprocess, "run", lambda *_, **__: SimpleNamespace(returncode=1))
+    with pytest.raises(ComputationError, match="pip could not install them"):
+        locked.add(tmp_path, ["sample"])
+
+
+def test_lock_has_every_extra_of_the_project():
+    project = tomllib.loads((extras.ROOT / locked.PROJECT).read_text("utf-8"))["project"]
+    optional = project["optional-dependencies"]
+    assert set(EXTRAS) == set(optional) - {"test", "dev"}
+    there = locked.locked_packages((extras.ROOT / locked.LOCK).read_text("utf-8"))
+    for name in EXTRAS:
+        for one in map(Requirement, optional[name]):
+            package, lines = there[canonicalize_name(one.name)]
+            assert one.specifier.contains(next(iter(package.specifier)).version)
+            assert "--hash=sha256:" in lines
+
+
+def test_extras_are_listed_and_names_checked(command, monkeypatch):
+    listed = command.told("extras").splitlines()
+    assert [line.split()[0] for line in listed] == list(EXTRAS)
+    said = command.refused("extras", "nastrn")
+    assert 'must be of cluster, exudyn, hammer, nastran; did you mean "nastran"?' in said
+    monkeypatch.setattr(sys, "prefix", "/usr")
+    assert "pip install '.[hammer]'" in command.refused("extras", "hammer")
+
+
+@pytest.mark.parametrize(
+    ("module", "words", "said"),
+    [
+        (
+            "pyyeti",
+            ("export", "none.toml", "--to", "nastran", "--body", "crank1"),
+            "--to nastran: needs pyyeti, not installed; ./flexproof extras nastran adds the extra",
+        ),
+        (
+            "distributed",
+            ("run", "none.toml", "--cluster", "tcp://127.0.0.1:9", "--vary", "tool.mass=1:2:2"),
+            "--cluster: needs distributed, not installed; ./flexproof extras cluster adds",
+        ),
+        (
+            "distributed",
+            (
+                *("solve", "none.toml", "--model", "vjm", "--vary", "tool.mass=1:2:2"),
+                *("--cluster", "tcp://127.0.0.1:9"),
+            ),
+            "--cluster: needs distributed, not installed; ./flexproof extras cluster adds",
+        ),
+    ],
+)
+def test_missing_extra_is_said_before_anything_is_computed(
+    module, words, said, command, monkeypatch
+):
+    """Before the robot is read, too, which is none."""
+    monkeypatch.setitem(sys.modules, module, None)
+    assert said in command.refused(*words)
