@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, get_type_hints
 
 import numpy as np
 
@@ -25,9 +25,11 @@ from validation.adequacy.robot import judged_robot
 from validation.comparisons.convergence_study import ConvergenceStudy
 from validation.comparisons.readings import RefinedModel
 from validation.comparisons.requested import convergence
+from validation.console.arguments import checked, faults_of
+from validation.console.typed import MOST_PROCESSES
 from validation.context import Context, Preset
 from validation.drawing.text import error_with_spread, percent
-from validation.models.options import ModelName
+from validation.models.options import ModelName, ModelOptions
 from validation.report.table import pose_text, table_of
 from validation.report.words import force_text, sentence
 from validation.solve.answer import Solution, paragraph, table
@@ -37,6 +39,7 @@ from validation.solve.question import Question
 Robot = RobotFile | str | Path
 
 
+@checked
 def load(robot: str | Path, *, accept: Mapping[str, float] | None = None) -> RobotFile:
     """A built-in robot by name, or that of a file; `accept` as in `--accept` overrides its limits.
 
@@ -46,6 +49,7 @@ def load(robot: str | Path, *, accept: Mapping[str, float] | None = None) -> Rob
     return replace(loaded, requirement=_accepting(loaded.requirement, accept or {}))
 
 
+@checked
 def solve(
     robot: Robot,
     model: ModelName,
@@ -62,12 +66,21 @@ def solve(
     one coordinate; the middle of the path if none is given. `leg` or `body` ask
     for one alone. Raises InputError, ComputationError.
     """
+    types = get_type_hints(ModelOptions)
+    if faults := [
+        fault
+        for name, value in options.items()
+        if name in types
+        for fault in faults_of(name, value, types[name])
+    ]:
+        raise InputError(faults)
     typed = tuple(",".join(repr(float(number)) for number in np.atleast_1d(one)) for one in poses)
     with _arguments_named():
         asked = Question(_loaded(robot), model, options, modes, poses=typed, leg=leg, body=body)
         return answered(asked)
 
 
+@checked
 def converge(
     robot: Robot,
     model: RefinedModel | None = None,
@@ -105,6 +118,7 @@ class Adequacy:
         """The answer in one sentence, as the report gives it."""
         return sentence(self.matrix, self.requirement.rely)
 
+    @checked
     def entry(self, model: str, quantity: str, within: float | None = None) -> Entry:
         """What is known of a model and a quantity, judged by another limit where one is given.
 
@@ -116,6 +130,7 @@ class Adequacy:
             raise InputError(self._nothing_said(model, quantity))
         return found
 
+    @checked
     def assert_adequate(self, model: str, quantity: str, within: float | None = None) -> None:
         """Nothing where the model is adequate, within its limit or the one given.
 
@@ -125,6 +140,7 @@ class Adequacy:
         if found.verdict != "adequate":
             raise AssertionError(self.told(found))
 
+    @checked
     def accepting(self, accept: Mapping[str, float]) -> "Adequacy":
         """The same errors judged by other limits.
 
@@ -185,6 +201,7 @@ class Adequacy:
         return paragraph(self.sentence) + table(headings, rows, verdicts)
 
 
+@checked
 def adequacy(
     robot: Robot, *, preset: Preset = "standard", accept: Mapping[str, float] | None = None
 ) -> Adequacy:
@@ -220,6 +237,7 @@ class Run:
         return said + table(("verdict", "comparisons"), rows)
 
 
+@checked
 def run(
     robot: Robot,
     *,
@@ -238,6 +256,8 @@ def run(
     from validation.catalogue import catalogue  # noqa: PLC0415
     from validation.session.validate import Request, validate  # noqa: PLC0415
 
+    if jobs is not None and not 1 <= jobs <= MOST_PROCESSES:
+        raise InputError(f"jobs = {jobs}: must be a whole number from 1 to {MOST_PROCESSES}")
     cores = jobs or usable_cores()
     request = Request(_loaded(robot), preset, Path(out), cores, only, vary=vary)
     with _arguments_named():

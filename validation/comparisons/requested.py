@@ -87,6 +87,10 @@ def _faults(
         faults.append("elements: solids have divisions; leave elements or the model solid out")
     if divisions is not None and model not in (None, "solid"):
         faults.append(f"divisions: {model} has elements; leave divisions out, or take model solid")
-    if elements is not None and max(elements) > _MOST_ELEMENTS:
+    for name, counts in (("elements", elements), ("divisions", divisions)):
+        if counts is not None and (not counts or min(counts) < 1):
+            listed = ", ".join(map(str, counts)) or "none"
+            faults.append(f"{name} = {listed}: must be one or more whole numbers of 1 or more")
+    if elements and max(elements) > _MOST_ELEMENTS:
         faults.append(f"elements = {max(elements)}: must be at most {_MOST_ELEMENTS}")
     return faults

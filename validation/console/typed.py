@@ -19,6 +19,9 @@ from validation.console.marks import is_marked, marked
 from validation.console.streams import complain
 from validation.run.files import write_whole
 
+# Of a run: more than any machine has cores.
+MOST_PROCESSES = 1024
+
 
 def _whole_number(_type: object, tokens: Sequence[Token]) -> int:
     # int() of the parser's own cuts 1.5 down to 1.
@@ -31,8 +34,9 @@ def _whole_number(_type: object, tokens: Sequence[Token]) -> int:
 
 def _process_count(_type: object, tokens: Sequence[Token]) -> int:
     count = _whole_number(_type, tokens)
-    if not 1 <= count <= 1024:
-        raise ValueError(f'Invalid value "{count}" for --jobs. Must be a whole number, 1 to 1024.')
+    if not 1 <= count <= MOST_PROCESSES:
+        allowed = f"Must be a whole number, 1 to {MOST_PROCESSES}."
+        raise ValueError(f'Invalid value "{count}" for --jobs. {allowed}')
     return count
 
 

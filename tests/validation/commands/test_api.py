@@ -94,6 +94,81 @@ def test_faults_name_the_arguments_of_python(robot, asked, said):
         api.load("ifw", accept={"z": 9.0})
 
 
+NAMES = "must be one of simplified, vjm, links, segments, beam, solid"
+LIST = "must be a list, each entry a number or a list, each entry a number"
+
+
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        (lambda: api.solve("five-bar", "fem"), f'^model = "fem": {NAMES}$'),
+        (lambda: api.solve("five-bar", "beams"), f'^model = "beams": {NAMES}; did you mean "beam"'),
+        (lambda: api.solve("five-bar", ["vjm"]), "^model = .*: must be one of simplified"),
+        (
+            lambda: api.solve("five-bar", "segments", theory="x"),
+            '^theory = "x": must be one of euler-bernoulli, timoshenko$',
+        ),
+        (
+            lambda: api.solve("five-bar", "segments", layout="x"),
+            '^layout = "x": must be one of half, literal$',
+        ),
+        (
+            lambda: api.solve("five-bar", "solid", ends="x"),
+            '^ends = "x": must be one of rigid, free$',
+        ),
+        (
+            lambda: api.solve("five-bar", "segments", elements=1.5),
+            r"^elements = 1\.5: must be a whole number$",
+        ),
+        (
+            lambda: api.solve("five-bar", "segments", elements=True),
+            "^elements = true: must be a whole number$",
+        ),
+        (
+            lambda: api.solve("five-bar", "solid", divisions="x", ends=3),
+            '^divisions = "x": must be a whole number\nends = 3: must be one of rigid, free$',
+        ),
+        (
+            lambda: api.solve("five-bar", "beam", modes=1.5),
+            r"^modes = 1\.5: must be a whole number or None$",
+        ),
+        (lambda: api.solve("five-bar", "beam", poses=3), f"^poses = 3: {LIST}$"),
+        (lambda: api.solve("five-bar", "beam", poses=[["a", 1.0]]), f"^poses = .*: {LIST}$"),
+        (lambda: api.solve("five-bar", "beam", poses=[[1j, 1.0]]), f"^poses = .*: {LIST}$"),
+        (lambda: api.solve("five-bar", "beam", body=["crank1"]), "^body = .*: must be a text or"),
+        (lambda: api.solve(3, "beam"), "^robot = 3: must be a RobotFile or a text or a path$"),
+        (lambda: api.load("ifw", accept=3), "^accept = 3: must be a dictionary, each value a numb"),
+        (lambda: api.adequacy("five-bar", preset="x"), "^preset = .*: must be one of quick, stand"),
+        (lambda: api.run("five-bar", preset="fin"), 'standard, fine; did you mean "fine"'),
+        (lambda: api.run("five-bar", out=3), "^out = 3: must be a text or a path$"),
+        (lambda: api.run("five-bar", only=3), "^only = 3: must be a text or None$"),
+        (lambda: api.run("five-bar", jobs="x"), '^jobs = "x": must be a whole number or None$'),
+        (lambda: api.run("five-bar", jobs=0), "^jobs = 0: must be a whole number from 1 to 1024$"),
+        (lambda: api.run("five-bar", vary="a=1:2:2"), "^vary = .*: must be a list, each entry a t"),
+        (lambda: api.converge("five-bar", model="x"), "^model = .*: must be one of segments, beam"),
+        (lambda: api.converge("five-bar", elements=[]), "^elements = none: must be one or more"),
+        (lambda: api.converge("five-bar", elements=[0, 2]), "^elements = 0, 2: must be one or mo"),
+        (lambda: api.converge("five-bar", elements=[2.5]), "^elements = .*, each entry a whole nu"),
+    ],
+)
+def test_wrong_argument_is_an_input_error_that_names_it(call, said, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(InputError, match=said):
+        call()
+    assert not list(tmp_path.iterdir())
+
+
+def test_arguments_of_a_judgement_are_checked(judged):
+    for call in (
+        lambda: judged.entry(3, "x"),
+        lambda: judged.entry("beam", "x", within="y"),
+        lambda: judged.assert_adequate("beam", ["x"]),
+        lambda: judged.accepting({"x": "y"}),
+    ):
+        with pytest.raises(InputError, match=r" = .*: must be "):
+            call()
+
+
 # The project's own earlier answers: errors of the matrix of ifw at quick, x/F (m/N), f1 and f3 (Hz)
 # of others in the middle of the path. They decide nothing; who moves them on purpose says why.
 FROZEN_ERRORS = {

@@ -1,0 +1,96 @@
+"""Arguments of functions that people call from Python, checked against their annotations."""
+
+import inspect
+from collections.abc import Callable, Mapping, Sequence
+from functools import wraps
+from numbers import Integral, Real
+from pathlib import Path
+from types import NoneType, UnionType
+from typing import Any, Literal, ParamSpec, TypeVar, Union, get_args, get_origin, get_type_hints
+
+import numpy as np
+
+from lumped.errors import InputError
+from lumped.text import did_you_mean, shown
+
+P = ParamSpec("P")
+T = TypeVar("T")
+_WORDS: Mapping[Any, str] = {
+    int: "a whole number",
+    float: "a number",
+    str: "a text",
+    Path: "a path",
+    NoneType: "None",
+    bool: "True or False",
+}
+
+
+def checked(function: Callable[P, T]) -> Callable[P, T]:
+    """The function, raising InputError with a line for each argument of a wrong type or name.
+
+    Keyword arguments without a name of their own are left to the function.
+    """
+    signature = inspect.signature(function)
+
+    @wraps(function)
+    def call(*args: P.args, **kwargs: P.kwargs) -> T:
+        hints = get_type_hints(function)
+        given = signature.bind(*args, **kwargs).arguments
+        faults = [
+            fault
+            for name, value in given.items()
+            if name in hints
+            and signature.parameters[name].kind is not inspect.Parameter.VAR_KEYWORD
+            for fault in faults_of(name, value, hints[name])
+        ]
+        if faults:
+            raise InputError(faults)
+        return function(*args, **kwargs)
+
+    return call
+
+
+def faults_of(name: str, value: object, hint: Any) -> list[str]:
+    """The fault of an argument whose value is not of the type `hint`, if it is not."""
+    if _fits(value, hint):
+        return []
+    near = did_you_mean(value, _choices(hint)) if isinstance(value, str) else ""
+    return [f"{name} = {shown(value)}: must be {_allowed(hint)}{near}"]
+
+
+def _fits(value: object, hint: Any) -> bool:
+    origin, parts = get_origin(hint), get_args(hint)
+    if origin in {Union, UnionType}:
+        return any(_fits(value, part) for part in parts)
+    if origin is Literal:
+        return isinstance(value, str) and value in parts
+    if origin is Sequence:
+        entries: Any = value.tolist() if isinstance(value, np.ndarray) else value
+        sound = isinstance(entries, Sequence) and not isinstance(entries, str | bytes)
+        return sound and all(_fits(one, parts[0]) for one in entries)
+    if origin is Mapping:
+        pairs = value.items() if isinstance(value, Mapping) else ()
+        fits = all(_fits(name, parts[0]) and _fits(one, parts[1]) for name, one in pairs)
+        return fits and isinstance(value, Mapping)
+    kind = {int: Integral, float: Real}.get(hint, hint)
+    return isinstance(value, kind) and (hint is bool or not isinstance(value, bool))
+
+
+def _choices(hint: Any) -> list[str]:
+    """Texts that are allowed by name."""
+    if get_origin(hint) is Literal:
+        return list(get_args(hint))
+    return [one for part in get_args(hint) for one in _choices(part)]
+
+
+def _allowed(hint: Any) -> str:
+    origin, parts = get_origin(hint), get_args(hint)
+    if origin in {Union, UnionType}:
+        return " or ".join(map(_allowed, parts))
+    if origin is Literal:
+        return f"one of {', '.join(parts)}"
+    if origin is Sequence:
+        return f"a list, each entry {_allowed(parts[0])}"
+    if origin is Mapping:
+        return f"a dictionary, each value {_allowed(parts[1])}"
+    return _WORDS.get(hint) or f"a {hint.__name__}"
