@@ -8,7 +8,8 @@ In these motions V, with A = T V, S = VᵀK*V and C = VᵀMV,
 
     H = A (S − ω²C)⁻¹ Aᵀ = Σ g / (1 − ω²μ),    S⁻¹C = P diag(μ) P⁻¹
 
-with the complex modes 1/μ = ω_r² (1 + iη_r). A modal damping ratio ζ adds 2iζω/ω_r to each of them.
+with the complex modes 1/μ = ω_r² (1 + iη_r). A modal damping ratio ζ adds 2iζωω_r to 1/μ − ω²: the
+denominator is 1 − ω²μ + 2iζωω_rμ. For one mass on a spring that is k(1 + iη) − mω² + 2iζω√(km).
 Where a drive stands in series with the joint's own give, what both lose together is exact to first
 order.
 """
@@ -81,8 +82,9 @@ class DampedModes:
     def receptance(self, frequencies: Array) -> ComplexArray:
         """Displacement by force (n×…, SI) at frequencies (n, Hz)."""
         speeds = 2.0 * np.pi * np.asarray(frequencies, dtype=float)[:, None]
+        natural = 2.0 * np.pi * np.where(np.isfinite(self.frequencies), self.frequencies, 0.0)
         swing = 1.0 - speeds**2 * self.inverses
-        swing = swing + 2j * self.ratio * speeds * np.sqrt(np.abs(self.inverses))
+        swing = swing + 2j * self.ratio * speeds * natural * self.inverses
         return np.asarray(np.tensordot(1.0 / swing, self.gives, axes=1))
 
     def size(self, frequency: float) -> float:

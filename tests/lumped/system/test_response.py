@@ -91,6 +91,44 @@ def test_one_mass_on_a_spring_that_loses_energy(ratio, loss):
     assert there == pytest.approx(abs(due(75.0)), rel=1e-10)
 
 
+def test_loss_factor_and_damping_ratio_add():
+    """Receptance 1/(k(1 + iη) − mω² + 2iζω√(km)), written out here; its highest value on a grid."""
+    loss, ratio = 0.2, 0.05
+    (response,) = tool_responses(solution_of(pushed(loss, ratio)))
+
+    def receptance(frequencies):
+        speeds = 2.0 * np.pi * frequencies
+        viscous = 2j * ratio * speeds * np.sqrt(K * MASS)
+        return 1.0 / (K * (1.0 + 1j * loss) - MASS * speeds**2 + viscous)
+
+    frequencies = response.excitation.frequencies
+    # Round-off of one mode is below 1e-14.
+    np.testing.assert_allclose(response.receptance, receptance(frequencies), rtol=1e-10)
+    size, frequency, there = response.judged
+    grid = np.linspace(65.0, 75.0, 100_001)
+    sizes = np.abs(receptance(grid))
+    # The top of the grid is within half a step of the peak: 1e-10 of its height.
+    assert size == pytest.approx(sizes.max(), rel=1e-8)
+    assert frequency == pytest.approx(grid[sizes.argmax()], abs=2e-4)
+    assert there == pytest.approx(abs(receptance(75.0)), rel=1e-10)
+
+
+def test_both_dampings_of_many_modes_add():
+    """Equal losses in all parts: (K(1 + iη) + iωC − ω²M)⁻¹ with modal C, solved directly."""
+    give, loss, ratio = np.diag([1e-7, *5 * [1e-9]]).tolist(), 0.1, 0.03
+    solution = solution_of(filled(TWO, FIRST=loss, SECOND=loss, GIVE=give))
+    damped = replace(damped_modes(solution, 1e6), ratio=ratio).along(X)
+    stiffness, mass = np.array([[1.2e7, -1e7], [-1e7, 1e7]]), np.diag([7.0, 3.0])
+    squares, shapes = eigh(stiffness, mass)
+    momenta = mass @ shapes
+    viscous = momenta * (2.0 * ratio * np.sqrt(squares)) @ momenta.T
+    for frequency in (3.0, 70.0, 110.0, 400.0):
+        speed = 2.0 * np.pi * frequency
+        dynamic = (1.0 + 1j * loss) * stiffness + 1j * speed * viscous - speed**2 * mass
+        receptance = damped.receptance(np.array([frequency]))[0]
+        assert receptance == pytest.approx(np.linalg.inv(dynamic)[1, 1], rel=1e-9)
+
+
 def test_a_mode_that_nothing_damps_has_no_bound_and_one_beyond_does_not_matter():
     robot = pushed(0.0, 0.01)
     undamped = damped_modes(solution_of(replace(robot, damping=0.0)), 450.0).along(X)
