@@ -1,18 +1,33 @@
-"""A leg that is loaded already: what the forces in it add to its stiffness, or take from it.
+"""Geometric stiffness of a loaded leg.
 
 Its sections carry a force n and a moment m. To second order in displacements u and rotation vectors
 θ, x along the leg, they do the work (Simo and Vu-Quoc, Comput. Methods Appl. Mech. Eng. 58 (1986)
 79)
 
-    ∫ −n·(θ × u′) + ½ n·(θ × (θ × eₓ)) − ½ m·(θ × θ′) + ½ N γ² + ½ N i² φx′² dx.
+    ∫ −n·(θ × u′) + ½ n·(θ × (θ × eₓ)) − ½ m·(θ × θ′) + ½ ∫ σ g² dA dx
 
-With the force N along the leg the first two and the fourth term are ½ N (v′² + w′²), Euler's. The
-fourth is Engesser's: Green's strains have the shear modulus of solids, columns buckle at
-P/(1 + P/κGA) (Bažant, J. Appl. Mech. 38 (1971) 919, on Haringx, who leaves it out). The last is
-Wagner's, of sections that turn about the leg, i their polar radius of inertia. Shear forces,
-bending and twisting moments are in the rest, so that legs buckle sideways, too, and a body that
-turns as a whole meets nothing but its own forces turned. What the leg has bent before it buckles is
-left out, as in any linear theory of buckling.
+with the stress σ = N/A + My z/Iy − Mz y/Iz along the leg and the shear g of a point of a rigid
+section, (γy − φx′ z, γz + φx′ y): Green's strain along the leg is that of Reissner's beam plus
+½ g² + ½ ε², of which ε² is small beside the strain itself. If both axes are axes of symmetry,
+
+    ½ ∫ σ g² dA = ½ N γ² + ½ N i² φx′² − φx′ (My γy + Mz γz).
+
+The first term is Engesser's: Green's strains have the shear modulus of solids, columns buckle at
+P/(1 + P/κGA) (Bažant, J. Appl. Mech. 38 (1971) 919, on Haringx, who leaves it out). The second is
+Wagner's, of sections that turn about the leg, i their polar radius of inertia. By the third, shear
+lowers the load at which stout legs buckle sideways; without it shear would raise that load. A leg
+that turns as a whole meets nothing but its own forces turned.
+
+Bending before buckling is left out, as in any linear theory of buckling. A leg that spins idly
+about its axis is an exception: its bent shape stays in place as it spins, and the torsion that a
+bending moment causes is proportional to the difference of EIy and EIz (Kirchhoff's rod). In a round
+rod there is none. Any other leg would turn over under the smallest load if friction did not hold
+it. So the twist of such a leg meets neither bending moments nor shear forces: all that is left of
+the terms above in which it stands,
+
+    φx (θ′·(eₓ × m) + γ·(eₓ × n)) − φx′ m·γ − ½ [φx θ·(eₓ × m)]′,
+
+is the last, which belongs to the joints at both ends.
 """
 
 from dataclasses import dataclass, replace
@@ -51,11 +66,11 @@ class PrestressedLeg:
     fields: Array
     gyration: float
 
-    def geometric_stiffness(self, ends: Array, spread: Array) -> Array:
-        """What forces add to its stiffness (r×r, SI).
+    def geometric_stiffness(self, ends: Array, spread: Array, *, spins: bool = False) -> Array:
+        """Stiffness that forces add (r×r, SI).
 
         `ends` (12, N and N m, leg axes) are the forces on root and tip that its stiffness takes,
-        `spread` the part of them that acts along it.
+        `spread` the part of them that acts along it. `spins`: the leg spins idly about its axis.
         """
         force, moment = _resultants(ends, spread, self.matrices.length, self.stations)
         turned = skew(force)
@@ -66,9 +81,18 @@ class PrestressedLeg:
         work[:, 3:6, 6:] = 0.5 * skew(moment)
         work[:, :3, 3:6] = np.swapaxes(turned, 1, 2)
         work[:, 6:, 3:6] = np.swapaxes(work[:, 3:6, 6:], 1, 2)
+        shear = np.hstack([_ACROSS, _ACROSS @ skew(_ALONG), np.zeros((3, 3))])
+        if spins:
+            met = np.cross(_ALONG, force) @ shear
+            met[:, 6:] += np.cross(_ALONG, moment)
+            work[:, 3] -= met
+            work[:, :, 3] -= met
+        else:
+            sheared = moment @ shear
+            work[:, 6] -= sheared
+            work[:, :, 6] -= sheared
         tension = force[:, 0, None, None]
         work[:, 3:6, 3:6] -= tension * np.eye(3)
-        shear = np.hstack([_ACROSS, _ACROSS @ skew(_ALONG), np.zeros((3, 3))])
         work += tension * (shear.T @ shear)
         work[:, 6, 6] += self.gyration * force[:, 0]
         rows = self.fields.shape[2]

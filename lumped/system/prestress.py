@@ -1,4 +1,4 @@
-"""What a load that a mechanism carries adds to its stiffness, or takes from it.
+"""Geometric stiffness of a loaded mechanism.
 
 To second order in what the unknowns do, forces and moments do work of their own: the stiffness is
 K + λ G under λ times the load. Rotations are rotation vectors θ. What a force f meets at an arm r
@@ -7,11 +7,14 @@ side, seen from the first, goes on by θ₁ × d and turns on by ½ θ₁ × ψ,
 happen; the inside of a body does its part. All rotate together as the forces do, so that nothing
 but the loads and the ground is felt by a robot that turns as a whole.
 
-The load keeps its direction and its place on the body, the mechanism its posture.
+The load keeps its direction and its place on the body, the mechanism its posture. An idle motion
+costs no energy, so the load alone would decide where it comes to rest, and every deformation could
+be had with any amount of it. It is held where it is, as friction holds it: the geometric stiffness
+is that of motions without an idle part, the same in all base axes.
 """
 
-from collections.abc import Callable, Mapping
-from typing import TypeAlias
+from collections.abc import Mapping
+from typing import Protocol
 
 import numpy as np
 from scipy.linalg import null_space
@@ -31,9 +34,19 @@ from lumped.system.joint_motion import Portion
 from lumped.system.loads import work_on
 from lumped.system.solution import Solved, without_idle
 
-# Geometric stiffness (r×r) of a body on its own unknowns, from the forces on its interfaces that
-# its stiffness takes and the part of them that acts along it (6m each, body axes).
-Prestressed: TypeAlias = Callable[[Array, Array], Array]
+
+class Prestressed(Protocol):
+    """Geometric stiffness of a body on its own unknowns."""
+
+    def __call__(self, ends: Array, spread: Array, *, spins: bool) -> Array:
+        """Stiffness (r×r, SI) from the forces on the interfaces that the body's stiffness takes.
+
+        `spread` is the part of them that acts along it (6m each, body axes). `spins`: the body
+        spins idly about its x axis.
+        """
+        ...
+
+
 # Without units; loops are closed to 1e-12.
 _DEPENDENT = 1e-9
 
@@ -41,9 +54,9 @@ _DEPENDENT = 1e-9
 def geometric_stiffness(
     solution: Solved, load: Loading, bodies: Mapping[str, Prestressed]
 ) -> Array:
-    """What a load adds to the stiffness of a system (n×n); `bodies` that bend within by name.
+    """Stiffness that a load adds to a system (n×n); `bodies` that bend within by name.
 
-    Others turn as a whole: theirs is the mean rotation of their interfaces.
+    Others turn as a whole: theirs is the mean rotation of their interfaces. Idle motions meet none.
     """
     system = solution.system
     work = without_idle(solution, work_on(system, load)[:, None])
@@ -67,7 +80,8 @@ def geometric_stiffness(
             ]
             outer += _turned_as_a_whole(ends, np.array(places), forces)
             continue
-        found = bodies[name](forces, _spread(system, name, load))
+        spins = _spins(ends @ solution.motions[: system.outer])
+        found = bodies[name](forces, _spread(system, name, load), spins=spins)
         outer += ends.T @ found[:count, :count] @ ends
         total[: system.outer, inside] += ends.T @ found[:count, count:]
         total[inside, inside] += found[count:, count:]
@@ -79,7 +93,28 @@ def geometric_stiffness(
     for joint, wrench in _carried(system, given, moved, load):
         outer += _of_joint(system, joint, wrench)
     total[system.outer :, : system.outer] = total[: system.outer, system.outer :].T
-    return 0.5 * (total + total.T)
+    return _without_idle_parts(solution, 0.5 * (total + total.T))
+
+
+def _spins(idle: Array) -> bool:
+    """Whether idle motions (12×k, twists of a leg's ends) spin it about its axis."""
+    spin = np.zeros(12)
+    spin[[3, 9]] = 1.0
+    return bool(np.linalg.norm(spin - idle @ np.linalg.lstsq(idle, spin)[0]) < _DEPENDENT)
+
+
+def _without_idle_parts(solution: Solved, geometric: Array) -> Array:
+    """PᵀGP: P takes the idle part out of a motion, by the twists of all nodes (least squares)."""
+    if not solution.idle:
+        return geometric
+    motions, outer = solution.system.motions, solution.system.outer
+    unit = np.array([1.0 / motions.structure.length] * 3 + [1.0] * 3)
+    twists = (unit[:, None] * motions.twists).reshape(-1, outer)
+    idle = solution.motions
+    part = np.linalg.lstsq(twists @ idle[:outer], twists)[0]
+    projection = np.eye(len(idle))
+    projection[:, :outer] -= idle @ part
+    return np.asarray(projection.T @ geometric @ projection)
 
 
 def _spread(system: System, body: str, load: Loading) -> Array:
