@@ -5,13 +5,17 @@ be allowed for; what is left, E less the allowances, is held against the toleran
 ASME V&V 10 and 20).
 """
 
+import sys
+import traceback
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from enum import Enum
 from math import hypot, isfinite
 from typing import Literal, TypeAlias
 
 from fem.calculix.run import CalculixMissing
+from lumped.errors import ComputationError, InputError
 from validation.claims import Claim
 from validation.context import PRESETS, About, Context, Preset
 from validation.exhibits import Study
@@ -21,6 +25,9 @@ CaseKind: TypeAlias = Literal["comparison", "convergence"]
 ReferenceKind: TypeAlias = Literal[
     "closed-form", "published", "paper-statement", "finer-model", "independent-solver"
 ]
+
+# Remedy if memory ran out.
+OUT_OF_MEMORY = "choose a smaller preset or fewer --jobs"
 
 
 class Relation(Enum):
@@ -221,3 +228,19 @@ class Case:
 def _require_positive(number: float) -> None:
     if not (isfinite(number) and number > 0.0):
         raise ValueError(f"a tolerance must be positive and finite, not {number}")
+
+
+def failure_reason(subject: str, error: Exception) -> str:
+    """One line that gives the reason of a failure; the traceback goes to stderr, a run's log."""
+    if isinstance(error, ComputationError | InputError):
+        message = str(error)
+    elif isinstance(error, MemoryError):
+        message = f"ran out of memory; {OUT_OF_MEMORY}"
+    else:
+        message = f"{type(error).__name__}: {error} (traceback in log.txt)"
+    # A disk that is too full for the log must not take the result with it.
+    with suppress(OSError):
+        sys.stderr.write(f"\n== {subject}: {message}\n")
+        traceback.print_exception(error)
+        sys.stderr.flush()
+    return " ".join(message.split())

@@ -156,5 +156,6 @@ def tool_displacements(solution: Solved, loads: Sequence[Loading]) -> Array:
     Where a load would set off an idle motion that follows freely.
     """
     system = solution.system
-    work = np.reshape([work_on(system, load) for load in loads], (-1, system.size))
+    # A rigid mechanism has no unknowns: the number of rows does not follow from the entries.
+    work = np.reshape([work_on(system, load) for load in loads], (len(loads), system.size))
     return np.asarray(work @ with_idle(solution, solution.displacements(system.tool.T)))

@@ -73,7 +73,12 @@ def stability(solution: Solved, geometric: Array, load: Loading, count: int = 0)
 def _buckling(
     solution: Solved, geometric: Array
 ) -> tuple[tuple[float | None, float | None], Array]:
-    """Factors above and below zero that are nearest to it, and the shape (n) of the former."""
+    """Factors above and below zero that are nearest to it, and the shape (n) of the former.
+
+    A mechanism in which nothing moves has none.
+    """
+    if not len(solution.kept):
+        return (None, None), np.zeros(solution.system.size)
     kept = solution.scale[:, None] * geometric[np.ix_(solution.kept, solution.kept)]
     half = solve_triangular(solution.lower, kept * solution.scale, lower=True)
     standard = solve_triangular(solution.lower, half.T, lower=True)

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TypeAlias
 
 import numpy as np
 
@@ -11,6 +10,7 @@ from lumped.arrays import Array, ComplexArray
 from lumped.errors import ComputationError, InputError
 from validation.adequacy.matrix import Coordinate
 from validation.agreement.mode_pairing import SampledModes, sampled_modes
+from validation.case import failure_reason
 
 # What a leg known by its 6×6 leaves open.
 OPEN_MASSES = "where the legs' mass lies"
@@ -124,25 +124,32 @@ class Reference:
 
 # What solids of a leg may end with: walls too thin to mesh, a material that they lose in rounding.
 UNSOLVED = (InputError, ComputationError)
-# What a model of a sound robot may end with.
-REFUSED = (ComputationError,)
-Refusals: TypeAlias = tuple[type[Exception], ...]
 
 
-def statics_of(solve: Callable[[], Array], refusals: Refusals = REFUSED) -> Response:
-    """The compliances that `solve` gives, or why there are none: all else is judged without."""
+def statics_of(solve: Callable[[], Array]) -> Response:
+    """The compliances that `solve` returns, or the reason why there are none.
+
+    Any exception is the failure of this model alone: the others are judged.
+    """
     try:
         return Response(compliance=solve())
-    except refusals as error:
+    except UNSOLVED as error:
         return Response(unsolved_statics=str(error))
+    except Exception as error:  # noqa: BLE001  one model's failure is its own result
+        return Response(unsolved_statics=failure_reason("statics of a model", error))
 
 
-def modes_of(solve: Callable[[], Vibration | None], refusals: Refusals = REFUSED) -> Response:
-    """The modes that `solve` gives, or why there are none; None where nothing has mass."""
+def modes_of(solve: Callable[[], Vibration | None]) -> Response:
+    """The modes that `solve` returns, or the reason why there are none, as `statics_of`.
+
+    No vibration and no reason if nothing has mass.
+    """
     try:
         return Response(vibration=solve())
-    except refusals as error:
+    except UNSOLVED as error:
         return Response(unsolved_modes=str(error))
+    except Exception as error:  # noqa: BLE001  one model's failure is its own result
+        return Response(unsolved_modes=failure_reason("modes of a model", error))
 
 
 def no_reference(error: Exception) -> Reference:

@@ -56,6 +56,7 @@ from validation.adequacy.response import (
     no_reference,
 )
 from validation.agreement.accuracy import PATIENCE, refined
+from validation.case import failure_reason
 from validation.context import PRESETS, Context, Preset
 from validation.models.loads.stability import stabilities, stability_notes
 from validation.models.options import STATIC
@@ -271,10 +272,13 @@ def _notes(robot: RobotOnPath, dynamics: Reference) -> tuple[str, ...]:
         notes.append(f"{what} not move the tool; their zero frequencies are left out")
     with suppress(*UNSOLVED):
         notes += reduction_note(robot.postures, robot.offered, robot.holding.first, robot.judged)
-    with suppress(*UNSOLVED):
+    try:
         found = robot.context.get(stabilities, "links", robot.postures)
         requirement = robot.context.robot_file.requirement
         notes += stability_notes(robot.postures, found, requirement)
+    except Exception as error:  # noqa: BLE001  loses no model, only its note
+        reason = failure_reason("stability under loads", error)
+        notes.append(f"Stability under the robot's loads cannot be computed: {reason}")
     if supposed := robot.context.robot_file.supposed:
         notes.append(
             f"Probabilities suppose that every modulus, length and stiffness of the file has a "

@@ -7,10 +7,8 @@ for a factorisation. Whatever the computations print goes to the run's log, neve
 """
 
 import signal
-import sys
-import traceback
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from contextlib import closing, contextmanager, suppress
+from contextlib import closing, contextmanager
 from dataclasses import replace
 from fnmatch import fnmatchcase
 from functools import partial
@@ -19,10 +17,10 @@ from time import perf_counter
 from types import FrameType
 from typing import TYPE_CHECKING, TypeAlias
 
-from lumped.errors import ComputationError, InputError
+from lumped.errors import InputError
 from lumped.text import did_you_mean
 from validation.adequacy.matrix import Assessment
-from validation.case import Case, Skip
+from validation.case import OUT_OF_MEMORY, Case, Skip, failure_reason
 from validation.context import Context, Preset
 from validation.drawing.text import function_name
 from validation.exhibits import PlannedFigure
@@ -36,8 +34,6 @@ if TYPE_CHECKING:
 # A function at the top of a module that lists the cases and figures for a robot file; it must be
 # quick and give the same list in every process.
 Catalogue: TypeAlias = Callable[..., Sequence[Task]]
-# What helps where memory ran out.
-_REMEDY = "choose a smaller preset or fewer --jobs"
 # The tasks and the context that this process has been given.
 _AT_WORK: list[tuple[Mapping[str, Task], Context]] = []
 
@@ -106,7 +102,7 @@ def run(
 def _failed(name: str, error: Exception) -> Record:
     """The record of a task whose process ended."""
     starved = str(error).startswith("ran out of memory")
-    more = f"; {_REMEDY}" if starved else " (log.txt may say more)"
+    more = f"; {OUT_OF_MEMORY}" if starved else " (log.txt may say more)"
     return plain(Result(name, "failed", 0.0, f"{error}{more}"))
 
 
@@ -175,19 +171,4 @@ def execute(task: Task, context: Context) -> AnyResult:
     except Skip as reason:
         return Result(task.id, "skipped", perf_counter() - start, str(reason))
     except Exception as error:  # noqa: BLE001  whatever happens in a task is its verdict
-        return Result(task.id, "failed", perf_counter() - start, _explain(task.id, error))
-
-
-def _explain(identifier: str, error: Exception) -> str:
-    if isinstance(error, ComputationError | InputError):
-        message = str(error)
-    elif isinstance(error, MemoryError):
-        message = f"ran out of memory; {_REMEDY}"
-    else:
-        message = f"{type(error).__name__}: {error} (traceback in log.txt)"
-    # A disk that is too full for the log must not take the case with it.
-    with suppress(OSError):
-        sys.stderr.write(f"\n== {identifier}: {message}\n")
-        traceback.print_exception(error)
-        sys.stderr.flush()
-    return " ".join(message.split())
+        return Result(task.id, "failed", perf_counter() - start, failure_reason(task.id, error))

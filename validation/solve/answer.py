@@ -276,11 +276,11 @@ def as_text(solution: Solution) -> str:
     lines = [f"{solution.robot}, {solution.model}" + (f" ({heard})" if heard else "")]
     lines += [solution.accuracy.text] if solution.accuracy else []
     for answer in solution.answers:
-        lines += ["", *_answer_lines(answer)]
+        lines += ["", *_answer_lines(answer, solution.model)]
     return "\n".join(lines)
 
 
-def _answer_lines(answer: Answer) -> list[str]:
+def _answer_lines(answer: Answer, model: ModelName) -> list[str]:
     size = len(answer.compliance)
     deflections = zip("xyz", _deflections(answer), strict=False)
     lines = [
@@ -293,7 +293,8 @@ def _answer_lines(answer: Answer) -> list[str]:
     if answer.loads:
         lines.append("  displacement (µm, µrad) under the loads of the robot file:")
         lines += [f"    {name}: {_moved_text(moved)}" for name, moved in answer.loads.items()]
-        lines.append("  stability under them, legs bending as beams between their ends:")
+        bending = "rigid legs" if model == "simplified" else "legs bending as beams"
+        lines.append(f"  stability under them, {bending} between their ends:")
         lines += [f"    {name}: {_stability_text(one)}" for name, one in answer.stability.items()]
     if len(answer.frequencies):
         listed = ", ".join(f"{value:.5g}" for value in answer.frequencies)

@@ -357,3 +357,61 @@ def test_the_command_prints_it(capsys):
 def test_axes_in_place_of_axis_ask_for_axis(axes):
     with pytest.raises(InputError, match=r"joints.pivot.axes .*one axis has axis = \[x, y, z\]"):
         described(PENDULUM.replace("axis = [0.0, 0.0, 1.0]", f"axes = {axes}"))
+
+
+BLOCKS = """
+schema = 2
+name = "two blocks"
+points = { A = [0.0, 0.0, 0.0], B = [0.3, 0.0, 0.0] }
+bodies.first = { points = ["A", "B"], mass = 7.0, centre = "A" }
+bodies.second = { points = ["B"], mass = 2.0, centre = "B" }
+tool = { body = "second", point = "B", moves = ["x"] }
+[joints.a]
+type = "prismatic"
+between = ["ground", "first"]
+at = "A"
+axis = [1.0, 0.0, 0.0]
+drive = { stiffness = 2.0e6 DRIVE }
+[joints.b]
+type = "fixed"
+between = ["first", "second"]
+at = "B"
+compliance = GIVE
+JOINT
+"""
+BLOCKS = BLOCKS.replace("GIVE", str((1e-7 * np.eye(6)).tolist()))
+SHAKEN = """
+[[responses]]
+name = "r"
+direction = [1.0, 0.0, 0.0]
+from = 10.0
+to = 50.0
+"""
+
+
+@pytest.mark.parametrize("where", ["JOINT", "DRIVE", "RATIO"])
+def test_any_one_loss_is_enough_for_responses(tmp_path, where):
+    """A joint's, a drive's or a damping ratio alone damps a robot; without any it is refused."""
+    text = {"JOINT": "loss = 0.1", "DRIVE": ", loss = 0.1", "RATIO": ""}
+    sound = BLOCKS + SHAKEN + ("[damping]\nratio = 0.01\n" if where == "RATIO" else "")
+    for key in ("JOINT", "DRIVE"):
+        sound = sound.replace(key, text[key] if key == where else "")
+    (excitation,) = robot_of(sound, tmp_path).mechanism.excitations
+    assert excitation.name == "r"
+    with pytest.raises(InputError, match="nothing damps them"):
+        robot_of(BLOCKS.replace("JOINT", "").replace("DRIVE", "") + SHAKEN, tmp_path)
+
+
+def test_load_without_body_acts_on_the_tools_body(tmp_path):
+    """Both bodies have the point; another point, which the tool's lacks, is the other body's."""
+    text = BLOCKS.replace("JOINT", "").replace("DRIVE", "")
+    push = '[[loads]]\nname = "{}"\nwrench = [6.0, 0.0, 0.0, 0.0, 0.0, 0.0]\n{}\n'
+    for number, where in enumerate(["", 'at = "B"', 'at = "A"', 'at = "B"\nbody = "first"']):
+        text += push.format(number, where)
+    loads = robot_of(text, tmp_path).mechanism.loads
+    assert [(one.body, one.point) for one in loads] == [
+        ("second", "B"),
+        ("second", "B"),
+        ("first", "A"),
+        ("first", "B"),
+    ]

@@ -24,7 +24,7 @@ from validation.models.mechanism import mechanism_modes
 from validation.models.options import ModelOptions
 from validation.report.figures import responses
 from validation.report.table import table_of
-from validation.report.words import quantities_text
+from validation.report.words import heading, quantities_text
 
 pytestmark = pytest.mark.usefixtures("coarse_legs")
 
@@ -126,6 +126,20 @@ def test_limits_in_metres_take_the_place_of_shares_and_responses_have_their_own(
         matrix.poses.index(found.pose), :3, 6 + OF_LOADS.index("load:cutting")
     ]
     assert found.limit == pytest.approx(50.0 * missed / np.linalg.norm(moved))
+
+
+def test_table_gives_displacements_under_loads_in_um(arm, subject):
+    """Of the load itself: forces of 1000 N belong to other columns."""
+    table = table_of(judged(subject, arm.requirement))
+    robot = dict(zip(table.headings, table.robot, strict=True))
+    postures = robot_on_path(Context(arm, "quick")).postures
+    moved = displacements("solid", postures, ModelOptions(divisions=2))[:, :, :3]
+    lengths = 1e6 * np.linalg.norm(moved, axis=2).max(axis=0)
+    for name, length in zip(OF_LOADS, lengths, strict=True):
+        value, unit = robot[heading(name)][0].split("\u00a0")
+        assert unit == "µm"
+        # Three digits are shown, and another mesh of the solid.
+        assert float(value) == pytest.approx(length, rel=0.02), name
 
 
 def test_the_table_tells_peaks_in_micrometres_and_the_chart_has_all_models(arm, subject):

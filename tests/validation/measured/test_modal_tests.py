@@ -138,6 +138,12 @@ def turned_over(sets):
     return sets[::-1]
 
 
+def struck_from_behind(sets):
+    for one in sets[1::3]:
+        one["ref_dir"], one["data"] = -one["ref_dir"], -one["data"]
+    return sets
+
+
 def struck_all_over(sets):
     for one in sets:
         for end in ("node", "dir"):
@@ -146,7 +152,8 @@ def struck_all_over(sets):
 
 
 @pytest.mark.parametrize(
-    "changed", [list, in_mm_and_g, as_displacements, turned_over, struck_all_over]
+    "changed",
+    [list, in_mm_and_g, as_displacements, turned_over, struck_from_behind, struck_all_over],
 )
 def test_however_a_test_is_written_its_modes_are_the_same(tmp_path, changed):
     found = read_modes(written(tmp_path / "h.uff", changed(accelerations())))

@@ -299,6 +299,60 @@ def test_loads_of_the_file_are_answered_by_name_and_one_that_cannot_be_by_none(t
     assert "stop: none: the mechanism cannot move that way here" in command.told(*asked)
 
 
+RIGID_DRIVE = """
+schema = 2
+name = "arm on a rigid drive"
+points = { A = [0.0, 0.0, 0.0], P = [0.0, 0.5, 0.0] }
+bodies.arm = { from = "A", to = "P", section = SECTION, material = STEEL }
+joints.motor = { type = "revolute", between = ["ground", "arm"], at = "A", DRIVE }
+tool = { body = "arm", point = "P", moves = ["x"] }
+[[loads]]
+name = "cutting"
+wrench = [100.0, 0.0, -50.0, 0.0, 0.0, 0.0]
+"""
+RIGID_DRIVE = (
+    RIGID_DRIVE.replace("SECTION", '{ shape = "rectangle", width = 0.06, height = 0.04 }')
+    .replace("STEEL", "{ E = 2.1e11, nu = 0.3, rho = 7850.0 }")
+    .replace("DRIVE", 'axis = [0.0, 0.0, 1.0], drive = { stiffness = "rigid" }')
+)
+
+
+@pytest.mark.parametrize("driven", [True, False], ids=["rigid-drive", "no-drive"])
+def test_simplified_model_without_elastic_drive_is_rigid(tmp_path, command, driven):
+    text = RIGID_DRIVE
+    if not driven:
+        text = re.sub("joints.motor = .*", "joints.root = ROOT", text).replace('["x"]', "[]")
+        root = '{ type = "fixed", between = ["ground", "arm"], at = "A" }'
+        text = text.replace("ROOT", root)
+    asked = ["solve", robot_of(text, tmp_path).source, "--model", "simplified"]
+    (found,) = command.json(*asked, "--modes", "0")["results"]
+    load = found["loads"]["cutting"]
+    assert load["displacement"] == [0.0] * 6
+    assert load["buckling"]["factor"] is load["buckling"]["reversed"] is None
+    told = command.told(*asked, "--modes", "0")
+    assert "stability under them, rigid legs between their ends" in told
+    assert "cutting: does not buckle; takes no stiffness" in told
+    assert "legs bending as beams" in command.told(*asked[:3], "beam", "--modes", "0")
+
+
+def test_displacement_under_a_load_is_in_um(tmp_path, command):
+    """3 N on 1 N/µm: 3 µm in the text, 3e-6 m in JSON."""
+    text = """
+schema = 2
+name = "oscillator"
+points = { A = [0.0, 0.0, 0.0] }
+bodies = { mass = { points = ["A"], mass = 1.0, centre = "A" } }
+tool = { body = "mass", point = "A", moves = ["x"] }
+joints.s = { type = "prismatic", between = ["ground", "mass"], at = "A", AXIS }
+loads = [{ name = "push", wrench = [3.0, 0.0, 0.0, 0.0, 0.0, 0.0] }]
+""".replace("AXIS", "axis = [1.0, 0.0, 0.0], drive = { stiffness = 1.0e6 }")
+    asked = ["solve", robot_of(text, tmp_path).source, "--model", "simplified"]
+    (found,) = command.json(*asked)["results"]
+    displacement = found["loads"]["push"]["displacement"]
+    assert displacement == pytest.approx([3e-6, 0, 0, 0, 0, 0], rel=1e-12, abs=1e-18)
+    assert "push: x 3, y 0, z 0, 3 in all, φx 0, φy 0, φz 0" in command.told(*asked)
+
+
 def test_responses_and_losses_are_told_by_models_with_mass(tmp_path, command):
     """Every loss is twice the ratio; what hardly swings is the compliance."""
     wanted = '{ name = "hit", direction = [2, 0, 0], from = 0.01, to = 90.0, at = 30.0 }'

@@ -29,7 +29,6 @@ from validation.adequacy.mechanism.vibration import (
 from validation.adequacy.partners import amounts_by_shape, frequency_changes
 from validation.adequacy.response import (
     OPEN_MASSES,
-    UNSOLVED,
     USE,
     USE_SOLID,
     Alternative,
@@ -291,10 +290,10 @@ def dynamic_ladders(
         return {}
 
     def answered(model: ModelName, options: ModelOptions) -> Response:
-        return modes_of(partial(modes_by_model, robot, model, options), UNSOLVED)
+        return modes_of(partial(modes_by_model, robot, model, options))
 
     def own(ends: Holds | None) -> Response:
-        return modes_of(partial(modes_of_own_beams, robot, ends), UNSOLVED)
+        return modes_of(partial(modes_of_own_beams, robot, ends))
 
     alike = {
         "drives": found["beam"],
@@ -308,7 +307,7 @@ def dynamic_ladders(
     if robot.mechanism.parts:
         # On a coarser mesh than the reference's.
         solids = partial(modes_of_solids, robot, robot.holding.first, None, level=MIDDLE)
-        alike["modes inside"] = modes_of(solids, UNSOLVED)
+        alike["modes inside"] = modes_of(solids)
     if robot.prisms and not robot.given:
         alike["own"] = own(None)
     by_step = {step: dict.fromkeys(names, modes) for step, modes in alike.items()}

@@ -26,7 +26,6 @@ from validation.adequacy.mechanism.vibration import (
 from validation.adequacy.models import JudgedModel, statics_by, with_modes
 from validation.adequacy.partners import partners
 from validation.adequacy.response import (
-    UNSOLVED,
     InputOff,
     InputsOff,
     Response,
@@ -93,8 +92,7 @@ def _beams(robot: RobotOnPath) -> _Beams:
             modes_of(
                 partial(modes_of_solids, robot, ends, mass)
                 if not robot.prisms and not robot.mechanism.parts
-                else partial(modes_of_own_beams, robot, ends),
-                UNSOLVED,
+                else partial(modes_of_own_beams, robot, ends)
             ).vibration
             for ends, mass in product(holds, masses)
         ],

@@ -41,7 +41,6 @@ from validation.adequacy.mechanism.parts import (
 )
 from validation.adequacy.mechanism.path import Holds, RobotOnPath, Springs
 from validation.adequacy.response import (
-    UNSOLVED,
     USE,
     USE_SOLID,
     Alternative,
@@ -52,6 +51,7 @@ from validation.adequacy.response import (
     statics_of,
 )
 from validation.agreement.displacement import sizes
+from validation.case import failure_reason
 from validation.models.loads.displacements import (
     by_chains,
     displacements,
@@ -172,16 +172,18 @@ def _left_by_masses(robot: RobotOnPath, ends: Holds, own: Array) -> Array | None
 def _left_by_linearity(robot: RobotOnPath) -> Array | None:
     """What loads change of the stiffness that they meet (p×(7+l), relative), where that counts.
 
-    All of it where the robot has buckled.
+    All of it where the robot has buckled, and if the stability cannot be computed.
     """
     if not robot.mechanism.loads:
         return None
     try:
         found = robot.context.get(stabilities, "links", robot.postures)
-    except UNSOLVED:
-        return None
-    farther = np.array([[abs(one.farther) if one else 0.0 for one in row] for row in found])
-    left = np.nan_to_num(farther, nan=1.0)
+    except Exception as error:  # noqa: BLE001  loses no model: it leaves their errors open
+        failure_reason("stability under loads", error)
+        left = np.ones((len(robot.postures), len(robot.mechanism.loads)))
+    else:
+        farther = np.array([[abs(one.farther) if one else 0.0 for one in row] for row in found])
+        left = np.nan_to_num(farther, nan=1.0)
     left[left < _LINEAR] = 0.0
     return np.pad(left, ((0, 0), (len(STATIC_QUANTITIES), 0)))
 
@@ -235,13 +237,13 @@ def static_ladders(robot: RobotOnPath) -> dict[str, tuple[Step, ...]]:
             return _climbed(robot, {body: spring(leg, ends[body]) for body, leg in legs})
 
         return {
-            name: statics_of(partial(solve, ends), UNSOLVED)
+            name: statics_of(partial(solve, ends))
             for name, ends in robot.holding.alternatives.items()
         }
 
     def idealised(parts: PartLegs) -> Response:
         options = ModelOptions(parts=parts)
-        return statics_of(partial(compliances, robot.postures, "beam", options), UNSOLVED)
+        return statics_of(partial(compliances, robot.postures, "beam", options))
 
     def alike(found: Response) -> dict[str, Response]:
         return dict.fromkeys(robot.holding.alternatives, found)

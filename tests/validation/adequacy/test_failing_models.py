@@ -1,0 +1,86 @@
+"""The failure of one model leaves the verdicts on all the others as they are."""
+
+import pytest
+from one_arm import LOADS, ONE_ARM
+from written_robot import robot_of
+
+from validation.adequacy import models, robot
+from validation.adequacy.judgement import judged
+from validation.adequacy.mechanism import statics
+from validation.adequacy.robot import robot_subject
+from validation.context import Context
+from validation.models.options import DEFAULT_OPTIONS
+
+pytestmark = pytest.mark.usefixtures("coarse_legs")
+
+ARM = ONE_ARM.replace("height = 0.04 }", 'height = 0.04 }\nends = "rigid"') + LOADS
+FAULT = "ZeroDivisionError: division by zero"
+
+
+@pytest.fixture
+def arm(tmp_path):
+    return robot_of(ARM + "[path]\nposes = [[0.0]]\n", tmp_path)
+
+
+def verdicts_of(arm):
+    matrix = judged(robot_subject(Context(arm, "quick")), arm.requirement)
+    return matrix, {(one.model, one.quantity): one.verdict for one in matrix.entries}
+
+
+def raising(*_):
+    """Stands for a function of which the cache needs a fixed name."""
+    return 1 / 0
+
+
+def failing(function, place, model, options):
+    """The function, but dividing by zero for one model."""
+
+    def computed(*given):
+        if given[place : place + 2] == (model, options):
+            return 1 / 0
+        return function(*given)
+
+    return computed
+
+
+@pytest.mark.parametrize("model", ["simplified", "links", "beam"])
+def test_model_that_raises_leaves_the_others_judged(arm, monkeypatch, capsys, model):
+    due = verdicts_of(arm)[1]
+    for name in ("compliances", "modes_by_model"):
+        function = failing(getattr(models, name), 1, model, DEFAULT_OPTIONS)
+        monkeypatch.setattr(models, name, function)
+    matrix, found = verdicts_of(arm)
+    assert {key: one for key, one in found.items() if key[0] != model} == {
+        key: one for key, one in due.items() if key[0] != model
+    }
+    failed = matrix.of_model(model)
+    assert {one.quantity for one in failed} >= {"x", "y", "z", "load:cutting"}
+    for entry in failed:
+        assert (entry.verdict, entry.error) == ("undecided", None)
+        assert FAULT in entry.reason
+    # Whoever repairs it finds the traceback in the run's log.
+    assert "return 1 / 0" in capsys.readouterr().err
+
+
+def test_stability_that_raises_leaves_all_models_judged(arm, monkeypatch):
+    """What loads take of the stiffness is then left open of every error under them."""
+    due = verdicts_of(arm)[1]
+    for module in (robot, statics):
+        monkeypatch.setattr(module, "stabilities", raising)
+    matrix, found = verdicts_of(arm)
+    under_loads = {key for key in due if key[1].startswith("load:")}
+    assert {key: found[key] for key in due if key not in under_loads} == {
+        key: one for key, one in due.items() if key not in under_loads
+    }
+    assert under_loads
+    assert not [key for key in under_loads if found[key] == "adequate"]
+    assert any(FAULT in note for note in matrix.notes)
+
+
+def test_robot_on_rigid_drives_has_its_models_judged(tmp_path):
+    """The simplified model has nothing elastic: inadequate, and the others as they are."""
+    text = ARM.replace("stiffness = 5.0e4", 'stiffness = "rigid"') + "[path]\nposes = [[0.0]]\n"
+    matrix, found = verdicts_of(robot_of(text, tmp_path))
+    assert found["beam", "load:cutting"] == found["links", "load:cutting"] == "adequate"
+    assert found["simplified", "load:cutting"] == found["simplified", "z"] == "inadequate"
+    assert matrix.entry("simplified", "load:cutting").value == 0.0
