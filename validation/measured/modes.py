@@ -100,7 +100,9 @@ def with_measured_file(robot_file: RobotFile, path: Path) -> RobotFile:
         value = float(test.frequencies[column])
         spread = hypot(found.scatter[0, column], hammer.uncertainty * value)
         ones.append(Measured(f"f{number}", value, spread, source, test.pose, 1.0, test, column))
-    ones += responses_of(found, test, dict(paired), hammer, robot_file.mechanism, path.name)
+    # Without damping ratios no response can be read at a mode.
+    if test.ratios.all():
+        ones += responses_of(found, test, dict(paired), hammer, robot_file.mechanism, path.name)
     return replace(robot_file, measured=(*robot_file.measured, *ones))
 
 
@@ -148,11 +150,28 @@ def modal_answer(
             reason = ""
             if own < LEAST_MAC:
                 reason = f"another mode, or measured elsewhere: MAC {own:.2f}, must be {LEAST_MAC}"
-            elif len(set(spaces[same])) > 1 or len(moved) == 1:
-                told = ", ".join(f"f{number + 1}" for number in seen[same | (len(moved) == 1)])
+            elif len(set(spaces[same])) > 1 or (len(moved) == 1 and not near[column].any()):
+                told = ", ".join(f"f{number + 1}" for number in seen[same])
                 reason = f"{told} of the model look like it where it was measured: add points"
             partners[column] = Partner(int(seen[other]) + 1, float(frequencies[other]), own, reason)
+    if model != "simplified":
+        partners = _unless_most_misfit(partners)
     return ModalAnswer(partners, _responses(robot, found, test, partners) if test.responses else [])
+
+
+def _unless_most_misfit(partners: Sequence[Partner | None]) -> list[Partner | None]:
+    """The partners, none of them judged if most modes of the test are like none of the model.
+
+    Where nodes are swapped some pairs are alike by chance.
+    """
+    misfits = sum(one is None or one.mac < LEAST_MAC for one in partners)
+    if 2 * misfits <= len(partners):
+        return list(partners)
+    reason = (
+        f"{misfits} of {counted(len(partners), 'mode')} of the test are like none of the model: "
+        "are nodes swapped, or elsewhere than [hammer.nodes] says?"
+    )
+    return [one and (one if one.reason else one._replace(reason=reason)) for one in partners]
 
 
 def _responses(

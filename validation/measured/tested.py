@@ -6,9 +6,11 @@ of most orders have it, which is what the eye seeks on a stabilisation chart (Ve
 2002, 5.3); its scatter over the orders says how well it is known.
 """
 
+import re
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, NamedTuple, TypeAlias
+from tempfile import NamedTemporaryFile
+from typing import Any, NamedTuple, TypeAlias, cast
 
 import numpy as np
 
@@ -30,6 +32,8 @@ _ENDS = ("rsp_node", "rsp_dir", "ref_node", "ref_dir")
 # what is not named.
 _DERIVATIVES, _FORCE, _ANY = {8: -1, 11: 0, 12: 1}, 13, (0, 1)
 _GRAVITY = 9.80665
+# The line that begins and ends a data set.
+_END_WITH_BLANKS = re.compile(rb"^(    -1)[ \t]+(?=\r?$)", re.MULTILINE)
 # Order of the highest polynomial, lines of a spectrum that it needs, and steps equal as printed.
 _HIGHEST, _FEWEST_LINES, _AS_PRINTED = 40, 160, 1e-2
 # Distance of poles that are one, of their size, share of the orders that must have it, and damping
@@ -74,11 +78,12 @@ def read_modes(path: Path) -> TestedModes:
 def _read(path: Path) -> TestedModes:
     from pyuff import UFF  # noqa: PLC0415  of the optional extra
 
-    found = UFF(str(path)).read_sets()
+    found = _sets(path, UFF)
     sets: list[Set] = [found] if isinstance(found, dict) else found
-    if modes := [one for one in sets if one["type"] == 55 and one["analysis_type"] in _MODES]:
-        return _as_given(path, modes)
+    modes = [one for one in sets if one["type"] == 55 and one["analysis_type"] in _MODES]
     tested = [one for one in sets if one["type"] == 58 and one["func_type"] == _RESPONSE]
+    if modes and not tested:
+        return _as_given(path, modes)
     if not tested:
         raise InputError(f"{path}: has neither frequency response functions nor mode shapes")
     units = [(one["length"], one["force"]) for one in sets if one["type"] == 164] or [(1.0, 1.0)]
@@ -87,18 +92,40 @@ def _read(path: Path) -> TestedModes:
             f"{path}: units of length and force must be above 0, and must be the same in all of it"
         )
     coherent = [one for one in sets if one["type"] == 58 and one["func_type"] == _COHERENCE]
-    return _identified(path, tested, coherent, *units[0])
+    functions = _functions(path, tested, coherent, *units[0])
+    if not modes:
+        return _identified(path, functions)
+    return _as_given(path, modes)._replace(
+        frequencies=functions.frequencies,
+        receptance=functions.receptance,
+        ends=functions.ends,
+        coherence=functions.coherence,
+    )
+
+
+def _sets(path: Path, uff: Any) -> Set | list[Set]:
+    """The data sets of a file; pyuff takes -1 with blanks behind for no end of a set."""
+    content = path.read_bytes()
+    plain = _END_WITH_BLANKS.sub(rb"\1", content)
+    if plain == content:
+        return cast("Set | list[Set]", uff(str(path)).read_sets())
+    with NamedTemporaryFile(suffix=path.suffix) as file:
+        file.write(plain)
+        file.flush()
+        return cast("Set | list[Set]", uff(file.name).read_sets())
 
 
 def _as_given(path: Path, modes: Sequence[Set]) -> TestedModes:
     """What was identified elsewhere; what is zero in all modes was not measured."""
     for number, one in enumerate(modes, start=1):
+        if not np.isfinite(_pole(one)):
+            raise InputError(f"{path}: mode {number} must have a finite frequency")
         moves = one["spec_data_type"] in {*_DERIVATIVES, *_ANY}
         if not (moves and np.isfinite([one["r1"], one["r2"], one["r3"]]).all()):
             raise InputError(
                 f"{path}: mode {number} must have finite displacements, velocities or accelerations"
             )
-    poles = np.array([one["eig"] if "eig" in one else 2j * np.pi * one["freq"] for one in modes])
+    poles = np.array([_pole(one) for one in modes])
     elastic = [place for place in np.argsort(np.abs(poles)) if abs(poles[place]) > 0.0]
     nodes = sorted({int(node) for one in modes for node in one["node_nums"]})
     shapes = np.zeros((len(nodes), 3, len(modes)), dtype=complex)
@@ -113,18 +140,57 @@ def _as_given(path: Path, modes: Sequence[Set]) -> TestedModes:
     )
 
 
-def _identified(
+def _pole(mode: Set) -> complex:
+    """Pole (1/s) of a mode: as given, else by its frequency and viscous damping ratio."""
+    if "eig" in mode:
+        return complex(mode["eig"])
+    ratio = float(mode.get("modal_damp_vis", 0.0))
+    ratio = ratio if 0.0 <= ratio < 1.0 else 0.0
+    return complex(2.0 * np.pi * mode["freq"] * complex(-ratio, np.sqrt(1.0 - ratio**2)))
+
+
+class _Functions(NamedTuple):
+    """Frequency response functions: `mobility` (p×n, m/(s N)) at multiples of one step.
+
+    `before`: how many lines of 0 Hz and above lie below the first of the `frequencies` (n, Hz).
+    """
+
+    frequencies: Array
+    mobility: ComplexArray
+    ends: IntArray
+    coherence: Array
+    before: int
+
+    @property
+    def receptance(self) -> ComplexArray:
+        return np.asarray(self.mobility / (2j * np.pi * self.frequencies))
+
+
+def _multiples(path: Path, printed: Array) -> tuple[Array, int]:
+    """Frequencies (Hz) as exact multiples of one step, and the number of the first.
+
+    As they are printed the first one is no whole number of steps: 51.00006 of them, say.
+    """
+    steps = np.diff(printed)
+    wrong = InputError(f"{path}: must have {_FEWEST_LINES} frequencies, multiples of one step")
+    if len(steps) < _FEWEST_LINES or not (np.isfinite(printed).all() and steps[0] > 0.0):
+        raise wrong
+    first = round(float(printed[0] / steps[0]))
+    step = float(printed[-1]) / (first + len(steps))
+    frequencies: Array = step * np.arange(first, first + len(printed), dtype=float)
+    if not np.abs(printed - frequencies).max() <= _AS_PRINTED * step:
+        raise wrong
+    return frequencies, first
+
+
+def _functions(
     path: Path, tested: Sequence[Set], coherent: Sequence[Set], length: float, force: float
-) -> TestedModes:
-    """Of functions of one file, of which some are `coherent` by others.
+) -> _Functions:
+    """The functions of one file, of which some are `coherent` by others.
 
     `length` and `force`: how many of its units are 1 m and 1 N.
     """
-    frequencies = np.asarray(tested[0]["x"], dtype=float)
-    steps = np.diff(frequencies)
-    uneven = np.ptp([*steps, (frequencies[0] + 0.5 * steps[0]) % steps[0] + 0.5 * steps[0]])
-    if len(steps) < _FEWEST_LINES or uneven > _AS_PRINTED * steps[0]:
-        raise InputError(f"{path}: must have {_FEWEST_LINES} frequencies, multiples of one step")
+    frequencies, first = _multiples(path, np.asarray(tested[0]["x"], dtype=float))
     frequencies, rows = frequencies[(kept := frequencies > 0.0)], []
     for number, one in enumerate(tested, start=1):
         kind, values = one["ordinate_spec_data_type"], np.asarray(one["data"], dtype=complex)
@@ -132,7 +198,9 @@ def _identified(
         by_force = kind in _DERIVATIVES and one["orddenom_spec_data_type"] == _FORCE
         whole = len(values) == one["num_pts"] == len(kept) and np.isfinite(values).all()
         sound = by_force and whole and {1, 2, 3}.issuperset(np.abs(along))
-        if not (sound and np.allclose(one["x"][kept], frequencies)):
+        if not (
+            sound and np.allclose(one["x"][kept], frequencies, atol=_AS_PRINTED * frequencies[0])
+        ):
             raise InputError(
                 f"{path}: function {number} must be a displacement, velocity or acceleration along "
                 "x, y or z by a force along one, with finite values at the frequencies of the first"
@@ -141,31 +209,45 @@ def _identified(
         to_si = force * (_GRAVITY if in_g else 1.0 / length)
         factor = np.sign(np.prod(along)) * to_si
         rows.append(factor * values[kept] * (2j * np.pi * frequencies) ** -_DERIVATIVES[kind])
-    # What was held fixed is the place struck or, where the hammer wandered, the sensor: of several
-    # each mode is read from the one where it answers most.
     ends = [
-        [(int(one[f"{end}_node"]), abs(one[f"{end}_dir"]) - 1) for one in tested]
-        for end in ("rsp", "ref")
+        [(int(one[f"{end}_node"]), abs(one[f"{end}_dir"]) - 1) for end in ("rsp", "ref")]
+        for one in tested
     ]
-    held, moved = sorted(ends, key=lambda end: len(set(end)))
-    row_of = {pair: row for row, pair in enumerate(zip(held, moved, strict=True))}
-    fixed = sorted(set(held))
-    freedoms = [one for one in sorted(set(moved)) if all((end, one) in row_of for end in fixed)]
-    if len(row_of) < len(tested):
-        raise InputError(f"{path}: two functions are of the same motion by the same force")
-    if not freedoms:
-        raise InputError(f"{path}: no motion was measured with every place that was struck")
     unknown = np.full(len(kept), np.nan)
     known = {
         tuple(one[end] for end in _ENDS): np.real(one["data"])
         for one in coherent
         if len(one["data"]) == len(kept)
     }
+    coherence = [known.get(tuple(one[end] for end in _ENDS), unknown)[kept] for one in tested]
+    return _Functions(
+        frequencies, np.array(rows), np.array(ends), np.array(coherence), max(first, 1)
+    )
+
+
+def _identified(path: Path, functions: _Functions) -> TestedModes:
+    """The modes of the functions of one file."""
+    frequencies, rows, count = functions.frequencies, functions.mobility, len(functions.mobility)
+    # What was held fixed is the place struck or, where the hammer wandered, the sensor: of several
+    # each mode is read from the one where it answers most.
+    ends = [[(int(node), int(axis)) for node, axis in end] for end in functions.ends.swapaxes(0, 1)]
+    held, moved = sorted(ends, key=lambda end: len(set(end)))
+    row_of = {pair: row for row, pair in enumerate(zip(held, moved, strict=True))}
+    fixed = sorted(set(held))
+    freedoms = [one for one in sorted(set(moved)) if all((end, one) in row_of for end in fixed)]
+    if len(row_of) < count:
+        raise InputError(f"{path}: two functions are of the same motion by the same force")
+    if not freedoms:
+        raise InputError(f"{path}: no motion was measured with every place that was struck")
     # Of the same extra; it loads matplotlib, for which files without functions need not wait.
     from sdypy.EMA import Model  # noqa: PLC0415
 
+    # From 0 Hz on, where nothing was measured zero: sdypy-EMA counts the lines that are missing by
+    # rounding up, one too many.
+    lines = np.hstack([np.zeros((count, functions.before)), rows])
+    whole = frequencies[0] / functions.before * np.arange(lines.shape[1])
     band = {"lower": frequencies[0], "upper": frequencies[-1]}
-    model = Model(np.array(rows), frequencies, pol_order_high=_HIGHEST, frf_form="mobility", **band)
+    model = Model(lines, whole, pol_order_high=_HIGHEST, frf_form="mobility", **band)
     model.get_poles(show_progress=False)
     chosen, scatter = _stable(model.all_poles, 2.0 * np.pi * frequencies[[0, -1]])
     if not chosen:
@@ -182,9 +264,9 @@ def _identified(
         _real(shapes),
         np.array(freedoms),
         frequencies,
-        np.array(rows) / (2j * np.pi * frequencies),
-        np.stack(ends, axis=1),
-        np.array([known.get(tuple(one[end] for end in _ENDS), unknown)[kept] for one in tested]),
+        functions.receptance,
+        functions.ends,
+        functions.coherence,
     )
 
 

@@ -116,6 +116,28 @@ def test_poles_of_two_masses_come_back(tmp_path, monkeypatch, binary):
     assert found.freedoms.tolist() == [[1, 0], [2, 0]]
 
 
+@pytest.mark.parametrize("first", [1, 51, 77])
+def test_first_line_as_printed_shifts_no_pole(tmp_path, first):
+    """The start has six digits: divided by the step it is 51.00006, which made 52 lines."""
+    own, step = 2.0 * np.pi * np.array([40.0, 110.0]), 0.390625
+    speeds = 2j * np.pi * step * np.arange(first, first + 500)[:, None]
+    modal = 0.5 * speeds / (speeds**2 + 0.02 * own * speeds + own**2)
+    printed = {"x": float(f"{step * first:.5E}") + step * np.arange(500)}
+    more = {**printed, "ordinate_spec_data_type": 11}
+    moved = [modal.sum(axis=1), modal @ [1, -1]]
+    sets = [function(n, 1, one, **more) for n, one in enumerate(moved, 1)]
+    found = read_modes(written(tmp_path / "chain.unv", sets))
+    # Found so are the closed form's poles to 1e-6; a line too many shifts them by 0.4 to 1 %.
+    assert np.abs(found.poles) == pytest.approx(own, rel=1e-5)
+
+
+def test_blanks_behind_the_end_of_a_set_have_no_meaning(tmp_path):
+    path = written(tmp_path / "h.uff", accelerations())
+    plain = read_modes(path)
+    path.write_bytes(path.read_bytes().replace(b"    -1\n", b"    -1   \n"))
+    assert read_modes(path).poles == pytest.approx(plain.poles, rel=1e-12)
+
+
 def in_mm_and_g(sets):
     for number, one in enumerate(sets):
         in_g = number % 2
@@ -246,6 +268,53 @@ def test_mixture_of_a_repeated_pair_is_a_mode_of_it(tmp_path):
     assert entry.error == pytest.approx(0.0, abs=2e-3)
 
 
+def at_one_point(frequency):
+    """A mode of which the motion of node 1 along x alone was measured."""
+    return shape(1, frequency, np.eye(len(PLACES))[0])
+
+
+def test_mode_at_one_point_is_identified_by_frequency(tmp_path):
+    """Along x there are modes at 25.9, 162 and 455 Hz: a single one is near."""
+    _, matrix = held(tmp_path, [at_one_point(1.05 * FREQUENCIES[0])])
+    (entry,) = matrix.of_model("beam")
+    assert entry.error == pytest.approx(1 / 1.05 - 1, abs=2e-3)
+
+
+def test_mode_at_one_point_near_no_mode_is_not_judged(tmp_path):
+    _, matrix = held(tmp_path, [at_one_point(2.2 * FREQUENCIES[0])])
+    (entry,) = matrix.of_model("beam")
+    assert (entry.verdict, entry.error) == ("undecided", None)
+    assert "of the model look like it where it was measured: add points" in entry.reason
+
+
+def test_swapped_nodes_judge_no_mode(tmp_path):
+    """Nodes 2, 3 and 4 in turn: one mode of each plane is alike by chance, MAC 0.83."""
+    along = {1: 0.30, 2: 0.60, 3: 0.75, 4: 0.45}
+    swapped = "".join(
+        f'{node} = {{ body = "beam", at = [0.3, {y:.2f}, 0] }}\n' for node, y in along.items()
+    )
+    sets = [shape(n, frequency, SHAPES[:, n - 1]) for n, frequency in enumerate(FREQUENCIES, 1)]
+    _, matrix = held(tmp_path, sets, ROBOT + swapped)
+    entries = matrix.of_model("beam")
+    assert sum(one.mac >= 0.8 for one in entries) == 2
+    assert {one.verdict for one in entries} == {"undecided"}
+    (reason,) = {one.reason for one in entries if one.mac >= 0.8}
+    assert reason.startswith("4 of 6 modes of the test are like none of the model")
+
+
+def test_functions_beside_given_modes_are_responses(tmp_path):
+    """Modes as somebody else identified them; their functions are held against models as well."""
+    poles = 2.0 * np.pi * FREQUENCIES * complex(-DAMPING, np.sqrt(1.0 - DAMPING**2))
+    modes = [
+        shape(number, FREQUENCIES[mode], SHAPES[:, mode] + 0j) | {"eig": poles[mode]}
+        for number, mode in enumerate((0, 1), 1)
+    ]
+    robot_file, matrix = held(tmp_path, [*modes, *accelerations()])
+    quantities = [one.quantity for one in robot_file.measured]
+    assert quantities == ["f2", "f4", *(f"response:hammer.{one}" for one in ("f2", "f4", "low"))]
+    assert matrix.entry("beam", "response:hammer.f2").error == pytest.approx(0.0, abs=0.02)
+
+
 @pytest.mark.parametrize(
     ("damaged", "said"),
     [
@@ -275,6 +344,7 @@ def test_a_damaged_file_is_one_line(tmp_path, monkeypatch, damaged, said):
         (lambda sets: [*sets, *sets[2:3]], "of the same motion by the same force"),
         (lambda _: [shape(1, 20.0, np.nan * SHAPES[:, 0])], "mode 1 must have finite"),
         (lambda _: [shape(1, 20.0, SHAPES[:, 0]) | {"spec_data_type": 3}], "mode 1 must have"),
+        (lambda _: [shape(1, np.inf, SHAPES[:, 0])], "mode 1 must have a finite frequency"),
         (lambda _: [shape(1, 0.0, SHAPES[:, 0])], "none of its 0 modes above 0 Hz"),
     ],
 )
