@@ -61,11 +61,11 @@ app.command(selftest)
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line (default: sys.argv) and return the exit code."""
-    app.version = _version
-    streams.prepare()
-    if arguments is None:
-        signal.signal(signal.SIGTERM, _interrupted)
     try:
+        app.version = _version
+        streams.prepare()
+        if arguments is None:
+            signal.signal(signal.SIGTERM, _interrupted)
         with _home():
             return _run(list(sys.argv[1:] if arguments is None else arguments))
     except CycloptsError as error:
@@ -126,10 +126,21 @@ def _run(arguments: list[str]) -> int:
             streams.lost(error)
         elif error.errno in EXHAUSTED:
             raise ComputationError(f"the system refuses: {error.strerror}") from error
+        elif not _in_a_folder():
+            gone = "the folder that you are in exists no more; change to another one (cd)"
+            raise InputError(gone) from error
         else:
             raise
     streams.flush()
     return code
+
+
+def _in_a_folder() -> bool:
+    try:
+        Path.cwd()
+    except FileNotFoundError:
+        return False
+    return True
 
 
 # Seconds of computing for which nobody presses Ctrl-C.

@@ -18,6 +18,7 @@ from lumped.acceptance.requirement import (
     MOST_MODES,
     RESPONSE,
     ROTATIONS,
+    SMALLEST_MEASURED,
 )
 from lumped.arrays import Array, ComplexArray
 from lumped.errors import InputError
@@ -140,8 +141,9 @@ def measured_faults(one: Measured, place: str) -> list[str]:
     positive = _why_positive(one)
     if positive and one.value <= 0.0:
         faults.append(f"{place}.value = {one.value}: must be above 0, {positive}")
-    elif one.value == 0.0:
-        faults.append(f"{place}.value = {one.value}: must be a number other than 0")
+    elif abs(one.value) < SMALLEST_MEASURED:
+        allowed = f"must be at least {SMALLEST_MEASURED:g} in size"
+        faults.append(f"{place}.value = {one.value}: {allowed}")
     return faults
 
 

@@ -25,6 +25,8 @@ MOST_MODES = 10
 FREQUENCIES = {f"f{number}": number for number in range(1, MOST_MODES + 1)}
 # No model of a robot is known better than to this relative error.
 SMALLEST_SHARE = 1e-6
+# Of measured values and their uncertainties (SI): far below what any instrument resolves.
+SMALLEST_MEASURED = 1e-30
 ModelKind: TypeAlias = Literal[
     "simplified",
     "vjm",

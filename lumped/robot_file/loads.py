@@ -22,6 +22,8 @@ from lumped.robot_file.rules.rule import Number
 from lumped.robot_file.rules.tables import COORDINATE, FORCE, MOST_POSES
 from lumped.text import did_you_mean, shown
 
+# m/s, m/s²: squares of smaller numbers are lost to rounding.
+_SMALLEST = 1e-12
 _WHAT = ("wrench", "gravity", "acceleration", "speed")
 _COMPONENTS = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
 _NUMBER = "pose"
@@ -73,6 +75,9 @@ def load_faults(read: Sequence[Mapping[str, Any]], robot: Mechanism, folder: Pat
                         f"{key}.{what} = {list(one[what])}: the tool does not move along {axis}; "
                         "must be 0 there"
                     )
+                elif 0.0 < abs(value) < _SMALLEST:
+                    said = f"must be 0 or at least {_SMALLEST:g} in size along {axis}"
+                    yield f"{key}.{what} = {list(one[what])}: {said}"
 
 
 def _body_of(one: Mapping[str, Any], robot: Mechanism) -> str | None:

@@ -53,7 +53,7 @@ def on_cluster(address: str, say: Callable[[str], object]) -> Iterator[Executor]
     distributed = _distributed()
     try:
         client = distributed.Client(address, timeout=_ANSWER, set_as_default=False)
-    except (OSError, TimeoutError, ValueError) as error:
+    except Exception as error:
         raise InputError(
             f"--cluster {address}: what answers there is not a Dask scheduler (or one that is busy)"
         ) from error

@@ -9,6 +9,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from lumped.arrays import Array
+from lumped.errors import ComputationError
 from lumped.system.joint_motion import Portion
 from lumped.system.response import ToolResponse
 from lumped.system.stability import Stability
@@ -186,7 +187,18 @@ def as_json(solution: Solution) -> str:
     }
     if solution.accuracy:
         document["accuracy"] = asdict(solution.accuracy)
-    return json.dumps(document, allow_nan=False)
+    return finite_json(document)
+
+
+def finite_json(document: Any) -> str:
+    """The document as JSON, which has no infinite numbers; raises ComputationError for one."""
+    try:
+        return json.dumps(document, allow_nan=False)
+    except ValueError as error:
+        raise ComputationError(
+            "a result is no finite number: a mass or a stiffness of the robot is extremely small "
+            "or large"
+        ) from error
 
 
 def record_of(answer: Answer) -> dict[str, Any]:

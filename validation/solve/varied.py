@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from itertools import chain, zip_longest
-from json import dumps
 from math import prod
 from pathlib import Path
 
@@ -22,7 +21,7 @@ from validation.console.typed import write
 from validation.drawing.style import OTHERS, csv_of
 from validation.run.cluster import on_cluster
 from validation.run.executor import Executor, in_turn, on_cores
-from validation.solve.answer import Answer, Solution, record_of
+from validation.solve.answer import Answer, Solution, finite_json, record_of
 from validation.solve.model_answers import checked, solve
 from validation.solve.question import Question
 
@@ -198,7 +197,7 @@ def as_json(found: VariedAnswers) -> str:
             for values, answer in found.rows
         ],
     }
-    return dumps(document, allow_nan=False)
+    return finite_json(document)
 
 
 def require_few_curves(variations: Sequence[Variation], places: int) -> None:

@@ -11,6 +11,7 @@ from typing import Any, get_args
 from lumped.acceptance.requirement import (
     MODEL_KINDS,
     MOST_MODES,
+    SMALLEST_MEASURED,
     SMALLEST_SHARE,
     STATIC_QUANTITIES,
     Requirement,
@@ -61,10 +62,12 @@ _POISSONS_RATIO = Number(above=-1.0, below=0.5)
 _DENSITY = Number("kg/m³", least=25.0, most=25e3, low="is this in g/cm³?", high="above osmium")
 # 1e15: stiffer than any drive; a larger number would only cost digits.
 _STIFFEST = 'more than any drive has; "rigid" holds it'
-_STIFFNESS = Number("N/m or N m/rad", above=0.0, most=1e15, high=_STIFFEST)
-# 1e4 kg m²: a flywheel of two metres. 1e6 rad/m: a screw of 6 µm pitch.
-_ROTOR = Number("kg m²", above=0.0, most=1e4, high="is this in g cm²?")
-_RATIO = Number("rad/rad or rad/m", above=0.0, most=1e6)
+# 1e-12 N m/rad: a thousandth of the softest hinges of silicon.
+_STIFFNESS = Number("N/m or N m/rad", above=0.0, most=1e15, high=_STIFFEST, slip=1e-12)
+# 1e4 kg m²: a flywheel of two metres; 1e-18: a cube of silicon of 30 µm. 1e6 rad/m: a screw of 6 µm
+# pitch; 1e-6: the other way round.
+_ROTOR = Number("kg m²", above=0.0, most=1e4, high="is this in g cm²?", slip=1e-18)
+_RATIO = Number("rad/rad or rad/m", above=0.0, most=1e6, slip=1e-6)
 _COMPLIANCE = SquareMatrix(6, "m/N, rad/N and rad/(N m)", compliance=True)
 _INERTIA = SquareMatrix(3, "kg m²", compliance=False)
 # 1: off by as much as there is.
@@ -75,7 +78,7 @@ _LOSS = Number(least=0.0, most=1.0, high=_PERCENT)
 _MOST_BODIES, _MOST_JOINTS, MOST_POSES = 100, 200, 10_000
 _COUNT = Number(least=1, most=MOST_POSES, whole=True)
 _MODES = Number(least=1, most=MOST_MODES, whole=True)
-_NUMBER, _POSITIVE, _TEXT = Number(), Number(above=0.0), Text()
+_NUMBER, _TEXT = Number(), Text()
 # Control characters (C0, C1), ends of lines and marks that turn the direction of reading.
 _UNPRINTED = r"\x00-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069"
 _TITLE = Text(rf"[^{_UNPRINTED}]{{1,100}}", "a text of 1 to 100 characters on one line")
@@ -261,13 +264,17 @@ ACCEPT = TableRule(
     Key("rely", Several(OneOf(MODEL_KINDS)), "models whose inadequacy is exit code 1", default=()),
     *(Key(one, _SHARE, f"in place of `deflection` for {one}") for one in STATIC_QUANTITIES),
 )
+# From what no instrument resolves to more than any structure yields; errors are relative to it.
+_MEASURED = Number(least=-1e15, most=1e15)
+_SPREAD = Number(above=0.0, most=1e15, slip=SMALLEST_MEASURED)
+_TEST_LOAD = Number("N or N m", above=0.0, most=1e9, slip=1e-12)
 MEASURED = TableRule(
     needed("quantity", _TEXT, "x y z phi_x phi_y phi_z, f1 f2 …, leg1.c22 … or response:NAME …"),
-    needed("value", _NUMBER, "m or rad under `load`, Hz, or SI of a compliance or response"),
-    needed("uncertainty", _POSITIVE, "its standard uncertainty, in the same unit"),
+    needed("value", _MEASURED, "m or rad under `load`, Hz, or SI of a compliance or response"),
+    needed("uncertainty", _SPREAD, "its standard uncertainty, in the same unit"),
     needed("source", _TEXT, "who measured it"),
     Key("pose", Several(_NUMBER), "where, in the order of the moves", default=()),
-    Key("load", _POSITIVE, "N or N m", default=1.0),
+    Key("load", _TEST_LOAD, "N or N m", default=1.0),
 )
 MEASURED_VALUES = Several(MEASURED)
 _NODE = Text(r"[1-9][0-9]{0,8}", "a number of up to nine digits")

@@ -111,7 +111,13 @@ def test_a_csv_file_joins_the_robot_s_own_values(csv):
         ("leg1.c11,0.3,1,1,s,", "line 2.pose: must be left out"),
         ("x,5.0,1,1,s,", "line 2.pose: IFW demonstrator: x = 5"),
         ("x,0.3,0,1,s,", "line 2.value = 0.0: must be above 0, a deflection along its load"),
-        ("leg1.c26,,0,1,s,", "line 2.value = 0.0: must be a number other than 0"),
+        ("leg1.c26,,0,1,s,", "line 2.value = 0.0: must be at least 1e-30 in size"),
+        # Squares and quotients of measured values are numbers.
+        ("f1,0.3,1e151,1,s,", "line 2.value = 1e+151: must be at most 1e+15"),
+        ("f1,0.3,1e-151,1,s,", "line 2.value = 1e-151: must be at least 1e-30 in size"),
+        ("f1,0.3,80,1e-151,s,", "line 2.uncertainty = 1e-151: must be at least 1e-30"),
+        ("f1,0.3,80,1e151,s,", "line 2.uncertainty = 1e+151: must be at most 1e+15"),
+        ("x,0.3,1,1,s,1e-300", "line 2.load = 1e-300: must be at least 1e-12 N or N m"),
         ("x,0.3,one,1,s,", 'line 2.value = "one": must be a number'),
     ],
 )

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from gantry import GANTRY, STIFFNESSES
 from mutated_robots import places
 from pendulum import PENDULUM
 from sound_biglide import SOUND
@@ -415,3 +416,18 @@ def test_load_without_body_acts_on_the_tools_body(tmp_path):
         ("first", "A"),
         ("first", "B"),
     ]
+
+
+@pytest.mark.parametrize("what", ["speed", "acceleration"])
+def test_motion_whose_square_is_lost_is_refused(what, tmp_path):
+    """5e-324 squared is zero, and its direction none."""
+    load = f'[[loads]]\nname = "a"\n{what} = [5e-324, 0.0, 0.0]\n'
+    with pytest.raises(InputError, match=f"{what} = .*: must be 0 or at least 1e-12 in size"):
+        robot_of(f"{GANTRY}{load}", tmp_path)
+
+
+@pytest.mark.parametrize("stiffness", ["1e-300", "1e-150", "5e-324"])
+def test_drive_softer_than_any_hinge_is_refused(stiffness, tmp_path):
+    soft = GANTRY.replace(f"stiffness = {STIFFNESSES[0]}", f"stiffness = {stiffness}")
+    with pytest.raises(InputError, match=r"drive\.stiffness = .*: must be at least 1e-12 N/m"):
+        robot_of(soft, tmp_path)

@@ -155,6 +155,38 @@ def test_results_are_told_though_their_file_cannot_be_written(tmp_path, capsys, 
     assert said in command.refused(*TABLE, path, "--picture", path)
 
 
+@pytest.mark.parametrize(
+    "words",
+    [
+        "run five-bar --preset quick",
+        "export five-bar --to npz",
+        "solve five-bar --model simplified --vary tool.mass=1:2:2 --csv t.csv",
+    ],
+)
+def test_deleted_working_folder_is_said_in_one_line(words, tmp_path):
+    place = tmp_path / "gone"
+    done = shell(f"mkdir '{place}'; cd '{place}'; rmdir '{place}'; flexproof {words}")
+    said = "flexproof: the folder that you are in exists no more; change to another one (cd)\n"
+    assert (done.returncode, done.stdout, done.stderr) == (2, "", said)
+
+
+@pytest.mark.parametrize("module", ["cyclopts", "fem.machine", "validation.export.command"])
+def test_interrupt_while_modules_load_is_one_line(module):
+    """As the signal comes within the first third of a second."""
+    program = f"""
+import os, signal, sys
+class Interrupting:
+    def find_spec(self, name, *_):
+        if name == "{module}":
+            os.kill(os.getpid(), signal.SIGINT)
+sys.meta_path.insert(0, Interrupting())
+from validation.entry.start import main
+sys.exit(main())
+"""
+    done = shell("flexproof schema", PROGRAM=program)
+    assert (done.returncode, done.stdout, done.stderr) == (3, "", "flexproof: interrupted\n")
+
+
 EXPORT = ("export", "five-bar", "--to", "npz", "--out")
 
 

@@ -7,7 +7,7 @@ import socket
 import subprocess
 import sys
 import time
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
@@ -205,6 +205,32 @@ def test_something_else_at_the_address(greeting, answer, said, monkeypatch):
             Thread(target=lambda: server.accept()[0].sendall(greeting), daemon=True).start()
         port = server.getsockname()[1]
         with pytest.raises(InputError, match=said), on_cluster(f"tcp://127.0.0.1:{port}", silent):
+            pass
+
+
+@pytest.mark.parametrize(
+    "greeting",
+    [
+        # Frames of 10 bytes that say how many there are; one of a number, of a list; none.
+        (10).to_bytes(8, "little") + b"x" * 10,
+        b"".join(one.to_bytes(8, "little") for one in (17, 1, 1)) + b"\x05",
+        b"".join(one.to_bytes(8, "little") for one in (19, 1, 3)) + b"\x92\x01\x02",
+        b"".join(one.to_bytes(8, "little") for one in (8, 0)),
+    ],
+)
+def test_junk_in_the_form_of_a_greeting_is_no_scheduler(greeting, monkeypatch):
+    monkeypatch.setattr(on_dask, "_ANSWER", 2.0)
+    with socket.create_server(("127.0.0.1", 0)) as server:
+
+        def greet():
+            with suppress(OSError):
+                while True:
+                    server.accept()[0].sendall(greeting)
+
+        Thread(target=greet, daemon=True).start()
+        address = f"tcp://127.0.0.1:{server.getsockname()[1]}"
+        said = "what answers there is not a Dask scheduler"
+        with pytest.raises(InputError, match=said), on_cluster(address, silent):
             pass
 
 

@@ -33,6 +33,7 @@ from validation.solve.answer import (
     PartUncertainty,
     Solution,
     as_text,
+    finite_json,
     record_of,
 )
 from validation.solve.cost import Cost, require_affordable, solid_cost
@@ -418,3 +419,10 @@ def test_ctrl_c_ends_a_long_solve_at_once(robot):
     assert code == 3
     assert "interrupted" in screen
     assert "Traceback" not in screen
+
+
+def test_number_that_json_lacks_is_a_computation_error():
+    for document in ({"frequencies": [1.0, float("inf")]}, {"compliance": float("nan")}):
+        with pytest.raises(ComputationError, match="a result is no finite number"):
+            finite_json(document)
+    assert finite_json({"f": [1.5]}) == '{"f": [1.5]}'
