@@ -199,6 +199,15 @@ def constant_leg(
     return ConstantLeg(length, section, material)
 
 
+def require_positive_definite(leg: GivenLeg) -> None:
+    """Raise InputError if the leg's compliance is not positive definite."""
+    if np.linalg.eigvalsh(leg.compliance)[0] <= 0.0:
+        raise InputError(
+            f"{leg.name or 'leg'}: its compliance is not positive definite, so that it has no "
+            "equivalent leg"
+        )
+
+
 def equivalent_leg(leg: Leg, by: EquivalentBy = "stiffness") -> ConstantLeg:
     """Constant-section leg with the same first four diagonal terms (paper §2.3).
 
@@ -209,11 +218,7 @@ def equivalent_leg(leg: Leg, by: EquivalentBy = "stiffness") -> ConstantLeg:
     if isinstance(leg, ConstantLeg):
         return leg
     length = leg.length
-    if np.linalg.eigvalsh(leg.compliance)[0] <= 0.0:
-        raise InputError(
-            f"{leg.name or 'leg'}: its compliance is not positive definite, so that it has no "
-            "equivalent leg"
-        )
+    require_positive_definite(leg)
     if by == "stiffness":
         k11, k22, k33, k44 = np.diag(np.linalg.inv(leg.compliance))[:4]
         stiffnesses = (k11 * length, k33 * length**3 / 12.0, k22 * length**3 / 12.0, k44 * length)

@@ -32,7 +32,7 @@ from skfem import Basis, BilinearForm, Element, ElementLineP2, MeshLine
 from skfem.element import DiscreteField
 from skfem.refdom import RefLine
 
-from fem.sections.nonuniform_torsion import line_products, warping_rod
+from fem.sections.nonuniform_torsion import WarpingRod, line_products, warping_rod
 from fem.sections.section_constants import SectionConstants, beam_properties
 from lumped.arrays import Array, IntArray, SparseMatrix
 from lumped.errors import InputError
@@ -211,9 +211,14 @@ def warping_beam_leg(
     rod = warping_rod(constants, material)
     if rod.shear <= _NO_WARPING * rod.twist:
         return leg
-    basis = Basis(MeshLine(np.linspace(0.0, length, elements + 1)), ElementLineP2())
+    return with_warping(leg, rod, elements, ends)
+
+
+def with_warping(leg: LegMatrices, rod: WarpingRod, elements: int, ends: Ends) -> LegMatrices:
+    """A leg of `beam_leg` in as many elements with the torsion of `rod` in place of its own."""
+    basis = Basis(MeshLine(np.linspace(0.0, leg.length, elements + 1)), ElementLineP2())
     places = basis.doflocs[0]
-    inside = (places > 0.0) & (places < length)
+    inside = (places > 0.0) & (places < leg.length)
     kept = np.flatnonzero(inside) if ends == "rigid" else np.arange(len(places))
     # Rotation about x at the places of the quadratic shape functions, from the leg's unknowns.
     rotation = csr_array(leg.centreline(places))[3::6]
@@ -236,7 +241,7 @@ def warping_beam_leg(
     mass = block_diag([leg.mass, rod.warping * products[kept][:, kept]])
     return LegMatrices(
         model="beam with warping",
-        length=length,
+        length=leg.length,
         stiffness=csr_matrix(sum(parts.values())),
         mass=csr_matrix(mass),
         centreline=centreline,

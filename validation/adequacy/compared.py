@@ -30,7 +30,7 @@ class Compared:
     `values` maps their names to p×k numbers, `differences` all but `against`, the first
     alternative, to what they differ from it (p×k, relative, NaN where there is nothing to compare).
     `uncertainties` (p×k or more, relative) are those of the alternatives; of frequencies of legs
-    known by their 6×6 they cover every plausible distribution of mass.
+    known by their 6×6 they cover every plausible inside.
     """
 
     values: Mapping[str, Array]
@@ -80,13 +80,12 @@ def compared_compliances(
 
 
 def _by_hold(reference: Reference) -> dict[str, list[Alternative]]:
-    """The alternatives that differ in the legs' masses alone, by the name of the first of them."""
+    """The alternatives that differ in the legs' insides alone, by the name of the first of them."""
     alike: dict[str, list[Alternative]] = {}
     for one in reference.alternatives:
         name = f"solid, {one.name}"
         if reference.supposed:
-            hold = one.name.rpartition("mass ")[0]
-            name = f"{hold}{MASSES[0]}"
+            name = ", ".join(filter(None, (one.ends, MASSES[0])))
         alike.setdefault(name, []).append(one)
     return alike
 

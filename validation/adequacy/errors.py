@@ -1,7 +1,7 @@
 """Total relative errors of a model against every alternative of the reference, pose by pose."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import Any
 
 import numpy as np
@@ -59,6 +59,10 @@ class Paired:
     local: NDArray[np.bool_]
     seen: Array
     likeness: Array
+
+    def of(self, rows: Sequence[int]) -> "Paired":
+        """The pairing of some of the alternatives."""
+        return Paired(*(getattr(self, one.name)[rows] for one in fields(self)))
 
 
 @dataclass(frozen=True, eq=False)

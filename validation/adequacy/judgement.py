@@ -6,6 +6,7 @@ knows the reference; what the ladder does not reach is the rest, and is shown as
 
 import re
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import compress
 from typing import TypeAlias
 
@@ -26,6 +27,7 @@ from validation.adequacy.matrix import Adequacy, Cause, Entry, Matrix, ModelNote
 from validation.adequacy.probability import Probability, UncertainInputs, probability
 from validation.adequacy.response import (
     NOT_FINER,
+    OPEN_INTERIOR,
     OPEN_LINEAR,
     OPEN_MASSES,
     SAY_LINEAR,
@@ -140,7 +142,7 @@ def _entry(
         remedy=remedy,
         error_with_remedy=left,
         reason=(known.decides if known else "")
-        or _reason(errors, candidate, quantity, verdict, reference, told),
+        or _reason(errors, candidate, quantity, verdict, reference, told, limits),
         value=float(errors.value[told]) if there else None,
         expected=float(errors.expected[told]) if there else None,
         expected_range=_expected_range(errors, pose) if there else (),
@@ -254,6 +256,7 @@ def _reason(
     verdict: Adequacy,
     reference: Reference,
     told: Told,
+    limits: Array,
 ) -> str:
     if verdict == "adequate":
         return ""
@@ -272,10 +275,12 @@ def _reason(
         without = [one.name for one in compress(reference.alternatives, unknown)]
         lacking = "nothing damps it" if of_response else "there are fewer modes than are judged"
         places.append(f"with {', '.join(without)} {lacking}")
+    decides = _decides(errors, reference, pose, limits)
     if places or errors.missing[:, pose].any():
-        return "; ".join(filter(None, (*places, reference.decides or reference.finer)))
+        return "; ".join(filter(None, (*places, decides or reference.finer)))
     parts = _parts(errors, reference, told)
-    decided = {"meshes": reference.finer, **_DECIDED_BY, reference.open: reference.decides}
+    decided = {"meshes": reference.finer, **_DECIDED_BY, reference.open: decides}
+    decided[OPEN_INTERIOR] = reference.interior
     decided[OPEN_MASSES] = reference.masses or reference.decides
     widest = max(parts.values())
     ranked = sorted(parts, key=lambda name: -parts[name])
@@ -302,6 +307,38 @@ def _lacking(errors: Errors, quantity: str, pose: int) -> str:
             f"bodies; {lacking}"
         )
     return f"has no mode of this shape: {lacking}"
+
+
+def _decides(errors: Errors, reference: Reference, pose: int, limits: Array) -> str:
+    """What settles the alternatives: the legs' interior if none of the others is enough."""
+    if not reference.interior:
+        return reference.decides
+    alone = [verdicts_of(_rows(errors, rows), limits)[pose] for rows in _by_interior(reference)]
+    return reference.interior if set(alone) == {"undecided"} else reference.decides
+
+
+def _by_interior(reference: Reference) -> list[list[int]]:
+    """Numbers of the alternatives that differ in the legs' interior alone."""
+    rows: dict[str, list[int]] = {}
+    for number, one in enumerate(reference.alternatives):
+        rows.setdefault(one.others, []).append(number)
+    return list(rows.values())
+
+
+def _rows(errors: Errors, rows: Sequence[int]) -> Errors:
+    """Errors of some of the alternatives, of a frequency or of the order."""
+    return replace(
+        errors,
+        names=tuple(errors.names[row] for row in rows),
+        value=errors.value[rows],
+        expected=errors.expected[rows],
+        error=errors.error[rows],
+        numerical=errors.numerical[rows],
+        digits=errors.digits[rows],
+        unknown=errors.unknown[rows],
+        paired=None if errors.paired is None else errors.paired.of(rows),
+        numbers=None if errors.numbers is None else errors.numbers[rows],
+    )
 
 
 def _places(errors: Errors, reference: Reference, pose: int) -> list[str]:
@@ -379,7 +416,11 @@ def _parts(errors: Errors, reference: Reference, told: Told) -> dict[str, float]
         loaded = {OPEN_MASSES: errors.loaded.masses, OPEN_LINEAR: errors.loaded.linear}
         parts |= {name: float(of[told]) for name, of in loaded.items() if of.any()}
     if reference.open and errors.numbers is None:
-        parts[reference.open] = float(0.5 * np.ptp(errors.error[:, told[1]]))
+        error, interior = errors.error[:, told[1]], 0.0
+        if reference.interior:
+            interior = max(0.5 * float(np.ptp(error[rows])) for rows in _by_interior(reference))
+            parts[OPEN_INTERIOR] = interior
+        parts[reference.open] = 0.5 * float(np.ptp(error)) - interior
     return parts
 
 

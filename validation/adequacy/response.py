@@ -12,8 +12,9 @@ from validation.adequacy.matrix import Coordinate
 from validation.agreement.mode_pairing import SampledModes, sampled_modes
 from validation.case import failure_reason
 
-# What a leg known by its 6×6 leaves open.
+# What legs known by their 6×6 leave open.
 OPEN_MASSES = "where the legs' mass lies"
+OPEN_INTERIOR = "how stiff the legs are between their ends"
 # How remedies begin that name another model; and that which answers as a reference of solids.
 USE = "use "
 USE_SOLID = f"{USE}solid"
@@ -75,7 +76,8 @@ class Alternative:
     as `static`, and `dynamic_digits`, as `dynamic`: what the printed digits of the robot's 6×6
     leave open; `masses`, as `static`: what plausible places of the legs' masses do, `linear`, as
     `static`: what loads change of the stiffness that they meet. `responses`: what is left open of
-    those.
+    those. `ends`: the name of the end conditions alone; `others`: that of all but the stiffness
+    inside legs known by their 6×6, by which alternatives of one such name differ.
     """
 
     name: str
@@ -87,6 +89,8 @@ class Alternative:
     masses: Array | None = None
     linear: Array | None = None
     responses: "ResponsesLeftOpen | None" = None
+    ends: str = ""
+    others: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,9 +110,10 @@ class Reference:
     """The best there is for a robot: one or more alternatives, where the user left something open.
 
     `title` says what it is, `open` what was left open and `decides` what would settle it, `masses`
-    that of loads on the legs' masses; `finer` what would make it more certain. `remedy` names the
-    model that answers as it does, "" where there is none. `supposed`: what the alternatives are
-    taken to cover, where nothing that could be computed would tell.
+    that of loads on the legs' masses, `interior` that of the stiffness inside legs; `finer` what
+    would make it more certain. `remedy` names the model that answers as it does, "" where there is
+    none. `supposed`: what the alternatives are taken to cover, where nothing that could be computed
+    would tell.
     """
 
     title: str
@@ -116,6 +121,7 @@ class Reference:
     open: str = ""
     decides: str = ""
     masses: str = ""
+    interior: str = ""
     finer: str = "needs a finer reference"
     remedy: str = ""
     supposed: str = ""

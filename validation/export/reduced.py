@@ -28,7 +28,7 @@ from lumped.system.joint_motion import Portion
 from lumped.system.solution import Solved, modes_with_mass, solved
 from validation.models import parts
 from validation.models.legs import filled, reduced_superelement
-from validation.models.loads.leg_masses import MASSES, leg_with_masses
+from validation.models.loads.leg_masses import MASSES, Inside, leg_with_inside
 from validation.models.mechanism import CUTOFF, constant_legs, with_enough_modes
 from validation.models.options import DEFAULT_OPTIONS
 
@@ -127,7 +127,7 @@ def reduced_robot(posture: Posture, count: int) -> ReducedRobot:
         solids = dict(_solids(mechanism, highest))
         models: dict[str, BodyModel] = {name: model for name, (model, _, _) in solids.items()}
         for name, leg in given.items():
-            models[name] = leg_with_masses(leg, MASSES[0], highest)
+            models[name] = leg_with_inside(leg, Inside(MASSES[0]), highest)
         solution = solved(assemble(posture, models))
         return solution, modes_with_mass(solution, count), solids
 

@@ -229,7 +229,7 @@ def test_finer_references_are_computed_by_an_option_of_run(said):
         ((), ("inertia",), "inertia in [leg2]"),
         (("mass_centre", "inertia"), ("inertia",), "mass_centre and inertia in [leg1], inertia in"),
         # The built-in robot says both of both legs, and was told to do so.
-        ((), (), "a section and a material in place of the 6×6 in [leg1], [leg2]"),
+        ((), (), "the section or the solid in place of the 6×6 in [leg1], [leg2]"),
     ],
 )
 def test_masses_are_said_by_the_keys_that_the_file_leaves_out(leg1, leg2, said):

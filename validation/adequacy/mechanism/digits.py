@@ -21,7 +21,7 @@ from validation.adequacy.mechanism.samples import samples_of
 from validation.adequacy.mechanism.vibration import vibration_of
 from validation.adequacy.response import Vibration
 from validation.agreement.displacement import sizes
-from validation.models.loads.leg_masses import Masses, by_shapes, shapes_inside
+from validation.models.loads.leg_masses import Inside, Masses, by_shapes, shapes_inside
 from validation.models.mechanism import dynamic_bodies, highest_frequency, modes_along
 from validation.models.options import ModelOptions
 from validation.models.roundings import changes_by_digits, roundings_of
@@ -69,9 +69,9 @@ def modes_by_digits(
         return None
     mechanism = postures[0].mechanism
     highest, few = highest_frequency(postures, count), _FEW_ELEMENTS.elements
-    given = _given_legs(mechanism)
-    inside = {name: shapes_inside(leg, masses, highest, few) for name, leg in given.items()}
-    own = {name: by_shapes(inside[name], leg, masses, few) for name, leg in given.items()}
+    given, inside = _given_legs(mechanism), Inside(masses)
+    shapes_of = {name: shapes_inside(leg, inside, highest, few) for name, leg in given.items()}
+    own = {name: by_shapes(shapes_of[name], leg, inside, few) for name, leg in given.items()}
     beams = dynamic_bodies("beam", mechanism, highest, _FEW_ELEMENTS)
     along = list(modes_along(assembly(mechanism, {**beams, **own}), postures, count))
     found = vibration_of(samples_of(mechanism), along, count)
@@ -83,7 +83,7 @@ def modes_by_digits(
     for rounding in roundings:
         of = rounding.postures[0].mechanism
         changed = {
-            name: by_shapes(inside[name], leg, masses, few)
+            name: by_shapes(shapes_of[name], leg, inside, few)
             for name, leg in _given_legs(of).items()
             if leg is not given[name]
         }

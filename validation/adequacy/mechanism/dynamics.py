@@ -42,7 +42,7 @@ from validation.adequacy.response import (
     modes_of,
 )
 from validation.context import Preset
-from validation.models.loads.leg_masses import MASSES, Masses, plausible_masses
+from validation.models.loads.leg_masses import MASSES, Inside, Masses, plausible_insides
 from validation.models.mechanism import modes_along
 from validation.models.options import ModelName, ModelOptions
 from validation.parts.meshes import FINEST, MIDDLE
@@ -51,35 +51,37 @@ from validation.solids.size import larger_preset, too_large
 
 # m/N: a logarithm has no zero.
 _NO_SIZE = 1e-30
-_SUPPOSED = "for every plausible distribution of the legs' mass"
+_SUPPOSED = "for every plausible distribution of the legs' mass and stiffness"
 
 
 def dynamic_reference(robot: RobotOnPath) -> Reference:
-    """Solid legs reduced to their ends, given ones with every plausible distribution of mass."""
+    """Solid legs reduced to their ends, given ones with every plausible inside."""
     preset, holding, parts = robot.context.meshes, robot.holding, robot.mechanism.parts
     if reason := _why_unmeshed(robot.prisms, preset):
         return Reference("none", (), decides=reason)
-    masses = plausible_masses(robot.given.values())
-    left_by_parts = _part_uncertainty(robot, masses[0])
+    insides = plausible_insides(robot.given.values())
+    left_by_parts = _part_uncertainty(robot, insides[0])
     alternatives = []
-    for (name, hold), mass in product(holding.alternatives.items(), masses):
-        fine = modes_of_solids(robot, hold, mass)
+    for (name, hold), inside in product(holding.alternatives.items(), insides):
+        fine = modes_of_solids(robot, hold, inside)
         uncertainty = np.zeros((len(robot.postures), robot.judged)) + left_by_parts
         # Where no section is meshed there is one solution.
         if robot.prisms:
-            coarse = modes_of_solids(robot, hold, mass, fine=False)
+            coarse = modes_of_solids(robot, hold, inside, fine=False)
             uncertainty += _mesh_uncertainty(robot, coarse, fine, hold)
         said = name if robot.prisms or parts or not robot.given else ""
-        both = ", ".join(filter(None, (said, mass)))
+        masses = inside.masses if inside else MASSES[0]
         dynamic = np.where(np.isnan(uncertainty), UNKNOWN, uncertainty)
-        digits = _digit_uncertainty(robot, fine, mass or MASSES[0])
+        digits = _digit_uncertainty(robot, fine, masses)
         alternatives.append(
             Alternative(
-                both,
+                ", ".join(filter(None, (said, str(inside or "")))),
                 Response(vibration=fine),
                 dynamic=dynamic,
                 dynamic_digits=digits,
-                responses=_left_of_responses(robot, hold, mass, fine, digits),
+                responses=_left_of_responses(robot, hold, inside, fine, digits),
+                ends=said,
+                others=", ".join((said, masses)),
             )
         )
     mass_unsaid = OPEN_MASSES if robot.given else ""
@@ -88,6 +90,7 @@ def dynamic_reference(robot: RobotOnPath) -> Reference:
         alternatives=alternatives,
         open=" and ".join(filter(None, (holding.unsaid, mass_unsaid))),
         decides="; ".join(filter(None, (holding.decides, robot.say_masses))),
+        interior=robot.say_interior,
         finer=FINER_PARTS if parts else _finer_preset(robot.prisms, preset),
         remedy="" if robot.given else USE_SOLID,
         supposed=_SUPPOSED if robot.given else "",
@@ -98,7 +101,7 @@ def dynamic_reference(robot: RobotOnPath) -> Reference:
 def _title(robot: RobotOnPath) -> str:
     """What models are held against."""
     if robot.given:
-        return "mechanism of the legs' own 6×6 and plausible masses"
+        return "mechanism of the legs' own 6×6 and plausible insides"
     if robot.mechanism.parts:
         solid = " and solid legs" if robot.legs else ""
         return f"mechanism of its parts as solids{solid}, reduced"
@@ -144,7 +147,7 @@ def _beams_on_section_meshes(robot: RobotOnPath, ends: Holds) -> tuple[Vibration
 
 
 def _left_of_responses(
-    robot: RobotOnPath, ends: Holds, masses: Masses | None, fine: Vibration, digits: Array | None
+    robot: RobotOnPath, ends: Holds, inside: Inside | None, fine: Vibration, digits: Array | None
 ) -> ResponsesLeftOpen | None:
     """What meshes and printed digits (`digits` of frequencies, p×K) leave open of responses."""
     excitations = robot.mechanism.excitations
@@ -152,7 +155,7 @@ def _left_of_responses(
         return None
 
     def meshes(numbers: Callable[[Vibration], Array]) -> Array:
-        return _left_by_meshes(robot, ends, masses, fine, numbers)
+        return _left_by_meshes(robot, ends, inside, fine, numbers)
 
     known = np.zeros((len(robot.postures), robot.judged)) if digits is None else digits
     of_peaks: list[Array] = []
@@ -191,7 +194,7 @@ def _left_by_digits(
 def _left_by_meshes(
     robot: RobotOnPath,
     ends: Holds,
-    masses: Masses | None,
+    inside: Inside | None,
     fine: Vibration,
     numbers: Callable[[Vibration], Array],
 ) -> Array:
@@ -201,14 +204,14 @@ def _left_by_meshes(
         return step_uncertainty(np.abs(numbers(rough) / numbers(own) - 1.0), ratio)
 
     def of_parts(level: int) -> Array:
-        mass = plausible_masses(robot.given.values())[0]
-        return numbers(modes_of_solids(robot, robot.holding.first, mass, level=level))
+        first = plausible_insides(robot.given.values())[0]
+        return numbers(modes_of_solids(robot, robot.holding.first, first, level=level))
 
     # A peak that nothing damps has no size.
     with np.errstate(invalid="ignore"):
         left = np.zeros_like(numbers(fine)) + refinement_share(robot.mechanism, of_parts)
         if robot.prisms:
-            coarse = modes_of_solids(robot, ends, masses, fine=False)
+            coarse = modes_of_solids(robot, ends, inside, fine=False)
             ratio = solid_meshes(robot.context.meshes).ratio(robot.prisms)
             left += step(coarse, fine, ratio)
             left += step(*_beams_on_section_meshes(robot, ends), SECTION_RATIO)
@@ -231,7 +234,7 @@ def _digit_uncertainty(robot: RobotOnPath, fine: Vibration, masses: Masses) -> A
     return np.where(np.isnan(by_shape), most, by_shape)
 
 
-def _part_uncertainty(robot: RobotOnPath, masses: Masses | None) -> Array | float:
+def _part_uncertainty(robot: RobotOnPath, inside: Inside | None) -> Array | float:
     """What the meshes of CAD parts leave open of frequencies (p×K, relative).
 
     NaN for a mode that a coarser mesh does not have.
@@ -239,7 +242,7 @@ def _part_uncertainty(robot: RobotOnPath, masses: Masses | None) -> Array | floa
 
     def frequencies(level: int) -> Array:
         finest, found = (
-            modes_of_solids(robot, robot.holding.first, masses, level=one)
+            modes_of_solids(robot, robot.holding.first, inside, level=one)
             for one in (FINEST, level)
         )
         own = finest.frequencies[:, : robot.judged]
@@ -252,7 +255,7 @@ def _part_uncertainty(robot: RobotOnPath, masses: Masses | None) -> Array | floa
 
 
 def mass_notes(robot: RobotOnPath, reference: Reference) -> tuple[str, ...]:
-    """Between what frequencies plausible masses lie in the middle of the path, and below what all.
+    """Ranges of frequencies of plausible insides in the middle of the path, and bounds of all.
 
     Mass lowers frequencies, wherever it lies (Rayleigh): legs without mass bound them from above.
     Nothing bounds them from below, since the 6×6 says nothing of what is between a leg's ends.
@@ -268,8 +271,8 @@ def mass_notes(robot: RobotOnPath, reference: Reference) -> tuple[str, ...]:
         for k, (low, high) in enumerate(zip(lows, highs, strict=True))
     ]
     said = (
-        f"Plausible distributions of the legs' mass give {', '.join(spans)} in the middle of the "
-        "path"
+        f"Plausible distributions of the legs' mass and stiffness give {', '.join(spans)} in the "
+        "middle of the path"
     )
     # Links bound neither solids, whose held ends are stiffer, nor parts.
     if robot.prisms or robot.mechanism.parts:

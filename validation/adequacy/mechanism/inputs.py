@@ -35,7 +35,7 @@ from validation.adequacy.response import (
 )
 from validation.context import Preset
 from validation.kinematics.poses import postures_of
-from validation.models.loads.leg_masses import plausible_masses
+from validation.models.loads.leg_masses import plausible_insides
 from validation.models.parts import unknowns_of, with_unknowns
 
 # Robots with all inputs off at once, by which one at a time are checked.
@@ -85,16 +85,16 @@ class _Beams:
 
 def _beams(robot: RobotOnPath) -> _Beams:
     holds = tuple(robot.holding.alternatives.values())
-    masses = plausible_masses(robot.given.values())
+    insides = plausible_insides(robot.given.values())
     return _Beams(
         [_compliance(robot, ends) for ends in holds],
         [
             modes_of(
-                partial(modes_of_solids, robot, ends, mass)
+                partial(modes_of_solids, robot, ends, inside)
                 if not robot.prisms and not robot.mechanism.parts
                 else partial(modes_of_own_beams, robot, ends)
             ).vibration
-            for ends, mass in product(holds, masses)
+            for ends, inside in product(holds, insides)
         ],
     )
 

@@ -1,6 +1,6 @@
 """A mechanism in the postures in which it is judged, and what its robot file leaves unsaid."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TypeAlias
@@ -85,6 +85,11 @@ class RobotOnPath:
     def say_masses(self) -> str:
         """What would say where the mass of these lies."""
         return say_masses(self.given, self.context.robot_file.schema)
+
+    @property
+    def say_interior(self) -> str:
+        """Instruction that settles the stiffness inside these; "" without such legs."""
+        return say_interior(self.given, self.context.robot_file.schema)
 
     @property
     def judged(self) -> int:
@@ -198,8 +203,13 @@ def say_masses(legs: Mapping[str, GivenLeg], schema: int = 2) -> str:
         lacking.setdefault(" and ".join(keys), {})[name] = None
     if untold := [f"{keys} in {_tables(of, schema)}" for keys, of in lacking.items() if keys]:
         return f"give the legs' mass distribution beside the 6×6: {', '.join(untold)}"
+    return say_interior(legs, schema)
+
+
+def say_interior(legs: Iterable[str], schema: int = 2) -> str:
+    """Instruction that settles all about legs known by their 6×6; "" without such legs."""
     made = _tables(dict.fromkeys(legs), schema)
-    return f"give a section and a material in place of the 6×6 in {made}" if legs else ""
+    return f"give the section or the solid in place of the 6×6 in {made}" if made else ""
 
 
 def _tables(held: Mapping[str, Ends | None], schema: int) -> str:

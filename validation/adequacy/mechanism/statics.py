@@ -164,7 +164,7 @@ def _left_by_masses(robot: RobotOnPath, ends: Holds, own: Array) -> Array | None
     """
     if not robot.given or not any(load.acts_on_mass for load in robot.mechanism.loads):
         return None
-    others = (masses for masses in plausible_masses(robot.given.values()) if masses)
+    others = plausible_masses(robot.given.values())
     found = (_of_solids(robot, ends, masses=masses) for masses in others)
     return np.asarray(np.max([sizes(one - own, own) for one in found], axis=0))
 

@@ -26,7 +26,7 @@ from validation.adequacy.mechanism.samples import Samples, samples_of
 from validation.adequacy.response import Vibration
 from validation.context import Preset
 from validation.models.legs import filled
-from validation.models.loads.leg_masses import MASSES, Masses, leg_with_masses
+from validation.models.loads.leg_masses import MASSES, Inside, leg_with_inside
 from validation.models.mechanism import (
     CUTOFF,
     PostureModes,
@@ -81,12 +81,12 @@ def solid_meshes(preset: Preset) -> SolidMeshes:
 def modes_of_solids(
     robot: RobotOnPath,
     ends: Holds,
-    masses: Masses | None,
+    inside: Inside | None,
     *,
     fine: bool = True,
     level: int = FINEST,
 ) -> Vibration:
-    """Solid legs on one of two meshes, given ones with such masses, parts on one of three.
+    """Solid legs on one of two meshes, given ones with such an `inside`, parts on one of three.
 
     Sections of thin walls are one mesh with one and with two divisions: how much too stiff it
     resists distortion no shorter slices would tell. The fine one has at least four.
@@ -94,7 +94,7 @@ def modes_of_solids(
     meshes = solid_meshes(robot.context.meshes)
     divisions, section = (meshes.fine, COARSEST_WALLS) if fine else (meshes.coarse, 0)
     return robot.context.get(
-        solid_vibration, robot.postures, *divisions, ends, masses, robot.offered, level, section
+        solid_vibration, robot.postures, *divisions, ends, inside, robot.offered, level, section
     )
 
 
@@ -182,12 +182,12 @@ def solid_vibration(
     divisions: int,
     walls: int,
     ends: Holds,
-    masses: Masses | None,
+    inside: Inside | None,
     count: int,
     level: int = FINEST,
     section: int = 0,
 ) -> Vibration:
-    """Modes with prisms as solids reduced to their ends, and given legs with plausible masses.
+    """Modes with prisms as solids reduced to their ends, and given legs with a plausible inside.
 
     `divisions` across rectangles, `walls` across the sections that have walls, which are meshed
     with `section` divisions where those are more; CAD parts on the mesh of that `level`.
@@ -195,7 +195,7 @@ def solid_vibration(
 
     def build(leg: Leg, ends: Ends, highest: float) -> LegMatrices:
         if isinstance(leg, GivenLeg):
-            return leg_with_masses(leg, masses or MASSES[0], highest)
+            return leg_with_inside(leg, inside or Inside(MASSES[0]), highest)
         number, face = (
             divisions_across(leg, divisions, one) for one in (walls, max(walls, section))
         )

@@ -1,25 +1,26 @@
-"""Where a leg known by its 6×6 plausibly has its mass.
+"""Plausible insides of a leg known by its 6×6: its distributions of mass and of stiffness.
 
-It bends between its ends by its own 6×6, inside as its equivalent prism does. Its mass is put where
-legs plausibly have it: all distributions have the mass that is given, and the centre where one is;
-the inertia, which no mass along a line has, is the lump's alone. What they all say of a model is
-said of it whatever the leg is like; what they do not agree on only more data can tell.
+Between its ends the leg has its own 6×6. Inside it is a uniform beam that has that 6×6, as soft and
+as stiff as such beams are (`fem.beams.interior`). Its mass is put where legs plausibly have it: all
+distributions have the mass that is given, and the centre where one is; the inertia, which no mass
+along a line has, is the lump's alone. A verdict that holds for all of them holds whatever the leg
+is like; where they differ, more data must decide.
 """
 
 from collections.abc import Collection, Mapping
 from dataclasses import replace
-from typing import Literal, TypeAlias, get_args
+from itertools import product
+from typing import Literal, NamedTuple, TypeAlias, get_args
 
 import numpy as np
 from scipy.sparse import csr_array, diags_array
 
+from fem.beams.interior import Interior, interior_beam, interior_properties
 from fem.reduction.craig_bampton import craig_bampton
 from fem.reduction.superelement import ENDS, ends_stiffness, held_leg
 from lumped.arrays import Array, SparseMatrix
-from lumped.legs import GivenLeg, equivalent_leg
+from lumped.legs import GivenLeg
 from lumped.mechanism.body_model import LegMatrices
-from validation.models.legs import leg_matrices
-from validation.models.options import ModelOptions
 
 Masses: TypeAlias = Literal[
     "mass along the legs",
@@ -32,50 +33,70 @@ MASSES: tuple[Masses, ...] = get_args(Masses)
 _ELEMENTS = 20
 # Of a wedge, whose mass per length falls to nothing: centres (of the length) where none is given.
 _CENTRES: Mapping[Masses, float] = {"mass near the roots": 1 / 3, "mass near the tips": 2 / 3}
+# Every stiffness inside lies between these, and every frequency of a robot with it.
+_EXTREMES: tuple[Interior, ...] = ("soft", "stiff")
 # Points of Gauss in every element: exact for the product of two cubics.
 _POINTS = 4
 
 
-def plausible_masses(legs: Collection[GivenLeg]) -> tuple[Masses | None, ...]:
-    """The distributions by name; wedges only where the centre of a leg's mass is not known.
+class Inside(NamedTuple):
+    """Distribution of the mass of legs known by their 6×6, and of the stiffness inside them."""
 
-    Without given legs one, None: masses are where solids have them.
+    masses: Masses
+    interior: Interior = "uniform"
+
+    def __str__(self) -> str:
+        return self.masses + ("" if self.interior == "uniform" else f", {self.interior} inside")
+
+
+def plausible_insides(legs: Collection[GivenLeg]) -> tuple[Inside | None, ...]:
+    """Mass along uniform legs, then every distribution of mass in the softest and stiffest beam.
+
+    Without given legs one, None: the inside is that of solids.
     """
     if not legs:
         return (None,)
+    return Inside(MASSES[0]), *(
+        Inside(masses, interior) for masses, interior in product(plausible_masses(legs), _EXTREMES)
+    )
+
+
+def plausible_masses(legs: Collection[GivenLeg]) -> tuple[Masses, ...]:
+    """The distributions by name; wedges only where the centre of a leg's mass is not known."""
     if all(leg.mass_centre is not None for leg in legs):
         return tuple(masses for masses in MASSES if masses not in _CENTRES)
     return MASSES
 
 
-def leg_with_masses(leg: GivenLeg, masses: Masses, highest: float) -> LegMatrices:
-    """The leg's own stiffness between its ends and plausible masses, up to `highest` (Hz).
+def leg_with_inside(leg: GivenLeg, inside: Inside, highest: float) -> LegMatrices:
+    """The leg's own stiffness between its ends and a plausible inside, up to `highest` (Hz).
 
     Without `mass_centre` the lump lies in the middle, without `inertia` it is a point; of a leg
     with `mass_centre` no wedge differs from the mass along it.
     """
-    return by_shapes(shapes_inside(leg, masses, highest, _ELEMENTS), leg, masses, _ELEMENTS)
+    return by_shapes(shapes_inside(leg, inside, highest, _ELEMENTS), leg, inside, _ELEMENTS)
 
 
 def ends_mass(leg: GivenLeg, masses: Masses) -> Array:
     """Such masses on the twists of the leg's ends (12×12, SI, leg axes), its inside condensed."""
-    beam = _prism(leg, _ELEMENTS)
+    beam = interior_beam(leg, "uniform", _ELEMENTS)
     modes = held_leg(beam).constraint_modes
     return np.asarray(modes.T @ (_mass(beam, leg, masses, _ELEMENTS) @ modes))
 
 
-def shapes_inside(leg: GivenLeg, masses: Masses, highest: float, elements: int) -> Array:
+def shapes_inside(leg: GivenLeg, inside: Inside, highest: float, elements: int) -> Array:
     """How the inside of the leg follows its ends, then how it swings between them (n×r)."""
-    beam = _prism(leg, elements)
+    beam = interior_beam(leg, inside.interior, elements)
     held = held_leg(beam)
-    if masses == "mass in lumps":
+    if inside.masses == "mass in lumps":
         return held.constraint_modes
-    return craig_bampton(replace(held, mass=_mass(beam, leg, masses, elements)), highest).recovery
+    mass = _mass(beam, leg, inside.masses, elements)
+    return craig_bampton(replace(held, mass=mass), highest).recovery
 
 
-def by_shapes(shapes: Array, leg: GivenLeg, masses: Masses, elements: int) -> LegMatrices:
+def by_shapes(shapes: Array, leg: GivenLeg, inside: Inside, elements: int) -> LegMatrices:
     """The leg in these shapes: its own, or to first order those of one whose 6×6 differs little."""
-    beam = _prism(leg, elements)
+    beam = interior_beam(leg, inside.interior, elements)
     stiffness = shapes.T @ (beam.stiffness @ shapes)
     own = np.linalg.inv(leg.compliance).astype(float)
     stiffness[:ENDS, :ENDS] = ends_stiffness(own, leg.length)
@@ -84,16 +105,12 @@ def by_shapes(shapes: Array, leg: GivenLeg, masses: Masses, elements: int) -> Le
         return csr_array(beam.centreline(stations) @ shapes)
 
     return LegMatrices(
-        model=f"6×6, {masses}",
+        model=f"6×6, {inside.masses}",
         length=leg.length,
         stiffness=0.5 * (stiffness + stiffness.T),
-        mass=shapes.T @ (_mass(beam, leg, masses, elements) @ shapes),
+        mass=shapes.T @ (_mass(beam, leg, inside.masses, elements) @ shapes),
         centreline=centreline,
     )
-
-
-def _prism(leg: GivenLeg, elements: int) -> LegMatrices:
-    return leg_matrices("beam", equivalent_leg(leg), ModelOptions(elements=elements))
 
 
 def _mass(beam: LegMatrices, leg: GivenLeg, masses: Masses, elements: int) -> SparseMatrix:
@@ -105,7 +122,7 @@ def _mass(beam: LegMatrices, leg: GivenLeg, masses: Masses, elements: int) -> Sp
             weights[3:, 3:] = leg.inertia
     else:
         stations, shares = _line(leg, masses, elements)
-        properties = equivalent_leg(leg).timoshenko
+        properties = interior_properties(leg, "uniform")
         rotary = np.array([properties.rho_J, properties.rho_Iy, properties.rho_Iz])
         of_section = np.concatenate([np.ones(3), rotary / properties.mu])
         weights = diags_array((leg.mass * shares[:, None] * of_section).ravel())
