@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 from numpy.polynomial import legendre
 from prismatic_legs import STEEL
+from scipy.integrate import solve_ivp
 from scipy.linalg import eigh
+from scipy.optimize import brentq
 
 from fem.beams.prestressed import PrestressedLeg, prestressed_leg
 from lumped.arrays import dense
@@ -92,22 +94,46 @@ def test_shear_lowers_lateral_buckling_moment(width, solid_shift):
     assert 0.5 * shift > beam > 2.0 * shift
 
 
+# Consistent forces and moments (Q, QL) of a load Q at root and tip, its lever, and Q L²/√(EI GJ):
+# uniform (Timoshenko & Gere 1961, §6.3), and growing from zero at the root, by own shooting of
+# φ″ + M(x)² φ/(EI GJ) = 0, φ(0) = φ′(L) = 0, M = Q (2/3 − x + x³/3).
+SPREAD = {
+    "uniform": ((0.5, 0.5), (1 / 12, -1 / 12), 1 / 2, 12.85),
+    "growing": ((0.3, 0.7), (1 / 15, -1 / 10), 2 / 3, None),
+}
+
+
+def growing_load_factor() -> float:
+    """Q L²/√(EI GJ) of a cantilever under a load that grows linearly from its root."""
+
+    def slope_at_tip(load: float) -> float:
+        def rates(x, state):
+            moment = load * (2.0 / 3.0 - x + x**3 / 3.0)
+            return state[1], -(moment**2) * state[0]
+
+        return float(solve_ivp(rates, (0.0, 1.0), (0.0, 1.0), rtol=1e-9, atol=1e-12).y[1, -1])
+
+    return float(brentq(slope_at_tip, 2.0, 12.0, xtol=1e-9))
+
+
+@pytest.mark.parametrize("shape", SPREAD)
 @pytest.mark.parametrize("across", ["y", "z"])
-def test_spread_load_across_a_blade_buckles_it(across):
-    """Q L²/√(EI GJ) = 12.85, a cantilever under its own weight (Timoshenko & Gere 1961, §6.3)."""
+def test_spread_load_across_a_blade_buckles_it(across, shape):
     thin, deep = 0.004, 0.1
     section = Rectangle(thin, deep) if across == "z" else Rectangle(deep, thin)
     p = ConstantLeg(1.0, section, STEEL).properties("euler-bernoulli")
     axis, about, sign = {"y": (1, 5, 1.0), "z": (2, 4, -1.0)}[across]
+    forces, moments, lever, due = SPREAD[shape]
+    leg = prestressed_leg(p, 1.0, 16, ALL)
     for direction in (1.0, -1.0):
         spread, reaction = np.zeros(12), np.zeros(12)
-        spread[[axis, 6 + axis]] = 0.5 * direction
-        spread[[about, 6 + about]] = sign * direction * np.array([1.0, -1.0]) / 12.0
-        reaction[[axis, about]] = -direction, -0.5 * sign * direction
-        leg = prestressed_leg(p, 1.0, 16, ALL)
+        spread[[axis, 6 + axis]] = direction * np.array(forces)
+        spread[[about, 6 + about]] = sign * direction * np.array(moments)
+        reaction[[axis, about]] = -direction, -lever * sign * direction
         load = factor(leg, range(6, 12), spread + reaction, spread)
+        scale = np.sqrt(min(p.EIy, p.EIz) * p.GJ)
         # Published to four digits.
-        assert load == pytest.approx(12.85 * np.sqrt(min(p.EIy, p.EIz) * p.GJ), rel=1e-3)
+        assert load == pytest.approx((due or growing_load_factor()) * scale, rel=1e-3)
 
 
 def test_lateral_buckling_of_reversed_leg_is_the_same():
