@@ -246,6 +246,8 @@ def _percent(changed: float, base: float) -> str:
 )
 def _mode(context: Context, body: str, index: int) -> Measurement:
     leg = constant_leg_of(context, body)
+    # Sections too large for a solid are too large for their waves.
+    _divisions(context, leg, dynamic_ladder, DYNAMICS, "solid meshes")
     modes = exact_modes(leg)
     exact = modes[index]
     reasons = [context.get(not_a_beam, leg, mode) for mode in modes]
