@@ -120,7 +120,7 @@ def test_what_held_faces_leave_beside_theory_lies_within_what_the_mesh_leaves_op
 
 def test_mode_above_cut_off_of_its_section_is_skipped():
     """The walls of the Delta's arms swing by themselves below its first torsional frequency."""
-    delta = Context(load_robot("delta"), "quick")
+    delta = Context(load_robot("delta"), "standard")
     cases = {case.id: case for case in legs.cases(legs=("arm1",))}
     for mode, lowest in ((3, 2557), (6, 3728)):
         with pytest.raises(Skip, match=f"from {lowest} Hz on its section distorts by itself"):
