@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 if TYPE_CHECKING:
+    from lumped.robot_file import RobotFile
     from validation.api import Adequacy
 
 # What this session has judged, by the digest of the robot file, the preset and the modes asked for.
@@ -39,8 +40,14 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Room for what is judged."""
+    """Room for what is judged; raises UsageError with the faults of a robot that was asked for.
+
+    Workers of pytest-xdist could not say them: the session ends before it has any.
+    """
     config.stash[_JUDGED] = {}
+    if not hasattr(config, "workerinput"):
+        for robot in config.getoption("flexproof"):
+            _robot_file(robot)
 
 
 @pytest.fixture
@@ -76,14 +83,9 @@ class RobotCollector(pytest.File):
 
     def collect(self) -> Iterator["ModelItem"]:
         """An item for each model and quantity; raises UsageError with the faults of the file."""
-        from lumped.errors import InputError  # noqa: PLC0415  other sessions need not wait for it
-        from lumped.robot_file import load_robot  # noqa: PLC0415
         from validation.adequacy.models import judged_models  # noqa: PLC0415
 
-        try:
-            robot_file = load_robot(self.robot)
-        except InputError as error:
-            raise pytest.UsageError("\n".join(error.faults)) from error
+        robot_file = _robot_file(self.robot)
         for model in judged_models(robot_file.mechanism):
             for quantity in robot_file.requirement.quantities:
                 name = f"{model}.{quantity}"
@@ -113,6 +115,17 @@ class ModelItem(pytest.Item):
     def reportinfo(self) -> tuple[Path, None, str]:
         """Where the item is from, and its name."""
         return self.path, None, self.name
+
+
+def _robot_file(robot: str) -> "RobotFile":
+    """The robot that was asked for; raises UsageError with the faults of its file."""
+    from lumped.errors import InputError  # noqa: PLC0415  other sessions need not wait for it
+    from lumped.robot_file import load_robot  # noqa: PLC0415
+
+    try:
+        return load_robot(robot)
+    except InputError as error:
+        raise pytest.UsageError("\n".join(error.faults)) from error
 
 
 def _judged(

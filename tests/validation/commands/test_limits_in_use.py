@@ -113,20 +113,22 @@ def test_more_modes(flexproof):
 """
 
 
+# An environment set up before the plugin was there knows it by its module alone.
+_KNOWN = any(one.value == pytest_plugin.__name__ for one in entry_points(group="pytest11"))
+PLUGIN_OPTIONS = () if _KNOWN else ("-p", pytest_plugin.__name__)
+
+
 @pytest.fixture
 def in_folder(pytester):
     """A pytest of its own in a folder with a robot; `run(accept, *options)` gives its outcomes.
 
     `run.said` is what the last of them said of each test.
     """
-    # An environment set up before the plugin was there knows it by its module alone.
-    known = any(one.value == pytest_plugin.__name__ for one in entry_points(group="pytest11"))
-    plugin = "-p", "no:cacheprovider", *(() if known else ("-p", pytest_plugin.__name__))
 
     def run(accept, *options):
         robot = f"{load_robot('ifw').text}\n[accept]\n{accept}\n"
         (pytester.path / "mine.toml").write_text(robot, encoding="utf-8")
-        found = pytester.inline_run(*plugin, *options)
+        found = pytester.inline_run("-p", "no:cacheprovider", *PLUGIN_OPTIONS, *options)
         reports = [r for r in found.getreports("pytest_runtest_logreport") if r.when == "call"]
         run.code = found.ret
         run.said = {r.nodeid.rpartition("::")[2]: str(r.longrepr) for r in reports}
@@ -172,11 +174,30 @@ def test_a_robot_file_is_collected_as_one_item_per_model_and_quantity(in_folder,
     in_folder("", "--flexproof", "mine.toml", "--collect-only", "-q")
     # Eight models by six axes and any force, four frequencies and their order.
     assert capsys.readouterr().out.count("mine.toml::") == 96
-    in_folder("x = -1.0", "--flexproof", "mine.toml")
-    assert in_folder.code == pytest.ExitCode.USAGE_ERROR
-    told = "".join(capsys.readouterr())
-    assert "mine.toml: accept.x" in told
-    assert "Traceback" not in told
+
+
+def test_item_lies_at_the_robot_file(in_folder, pytester):
+    """Where editors and reports of pytest look for it."""
+    items = []
+
+    class Seen:
+        def pytest_collection_finish(self, session):
+            items.extend(session.items)
+
+    in_folder("")
+    pytester.inline_run(*PLUGIN_OPTIONS, "--flexproof", "mine.toml", "--co", plugins=[Seen()])
+    assert len(items) == 96
+    assert {item.path for item in items} == {pytester.path / "mine.toml"}
+    assert {item.location[0] for item in items} == {"mine.toml"}
+
+
+@pytest.mark.parametrize("workers", [(), ("-n", "2")], ids=["alone", "workers"])
+def test_broken_robot_file_is_named_in_one_line(workers, in_folder, pytester):
+    in_folder("x = -1.0")
+    done = pytester.runpytest_subprocess(*PLUGIN_OPTIONS, "--flexproof", "mine.toml", *workers)
+    assert done.ret == pytest.ExitCode.USAGE_ERROR
+    done.stderr.fnmatch_lines(["*mine.toml: accept.x*"])
+    assert "Traceback" not in str(done.stderr) + str(done.stdout)
 
 
 def matrix_of(context):
