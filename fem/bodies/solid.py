@@ -20,7 +20,7 @@ from lumped.mechanism.body_model import LegMatrices
 from meshes.elements import ELEMENTS
 from meshes.part.boundary import Facets
 from meshes.prism import extrude, stations
-from meshes.section.section_blocks import Divisions
+from meshes.section.section_blocks import Divisions, element_length
 from meshes.section.section_mesh import SectionMesh, require_leg, section_mesh
 from meshes.solid_mesh import SolidMesh
 
@@ -52,7 +52,7 @@ def solid_mesh(
     with naming(leg.name):
         require_leg(leg.section, leg.length, divisions)
     count = min(divisions) if isinstance(divisions, tuple) else divisions
-    size = min(leg.section.extent) / count
+    size = element_length(leg.section, count)
     slices = max(2, ceil(leg.length / (_SLICE_ASPECT * size)))
     face = section_mesh(leg.section, section or divisions)
     return extrude(face, stations(leg.length, slices))

@@ -4,7 +4,7 @@ The meaning of `divisions`, the number of elements across the smaller side of th
 bounding box:
 
 - rectangle: that number across the smaller side, along the larger as many as makes them nearly
-  square; or two numbers, along y and along z;
+  square, of strips fewer (`side_ratio`); or two numbers, along y and along z;
 - circle: across a diameter, at least three (a curved core and a ring of four blocks around it);
 - walls (hollow rectangle, tube, I): one element across the thickness per four divisions, as many
   more as a thick wall needs (`_across`); along the wall, elements of the size of smaller
@@ -69,6 +69,25 @@ def section_blocks(section: Section, divisions: Divisions) -> Blocks:
     raise InputError(f"{section.shape}: divisions = {divisions} do not suit it")
 
 
+def side_ratio(section: Section) -> float:
+    """Larger side of a section over its smaller one, as elements count it.
+
+    A strip bends as a plate does, over lengths of its width: where it is wider than `WALL_ASPECT`
+    times its thickness, its elements are stretched along both of its long directions.
+    """
+    smaller, larger = sorted(section.extent)
+    ratio = larger / smaller
+    return ratio if ratio <= WALL_ASPECT else max(WALL_ASPECT, ratio / WALL_ASPECT)
+
+
+def element_length(section: Section, divisions: int) -> float:
+    """Length (m) along a leg of elements that are `divisions` across its section's smaller side."""
+    smaller, larger = sorted(section.extent)
+    if not isinstance(section, Rectangle) or larger <= WALL_ASPECT * smaller:
+        return smaller / divisions
+    return larger / (divisions * side_ratio(section))
+
+
 def element_count(section: Section, divisions: Divisions) -> int:
     """Elements of a section's mesh; raises InputError as `section_blocks` does."""
     blocks = section_blocks(section, divisions)
@@ -107,7 +126,8 @@ def _rectangle(section: Rectangle, divisions: Divisions) -> Blocks:
     else:
         smaller = min(section.extent)
         along_y, along_z = (
-            ceil(divisions * round(4.0 * side / smaller) / 4) for side in section.extent
+            divisions if side == smaller else ceil(divisions * round(4.0 * side_ratio(section)) / 4)
+            for side in section.extent
         )
     return _grid(
         _mirrored(section.width), _mirrored(section.height), [along_y], [along_z], [[True]]

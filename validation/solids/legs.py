@@ -22,7 +22,7 @@ from lumped.memo import memo
 from lumped.models.bodies import clamped_modes
 from lumped.sections import HollowRectangle, ISection, Rectangle
 from meshes.prism import hexahedra
-from meshes.section.section_blocks import Divisions
+from meshes.section.section_blocks import Divisions, element_length, side_ratio
 from meshes.section.section_mesh import SectionMesh, section_mesh
 from validation.agreement.convergence import (
     Convergence,
@@ -191,8 +191,7 @@ def section_counts(leg: ConstantLeg, divisions: int) -> Divisions:
     section = leg.section
     if not isinstance(section, Rectangle):
         return divisions
-    smaller, larger = sorted(section.extent)
-    along = divisions * max(1, round(larger / smaller))
+    along = divisions * max(1, round(side_ratio(section)))
     return (divisions, along) if section.width <= section.height else (along, divisions)
 
 
@@ -202,7 +201,7 @@ def slices(leg: ConstantLeg, divisions: int) -> int:
     In the other shapes, which start at four divisions, four times as long: walls need their
     divisions across, not along.
     """
-    along = max(2, ceil(leg.length / min(leg.section.extent)))
+    along = max(2, ceil(leg.length / element_length(leg.section, 1)))
     return divisions * along if isinstance(leg.section, Rectangle) else divisions * along // 4
 
 

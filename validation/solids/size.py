@@ -9,7 +9,7 @@ from math import ceil
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, Leg, equivalent_leg
 from lumped.text import counted
-from meshes.section.section_blocks import section_blocks, sides_of
+from meshes.section.section_blocks import element_length, section_blocks, sides_of
 from validation.context import PRESETS, Preset
 
 # Unknowns of one solid that a run factorises: some 20 s and 2 GB, 50 s and 5 GB, 7 min and 29 GB
@@ -20,7 +20,7 @@ LARGEST: dict[Preset, int] = {"quick": 100_000, "standard": 200_000, "fine": 800
 
 def solid_unknowns(leg: ConstantLeg, divisions: int) -> float:
     """Unknowns of quadratic hexahedra; nodes that blocks of the section share count twice."""
-    size = min(leg.section.extent) / divisions
+    size = element_length(leg.section, divisions)
     slices = max(2, ceil(leg.length / size))
     try:
         blocks = section_blocks(leg.section, divisions)

@@ -20,10 +20,10 @@ from validation.session.validate import Request, validate
 from validation.solids.size import LARGEST, solid_unknowns, too_large
 
 STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
-# Half a millimetre wide elements over 0.85 m and 50 mm: 1700 slices of 100.
+# A strip: elements of 0.5 by 3.1 by 3.1 mm over 0.85 m and 50 mm, 272 slices of 2 by 16.
 BLADE = ConstantLeg(0.85, Rectangle(0.001, 0.05), STEEL, name="leg 1")
 SLENDER = file_of(like_ifw(leg1=BLADE, leg2=BLADE))
-REASON = r"^leg1 as a solid of 2 divisions has about 1e\+07.* unknowns, preset quick takes 100000"
+REASON = r"^leg1 as a solid of 2 divisions has about 2.7e\+05.* unknowns, preset quick takes 100000"
 
 
 @pytest.fixture
@@ -35,13 +35,14 @@ def context(monkeypatch):
 
 
 def refused(*_):
-    pytest.fail("a solid of ten million unknowns is meshed")
+    pytest.fail("a solid of 270 000 unknowns is meshed")
 
 
 @pytest.mark.parametrize("divisions", [1, 3])
 def test_unknowns_are_those_of_the_mesh(divisions):
-    leg = ConstantLeg(0.5, Rectangle(0.1, 0.06), STEEL)
-    assert solid_unknowns(leg, divisions) == 3 * len(solid_mesh(leg, divisions).nodes)
+    for section in (Rectangle(0.1, 0.06), Rectangle(0.002, 0.06)):
+        leg = ConstantLeg(0.5, section, STEEL)
+        assert solid_unknowns(leg, divisions) == 3 * len(solid_mesh(leg, divisions).nodes)
     # The five blocks of a circle share the nodes on their edges, at worst 45 on 25 places.
     disc = ConstantLeg(0.5, Circle(0.1), STEEL)
     counted, meshed = solid_unknowns(disc, divisions), 3 * len(solid_mesh(disc, divisions).nodes)
@@ -51,8 +52,8 @@ def test_unknowns_are_those_of_the_mesh(divisions):
 def test_what_a_run_takes_is_said_leg_by_leg():
     stout = ConstantLeg(0.5, Rectangle(0.1, 0.06), STEEL, name="leg 2")
     assert too_large([stout, stout], [2, 2], "quick") == ""
-    said = too_large([BLADE, stout], [2, 2], "fine")
-    assert said.startswith("leg 1 as a solid of 2 divisions has about 1e+07")
+    said = too_large([BLADE, stout], [4, 2], "fine")
+    assert said.startswith("leg 1 as a solid of 4 divisions has about 1.9e+06")
     assert "leg 2" not in said
     assert f"preset fine takes {LARGEST['fine']}" in said
 
