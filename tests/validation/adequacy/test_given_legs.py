@@ -27,6 +27,8 @@ from validation.models.options import DEFAULT_OPTIONS, ModelOptions
 from validation.solids.legs import COARSEST_WALLS, divisions_across, held_solid
 
 MODES = 6
+# Share of a frequency that the mesh of the solids leaves open at preset quick: 0.1 % at least.
+OPEN = 2e-3
 EULER = ModelOptions(theory="euler-bernoulli")
 MODELS = {"beam": DEFAULT_OPTIONS, "beam-euler-bernoulli": EULER}
 STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
@@ -235,7 +237,7 @@ def test_intervals_of_random_6x6_legs_contain_the_truth():
             _, found = judgements(knowing(twins, *keys), truth)
             for (_, number), (low, high, true) in found.items():
                 if np.isfinite([low, high, true]).all():
-                    inside[given, number].append(low <= true <= high)
+                    inside[given, number].append(low - OPEN <= true <= high + OPEN)
     shares = {key: (np.mean(known), len(known)) for key, known in inside.items()}
     assert all(count >= 14 for _, count in shares.values()), shares
     for given in GIVEN:
