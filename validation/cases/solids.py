@@ -16,6 +16,7 @@ from lumped.arrays import Array
 from lumped.legs import ConstantLeg, Ends
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.system.assembly import assembly
+from meshes.section.section_blocks import WALL_ASPECT
 from validation.adequacy.mechanism.parts import bounded_frequencies
 from validation.adequacy.mechanism.path import (
     known_legs,
@@ -128,6 +129,13 @@ def _meshes(context: Context) -> tuple[tuple[Posture, ...], SolidMeshes, float]:
             raise Skip(
                 f"{leg.name}: warping of its open section reaches over more than a tenth of its "
                 "length, where the theory of beams without warping does not hold"
+            )
+        smaller, larger = sorted(leg.section.extent)
+        if larger > max(WALL_ASPECT * smaller, _SHORT * leg.length):
+            raise Skip(
+                f"{leg.name}: a strip, wider than a tenth of its length, bends as a plate near its "
+                "ends, which the waves of beams leave out (1 % of two leaves a third as wide as "
+                "long)"
             )
     return middle, meshes, meshes.ratio(prisms)
 
