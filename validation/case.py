@@ -20,8 +20,8 @@ from validation.claims import Claim
 from validation.context import PRESETS, About, Context, Preset
 from validation.exhibits import Study
 
-# A comparison of two models, or of a model with its own refinement.
-CaseKind: TypeAlias = Literal["comparison", "convergence"]
+# A comparison of two models, of a model with its own refinement, or of all formulations of one leg.
+CaseKind: TypeAlias = Literal["comparison", "convergence", "agreement"]
 ReferenceKind: TypeAlias = Literal[
     "closed-form", "published", "paper-statement", "finer-model", "independent-solver"
 ]
@@ -181,10 +181,11 @@ class Case:
     `id` is dotted, with parameters in brackets: "robot.beam-vjm.planar[x=0.4975]". `quantity` and
     `unit` name the value ("largest planar deflection", "µm"; "1" for ratios), `model` whose value
     it is ("segments", "solid"; empty where it is no model's). `subject` tells what a case says
-    something about: the run's robot, or one of its legs. `label` is what an axis has room for of
-    the quantity. `section` is the heading under which the report shows the case, `figure` the id of
-    the figure that shows what it measured. `group` names what expensive results the case shares:
-    cases of one group run in the same process, one after the other. `effort` is the expected time
+    something about: the run's robot, or one of its legs, whose name is `body`. `label` is what an
+    axis has room for of the quantity. `section` is the heading under which the report shows the
+    case, `figure` the id of the figure that shows what it measured. `group` names what expensive
+    results the case shares: cases of one group run in the same process, one after the other.
+    `effort` is the expected time
     in seconds, for the order of work and the time left. `compute` may raise ComputationError (the
     case has failed) or Skip.
     """
@@ -208,6 +209,7 @@ class Case:
     figure: str = ""
     label: str = ""
     kind: CaseKind = "comparison"
+    body: str = ""
 
     def measure(self, context: Context) -> Measurement:
         """What `compute` finds in the `context` of the run.

@@ -58,6 +58,7 @@ class CaseFields(TypedDict, total=False):
     figure: Field[str]
     label: Field[str]
     kind: Field[CaseKind]
+    body: Field[str]
 
 
 class CaseGroup:

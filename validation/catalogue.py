@@ -6,9 +6,10 @@ from lumped.robot_file import RobotFile
 from lumped.robot_file.variation import Variation
 from validation import paper
 from validation.adequacy.matrix import ADEQUACY, MEASURED, Assessment
+from validation.adequacy.mechanism.path import distinct_legs
 from validation.adequacy.robot import robot_adequacy
 from validation.cases import cases
-from validation.comparisons import convergence_cases, convergence_figure
+from validation.comparisons import convergence_cases, convergence_figure, leg_beam_vs_solid
 from validation.maps.figure import figures as maps
 from validation.maps.workspace import directions
 from validation.measured.matrix import measured_matrix
@@ -42,6 +43,7 @@ def catalogue(robot_file: RobotFile, variations: Sequence[Variation] = ()) -> Se
     described = robot_file.mechanism
     return (
         *(paper.cases() if is_the_papers(robot_file) else ()),
+        *leg_beam_vs_solid.cases(legs=distinct_legs(described)),
         *convergence_cases.cases(bodies=convergence_cases.subjects(described)),
         *cases(described, robot_file.requirement.modes),
         *([_MEASURED] if robot_file.measured else []),

@@ -251,7 +251,7 @@ def run(
     if said := [*summary.verdicts(gathered), *changes]:
         say("\n".join(said))
     say(f"report: {visible(str(gathered.path / 'report.html'))}")
-    for line in summary.adequacy(gathered):
+    for line in (*summary.adequacy(gathered), *summary.cross_validation(gathered)):
         say(line)
     if gathered.unfinished:
         complain(["interrupted", summary.how_to_go_on(request)], 3)

@@ -13,6 +13,9 @@ from typing import Any
 from validation.context import PRESETS, Context, Preset
 
 # Sections of the report that cases and figures share.
+AGREEMENT = "All formulations on the same legs"
+# Label of the cases on the error with the stated count of elements.
+STATED = "error with 20 elements"
 CONVERGENCE = "Convergence with element count"
 STROKE = "The robot over its stroke"
 PATH = "The mechanism over its path"
@@ -26,7 +29,7 @@ PORTRAIT = "robot.portrait"
 # Elements of drawings without scripts, foreign content or handlers of events, and comments.
 _ELEMENTS = (
     "svg|metadata|rdf:RDF|cc:Work|cc:Agent|dc:[a-z]+|defs|style|g|path|use|clipPath|rect|circle|"
-    "line|image|text|tspan"
+    "line|image|text|tspan|pattern"
 )
 _INERT = re.compile(
     rf"<!-- [^<>]*-->|</(?:{_ELEMENTS})>|"

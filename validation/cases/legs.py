@@ -123,14 +123,14 @@ def _divisions(
     )
 
 
-def _own_compliances(leg: ConstantLeg, divisions: tuple[int, ...]) -> Array:
+def own_compliances(leg: ConstantLeg, divisions: tuple[int, ...]) -> Array:
     """Tip compliances (m×6×6) of the beam, section constants on each of the solids' meshes."""
     beams = (own_properties(leg, number) for number in divisions)
     return np.array([tip_compliance(beam, leg.length) for beam in beams])
 
 
-def _restrained(leg: ConstantLeg, divisions: tuple[int, ...]) -> Array:
-    """What rigid faces take from them in theory (m×6×6)."""
+def restrained(leg: ConstantLeg, divisions: tuple[int, ...]) -> Array:
+    """Change (m×6×6, ≤ 0) of the beam's tip compliance by rigid end faces, by theory."""
     return np.array(
         [
             restrained_compliance(face_mesh(leg, number), leg.material, leg.length)
@@ -139,7 +139,7 @@ def _restrained(leg: ConstantLeg, divisions: tuple[int, ...]) -> Array:
     )
 
 
-def _own_frequencies(
+def own_frequencies(
     leg: ConstantLeg, divisions: tuple[int, ...], kinds: tuple[tuple[str, int], ...]
 ) -> Array:
     """Frequencies (Hz, m×k) of the beam by kind and order, for each of the solids' meshes."""
@@ -176,14 +176,14 @@ def _entry(
 ) -> Measurement:
     leg = constant_leg_of(context, body)
     solid, free = (compliances(context, body, one) for one in (ends, "free"))
-    beams = context.get(_own_compliances, leg, solid.divisions)
+    beams = context.get(own_compliances, leg, solid.divisions)
     own = Refinement(solid.divisions, beams, formal_order(leg, "free"))
     value, reference = float(solid.values[-1][entry]), float(own.values[-1][entry])
     taken = np.zeros_like(beams)
     allowances: tuple[Allowance, ...] = ()
     notes: tuple[str, ...] = ()
     if ends == "rigid":
-        taken = context.get(_restrained, leg, solid.divisions)
+        taken = context.get(restrained, leg, solid.divisions)
         allowances = (
             Allowance(
                 cause="end faces kept plane and rigid: warping and contraction restrained",
@@ -257,8 +257,8 @@ def _mode(context: Context, body: str, index: int) -> Measurement:
     rigid, free = (frequencies(context, body, ends, judged) for ends in ("rigid", "free"))
     found = free.frequencies
     kinds = tuple((one.kind, one.order) for one in modes)
-    beams = context.get(_own_frequencies, leg, found.divisions, kinds)[:, index]
-    changes = context.get(_distortion, leg, found.divisions, exact)
+    beams = context.get(own_frequencies, leg, found.divisions, kinds)[:, index]
+    changes = context.get(distortion, leg, found.divisions, exact)
     # As for compliances: free solid, beam and waves have the errors of one section mesh in common.
     left = Refinement(found.divisions, found.values[:, index] - beams * (1.0 + changes))
     own = Refinement(found.divisions, beams)
@@ -317,7 +317,7 @@ def _waves(leg: ConstantLeg, divisions: int) -> dict[str, PrismWaves]:
     return {kind.fields.name: kind for kind in waves}
 
 
-def _distortion(leg: ConstantLeg, divisions: tuple[int, ...], mode: CantileverFrequency) -> Array:
+def distortion(leg: ConstantLeg, divisions: tuple[int, ...], mode: CantileverFrequency) -> Array:
     """Relative change (m) of a beam's frequency by the waves in it, on the solids' section meshes.
 
     Raises Skip if the wave is not a beam's.

@@ -21,7 +21,7 @@ from validation.comparisons.element_convergence import QUANTITIES
 from validation.comparisons.readings import RefinedModel
 from validation.comparisons.requested import convergence, leg_names
 from validation.context import Context
-from validation.exhibits import CONVERGENCE
+from validation.exhibits import CONVERGENCE, STATED
 
 GROUP = "convergence"
 FIGURE = "robot.element-convergence"
@@ -120,7 +120,7 @@ def _order_uncertainty(series: ConvergenceSeries, column: int) -> float:
     "{subject_name}.converged[{model}-20]",
     "{subject_name}: the error of {model} with 20 elements or more is at most 1 %",
     quantity="largest relative error of f1 to f4, x, y, z with 20 elements or more",
-    label="{model}: error at 20",
+    label=STATED,
     citation="Briot, Pashkevich and Chablat: 20 elements per leg, less than 1 %",
     relation=Relation.AT_MOST,
     tolerance=Absolute(1e-4),

@@ -10,7 +10,17 @@ from math import isnan
 
 from validation.case import Relation, Relative
 from validation.drawing.text import anchor
-from validation.exhibits import CONVERGENCE, FAMILY, MODES, PARAMETERS, PATH, STROKE, Figure
+from validation.exhibits import (
+    AGREEMENT,
+    CONVERGENCE,
+    FAMILY,
+    MODES,
+    PARAMETERS,
+    PATH,
+    STROKE,
+    Figure,
+)
+from validation.report.agreement import AgreementTable, agreement_sentence, agreement_tables
 from validation.report.declared import attempted
 from validation.report.figures.budgets import budget_figure
 from validation.report.figures.studies import Family, families, study_figure
@@ -22,7 +32,7 @@ from validation.results.records import claims_of
 # list go by the subject of their cases.
 LEGS = "Modes and legs in detail"
 CHAPTERS: Mapping[str, tuple[str, ...]] = {
-    "Cross-validation": (CONVERGENCE,),
+    "Cross-validation": (AGREEMENT, CONVERGENCE),
     "The robot": (PATH,),
     "The decision": (PARAMETERS,),
     LEGS: (MODES,),
@@ -45,6 +55,16 @@ class PageSection:
     outcomes: tuple[Outcome, ...]
     figures: tuple[Figure, ...]
     plotted: bool
+
+    @cached_property
+    def agreement(self) -> tuple[AgreementTable, ...]:
+        """A table of all formulations for each leg, of cases that compare these."""
+        return agreement_tables(self.outcomes)
+
+    @property
+    def statement(self) -> str:
+        """The agreement of all formulations in one sentence; "" without such cases."""
+        return agreement_sentence(self.outcomes)
 
     @property
     def worst_first(self) -> list[Outcome]:

@@ -2,6 +2,7 @@
 
 from shlex import join
 
+from validation.report.agreement import agreement_sentence, convergence_sentence
 from validation.report.listing import outcome_line
 from validation.report.words import sentence, supposition
 from validation.results import compare
@@ -29,6 +30,14 @@ def adequacy(gathered: Results) -> list[str]:
     lines += [f"{sentence(matrix, rely)} {supposition(matrix, rely)}".strip()] if matrix else []
     lines += [f"against measured values: {sentence(measured, rely)}"] if measured else []
     return [line.replace("\N{NO-BREAK SPACE}", " ") for line in lines]
+
+
+def cross_validation(gathered: Results) -> list[str]:
+    """One line on the agreement of all formulations and the error with 20 elements, if compared."""
+    outcomes = gathered.outcomes
+    parts = [agreement_sentence(outcomes), convergence_sentence(outcomes)]
+    known = " ".join(part for part in parts if part)
+    return [f"Cross-validation: {known}".replace("\N{NO-BREAK SPACE}", " ")] if known else []
 
 
 def left_out(gathered: Results) -> list[str]:

@@ -1,0 +1,130 @@
+"""All formulations of a leg against its solid: verdicts, named differences, the table."""
+
+from dataclasses import replace
+
+import pytest
+from report_sample import measured
+
+from lumped.robot_file import load_robot
+from validation.case import Allowance, Relative
+from validation.comparisons import leg_beam_vs_solid
+from validation.comparisons.leg_beam_vs_solid import FORMULA, HELD_FACES, cases
+from validation.context import Context
+from validation.models.options import ModelOptions
+from validation.report.agreement import (
+    agreement_sentence,
+    agreement_tables,
+    convergence_sentence,
+)
+from validation.results.outcome import judge
+
+CONTEXT = Context(load_robot("ifw"), "quick")
+BY_ID = {case.id: case for case in cases(legs=("leg1", "leg2"))}
+
+
+def outcome_of(identifier):
+    case = BY_ID[identifier]
+    return judge(case, case.measure(CONTEXT), 0.0)
+
+
+@pytest.mark.parametrize("model", ["vjm", "links", "segments", "beam"])
+def test_torsion_differs_by_held_end_faces_alone(model):
+    """Leg 2 as a solid is 18 % stiffer in torsion, its warping held: less than 0.1 % is left."""
+    outcome = outcome_of(f"leg2.agrees[{model}-solid-φx]")
+    measurement = outcome.measurement
+    assert outcome.verdict == "agree"
+    assert measurement.reference / measurement.value - 1.0 == pytest.approx(-0.18, abs=0.01)
+    held, formula = measurement.allowances
+    assert (held.cause, formula.cause) == (HELD_FACES, FORMULA)
+    assert held.amount == pytest.approx(measurement.difference, rel=0.01)
+    assert abs(measurement.unexplained) < 1e-3 * measurement.reference
+
+
+def test_bending_without_shear_disagrees(monkeypatch):
+    """Euler–Bernoulli is 17.5 % too stiff in bending of leg 2 along z."""
+    theory = ModelOptions(legs="equivalent", theory="euler-bernoulli")
+    monkeypatch.setattr(leg_beam_vs_solid, "_OPTIONS", theory)
+    outcome = outcome_of("leg2.agrees[beam-solid-z]")
+    assert outcome.verdict == "disagree"
+    measurement = outcome.measurement
+    assert measurement.reference / measurement.value - 1.0 == pytest.approx(0.175, abs=0.01)
+
+
+def test_literal_layout_disagrees(monkeypatch):
+    """Segments as §3.2 reads are 7.3 % too stiff along y with 20 elements."""
+    monkeypatch.setattr(
+        leg_beam_vs_solid, "_OPTIONS", ModelOptions(legs="equivalent", layout="literal")
+    )
+    outcome = outcome_of("leg1.agrees[segments-solid-y]")
+    assert outcome.verdict == "disagree"
+    share = outcome.measurement.unexplained / outcome.measurement.reference
+    assert share == pytest.approx(-0.073, abs=1e-3)
+
+
+def test_own_constants_of_a_rectangle_are_those_of_the_formula():
+    """A solid rectangle without contraction: the section's finite elements agree to 0.1 %."""
+    outcome = outcome_of("leg1.agrees[vjm-solid-y]")
+    formula = next(one for one in outcome.measurement.allowances if one.cause == FORMULA)
+    assert abs(formula.amount) < 1e-3 * outcome.measurement.reference
+
+
+def agreeing(model, label, value, reference, *allowances, body="leg1", **more):
+    outcome = measured(
+        f"{body}.{model}.{label}", value, reference, exact=True, allowances=allowances, **more
+    )
+    case = replace(
+        outcome.case,
+        kind="agreement",
+        model=model,
+        label=label,
+        body=body,
+        unit="m/N",
+        tolerance=Relative(0.001),
+    )
+    return judge(case, outcome.measurement, 0.0)
+
+
+def test_table_shows_values_differences_and_what_is_left():
+    """Solid 2 µm and 4 µm at 1000 N; VJM 1.5 % off, 1.45 % of it by held faces."""
+    outcomes = [
+        agreeing("vjm", "x", 2.0e-9, 2.0e-9),
+        agreeing("vjm", "z", 4.06e-9, 4.0e-9, Allowance(HELD_FACES, 0.058e-9)),
+        agreeing("beam", "x", 2.1e-9, 2.0e-9),
+        agreeing("beam", "z", 4.0e-9, 4.0e-9, body="leg2"),
+    ]
+    first, second = agreement_tables(outcomes)
+    assert (first.subject, second.subject) == ("leg1", "leg2")
+    assert first.quantities == ("x", "z")
+    assert [text.replace("\N{NO-BREAK SPACE}", " ") for text in first.solid] == ["2 µm", "4 µm"]
+    (vjm, cells), (beam, other) = first.rows
+    assert (vjm, beam) == ("VJM", "Beam FE (20)")
+    texts = [cell.text.replace("\N{NO-BREAK SPACE}", " ") for cell in cells]
+    assert texts == ["0.00 %", "+1.50 %"]
+    assert cells[1].under.replace("\N{NO-BREAK SPACE}", " ") == "+0.05 % left"
+    assert [cell.mark for cell in cells] == ["✓", "✓"]
+    assert other[0].mark == "✗"
+    assert other[1] is None
+    assert first.explanations == ("z: held end faces +1.45\N{NO-BREAK SPACE}%",)
+
+
+def test_sentence_states_the_largest_unexplained_and_disagreements():
+    good = [
+        agreeing("vjm", "x", 2.001e-9, 2.0e-9),
+        agreeing("vjm", "z", 4.06e-9, 4.0e-9, Allowance(HELD_FACES, 0.0599e-9)),
+    ]
+    assert "agree within 0.05\N{NO-BREAK SPACE}%" in agreement_sentence(good)
+    wrong = [*good, agreeing("beam", "x", 2.1e-9, 2.0e-9)]
+    assert "1 of 3 comparisons" in agreement_sentence(wrong)
+    assert agreement_sentence([]) == ""
+
+
+def test_convergence_sentence_states_the_largest_error():
+    outcomes = [
+        measured(f"c{value}", value, 0.01, tolerance=Relative(0.5)) for value in (0.002, 0.007)
+    ]
+    told = [
+        replace(one, case=replace(one.case, kind="convergence", label="error with 20 elements"))
+        for one in outcomes
+    ]
+    assert convergence_sentence(told) == "20 elements: at most 0.7\N{NO-BREAK SPACE}%."
+    assert convergence_sentence(outcomes) == ""

@@ -1,0 +1,139 @@
+"""Leg by leg: VJM, links, rigid segments and beam elements against the solid of the same leg.
+
+The leg is of constant section, its root clamped, its tip loaded or free. The solid has end faces as
+the robot file says, kept plane if it does not say. Named differences are allowed for, each computed
+without the model that is judged: what held end faces take (fields that decay from the faces of a
+prism), section constants by formula in place of finite elements on the section, and distortion of
+the section in vibration (waves of 3-D elasticity in a prism).
+"""
+
+from lumped.legs import ConstantLeg, tip_compliance
+from validation.case import Allowance, Measurement, Relative, Skip
+from validation.case_group import CaseGroup, numbered
+from validation.cases.legs import (
+    DISTORTION_SOURCE,
+    compliances,
+    distortion,
+    exact_modes,
+    frequencies,
+    not_a_beam,
+    own_compliances,
+    own_frequencies,
+    restrained,
+)
+from validation.comparisons.element_convergence import MODES
+from validation.context import Context
+from validation.exhibits import AGREEMENT
+from validation.models.legs import constant_leg_of, leg_compliance, leg_frequencies
+from validation.models.options import Ends, ModelName, ModelOptions
+from validation.solids.legs import Refinement, formal_order
+
+HELD_FACES = "held end faces"
+FORMULA = "section constants by formula"
+# Entries of the tip compliance by the motion that they give along their own load.
+MOTIONS = {
+    "x": (0, "m/N"),
+    "y": (1, "m/N"),
+    "z": (2, "m/N"),
+    "φx": (3, "rad/(N m)"),
+    "φy": (4, "rad/(N m)"),
+    "φz": (5, "rad/(N m)"),
+}
+# Static formulations take the equivalent leg of a 6×6, as the solid does.
+_OPTIONS = ModelOptions(legs="equivalent")
+STATIC_MODELS: tuple[ModelName, ...] = ("vjm", "links", "segments", "beam")
+DYNAMIC_MODELS: tuple[ModelName, ...] = ("segments", "beam")
+COMPLIANCE_TOLERANCE, FREQUENCY_TOLERANCE = 0.001, 0.01
+
+cases = CaseGroup(
+    over={"body": lambda legs: legs},
+    kind="agreement",
+    reference_kind="independent-solver",
+    section=AGREEMENT,
+    subject="leg",
+    effort=0.05,
+)
+
+
+@cases.case(
+    "{body}.agrees[{model}-solid-{motion}]",
+    "{body}: {motion} by {model} is that of the solid of the same leg",
+    over={
+        "model": STATIC_MODELS,
+        "motion, entry, unit": [(name, *of) for name, of in MOTIONS.items()],
+    },
+    quantity="tip motion {motion} under its unit load, root clamped",
+    label="{motion}",
+    citation="the same leg as quadratic hexahedra",
+    group="{body}.solid",
+    tolerance=Relative(COMPLIANCE_TOLERANCE),
+    tolerance_reason="beam theory is exact in statics once its differences from the solid are "
+    "allowed for: 0.1 %",
+)
+def _motion(context: Context, body: str, model: ModelName, entry: int) -> Measurement:
+    leg = constant_leg_of(context, body)
+    ends = _ends(leg)
+    solid = compliances(context, body, ends)
+    own = context.get(own_compliances, leg, solid.divisions)
+    taken = context.get(restrained, leg, solid.divisions) if ends == "rigid" else 0.0 * own
+    left = Refinement(solid.divisions, own + taken - solid.values, formal_order(leg, ends))
+    at = entry, entry
+    theory = tip_compliance(leg.timoshenko, leg.length)[at]
+    return Measurement(
+        float(leg_compliance(model, leg, _OPTIONS)[at]),
+        float(solid.values[-1][at]),
+        reference_uncertainty=solid.uncertainty(*at),
+        judged_uncertainty=left.uncertainty(*at),
+        allowances=(
+            Allowance(HELD_FACES, -float(taken[-1][at]), "fem.couplings.end_effects"),
+            Allowance(FORMULA, float(theory - own[-1][at]), "finite elements on the section"),
+        ),
+    )
+
+
+@cases.case(
+    "{body}.agrees[{model}-solid-f{mode}]",
+    "{body}: f{mode} by {model} is that of the solid of the same leg",
+    over={"model": DYNAMIC_MODELS, "index, mode": numbered(MODES)},
+    quantity="natural frequency {mode}, clamped-free, paired by shape",
+    label="f{mode}",
+    unit="Hz",
+    citation="the same leg as quadratic hexahedra",
+    group="{body}.modes",
+    tolerance=Relative(FREQUENCY_TOLERANCE),
+    tolerance_reason="20 elements per leg are within 1 % of their limit",
+)
+def _frequency(context: Context, body: str, model: ModelName, index: int) -> Measurement:
+    leg = constant_leg_of(context, body)
+    modes = exact_modes(leg)
+    reasons = [context.get(not_a_beam, leg, mode) for mode in modes]
+    if reasons[index]:
+        raise Skip(f"{modes[index].kind}, number {modes[index].order}: {reasons[index]}")
+    judged = len(modes) - next(k for k, reason in enumerate(reversed(reasons)) if not reason)
+    held, free = (frequencies(context, body, ends, judged) for ends in (_ends(leg), "free"))
+    divisions = free.frequencies.divisions
+    kinds = tuple((one.kind, one.order) for one in modes)
+    beam = context.get(own_frequencies, leg, divisions, kinds)[:, index]
+    change = beam * context.get(distortion, leg, divisions, modes[index])
+    solid = free.frequencies.values[:, index]
+    left = Refinement(divisions, beam + change - solid)
+    reference = float(held.frequencies.values[-1, index])
+    value = float(leg_frequencies(model, leg, index + 1, _OPTIONS)[index])
+    return Measurement(
+        value,
+        reference,
+        reference_uncertainty=held.frequencies.uncertainty(index),
+        judged_uncertainty=left.uncertainty(),
+        allowances=(
+            Allowance(HELD_FACES, float(solid[-1]) - reference, "solids with free and held ends"),
+            Allowance("distortion of the section", -float(change[-1]), DISTORTION_SOURCE),
+            Allowance(
+                FORMULA, modes[index].frequency - float(beam[-1]), "finite elements on the section"
+            ),
+        ),
+    )
+
+
+def _ends(leg: ConstantLeg) -> Ends:
+    """End condition of the solid: kept plane if the robot file does not specify it."""
+    return leg.ends or "rigid"

@@ -1,0 +1,169 @@
+"""Table of one leg by all formulations: values of the solid, and differences from them."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from validation.drawing.text import number, percent
+from validation.exhibits import STATED
+from validation.results.outcome import Outcome, Verdict
+
+MARKS = {"agree": "✓", "disagree": "✗", "undecided": "?", "failed": "!", "skipped": "–"}
+# Shares of a value below this are not shown among the explained ones.
+_NOTHING = 5e-5
+_MODELS = {
+    "vjm": "VJM",
+    "links": "Links",
+    "segments": "Segments (20)",
+    "beam": "Beam FE (20)",
+}
+# Factor and unit of what is shown of each unit of a case.
+_SHOWN = {"m/N": (1e9, "µm"), "rad/(N m)": (1e8, "µrad"), "Hz": (1.0, "Hz")}
+
+
+@dataclass(frozen=True)
+class AgreementCell:
+    """Difference of a formulation from the solid: `text`; under it what no cause explains.
+
+    `case` is the id of the comparison. A skipped one has its reason as text.
+    """
+
+    text: str
+    under: str
+    mark: str
+    verdict: Verdict
+    case: str
+
+
+@dataclass(frozen=True)
+class AgreementTable:
+    """One leg: a row for each formulation with a cell per quantity, None without one.
+
+    `solid` are the values of the solid with their units, "" if it has none. `explanations` name the
+    differences that are allowed for, with their amounts, by quantity; `missing` name the
+    comparisons that were skipped or failed, with the reason.
+    """
+
+    subject: str
+    quantities: tuple[str, ...]
+    solid: tuple[str, ...]
+    rows: tuple[tuple[str, tuple[AgreementCell | None, ...]], ...]
+    explanations: tuple[str, ...]
+    missing: tuple[str, ...]
+
+
+def agreement_tables(outcomes: Sequence[Outcome]) -> tuple[AgreementTable, ...]:
+    """A table for each leg that has agreement cases, in their order."""
+    found = [one for one in outcomes if one.case.kind == "agreement"]
+    subjects = dict.fromkeys(one.case.body for one in found)
+    return tuple(
+        _table(subject, [one for one in found if one.case.body == subject]) for subject in subjects
+    )
+
+
+def agreement_sentence(outcomes: Sequence[Outcome]) -> str:
+    """All comparisons of formulations in one sentence; "" if there are none."""
+    found = [one for one in outcomes if one.case.kind == "agreement"]
+    decided = [one for one in found if one.verdict in {"agree", "disagree"}]
+    if not decided:
+        return "No formulation could be compared with solids of the same legs." if found else ""
+    agreeing = [one for one in decided if one.verdict == "agree"]
+    wrong = len(decided) - len(agreeing)
+    largest = max((_unexplained(one) for one in agreeing), default=0.0)
+    within = percent(largest, signed=False) if largest else "rounding"
+    named = "once held end faces, section constants and distortion are allowed for"
+    if wrong:
+        return (
+            f"On the same legs {wrong} of {len(decided)} comparisons of the formulations with the "
+            f"solid disagree; the others agree within {within} {named}."
+        )
+    return f"On the same legs all formulations agree within {within} {named}."
+
+
+def convergence_sentence(outcomes: Sequence[Outcome]) -> str:
+    """Largest error with 20 elements of segments and beams in one sentence; "" if not computed."""
+    errors = [
+        one.measurement.value
+        for one in outcomes
+        if one.case.kind == "convergence" and one.case.label == STATED and one.measurement
+    ]
+    return f"20 elements: at most {percent(max(errors), signed=False)}." if errors else ""
+
+
+def _unexplained(outcome: Outcome) -> float:
+    measurement = outcome.measurement
+    if measurement is None:
+        return 0.0
+    return abs(measurement.unexplained / measurement.reference)
+
+
+def _table(subject: str, outcomes: Sequence[Outcome]) -> AgreementTable:
+    quantities = tuple(dict.fromkeys(one.case.label for one in outcomes))
+    models = dict.fromkeys(one.case.model for one in outcomes)
+    by_place = {(one.case.model, one.case.label): one for one in outcomes}
+    rows = []
+    for model in models:
+        cells = [by_place.get((model, quantity)) for quantity in quantities]
+        rows.append((_MODELS[model], tuple(_cell(one) if one else None for one in cells)))
+    solid = tuple(_solid(quantity, outcomes) for quantity in quantities)
+    return AgreementTable(
+        subject, quantities, solid, tuple(rows), _explanations(outcomes), _missing(outcomes)
+    )
+
+
+def _solid(quantity: str, outcomes: Sequence[Outcome]) -> str:
+    """Value of the solid: µm under 1000 N, µrad under 100 N m, or Hz."""
+    for one in outcomes:
+        if one.case.label == quantity and one.measurement is not None:
+            scale, unit = _SHOWN[one.case.unit]
+            return f"{number(scale * one.measurement.reference, 4)}\N{NO-BREAK SPACE}{unit}"
+    return ""
+
+
+def _cell(outcome: Outcome) -> AgreementCell:
+    measurement, mark = outcome.measurement, MARKS[outcome.verdict]
+    if measurement is None:
+        return AgreementCell(outcome.message, "", mark, outcome.verdict, outcome.case.id)
+    scale = abs(measurement.reference)
+    left = f"{_percent(measurement.unexplained / scale)} left" if _explained(outcome) else ""
+    uncertainty = (measurement.numerical_uncertainty or 0.0) / scale
+    spread = f"± {_percent(uncertainty).lstrip('+')}" if uncertainty >= _NOTHING else ""
+    text = _percent(measurement.difference / scale)
+    under = " ".join(filter(None, (left, spread)))
+    return AgreementCell(text, under, mark, outcome.verdict, outcome.case.id)
+
+
+def _explained(outcome: Outcome) -> str:
+    """Amounts of the named differences that count: "held end faces +1.46 %"."""
+    measurement = outcome.measurement
+    if measurement is None:
+        return ""
+    scale = abs(measurement.reference)
+    return ", ".join(
+        f"{one.cause} {_percent(one.amount / scale)}"
+        for one in measurement.allowances
+        if abs(one.amount) >= _NOTHING * scale
+    )
+
+
+def _explanations(outcomes: Sequence[Outcome]) -> tuple[str, ...]:
+    """A line for each set of quantities that the same named differences explain."""
+    return _by_text((_explained(one), one) for one in outcomes)
+
+
+def _missing(outcomes: Sequence[Outcome]) -> tuple[str, ...]:
+    """A line for each reason why quantities are not compared."""
+    return _by_text((one.message, one) for one in outcomes if one.measurement is None)
+
+
+def _by_text(pairs: Iterable[tuple[str, Outcome]]) -> tuple[str, ...]:
+    quantities: dict[str, dict[str, None]] = {}
+    for text, one in pairs:
+        if text:
+            quantities.setdefault(text, {})[one.case.label] = None
+    return tuple(f"{', '.join(names)}: {text}" for text, names in quantities.items())
+
+
+def _percent(share: float) -> str:
+    """A share in percent with two decimals: smaller differences are none here."""
+    text = f"{100.0 * share:+.2f}".replace("-", "−")
+    return f"{'0.00' if text[1:] == '0.00' else text}\N{NO-BREAK SPACE}%"
