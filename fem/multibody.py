@@ -4,7 +4,7 @@ The model stands in its posture without strain; its own linearisation gives the 
 J. Gerstmayr, Multibody System Dynamics 60 (2024) 617. An optional extra, imported where it is used.
 """
 
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import version
 from itertools import pairwise
 from typing import Any, assert_never
 
@@ -31,10 +31,9 @@ class ExudynMissing(Exception):  # noqa: N818  not an error: a comparison that c
 
 def exudyn_version() -> str:
     """The version of EXUDYN; raises ExudynMissing where it is not installed."""
-    try:
-        return version("exudyn")
-    except PackageNotFoundError:
-        raise ExudynMissing(f"the comparison with EXUDYN {missing_message('exudyn')}") from None
+    if message := missing_message("exudyn"):
+        raise ExudynMissing(f"the comparison with EXUDYN {message}")
+    return version("exudyn")
 
 
 def require_beams(mechanism: Mechanism) -> None:

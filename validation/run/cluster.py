@@ -4,6 +4,7 @@ A unit whose worker is lost goes to another one; results come to this process as
 finished, so that nothing is lost with a worker or with the scheduler.
 """
 
+import gc
 import logging
 import re
 import socket
@@ -51,12 +52,16 @@ def on_cluster(address: str, say: Callable[[str], object]) -> Iterator[Executor]
     require_extra("cluster", "--cluster")
     require_scheduler(address)
     distributed = _distributed()
-    try:
+    client = None
+    with suppress(Exception):
         client = distributed.Client(address, timeout=_ANSWER, set_as_default=False)
-    except Exception as error:
+    if client is None:
+        # A half-made client closes when it is collected. In the start of the next client it would
+        # wait for ever for the lock that this start holds.
+        gc.collect()
         raise InputError(
             f"--cluster {address}: what answers there is not a Dask scheduler (or one that is busy)"
-        ) from error
+        )
     waiting = _Waiting(client, address, say)
     try:
         while not waiting.has_workers():

@@ -1,6 +1,5 @@
 """Random and extreme robots read from files: models are right about them, or say why not."""
 
-import re
 from functools import partial
 from itertools import combinations
 
@@ -201,8 +200,9 @@ def test_polynomials_of_robots_keep_their_digits(robot_file):
 @extreme(27)
 def test_a_negative_shear_stiffness_is_named(robot_file):
     # Cowper's κ of a wide-flanged I changes its sign at a Poisson's ratio far below zero.
-    ((_, said),) = judged_cases(robot_file, lambda case: case.id == "leg2.frequency.solid[1]")
-    assert re.match(r"leg2, i-section: .* κGA = -3.06 N is neg", str(said))
+    case = next(one for one in catalogue(robot_file) if one.id == "leg2.converged[beam-order]")
+    with pytest.raises(Skip, match=r"leg2, i-section: .* κGA = -3.06 N is neg"):
+        case.measure(Context(robot_file, "quick"))
 
 
 # Undecided is no alarm of third and fourth frequencies, of which the reference's polynomials leave

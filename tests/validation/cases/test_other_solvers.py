@@ -204,13 +204,11 @@ def test_the_tool_of_the_frame_swings_as_exudyn_linearises_it(propped):
 
 
 @pytest.mark.parametrize(
-    ("program", "said"), [("exudyn", r"flexproof\[exudyn\]"), ("calculix", "is not installed")]
+    ("program", "said"),
+    [("exudyn", r"\./flexproof extras exudyn"), ("calculix", "is not installed")],
 )
 def test_cases_say_which_program_is_missing(monkeypatch, program, said):
-    def missing(_name):
-        raise multibody.PackageNotFoundError
-
-    monkeypatch.setattr(multibody, "version", missing)
+    monkeypatch.setattr("fem.extras.find_spec", lambda _module: None)
     monkeypatch.setattr(calculix_run, "PROGRAMS", ("no-such-program",))
     cases = listed(FIVE_BAR.robot_file.mechanism, program)
     assert cases

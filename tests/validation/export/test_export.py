@@ -336,8 +336,10 @@ def test_its_forecast_is_that_of_the_solids_that_differ(tmp_path, monkeypatch, c
         "validation.console.progress.stage", lambda _, time: seconds.append(time) or nullcontext()
     )
     monkeypatch.setattr("meshes.processes.in_own_process", lambda *_: b"")
-    for words in (["five-bar"], *(["five-bar", "--body", f"{one}1"] for one in ("crank", "rod"))):
-        command.told("export", *words, "--to", "npz", "--out", tmp_path / "any.npz")
+    for number, words in enumerate(
+        (["five-bar"], *(["five-bar", "--body", f"{one}1"] for one in ("crank", "rod")))
+    ):
+        command.told("export", *words, "--to", "npz", "--out", tmp_path / f"{number}.npz")
     assert 0.0 < seconds[0] == pytest.approx(sum(seconds[1:]))
-    command.told("export", "ifw", "--to", "npz", "--out", tmp_path / "any.npz")
+    command.told("export", "ifw", "--to", "npz", "--out", tmp_path / "ifw.npz")
     assert seconds[-1] == 0.0

@@ -180,15 +180,6 @@ def test_a_budget_shows_what_is_measured_explained_and_left():
     }
 
 
-def test_budget_with_several_causes_is_drawn_hatched():
-    """Hatches are patterns, which a drawing may have."""
-    allowances = tuple(Allowance(cause, -0.03) for cause in ("warping", "shear", "contraction"))
-    outcome = measured("solid", 1.9, 2.0, 1e-4, exact=False, allowances=allowances)
-    figure = budget_figure("budget.leg1", "Leg 1", "budgets", [outcome])
-    assert figure is not None
-    assert figure.svg.count("<pattern") == 2
-
-
 def test_the_figures_of_the_page_are_all_there_to_be_written(markup):
     shown = sample_report().shown
     in_page = set(re.findall(r'<figure id="([^"]+)"', markup))

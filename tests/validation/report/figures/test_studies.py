@@ -1,9 +1,12 @@
-"""Refinement studies as they are drawn: slopes fall the way errors do."""
+"""Refinement studies and error budgets as they are drawn."""
 
 import numpy as np
 import pytest
+from report_sample import measured
 
+from validation.case import Allowance
 from validation.drawing.chart import Series
+from validation.report.figures.budgets import budget_figure
 from validation.report.figures.studies import _slopes
 
 
@@ -21,3 +24,12 @@ def test_slope_line_falls_with_refinement_by_its_order(x):
     # Below the curves, so that it hides none.
     assert line.y[0] == pytest.approx(4.0)
     assert line.label == "slope 2"
+
+
+def test_budget_with_several_causes_is_drawn_hatched():
+    """Hatches are patterns, which a drawing may have."""
+    allowances = tuple(Allowance(cause, -0.03) for cause in ("warping", "shear", "contraction"))
+    outcome = measured("solid", 1.9, 2.0, 1e-4, exact=False, allowances=allowances)
+    figure = budget_figure("budget.leg1", "Leg 1", "budgets", [outcome])
+    assert figure is not None
+    assert figure.svg.count("<pattern") == 2
