@@ -120,7 +120,7 @@ def error_parts(
     far = apart and max(stated.readings.values()) - min(stated.readings.values()) > half
     largest = max(abs(low), abs(high))
     if low <= 0.0 <= high and not far and largest - abs(error) >= _WORTH_SHOWING:
-        return f"below\u00a0{written(largest, signed=False)}", ""
+        return f"below {written(largest, signed=False)}", ""
     # More may be left open to one side, by other partners of a mode say.
     if max(error - low, high - error) - half >= _WORTH_SHOWING and not apart:
         return _range(low, high, written, signed=stated.signed), ""
