@@ -226,7 +226,7 @@ def knowing(twins, *keys):
 GIVEN = {"mass": (), "centre": ("mass_centre",), "inertia": ("mass_centre", "inertia")}
 
 
-@pytest.mark.exhaustive
+@pytest.mark.soak
 def test_intervals_of_random_6x6_legs_contain_the_truth():
     """At least 93 % by kind of data and of f1 to f4, as an interval of 95 % should.
 

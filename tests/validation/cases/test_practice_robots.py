@@ -34,8 +34,13 @@ def test_thin_leaf_is_skipped_without_its_waves(monkeypatch):
             cases[f"leaf1.frequency.solid[{mode}]"].measure(context)
 
 
-@pytest.mark.exhaustive
-@pytest.mark.parametrize("preset", ["quick", "standard"])
+@pytest.mark.parametrize(
+    "preset",
+    [
+        pytest.param("quick", marks=pytest.mark.exhaustive),
+        pytest.param("standard", marks=pytest.mark.soak),
+    ],
+)
 @pytest.mark.parametrize("name", NAMES)
 def test_run_of_practice_robot_finds_no_fault(name, preset, tmp_path):
     results = api.run(ROBOTS / f"{name}.toml", out=tmp_path / "report", preset=preset)
