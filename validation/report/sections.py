@@ -31,8 +31,9 @@ from validation.results.records import claims_of
 # Chapters in their order, with their sections as they follow each other; sections that stand in no
 # list go by the subject of their cases.
 LEGS = "Modes and legs in detail"
+CROSS_VALIDATION = "Cross-validation"
 CHAPTERS: Mapping[str, tuple[str, ...]] = {
-    "Cross-validation": (AGREEMENT, CONVERGENCE),
+    CROSS_VALIDATION: (AGREEMENT, CONVERGENCE),
     "The robot": (PATH,),
     "The decision": (PARAMETERS,),
     LEGS: (MODES,),
@@ -127,6 +128,11 @@ class Chapter:
     def folded(self) -> bool:
         """Whether it belongs to the appendix."""
         return self.title in _APPENDIX
+
+    @property
+    def leads(self) -> bool:
+        """Whether it stands directly below the verdict, above the matrix of the models."""
+        return self.title == CROSS_VALIDATION
 
     @property
     def of_legs(self) -> bool:

@@ -15,7 +15,7 @@ from report_sample import CONVERGENCE, PIXEL, drawn, measured, never, sample_out
 from validation.adequacy.matrix import ADEQUACY, MEASURED
 from validation.case import Absolute, Allowance, Relation
 from validation.drawing import text
-from validation.exhibits import Figure, InteractiveScene, study_record
+from validation.exhibits import AGREEMENT, PATH, Figure, InteractiveScene, study_record
 from validation.report import sections
 from validation.report.figures.budgets import budget_curves, budget_figure
 from validation.report.figures.studies import families, family_of, study_figure
@@ -263,3 +263,14 @@ def test_plots_have_ids_of_their_own_and_equal_studies_give_equal_files(undrawn)
     assert not ids[0] & ids[1]
     used = re.findall(r'(?:href="#|url\(#)([^")]+)', text.inline_svg(first))
     assert set(used) <= ids[0]
+
+
+def test_cross_validation_leads_the_page_unfolded():
+    """Directly below the verdict, above the matrix of the models."""
+    outcome = measured("agrees", 1.0, 1.0, section=AGREEMENT)
+    other = measured("robot", 1.0, 1.0, section=PATH)
+    first, second = chapters_of([other, outcome], [], plotted=False)
+    assert first.leads
+    assert not first.folded
+    assert first.title == "Cross-validation"
+    assert not second.leads
