@@ -150,7 +150,8 @@ def _stated_error(context: Context, body: str, model: RefinedModel) -> Measureme
 )
 def _half_width(context: Context, body: str, model: RefinedModel) -> Measurement:
     series = study_of(context, body).of(model)
-    fine = [place for place, count in enumerate(series.counts) if count >= _FINE]
+    # The first count has no half-width.
+    fine = [place for place, count in enumerate(series.counts) if place and count >= _FINE]
     shares = np.abs(series.errors[fine]) / series.half_widths[fine]
     worst = int(np.argmax(shares.max(axis=0)))
     return Measurement(

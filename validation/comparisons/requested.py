@@ -13,7 +13,7 @@ from validation.comparisons.element_convergence import COUNTS, leg_convergence, 
 from validation.comparisons.mesh_convergence import DIVISIONS, leg_mesh_convergence
 from validation.comparisons.readings import FORMULATIONS, RefinedModel
 from validation.models.parts import is_leg
-from validation.models.stepped_parts import stepped
+from validation.models.stepped_parts import PIECES, stepped
 
 # Elements per leg are solved densely.
 _MOST_ELEMENTS = 200
@@ -40,7 +40,15 @@ def convergence(
             mechanism.name, str(body), equivalent_leg(leg), divisions=divisions or DIVISIONS
         )
     readings = [one for one in FORMULATIONS if model in (None, one.model)]
-    counts = elements or COUNTS
+    counts = tuple(elements or COUNTS)
+    if body in mechanism.parts or (body is None and mechanism.parts):
+        # Each prismatic piece has whole elements; the literal layout is about one prism.
+        readings = [one for one in readings if one.layout != "literal"]
+        counts = tuple(count for count in counts if count % PIECES == 0)
+        if not counts:
+            raise InputError(
+                f"elements: CAD parts are legs of {PIECES} pieces; must have a multiple of {PIECES}"
+            )
     if body is None:
         return robot_convergence(middle_posture(mechanism), readings, counts)
     return leg_convergence(mechanism.name, body, _leg(mechanism, body), readings, counts)

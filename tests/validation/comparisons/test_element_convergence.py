@@ -7,6 +7,7 @@ both gives them.
 
 from dataclasses import replace
 from functools import partial
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -240,6 +241,18 @@ def test_robots_have_formal_orders(robot):
         assert len(shown) >= 3
         np.testing.assert_allclose(shown, series.formal_order, atol=tolerance)
         require_true_half_widths(series)
+
+
+@EXHAUSTIVE
+@pytest.mark.parametrize("body", ["leg1", None])
+def test_legs_of_cad_parts_converge_in_prismatic_pieces(body):
+    """Ten pieces have one to eight segments each: second order, whole elements alone."""
+    path = Path(__file__).parents[3] / "examples" / "tapered-biglide" / "robot.toml"
+    study = convergence(load_robot(path).mechanism, body=body)
+    series = study.of("segments")
+    assert series.counts == (10, 20, 30, 40, 80)
+    np.testing.assert_allclose(series.orders[:4], 2.0, atol=0.05)
+    assert [one.reading.layout for one in study.series] == ["half", "half"]
 
 
 def test_fitted_order_is_the_slope_of_a_power_law():
