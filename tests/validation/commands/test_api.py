@@ -45,6 +45,16 @@ def test_the_matrix_is_that_of_a_run(tmp_path):
     assert finished.matrix.formulation.robot == "equivalent legs"
 
 
+def test_run_counts_its_verdicts_and_names_its_page(tmp_path):
+    """Three comparisons of the beam elements of leg 1, all of which agree."""
+    finished = api.run(
+        "ifw", out=tmp_path / "run", preset="quick", only="leg1.converged?beam*", jobs=1
+    )
+    assert (finished.exit_code, finished.verdicts) == (0, {"agree": 3})
+    assert finished.report == tmp_path / "run" / "report.html"
+    assert "<!DOCTYPE html>" in finished.report.read_text(encoding="utf-8")
+
+
 def test_a_wrong_name_is_an_input_error_that_lists_the_right_ones(judged):
     for model, quantity, said in (
         ("bem", "x", 'model "bem" is not judged; there are simplified'),
