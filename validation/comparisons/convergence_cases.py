@@ -45,12 +45,12 @@ def subjects(mechanism: Mechanism) -> tuple[str, ...]:
 def study_of(context: Context, body: str) -> ConvergenceStudy:
     """The convergence study of a leg, or of the whole robot for "".
 
-    Raises Skip, with the reason, for a leg without a beam theory.
+    Raises Skip, with the reason, if the elements of a leg cannot be made or solved.
     """
     try:
         return context.get(_study, context.robot_file.mechanism, body)
     except (ComputationError, InputError) as error:
-        raise Skip(f"no beam theory of the legs: {error}") from error
+        raise Skip(f"the elements cannot be solved: {error}") from error
 
 
 def _study(mechanism: Mechanism, body: str) -> ConvergenceStudy:

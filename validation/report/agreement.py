@@ -1,13 +1,20 @@
 """Table of one leg by all formulations: values of the solid, and differences from them."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from validation.drawing.text import number, percent
 from validation.exhibits import STATED
 from validation.results.outcome import Outcome, Verdict
 
-MARKS = {"agree": "✓", "disagree": "✗", "undecided": "?", "failed": "!", "skipped": "–"}
+# Of verdicts on comparisons, wherever the page shows one.
+MARKS: Mapping[Verdict, str] = {
+    "agree": "✓",
+    "disagree": "✗",
+    "undecided": "?",
+    "failed": "!",
+    "skipped": "–",
+}
 # Shares of a value below this are not shown among the explained ones.
 _NOTHING = 5e-5
 _MODELS = {

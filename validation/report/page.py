@@ -15,6 +15,7 @@ from validation.adequacy.matrix import Matrix
 from validation.drawing import text
 from validation.drawing.turnable import viewer
 from validation.exhibits import PORTRAIT, Figure
+from validation.report.agreement import MARKS
 from validation.report.first_screen import FirstScreen, first_screen
 from validation.report.sections import Chapter, chapters_of
 from validation.results.gathered import Results
@@ -159,13 +160,7 @@ def _templates() -> Environment:
         "unbroken": _unbroken,
         "rows": lambda columns: zip(*columns.values(), strict=True),
     }
-    environment.globals["mark"] = {
-        "agree": "✓",
-        "disagree": "✗",
-        "undecided": "?",
-        "failed": "!",
-        "skipped": "–",
-    }
+    environment.globals["mark"] = MARKS
     environment.tests["nan"] = lambda value: isinstance(value, float) and isnan(value)
     return environment
 
