@@ -7,6 +7,7 @@ One made-up robot with known errors (toy_subject) is judged through the API, the
 import inspect
 from dataclasses import replace
 from importlib.metadata import entry_points
+from itertools import groupby
 from pathlib import Path
 
 import pytest
@@ -147,6 +148,35 @@ def test_within_and_accept_of_the_fixture(in_folder, pytester):
     ):
         assert (outcomes[f"{test}[below]"], outcomes[f"{test}[above]"]) == ("failed", "passed")
         assert told in in_folder.said[f"{test}[below]"]
+
+
+def test_path_of_fixture_counts_from_the_test(in_folder, pytester):
+    """The folder of the session has another robot of this name, with a limit that is missed."""
+    folder = pytester.mkdir("lower")
+    (folder / "mine.toml").write_text(
+        f"{load_robot('ifw').text}\n[accept]\ndeflection = {ABOVE * ERROR}\n", encoding="utf-8"
+    )
+    test = "def test_x(flexproof):\n    flexproof('mine.toml').assert_adequate('beam', 'x')\n"
+    for place in (pytester.path / "test_upper.py", folder / "test_lower.py"):
+        place.write_text(test, encoding="utf-8")
+    limit = f"deflection = {BELOW * ERROR}"
+    assert in_folder(limit, "test_upper.py") == {"test_x": "failed"}
+    assert in_folder(limit, "lower") == {"test_x": "passed"}
+
+
+def test_robots_of_one_name_are_judged_each(in_folder, pytester, computed):
+    """Robot and file have the same name twice; each is judged once, however many tests take it."""
+    heavier = load_robot("ifw").text.replace("mass = 46.0", "mass = 47.0")
+    (pytester.mkdir("other") / "mine.toml").write_text(heavier, encoding="utf-8")
+    pytester.makepyfile(
+        "import pytest\n"
+        "@pytest.mark.parametrize('robot', ['mine.toml', 'other/mine.toml', './mine.toml'])\n"
+        "def test_f1(flexproof, robot):\n"
+        "    flexproof(robot).assert_adequate('beam', 'f1')\n"
+    )
+    assert set(in_folder("").values()) == {"passed"}
+    masses = (context.robot_file.tables["platform"]["mass"] for context in computed)
+    assert [mass for mass, _ in groupby(masses)] == [46.0, 47.0]
 
 
 @pytest.mark.parametrize(
