@@ -23,6 +23,10 @@ Ends: TypeAlias = Literal["rigid", "free"]
 _MOST_POISSON = 0.999
 
 
+class NoBeamTheoryError(ComputationError):
+    """A section has no stable Timoshenko beam: its shear coefficient is negative."""
+
+
 @dataclass(frozen=True)
 class Material:
     """Linear elastic material with cubic symmetry along the leg's axes; isotropic if G = E/2(1+ν).
@@ -117,12 +121,12 @@ class ConstantLeg:
     def timoshenko(self) -> BeamProperties:
         """Beam properties with shear deformation and rotary inertia, textbook section constants.
 
-        Raises ComputationError where the section's κ is negative at this ν: no such beam is stable.
+        Raises NoBeamTheoryError if the section's κ is negative at this ν: no such beam is stable.
         """
         section, material = self.section, self.material
         kappas = section.shear_coefficients(material.shear_nu)
         if min(kappas) < 0.0:
-            raise ComputationError(
+            raise NoBeamTheoryError(
                 f"{self.name or 'leg'}, {section.shape}: the shear stiffness κGA = "
                 f"{min(kappas) * material.G * section.area:.3g} N is negative; the formula of κ "
                 f"does not hold for this section and ν = {material.nu:g}; use Euler–Bernoulli"

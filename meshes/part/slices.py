@@ -30,6 +30,10 @@ _EDGE = 0.7
 _SECONDS = 120.0
 
 
+class NotPrismaticError(InputError):
+    """A part has a section that is none of a prism."""
+
+
 @dataclass(frozen=True, eq=False)
 class Slice:
     """One piece of a section: its outer outline and its holes (n×2 each, m, in the plane)."""
@@ -66,14 +70,16 @@ def slices_of(nodes: Array, facets: Facets, origin: Array, axes: Array) -> list[
     """The pieces of a section, the one nearest to `origin` (3, m) first.
 
     The plane is that through `origin` across the first column of `axes` (3×3); outlines are in the
-    other two. `facets`: the whole boundary on `nodes`. Raises InputError where the plane misses.
+    other two. `facets`: the boundary on `nodes`. Raises NotPrismaticError if the plane misses it.
     """
     from matplotlib.path import Path as Outline  # noqa: PLC0415  slow to import, and makes folders
 
     loops = [loop for loop in _loops(nodes, facets, origin, axes) if _moments(loop)[0] > 0.0]
     if not loops:
         x, y, z = origin
-        raise InputError(f"the plane through ({x:.4g}, {y:.4g}, {z:.4g}) m does not cut the part")
+        raise NotPrismaticError(
+            f"the plane through ({x:.4g}, {y:.4g}, {z:.4g}) m does not cut the part"
+        )
     inside = [
         [Outline(other).contains_point(loop[0]) for other in loops if other is not loop]
         for loop in loops

@@ -6,8 +6,9 @@ its own for each leg and for the robot, beside the order and the half-width of t
 
 import numpy as np
 
-from lumped.errors import ComputationError, InputError
+from lumped.legs import NoBeamTheoryError
 from lumped.mechanism.mechanism import Mechanism
+from meshes.part.slices import NotPrismaticError
 from validation.adequacy.mechanism.path import distinct_legs
 from validation.case import Absolute, Elsewhere, Measurement, Relation, Skip
 from validation.case_group import CaseGroup
@@ -45,16 +46,21 @@ def subjects(mechanism: Mechanism) -> tuple[str, ...]:
 def study_of(context: Context, body: str) -> ConvergenceStudy:
     """The convergence study of a leg, or of the whole robot for "".
 
-    Raises Skip, with the reason, if the elements of a leg cannot be made or solved.
+    Raises Skip, with the reason, if a leg has no beam theory or a CAD part no prismatic sections.
+    Any other error is a fault and stays one.
     """
+    study = context.get(_study, context.robot_file.mechanism, body)
+    if isinstance(study, str):
+        raise Skip(study)
+    return study
+
+
+def _study(mechanism: Mechanism, body: str) -> ConvergenceStudy | str:
+    """The study, or the reason why beams do not apply."""
     try:
-        return context.get(_study, context.robot_file.mechanism, body)
-    except (ComputationError, InputError) as error:
-        raise Skip(f"the elements cannot be solved: {error}") from error
-
-
-def _study(mechanism: Mechanism, body: str) -> ConvergenceStudy:
-    return convergence(mechanism, body=body or None)
+        return convergence(mechanism, body=body or None)
+    except (NoBeamTheoryError, NotPrismaticError) as error:
+        return f"no beam elements: {error}"
 
 
 cases = CaseGroup(

@@ -15,7 +15,7 @@ from lumped.mechanism.mechanism import Mechanism
 from lumped.memo import memo
 from lumped.screws import shift, skew
 from meshes.part.boundary import Facets, PartMesh, boundary
-from meshes.part.slices import slice_meshes, slices_of
+from meshes.part.slices import NotPrismaticError, slice_meshes, slices_of
 from meshes.part.spread import cell_volumes
 from meshes.section.section_mesh import SectionMesh
 from validation.models import parts
@@ -40,8 +40,8 @@ _MEASURES = ("area", "area inside the outline", "second moment of area", "second
 def stepped(body: Body, pieces: int = PIECES) -> SteppedLeg:
     """A part of two interfaces in so many pieces, leg axes.
 
-    Raises InputError where the interfaces leave nothing between them, a plane misses the part, or a
-    section is none of a prism.
+    Raises NotPrismaticError if the interfaces leave nothing between them, a plane misses the part,
+    or a section is none of a prism.
     """
     file, interfaces = parts.found_in(body)
     material = parts.shape_of(body).material
@@ -58,14 +58,16 @@ def stepped(body: Body, pieces: int = PIECES) -> SteppedLeg:
         ]
         begin, end = float(reach[0].max()), float(reach[1].min())
         if begin >= end:
-            raise InputError(
+            raise NotPrismaticError(
                 f"bodies.{body.name}: its interfaces overlap along the line between them, nothing "
                 'is left for pieces; take "condensed"'
             )
         try:
             return _fitted(mesh, own, (begin, end), pieces, material)
         except InputError as error:
-            raise InputError(f"bodies.{body.name}: {fault}" for fault in error.faults) from error
+            # The class is kept: a part that is no prism is no fault of the program or of the file.
+            kind = type(error)
+            raise kind(f"bodies.{body.name}: {fault}" for fault in error.faults) from error
 
     def read(found: Arrays) -> SteppedLeg:
         length = float(np.linalg.norm(np.subtract(*(i.point for i in reversed(interfaces)))))
@@ -139,7 +141,7 @@ def _fitted(
 
 
 def _require_prisms(own: Array, facets: Facets, line: Array) -> None:
-    """Raise InputError where a section is in pieces, or comes and goes within its own size.
+    """Raise NotPrismaticError if a section is in pieces, or comes and goes within its own size.
 
     An opening of either kind makes two beams side by side of one: bent apart, they are much softer
     than as one section and much stiffer than either alone. Ribs are no harm but to a piece that
@@ -160,7 +162,7 @@ def _require_prisms(own: Array, facets: Facets, line: Array) -> None:
             middle = start + share * (end - start)
             piece, *others = slices_of(own, facets, middle, axes)
             if others:
-                raise InputError(
+                raise NotPrismaticError(
                     f"its section {middle[0]:.4g} m from the first interface falls into "
                     f'{1 + len(others)} pieces, side by side no prism; take "condensed"'
                 )
@@ -178,7 +180,7 @@ def _require_prisms(own: Array, facets: Facets, line: Array) -> None:
         stronger = value / np.max([side.min(axis=0) for side in sides], axis=0)
         for factors, word in ((weaker, "smaller"), (stronger * middles[k], "larger")):
             if factors.max() > _FAR:
-                raise InputError(
+                raise NotPrismaticError(
                     f"its section {places[k][1]:.4g} m from the first interface has a "
                     f"{_MEASURES[factors.argmax()]} {factors.max():.3g} times {word} than those "
                     f'nearer than {0.5 * sizes[k]:.3g} m on both sides, no prism; take "condensed"'

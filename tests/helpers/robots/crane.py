@@ -39,6 +39,16 @@ count = 2
 """
 
 
+# A robot of one arm like the crane, whose bores reach into each other.
+OVERLAPPING = (
+    ROBOT.replace("A = [0.0, 0.0, 0.0]", "A = [0.0, 0.0, -0.002]")
+    .replace("B = [0.4, 0.0, 0.0]", "B = [0.035, 0.0, 0.002]")
+    .replace('step = "arm.step"', 'mesh = "block.msh"\nunit = "mm"')
+    .replace("radius = 0.016", "radius = 0.030")
+    .replace("to = [0.3]\ncount = 2", "to = [0.0]\ncount = 1")
+)
+
+
 def write_crane(folder: Path) -> Path:
     """arm.step, which tapers from 120 to 25 mm, 40 mm high, and robot.toml, in `folder`."""
 
@@ -68,3 +78,18 @@ def write_meshed_crane(folder: Path) -> Path:
     step.unlink()
     robot.write_text(ROBOT.replace('step = "arm.step"', 'mesh = "arm.msh"\nunit = "mm"'), "utf-8")
     return robot
+
+
+def write_overlapping_crane(folder: Path) -> None:
+    """block.msh and robot.toml: a wide blind bore from below reaches over a narrow one from above.
+
+    Nothing of the arm lies between its interfaces.
+    """
+
+    def draw(occ: Any) -> None:
+        below, above = (0, 0, -50, 0, 0, 40, 30), (35, 0, 10, 0, 0, 40, 10)
+        bores = [(3, occ.addCylinder(*one)) for one in (below, above)]
+        occ.cut([(3, occ.addBox(-60, -60, -50, 140, 120, 100))], bores)
+
+    meshed(folder / "block.msh", draw, 30.0, 12.0)
+    (folder / "robot.toml").write_text(OVERLAPPING, "utf-8")

@@ -8,17 +8,28 @@ from functools import cache
 
 import numpy as np
 import pytest
+from crane import write_overlapping_crane
+from one_arm import ONE_ARM
+from written_robot import robot_of
 
+from lumped.errors import ComputationError, InputError
 from lumped.robot_file import load_robot
+from validation.case import Skip
 from validation.cli import main
-from validation.comparisons import convergence_cases
+from validation.comparisons import convergence_cases, element_convergence
 from validation.comparisons.convergence_cases import cases, study_of, subjects
-from validation.comparisons.convergence_figure import element_convergence
+from validation.comparisons.convergence_figure import element_convergence as figure_of
 from validation.comparisons.convergence_study import fitted_orders
 from validation.comparisons.readings import FORMULATIONS
 from validation.context import Context, memo_key
 from validation.results.outcome import judge
 
+PATH = """
+[path]
+from = [0.0]
+to = [0.0]
+count = 1
+"""
 BIGLIDE = load_robot("ifw")
 
 
@@ -99,9 +110,55 @@ def test_half_widths_too_narrow_disagree():
     assert verdict_with(study, "leg1.converged[beam-half-width]") == "disagree"
 
 
+def outcomes_of(robot_file, body):
+    """Value or exception of each case on a body."""
+    context = Context(robot_file)
+    for case in cases(bodies=(body,)):
+        try:
+            yield case.compute(context)
+        except Exception as error:  # noqa: BLE001  the class is what is tested
+            yield error
+
+
+def test_error_of_a_study_is_a_fault_and_no_skip(monkeypatch):
+    def broken(*_):
+        raise ComputationError("leg1: its matrices are lost in rounding")
+
+    monkeypatch.setattr(element_convergence, "leg_matrices", broken)
+    assert {type(one) for one in outcomes_of(BIGLIDE, "leg1")} == {ComputationError}
+
+    def refused(*_):
+        raise InputError("elements = 20: not a number of elements")
+
+    monkeypatch.setattr(element_convergence, "leg_matrices", refused)
+    assert {type(one) for one in outcomes_of(BIGLIDE, "leg1")} == {InputError}
+
+
+@pytest.mark.parametrize("body", ["arm", ""])
+def test_leg_without_beam_theory_is_skipped_with_reason(tmp_path, body):
+    """Cowper's κ of a wide I of an auxetic material is negative."""
+    wide = ONE_ARM.replace(
+        'shape = "rectangle", width = 0.06, height = 0.04',
+        'shape = "i-section", width = 0.069, height = 0.01, flange = 0.001, web = 0.001',
+    ).replace("nu = 0.0", "nu = -0.9")
+    robot = robot_of(wide + PATH, tmp_path)
+    skips = list(outcomes_of(robot, body))
+    assert {type(one) for one in skips} == {Skip}
+    assert all("shear stiffness" in str(one) for one in skips)
+
+
+@pytest.mark.usefixtures("coarse_parts")
+def test_part_without_prismatic_sections_is_skipped_with_reason(tmp_path):
+    write_overlapping_crane(tmp_path)
+    robot = load_robot(tmp_path / "robot.toml")
+    skips = list(outcomes_of(robot, "arm"))
+    assert {type(one) for one in skips} == {Skip}
+    assert all("interfaces overlap" in str(one) for one in skips)
+
+
 def test_figure_and_studies_show_every_subject():
     context = Context(BIGLIDE)
-    figure = element_convergence(context)
+    figure = figure_of(context)
     rows = list(csv.DictReader(io.StringIO(figure.data)))
     assert "leg1" in figure.caption
     assert "+0.0089\N{NO-BREAK SPACE}% (2, 6, 19)" in figure.caption

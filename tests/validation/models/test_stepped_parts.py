@@ -6,10 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from compliances import scaled_difference
-from crane import ROBOT as CRANE
+from crane import write_overlapping_crane
 from drawn_parts import meshed, plane_ends, written
 from scipy.integrate import quad
-from written_robot import robot_of
 
 from lumped.errors import InputError
 from lumped.legs import Material
@@ -73,25 +72,9 @@ def test_a_channel_twists_about_its_shear_centre_as_its_solid_does(tmp_path):
     assert abs(wrong[3, 2]) > 5.0 * abs(off(leg)[3, 2])
 
 
-# A robot of one arm like the crane, whose bores reach into each other.
-OVERLAPPING = (
-    CRANE.replace("A = [0.0, 0.0, 0.0]", "A = [0.0, 0.0, -0.002]")
-    .replace("B = [0.4, 0.0, 0.0]", "B = [0.035, 0.0, 0.002]")
-    .replace('step = "arm.step"', 'mesh = "block.msh"\nunit = "mm"')
-    .replace("radius = 0.016", "radius = 0.030")
-    .replace("to = [0.3]\ncount = 2", "to = [0.0]\ncount = 1")
-)
-
-
 def test_what_cannot_be_stepped_is_told_and_judged_without(tmp_path):
-    # A wide blind bore from below reaches over a narrow one from above: nothing is between them.
-    def draw(occ):
-        below, above = (0, 0, -50, 0, 0, 40, 30), (35, 0, 10, 0, 0, 40, 10)
-        bores = [(3, occ.addCylinder(*one)) for one in (below, above)]
-        occ.cut([(3, occ.addBox(-60, -60, -50, 140, 120, 100))], bores)
-
-    meshed(tmp_path / "block.msh", draw, 30.0, 12.0)
-    mechanism = robot_of(OVERLAPPING, tmp_path).mechanism
+    write_overlapping_crane(tmp_path)
+    mechanism = load_robot(tmp_path / "robot.toml").mechanism
     at = posture(mechanism, mechanism.poses[0])
     why = why_unable((at,), JUDGED["segments-stepped"])
     assert why.startswith("bodies.arm: its interfaces overlap along the line between them")
