@@ -23,6 +23,9 @@ class Extra:
 # By the names in pyproject.toml.
 EXTRAS: Mapping[str, Extra] = {
     "cluster": Extra(("dask", "distributed"), "--cluster"),
+    "docs": Extra(
+        ("sphinx", "myst_parser", "pydata_sphinx_theme", "sphinx_gallery"), "the command docs"
+    ),
     "exudyn": Extra(("exudyn",), "comparisons with EXUDYN, scripts of export --to exudyn"),
     "hammer": Extra(("pyuff", "sdypy"), "--measured with a universal file (.uff, .unv)"),
     "nastran": Extra(("pyyeti", "pandas"), "export --to nastran"),

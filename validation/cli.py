@@ -25,6 +25,7 @@ from lumped.robots import FIRST_TYPE, RobotType
 from lumped.text import shortened, visible
 from validation.comparisons.command import converge
 from validation.console import streams
+from validation.console.docs import docs
 from validation.console.extras import extras
 from validation.console.streams import complain, say
 from validation.console.typed import (
@@ -51,6 +52,7 @@ app = App(
     default_parameter=Parameter(negative=(), show_default=lambda value: value or None),
 )
 app.command(converge)
+app.command(docs)
 app.command(extras)
 app.command(commands.faces)
 app.command(kinematics.kinematics)

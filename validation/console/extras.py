@@ -26,7 +26,7 @@ def extras(*names: str) -> int:
     Parameters
     ----------
     names
-        cluster, exudyn, hammer, nastran; several at once are allowed.
+        cluster, docs, exudyn, hammer, nastran; several at once are allowed.
     """
     if not names:
         width = max(map(len, EXTRAS))

@@ -110,7 +110,7 @@ def test_extras_are_listed_and_names_checked(command, monkeypatch):
     listed = command.told("extras").splitlines()
     assert [line.split()[0] for line in listed] == list(EXTRAS)
     said = command.refused("extras", "nastrn")
-    assert 'must be of cluster, exudyn, hammer, nastran; did you mean "nastran"?' in said
+    assert 'must be of cluster, docs, exudyn, hammer, nastran; did you mean "nastran"?' in said
     monkeypatch.setattr(sys, "prefix", "/usr")
     assert "pip install '.[hammer]'" in command.refused("extras", "hammer")
 

@@ -1,0 +1,52 @@
+"""Documentation site: `./flexproof docs` builds it with Sphinx."""
+
+import sys
+from importlib import metadata
+from pathlib import Path
+
+from pygments.lexers.special import TextLexer
+from sphinx.application import Sphinx
+
+DOCS = Path(__file__).parent
+sys.path[:0] = [str(DOCS.parent), str(DOCS / "_ext")]
+
+project = "flexproof"
+author = "the flexproof developers"
+version = release = metadata.version("flexproof")
+extensions = [
+    "mathml",
+    "myst_parser",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.napoleon",
+    "sphinx_copybutton",
+]
+source_suffix = {".md": "markdown"}
+exclude_patterns = ["_build", "examples", "pictures"]
+
+myst_enable_extensions = ["dollarmath", "colon_fence"]
+# Pages link to headings by their slugs, as code hosts do.
+myst_heading_anchors = 4
+
+autodoc_typehints = "description"
+autodoc_member_order = "bysource"
+html_math_renderer = "mathml"
+
+html_theme = "pydata_sphinx_theme"
+html_title = "flexproof"
+html_theme_options = {
+    "navbar_align": "left",
+    "navbar_end": ["theme-switcher"],
+    "show_nav_level": 2,
+    "show_prev_next": True,
+    "footer_start": [],
+    "footer_end": [],
+}
+html_show_sourcelink = False
+html_copy_source = False
+copybutton_prompt_text = "$ "
+copybutton_only_copy_prompt_lines = True
+
+
+def setup(app: Sphinx) -> None:
+    """Show tables of comma-separated values, for which Pygments has no lexer, as they are."""
+    app.add_lexer("csv", TextLexer)

@@ -1,0 +1,123 @@
+"""The documentation site builds without a warning, reads offline, and its search finds pages."""
+
+import json
+import re
+import subprocess
+import sys
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+
+from validation.console import docs
+from validation.console.docs import MARK
+
+
+class Addresses(HTMLParser):
+    """Addresses that a page loads by itself, and those that it links to."""
+
+    def __init__(self):
+        super().__init__()
+        self.loaded, self.linked, self.anchors = [], [], set()
+
+    def handle_starttag(self, tag, attrs):
+        attributes = dict(attrs)
+        if "id" in attributes:
+            self.anchors.add(attributes["id"])
+        if tag == "a" and "href" in attributes:
+            self.linked.append(attributes["href"])
+        elif tag in {"script", "img", "iframe"} and "src" in attributes:
+            self.loaded.append(attributes["src"])
+        elif tag == "link" and "href" in attributes:
+            self.loaded.append(attributes["href"])
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory):
+    """Pages of the site by file, as parsed addresses."""
+    folder = tmp_path_factory.mktemp("site")
+    program = "import sys; from validation.cli import main; sys.exit(main(sys.argv[1:]))"
+    line = [sys.executable, "-c", program, "docs", "--out", str(folder)]
+    done = subprocess.run(line, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    pages = {}
+    for file in folder.rglob("*.html"):
+        pages[file] = page = Addresses()
+        page.feed(file.read_text("utf-8"))
+    return folder, pages
+
+
+@pytest.mark.exhaustive
+def test_site_has_a_page_for_each_page_of_the_guide(site):
+    folder, pages = site
+    guide = {file.stem for file in (docs.SOURCES / "guide").glob("*.md")}
+    assert {page.stem for page in pages if page.parent == folder / "guide"} == guide
+
+
+@pytest.mark.exhaustive
+def test_site_loads_nothing_from_the_network(site):
+    _, pages = site
+    for file, page in pages.items():
+        assert page.loaded, file
+        for address in page.loaded:
+            assert not re.match(r"(\w+:)?//", address), (file, address)
+
+
+@pytest.mark.exhaustive
+def test_links_of_the_site_lead_to_files_and_anchors(site):
+    _, pages = site
+    checked = 0
+    for file, page in pages.items():
+        for address in page.linked:
+            target, _, anchor = address.partition("#")
+            if "://" in target or address == "#":
+                continue
+            reached = (file.parent / target).resolve() if target else file
+            assert reached.is_file(), (file, address)
+            if anchor and reached in pages:
+                assert anchor in pages[reached].anchors, (file, address)
+            checked += 1
+    assert checked > 500
+
+
+@pytest.mark.exhaustive
+@pytest.mark.parametrize(
+    ("terms", "page"),
+    [
+        ("element count", "guide/convergence"),
+        ("hammer", "guide/measured"),
+        ("buckling", "guide/loads"),
+        ("torsion warp", "guide/theory"),
+        ("nastran", "guide/export"),
+    ],
+)
+def test_search_finds_the_page_of_a_question(site, terms, page):
+    folder, _ = site
+    text = (folder / "searchindex.js").read_text("utf-8")
+    index = json.loads(text.removeprefix("Search.setIndex(").removesuffix(")"))
+    from snowballstemmer import stemmer  # noqa: PLC0415  installed with the extra alone
+
+    for term in terms.split():
+        stem = stemmer("english").stemWord(term)
+        hits = [index[kind].get(stem, []) for kind in ("terms", "titleterms")]
+        pages = {hit for found in hits for hit in ([found] if isinstance(found, int) else found)}
+        assert page in {index["docnames"][hit] for hit in pages}
+
+
+def test_folder_of_another_kind_is_refused(command, tmp_path):
+    (tmp_path / "notes.txt").write_text("mine", "utf-8")
+    assert "is no earlier site" in command.refused("docs", "--out", str(tmp_path))
+    assert [file.name for file in tmp_path.iterdir()] == ["notes.txt"]
+
+
+def test_earlier_site_is_not_refused(tmp_path, monkeypatch):
+    (tmp_path / MARK).write_text("", "utf-8")
+    calls = []
+    monkeypatch.setattr("sphinx.cmd.build.build_main", lambda options: calls.append(options) or 0)
+    assert docs.docs(out=tmp_path) == 0
+    assert calls[0][-1] == str(tmp_path)
+
+
+def test_missing_sources_are_reported(command, monkeypatch):
+    monkeypatch.setattr(docs, "SOURCES", Path("/nonexistent-sources"))
+    assert re.search("in a clone of the sources", command.refused("docs"))

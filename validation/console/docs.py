@@ -1,0 +1,42 @@
+"""The command `docs`: the documentation site, built by Sphinx from docs/."""
+
+import sys
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from fem.extras import require_extra
+from lumped.errors import ComputationError, InputError
+from validation.console.streams import mention
+
+SOURCES = Path(__file__).resolve().parents[2] / "docs"
+# Sphinx writes it into each folder that it builds.
+MARK = ".buildinfo"
+
+
+def docs(*, out: Annotated[Path, Parameter(show_default=True)] = Path("site")) -> int:
+    """Build the documentation site: static pages with search, read offline in any browser.
+
+    Parameters
+    ----------
+    out
+        Folder for the pages. A folder that contains anything but an earlier site is refused.
+    """
+    if not (SOURCES / "conf.py").is_file():
+        raise InputError("docs: the site is built in a clone of the sources, which has docs/")
+    require_extra("docs", "docs")
+    if out.exists() and not (out.is_dir() and (not any(out.iterdir()) or (out / MARK).is_file())):
+        raise InputError(f"docs: {out} exists and is no earlier site; choose another --out")
+    # Sphinx takes half a second to import.
+    from sphinx.cmd.build import build_main  # noqa: PLC0415
+
+    with TemporaryDirectory() as doctrees:
+        options = ["--fail-on-warning", "--keep-going", "--quiet", "--doctree-dir", doctrees]
+        failed = build_main([*options, "--builder", "html", str(SOURCES), str(out)])
+    sys.stdout.flush()
+    if failed:
+        raise ComputationError("docs: Sphinx reports warnings or errors (above)")
+    mention(f"{out / 'index.html'} written")
+    return 0
