@@ -145,7 +145,10 @@ def _by(entries: Sequence[Entry]) -> str:
 
 
 def models_to_use(matrix: Matrix) -> list[tuple[str, set[str]]]:
-    """The fewest models that are adequate for all that any is adequate for, the simplest first."""
+    """Models that together are adequate for all that any is adequate for, with what each is for.
+
+    In turn the model that is adequate for most of what is left, the simplest of equals.
+    """
     fitting = {
         note.model: {e.quantity for e in matrix.of_model(note.model) if e.verdict == "adequate"}
         for note in matrix.models

@@ -4,6 +4,7 @@ import re
 from dataclasses import replace
 from html import unescape
 
+import numpy as np
 import pytest
 from report_sample import entry, sample_matrix, sample_report
 
@@ -15,7 +16,7 @@ from validation.report.page import render
 from validation.report.remedies import remedies_of
 from validation.report.sections import LEGS
 from validation.report.table import table_of
-from validation.report.words import sentence, supposition
+from validation.report.words import models_to_use, sentence, supposition
 
 pytestmark = pytest.mark.usefixtures("undrawn")
 
@@ -102,6 +103,30 @@ def test_the_sentence_answers_what_was_asked(rely, matrix, expected):
     if rely.split()[:1] == [expected.partition(":")[0]]:
         expected = f"You rely on {expected}. You accept {accepted}."
     assert plain(sentence(matrix, rely.split())) == expected
+
+
+@pytest.mark.timeout(60)  # It takes less than a second; a loop that finds no model is endless.
+@pytest.mark.parametrize("seed", range(20))
+def test_models_to_use_share_what_is_adequate(seed):
+    """In turn the model that is adequate for most of what is left, the simplest of equals."""
+    draw = np.random.default_rng(seed)
+    names = ("simplified", "vjm", "links", "segments", "beam")
+    quantities = ("x", "y", "z", "phi_x", "f1", "f2", "order")
+    adequate = draw.random((len(names), len(quantities))) < 0.3
+    verdicts = np.where(adequate, "adequate", "inadequate")
+    matrix = matrix_of(
+        *(
+            entry(model, quantity, 0.2, verdict=str(verdicts[m, q]))
+            for m, model in enumerate(names)
+            for q, quantity in enumerate(quantities)
+        )
+    )
+    left, chosen = adequate.copy(), []
+    while left.any():
+        best = int(left.sum(axis=1).argmax())
+        chosen.append((names[best], {quantities[q] for q in np.flatnonzero(left[best])}))
+        left[:, left[best]] = False
+    assert models_to_use(matrix) == chosen
 
 
 def test_second_theories_and_models_that_lack_motions_are_folded_unless_told_of():

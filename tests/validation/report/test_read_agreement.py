@@ -1,0 +1,198 @@
+"""Table and sentences on the formulations of each leg, read back and compared with the outcomes.
+
+Outcomes are drawn at random; each cell, value of the solid, explanation and sentence is parsed as a
+reader would, so that another factor, sign, unit or another outcome's number differs.
+"""
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from report_sample import measured, unmeasured
+
+from validation.case import Allowance, Relative
+from validation.exhibits import STATED
+from validation.report.agreement import (
+    agreement_sentence,
+    agreement_tables,
+    convergence_sentence,
+)
+from validation.results.outcome import judge
+
+MODELS = {"vjm": "VJM", "links": "Links", "segments": "Segments (20)", "beam": "Beam FE (20)"}
+# Unit of the case, load of the table and its unit.
+QUANTITIES = {
+    "x": ("m/N", 1000.0, 1e-6, "µm"),
+    "φz": ("rad/(N m)", 100.0, 1e-6, "µrad"),
+    "f2": ("Hz", 1.0, 1.0, "Hz"),
+}
+MARKS = {"agree": "✓", "disagree": "✗", "undecided": "?", "failed": "!", "skipped": "–"}
+CAUSES = ("held end faces", "distortion of the section")
+TOLERANCE = 0.01
+# Shares below a half of the last digit shown, 0.01 %, are not shown.
+SHOWN = 5e-5
+NUMBER = r"[+−]?\d+\.\d\d"
+
+
+def drawn_outcomes(seed):
+    """Outcomes of two legs: most agree, some are off, uncertain, skipped or failed."""
+    draw = np.random.default_rng(seed)
+    outcomes = []
+    for body in ("leg1", "leg2"):
+        for label, (unit, *_) in QUANTITIES.items():
+            reference = float(10.0 ** draw.uniform(-8.0, -5.0) if unit != "Hz" else 120.0)
+            for model in MODELS:
+                own = {"kind": "agreement", "model": model, "label": label, "body": body}
+                own |= {"unit": unit, "tolerance": Relative(TOLERANCE)}
+                identifier = f"{body}.{model}.{label}"
+                if draw.random() < 0.2:
+                    verdict = str(draw.choice(["skipped", "failed"]))
+                    lost = unmeasured(identifier, verdict, f"reason {draw.integers(2)}")
+                    outcomes.append(replace(lost, case=replace(lost.case, **own)))
+                    continue
+                # The sum of all amounts is what value and reference differ by.
+                parts = reference * draw.normal(size=len(CAUSES)) * draw.choice([1e-6, 0.02])
+                rest = reference * float(draw.choice([1e-4, 0.004, 0.03])) * draw.normal()
+                half = float(draw.choice([1e-6, 1e-3, 0.015]))
+                outcome = measured(
+                    identifier,
+                    reference + float(parts.sum()) + rest,
+                    reference,
+                    half * reference,
+                    exact=False,
+                    allowances=tuple(
+                        Allowance(cause, float(part))
+                        for cause, part in zip(CAUSES, parts, strict=True)
+                    ),
+                )
+                outcomes.append(judge(replace(outcome.case, **own), outcome.measurement, 0.0))
+    return outcomes
+
+
+DRAWN = [drawn_outcomes(seed) for seed in range(8)]
+
+
+def shares(text):
+    """Numbers before percent signs, as shares."""
+    found = re.findall(rf"({NUMBER})\N{{NO-BREAK SPACE}}%", text)
+    return [float(one.replace("−", "-")) / 100.0 for one in found]
+
+
+def read(share):
+    """A share as it is printed: to a hundredth of a percent."""
+    return pytest.approx(share, abs=SHOWN * 1.01)
+
+
+def test_outcomes_have_every_verdict():
+    assert {one.verdict for outcomes in DRAWN for one in outcomes} == set(MARKS)
+
+
+@pytest.mark.parametrize("outcomes", DRAWN)
+def test_every_cell_is_that_of_its_outcome(outcomes):
+    by_place = {(one.case.body, one.case.model, one.case.label): one for one in outcomes}
+    tables = agreement_tables(outcomes)
+    assert [table.subject for table in tables] == ["leg1", "leg2"]
+    for table in tables:
+        assert table.quantities == tuple(QUANTITIES)
+        assert [name for name, _ in table.rows] == list(MODELS.values())
+        for model, (_, cells) in zip(MODELS, table.rows, strict=True):
+            for label, cell in zip(QUANTITIES, cells, strict=True):
+                outcome = by_place[table.subject, model, label]
+                assert (cell.case, cell.verdict) == (outcome.case.id, outcome.verdict)
+                assert cell.mark == MARKS[outcome.verdict]
+                assert_cell(cell, outcome)
+
+
+def assert_cell(cell, outcome):
+    measurement = outcome.measurement
+    if measurement is None:
+        assert (cell.text, cell.under) == (outcome.message, "")
+        return
+    value, reference = measurement.value, measurement.reference
+    assert shares(cell.text) == [read((value - reference) / reference)]
+    explained = [one.amount / reference for one in measurement.allowances]
+    left = re.search(rf"({NUMBER})\N{{NO-BREAK SPACE}}% left", cell.under)
+    assert bool(left) is any(abs(share) >= SHOWN for share in explained)
+    if left:
+        assert shares(left[0]) == [read((value - reference) / reference - sum(explained))]
+    half = measurement.value_uncertainty / reference
+    spread = re.search(rf"± {NUMBER}\N{{NO-BREAK SPACE}}%", cell.under)
+    assert (shares(spread[0]) if spread else []) == ([read(half)] if half >= SHOWN else [])
+
+
+@pytest.mark.parametrize("outcomes", DRAWN)
+def test_values_of_the_solid_are_under_the_loads_of_the_table(outcomes):
+    for table in agreement_tables(outcomes):
+        for label, text in zip(table.quantities, table.solid, strict=True):
+            _, load, unit, name = QUANTITIES[label]
+            known = [
+                one.measurement.reference
+                for one in outcomes
+                if one.case.body == table.subject and one.case.label == label and one.measurement
+            ]
+            if not known:
+                assert text == ""
+                continue
+            digits, printed = text.split("\N{NO-BREAK SPACE}")
+            assert printed == name
+            assert float(digits) * unit / load == pytest.approx(known[0], rel=6e-4)
+
+
+@pytest.mark.parametrize("outcomes", DRAWN)
+def test_every_explanation_and_reason_names_its_quantities(outcomes):
+    for table in agreement_tables(outcomes):
+        own = [one for one in outcomes if one.case.body == table.subject]
+        reasons = {}
+        for one in own:
+            if one.measurement is None:
+                reasons.setdefault(one.message, {})[one.case.label] = None
+        assert table.missing == tuple(f"{', '.join(of)}: {why}" for why, of in reasons.items())
+        told = {}
+        for line in table.explanations:
+            labels, _, text = line.partition(": ")
+            for label in labels.split(", "):
+                told.setdefault(label, []).append(text)
+        for one in own:
+            counted = {
+                allowance.cause: allowance.amount / one.measurement.reference
+                for allowance in (one.measurement.allowances if one.measurement else ())
+                if abs(allowance.amount) >= SHOWN * one.measurement.reference
+            }
+            if not counted:
+                continue
+            lines = [
+                dict(
+                    zip(re.findall(r"([a-z][a-z ]*[a-z]) [+−\d]", text), shares(text), strict=True)
+                )
+                for text in told[one.case.label]
+            ]
+            assert {cause: read(share) for cause, share in counted.items()} in lines
+
+
+@pytest.mark.parametrize("outcomes", DRAWN)
+def test_sentence_counts_decided_comparisons(outcomes):
+    decided = [one for one in outcomes if one.verdict in {"agree", "disagree"}]
+    agreeing = [one.measurement for one in decided if one.verdict == "agree"]
+    largest = max(
+        abs(one.value - one.reference - sum(part.amount for part in one.allowances)) / one.reference
+        for one in agreeing
+    )
+    sentence = agreement_sentence(outcomes)
+    wrong = len(decided) - len(agreeing)
+    assert wrong
+    assert f"{wrong} of {len(decided)} comparisons" in sentence
+    within = re.search(r"within ([\d.]+)\N{NO-BREAK SPACE}%", sentence)
+    # Two digits.
+    assert float(within[1]) / 100.0 == pytest.approx(largest, rel=0.051)
+
+
+def test_convergence_sentence_is_of_the_stated_count():
+    errors = {STATED: (0.002, 0.007), "segments: order": (0.4,)}
+    outcomes = [
+        replace(one, case=replace(one.case, kind="convergence", label=label))
+        for label, values in errors.items()
+        for one in (measured(f"{label}.{value}", value, 0.01) for value in values)
+    ]
+    sentence = convergence_sentence(outcomes)
+    assert re.findall(r"([\d.]+)\N{NO-BREAK SPACE}%", sentence) == ["0.7"]
