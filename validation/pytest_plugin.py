@@ -106,6 +106,8 @@ class ModelItem(pytest.Item):
         entry = judged.matrix.entry(self.model, self.quantity)
         if entry is None:
             pytest.skip(f"{self.model} says nothing of {self.quantity}")
+        if entry.error is None and self.model in judged.matrix.faults:
+            pytest.fail(judged.told(entry), pytrace=False)
         strict = self.config.getoption("flexproof_strict")
         if entry.verdict == "undecided" and not strict:
             pytest.skip(judged.told(entry))

@@ -90,6 +90,7 @@ def judged(subject: Subject, requirement: Requirement) -> Matrix:
         supposed=subject.dynamics.supposed,
         parts=tuple(judged(part, requirement) for part in subject.parts),
         formulation=judged(subject.formulation, requirement) if subject.formulation else None,
+        faults=(*(one.model for one in subject.candidates if one.response.fault), *subject.faults),
     )
 
 

@@ -142,7 +142,8 @@ class Matrix:
     suppose, `parts` are the matrices of the robot's parts alone, named as `robot`: each leg's, root
     clamped. Where models stand on legs that are not the robot's, `formulation` holds them against
     solids of the legs that they model: what is off in the matrix and not there is the fault of the
-    legs, not of the model.
+    legs, not of the model. `faults` name the models, and other computations, that ended with an
+    error of the program: what is undecided of them says nothing about the robot.
     """
 
     robot: str
@@ -155,6 +156,13 @@ class Matrix:
     supposed: str = ""
     parts: tuple["Matrix", ...] = ()
     formulation: "Matrix | None" = None
+    faults: tuple[str, ...] = ()
+
+    @property
+    def all_faults(self) -> tuple[str, ...]:
+        """The faults of this matrix and of those beside it, each once."""
+        own = (fault for one in (self, *self.beside) for fault in one.faults)
+        return tuple(dict.fromkeys(own))
 
     @property
     def beside(self) -> tuple["Matrix", ...]:

@@ -83,4 +83,9 @@ def with_modes(statics: Response, robot: RobotOnPath, model: JudgedModel) -> Res
     if model.kind in STATIC or why_unable(robot.postures, model):
         return statics
     found = modes_of(partial(modes_by_model, robot, model.kind, model.options))
-    return replace(statics, vibration=found.vibration, unsolved_modes=found.unsolved_modes)
+    return replace(
+        statics,
+        vibration=found.vibration,
+        unsolved_modes=found.unsolved_modes,
+        fault=statics.fault or found.fault,
+    )

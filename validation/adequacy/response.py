@@ -54,13 +54,14 @@ class Response:
     Behind the sixth column of the compliance stand displacements under the robot's own loads, none
     where it cannot move so. Zeros in the compliance mean rigid. None where the model has no masses,
     or no statics; where it has them and cannot be solved, `unsolved_statics` and `unsolved_modes`
-    say why.
+    say why. `fault`: that reason is an error of the program, not of the robot.
     """
 
     compliance: Array | None = None
     vibration: Vibration | None = None
     unsolved_statics: str = ""
     unsolved_modes: str = ""
+    fault: bool = False
 
     def unsolved(self, quantity: str) -> str:
         """Why there is nothing of a quantity that there could be; "" where there is, or cannot."""
@@ -142,7 +143,7 @@ def statics_of(solve: Callable[[], Array]) -> Response:
     except UNSOLVED as error:
         return Response(unsolved_statics=str(error))
     except Exception as error:  # noqa: BLE001  one model's failure is its own result
-        return Response(unsolved_statics=failure_reason("statics of a model", error))
+        return Response(unsolved_statics=failure_reason("statics of a model", error), fault=True)
 
 
 def modes_of(solve: Callable[[], Vibration | None]) -> Response:
@@ -155,7 +156,7 @@ def modes_of(solve: Callable[[], Vibration | None]) -> Response:
     except UNSOLVED as error:
         return Response(unsolved_modes=str(error))
     except Exception as error:  # noqa: BLE001  one model's failure is its own result
-        return Response(unsolved_modes=failure_reason("modes of a model", error))
+        return Response(unsolved_modes=failure_reason("modes of a model", error), fault=True)
 
 
 def no_reference(error: Exception) -> Reference:
@@ -232,7 +233,8 @@ class Subject:
     `parts` are its parts alone (each leg, root clamped), `formulation` the models whose legs are
     others than the robot's, held against solids of those; `inputs` the robot with uncertain inputs
     off, where its file names any. `loads` are the quantities of its own loads, `responses` those of
-    its responses, in their order.
+    its responses, in their order. `faults` name what else than a model ended with an error of the
+    program.
     """
 
     robot: str
@@ -248,6 +250,7 @@ class Subject:
     inputs: "InputsOff | None" = None
     loads: tuple[str, ...] = ()
     responses: tuple[str, ...] = ()
+    faults: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,7 +3,7 @@
 What feet, joints and other legs hide, the leg alone shows: torsion of open sections, say.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from typing import TypeAlias
@@ -164,9 +164,11 @@ def robot_subject(context: Context) -> Subject:
         ],
         dynamics=reference,
     )
+    stable, faults = _stability(robot)
     return replace(
         subject,
-        notes=_notes(robot, reference),
+        notes=(*_notes(robot), *stable, *_suppositions(robot, reference)),
+        faults=faults,
         parts=tuple(
             leg_subject(context, name, leg_of(robot.mechanism.bodies[name]))
             for name in distinct_legs(robot.mechanism)
@@ -261,8 +263,8 @@ def leg_alone(name: str, shape: Leg) -> Mechanism:
     )
 
 
-def _notes(robot: RobotOnPath, dynamics: Reference) -> tuple[str, ...]:
-    """Facts that belong beside the matrix."""
+def _notes(robot: RobotOnPath) -> list[str]:
+    """Poses that were left out, idle mobilities and the error of the reduction."""
     notes = []
     if len(robot.postures) < len(robot.mechanism.poses):
         all_poses = len(robot.mechanism.poses)
@@ -272,17 +274,28 @@ def _notes(robot: RobotOnPath, dynamics: Reference) -> tuple[str, ...]:
         notes.append(f"{what} not move the tool; their zero frequencies are left out")
     with suppress(*UNSOLVED):
         notes += reduction_note(robot.postures, robot.offered, robot.holding.first, robot.judged)
+    return notes
+
+
+def _stability(robot: RobotOnPath) -> tuple[Sequence[str], tuple[str, ...]]:
+    """Notes on the stability under the robot's loads, and its name if it ended with a fault."""
+    subject = "stability under loads"
     try:
         found = robot.context.get(stabilities, "links", robot.postures)
         requirement = robot.context.robot_file.requirement
-        notes += stability_notes(robot.postures, found, requirement)
+        return stability_notes(robot.postures, found, requirement), ()
     except Exception as error:  # noqa: BLE001  loses no model, only its note
-        reason = failure_reason("stability under loads", error)
-        notes.append(f"Stability under the robot's loads cannot be computed: {reason}")
+        reason = failure_reason(subject, error)
+        faults = () if isinstance(error, UNSOLVED) else (subject,)
+        return [f"Stability under the robot's loads cannot be computed: {reason}"], faults
+
+
+def _suppositions(robot: RobotOnPath, dynamics: Reference) -> list[str]:
+    """What probabilities and verdicts on frequencies suppose."""
+    notes = []
     if supposed := robot.context.robot_file.supposed:
         notes.append(
             f"Probabilities suppose that every modulus, length and stiffness of the file has a "
             f"standard uncertainty of {100.0 * supposed:g} %"
         )
-    notes += mass_notes(robot, dynamics)
-    return tuple(notes)
+    return [*notes, *mass_notes(robot, dynamics)]

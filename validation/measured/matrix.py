@@ -13,6 +13,7 @@ import numpy as np
 
 from lumped.acceptance.measured import Measured, ModalTest, leg_entry
 from lumped.acceptance.requirement import AXES, RESPONSE, Requirement
+from lumped.errors import ComputationError
 from lumped.mechanism.kinematics.postures import posture
 from lumped.mechanism.mechanism import Mechanism
 from lumped.models.bodies import legs_of
@@ -22,6 +23,7 @@ from validation.adequacy.mechanism.path import coordinates, why_not_serial
 from validation.adequacy.models import judged_models
 from validation.adequacy.probability import COVERAGE, propagated
 from validation.adequacy.response import UNSOLVED
+from validation.case import failure_reason
 from validation.context import Context
 from validation.measured.modes import Partner, modal_answer
 from validation.models.legs import leg_compliance
@@ -90,7 +92,7 @@ def measured_matrix(context: Context) -> Matrix:
     off = robot_file.with_inputs_off()
     quantities = tuple(dict.fromkeys(one.quantity for one in ones))
     poses = tuple(sorted({one.pose for one in ones if one.pose}))
-    entries = []
+    entries, faults = [], []
     for name, (model, _, options) in candidates.items():
         for quantity in quantities:
             alike = [one for one in ones if one.quantity == quantity]
@@ -104,6 +106,9 @@ def measured_matrix(context: Context) -> Matrix:
                         found[one] = comparison
                 except UNSOLVED as error:
                     refused[one] = str(error)
+                except Exception as error:  # noqa: BLE001  loses this value of one model alone
+                    refused[one] = failure_reason(f"{quantity} by {name}", error)
+                    faults.append(name)
             if found:
                 entry = _entry(name, quantity, found, robot_file.requirement, poses, pairs)
                 entries.append(_with_refusals(entry, refused))
@@ -116,6 +121,7 @@ def measured_matrix(context: Context) -> Matrix:
         models=tuple(ModelNote(name, title) for name, (_, title, _) in candidates.items()),
         quantities=quantities,
         entries=tuple(entries),
+        faults=tuple(dict.fromkeys(faults)),
     )
 
 
@@ -220,18 +226,29 @@ def _compared(
     if value is None:
         return None
     changes = [
-        (
-            predicted(model, by.below, one, options) or 0.0,
-            predicted(model, by.above, one, options) or 0.0,
+        tuple(
+            _required(predicted(model, changed, one, options), f"{by.key} a standard deviation off")
+            for changed in (by.below, by.above)
         )
         for by in off
     ]
     numerical = 0.0
     if model in _OF_ELEMENTS:
-        finer = predicted(model, robot, one, replace(options, elements=2 * options.elements))
+        doubled = replace(options, elements=2 * options.elements)
+        finer = _required(predicted(model, robot, one, doubled), f"{doubled.elements} elements")
         # The estimate is a half-width of 95 %.
-        numerical = _OF_A_DOUBLING * abs(value - (finer or 0.0)) / COVERAGE
+        numerical = _OF_A_DOUBLING * abs(value - finer) / COVERAGE
     return Comparison(value, one.value, numerical, propagated(changes), one.uncertainty)
+
+
+def _required(value: float | None, changed: str) -> float:
+    """The value of a changed model; raises ComputationError if it has none.
+
+    A missing value would count as a part of the uncertainty that is zero, or all of the value.
+    """
+    if value is None:
+        raise ComputationError(f"its uncertainty is not known: it has no value with {changed}")
+    return value
 
 
 def _entry(

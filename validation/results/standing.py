@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from lumped.text import counted
+from validation.adequacy.matrix import Matrix
 from validation.case import Case
 from validation.exhibits import PlannedFigure
 from validation.results.outcome import AnyResult, Task, Verdict
@@ -17,6 +18,8 @@ class Standing:
     """What became of the tasks of a run.
 
     `comparisons`: how many have each verdict. `figures` and `assessments`: how many of them failed.
+    `faults`: models, and other computations within an assessment, that ended with an error of the
+    program.
     `refused`: models relied on that are not adequate. If `strict`, undecided is not enough.
     """
 
@@ -24,6 +27,7 @@ class Standing:
     figures: int = 0
     assessments: int = 0
     unfinished: int = 0
+    faults: tuple[str, ...] = ()
     refused: tuple[str, ...] = ()
     strict: bool = False
 
@@ -40,8 +44,8 @@ class Standing:
 
     @property
     def failures(self) -> int:
-        """How many tasks failed or were not computed."""
-        failed = self.comparisons.get("failed", 0)
+        """How many tasks, or models within one, failed or were not computed."""
+        failed = self.comparisons.get("failed", 0) + len(self.faults)
         return failed + self.figures + self.assessments + self.unfinished
 
     @property
@@ -59,6 +63,8 @@ class Standing:
         assessments = ("assessment of the models", "assessments of the models")
         parts += [f"{counted(self.figures, 'figure')} failed"] if self.figures else []
         parts += [f"{counted(self.assessments, *assessments)} failed"] if self.assessments else []
+        named = ", ".join(self.faults)
+        parts += [f"failed by an error of the program: {named}"] if named else []
         parts += [f"{self.unfinished} not computed"] if self.unfinished else []
         return ", ".join([sentence, *parts]) + "."
 
@@ -72,6 +78,7 @@ def standing_of(
 ) -> Standing:
     """Where the tasks stand of which these are `done`, by id."""
     failed = [one for one in tasks if one.id in done and done[one.id].verdict == "failed"]
+    matrices = [one.found for one in done.values() if isinstance(one.found, Matrix)]
     figures = sum(isinstance(one, PlannedFigure) for one in failed)
     cases = sum(isinstance(one, Case) for one in failed)
     return Standing(
@@ -81,6 +88,7 @@ def standing_of(
         figures=figures,
         assessments=len(failed) - figures - cases,
         unfinished=len(tasks) - len(done),
+        faults=tuple(dict.fromkeys(fault for one in matrices for fault in one.all_faults)),
         refused=refused,
         strict=strict,
     )

@@ -4,6 +4,7 @@ import pytest
 from one_arm import LOADS, ONE_ARM
 from written_robot import robot_of
 
+from lumped.errors import ComputationError
 from validation.adequacy import models, robot
 from validation.adequacy.judgement import judged
 from validation.adequacy.mechanism import statics
@@ -58,6 +59,8 @@ def test_model_that_raises_leaves_the_others_judged(arm, monkeypatch, capsys, mo
     for entry in failed:
         assert (entry.verdict, entry.error) == ("undecided", None)
         assert FAULT in entry.reason
+    # A run of it ends with exit code 3: nothing of this is about the robot.
+    assert matrix.faults == (model,)
     # Whoever repairs it finds the traceback in the run's log.
     assert "return 1 / 0" in capsys.readouterr().err
 
@@ -75,6 +78,18 @@ def test_stability_that_raises_leaves_all_models_judged(arm, monkeypatch):
     assert under_loads
     assert not [key for key in under_loads if found[key] == "adequate"]
     assert any(FAULT in note for note in matrix.notes)
+    assert matrix.faults == ("stability under loads",)
+
+
+def test_model_that_robot_does_not_allow_is_no_fault(arm, monkeypatch):
+    def refusing(*_):
+        raise ComputationError("the arm is too thin")
+
+    monkeypatch.setattr(models, "compliances", refusing)
+    matrix, found = verdicts_of(arm)
+    assert found["beam", "x"] == "undecided"
+    assert "too thin" in matrix.entry("beam", "x").reason
+    assert matrix.faults == ()
 
 
 def test_robot_on_rigid_drives_has_its_models_judged(tmp_path):

@@ -22,6 +22,7 @@ from validation import api, catalogue, cli, pytest_plugin
 from validation.adequacy import robot as adequacy_of_robot
 from validation.adequacy.judgement import judged
 from validation.adequacy.matrix import Assessment
+from validation.adequacy.response import Response
 from validation.case import Measurement
 from validation.session import runner
 from validation.session import validate as session
@@ -198,6 +199,21 @@ def test_a_robot_file_as_tests(limit, sure, unsure, in_folder, computed):
         assert "Traceback" not in in_folder.said["beam.x"]
         assert "vjm says nothing of f1" in in_folder.said["vjm.f1"]
         assert computed.pop().preset == preset
+
+
+def test_model_that_ends_with_an_error_is_a_failed_item(in_folder, monkeypatch):
+    """Skipped as undecided, it would pass for ever."""
+
+    def faulty(context):
+        toy = toy_subject(context.robot_file.requirement.modes)
+        (beam,) = (one for one in toy.candidates if one.model == "beam")
+        response = Response(unsolved_statics="ZeroDivisionError", fault=True)
+        return replace(toy, candidates=(replace(beam, response=response),))
+
+    monkeypatch.setattr(adequacy_of_robot, "robot_subject", faulty)
+    chosen = ("--flexproof", "mine.toml", "-k", "beam.x and not euler")
+    assert in_folder("", *chosen) == {"beam.x": "failed"}
+    assert "ZeroDivisionError" in in_folder.said["beam.x"]
 
 
 def test_a_robot_file_is_collected_as_one_item_per_model_and_quantity(in_folder, capsys):

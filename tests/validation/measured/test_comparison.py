@@ -123,6 +123,52 @@ def test_value_that_one_model_refuses_costs_that_entry_alone(monkeypatch):
     assert chart_svg(measured_curves(matrix).chart)
 
 
+def test_error_of_the_program_costs_one_value_alone(monkeypatch, capsys):
+    robot_file = load_robot("five-bar")
+    pose = tuple(map(float, robot_file.mechanism.poses[0]))
+    ones = tuple(Measured(axis, 1e-6, 1e-9, "gauge", pose) for axis in "xy")
+
+    def faulty(model, robot, one, options):
+        if (model, options.theory, one.quantity) == ("beam", "timoshenko", "x"):
+            return 1 / 0
+        return predicted(model, robot, one, options)
+
+    robot_file = replace(robot_file, measured=ones)
+    due = measured_matrix(Context(robot_file, "quick"))
+    monkeypatch.setattr("validation.measured.matrix.predicted", faulty)
+    matrix = measured_matrix(Context(robot_file, "quick"))
+    lost = matrix.entry("beam", "x")
+    assert (lost.verdict, lost.error) == ("undecided", None)
+    assert "ZeroDivisionError: division by zero" in lost.reason
+    assert matrix.faults == ("beam",)
+    assert due.faults == ()
+    others = [one for one in due.entries if (one.model, one.quantity) != ("beam", "x")]
+    assert [one for one in matrix.entries if one is not lost] == others
+    assert "return 1 / 0" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("lacking", ["inputs", "elements"])
+def test_missing_value_of_a_changed_model_decides_nothing(monkeypatch, tmp_path, lacking):
+    """As zeros they were no uncertainty at all, or all of the value: adequate, or open by 67 %."""
+    robot_file = robot_of(load_robot("five-bar").text + OWN, tmp_path)
+    robot, options = robot_file.mechanism, ModelOptions()
+    (f1,) = (one for one in robot_file.measured if one.quantity == "f1")
+    one = replace(f1, value=predicted("beam", robot, f1, options), uncertainty=1e-3)
+
+    def without(model, mechanism, one, options):
+        changed = mechanism is not robot if lacking == "inputs" else options.elements != 20
+        return None if changed else predicted(model, mechanism, one, options)
+
+    monkeypatch.setattr("validation.measured.matrix.predicted", without)
+    matrix = measured_matrix(Context(replace(robot_file, measured=(one,)), "quick"))
+    entry = matrix.entry("beam", "f1")
+    assert (entry.verdict, entry.error) == ("undecided", None)
+    changed = "joints.motor1.drive.stiffness" if lacking == "inputs" else "40 elements"
+    assert changed in entry.reason
+    assert "its uncertainty is not known" in entry.reason
+    assert matrix.faults == ()
+
+
 def test_mode_far_above_the_measured_one_keeps_the_matrix(tmp_path):
     """Along itself the arm is so stiff that its mode lies far above what a hammer excites."""
     robot_file = robot_of(ONE_ARM + "[path]\nposes = [[0.0]]\n", tmp_path)

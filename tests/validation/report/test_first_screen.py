@@ -220,6 +220,18 @@ def test_entries_of_the_same_cause_and_remedy_share_a_line():
     assert (screen.remedies, screen.other_remedies) == ((off,), tuple(simple))
 
 
+def test_range_of_a_remedy_is_by_size_whatever_the_sign():
+    """Frequencies 8 % too low and 20 % too high, each with a sign."""
+    causes = (Cause("shear", 1.0),)
+    entries = tuple(
+        entry("beam", f"f{k}", error, causes=causes, remedy="use solid", error_with_remedy=left)
+        for k, (error, left) in enumerate(((0.2, -0.003), (-0.3, 0.04), (-0.08, -0.02)), start=1)
+    )
+    (line,) = remedies_of(matrix_of(*entries), ["beam"])
+    assert plain(line.without) == "−8 to −30 %"
+    assert plain(line.with_remedy) == "−0.3 to +4 %"
+
+
 def test_legs_and_measured_values_have_tables_and_sheets_of_their_own():
     by_gauge = tuple(
         entry(model, "z", size, measured=True, reference="measured: gauge", unit="m")

@@ -343,9 +343,17 @@ def test_lines_sum_and_junit_say_the_verdicts():
     line = outcome_line(outcomes[-1])
     assert "deflection 9.5 µm, should be 2 µm (tolerance 0.2 µm)" in line
     outcomes.append(unmeasured("broken", "failed", "it broke"))
-    standing = standing_of([one.case for one in outcomes], {one.case.id: one for one in outcomes})
-    assert standing.sentence == "3 of 8 comparisons agree, 4 disagree, 1 failed."
+    outcomes.append(unmeasured("left out", "skipped", "nothing to compare"))
+    outcomes.append(measured("open", 2.1, 2.0, 0.3, exact=False, **own))
+    assert outcomes[-1].verdict == "undecided"
+    results = {one.case.id: one.result for one in outcomes}
+    standing = standing_of([one.case for one in outcomes], results)
+    assert standing.sentence == (
+        "3 of 9 comparisons agree, 4 disagree, 1 undecided, 1 failed, 1 skipped."
+    )
     suite = ET.fromstring(junit_xml(outcomes, "toys")).find("testsuite")  # noqa: S314
     assert suite is not None
-    assert [one.find("failure") is not None for one in suite] == [*wrong, False]
-    assert [suite.attrib[name] for name in ("tests", "failures", "errors")] == ["8", "4", "1"]
+    found = [[child.tag for child in one] for one in suite]
+    assert found == [*(["failure"] * one for one in wrong), ["error"], ["skipped"], ["skipped"]]
+    counts = {name: suite.attrib[name] for name in ("tests", "failures", "errors", "skipped")}
+    assert counts == {"tests": "10", "failures": "4", "errors": "1", "skipped": "2"}

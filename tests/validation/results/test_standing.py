@@ -34,6 +34,7 @@ def results(tasks, *verdicts, **fields):
         (CASES, ["agree"] * 3, "All 3 comparisons agree.", 0),
         (CASES, ["agree", "skipped", "undecided"], "1 of 2 comparisons agree, 1 und", 0),
         (CASES, ["agree", "agree", "disagree"], "2 of 3 comparisons agree, 1 disagree.", 1),
+        (CASES, ["agree", "agree", "failed"], "2 of 3 comparisons agree, 1 failed.", 3),
         (CASES, ["agree", "agree"], "All 2 comparisons agree, 1 not computed.", 3),
         # Figures and assessments fail, too.
         (
@@ -59,6 +60,23 @@ def test_sentence_tells_what_the_exit_code_stands_for(tasks, said, sentence, cod
     # Terminal and page have it from there.
     assert found.standing.sentence in verdicts(found)
     assert sample_report().checks == sample_report().results.standing.sentence
+
+
+def test_model_that_ends_with_an_error_is_a_failure():
+    """Its entries are undecided, which alone would be exit code 0; of a leg alone, too."""
+    leg = sample_matrix(robot="leg 1", faults=("beam",))
+    matrix = sample_matrix(faults=("links", "beam"), parts=(leg,))
+    for tasks, begin in ((CASES, "All 3 comparisons agree"), ([], "No comparison was made")):
+        found = results([*tasks, MODELS], *["agree"] * len(tasks))
+        done = found.done | {MODELS.id: Result(MODELS.id, "made", 0.1, found=matrix)}
+        found = replace(found, done=done)
+        assert found.standing.exit_code == 3
+        assert (
+            found.standing.sentence == f"{begin}, failed by an error of the program: links, beam."
+        )
+        assert found.standing.sentence in verdicts(found)
+    done = {MODELS.id: Result(MODELS.id, "made", 0.1, found=sample_matrix(parts=(leg,)))}
+    assert standing_of([MODELS], done).exit_code == 3
 
 
 def test_no_run_that_fails_says_that_all_is_well():
