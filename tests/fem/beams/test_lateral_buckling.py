@@ -1,5 +1,8 @@
-"""Lateral buckling of legs with shear: closed forms, a solid by Ritz's method, invariance."""
+"""Lateral buckling of legs with shear: closed forms, equilibrium of the bent axis, solids."""
 
+import re
+import shutil
+import subprocess
 from dataclasses import replace
 from itertools import product
 
@@ -7,13 +10,14 @@ import numpy as np
 import pytest
 from numpy.polynomial import legendre
 from prismatic_legs import STEEL
-from scipy.integrate import solve_ivp
+from scipy.integrate import solve_bvp, solve_ivp
 from scipy.linalg import eigh
 from scipy.optimize import brentq
 
 from fem.beams.prestressed import PrestressedLeg, prestressed_leg
-from lumped.arrays import dense
-from lumped.legs import ConstantLeg, Material
+from fem.calculix.run import PROGRAMS, calculix_program
+from lumped.arrays import Array, dense
+from lumped.legs import BeamProperties, ConstantLeg, Material
 from lumped.sections import Rectangle
 
 ALL = 10_000
@@ -72,7 +76,7 @@ def test_shear_lowers_lateral_buckling_moment(width, solid_shift):
     """M² = GJ P/(1 + P/κGA), P = π²EI/L²: lateral bending with Engesser's shear (own derivation).
 
     From −φ′ M γ: γ = Mφ′/κGA leaves GJ − M²/κGA of the torsional stiffness. The solid confirms the
-    sign; what it adds for wide sections is of fourth order in their sides.
+    sign; its sections also warp and distort, an effect of the same order in their sides over L.
     """
     material = Material.isotropic(2.1e11, 0.0, 7850.0)
     leg = ConstantLeg(0.3, Rectangle(width, 0.06), material)
@@ -92,6 +96,152 @@ def test_shear_lowers_lateral_buckling_moment(width, solid_shift):
     assert shift == pytest.approx(solid_shift, abs=1.5e-3)
     beam = moments["timoshenko"] / moments["euler-bernoulli"] - 1.0
     assert 0.5 * shift > beam > 2.0 * shift
+
+
+def factor_by_equilibrium(p: BeamProperties, length: float, force: float, moment: float) -> float:
+    """Buckling factor by the equilibrium of the bent axis; no energy, no elements.
+
+    The root is clamped, `force` (N, along z) and `moment` (N m, about y) act on the tip, which is
+    free to move along y and to turn about x and z. To first order the tip's moment is
+    m (−θz/2, 1, φ/2), half of it turned with the tip. In the frame of the axis, v′ = θ + γ, a
+    section has the torque T, T′ = M v″, and about its turned axis the moment EI θ′ = m φ(L)/2 − Mφ,
+    whose slope is the shear force: κGA γ = (Mφ)′.
+    """
+
+    def bending(x: Array) -> Array:
+        return moment - force * (length - x)
+
+    def slopes(x: Array, y: Array, factors: Array) -> Array:
+        twist, rate, _ = y
+        m, across = factors[0] * bending(x), factors[0] * force
+        turning = (0.5 * factors[0] * moment - m * twist) / p.EIz
+        # M v″ contains the torque's slope, too: M φ″ of γ′.
+        bent = m / p.GJ * (turning + 2.0 * across * rate / p.GAy)
+        return np.array([rate, bent / (1.0 - m**2 / (p.GJ * p.GAy)), turning])
+
+    def ends(root: Array, tip: Array, factors: Array) -> Array:
+        m, across = factors[0] * moment, factors[0] * force
+        shear = (across * tip[0] + m * tip[1]) / p.GAy
+        torque = m * (0.5 * tip[2] + shear)
+        return np.array([root[0], root[2], tip[0] - 1.0, tip[1] - torque / p.GJ])
+
+    x, k = np.linspace(0.0, length, 41), 0.5 * np.pi / length
+    start = np.array([np.sin(k * x), k * np.cos(k * x), -k * x])
+    about = np.pi * np.sqrt(p.EIz * p.GJ) / length / np.abs(bending(x)).max()
+    found = solve_bvp(slopes, ends, x, start, [about], tol=1e-8, max_nodes=20_000)
+    assert found.success, found.message
+    # Forces of either sign buckle the leg.
+    return abs(float(found.p[0]))
+
+
+@pytest.mark.parametrize("width", [0.02, 0.04, 0.06])
+def test_shear_lowers_load_across_a_stout_cantilever(width):
+    """By shear 0.6, 2.4 and 5.2 % less; without the work −φ′ M γ only half of that."""
+    leg = ConstantLeg(0.3, Rectangle(width, 0.06), STEEL)
+    at_tip = np.array([0, 0, -1.0, 0, 0.3, 0, 0, 0, 1.0, 0, 0, 0])
+    p, loads = leg.timoshenko, {}
+    for theory in ("euler-bernoulli", "timoshenko"):
+        bar = prestressed_leg(leg.properties(theory), leg.length, 16, ALL)
+        loads[theory] = factor(bar, range(6, 12), at_tip)
+    assert loads["euler-bernoulli"] == pytest.approx(
+        factor_by_equilibrium(replace(p, GAy=np.inf), leg.length, 1.0, 0.0), rel=4e-5
+    )
+    due = factor_by_equilibrium(p, leg.length, 1.0, 0.0)
+    # What 16 elements leave of the fourth order: 3.3e-6.
+    assert loads["timoshenko"] == pytest.approx(due, rel=4e-5)
+
+
+def test_shear_lowers_buckling_moment_of_propped_leg():
+    """Root clamped, tip on a slide along y, a moment about y on the tip.
+
+    Shear along z lets the prop take more of the moment, by which alone the factor would rise. It
+    falls by 1.0 % with the work −φ′ M γ, without which it rose by 0.4 %.
+    """
+    length, leg = 0.3, ConstantLeg(0.3, Rectangle(0.04, 0.06), STEEL)
+    found = {}
+    for theory in ("euler-bernoulli", "timoshenko"):
+        p = leg.properties(theory)
+        # Deflection of the tip by the moment, over that by a force.
+        force = length**2 / (2.0 * p.EIy) / (length**3 / (3.0 * p.EIy) + length / p.GAz)
+        forces = np.zeros(12)
+        # Root and tip.
+        forces[[2, 4, 8, 10]] = -force, force * length - 1.0, force, 1.0
+        bar = prestressed_leg(p, length, 16, ALL)
+        found[theory] = factor(bar, (7, 9, 10, 11), forces)
+        assert found[theory] == pytest.approx(
+            factor_by_equilibrium(p, length, force, 1.0), rel=4e-5
+        )
+    assert found["timoshenko"] / found["euler-bernoulli"] - 1.0 == pytest.approx(-0.0103, abs=2e-4)
+
+
+# Corners and middles of the edges of a brick of twenty nodes, in the order of CalculiX.
+_BRICK = "000 200 220 020 002 202 222 022 100 210 120 010 102 212 122 012 001 201 221 021"
+
+
+def cantilever_deck(leg: ConstantLeg, along: int, across: int) -> str:
+    """Solid square bar, root held, a force of 1 kN against z spread evenly over its tip face."""
+    counts, side = np.array([along, across, across]), leg.section.width
+    numbers = np.zeros(2 * counts + 1, dtype=int)
+    grid = np.indices(numbers.shape)
+    there = (grid % 2).sum(axis=0) <= 1
+    numbers[there] = np.arange(1, there.sum() + 1)
+    places = (grid[:, there].T / (2.0 * counts) - [0.0, 0.5, 0.5]) * [leg.length, side, side]
+    corners = 2 * np.indices(counts).reshape(3, -1).T
+    brick = np.array([[int(digit) for digit in node] for node in _BRICK.split()])
+    cells = numbers[tuple(np.moveaxis(corners[:, None] + brick, -1, 0))]
+    forces = np.zeros(numbers.shape[1:])
+    # Consistent with the eight shape functions of a face.
+    of_face = np.array([[-1.0, 4.0, -1.0], [4.0, 0.0, 4.0], [-1.0, 4.0, -1.0]]) / 12.0
+    for j, k in product(range(0, 2 * across, 2), repeat=2):
+        forces[j : j + 3, k : k + 3] += of_face * 1e3 / across**2
+    loaded = numbers[-1] > 0
+    return "\n".join(
+        [
+            "*NODE, NSET=ALL",
+            *(f"{n}, " + ", ".join(f"{x:.12g}" for x in xyz) for n, xyz in enumerate(places, 1)),
+            "*ELEMENT, TYPE=C3D20R, ELSET=BAR",
+            # At most sixteen numbers in a line.
+            *(
+                f"{n}, {', '.join(map(str, cell[:10]))},\n{', '.join(map(str, cell[10:]))}"
+                for n, cell in enumerate(cells, 1)
+            ),
+            "*MATERIAL, NAME=STEEL",
+            "*ELASTIC",
+            f"{leg.material.E:g}, {leg.material.nu:g}",
+            "*SOLID SECTION, ELSET=BAR, MATERIAL=STEEL",
+            "*BOUNDARY",
+            *(f"{n}, 1, 3" for n in numbers[0][numbers[0] > 0]),
+            "*STEP",
+            "*BUCKLE",
+            "1, 1e-6",
+            "*CLOAD",
+            *(
+                f"{n}, 3, {-force:.12g}"
+                for n, force in zip(numbers[-1][loaded], forces[loaded], strict=True)
+            ),
+            "*END STEP",
+            "",
+        ]
+    )
+
+
+@pytest.mark.exhaustive
+@pytest.mark.skipif(not any(map(shutil.which, PROGRAMS)), reason="CalculiX (ccx) is not installed")
+def test_calculix_buckles_stout_cantilever_at_same_load(tmp_path):
+    """−4.43 % by shear in a solid of ν = 0, −4.35 % by beams, −2.2 % without the work −φ′ M γ.
+
+    The held root of a square bar, whose sections hardly warp, adds 0.1 %; a linear problem of
+    buckling does not regard that it could as well bend the other way.
+    """
+    leg = ConstantLeg(0.3, Rectangle(0.06, 0.06), Material.isotropic(2.1e11, 0.0, 7850.0))
+    (tmp_path / "bar.inp").write_text(cantilever_deck(leg, 16, 4), encoding="ascii")
+    program = [calculix_program(), "-i", "bar"]
+    subprocess.run(program, cwd=tmp_path, check=True, capture_output=True)
+    printed = (tmp_path / "bar.dat").read_text(encoding="ascii")
+    (solid,) = re.findall(r"^ +\d+ +(\S+E\S+) *$", printed, re.MULTILINE)
+    at_tip = np.array([0, 0, -1.0, 0, 0.3, 0, 0, 0, 1.0, 0, 0, 0])
+    beam = factor(prestressed_leg(leg.timoshenko, leg.length, 16, ALL), range(6, 12), at_tip)
+    assert 1e3 * float(solid) == pytest.approx(beam, rel=3e-3)
 
 
 # Consistent forces and moments (Q, QL) of a load Q at root and tip, its lever, and Q L²/√(EI GJ):
