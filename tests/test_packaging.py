@@ -1,0 +1,82 @@
+"""The built distribution: installed in an environment of its own, it runs, with all of its data."""
+
+import os
+import subprocess
+import sys
+import tarfile
+import tomllib
+import venv
+import zipfile
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+BUILD = "import sys; from hatchling import build; print(getattr(build, sys.argv[1])(sys.argv[2]))"
+
+
+def built(kind, folder):
+    line = [sys.executable, "-c", BUILD, f"build_{kind}", str(folder)]
+    done = subprocess.run(line, cwd=ROOT, capture_output=True, text=True, check=True)
+    return folder / done.stdout.split()[-1]
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory):
+    return built("wheel", tmp_path_factory.mktemp("wheel"))
+
+
+def test_wheel_contains_data_and_type_markers(wheel):
+    names = set(zipfile.ZipFile(wheel).namelist())
+    assert {f"{name}/py.typed" for name in ("lumped", "meshes", "fem", "validation")} <= names
+    robots = {f"lumped/robots/{file.name}" for file in (ROOT / "lumped/robots").glob("*.toml")}
+    assert len(robots) > 5
+    assert robots <= names
+    # Every file of the four packages that git tracks or would track.
+    line = ["git", "ls-files", "lumped", "meshes", "fem", "validation"]
+    tracked = subprocess.run(line, cwd=ROOT, capture_output=True, text=True, check=True)
+    assert set(tracked.stdout.split()) <= names
+
+
+def test_source_distribution_contains_tests_and_docs(tmp_path):
+    with tarfile.open(built("sdist", tmp_path)) as archive:
+        names = {name.partition("/")[2] for name in archive.getnames()}
+    assert {"README.md", "CHANGELOG.md", "docs/conf.py", "tests/test_packaging.py"} <= names
+    assert not [name for name in names if name.startswith(".ci")]
+
+
+@pytest.mark.exhaustive
+def test_installed_wheel_runs_and_offers_the_plugin(wheel, tmp_path):
+    """Dependencies come from this environment; flexproof itself from the wheel alone."""
+    venv.create(tmp_path / "env", with_pip=True)
+    python = tmp_path / "env" / "bin" / "python"
+    pip = [python, "-m", "pip", "install", "--no-index", "--no-deps", "--quiet", wheel]
+    subprocess.run(pip, check=True, capture_output=True)
+    site = next((tmp_path / "env" / "lib").glob("python3*/site-packages"))
+    here = next(Path(sys.prefix, "lib").glob("python3*/site-packages"))
+    # A path file of this environment would make the sources importable.
+    dependencies = tmp_path / "dependencies"
+    dependencies.mkdir()
+    for entry in here.iterdir():
+        if "flexproof" not in entry.name and entry.suffix != ".pth":
+            (dependencies / entry.name).symlink_to(entry)
+    (site / "dependencies.pth").write_text(f"{dependencies}\n", "utf-8")
+    environment = os.environ | {"HOME": str(tmp_path), "XDG_CACHE_HOME": str(tmp_path / "cache")}
+
+    def outcome(*line):
+        return subprocess.run(
+            line, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False
+        )
+
+    version = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]["version"]
+    command = tmp_path / "env" / "bin" / "flexproof"
+    assert version in outcome(command, "--version").stdout
+    run = outcome(command, "run", "ifw", "--preset", "quick", "--only", "*statics?simplified*")
+    assert run.returncode == 0, run.stderr
+    assert "<h1" in (tmp_path / "report" / "report.html").read_text("utf-8")
+    assert outcome(command, "new", "mine.toml").returncode == 0
+    plugin = outcome(python, "-m", "pytest", "--help")
+    assert "--flexproof" in plugin.stdout, plugin.stderr
+    refused = outcome(command, "docs")
+    assert refused.returncode == 2
+    assert "in a clone of the sources" in refused.stderr
