@@ -26,6 +26,7 @@ from lumped.robot_file.evidence import (
     times,
 )
 from lumped.robot_file.hammer import Hammer, hammer_of
+from lumped.robot_file.included import part_content
 from lumped.robot_file.loads import excitations_of, load_faults, loads_of, response_faults
 from lumped.robot_file.mechanism.build import mechanism_of
 from lumped.robot_file.mechanism.faults import description_faults, motion_faults
@@ -159,7 +160,7 @@ def _digest(content: bytes, files: Iterable[Path]) -> str:
     for file in files:
         with suppress(OSError, InputError):
             require_ordinary(file, "a part")
-            digest.update(hashlib.sha256(file.read_bytes()).digest())
+            digest.update(hashlib.sha256(part_content(file)).digest())
     return digest.hexdigest()
 
 

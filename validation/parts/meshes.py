@@ -12,6 +12,7 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.legs import Material
+from lumped.robot_file.included import part_content
 from meshes.part.boundary import Facets, PartMesh
 from meshes.part.enclosed import VolumeProperties
 from meshes.part.faces import Face
@@ -55,7 +56,7 @@ def _program() -> tuple[int, str]:
 
 
 def _content(path: Path) -> str:
-    return hashlib.sha256(path.read_bytes()).hexdigest()
+    return hashlib.sha256(part_content(path)).hexdigest()
 
 
 def _mesh_key(part: PartFile, interfaces: Sequence[Interface], *more: object) -> str:

@@ -16,6 +16,7 @@ from pathlib import Path
 from lumped.arrays import Array
 from lumped.errors import ComputationError, InputError
 from lumped.mechanism.body import Body
+from lumped.robot_file.included import part_content
 from validation.adequacy.mechanism.parts import highest_of_parts, hold_of
 from validation.adequacy.mechanism.path import RobotOnPath, robot_on_path
 from validation.context import Context
@@ -106,7 +107,7 @@ def _try(ask: Question, body: Body) -> None:
 def _finish(asked: Sequence[tuple[Body, Question]], executor: Executor, *, carried: bool) -> None:
     """Have computed what is not kept already, and keep it."""
     work = [
-        PartWork(body, parts.shape_of(body).file.read_bytes() if carried else b"", ask, carried)
+        PartWork(body, part_content(parts.shape_of(body).file) if carried else b"", ask, carried)
         for body, ask in asked
         if not is_kept(partial(_try, ask, body))
     ]

@@ -4,7 +4,7 @@ The forms are those that CalculiX runs: blanks and case have no meaning, lines t
 are comments, omitted coordinates are zero, GENERATE has the step 1 unless a third value is there,
 elements go on over lines until they have all their nodes, a set that appears again grows.
 Keyword lines may also go on after a comma, and parts and instances number their own nodes, as in
-Abaqus.
+Abaqus. *INCLUDE stands for the lines of another file in the folder of the deck or below it.
 """
 
 import re
@@ -16,13 +16,12 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from lumped.errors import InputError
+from lumped.robot_file.included import DeckLine, deck_lines
 from lumped.text import shown
 
 # Keywords that make or move nodes and elements in ways that are not followed here, and options of
 # *NODE and *ELEMENT that do: another file, or coordinates that are not Cartesian.
-_NOT_FOLLOWED = frozenset(
-    {"INCLUDE", "NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYSTEM"}
-)
+_NOT_FOLLOWED = frozenset({"NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYSTEM"})
 _CARTESIAN = "R"
 # Options without a value that may stand alone on a keyword line that goes on.
 _FLAGS = frozenset({"GENERATE", "INTERNAL", "UNSORTED"})
@@ -54,15 +53,15 @@ Members: TypeAlias = list[int | range]
 
 @dataclass(frozen=True)
 class _Card:
-    """A keyword with its options and the numbered data lines below it.
+    """A keyword with its options and the data lines below it, each with its fields.
 
     Keyword and names of options in capitals without blanks, values as they are written.
     """
 
-    line: int
+    line: DeckLine
     keyword: str
     options: dict[str, str]
-    data: list[tuple[int, list[str]]]
+    data: list[tuple[DeckLine, list[str]]]
 
 
 @dataclass
@@ -96,9 +95,6 @@ class _Deck:
     def scope(self) -> _Scope:
         return self.scopes[self.open_scopes[-1]]
 
-    def fault(self, line: int, text: str) -> InputError:
-        return InputError(f"{self.path}: line {line}: {text}")
-
 
 def read_deck(path: Path) -> Any:
     """The meshio mesh of a deck: its points, its solid elements and its sets of nodes.
@@ -108,8 +104,8 @@ def read_deck(path: Path) -> Any:
     import meshio  # noqa: PLC0415  only who reads such a file waits for its library
 
     deck = _Deck(path)
-    for card in _cards(path.read_bytes().decode("utf-8-sig", "replace")):
-        _require_followed(deck, card)
+    for card in _cards(deck_lines(path)):
+        _require_followed(card)
         _open_scope(deck, card)
         if card.keyword == "NODE":
             _read_nodes(deck, card)
@@ -125,23 +121,23 @@ def read_deck(path: Path) -> Any:
     return meshio.Mesh(points, cells, point_sets=_point_sets(deck))
 
 
-def _cards(text: str) -> Iterator[_Card]:
+def _cards(lines: Iterable[DeckLine]) -> Iterator[_Card]:
     card, goes_on = None, False
-    lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
-    for number, line in enumerate(map(str.strip, lines), start=1):
-        if not line or line.startswith("**"):
+    for line in lines:
+        text = line.text.strip()
+        if not text or text.startswith("**"):
             continue
-        fields = [one.strip() for one in line.split(",")]
-        if line.startswith("*"):
+        fields = [one.strip() for one in text.split(",")]
+        if text.startswith("*"):
             if card:
                 yield card
-            card = _Card(number, _plain(fields[0][1:]), _options(fields[1:]), [])
+            card = _Card(line, _plain(fields[0][1:]), _options(fields[1:]), [])
             goes_on = not fields[-1]
         elif card and goes_on and all(map(_is_option, filter(None, fields))):
             card.options.update(_options(fields))
             goes_on = not fields[-1]
         elif card:
-            card.data.append((number, fields))
+            card.data.append((line, fields))
             goes_on = False
     if card:
         yield card
@@ -160,7 +156,7 @@ def _options(fields: Iterable[str]) -> dict[str, str]:
     return {_plain(name): value.strip().strip('"') for name, _, value in pairs}
 
 
-def _require_followed(deck: _Deck, card: _Card) -> None:
+def _require_followed(card: _Card) -> None:
     """Raise InputError for a card that would change the mesh and is not followed.
 
     Materials, steps and whatever else leaves nodes and elements as they are is passed over.
@@ -173,8 +169,7 @@ def _require_followed(deck: _Deck, card: _Card) -> None:
     if card.keyword == "INSTANCE" and card.data:
         wrong.append("the place of *INSTANCE")
     if wrong:
-        raise deck.fault(
-            card.line,
+        raise card.line.fault(
             f"{wrong[0]} is not supported; write all nodes and elements of the part into this "
             "file, in Cartesian coordinates",
         )
@@ -200,8 +195,8 @@ def _open_scope(deck: _Deck, card: _Card) -> None:
 def _read_nodes(deck: _Deck, card: _Card) -> None:
     numbers: Members = []
     for line, fields in card.data:
-        number = _whole(deck, line, fields[0])
-        x, y, z = (_real(deck, line, text) for text in (*fields[1:4], "", "", "")[:3])
+        number = _whole(line, fields[0])
+        x, y, z = (_real(line, text) for text in (*fields[1:4], "", "", "")[:3])
         deck.scope.nodes[number] = len(deck.points)
         deck.points.append((x, y, z))
         numbers.append(number)
@@ -215,25 +210,24 @@ def _add_node_set(deck: _Deck, scope: _Scope, title: str, members: Members) -> N
 
 
 def _read_elements(deck: _Deck, card: _Card) -> None:
-    kind, count = _solid_kind(deck, card)
+    kind, count = _solid_kind(card)
     numbers: Members = []
     element: list[int] = []
     line = card.line
     for line, fields in card.data if kind else ():
-        element += [_whole(deck, line, text) for text in fields if text]
+        element += [_whole(line, text) for text in fields if text]
         if len(element) > count + 1:
             break
         if len(element) == count + 1:
             number, *nodes = element
             if number in deck.scope.elements:
-                raise deck.fault(line, f"element {number} is given twice; delete one of them")
+                raise line.fault(f"element {number} is given twice; delete one of them")
             deck.scope.elements[number] = nodes
             deck.blocks.setdefault(kind, []).append((deck.scope, nodes))
             numbers.append(number)
             element = []
     if element:
-        raise deck.fault(
-            line,
+        raise line.fault(
             f"element {element[0]} has {len(element) - 1} nodes; must have {count} "
             f"(type {card.options['TYPE']})",
         )
@@ -241,7 +235,7 @@ def _read_elements(deck: _Deck, card: _Card) -> None:
         deck.scope.element_sets.setdefault(name, []).extend(numbers)
 
 
-def _solid_kind(deck: _Deck, card: _Card) -> tuple[str, int]:
+def _solid_kind(card: _Card) -> tuple[str, int]:
     """Kind of a block of elements for meshio, and their number of nodes; "" if they are no solid.
 
     Raises InputError for elements that might be solid and are not known.
@@ -254,8 +248,7 @@ def _solid_kind(deck: _Deck, card: _Card) -> tuple[str, int]:
     if not solid and _NO_SOLID.match(name.upper()):
         return "", 0
     known = ", ".join(f"C3D{count}" for count, kind in _KIND.items() if "wedge" not in kind)
-    raise deck.fault(
-        card.line,
+    raise card.line.fault(
         f"elements of the type {shown(name)} are not known here; must be {known} with any letters "
         "behind, or no solid",
     )
@@ -264,14 +257,14 @@ def _solid_kind(deck: _Deck, card: _Card) -> tuple[str, int]:
 def _read_set(deck: _Deck, card: _Card) -> None:
     title = card.options.get(card.keyword, "")
     if not title:
-        raise deck.fault(card.line, f"*{card.keyword} must have a name: {card.keyword}=…")
+        raise card.line.fault(f"*{card.keyword} must have a name: {card.keyword}=…")
     instance = card.options.get("INSTANCE")
     scope = None if instance is None else _instance(deck, card.line, instance)
     members: Members = []
     for line, fields in card.data:
         words = [text for text in fields if text]
         if "GENERATE" in card.options:
-            members += [_generated(deck, line, words)] if words else []
+            members += [_generated(line, words)] if words else []
             continue
         for text in words:
             scope, more = _members(deck, card.keyword, line, text, scope)
@@ -286,17 +279,17 @@ def _read_set(deck: _Deck, card: _Card) -> None:
     _add_node_set(deck, scope, title, members)
 
 
-def _generated(deck: _Deck, line: int, words: list[str]) -> range:
+def _generated(line: DeckLine, words: list[str]) -> range:
     """Numbers from the first to the second value, by the third one: 1 if it is left out."""
-    first, *rest = (_whole(deck, line, text) for text in words)
+    first, *rest = (_whole(line, text) for text in words)
     last, step = (*rest, 1)[:2] if rest else (first, 1)
     if step < 1:
-        raise deck.fault(line, f"the step of GENERATE is {step}; must be at least 1")
+        raise line.fault(f"the step of GENERATE is {step}; must be at least 1")
     return range(first, last + 1, step)
 
 
 def _members(
-    deck: _Deck, keyword: str, line: int, text: str, scope: _Scope | None
+    deck: _Deck, keyword: str, line: DeckLine, text: str, scope: _Scope | None
 ) -> tuple[_Scope | None, Members]:
     """Members by one value of a set: a number, or the name of an earlier set.
 
@@ -312,13 +305,13 @@ def _members(
     instance, point, rest = name.partition(".")
     if point:
         return _members(deck, keyword, line, rest, _instance(deck, line, instance))
-    raise deck.fault(line, f"there is no *{keyword} {shown(name)} above it, and no such number")
+    raise line.fault(f"there is no *{keyword} {shown(name)} above it, and no such number")
 
 
-def _instance(deck: _Deck, line: int, name: str) -> _Scope:
+def _instance(deck: _Deck, line: DeckLine, name: str) -> _Scope:
     key = f"INSTANCE {name.strip().upper()}"
     if key not in deck.scopes:
-        raise deck.fault(line, f"there is no *INSTANCE {shown(name)} above it")
+        raise line.fault(f"there is no *INSTANCE {shown(name)} above it")
     return deck.scopes[key]
 
 
@@ -356,13 +349,13 @@ def _row(deck: _Deck, scope: _Scope, node: int) -> int:
     return scope.nodes[node]
 
 
-def _whole(deck: _Deck, line: int, text: str) -> int:
+def _whole(line: DeckLine, text: str) -> int:
     if not _WHOLE.fullmatch(text):
-        raise deck.fault(line, f"{shown(text)} is no number of a node or an element")
+        raise line.fault(f"{shown(text)} is no number of a node or an element")
     return int(text)
 
 
-def _real(deck: _Deck, line: int, text: str) -> float:
+def _real(line: DeckLine, text: str) -> float:
     """A coordinate; zero if it is left out."""
     if not text:
         return 0.0
@@ -373,4 +366,4 @@ def _real(deck: _Deck, line: int, text: str) -> float:
     try:
         return float(f"{number[1]}e{number[2]}" if number else "?")
     except ValueError:
-        raise deck.fault(line, f"{shown(text)} is no number") from None
+        raise line.fault(f"{shown(text)} is no number") from None

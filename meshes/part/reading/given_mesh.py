@@ -16,6 +16,7 @@ from scipy.sparse.csgraph import connected_components
 from lumped.arrays import IntArray
 from lumped.errors import InputError
 from lumped.mechanism.body import METRES
+from lumped.robot_file.included import DECK, LARGEST_DECK
 from lumped.text import counted, cut
 from meshes.elements import ELEMENTS, SolidElement
 from meshes.part.boundary import Facets, PartMesh, boundary, facets_of_cells, smooth_faces
@@ -27,9 +28,9 @@ from meshes.solid_mesh import VolumeMesh
 
 # Said, not guessed: other programs use these endings too.
 _FORMAT = {".msh": "gmsh", ".vtu": "vtu"}
-MESHES = (".msh", ".inp", ".vtu")
+MESHES = (".msh", DECK, ".vtu")
 # Bytes of a file, and of what it holds packed together.
-LARGEST = 500_000_000
+LARGEST = LARGEST_DECK
 # Signs of what is said of a file that cannot be read.
 _LONGEST = 160
 _NO_NUMBER = re.compile(r"\b(?:int|float)\b.*?: (['\"].*)")
@@ -87,7 +88,7 @@ def read_mesh(path: Path, unit: str | None = None) -> tuple[PartMesh, str]:
 
 
 def _raw(path: Path) -> Any:
-    if path.suffix.lower() == ".inp":
+    if path.suffix.lower() == DECK:
         return read_deck(path)
     # Only who reads such a file waits for its library.
     import meshio  # noqa: PLC0415

@@ -10,6 +10,7 @@ from lumped.arrays import Array, IntArray
 from lumped.errors import ComputationError, InputError
 from lumped.files import require_ordinary
 from lumped.mechanism.body import METRES
+from lumped.robot_file.included import DECK, part_content
 from lumped.text import counted
 from meshes.gmsh_session import numbered
 from meshes.part.boundary import Facets, PartMesh
@@ -103,7 +104,10 @@ def read_part(path: Path, unit: str | None = None) -> PartFile:
     A surface that cannot be meshed with sizes from its curvature is meshed without. Raises
     InputError with the file and the place where it is no sound solid.
     """
-    seconds = _SECONDS + _SECONDS_PER_MB * require_file(path) / 1e6
+    size = require_file(path)
+    if path.suffix.lower() == DECK:
+        size = len(part_content(path))
+    seconds = _SECONDS + _SECONDS_PER_MB * size / 1e6
     try:
         if path.suffix.lower() in MESHES:
             return within_limits(seconds, _read_mesh, path, unit)

@@ -197,6 +197,17 @@ def test_a_part_lies_where_it_is_placed(tmp_path):
     assert body.interfaces["C"].position == pytest.approx([0.18, 0.17, 0.0])
 
 
+def test_digest_covers_what_a_deck_includes(tmp_path):
+    """A run goes on, and a cache answers, only for the same robot."""
+    text = ROCKER.read_text(encoding="utf-8").replace('"rocker.step"', '"rocker.inp"')
+    (tmp_path / "rocker.inp").write_text("*INCLUDE, INPUT=nodes.inp\n")
+    digests = set()
+    for coordinate in (0.1, 0.1, 0.2):
+        (tmp_path / "nodes.inp").write_text(f"*NODE\n1, {coordinate}\n")
+        digests.add(robot_of(text, tmp_path).sha256)
+    assert len(digests) == 2
+
+
 @pytest.mark.parametrize(
     ("table", "expected"),
     [

@@ -2,6 +2,7 @@
 
 import shutil
 import subprocess
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -9,6 +10,8 @@ import pytest
 from fem.calculix.run import PROGRAMS
 from lumped.errors import InputError
 from lumped.mechanism.body import ByName, PartInterface
+from lumped.robot_file import included
+from lumped.robot_file.included import part_content
 from meshes.part.interfaces import find_interfaces
 from meshes.part.reading.read import read_part
 
@@ -85,6 +88,29 @@ OF_ABAQUS = {
     "*INSTANCE, NAME=P-1, PART=P\n*END INSTANCE\n*NSET, NSET=ROOT\n"
     "P-1.1, P-1.2, P-1.3, P-1.4\n*END ASSEMBLY\n",
 }
+# Decks over several files: text of the deck itself, then of the others by name.
+INCLUDED = {
+    "included": ("*INCLUDE, INPUT=nodes.inp\n" + ELEMENT + ROOT, {"nodes.inp": NODES}),
+    "included-data-lines": (
+        f"*NODE, NSET=NALL\n*include,input=points.txt\n{ELEMENT}{ROOT}",
+        {"points.txt": NODES.partition("\n")[2]},
+    ),
+    # Names in files of a lower folder count from the folder of the deck.
+    "included-in-folder": (
+        "** a comment\n*INCLUDE, INPUT=mesh/all.inp\n" + ROOT,
+        {
+            "mesh/all.inp": "*INCLUDE, INPUT=mesh/nodes.inp\n" + ELEMENT,
+            "mesh/nodes.inp": NODES,
+        },
+    ),
+}
+INCLUDED_OF_ABAQUS = {
+    "included-over-lines": ("*INCLUDE,\nINPUT=nodes.inp\n" + ELEMENT + ROOT, {"nodes.inp": NODES}),
+    "included-as-on-windows": (
+        '* Include, Input = "mesh\\nodes.inp"\r\n' + ELEMENT + ROOT,
+        {"mesh/nodes.inp": NODES.replace("\n", "\r\n")},
+    ),
+}
 
 
 def read(folder, text):
@@ -93,9 +119,19 @@ def read(folder, text):
     return read_part(path)
 
 
-@pytest.mark.parametrize("form", [*FORMS, *OF_ABAQUS])
+def written(folder, others):
+    for name, text in others.items():
+        (folder / name).parent.mkdir(exist_ok=True)
+        (folder / name).write_bytes(text.encode())
+
+
+@pytest.mark.parametrize("form", [*FORMS, *OF_ABAQUS, *INCLUDED, *INCLUDED_OF_ABAQUS])
 def test_each_legal_form_gives_the_same_part(tmp_path, form):
-    part = read(tmp_path, (FORMS | OF_ABAQUS)[form])
+    text = (FORMS | OF_ABAQUS).get(form, "")
+    if not text:
+        text, others = (INCLUDED | INCLUDED_OF_ABAQUS)[form]
+        written(tmp_path, others)
+    part = read(tmp_path, text)
     assert part.mesh.element == "hex8"
     assert np.ptp(part.surface, axis=0) == pytest.approx([1.0, 1.0, 2.0], abs=1e-15)
     assert sorted(face.area for face in part.faces) == pytest.approx([1.0] * 2 + [2.0] * 4)
@@ -115,7 +151,11 @@ def test_calculix_runs_each_legal_form(tmp_path):
         "*CLOAD\n5,3,1.\n*NODE PRINT,NSET=FIVE\nU\n*END STEP\n"
     )
     displacements = {}
-    for form, text in FORMS.items():
+    forms = dict(FORMS)
+    for form, (text, others) in INCLUDED.items():
+        forms[form] = text
+        written(tmp_path, others)
+    for form, text in forms.items():
         (tmp_path / f"{form}.inp").write_bytes((text + analysis).encode())
         subprocess.run([program, form], cwd=tmp_path, check=True, capture_output=True)
         printed = (tmp_path / f"{form}.dat").read_text().split()
@@ -148,3 +188,67 @@ def test_faulty_deck_names_the_line(tmp_path, text, fault):
         read(tmp_path, text)
     (line,) = error.value.faults
     assert "\n" not in line
+
+
+@pytest.mark.parametrize(
+    ("others", "fault"),
+    [
+        ({}, 'block.inp: line 2: *INCLUDE "a.inp": no such file; its name must count from the fo'),
+        ({"a.inp": "\n*INCLUDE\n"}, "a.inp: line 2: *INCLUDE must name its file: INPUT=…"),
+        ({"a.inp": "*INCLUDE, INPUT=../b.inp"}, 'a.inp: line 1: *INCLUDE "../b.inp": lies outside'),
+        ({"a.inp": "*INCLUDE, INPUT=/etc/hosts"}, '*INCLUDE "/etc/hosts": lies outside the folder'),
+        (
+            {"a.inp": "\n*INCLUDE, INPUT=b.inp", "b.inp": "\n\n*INCLUDE, INPUT=a.inp"},
+            'line 3: *INCLUDE "a.inp": includes itself (a.inp includes b.inp includes a.inp)',
+        ),
+        ({"a.inp": "*INCLUDE, INPUT=block.inp"}, "(block.inp includes a.inp includes block.inp)"),
+        ({"a.inp": "*NODE\n9, one"}, 'a.inp: line 2: "one" is no number'),
+        ({"a.inp/b": ""}, '*INCLUDE "a.inp": '),
+        (
+            {f"{'a' * k}.inp": f"*INCLUDE, INPUT={'a' * (k + 1)}.inp" for k in range(1, 12)},
+            f'{10 * "a"}.inp: line 1: *INCLUDE "{11 * "a"}.inp": is more than 10 files deep',
+        ),
+    ],
+)
+def test_faulty_include_names_file_and_line(tmp_path, others, fault):
+    written(tmp_path, others)
+    with pytest.raises(InputError) as error:
+        read(tmp_path, "\n*INCLUDE, INPUT=a.inp\n" + PLAIN)
+    (line,) = error.value.faults
+    assert fault in line
+    assert line.startswith(str(tmp_path))
+
+
+def test_link_out_of_the_folder_is_not_included(tmp_path):
+    (tmp_path / "secret.inp").write_text(NODES)
+    folder = tmp_path / "deck"
+    folder.mkdir()
+    (folder / "nodes.inp").symlink_to(tmp_path / "secret.inp")
+    with pytest.raises(InputError, match="lies outside the folder of the deck"):
+        read(folder, "*INCLUDE, INPUT=nodes.inp\n" + ELEMENT + ROOT)
+
+
+def test_included_files_are_bounded_together(tmp_path, monkeypatch):
+    """Ten files of twenty lines that each include the next one would be 20¹⁰ lines."""
+    monkeypatch.setattr(included, "LARGEST_DECK", 50_000)
+    names = [f"{letter}.inp" for letter in "abcdefghij"]
+    for name, following in pairwise(names):
+        (tmp_path / name).write_text(20 * f"*INCLUDE, INPUT={following}\n")
+    (tmp_path / names[-1]).write_text("** nothing\n")
+    with pytest.raises(InputError, match=r"together are larger than 0\.05 MB"):
+        read(tmp_path, "*INCLUDE, INPUT=a.inp\n" + PLAIN)
+
+
+def test_content_of_a_part_has_what_it_includes(tmp_path):
+    """Caches know a part by its content: a changed file behind an *INCLUDE is another part."""
+    deck = tmp_path / "block.inp"
+    text, others = INCLUDED["included"]
+    deck.write_text(text)
+    written(tmp_path, others)
+    assert part_content(deck).split() == PLAIN.encode().split()
+    own = part_content(deck)
+    written(tmp_path, {"nodes.inp": NODES.replace("2.", "3.")})
+    assert part_content(deck) != own
+    # Without one it is the file itself, to the byte.
+    deck.write_bytes(PLAIN.replace("\n", "\r\n").encode())
+    assert part_content(deck) == deck.read_bytes()

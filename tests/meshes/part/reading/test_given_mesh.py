@@ -116,7 +116,6 @@ def test_bad_meshes_say_what_is_wrong(tmp_path, points, kind, cells, message):
 @pytest.mark.parametrize(
     ("added", "refused"),
     [
-        ("*INCLUDE, INPUT=other.inp", r"\*INCLUDE"),
         ("*Ngen\n1, 5, 1", r"\*NGEN"),
         ("*ELGEN, ELSET=all\n1, 2, 1, 1", r"\*ELGEN"),
         ("*NODE, SYSTEM=C\n900, 1.0, 0.0, 0.0", r"SYSTEM of \*NODE"),
