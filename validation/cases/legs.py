@@ -1,7 +1,7 @@
 """Each leg alone, root clamped: a 3-D solid against beam theory, differences with their causes."""
 
 from collections.abc import Callable, Mapping
-from math import inf, nan
+from math import inf
 from typing import TypeAlias
 
 import numpy as np
@@ -407,7 +407,9 @@ def _order(context: Context, body: str, name: str) -> Measurement:
         variant=f"{name}, {meaning}",
     )
     if order is None:
-        return Measurement(nan, FORMAL_ORDER, value_uncertainty=inf, notes=notes, studies=(study,))
+        # The last one observed, by three meshes: undecided. NaN if the values do not converge.
+        last = float(convergence.orders[-1])
+        return Measurement(last, FORMAL_ORDER, value_uncertainty=inf, notes=notes, studies=(study,))
     return Measurement(
         order,
         FORMAL_ORDER,

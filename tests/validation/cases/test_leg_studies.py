@@ -26,6 +26,7 @@ from validation.context import Context
 from validation.results.outcome import judge
 from validation.solids.legs import (
     ELEMENTS,
+    Refinement,
     doubled_tips,
     face_mesh,
     held_solid,
@@ -235,3 +236,24 @@ def test_a_leg_that_swings_between_ends_at_rest_has_its_waves():
     assert apart.max() > 4e-3
     # What is left is the length of the solids' elements, fourth order.
     assert_allclose(changes, apart, atol=3e-5)
+
+
+@pytest.mark.parametrize(
+    ("values", "verdict"),
+    [
+        # h⁴ and h⁶.
+        ([1.0 + n**-4.0 + 0.3 * n**-6.0 for n in (2, 3, 4, 6)], "agree"),
+        ([1.0 + n**-1.5 for n in (2, 3, 4, 6)], "disagree"),
+        # A strip of 0.5 by 20 mm: the order moves from 0.53 to 1.31.
+        ([1.652000194694, 1.651912385746, 1.651874087651, 1.651856950924], "undecided"),
+        ([1.0, 1.1, 1.25, 1.5], "disagree"),
+    ],
+    ids=["formal", "low", "moving", "diverging"],
+)
+def test_order_of_a_leg_is_judged_where_it_has_settled(monkeypatch, values, verdict):
+    divisions = (1, 2, 3, 4) if verdict == "undecided" else (2, 3, 4, 6)
+    found = Refinement(divisions, np.multiply.outer(values, np.eye(6)))
+    monkeypatch.setattr(legs, "compliances", lambda *_: found)
+    cases = {case.id: case for case in legs.cases(legs=("leg1",))}
+    case = cases["refinement.leg1.solid.order[c22]"]
+    assert judge(case, case.measure(Context(load_robot("ifw"))), 0.0).verdict == verdict

@@ -7,7 +7,7 @@ import pytest
 from lumped.robot_file import load_robot
 from validation import api
 from validation.case import Skip
-from validation.cases import legs
+from validation.cases import legs, other_programs
 from validation.context import Context
 
 ROBOTS = Path(__file__).parents[2] / "helpers" / "robots" / "practice"
@@ -32,6 +32,22 @@ def test_thin_leaf_is_skipped_without_its_waves(monkeypatch):
     for mode in range(1, legs.MODES + 1):
         with pytest.raises(Skip, match="two solid meshes of this section have more than 9000"):
             cases[f"leaf1.frequency.solid[{mode}]"].measure(context)
+
+
+def test_strips_are_too_many_tetrahedra_for_calculix(monkeypatch):
+    """Bars of 0.5 by 20 mm have 430,000 unknowns, which take it more than its ten minutes."""
+    for name in ("by_calculix", "by_reduced"):
+        monkeypatch.setattr(other_programs, name, lambda _: pytest.fail("is computed"))
+    context = Context(load_robot(ROBOTS / "leaf-stage.toml"), "standard")
+    cases = [
+        case
+        for case in other_programs.cases(mechanism=context.robot_file.mechanism)
+        if case.group == "mechanism.calculix"
+    ]
+    assert len(cases) == 2
+    for case in cases:
+        with pytest.raises(Skip, match="fill 9600 cubes; CalculiX solves at most 2000"):
+            case.measure(context)
 
 
 @pytest.mark.parametrize(
