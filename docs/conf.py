@@ -2,21 +2,24 @@
 
 import sys
 from importlib import metadata
+from importlib.util import find_spec
 from pathlib import Path
 
 from pygments.lexers.special import TextLexer
 from sphinx.application import Sphinx
 
-DOCS = Path(__file__).parent
-sys.path[:0] = [str(DOCS.parent), str(DOCS / "_ext")]
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+# The files of MathJax, so that equations need no network. One of them draws glyphs as outlines.
+MATHJAX = Path(find_spec("sphinx-mathjax-offline").origin).parent / "static" / "mathjax"
 
 project = "flexproof"
 author = "the flexproof developers"
 version = release = metadata.version("flexproof")
 extensions = [
-    "mathml",
     "myst_parser",
     "sphinx.ext.autodoc",
+    "sphinx.ext.mathjax",
     "sphinx.ext.napoleon",
     "sphinx_copybutton",
 ]
@@ -29,7 +32,8 @@ myst_heading_anchors = 4
 
 autodoc_typehints = "description"
 autodoc_member_order = "bysource"
-html_math_renderer = "mathml"
+mathjax_path = "tex-svg.js"
+html_static_path = [str(MATHJAX / mathjax_path)]
 
 html_theme = "pydata_sphinx_theme"
 html_title = "flexproof"
