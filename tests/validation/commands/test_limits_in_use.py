@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 import toy_catalogue
+from report_sample import measured, sample_report, unmeasured
 from toy_runs import run_here
 from toy_subject import ERROR, F2, toy_subject
 
@@ -94,6 +95,23 @@ def test_every_keyword_of_run_arrives(monkeypatch):
         api.run("ifw", vary=VARY, **RUN)
     assert {name: getattr(asked[0], name) for name in RUN} == RUN
     assert asked[0].variations == variations_of(load_robot("ifw"), VARY)
+
+
+@pytest.mark.parametrize("disagreeing", [0, 2])
+def test_run_returns_counts_and_exit_code_of_what_it_gathered(monkeypatch, disagreeing):
+    outcomes = [measured(f"toy[{k}]", 1.0, 1.0) for k in range(3)]
+    outcomes += [measured(f"wrong[{k}]", 2.0, 1.0) for k in range(disagreeing)]
+    outcomes.append(unmeasured("left", "skipped", "nothing to compare"))
+    gathered = sample_report(outcomes=outcomes, figures=(), missing=(), matrix=None).results
+    monkeypatch.setattr(session, "validate", lambda *_: gathered)
+    found = api.run("ifw")
+    counts = {"agree": 3, "disagree": disagreeing, "skipped": 1}
+    assert found.verdicts == {verdict: count for verdict, count in counts.items() if count}
+    assert found.exit_code == (1 if disagreeing else 0)
+    assert found.seconds == 75.2
+    broken = sample_report(matrix=None, figures=(), missing=()).results
+    monkeypatch.setattr(session, "validate", lambda *_: broken)
+    assert api.run("ifw").exit_code == 3
 
 
 PLUGIN = f"""

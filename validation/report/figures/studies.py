@@ -10,7 +10,7 @@ from lumped.arrays import Array
 from validation.drawing.chart import Chart, Column, Panel, Series, refined
 from validation.drawing.text import function_name
 from validation.exhibits import Figure, Study
-from validation.report.declared import curves
+from validation.report.declared import Shown, curves
 from validation.results.outcome import Outcome
 
 _DEVIATION = "deviation from the limit (%)"
@@ -90,6 +90,11 @@ def family_of(studies: Iterable[Study]) -> Family:
 
 
 def study_figure(family: Family) -> Figure:
+    """The figure of `study_curves`."""
+    return study_curves(family).figure(family.id, family.title, "studies", family.computed_by)
+
+
+def study_curves(family: Family) -> Shown:
     """Left the deviation from the limit with its uncertainty, right its decay.
 
     Where no limit is known, the finest value stands in for it. A limit of zero means that the
@@ -113,9 +118,7 @@ def study_figure(family: Family) -> Figure:
     said = ["Left: deviation from the limit. Right: its decay; the legend names the order."]
     if any(curve.uncertainty is not None for curve in family.curves):
         said.append("The bar at the finest value is its numerical uncertainty.")
-    return curves(Chart(panels, label, 2, 2.2, table), *said, *family.notes).figure(
-        family.id, family.title, "studies", family.computed_by
-    )
+    return curves(Chart(panels, label, 2, 2.2, table), *said, *family.notes)
 
 
 def _deviation(curve: Curve) -> tuple[Array, Array | None]:

@@ -6,8 +6,9 @@ from report_sample import measured
 
 from validation.case import Allowance
 from validation.drawing.chart import Series
+from validation.exhibits import Study
 from validation.report.figures.budgets import budget_figure
-from validation.report.figures.studies import _slopes
+from validation.report.figures.studies import _slopes, family_of, study_curves
 
 
 @pytest.mark.parametrize(
@@ -24,6 +25,31 @@ def test_slope_line_falls_with_refinement_by_its_order(x):
     # Below the curves, so that it hides none.
     assert line.y[0] == pytest.approx(4.0)
     assert line.label == "slope 2"
+
+
+def test_study_shows_deviations_and_the_bar_in_percent():
+    """f = 200 (1 − 1/n²): from its limit 4 % at five divisions; ± 0.5 of 200 is 0.25 %."""
+    x = (5.0, 10.0, 20.0)
+    values = tuple(200.0 * (1.0 - 1.0 / n**2) for n in x)
+    known = {"limits": {"f1": 200.0}, "uncertainties": {"f1": 0.5}, "orders": {"f1": 2.0}}
+    for own, deviations in (
+        (known, [-4.0, -1.0, -0.25]),
+        # From the finest value instead.
+        ({}, [100.0 * (value / values[-1] - 1.0) for value in values]),
+    ):
+        study = Study("s", "Study", "divisions", "f", "Hz", x, {"f1": values}, 2.0, **own)
+        chart = study_curves(family_of([study])).chart
+        deviation, decay = (panel.series[0] for panel in chart.panels)
+        np.testing.assert_allclose(deviation.y, deviations, atol=1e-12)
+        shown = np.array(deviations)[np.array(deviations) != 0.0]
+        np.testing.assert_allclose(decay.y, np.abs(shown), atol=1e-12)
+        assert deviation.label == ("f1: order 2.00" if own else "f1: no order")
+        if own:
+            np.testing.assert_allclose(deviation.bars, [np.nan, np.nan, 0.25])
+            # Below its value it ends before zero, which no logarithmic axis has.
+            np.testing.assert_allclose(decay.bars[:, -1], [0.225, 0.25])
+        else:
+            assert deviation.bars is None
 
 
 def test_budget_with_several_causes_is_drawn_hatched():
