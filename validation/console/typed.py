@@ -64,19 +64,20 @@ Force: TypeAlias = Annotated[
 def require_place(path: Path | None, kind: str, *, force: bool = False) -> None:
     """Raise InputError where no file can be written to `path`, before anything is computed for it.
 
-    Folders that it lacks count as there: `write` makes them. `kind` is the ending (".csv", say) of
-    files that are replaced: earlier results, with `force` any. None asks for no file.
+    Folders that it lacks count as there: `write` makes them. Earlier results are replaced, whatever
+    their names, with `force` any file with the ending `kind` (".csv", say). None asks for no file.
     """
     if path is None:
         return
     if path.is_dir():
         raise InputError(f"{path}: cannot be written (is a folder); must be a file")
-    if path.is_file() and path.resolve().suffix.lower() != kind:
+    foreign = path.is_file() and not is_marked(path, kind)
+    if foreign and path.resolve().suffix.lower() != kind:
         raise InputError(
             f"{path}: exists already, and only {kind} files are replaced; must be the name of a "
             "new file or end so"
         )
-    if path.is_file() and not (force or is_marked(path, kind)):
+    if foreign and not force:
         raise InputError(
             f"{path}: exists already and was not written by flexproof, or was changed since; "
             "must be the name of a new file, or be replaced with --force"

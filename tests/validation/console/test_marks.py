@@ -12,7 +12,9 @@ from gantry import GANTRY
 from report_sample import PIXEL
 from scipy.io import loadmat, savemat
 
+from lumped.errors import InputError
 from validation.console.marks import is_marked, marked
+from validation.console.typed import require_place, write
 
 ROBOT = "robot.toml"
 FOREIGN = b"written by flexproof? No, by me.\n"
@@ -129,6 +131,21 @@ def test_command_replaces_its_own_result_and_no_other(name, folder, command):
     path.write_bytes(changed)
     assert "or was changed since" in command.refused(*words)
     assert path.read_bytes() == changed
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_own_result_is_replaced_whatever_its_name(kind, folder):
+    """`identify --out matrices` refused its own file, and called it a foreign one."""
+    path, (content, _) = folder / "matrices", KINDS[kind]
+    for _ in range(2):
+        require_place(path, kind)
+        write(path, content, kind)
+    assert is_marked(path, kind)
+    # Without the ending no foreign file is replaced, not even by force.
+    path.write_bytes(FOREIGN)
+    for force in (False, True):
+        with pytest.raises(InputError, match=rf"only \{kind} files are replaced"):
+            require_place(path, kind, force=force)
 
 
 @pytest.mark.parametrize(
