@@ -1,0 +1,111 @@
+"""The launcher's set-up with a stand-in for Python: extras come back after every later set-up."""
+
+import os
+import shutil
+import subprocess
+
+import pytest
+
+from validation.console.extras import NOTE, ROOT
+
+LAUNCHER = ROOT / "flexproof"
+# Answers what the launcher asks of Python, makes environments of itself and logs what is installed.
+PYTHON = """#!/bin/sh
+case "$*" in
+*realpath*) echo "$STANDIN" ;;
+-c*) exit 0 ;;
+-) cat >/dev/null ;;
+--version) echo "Python 3.11.0" ;;
+"-m venv"*)
+    rm -rf "$ROOT/.venv" && mkdir -p "$ROOT/.venv/bin" && cp "$STANDIN" "$ROOT/.venv/bin/python"
+    printf '#!/bin/sh\\necho "runs $*"\\n' >"$ROOT/.venv/bin/flexproof"
+    chmod +x "$ROOT/.venv/bin/flexproof" ;;
+*validation.console.locked*) echo "$PWD: $*" >>"$LOG"; exit "${LOCKED:-0}" ;;
+*) echo "$*" >>"$LOG" ;;
+esac
+"""
+
+
+@pytest.fixture
+def start(tmp_path):
+    """`start(*words, **environment)`: the launcher in a clone of its own; the lines of its log."""
+    root, programs = tmp_path / "clone", tmp_path / "programs"
+    root.mkdir()
+    programs.mkdir()
+    shutil.copy(LAUNCHER, root)
+    for name in ("pyproject.toml", "requirements.lock", "requirements-dev.lock"):
+        (root / name).write_text(name)
+    (programs / "python3").write_text(PYTHON)
+    (programs / "python3").chmod(0o755)
+    log = tmp_path / "log"
+
+    def run(*words, code=0, **more):
+        log.write_text("")
+        path = os.pathsep.join([str(programs), os.environ["PATH"]])
+        own = {"PATH": path, "STANDIN": str(programs / "python3"), "ROOT": str(root)}
+        done = subprocess.run(
+            [root / "flexproof", *words],
+            env=os.environ | own | {"LOG": str(log)} | more,
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        assert done.returncode == code, done.stderr
+        run.said = done.stderr
+        run.told = done.stdout
+        return log.read_text().splitlines()
+
+    run.root = root
+    return run
+
+
+def added(log):
+    """The names of extras that were installed, and where."""
+    return [line for line in log if "validation.console.locked" in line]
+
+
+def test_set_up_without_extras_adds_none(start):
+    log = start("check", "ifw")
+    assert start.told == "runs check ifw\n"
+    assert any("--require-hashes --requirement" in line for line in log)
+    assert any("--editable" in line for line in log)
+    assert added(log) == []
+    # A finished one is not made again.
+    assert start("check", "ifw") == []
+
+
+@pytest.mark.parametrize("again", ["new-recipe", "unfinished", "broken-environment"])
+def test_later_set_up_adds_extras_again(start, again):
+    start("check", "ifw")
+    environment = start.root / ".venv"
+    (environment / NOTE).write_text("hammer\nnastran\n")
+    assert start("check", "ifw") == []
+    if again == "new-recipe":
+        (start.root / "requirements.lock").write_text("other packages")
+    elif again == "unfinished":
+        (environment / "flexproof-unfinished").touch()
+    else:
+        (environment / "bin" / "python").unlink()
+    command = "-m validation.console.locked . hammer nastran"
+    assert added(start("check", "ifw")) == [f"{start.root}: {command}"]
+    assert "adding extras again: hammer nastran" in start.said
+    assert (environment / NOTE).read_text() == "hammer\nnastran\n"
+    assert start.told == "runs check ifw\n"
+    assert start("check", "ifw") == []
+
+
+def test_extras_that_cannot_be_added_are_tried_again(start):
+    start("check", "ifw")
+    (start.root / ".venv" / NOTE).write_text("hammer\n")
+    (start.root / "requirements.lock").write_text("other packages")
+    start("check", "ifw", code=3, LOCKED="3")
+    assert "extras could not be installed (see above); start again to try again" in start.said
+    assert start.told == ""
+    # The note outlives the environment, which is made anew.
+    assert len(added(start("check", "ifw"))) == 1
+    assert start.told == "runs check ifw\n"
+
+
+def test_extras_command_goes_to_the_program(start):
+    start("extras", "hammer")
+    assert start.told == "runs extras hammer\n"
