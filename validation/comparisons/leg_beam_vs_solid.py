@@ -3,11 +3,17 @@
 The leg is of constant section, its root clamped, its tip loaded or free. The solid has end faces as
 the robot file says, kept plane if it does not say. Named differences are allowed for, each computed
 without the model that is judged: what held end faces take (fields that decay from the faces of a
-prism), section constants by formula in place of finite elements on the section, and distortion of
-the section in vibration (waves of 3-D elasticity in a prism).
+prism), section constants by formula in place of finite elements on the section, as far as a correct
+formula may be off (`validation.comparisons.section_formulas`), and distortion of the section in
+vibration (waves of 3-D elasticity in a prism).
 """
 
-from lumped.legs import ConstantLeg, tip_compliance
+import numpy as np
+
+from fem.beams.beam_theory import cantilever_frequencies
+from fem.sections.section_constants import beam_properties
+from lumped.arrays import Array
+from lumped.legs import BeamProperties, ConstantLeg, tip_compliance
 from validation.case import Allowance, Measurement, Relative, Skip
 from validation.case_group import CaseGroup, numbered
 from validation.cases.legs import (
@@ -22,14 +28,16 @@ from validation.cases.legs import (
     restrained,
 )
 from validation.comparisons.element_convergence import MODES
+from validation.comparisons.section_formulas import formula_band
 from validation.context import Context
 from validation.exhibits import AGREEMENT
 from validation.models.legs import constant_leg_of, leg_compliance, leg_frequencies
 from validation.models.options import Ends, ModelName, ModelOptions
-from validation.solids.legs import Refinement, formal_order
+from validation.solids.legs import Refinement, formal_order, leg_constants
 
 HELD_FACES = "held end faces"
 FORMULA = "section constants by formula"
+FORMULA_SOURCE = "finite elements on the section, within the known error of the textbook's formulas"
 # Entries of the tip compliance by the motion that they give along their own load.
 MOTIONS = {
     "x": (0, "m/N"),
@@ -79,6 +87,13 @@ def _motion(context: Context, body: str, model: ModelName, entry: int) -> Measur
     left = Refinement(solid.divisions, own + taken - solid.values, formal_order(leg, ends))
     at = entry, entry
     theory = tip_compliance(leg.timoshenko, leg.length)[at]
+    of_section = Refinement(solid.divisions, own, formal_order(leg, "free"))
+    stiff, soft = (one[at] for one in context.get(compliance_band, leg, solid.divisions[-1]))
+    formula = _within(
+        float(theory - own[-1][at]),
+        (float(stiff - own[-1][at]), float(soft - own[-1][at])),
+        of_section.uncertainty(*at),
+    )
     return Measurement(
         float(leg_compliance(model, leg, _OPTIONS)[at]),
         float(solid.values[-1][at]),
@@ -86,7 +101,7 @@ def _motion(context: Context, body: str, model: ModelName, entry: int) -> Measur
         judged_uncertainty=left.uncertainty(*at),
         allowances=(
             Allowance(HELD_FACES, -float(taken[-1][at]), "fem.couplings.end_effects"),
-            Allowance(FORMULA, float(theory - own[-1][at]), "finite elements on the section"),
+            Allowance(FORMULA, formula, FORMULA_SOURCE),
         ),
     )
 
@@ -119,6 +134,12 @@ def _frequency(context: Context, body: str, model: ModelName, index: int) -> Mea
     left = Refinement(divisions, beam + change - solid)
     reference = float(held.frequencies.values[-1, index])
     value = float(leg_frequencies(model, leg, index + 1, _OPTIONS)[index])
+    band = context.get(frequency_band, leg, divisions[-1], kinds)[:, index]
+    formula = _within(
+        modes[index].frequency - float(beam[-1]),
+        (float(band[0] - beam[-1]), float(band[1] - beam[-1])),
+        Refinement(divisions, beam).uncertainty(),
+    )
     return Measurement(
         value,
         reference,
@@ -127,11 +148,38 @@ def _frequency(context: Context, body: str, model: ModelName, index: int) -> Mea
         allowances=(
             Allowance(HELD_FACES, float(solid[-1]) - reference, "solids with free and held ends"),
             Allowance("distortion of the section", -float(change[-1]), DISTORTION_SOURCE),
-            Allowance(
-                FORMULA, modes[index].frequency - float(beam[-1]), "finite elements on the section"
-            ),
+            Allowance(FORMULA, formula, FORMULA_SOURCE),
         ),
     )
+
+
+def compliance_band(leg: ConstantLeg, divisions: int) -> tuple[Array, Array]:
+    """Tip compliances (6×6) of the stiffest and the softest beam by correct textbook formulas."""
+    soft, stiff = _band(leg, divisions)
+    return tip_compliance(stiff, leg.length), tip_compliance(soft, leg.length)
+
+
+def frequency_band(leg: ConstantLeg, divisions: int, kinds: tuple[tuple[str, int], ...]) -> Array:
+    """Frequencies (2×k, Hz) by kind and order of the softest and the stiffest such beam."""
+    bands = []
+    for beam in _band(leg, divisions):
+        found = cantilever_frequencies(beam, leg.length, 2 * len(kinds))
+        by_kind: dict[tuple[str, int], float] = {
+            (one.kind, one.order): one.frequency for one in found
+        }
+        bands.append([by_kind[kind] for kind in kinds])
+    return np.array(bands)
+
+
+def _band(leg: ConstantLeg, divisions: int) -> tuple[BeamProperties, BeamProperties]:
+    constants = leg_constants(leg, divisions)
+    return formula_band(leg, constants, beam_properties(constants, leg.material))
+
+
+def _within(difference: float, band: tuple[float, float], uncertainty: float) -> float:
+    """The part of a difference that correct formulas, and the section's mesh, may cause."""
+    low, high = min(0.0, *band) - uncertainty, max(0.0, *band) + uncertainty
+    return min(max(difference, low), high)
 
 
 def _ends(leg: ConstantLeg) -> Ends:

@@ -1,15 +1,20 @@
 """All formulations of a leg against its solid: verdicts, named differences, the table."""
 
 from dataclasses import replace
+from functools import partialmethod
 
 import pytest
+from one_arm import ONE_ARM
 from report_sample import measured
+from written_robot import robot_of
 
 from lumped.robot_file import load_robot
+from lumped.sections import HollowRectangle, ISection, Rectangle, Tube
 from validation.case import Allowance, Relative
 from validation.comparisons import leg_beam_vs_solid
-from validation.comparisons.leg_beam_vs_solid import FORMULA, HELD_FACES, cases
+from validation.comparisons.leg_beam_vs_solid import FORMULA, HELD_FACES, MOTIONS, cases
 from validation.context import Context
+from validation.models.legs import constant_leg_of
 from validation.models.options import ModelOptions
 from validation.report.agreement import (
     agreement_sentence,
@@ -66,6 +71,71 @@ def test_own_constants_of_a_rectangle_are_those_of_the_formula():
     outcome = outcome_of("leg1.agrees[vjm-solid-y]")
     formula = next(one for one in outcome.measurement.allowances if one.cause == FORMULA)
     assert abs(formula.amount) < 1e-3 * outcome.measurement.reference
+
+
+SECTIONS = {
+    "rectangle": 'shape = "rectangle", width = 0.06, height = 0.04',
+    "box": 'shape = "hollow-rectangle", width = 0.06, height = 0.06, thickness = 0.004',
+    "i": 'shape = "i-section", width = 0.06, height = 0.08, flange = 0.005, web = 0.004',
+    "tube": 'shape = "tube", diameter = 0.06, thickness = 0.006',
+}
+CLASSES = {"rectangle": Rectangle, "box": HollowRectangle, "i": ISection, "tube": Tube}
+
+
+@pytest.fixture(scope="module", params=SECTIONS)
+def steel_arm(request, tmp_path_factory):
+    """The section's class, and the context of a robot of one steel arm, 0.3 m long."""
+    text = (
+        ONE_ARM.replace('shape = "rectangle", width = 0.06, height = 0.04', SECTIONS[request.param])
+        .replace("nu = 0.0", "nu = 0.3")
+        .replace("P = [0.0, 0.5, 0.0]", "P = [0.0, 0.3, 0.0]")
+    )
+    folder = tmp_path_factory.mktemp(request.param)
+    robot = robot_of(f"{text}[path]\nposes = [[0.0]]\n", folder)
+    return CLASSES[request.param], Context(robot, "standard")
+
+
+def vjm_verdict(context, motion):
+    """Verdict on a motion by VJM, whose compliance is in closed form."""
+    (case,) = (one for one in cases(legs=("arm",)) if (one.model, one.label) == ("vjm", motion))
+    return judge(case, case.measure(context), 0.0).verdict
+
+
+@pytest.mark.parametrize("motion", MOTIONS)
+def test_section_by_correct_formulas_agrees(steel_arm, motion):
+    assert vjm_verdict(steel_arm[1], motion) == "agree"
+
+
+# A wrong textbook constant, and a motion that it changes by more than 0.1 %.
+MISTAKES = {
+    "torsion": ("torsion_constant", 1.1, "φx"),
+    "soft torsion": ("torsion_constant", 0.9, "φx"),
+    "area": ("area", 1.01, "x"),
+    "second moment": ("second_moment_y", 1.01, "φy"),
+    "shear": ("shear_coefficients", 0.8, "z"),
+    "stiff shear": ("shear_coefficients", 1.2, "z"),
+}
+
+
+@pytest.mark.parametrize("mistake", MISTAKES)
+def test_wrong_section_formula_disagrees(steel_arm, monkeypatch, mistake):
+    """A formula explains no more than it is known to be wrong by."""
+    name, factor, motion = MISTAKES[mistake]
+    shape, context = steel_arm
+    right = getattr(shape, name)
+    if isinstance(right, property):
+        wrong = property(lambda section: factor * right.fget(section))
+    else:
+        wrong = partialmethod(scaled, right, factor)
+    leg = constant_leg_of(context, "arm")
+    vjm_verdict(context, motion)
+    monkeypatch.setattr(shape, name, wrong)
+    monkeypatch.delitem(leg.__dict__, "timoshenko")
+    assert vjm_verdict(context, motion) == "disagree"
+
+
+def scaled(section, coefficients, factor, nu):
+    return tuple(factor * one for one in coefficients(section, nu))
 
 
 def agreeing(model, label, value, reference, *allowances, body="leg1", **more):

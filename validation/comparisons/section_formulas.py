@@ -1,0 +1,105 @@
+"""Known inaccuracy of textbook section constants: how far a correct formula may be off.
+
+Areas and second moments of area are exact for all sections, and so are the torsion constants and
+Cowper's shear coefficients of rectangle, circle and tube (`lumped.sections`). Formulas for thin
+walls count them on their middle lines, which is wrong in the first order of thickness over width:
+
+box     J by Bredt counts the corners, t×t, as walls. They are stiffer, at most rigid, which
+        shortens the line about the hole from 2 (b + h) to 2 (b + h) − 4t.
+        κ by Cowper counts the webs up to the middle lines of the flanges; they reach to their outer
+        faces, t/2 farther at both ends: at most t over the web's height.
+I       J = Σ b t³/3 leaves out 2αD⁴ where web and flanges join, α = −0.042 + 0.2204 w/f −
+        0.0725 (w/f)², D = f + w²/4f, counts four free ends with 0.42 f⁴ in all, and f of the web
+        within the joints (A. A. El Darwish, B. G. Johnston, J. Struct. Div. ASCE 91 (1965) 203).
+        κ along the web: it is counted up to the middle lines of the flanges, as for the box; a web
+        thicker than them has joints as deep as itself.
+        κ along the flanges, as rectangles: the web stiffens their middle over its thickness w, at
+        most as if rigid, where a share 1.5² w/1.2b of the strain energy of shear is. The ν in
+        Cowper's κ is that of a mean displacement: up to 12 (1 + ν)/(12 + 11ν) of the energy's.
+
+Cowper's coefficient is a mean displacement, the beam of the section's own constants has that of
+strain energy (`fem.sections.section_constants`): both are known from finite elements, and their
+difference is one of definition, no inaccuracy.
+"""
+
+from dataclasses import replace
+from typing import NamedTuple
+
+from fem.sections.section_constants import SectionConstants
+from lumped.legs import BeamProperties, ConstantLeg
+from lumped.sections import HollowRectangle, ISection
+
+
+class Limits(NamedTuple):
+    """Smallest and largest ratio of a textbook constant to the exact one."""
+
+    low: float
+    high: float
+
+
+_EXACT = Limits(1.0, 1.0)
+
+
+def formula_band(
+    leg: ConstantLeg, constants: SectionConstants, own: BeamProperties
+) -> tuple[BeamProperties, BeamProperties]:
+    """Softest and stiffest beam that correct textbook formulas can make of the section.
+
+    `own`: the beam of the `constants`, which are those of finite elements on the section.
+    """
+    torsion = torsion_limits(leg)
+    softer, stiffer = own, own
+    for name, axis in (("GAy", 0), ("GAz", 1)):
+        shear = shear_limits(leg, axis)
+        if shear.of_mean_displacement:
+            definition = constants.cowper_coefficients[axis] / constants.shear_coefficients[axis]
+        else:
+            definition = 1.0
+        exact = definition * getattr(own, name)
+        softer = replace(softer, **{name: shear.limits.low * exact})
+        stiffer = replace(stiffer, **{name: shear.limits.high * exact})
+    return (
+        replace(softer, GJ=torsion.low * own.GJ),
+        replace(stiffer, GJ=torsion.high * own.GJ),
+    )
+
+
+def torsion_limits(leg: ConstantLeg) -> Limits:
+    """Limits on J by formula over the exact one."""
+    section = leg.section
+    if isinstance(section, HollowRectangle):
+        b, h = section.width - section.thickness, section.height - section.thickness
+        return Limits(1.0 - 2.0 * section.thickness / (b + h), 1.0)
+    if isinstance(section, ISection):
+        f, w, b = section.flange, section.web, section.width
+        walls = (2.0 * b * f**3 + (section.height - f) * w**3) / 3.0
+        alpha = max(0.0, -0.042 + 0.2204 * w / f - 0.0725 * (w / f) ** 2)
+        joints = 2.0 * alpha * (f + w**2 / (4.0 * f)) ** 4
+        ends = 0.42 * f**4 + f * w**3 / 3.0
+        return Limits(walls / (walls + joints), walls / (walls - ends))
+    return _EXACT
+
+
+class ShearLimits(NamedTuple):
+    """Limits on κ by formula over the exact one, by mean displacement or by strain energy."""
+
+    limits: Limits
+    of_mean_displacement: bool = True
+
+
+def shear_limits(leg: ConstantLeg, axis: int) -> ShearLimits:
+    """Limits on κ for shear along y (`axis` 0) or z (1)."""
+    section = leg.section
+    if isinstance(section, HollowRectangle):
+        web = section.extent[axis] - section.thickness
+        return ShearLimits(Limits(1.0 - section.thickness / web, 1.0))
+    if isinstance(section, ISection) and axis == 1:
+        joint = max(section.flange, section.web)
+        return ShearLimits(Limits(1.0 - joint / (section.height - section.flange), 1.0))
+    if isinstance(section, ISection):
+        nu = leg.material.shear_nu
+        stiffened = 1.5**2 / 1.2 * section.web / section.width
+        of_nu = 12.0 * (1.0 + nu) / (12.0 + 11.0 * nu)
+        limits = Limits(min(1.0, of_nu) - stiffened, max(1.0, of_nu) + stiffened)
+        return ShearLimits(limits, of_mean_displacement=False)
+    return ShearLimits(_EXACT)
