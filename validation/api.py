@@ -16,6 +16,7 @@ import numpy as np
 from fem.machine import usable_cores
 from lumped.acceptance.requirement import Requirement
 from lumped.errors import InputError
+from lumped.legs import Theory
 from lumped.robot_file import RobotFile, load_robot
 from lumped.robot_file.evidence import with_options
 from validation.adequacy.judgement import judged
@@ -88,11 +89,13 @@ def converge(
     body: str | None = None,
     elements: Sequence[int] | None = None,
     divisions: Sequence[int] | None = None,
+    theory: Theory | None = None,
 ) -> ConvergenceStudy:
     """Convergence with element count, of a `body` that is a leg or of the whole robot.
 
     `model`: "segments", "beam" or "solid" (with `divisions` across the section, for a body);
-    segments and beam elements if None. The robot stands in the middle of its path.
+    segments and beam elements if None. `theory` of both: "timoshenko" if None, or
+    "euler-bernoulli". The robot stands in the middle of its path.
     Raises InputError, ComputationError.
     """
     with _arguments_named():
@@ -102,6 +105,7 @@ def converge(
             body=body,
             elements=elements,
             divisions=divisions,
+            theory=theory,
         )
 
 

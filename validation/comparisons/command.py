@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Literal
 
 from lumped.errors import InputError
+from lumped.legs import Theory
 from validation.console.streams import complain, say
 from validation.console.typed import (
     AsJson,
@@ -28,6 +29,7 @@ def converge(
     model: Literal["segments", "beam", "solid"] | None = None,
     elements: str | None = None,
     divisions: str | None = None,
+    theory: Theory | None = None,
     quantity: str = "f1",
     within: float | None = None,
     json: AsJson = False,
@@ -48,6 +50,8 @@ def converge(
         Element counts per leg, separated by commas, as 5,10,20,40.
     divisions
         solid: quadratic elements across the smaller side of the section, as 2,4,8.
+    theory
+        segments and beam: euler-bernoulli or timoshenko; timoshenko if left out.
     quantity
         Quantity of the table: f1 to f4, or x, y, z, the deflection along a unit force.
     within
@@ -78,6 +82,7 @@ def converge(
         body=body,
         elements=_counts("--elements", elements),
         divisions=_counts("--divisions", divisions),
+        theory=theory,
     )
     missed = [] if within is None else study.missed(quantity, within)
     say(study.json() if json else study.table(quantity))

@@ -4,10 +4,13 @@ The paper divides each leg into 20 elements and states an error below 1 %. Here 
 its own for each leg and for the robot, beside the order and the half-width of the refinement.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from lumped.legs import NoBeamTheoryError
 from lumped.mechanism.mechanism import Mechanism
+from lumped.models.bodies import legs_of
 from meshes.part.slices import NotPrismaticError
 from validation.adequacy.mechanism.path import distinct_legs
 from validation.case import Absolute, Elsewhere, Measurement, Relation, Skip
@@ -56,11 +59,18 @@ def study_of(context: Context, body: str) -> ConvergenceStudy:
 
 
 def _study(mechanism: Mechanism, body: str) -> ConvergenceStudy | str:
-    """The study, or the reason why beams do not apply."""
+    """The study, or the reason why beams do not apply.
+
+    By Timoshenko's theory; for prismatic legs by Euler's and Bernoulli's, too.
+    """
     try:
-        return convergence(mechanism, body=body or None)
+        study = convergence(mechanism, body=body or None)
+        if body not in legs_of(mechanism):
+            return study
+        without_shear = convergence(mechanism, body=body, theory="euler-bernoulli")
     except (NoBeamTheoryError, NotPrismaticError) as error:
         return f"no beam elements: {error}"
+    return replace(study, series=(*study.series, *without_shear.series))
 
 
 cases = CaseGroup(

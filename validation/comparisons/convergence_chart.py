@@ -8,11 +8,12 @@ import numpy as np
 
 from lumped.arrays import Array
 from validation.drawing.chart import Chart, Column, Note, Panel, Series, refined
+from validation.drawing.text import number
 
 # Errors below are round-off and are not drawn (%).
 _LOWEST = 1e-7
 # Curves whose last errors differ by a smaller factor have their remarks above each other (pt).
-_NEAR, _LINE = 1.6, 9.0
+_NEAR, _LINE = 3.0, 9.0
 _LABELLED = (1, 2, 5, 20, 80)
 _STATED_ELEMENTS, _STATED_ERROR = 20.0, 1.0
 
@@ -22,7 +23,8 @@ class ErrorCurve:
     """Relative `errors` (n) of one formulation over `counts` (n); `remark` stands at its end.
 
     `name` is that of the formulation, `label` its entry in the legend, `look` one of
-    `validation.drawing.style.LOOKS`.
+    `validation.drawing.style.LOOKS`. A curve that is not `drawn` is in the data alone;
+    the error at 20 elements stands at it if it is `stated`.
     """
 
     name: str
@@ -31,6 +33,8 @@ class ErrorCurve:
     errors: Array
     remark: str
     look: str
+    drawn: bool = True
+    stated: bool = True
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,37 +67,44 @@ def _column(curve: ErrorCurve, counts: Array) -> Column:
 def _panel(panel: ErrorPanel, counts: Array, *, leftmost: bool) -> Panel:
     series = []
     ends_of_curves: list[tuple[float, float, str]] = []
-    for curve in panel.curves:
+    stated: list[tuple[float, float, str]] = []
+    lowest = _STATED_ERROR
+    for curve in (one for one in panel.curves if one.drawn):
         sizes = 100.0 * np.abs(curve.errors)
         sizes[sizes < _LOWEST] = np.nan
         series.append(Series(curve.label, curve.counts, sizes, of=curve.look))
         if visible := np.flatnonzero(np.isfinite(sizes)).tolist():
             last = visible[-1]
             ends_of_curves.append((float(sizes[last]), float(curve.counts[last]), curve.remark))
+            lowest = min(lowest, float(np.nanmin(sizes)))
+        at_stated = (curve.counts == _STATED_ELEMENTS) & np.isfinite(sizes)
+        for size in sizes[at_stated & curve.stated].tolist():
+            text = f"{number(size, 2)}\N{NO-BREAK SPACE}%"
+            stated.append((size, _STATED_ELEMENTS, text))
     ends = np.array([counts[0], counts[-1]])
     highest = np.nanmax([np.nanmax(one.y, initial=_STATED_ERROR) for one in series])
     lines = [Series("1 %", ends, np.full(2, _STATED_ERROR), of="stated error")]
     if counts[0] <= _STATED_ELEMENTS <= counts[-1]:
-        stated = np.full(2, _STATED_ELEMENTS), np.array([_LOWEST, highest])
-        lines.append(Series("20 elements", *stated, of="stated count"))
+        upright = np.full(2, _STATED_ELEMENTS), np.array([lowest, highest])
+        lines.append(Series("20 elements", *upright, of="stated count"))
     return Panel(
         [*series, *lines],
         panel.title,
         "|error| (%)" if leftmost else "",
         partial(refined, x=_ticks(counts), decay=True),
-        notes=_notes(ends_of_curves),
+        notes=[*_notes(ends_of_curves, 5.0, -3.0), *_notes(stated, 3.0, 4.0)],
         staggered=False,
     )
 
 
-def _notes(ends: Sequence[tuple[float, float, str]]) -> list[Note]:
-    """Remarks at the ends (error, count) of curves; those of near ones stand above each other."""
+def _notes(texts: Sequence[tuple[float, float, str]], away: float, below: float) -> list[Note]:
+    """Texts at points (error, count); those of near ones stand above each other."""
     notes: list[Note] = []
-    height = 0.0
-    for place, (size, count, remark) in enumerate(sorted(ends)):
-        near = place > 0 and size < _NEAR * sorted(ends)[place - 1][0]
-        height = height + _LINE if near else -3.0
-        notes.append(Note(remark, count, size, (5.0, height)))
+    height, last = below, 0.0
+    for size, count, text in sorted(texts):
+        height = height + _LINE if size < _NEAR * last else below
+        notes.append(Note(text, count, size, (away, height)))
+        last = size
     return notes
 
 

@@ -12,8 +12,8 @@ finer count. An estimate from two counts cannot see modes that change places bet
 of few elements do.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from html import escape
 from json import dumps
@@ -49,14 +49,19 @@ X_LABELS = {"elements": "elements per leg", "divisions": "divisions across the s
 # Element count whose error is stated, and limit on that error: the paper's.
 STATED_ELEMENTS, STATED_ERROR = 20, 0.01
 # Relative round-off of frequencies and compliances with 80 elements: ten times the largest that was
-# seen on five processor kernels.
-ROUND_OFF = 1e-9
+# seen on five processor kernels. Without shear, bending stiffness alone joins the nodes, and
+# rounding grows with the fourth power of the count.
+ROUND_OFF: Mapping[Theory, float] = {"timoshenko": 1e-9, "euler-bernoulli": 2e-7}
 # Relative errors from which on an order is fitted: round-off of 1e-10 changes them by a hundredth.
 _FITTED = 1e-8
 # An order needs errors this many times the half-width of their limit.
 _ABOVE_LIMIT = 100.0
 # Share of the formal order that a half-width takes at least, and if three counts show none.
 _LEAST_ORDER = 0.25
+# Ratio of errors that can be told apart in a figure over eight decades.
+_VISIBLE = 1.5
+# Relative errors that make no difference in it.
+_NEARLY_EXACT = 1e-7
 # Below so many elements no series is expected to be asymptotic.
 _COARSE = 5
 
@@ -87,10 +92,16 @@ class ConvergenceSeries:
         """Relative errors f(n)/f∞ − 1 (n×q)."""
         return np.asarray(self.values / self.limits - 1.0)
 
+    @property
+    def _round_off(self) -> float:
+        return ROUND_OFF[self.reading.theory]
+
     @cached_property
     def exact(self) -> Array:
         """Quantities (q, bool) whose values are exact, apart from round-off, for every count."""
-        return np.asarray(np.abs(self.errors).max(axis=0) <= ROUND_OFF + self.limit_half_widths)
+        return np.asarray(
+            np.abs(self.errors).max(axis=0) <= self._round_off + self.limit_half_widths
+        )
 
     @cached_property
     def largest_errors(self) -> Array:
@@ -127,7 +138,7 @@ class ConvergenceSeries:
             used[0] = 1.0
             widths[1:] = factors * steps / (ratios ** (used * self.formal_order) - 1.0)
         widths[0] = np.nan
-        return np.asarray(widths + self.limit_half_widths[column] + ROUND_OFF)
+        return np.asarray(widths + self.limit_half_widths[column] + self._round_off)
 
     def pairwise_orders(self, column: int) -> Array:
         """Order between each count and the one before (n); NaN for the first and near the limit."""
@@ -321,6 +332,14 @@ class ConvergenceStudy:
                     for one in self.series
                 },
                 "limit": {one.reading.label: float(one.limits[k]) for one in self.series},
+                "theory": {one.reading.label: one.reading.theory for one in self.series},
+                "needed": {
+                    one.reading.label: {
+                        f"{target:g}": int(row[k]) or None
+                        for target, row in zip(TARGETS, one.needed, strict=True)
+                    }
+                    for one in self.series
+                },
                 "notes": [self.reference],
             }
             for k, quantity in enumerate(self.quantities)
@@ -392,25 +411,45 @@ class ConvergenceStudy:
         return convergence_chart([self.panel(one) for one in quantities], X_LABELS[self.refined])
 
     def panel(self, quantity: str) -> ErrorPanel:
-        """The errors of one quantity as they are drawn."""
+        """The errors of one quantity as they are drawn.
+
+        Beside Timoshenko's theory the other one is drawn only if its errors are visibly different.
+        """
         column = self.column(quantity)
         limit = self.series[0].limits[column]
-        shown = f"{limit:.4g} Hz" if self.units[column] == "Hz" else f"{1e9 * limit:.3g} µm at 1 kN"
+        shown = (
+            f"{limit:.4g} Hz"
+            if self.units[column] == "Hz"
+            else f"{number(1e9 * limit, 3)} µm at 1 kN"
+        )
         return ErrorPanel(
             f"{self.subject or 'robot'}: {quantity}",
             f"{self.subject or 'robot'}: {quantity} = {shown}",
             tuple(
                 ErrorCurve(
                     series.reading.label,
-                    f"{series.reading.label} (formal order {series.formal_order:g})",
+                    f"{series.reading.legend} (formal order {series.formal_order:g})",
                     np.array(series.counts, dtype=float),
                     series.errors[:, column],
                     series.behaviour(column),
                     series.reading.look,
+                    self._visible(series, column),
+                    series.reading.theory == "timoshenko",
                 )
                 for series in self.series
             ),
         )
+
+    def _visible(self, series: ConvergenceSeries, column: int) -> bool:
+        """True unless the same formulation by Timoshenko's theory has nearly equal errors."""
+        twin = replace(series.reading, theory="timoshenko")
+        for other in self.series:
+            if other is not series and other.reading == twin and other.counts == series.counts:
+                pairs = np.abs([series.errors[:, column], other.errors[:, column]]) + _NEARLY_EXACT
+                fine = np.array(series.counts) >= min(_COARSE, series.counts[-1])
+                ratios = np.log(pairs[0] / pairs[1])[fine]
+                return bool(np.max(np.abs(ratios)) > np.log(_VISIBLE))
+        return True
 
     def _series_record(self, series: ConvergenceSeries) -> dict[str, Any]:
         by_quantity = dict(enumerate(self.quantities))
@@ -474,8 +513,8 @@ def _size(error: float) -> str:
 
 def _percent(error: float) -> str:
     """A relative error in percent; below the round-off it is only bounded."""
-    if abs(error) < ROUND_OFF:
-        return f"below {number(100.0 * ROUND_OFF)}\N{NO-BREAK SPACE}%"
+    if abs(error) < ROUND_OFF["timoshenko"]:
+        return f"below {number(100.0 * ROUND_OFF['timoshenko'])}\N{NO-BREAK SPACE}%"
     return percent(error)
 
 

@@ -7,6 +7,7 @@ is that of the beam elements, f = f80 + (f80 − f40)/15 for their fourth order 
 
 from collections.abc import Callable, Sequence
 from functools import partial
+from math import ceil
 
 import numpy as np
 
@@ -158,7 +159,8 @@ def _smallest_count(
 ) -> int:
     """Smallest count from which on |error| stays below `target`; 0 if the finest misses it.
 
-    The error is taken as monotone between the last listed count that misses and the next one.
+    The error is taken as monotone between the last listed count that misses and the next one. The
+    count searched for lies where a power law through both meets the target, or near.
     """
     missed = [count for count in counts if errors(count)[column] > target]
     met = [count for count in counts if not missed or count > missed[-1]]
@@ -167,6 +169,11 @@ def _smallest_count(
     above, below = (missed[-1] if missed else met[0] - 1), met[0]
     while below - above > 1:
         middle = (above + below) // 2
+        coarse, fine = (float(errors(count)[column]) for count in (above, below))
+        if coarse > fine > 0.0:
+            share = np.log(coarse / target) / np.log(coarse / fine)
+            middle = ceil(above * (below / above) ** share)
+            middle = min(max(middle, above + 1), below - 1)
         if errors(middle)[column] > target:
             above = middle
         else:

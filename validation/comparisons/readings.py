@@ -66,28 +66,41 @@ class Reading:
 
     @property
     def formulation(self) -> str:
-        """The formulation without its theory, as tables and legends name it."""
+        """The formulation without its theory, as tables name it."""
+        rigid = "rigid " if self.model == "segments" else ""
+        return f"{rigid}{self._short}"
+
+    @property
+    def _short(self) -> str:
         if self.model == "solid":
             return f"solid, {self.ends} ends"
         if self.model == "beam":
             return "beam elements"
         layouts = {"half": "half-length end springs", "literal": "the paper's literal layout"}
-        return f"rigid segments, {layouts[self.layout]}"
+        return f"segments, {layouts[self.layout]}"
 
     @property
     def label(self) -> str:
         """The formulation, with its theory if that is not Timoshenko's."""
-        theory = ", Euler–Bernoulli" if self.theory == "euler-bernoulli" else ""
-        return f"{self.formulation}{theory}"
+        return f"{self.formulation}{self._theory}"
+
+    @property
+    def legend(self) -> str:
+        """The label, as short as a legend of two columns needs it."""
+        return f"{self._short}{self._theory}"
+
+    @property
+    def _theory(self) -> str:
+        return ", Euler–Bernoulli" if self.theory == "euler-bernoulli" else ""
 
     @property
     def look(self) -> str:
         """The entry of `validation.drawing.style.LOOKS` with its colour and marker."""
         if self.model == "solid":
             return "solid" if self.ends == "rigid" else "solid, free"
-        if self.theory == "euler-bernoulli":
-            return f"{self.model}-euler-bernoulli"
-        return "segments, literal layout" if self.layout == "literal" else self.model
+        theory = "-euler-bernoulli" if self.theory == "euler-bernoulli" else ""
+        layout = ", literal layout" if self.layout == "literal" else ""
+        return f"{self.model}{theory}{layout}"
 
 
 FORMULATIONS = (
@@ -95,3 +108,5 @@ FORMULATIONS = (
     Reading("segments", "literal"),
     Reading("beam"),
 )
+# The same without shear and rotary inertia.
+EULER_BERNOULLI = tuple(replace(reading, theory="euler-bernoulli") for reading in FORMULATIONS)

@@ -4,14 +4,14 @@ from collections.abc import Sequence
 
 from fem.beams.stepped import SteppedLeg
 from lumped.errors import InputError
-from lumped.legs import ConstantLeg, equivalent_leg
+from lumped.legs import ConstantLeg, Theory, equivalent_leg
 from lumped.mechanism.kinematics.postures import posture, reference_posture
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.models.bodies import legs_of
 from validation.comparisons.convergence_study import ConvergenceStudy
 from validation.comparisons.element_convergence import COUNTS, leg_convergence, robot_convergence
 from validation.comparisons.mesh_convergence import DIVISIONS, leg_mesh_convergence
-from validation.comparisons.readings import FORMULATIONS, RefinedModel
+from validation.comparisons.readings import EULER_BERNOULLI, FORMULATIONS, RefinedModel
 from validation.models.parts import is_leg
 from validation.models.stepped_parts import PIECES, stepped
 
@@ -26,20 +26,22 @@ def convergence(
     body: str | None = None,
     elements: Sequence[int] | None = None,
     divisions: Sequence[int] | None = None,
+    theory: Theory | None = None,
 ) -> ConvergenceStudy:
     """Convergence of the robot in the middle of its path, or of the leg `body`.
 
-    `model` None: segments in both layouts, and beam elements. Raises InputError with every fault of
-    the arguments.
+    `model` None: segments in both layouts, and beam elements. `theory` None: Timoshenko's. Raises
+    InputError with every fault of the arguments.
     """
-    if faults := _faults(mechanism, model, body, elements, divisions):
+    if faults := _faults(mechanism, model, body, elements, divisions, theory):
         raise InputError(faults)
     if model == "solid" or divisions is not None:
         leg = legs_of(mechanism)[str(body)]
         return leg_mesh_convergence(
             mechanism.name, str(body), equivalent_leg(leg), divisions=divisions or DIVISIONS
         )
-    readings = [one for one in FORMULATIONS if model in (None, one.model)]
+    formulations = EULER_BERNOULLI if theory == "euler-bernoulli" else FORMULATIONS
+    readings = [one for one in formulations if model in (None, one.model)]
     counts = tuple(elements or COUNTS)
     if body in mechanism.parts or (body is None and mechanism.parts):
         # Each prismatic piece has whole elements; the literal layout is about one prism.
@@ -79,6 +81,7 @@ def _faults(
     body: str | None,
     elements: Sequence[int] | None,
     divisions: Sequence[int] | None,
+    theory: Theory | None,
 ) -> list[str]:
     faults = []
     legs = legs_of(mechanism)
@@ -93,6 +96,10 @@ def _faults(
         faults.append(f"body {body}: is a CAD part, whose meshes `identify` refines")
     if solid and elements is not None:
         faults.append("elements: solids have divisions; leave elements or the model solid out")
+    if solid and theory is not None:
+        faults.append("theory: solids have none; leave theory or the model solid out")
+    if theory not in (None, "timoshenko", "euler-bernoulli"):
+        faults.append(f"theory {theory}: must be timoshenko or euler-bernoulli")
     if divisions is not None and model not in (None, "solid"):
         faults.append(f"divisions: {model} has elements; leave divisions out, or take model solid")
     for name, counts in (("elements", elements), ("divisions", divisions)):

@@ -64,6 +64,7 @@ LOOKS: Mapping[str, Look] = {
     "slope": Look("#999999", ""),
     # Of convergence with element count: its limits, and the layout of the paper's text.
     "segments, literal layout": Look(VERMILLION, "h", "--"),
+    "segments-euler-bernoulli, literal layout": Look(VERMILLION, "8", ":"),
     "stated error": Look("#777777", "", "--"),
     "stated count": Look("#777777", "", ":"),
 }

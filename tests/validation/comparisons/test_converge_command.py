@@ -77,20 +77,30 @@ def test_picture_kind_follows_the_ending(capsys, tmp_path, ending, head):
     assert path.read_bytes().startswith(head)
 
 
+def number_in(text):
+    """The number that a text such as "5.2 × 10⁻⁶ %" begins with."""
+    plain = text.replace("\N{NO-BREAK SPACE}", "").removesuffix("%").replace("×10", "e")
+    return float(plain.translate(str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")))
+
+
 def test_figure_shows_the_errors_in_percent(leg1):
     figure = leg1.plot(["f1", "f2"])
     assert len(figure.axes) == 2
     for axes, column in zip(figure.axes, (0, 1), strict=True):
         lines = {line.get_label(): line for line in axes.get_lines()}
         for series in leg1.series:
-            line = next(v for k, v in lines.items() if k.startswith(series.reading.label))
+            line = next(v for k, v in lines.items() if k.startswith(series.reading.legend))
             np.testing.assert_allclose(line.get_xdata(), series.counts)
             np.testing.assert_allclose(line.get_ydata(), 100.0 * np.abs(series.errors[:, column]))
         assert axes.get_xscale() == axes.get_yscale() == "log"
         np.testing.assert_allclose(lines["1 %"].get_ydata(), 1.0)
         np.testing.assert_allclose(lines["20 elements"].get_xdata(), 20.0)
+        # At each curve its order and its error with 20 elements.
         remarks = [text.get_text() for text in axes.texts]
-        assert sorted(remarks) == sorted(series.behaviour(column) for series in leg1.series)
+        orders, stated = remarks[: len(leg1.series)], remarks[len(leg1.series) :]
+        assert sorted(orders) == sorted(series.behaviour(column) for series in leg1.series)
+        errors = sorted(100.0 * abs(one.errors[2, column]) for one in leg1.series)
+        np.testing.assert_allclose(sorted(map(number_in, stated)), errors, rtol=0.1)
 
 
 @pytest.mark.parametrize(
@@ -113,9 +123,24 @@ def test_assertion_holds_and_fails_as_the_values_do(leg1):
         leg1.assert_converged("f1", within=0.01, layout="literal")
 
 
+def test_theory_without_shear_has_its_own_cantilever(capsys):
+    """L⁻² √(EI/μ) 1.875104²/2π = 186.8 Hz; literal layout 5.2 % high with 20 elements."""
+    arguments = ("ifw", "--body", "leg1", "--elements", COUNTS, "--json")
+    code, out, _ = run(capsys, *arguments, "--theory", "euler-bernoulli")
+    document = json.loads(out)
+    literal = document["series"][1]
+    assert (code, literal["layout"], literal["theory"]) == (0, "literal", "euler-bernoulli")
+    assert literal["limits"]["f2"] == pytest.approx(186.8, abs=0.05)
+    assert literal["errors"]["f2"][2] == pytest.approx(0.052, abs=5e-4)
+
+
 @pytest.mark.parametrize(
     ("arguments", "fault"),
     [
+        (
+            ("ifw", "--body", "leg1", "--model", "solid", "--theory", "timoshenko"),
+            "theory: solids have none",
+        ),
         (("ifw", "--body", "leg3"), "body leg3: is no leg of the robot; must be one of leg1, leg2"),
         (("ifw", "--quantity", "f9"), "--quantity f9: must be one of f1, f2"),
         (("ifw", "--elements", "5,x"), "must be whole numbers from 1 to 9999"),

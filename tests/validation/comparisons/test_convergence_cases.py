@@ -161,6 +161,8 @@ def test_figure_and_studies_show_every_subject():
     figure = figure_of(context)
     rows = list(csv.DictReader(io.StringIO(figure.data)))
     assert "leg1" in figure.caption
+    # Segments without shear against their own cantilever, f1: 5.2 % for 5.1 %.
+    assert "literal layout, Euler–Bernoulli +5.2\N{NO-BREAK SPACE}% (" in figure.caption
     assert "+0.0089\N{NO-BREAK SPACE}% (2, 6, 19)" in figure.caption
     # The robot's literal layout: the paper's statement holds at 20 elements and not before.
     assert "+0.97\N{NO-BREAK SPACE}% (20, over 80, over 80)" in figure.caption
@@ -175,6 +177,11 @@ def test_figure_and_studies_show_every_subject():
     at = study["x"].index(20)
     assert values[at] == pytest.approx(181.822, abs=6e-4)
     assert study["series"]["rigid segments, the paper's literal layout"][0] is None
+    # The paper's layout without shear is 5.2 % above its own limit in the second plane.
+    without_shear = "rigid segments, the paper's literal layout, Euler–Bernoulli"
+    ratio = study["series"][without_shear][at] / study["limit"][without_shear]
+    assert ratio == pytest.approx(1.052, abs=5e-4)
+    assert study["theory"][without_shear] == "euler-bernoulli"
     # The data of the figure are errors in percent over the element count.
     column = next(name for name in rows[0] if "leg1: f1" in name and "half-length" in name)
     by_count = {float(row["elements per leg"]): row[column] for row in rows}

@@ -100,6 +100,20 @@ def test_literal_layout_is_5_2_percent_off_without_shear():
     assert study.series[0].limits[1] == pytest.approx(186.8, abs=0.05)
 
 
+@pytest.mark.parametrize("index", range(3))
+def test_euler_bernoulli_elements_have_formal_orders(index):
+    """Against their own cantilever, f1 to f4: 2, 1 and 4; deflections exact but for round-off."""
+    study = convergence(BIGLIDE.mechanism, body="leg1", theory="euler-bernoulli")
+    series = study.series[index]
+    np.testing.assert_allclose(series.orders[:4], series.formal_order, atol=0.1)
+    assert series.exact[4:].all() == (series.reading.layout == "half")
+    # Half-widths without the limit contain it, from five elements on.
+    fine = np.array(series.counts) >= 5
+    judged = slice(2) if series.reading.layout == "literal" else slice(None)
+    shares = np.abs(series.errors[fine, judged]) / series.half_widths[fine, judged]
+    assert shares.max() <= 1.0
+
+
 def test_static_compliance_is_exact_for_every_count(leg1):
     for model in ("segments", "beam"):
         series = leg1.of(model)
