@@ -247,6 +247,36 @@ def test_every_curve_and_its_table(matrix):
                 assert known(cell) == close(errors[p])
 
 
+def assert_causes_are_told(line, entries):
+    """Shares of the two foremost causes; what each does to the error if one works against it."""
+    interact = any(one.share < -0.02 for entry in entries for one in entry.causes)
+    told_of, others = {}, []
+    for entry in entries:
+        for one in entry.causes[:2]:
+            if interact:
+                told_of.setdefault(one.cause, []).append(one.share * entry.error)
+            elif one.share > 0.02:
+                told_of.setdefault(one.cause, []).append(min(one.share, 1.0))
+        others.append(sum(one.share for one in entry.causes[2:]))
+    if not interact and max(others) > 0.02:
+        told_of["all others"] = others
+    assert [text.partition(":")[0] for text in line.causes] == list(told_of)
+    assert line.causes[-1].endswith(" (they interact)") is interact
+    for shown, values in zip(line.causes, told_of.values(), strict=True):
+        ends = numbers(re.sub(r"(?<=\d) to ", " % to ", shown.partition(": ")[2]))
+        known = sorted(values, key=abs)
+        assert [ends[0], ends[-1]] == [told(known[0]), told(known[-1])], shown
+
+
+def assert_sense_is_told(line, entries):
+    """Along the load alone, all of one sign: too stiff or too soft."""
+    sense = {" too stiff": -1.0, " too soft": 1.0}
+    (sign,) = [sign for end, sign in sense.items() if line.without.endswith(end)] or [0.0]
+    mostly = [one.along is not None and abs(one.along) >= 0.8 * one.error for one in entries]
+    due = not entries[0].signed and all(mostly) and {np.sign(one.along) for one in entries}
+    assert sign == (next(iter(due)) if due and len(due) == 1 else 0.0)
+
+
 def test_remedy_lines_have_the_range_of_their_errors():
     """One line for each set of two foremost causes and remedy, in the order of the matrix."""
     for matrix in MATRICES:
@@ -261,10 +291,9 @@ def test_remedy_lines_have_the_range_of_their_errors():
             lines, groups.items(), strict=True
         ):
             assert line.remedy == remedy
+            assert_sense_is_told(line, entries)
             if foremost:
-                named = {text.partition(":")[0] for text in line.causes}
-                assert named
-                assert named <= foremost | {"all others"}
+                assert_causes_are_told(line, entries)
             else:
                 assert line.causes == (reason,)
             quantities = re.split(", | and ", line.quantities)
