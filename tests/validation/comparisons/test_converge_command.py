@@ -103,6 +103,20 @@ def test_figure_shows_the_errors_in_percent(leg1):
         np.testing.assert_allclose(sorted(map(number_in, stated)), errors, rtol=0.1)
 
 
+def test_remark_stands_at_the_finest_drawn_error(leg1):
+    """The static errors are round-off, below 1e-7 %: nothing is drawn of them."""
+    quantities = ["f1", "f3", "x"]
+    for quantity, panel in zip(quantities, leg1.chart(quantities).panels, strict=True):
+        column, ends = leg1.column(quantity), []
+        for series in leg1.series:
+            sizes = 100.0 * np.abs(series.errors[:, column])
+            if (sizes >= 1e-7).any():
+                last = int(np.flatnonzero(sizes >= 1e-7)[-1])
+                ends.append((sizes[last], series.counts[last], series.behaviour(column)))
+        notes = sorted((note.y, note.x, note.text) for note in panel.notes)
+        assert notes == sorted(ends)
+
+
 @pytest.mark.parametrize(
     ("within", "code"),
     # f2 of the segments is 0.0087 % off at 20 elements, that of the beams 5e-6 %.
