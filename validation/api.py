@@ -186,9 +186,9 @@ class Adequacy:
         models = [note.model for note in self.matrix.models]
         if model not in models:
             return f'model "{model}" is not judged; there are {", ".join(models)}'
-        if quantity not in self.matrix.quantities:
-            known = ", ".join(self.matrix.quantities)
-            return f'quantity "{quantity}" is not judged; there are {known}'
+        names = [one.name for one in self.matrix.quantities]
+        if quantity not in names:
+            return f'quantity "{quantity}" is not judged; there are {", ".join(names)}'
         return f'model "{model}" says nothing of "{quantity}"'
 
     def _repr_html_(self) -> str:

@@ -87,7 +87,7 @@ class RobotCollector(pytest.File):
 
         robot_file = _robot_file(self.robot)
         for model in judged_models(robot_file.mechanism):
-            for quantity in robot_file.requirement.quantities:
+            for quantity in (one.name for one in robot_file.requirement.quantities):
                 name = f"{model}.{quantity}"
                 yield ModelItem.from_parent(self, name=name, model=model, quantity=quantity)
 

@@ -1,25 +1,26 @@
-"""Measured values of a robot: what was measured, where, how well, and by whom.
+"""Measured values of a robot: quantity, pose, value, uncertainty and source.
 
-Quantities: x y z phi_x phi_y phi_z, the deflection (m) or rotation (rad) of the loaded point under
-its own force or moment; f1 f2 …, natural frequencies (Hz); leg1.c22 …, entries of a leg's 6×6
+Quantities: x y z phi_x phi_y phi_z, the signed deflection (m) or rotation (rad) of the loaded point
+under its own force or moment; f1 f2 …, natural frequencies (Hz); leg1.c22 …, entries of a leg's 6×6
 compliance at its tip, root clamped, leg axes (SI); response:NAME, response:NAME.frequency and
-response:NAME.at, what is judged of a response (m/N, Hz, m/N).
+response:NAME.at, the judged numbers of a response (m/N, Hz, m/N).
 """
 
-import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from lumped.acceptance.requirement import (
+from lumped.acceptance.quantities import (
     AXES,
-    FREQUENCIES,
     MOST_MODES,
-    RESPONSE,
-    ROTATIONS,
-    SMALLEST_MEASURED,
+    Quantity,
+    QuantityKind,
+    measured_quantity,
+    response_quantities,
 )
+from lumped.acceptance.requirement import SMALLEST_MEASURED
 from lumped.arrays import Array, ComplexArray
 from lumped.errors import InputError
 from lumped.mechanism.kinematics.postures import posture
@@ -27,20 +28,6 @@ from lumped.mechanism.mechanism import Mechanism
 from lumped.memo import fingerprint
 from lumped.models.bodies import legs_of
 from lumped.text import shown
-
-_OF_LEG = re.compile(r"([\w-]{1,40})\.c([1-6])([1-6])")
-# Units of translations, then of rotations, under a force and under a moment.
-_OF_COMPLIANCE = (("m/N", "1/N"), ("1/N", "rad/(N m)"))
-_NAMES = (
-    f"{' '.join(AXES)}, f1 to f{MOST_MODES}, an entry of a leg's 6×6 like leg1.c22 or a response "
-    f"like {RESPONSE}NAME"
-)
-
-
-def leg_entry(quantity: str) -> tuple[str, int, int] | None:
-    """Leg, row and column (from 0) of "leg1.c22"; None for a quantity of the robot."""
-    found = _OF_LEG.fullmatch(quantity)
-    return (found[1], int(found[2]) - 1, int(found[3]) - 1) if found else None
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +69,7 @@ class ModalTest:
 
 @dataclass(frozen=True)
 class Measured:
-    """One measured value with its standard uncertainty (unit of the value) and its source.
+    """A measured value with its standard uncertainty, in the unit of the quantity, and source.
 
     `pose` is where (empty for a leg alone), `load` the force (N) or moment (N m) of a deflection;
     of a frequency that has a shape `column` is that of the mode in its `test`. A response of the
@@ -90,7 +77,7 @@ class Measured:
     `frequency` (Hz).
     """
 
-    quantity: str
+    quantity: Quantity
     value: float
     uncertainty: float
     source: str
@@ -103,42 +90,44 @@ class Measured:
     frequency: float | None = None
 
     @property
-    def leg_entry(self) -> tuple[str, int, int] | None:
-        """Leg, row and column (from 0) of an entry of its 6×6; None for a quantity of the robot."""
-        return leg_entry(self.quantity)
-
-    @property
-    def unit(self) -> str:
-        """SI unit of the value: of a deflection or rotation under its load, Hz, of a compliance."""
-        if self.leg_entry is not None:
-            _, row, column = self.leg_entry
-            return _OF_COMPLIANCE[row > 2][column > 2]
-        if self.mode is not None or (self.of_response and self.quantity.endswith(".frequency")):
-            return "Hz"
-        if self.of_response:
-            return "m/N"
-        return "rad" if self.quantity in ROTATIONS else "m"
-
-    @property
-    def of_response(self) -> bool:
-        """Whether it is one of the numbers that are judged of a response."""
-        return self.quantity.startswith(RESPONSE)
-
-    @property
-    def mode(self) -> int | None:
-        """Number of the natural frequency, from 1; None for any other quantity."""
-        return FREQUENCIES.get(self.quantity)
+    def of_leg(self) -> bool:
+        """True for an entry of a leg's 6×6, which has no pose."""
+        return self.quantity.kind is QuantityKind.COMPLIANCE
 
 
-def measured_faults(one: Measured, place: str) -> list[str]:
-    """What is wrong with a measured value, one line each, starting with its place."""
+def measured_value(table: Mapping[str, Any], place: str, responses: Sequence[str] = ()) -> Measured:
+    """Measured value of a table whose keys are sound; `place` names it in messages.
+
+    `responses` are the names of the robot's judged numbers of responses. Raises InputError with one
+    line per fault.
+    """
+    name = table["quantity"]
+    if (quantity := measured_quantity(name, responses)) is None:
+        raise InputError(f"{place}.quantity = {shown(name)}: must be one of {_names(responses)}")
+    value = Measured(**{**table, "quantity": quantity})
+    if faults := _value_faults(value, place):
+        raise InputError(faults)
+    return value
+
+
+def _names(responses: Sequence[str]) -> str:
+    """Names of all quantities that can be measured of a robot."""
+    names = ", ".join(
+        (
+            *(one.name for one in response_quantities(responses)),
+            " ".join(AXES),
+            f"f1 to f{MOST_MODES} or an entry of a leg's 6×6 like leg1.c22",
+        )
+    )
+    return names if responses else f"{names} (responses need [[responses]])"
+
+
+def _value_faults(one: Measured, place: str) -> list[str]:
+    """Faults of a measured value by itself, one line each, starting with its place."""
     faults = []
-    known = one.quantity in AXES or one.leg_entry is not None or one.of_response
-    if not known and one.mode is None:
-        faults.append(f"{place}.quantity = {shown(one.quantity)}: must be one of {_NAMES}")
-    elif one.leg_entry is not None and one.pose:
+    if one.of_leg and one.pose:
         faults.append(f"{place}.pose: must be left out, a leg alone has none")
-    positive = _why_positive(one)
+    positive = _why_positive(one.quantity)
     if positive and one.value <= 0.0:
         faults.append(f"{place}.value = {one.value}: must be above 0, {positive}")
     elif abs(one.value) < SMALLEST_MEASURED:
@@ -147,13 +136,15 @@ def measured_faults(one: Measured, place: str) -> list[str]:
     return faults
 
 
-def _why_positive(one: Measured) -> str:
-    """What the value is of which no elastic robot has a negative one; "" for couplings."""
-    if one.of_response:
+def _why_positive(quantity: Quantity) -> str:
+    """Reason why no elastic robot has a negative value of a quantity. "" for couplings."""
+    if quantity.harmonic:
         return "the size or the frequency of a response"
-    if one.leg_entry is None:
-        return "a natural frequency" if one.mode else "a deflection along its load"
-    _, row, column = one.leg_entry
+    if quantity.mode is not None:
+        return "a natural frequency"
+    if quantity.kind is not QuantityKind.COMPLIANCE:
+        return "a deflection along its load"
+    row, column = divmod(quantity.column, len(AXES))
     return "an entry on the diagonal of a compliance" if row == column else ""
 
 
@@ -163,22 +154,23 @@ def digest(ones: Sequence[Measured]) -> str:
 
 
 def pose_faults(robot: Mechanism, one: Measured, place: str) -> list[str]:
-    """Why this robot has no such leg, or cannot be where a value was measured; nothing else."""
-    if one.leg_entry is not None:
+    """Reasons why the robot has no such leg, or cannot be in the pose of a measured value."""
+    if one.of_leg:
         legs = tuple(legs_of(robot))
-        known = one.leg_entry[0] in legs
+        known = one.quantity.leg in legs
         allowed = f"must be of one of {', '.join(legs) or 'no legs'}"
-        return [] if known else [f"{place}.quantity = {shown(one.quantity)}: {allowed}"]
-    responses = [f"{RESPONSE}{name}" for asked in robot.excitations for name in asked.judged]
-    if one.of_response and one.quantity not in responses:
-        allowed = f"must be one of {', '.join(responses)}" if responses else "has no [[responses]]"
-        return [f"{place}.quantity = {shown(one.quantity)}: {allowed}"]
+        return [] if known else [f"{place}.quantity = {shown(one.quantity.name)}: {allowed}"]
+    return place_faults(robot, one.pose, place)
+
+
+def place_faults(robot: Mechanism, pose: Sequence[float], place: str) -> list[str]:
+    """Reasons why the robot cannot be in a pose, one line each."""
     moves = robot.tool.moves
-    if len(one.pose) != len(moves):
+    if len(pose) != len(moves):
         said = f"as many numbers as the tool's moves ({', '.join(moves) or 'none'}; m, rad)"
         return [f"{place}.pose: must hold {said}"]
     try:
-        posture(robot, np.array(one.pose))
+        posture(robot, np.array(pose))
     except InputError as error:
         return [f"{place}.pose: {fault}" for fault in error.faults]
     return []

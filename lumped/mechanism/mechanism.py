@@ -84,6 +84,11 @@ class Mechanism:
         return any((self.damping, *drives, *joints, *(b.loss for b in self.bodies.values())))
 
     @property
+    def judged_responses(self) -> tuple[str, ...]:
+        """Names of the judged numbers of all responses, in the robot's order."""
+        return tuple(name for one in self.excitations for name in one.judged)
+
+    @property
     def parts(self) -> dict[str, Body]:
         """The bodies that are parts, CAD or meshes, by name."""
         return {name: body for name, body in self.bodies.items() if isinstance(body.shape, Part)}

@@ -5,8 +5,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from lumped.acceptance.measured import Measured, measured_faults, pose_faults
-from lumped.acceptance.requirement import MODEL_KINDS, STATIC_QUANTITIES, Requirement
+from lumped.acceptance.measured import Measured, measured_value, pose_faults
+from lumped.acceptance.quantities import UNIT_LOADS
+from lumped.acceptance.requirement import MODEL_KINDS, Requirement
 from lumped.errors import InputError
 from lumped.mechanism.mechanism import Mechanism
 from lumped.robot_file.hammer import hammer_faults
@@ -32,10 +33,11 @@ class Correction:
     reason: str
 
 
-def read_measured(path: Path) -> tuple[Measured, ...]:
-    """The measured values of a CSV file with quantity, pose, value, uncertainty, source (and load).
+def read_measured(path: Path, responses: Sequence[str] = ()) -> tuple[Measured, ...]:
+    """Measured values of a CSV file with quantity, pose, value, uncertainty, source (and load).
 
-    Coordinates of a pose stand apart by spaces. Raises InputError with one line per fault.
+    Spaces separate the coordinates of a pose. `responses` as in `measured_value`. Raises InputError
+    with one line per fault.
     """
     rows = table_rows(path, "a CSV file of measured values", _COLUMNS, MEASURED_VALUES.most)
     found, faults = [], []
@@ -43,11 +45,13 @@ def read_measured(path: Path) -> tuple[Measured, ...]:
         table = {name: _value(name, cells[name]) for name in _COLUMNS}
         if cells.get("load"):
             table["load"] = _value("load", cells["load"])
-        own = MEASURED.faults_within(table, f"{place}.")
-        if not own:
-            found.append(Measured(**MEASURED.read(table)))
-            own = measured_faults(found[-1], place)
-        faults += own
+        if own := MEASURED.faults_within(table, f"{place}."):
+            faults += own
+            continue
+        try:
+            found.append(measured_value(MEASURED.read(table), place, responses))
+        except InputError as error:
+            faults += error.faults
     if faults:
         raise InputError(faults)
     return tuple(found)
@@ -66,12 +70,13 @@ def requirement_of(accept: Mapping[str, Any] | None, robot: Mechanism) -> Requir
     """What a file's [accept] asks of the models of its robot; the defaults without it."""
     asked = Requirement(
         loads=tuple(load.name for load in robot.loads),
-        responses=tuple(name for one in robot.excitations for name in one.judged),
+        responses=robot.judged_responses,
     )
     if accept is None:
         return asked
-    limits = {name: accept[name] for name in STATIC_QUANTITIES if accept[name] is not None}
-    own = {name: value for name, value in accept.items() if name not in STATIC_QUANTITIES}
+    names = [quantity.name for quantity in UNIT_LOADS]
+    limits = {name: accept[name] for name in names if accept[name] is not None}
+    own = {name: value for name, value in accept.items() if name not in names}
     return replace(asked, **own, limits=limits)
 
 
@@ -93,7 +98,7 @@ def with_options(
         name, _, given = text.partition("=")
         rule = ACCEPT.keys[name if name in general else general[0]].kind
         value = int(given[:9]) if given.isdecimal() else _value("", given)
-        if name not in (known := (*general, *requirement.quantities)):
+        if name not in (known := (*general, *(one.name for one in requirement.quantities))):
             faults.append(f"--accept {text}: must be NAME=NUMBER with a name of {', '.join(known)}")
         elif rule.faults(value, name):
             faults.append(f"--accept {text}: must be NAME=NUMBER, {rule.allowed}")
@@ -119,8 +124,13 @@ def evidence_faults(
     for number, one in enumerate(read.get("corrections", ()), start=1):
         faults += _correction_faults(tables, f"corrections[{number}]", Correction(**one))
     for number, one in enumerate(read["measured"], start=1):
-        value, place = Measured(**one), f"measured[{number}]"
-        faults += measured_faults(value, place) or pose_faults(robot, value, place)
+        place = f"measured[{number}]"
+        try:
+            value = measured_value(one, place, robot.judged_responses)
+        except InputError as error:
+            faults += error.faults
+        else:
+            faults += pose_faults(robot, value, place)
     if read["hammer"] is not None:
         faults += hammer_faults(read["hammer"], robot)
     keys = [one["key"] for one in read["input_uncertainty"]]

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from lumped.acceptance.measured import Freedoms, Measured, pose_faults
+from lumped.acceptance.measured import Freedoms, place_faults
 from lumped.arrays import Array
 from lumped.mechanism.body import Frame
 from lumped.mechanism.mechanism import GROUND, Mechanism
@@ -52,7 +52,7 @@ def hammer_of(read: Mapping[str, Any], robot: Mechanism) -> Hammer:
 
 def hammer_faults(read: Mapping[str, Any], robot: Mechanism) -> Iterator[str]:
     """What is wrong with a table [hammer] whose keys are sound, one line each."""
-    yield from pose_faults(robot, Measured("f1", 1.0, 1.0, "", _pose(read, robot)), "hammer")
+    yield from place_faults(robot, _pose(read, robot), "hammer")
     legs, bodies = legs_of(robot), dict(robot.bodies)
     bodies.pop(GROUND, None)
     for number, one in read["nodes"].items():

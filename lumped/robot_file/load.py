@@ -10,7 +10,7 @@ from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from lumped.acceptance.measured import Measured, pose_faults
+from lumped.acceptance.measured import Measured, measured_value, pose_faults
 from lumped.acceptance.requirement import Requirement
 from lumped.errors import InputError, write_error
 from lumped.files import read_ordinary, require_ordinary
@@ -204,7 +204,9 @@ def _described(source: str, content: bytes, *, built_in: bool = False) -> RobotF
         sha256=_digest(content, [*parts, *(folder / one["file"] for one in loads if one["file"])]),
         corrections=tuple(Correction(**one) for one in read.get("corrections", ())),
         requirement=requirement_of(read["accept"], mechanism),
-        measured=tuple(Measured(**one) for one in read["measured"]),
+        measured=tuple(
+            measured_value(one, "measured", mechanism.judged_responses) for one in read["measured"]
+        ),
     )
 
 
@@ -292,7 +294,8 @@ def with_measured(robot_file: RobotFile, path: Path) -> RobotFile:
 
     Raises InputError with one line per fault, where the robot cannot be at a pose too.
     """
-    robot, ones = robot_file.mechanism, read_measured(path)
+    robot = robot_file.mechanism
+    ones = read_measured(path, robot.judged_responses)
     faults = [
         fault
         for number, one in enumerate(ones, start=2)

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from lumped.acceptance.requirement import OF_HAMMER, RESPONSE
+from lumped.acceptance.quantities import TEST_RESPONSE
 from lumped.arrays import Array
 from lumped.errors import InputError, each
 from lumped.mechanism.kinematics.postures import shown_pose
@@ -109,7 +109,7 @@ def response_faults(read: Sequence[Mapping[str, Any]], robot: Mechanism) -> Iter
     yield from _names_twice(read, "responses")
     for number, one in enumerate(read, start=1):
         key = f"responses[{number}]"
-        if f"{RESPONSE}{one['name']}." == OF_HAMMER:
+        if one["name"] == TEST_RESPONSE:
             yield f"{key}.name = {shown(one['name'])}: must be another; modal tests are called so"
         if np.linalg.norm(one["direction"]) < NO_DIRECTION:
             yield f"{key}.direction = {list(one['direction'])}: must not be zero"

@@ -19,6 +19,7 @@ from changed_leaves import changed_leaves
 from forgetting import forget
 
 from lumped.acceptance.measured import Measured, digest
+from lumped.acceptance.quantities import measured_quantity
 from lumped.legs import ConstantLeg, Material
 from lumped.memo import fingerprint
 from lumped.robot_file import RobotFile, load_robot
@@ -201,7 +202,10 @@ def test_options_and_measured_values_have_a_digest_of_all_that_they_say():
     changed = {"only": "leg*", "accept": ("x=0.1",), "vary": ("geometry.a=0.9:1:3",)}
     requests = [plain, *(replace(plain, **{name: other}) for name, other in changed.items())]
     assert len({fingerprint(dict(one.options)) for one in requests}) == 4
-    values = (Measured("x", 1e-6, 1e-8, "rig", (0.3,), 100.0), Measured("f1", 80.0, 0.1, "rig"))
+    values = (
+        Measured(measured_quantity("x"), 1e-6, 1e-8, "rig", (0.3,), 100.0),
+        Measured(measured_quantity("f1"), 80.0, 0.1, "rig"),
+    )
     others = [other for _, other in changed_leaves(values)]
     assert len({digest(one) for one in (values, *others)}) == 1 + len(others)
 

@@ -7,16 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lumped.acceptance.requirement import (
-    ANY_FORCE,
-    AXES,
-    FREQUENCIES,
-    LOAD,
-    ORDER,
-    RESPONSE,
-    STATIC_QUANTITIES,
-    is_static,
-)
+from lumped.acceptance.quantities import ANY_FORCE, ORDER, Quantity
 from lumped.arrays import Array, IntArray
 from validation.adequacy.partners import Partners, partners
 from validation.adequacy.response import Alternative, Reference, Response, Subject, Vibration
@@ -162,19 +153,18 @@ class Scale:
     modes: int
     _pairs: dict[tuple[int, str], Partners] = field(default_factory=dict, repr=False)
 
-    def reference(self, quantity: str) -> Reference:
+    def reference(self, quantity: Quantity) -> Reference:
         """The reference of a quantity."""
-        return self.subject.statics if is_static(quantity) else self.subject.dynamics
+        return self.subject.statics if quantity.static else self.subject.dynamics
 
-    def errors(self, responses: Sequence[Response], quantity: str) -> Errors | None:
+    def errors(self, responses: Sequence[Response], quantity: Quantity) -> Errors | None:
         """Errors of a quantity; `responses` one per alternative of its reference.
 
         None where a response says nothing of it.
         """
         alternatives = self.reference(quantity).alternatives
-        is_frequency = not is_static(quantity) and not quantity.startswith(RESPONSE)
-        of = self._deflection if is_static(quantity) else self._peak
-        if is_frequency:
+        of = self._deflection if quantity.static else self._peak
+        if quantity.modal:
             of = self._frequency
         rows = [
             row
@@ -194,13 +184,13 @@ class Scale:
             numerical,
             digits,
             unknown,
-            loaded=Loaded(*further) if is_static(quantity) else None,
-            paired=Paired(*further[:-1]) if is_frequency else None,
+            loaded=Loaded(*further) if quantity.static else None,
+            paired=Paired(*further[:-1]) if quantity.modal else None,
             numbers=further[-1] if quantity == ORDER else None,
         )
 
     def _frequency(
-        self, one: Alternative, response: Response, quantity: str
+        self, one: Alternative, response: Response, quantity: Quantity
     ) -> tuple[NDArray[Any], ...] | None:
         """The first fields of `Errors` for every pose, those of `Paired`, and the numbers.
 
@@ -217,7 +207,7 @@ class Scale:
             unknown = (~known | found.undecided).any(axis=1)
             moved = (numbers[poses, at] != at) | found.loose[poses, at]
         else:
-            at = np.full(len(own), FREQUENCIES[quantity] - 1)
+            at = np.full(len(own), quantity.column)
             value, numbers = found.frequency[poses, at], found.number
             below, above = value - found.lowest[poses, at], found.highest[poses, at] - value
             unknown = ~known[poses, at] | found.undecided[poses, at]
@@ -238,13 +228,13 @@ class Scale:
         return value, expected, ratio - 1.0, *left, np.asarray(unknown), *pairing, numbers
 
     def _peak(
-        self, one: Alternative, response: Response, quantity: str
+        self, one: Alternative, response: Response, quantity: Quantity
     ) -> tuple[NDArray[Any], ...] | None:
         """The first fields of `Errors` for every pose, of what is judged of responses."""
         truth, model, left = one.response.vibration, response.vibration, one.responses
         if truth is None or model is None or left is None:
             return None
-        column = self.subject.responses.index(quantity)
+        column = quantity.column
         value, own = (
             np.where(np.isfinite(of.peaks[:, column]), of.peaks[:, column], np.nan)
             for of in (model, truth)
@@ -266,17 +256,13 @@ class Scale:
         return self._pairs[key]
 
     def _deflection(
-        self, one: Alternative, response: Response, quantity: str
+        self, one: Alternative, response: Response, quantity: Quantity
     ) -> tuple[NDArray[Any], ...] | None:
         """The first fields of `Errors` and those of `Loaded`, for every pose."""
         reference, compliance = one.response.compliance, response.compliance
         if reference is None or compliance is None:
             return None
-        asked: str | int = quantity
-        if quantity.startswith(LOAD):
-            asked = len(AXES) + self.subject.loads.index(quantity)
-        column = asked + 1 if isinstance(asked, int) else STATIC_QUANTITIES.index(asked)
-        found = relative(compliance - reference, reference, asked)
+        found = relative(compliance - reference, reference, quantity)
         size, length = found.size, found.length
         moved, due = (displacement(c, found.load, quantity) for c in (compliance, reference))
         value, expected = (np.einsum("pi,pi->p", found.direction, u) for u in (moved, due))
@@ -291,7 +277,9 @@ class Scale:
         numerical, digits, masses, linear = (
             np.zeros(len(size))
             if left is None
-            else np.multiply(left[:, column], reach, out=np.zeros_like(size), where=yields)
+            else np.multiply(
+                left[:, quantity.static_column], reach, out=np.zeros_like(size), where=yields
+            )
             for left in (one.static, one.digits, one.masses, one.linear)
         )
         error = np.where(np.isinf(size), np.nan, size)

@@ -13,14 +13,8 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from lumped.acceptance.requirement import (
-    ANY_FORCE,
-    LOAD,
-    ORDER,
-    RESPONSE,
-    Requirement,
-    is_static,
-)
+from lumped.acceptance.quantities import ANY_FORCE, ORDER, Quantity, QuantityKind
+from lumped.acceptance.requirement import Requirement
 from lumped.arrays import Array, IntArray
 from validation.adequacy.errors import Errors, Scale
 from validation.adequacy.matrix import Adequacy, Cause, Entry, Matrix, ModelNote, worst_of
@@ -69,9 +63,9 @@ def judged(subject: Subject, requirement: Requirement) -> Matrix:
     inputs = UncertainInputs(scale, subject.inputs) if subject.inputs else None
     named = {*subject.loads, *subject.responses}
     quantities = tuple(
-        one
-        for one in requirement.quantities
-        if not one.startswith((LOAD, RESPONSE)) or one in named
+        quantity
+        for quantity in requirement.quantities
+        if quantity in named or not (quantity.kind is QuantityKind.LOAD or quantity.harmonic)
     )
     entries = [
         entry
@@ -97,7 +91,7 @@ def judged(subject: Subject, requirement: Requirement) -> Matrix:
 def _entry(
     scale: Scale,
     candidate: Candidate,
-    quantity: str,
+    quantity: Quantity,
     requirement: Requirement,
     inputs: UncertainInputs | None,
 ) -> Entry | None:
@@ -166,7 +160,7 @@ def _entry(
     )
 
 
-def _limits(errors: Errors, quantity: str, requirement: Requirement) -> Array:
+def _limits(errors: Errors, quantity: Quantity, requirement: Requirement) -> Array:
     """Largest relative errors (p) that are accepted of a quantity."""
     absolute = requirement.absolute(quantity)
     if absolute is None or errors.loaded is None:
@@ -180,11 +174,11 @@ def _of_inputs(known: Probability | None) -> dict[str, float]:
     return {"inputs": known.half_width} if known else {}
 
 
-def _unknown(scale: Scale, candidate: Candidate, quantity: str, limit: float) -> Entry | None:
+def _unknown(scale: Scale, candidate: Candidate, quantity: Quantity, limit: float) -> Entry | None:
     """The entry of what has no reference or is not solved; None where the candidate is silent."""
     response, reference = candidate.response, scale.reference(quantity)
     unsolved = response.unsolved(quantity)
-    known = response.compliance if is_static(quantity) else response.vibration
+    known = response.compliance if quantity.static else response.vibration
     if known is None and not unsolved:
         return None
     return Entry(
@@ -253,7 +247,7 @@ def _deciding(verdicts: Sequence[Adequacy], verdict: Adequacy, shares: Array) ->
 def _reason(
     errors: Errors,
     candidate: Candidate,
-    quantity: str,
+    quantity: Quantity,
     verdict: Adequacy,
     reference: Reference,
     told: Told,
@@ -262,7 +256,7 @@ def _reason(
     if verdict == "adequate":
         return ""
     pose = told[1]
-    unknown, of_response = errors.unknown[:, pose], quantity.startswith(RESPONSE)
+    unknown, of_response = errors.unknown[:, pose], quantity.harmonic
     if errors.missing[:, pose].all() and not unknown.any():
         return f"{candidate.model} {_lacking(errors, quantity, pose)}"
     if verdict == "inadequate":
@@ -290,11 +284,11 @@ def _reason(
     return next((said for said in helps if said != NOT_FINER), reference.finer)
 
 
-def _lacking(errors: Errors, quantity: str, pose: int) -> str:
+def _lacking(errors: Errors, quantity: Quantity, pose: int) -> str:
     """Why a model has nothing to compare."""
-    if is_static(quantity):
+    if quantity.static:
         return "is elastic where the reference is rigid"
-    if quantity.startswith(RESPONSE):
+    if quantity.harmonic:
         return "has no peak there, or one without bound that nothing damps"
     if quantity == ORDER or errors.paired is None:
         return "has too few modes"
@@ -398,7 +392,7 @@ def _alongs(errors: Errors, chosen: IntArray) -> tuple[float | None, ...]:
     return _optional(np.where(errors.missing.any(axis=0), np.nan, along))
 
 
-def _force(errors: Errors, quantity: str, told: Told) -> tuple[float, ...]:
+def _force(errors: Errors, quantity: Quantity, told: Told) -> tuple[float, ...]:
     """The worst direction of force; () of any other quantity."""
     if errors.loaded is None or quantity != ANY_FORCE:
         return ()
@@ -434,7 +428,7 @@ def _optional(numbers: Array) -> tuple[float | None, ...]:
 
 
 def explained(
-    scale: Scale, candidate: Candidate, quantity: str, errors: Errors, told: Told
+    scale: Scale, candidate: Candidate, quantity: Quantity, errors: Errors, told: Told
 ) -> tuple[Cause, ...]:
     """Causes of the error `told`, the largest first; shares sum to one.
 
@@ -467,7 +461,7 @@ def explained(
 
 def _amount(
     scale: Scale,
-    quantity: str,
+    quantity: Quantity,
     errors: Errors,
     before: Sequence[Response],
     after: Sequence[Response],
@@ -490,7 +484,7 @@ def _amount(
 
 
 def remedied(
-    scale: Scale, candidate: Candidate, quantity: str, errors: Errors, limit: float, pose: int
+    scale: Scale, candidate: Candidate, quantity: Quantity, errors: Errors, limit: float, pose: int
 ) -> tuple[str, float | None]:
     """The shortest way up the ladder that brings the error within its limit, with what it leaves.
 
@@ -528,6 +522,6 @@ def remedied(
     return remedy, error
 
 
-def steps_of(candidate: Candidate, quantity: str) -> Sequence[Step]:
+def steps_of(candidate: Candidate, quantity: Quantity) -> Sequence[Step]:
     """The candidate's ladder for a quantity."""
-    return candidate.static_steps if is_static(quantity) else candidate.dynamic_steps
+    return candidate.static_steps if quantity.static else candidate.dynamic_steps

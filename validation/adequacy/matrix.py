@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal, TypeAlias
 
-from lumped.acceptance.requirement import ROTATIONS, is_static
+from lumped.acceptance.quantities import ROTATIONS, Quantity
 from validation.context import PRESETS, Context, Preset
 
 Adequacy: TypeAlias = Literal["adequate", "inadequate", "undecided"]
@@ -47,31 +47,30 @@ class Cause:
 class Entry:
     """What one model says of one quantity, judged over all poses.
 
-    `error` is total and relative at `pose`, the one that decides: of frequencies
-    (model − reference)/reference, of deflections |u − u*|/|u*| of the whole displacement, never
-    negative. None where the model does not have the quantity at all or nothing is known. It is
-    against one reading of the reference: where the robot file leaves something open, against the
-    one from which the model is farthest. `uncertainty` is the half-width of that error. From `low`
-    to `high` is every error that the readings with their half-widths leave open, by which the
-    verdict is given; that of a deflection ends at zero. `readings` are the errors by the names of
-    the readings, where there are several. `uncertainties` are parts by name: those of the
-    half-width, and half of what lies between the readings. `value` and `expected` are the model's
-    and the reference's numbers there (Hz, of "order", too; of deflections along their load, m/N or
-    rad/(N m)), `expected_range` (lowest, highest) what is left open of the latter, `along` the
-    signed error that they show, `force` (x, y, z) the worst direction of any force. `errors`,
-    `spreads`, `lows` and `highs` are error, uncertainty, low and high at every pose, `values` the
-    model's numbers there, `alongs` the signed errors along the load. `reason` says why a verdict is
-    not "adequate" where no number does, and what would decide where it is undecided. `measured`:
-    the reference is a measured value, of which `unit` is that of `value` and `expected`, `mac` how
-    like the modes are of which it is the frequency. Where inputs are uncertain: `probability` (0 to
-    1) of being within the limit, `probability_beyond` it, `input_shares`, the first-order indices
-    of Sobol' of the error by the inputs' keys, and `value_spread`, the half-width (95 %) that they
-    leave open of `value`. `assumed`: what the reference is taken to cover, where nothing that could
-    be computed would tell.
+    `error` is total and relative at `pose`, the one that decides: of frequencies (model −
+    reference)/reference, of deflections |u − u*|/|u*| of the whole displacement, never negative.
+    None where the model does not have the quantity at all or nothing is known. It is against one
+    reading of the reference: where the robot file leaves something open, against the one from which
+    the model is farthest. `uncertainty` is the half-width of that error. From `low` to `high` is
+    every error that the readings with their half-widths leave open, by which the verdict is given;
+    that of a deflection ends at zero. `readings` are the errors by the names of the readings, where
+    there are several. `uncertainties` are parts by name: those of the half-width, and half of what
+    lies between the readings. `value` and `expected` are the model's and the reference's numbers
+    there (Hz, of "order", too; of deflections along their load, m/N or rad/(N m)), `expected_range`
+    (lowest, highest) what is left open of the latter, `along` the signed error that they show,
+    `force` (x, y, z) the worst direction of any force. `errors`, `spreads`, `lows` and `highs` are
+    error, uncertainty, low and high at every pose, `values` the model's numbers there, `alongs` the
+    signed errors along the load. `reason` says why a verdict is not "adequate" where no number
+    does, and what would decide where it is undecided. `measured`: the reference is a measured
+    value, `mac` how like the modes are of which it is the frequency. Where inputs are uncertain:
+    `probability` (0 to 1) of being within the limit, `probability_beyond` it, `input_shares`, the
+    first-order indices of Sobol' of the error by the inputs' keys, and `value_spread`, the half-
+    width (95 %) that they leave open of `value`. `assumed`: what the reference is taken to cover,
+    where nothing that could be computed would tell.
     """
 
     model: str
-    quantity: str
+    quantity: Quantity
     error: float | None
     uncertainty: float | None
     limit: float
@@ -99,7 +98,6 @@ class Entry:
     force: tuple[float, ...] = ()
     computed_by: tuple[str, ...] = ()
     measured: bool = False
-    unit: str = ""
     probability: float | None = None
     probability_beyond: float | None = None
     input_shares: Mapping[str, float] = field(default_factory=dict)
@@ -120,8 +118,8 @@ class Entry:
 
     @property
     def signed(self) -> bool:
-        """Whether its errors have a sign; the error of a whole displacement has none."""
-        return self.measured or not is_static(self.quantity)
+        """True if errors have a sign; the error of a whole displacement has none."""
+        return not self.quantity.whole
 
 
 @dataclass(frozen=True)
@@ -150,7 +148,7 @@ class Matrix:
     coordinates: tuple[Coordinate, ...]
     poses: tuple[tuple[float, ...], ...]
     models: tuple[ModelNote, ...]
-    quantities: tuple[str, ...]
+    quantities: tuple[Quantity, ...]
     entries: tuple[Entry, ...]
     notes: tuple[str, ...] = ()
     supposed: str = ""
@@ -169,10 +167,10 @@ class Matrix:
         """All matrices that stand beside this one."""
         return (*self.parts, *((self.formulation,) if self.formulation else ()))
 
-    def entry(self, model: str, quantity: str) -> Entry | None:
-        """The entry of a model and a quantity, None where the model is silent of it."""
-        found = (e for e in self.entries if (e.model, e.quantity) == (model, quantity))
-        return next(found, None)
+    def entry(self, model: str, name: str) -> Entry | None:
+        """Entry of a model and a quantity by its name. None if the model does not define it."""
+        entries = (one for one in self.of_model(model) if one.quantity.name == name)
+        return next(entries, None)
 
     def of_model(self, model: str) -> tuple[Entry, ...]:
         """All entries of a model."""

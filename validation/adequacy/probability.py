@@ -27,7 +27,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from lumped.acceptance.requirement import ANY_FORCE
+from lumped.acceptance.quantities import ANY_FORCE, Quantity
 from lumped.arrays import Array
 from lumped.memo import memo
 from validation.adequacy.errors import Errors, Scale
@@ -278,7 +278,7 @@ class UncertainInputs:
     nominal: Scale
     off: InputsOff
 
-    def error(self, model: str, quantity: str, own: Errors) -> ErrorOfInputs | None:
+    def error(self, model: str, quantity: Quantity, own: Errors) -> ErrorOfInputs | None:
         """How inputs change a model's error of a quantity; None where there is none to change.
 
         The order of modes has none: it jumps.
@@ -327,7 +327,7 @@ class _OfRobot:
     `compliance` and `references` (p×6×(6+l), SI; of each alternative) are what they come from.
     """
 
-    quantity: str
+    quantity: Quantity
     errors: Errors | None
     compliance: Array
     references: Sequence[Array]
@@ -366,7 +366,7 @@ class _OfRobot:
         return np.asarray(self.errors.value[0])
 
 
-def _of_robot(scale: Scale, model: str, quantity: str) -> _OfRobot:
+def _of_robot(scale: Scale, model: str, quantity: Quantity) -> _OfRobot:
     (response,) = (one.response for one in scale.subject.candidates if one.model == model)
     alternatives = scale.reference(quantity).alternatives
     errors = scale.errors([response] * len(alternatives), quantity)
@@ -377,7 +377,7 @@ def _of_robot(scale: Scale, model: str, quantity: str) -> _OfRobot:
     return _OfRobot(quantity, errors, compliance, references)
 
 
-def _displaced(compliance: Array, load: Array, quantity: str) -> Array:
+def _displaced(compliance: Array, load: Array, quantity: Quantity) -> Array:
     """Displacements (p×f×3) under loads (p×f×(6+l))."""
     return displacement(compliance[:, None], load, quantity)
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from lumped.acceptance.requirement import is_static
+from lumped.acceptance.quantities import Quantity
 from lumped.arrays import Array, ComplexArray
 from lumped.errors import ComputationError, InputError
 from validation.adequacy.matrix import Coordinate
@@ -63,9 +63,9 @@ class Response:
     unsolved_modes: str = ""
     fault: bool = False
 
-    def unsolved(self, quantity: str) -> str:
+    def unsolved(self, quantity: Quantity) -> str:
         """Why there is nothing of a quantity that there could be; "" where there is, or cannot."""
-        return self.unsolved_statics if is_static(quantity) else self.unsolved_modes
+        return self.unsolved_statics if quantity.static else self.unsolved_modes
 
 
 @dataclass(frozen=True, eq=False)
@@ -248,8 +248,8 @@ class Subject:
     parts: "tuple[Subject, ...]" = ()
     formulation: "Subject | None" = None
     inputs: "InputsOff | None" = None
-    loads: tuple[str, ...] = ()
-    responses: tuple[str, ...] = ()
+    loads: tuple[Quantity, ...] = ()
+    responses: tuple[Quantity, ...] = ()
     faults: tuple[str, ...] = ()
 
 

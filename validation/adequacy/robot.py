@@ -10,7 +10,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from lumped.acceptance.requirement import LOAD, RESPONSE
+from lumped.acceptance.quantities import load_quantities, response_quantities
 from lumped.errors import InputError
 from lumped.legs import Leg
 from lumped.mechanism.joint import Joint, Side
@@ -206,10 +206,8 @@ def static_subject(robot: RobotOnPath, models: Models) -> Subject:
         candidates=candidates,
         statics=reference,
         dynamics=Reference("none", ()),
-        loads=tuple(f"{LOAD}{load.name}" for load in robot.mechanism.loads),
-        responses=tuple(
-            f"{RESPONSE}{name}" for one in robot.mechanism.excitations for name in one.judged
-        ),
+        loads=load_quantities([load.name for load in robot.mechanism.loads]),
+        responses=response_quantities(robot.mechanism.judged_responses),
     )
 
 

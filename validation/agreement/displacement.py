@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lumped.acceptance.requirement import ANY_FORCE, AXES, LOAD, ROTATIONS, STATIC_QUANTITIES
+from lumped.acceptance.quantities import AXES, UNIT_LOADS, Quantity, QuantityKind, load_quantities
 from lumped.arrays import Array
 
 # A direction that hardly yields does not decide: of the largest displacement that a force of the
@@ -49,14 +49,14 @@ class RelativeDisplacement(NamedTuple):
     length: Array
 
 
-def displacement(compliance: Array, load: Array, quantity: str) -> Array:
+def displacement(compliance: Array, load: Array, quantity: Quantity) -> Array:
     """Displacement (…×3) under a wrench (…×6): rotation where the quantity is one.
 
     `compliance` (…×6×6, SI, base axes) at the loaded point; what stands behind its sixth column are
     displacements under loads of the robot file, and behind the wrench how much there is of each.
     """
     moved = np.einsum("...ij,...j->...i", compliance, load)
-    return np.asarray(moved[..., 3:] if quantity in ROTATIONS else moved[..., :3])
+    return np.asarray(moved[..., 3:] if quantity.rotational else moved[..., :3])
 
 
 def sizes(difference: Array, reference: Array) -> Array:
@@ -64,35 +64,34 @@ def sizes(difference: Array, reference: Array) -> Array:
 
     Both p×6×(6+l); one column for every static quantity, then for every load.
     """
-    asked = (*STATIC_QUANTITIES, *range(6, reference.shape[2]))
-    found = [relative(difference, reference, one).size for one in asked]
+    loads = load_quantities([""] * (reference.shape[2] - len(AXES)))
+    found = [relative(difference, reference, one).size for one in (*UNIT_LOADS, *loads)]
     return np.asarray(np.stack(found, axis=1))
 
 
-def relative(difference: Array, reference: Array, asked: str | int) -> RelativeDisplacement:
-    """A difference of compliances under the load of a quantity; both p×6×(6+l).
-
-    `asked` is the quantity, of a load of the robot file the number of its column.
-    """
-    rows = slice(3, 6) if asked in ROTATIONS else slice(0, 3)
-    columns = slice(asked, asked + 1) if isinstance(asked, int) else rows
+def relative(difference: Array, reference: Array, quantity: Quantity) -> RelativeDisplacement:
+    """A difference of compliances under the load of a quantity; both p×6×(6+l)."""
+    is_load = quantity.kind is QuantityKind.LOAD
+    any_force = quantity.kind is QuantityKind.ANY_FORCE
+    rows = slice(3, 6) if quantity.rotational else slice(0, 3)
+    column = len(AXES) + quantity.column if is_load else quantity.column
+    columns = slice(column, column + 1) if is_load else rows
     block = reference[:, rows, columns]
     nothing = RIGID * float(np.linalg.norm(block, axis=(1, 2)).max(initial=0.0))
     load = np.zeros((len(reference), reference.shape[2]))
     floor = np.zeros(len(reference))
-    if asked == ANY_FORCE:
+    if any_force:
         load[:, :3] = worst_force(difference[:, rows, rows], block).force
         floor = FLOOR * np.linalg.norm(block, 2, axis=(1, 2))
     else:
-        load[:, asked if isinstance(asked, int) else AXES.index(asked)] = 1.0
-    quantity = asked if isinstance(asked, str) else LOAD
+        load[:, column] = 1.0
     moved, off = (displacement(one, load, quantity) for one in (reference, difference))
     length = np.maximum(np.linalg.norm(moved, axis=1), floor)
     size = np.linalg.norm(off, axis=1)
     yields = length > nothing
     infinite = np.where(size > nothing, np.inf, 0.0)
     direction = load[:, rows]
-    if quantity == LOAD:
+    if is_load:
         direction = moved / np.where(yields, length, np.inf)[:, None]
     own, other = (np.einsum("pi,pi->p", direction, one) for one in (moved, off))
     own = np.maximum(own, floor)

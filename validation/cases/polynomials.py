@@ -11,7 +11,7 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
-from lumped.acceptance.requirement import AXES, ROTATIONS
+from lumped.acceptance.quantities import AXES, ROTATIONS
 from lumped.arrays import Array
 from lumped.dense.modes import FewerModesError
 from lumped.legs import Theory

@@ -8,7 +8,8 @@ from functools import partial
 import numpy as np
 
 from fem.beams.stepped import SteppedLeg
-from lumped.acceptance.requirement import ANY_FORCE, Requirement
+from lumped.acceptance.quantities import ANY_FORCE
+from lumped.acceptance.requirement import Requirement
 from lumped.arrays import Array
 from lumped.legs import ConstantLeg
 from lumped.mechanism.body_model import LegMatrices

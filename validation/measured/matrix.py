@@ -11,8 +11,9 @@ from math import hypot, isfinite
 
 import numpy as np
 
-from lumped.acceptance.measured import Measured, ModalTest, leg_entry
-from lumped.acceptance.requirement import AXES, RESPONSE, Requirement
+from lumped.acceptance.measured import Measured, ModalTest
+from lumped.acceptance.quantities import AXES, Quantity
+from lumped.acceptance.requirement import Requirement
 from lumped.errors import ComputationError
 from lumped.mechanism.kinematics.postures import posture
 from lumped.mechanism.mechanism import Mechanism
@@ -126,7 +127,7 @@ def measured_matrix(context: Context) -> Matrix:
 
 
 def _refused(
-    model: str, quantity: str, refused: Mapping[Measured, str], requirement: Requirement
+    model: str, quantity: Quantity, refused: Mapping[Measured, str], requirement: Requirement
 ) -> Entry:
     """The entry of a quantity of which a model computes no value: undecided, and why."""
     one, reason = next(iter(refused.items()))
@@ -135,13 +136,12 @@ def _refused(
         quantity=quantity,
         error=None,
         uncertainty=None,
-        limit=_limit(quantity, requirement),
+        limit=requirement.limit(quantity),
         verdict="undecided",
         pose=one.pose,
         reference=f"measured: {one.source}",
         reason=f"{model} cannot be computed: {reason}",
         measured=True,
-        unit=one.unit,
     )
 
 
@@ -153,41 +153,31 @@ def _with_refusals(entry: Entry, refused: Mapping[Measured, str]) -> Entry:
     return replace(entry, verdict="undecided", reason=reason)
 
 
-def _limit(quantity: str, requirement: Requirement) -> float:
-    return requirement.deflection if leg_entry(quantity) else requirement.limit(quantity)
-
-
 def predicted(
     model: ModelName, robot: Mechanism, one: Measured, options: ModelOptions
 ) -> float | None:
-    """The model's number for a measured value, in its unit; None where the model has none."""
-    if one.leg_entry is not None:
-        name, *place = one.leg_entry
+    """Number of the model for a measured value, in its unit. None if the model has none."""
+    quantity = one.quantity
+    if one.of_leg:
+        place = divmod(quantity.column, len(AXES))
         rigid = model == "simplified"
-        return (
-            None if rigid else float(leg_compliance(model, legs_of(robot)[name], options)[*place])
-        )
+        leg = legs_of(robot)[quantity.leg]
+        return None if rigid else float(leg_compliance(model, leg, options)[place])
     if one.test is not None:
         return _of_test(model, robot, one, one.test, options)
     at = [posture(robot, np.array(one.pose))]
-    of_modes = one.mode or one.of_response
-    if (of_modes and model in STATIC) or (model == "vjm" and why_not_serial(at)):
+    if (not quantity.static and model in STATIC) or (model == "vjm" and why_not_serial(at)):
         return None
-    if one.of_response:
+    if quantity.harmonic:
         (modes,) = mechanism_modes(model, at, 1, options)
-        numbers = {
-            f"{RESPONSE}{name}": number
-            for own in modes.responses
-            for name, number in zip(own.excitation.judged, own.judged, strict=True)
-        }
-        told = numbers[one.quantity]
-        return told if len(modes.modes.frequencies) and isfinite(told) else None
-    (found,) = answers(model, at, one.mode or 0, options)
-    if one.mode:
-        known = len(found.frequencies) >= one.mode
-        return float(found.frequencies[one.mode - 1]) if known else None
-    index = AXES.index(one.quantity)
-    return one.load * float(found.compliance[index, index])
+        numbers = [number for response in modes.responses for number in response.judged]
+        number = numbers[quantity.column]
+        return number if len(modes.modes.frequencies) and isfinite(number) else None
+    (found,) = answers(model, at, quantity.mode or 0, options)
+    if quantity.mode:
+        known = len(found.frequencies) >= quantity.mode
+        return float(found.frequencies[quantity.column]) if known else None
+    return one.load * float(found.compliance[quantity.column, quantity.column])
 
 
 def _of_test(
@@ -253,13 +243,13 @@ def _required(value: float | None, changed: str) -> float:
 
 def _entry(
     model: str,
-    quantity: str,
+    quantity: Quantity,
     found: Mapping[Measured, Comparison],
     requirement: Requirement,
     poses: Sequence[tuple[float, ...]],
     pairs: Mapping[Measured, Partner | None],
 ) -> Entry:
-    limit = _limit(quantity, requirement)
+    limit = requirement.limit(quantity)
     verdict = worst_of([compared.verdict(limit) for compared in found.values()])
     # The farthest off decides, of the whole and of several in one pose.
     ordered = sorted(found.items(), key=lambda pair: abs(pair[1].error), reverse=True)
@@ -287,7 +277,6 @@ def _entry(
         highs=tuple(own.error + own.uncertainty if own else None for own in at),
         values=tuple(own.value if own else None for own in at),
         measured=True,
-        unit=worst.unit,
         mac=pair and pair.mac,
         computed_by=("validation.measured.matrix.predicted", "validation.measured.matrix"),
     )

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lumped.acceptance.measured import Freedoms, Measured, ModalTest
-from lumped.acceptance.requirement import MOST_MODES
+from lumped.acceptance.quantities import FREQUENCIES, MOST_MODES
 from lumped.arrays import Array
 from lumped.dense.modes import FewerModesError
 from lumped.errors import InputError
@@ -99,7 +99,9 @@ def with_measured_file(robot_file: RobotFile, path: Path) -> RobotFile:
     for column, number in paired:
         value = float(test.frequencies[column])
         spread = hypot(found.scatter[0, column], hammer.uncertainty * value)
-        ones.append(Measured(f"f{number}", value, spread, source, test.pose, 1.0, test, column))
+        ones.append(
+            Measured(FREQUENCIES[number - 1], value, spread, source, test.pose, 1.0, test, column)
+        )
     # Without damping ratios no response can be read at a mode.
     if test.ratios.all():
         ones += responses_of(found, test, dict(paired), hammer, robot_file.mechanism, path.name)

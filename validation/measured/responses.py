@@ -11,7 +11,12 @@ from math import hypot, sqrt
 import numpy as np
 
 from lumped.acceptance.measured import Measured, MeasuredResponse, ModalTest
-from lumped.acceptance.requirement import OF_HAMMER, RESPONSE
+from lumped.acceptance.quantities import (
+    SIZE_FAR_BELOW,
+    QuantityKind,
+    response_quantities,
+    size_at_mode,
+)
 from lumped.mechanism.mechanism import Mechanism
 from lumped.robot_file.hammer import Hammer
 from validation.measured.tested import TestedModes
@@ -44,16 +49,16 @@ def responses_of(
     if not (rows and numbers):
         return
     own, first = test.frequencies, min(numbers)
-    asked = [(f"f{numbers[c]}", c, float(own[c]), False) for c in sorted(numbers)]
+    asked = [(size_at_mode(numbers[c]), c, float(own[c]), False) for c in sorted(numbers)]
     if (low := _LOW * float(own[first])) >= found.frequencies[0]:
-        asked.append(("low", first, low, True))
+        asked.append((SIZE_FAR_BELOW, first, low, True))
     largest = [
         max(rows, key=lambda row: abs(_read(found, test, row, column, at, hammer)[0]))
         for _, column, at, _ in asked
     ]
     chosen = list(dict.fromkeys(largest))
     held = replace(test, responses=tuple(_response(found, row, hammer) for row in chosen))
-    for (name, column, at, below), row in zip(asked, largest, strict=True):
+    for (quantity, column, at, below), row in zip(asked, largest, strict=True):
         number = chosen.index(row)
         value, uncertainty = _read(found, test, row, column, at, hammer)
         told = f"{source}, {held.responses[number].name} at {at:.4g} Hz"
@@ -62,7 +67,7 @@ def responses_of(
             ratio = test.ratios[column]
             uncertainty = hypot(uncertainty, abs(value) * found.scatter[1, column] / ratio)
             told += f", models damped as measured ({100.0 * ratio:.3g} %)"
-        plain = Measured(f"{OF_HAMMER}{name}", abs(value), uncertainty, told, test.pose, test=held)
+        plain = Measured(quantity, abs(value), uncertainty, told, test.pose, test=held)
         phase = float(np.angle(value))
         frequency = at if below else None
         yield replace(plain, column=column, response=number, phase=phase, frequency=frequency)
@@ -74,6 +79,10 @@ def _of_tool(
     """What a response says of [[responses]], if it is the tool's to a force at it along theirs."""
     ends, tool = hammer.freedoms(found.ends[row]), robot.tool
     apart = np.abs(ends.places - robot.bodies[tool.body].interfaces[tool.point].position)
+    quantities = {
+        (quantity.key, quantity.kind): quantity
+        for quantity in response_quantities(robot.judged_responses)
+    }
     for asked in robot.excitations:
         along = np.abs(ends.directions @ asked.direction)
         if {*ends.bodies} != {tool.body} or max(apart.max(), np.ptp([*along, 1.0])) > _SAME:
@@ -84,14 +93,14 @@ def _of_tool(
         heights = {c: _read(found, test, row, int(c), tops[c], hammer) for c in inside}
         if heights:
             highest = max(heights, key=lambda c: abs(heights[c][0]))
-            told[""] = heights[highest]
+            told[QuantityKind.PEAK] = heights[highest]
             scatter = hypot(found.scatter[0, highest], hammer.uncertainty * tops[highest])
-            told[".frequency"] = tops[highest], scatter
+            told[QuantityKind.PEAK_FREQUENCY] = tops[highest], scatter
         if asked.at is not None and found.frequencies[0] <= asked.at <= found.frequencies[-1]:
             nearest = int(np.argmin(np.abs(sizes - asked.at)))
-            told[".at"] = _read(found, test, row, nearest, asked.at, hammer)
-        for what, (value, uncertainty) in told.items():
-            quantity = f"{RESPONSE}{asked.name}{what}"
+            told[QuantityKind.SIZE] = _read(found, test, row, nearest, asked.at, hammer)
+        for kind, (value, uncertainty) in told.items():
+            quantity = quantities[asked.name, kind]
             yield Measured(quantity, float(abs(value)), uncertainty, source, hammer.pose)
 
 

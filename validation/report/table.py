@@ -4,16 +4,12 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from lumped.acceptance.measured import leg_entry
-from lumped.acceptance.requirement import (
+from lumped.acceptance.quantities import (
     ANY_FORCE,
-    FREQUENCIES,
-    LOAD,
-    OF_HAMMER,
+    AXIS_LABELS,
     ORDER,
-    RESPONSE,
-    ROTATIONS,
-    is_static,
+    Quantity,
+    QuantityKind,
 )
 from validation.adequacy.matrix import Adequacy, Entry, Matrix, ModelNote
 from validation.drawing.style import csv_of
@@ -29,17 +25,11 @@ from validation.drawing.text import (
 from validation.report.words import (
     capital,
     force_text,
-    heading,
     model_name,
 )
 
 # A word, and what is to be said under it.
 Line: TypeAlias = tuple[str, str]
-_OF_RESPONSES = {
-    "": "height of the peak",
-    "frequency": "frequency of the peak",
-    "at": "size at one frequency",
-}
 MARKS: Mapping[Adequacy, str] = {"adequate": "✓", "inadequate": "✗", "undecided": "?"}
 # Of which the robot's own deflections are told (N, N m).
 FORCE, MOMENT = 1000.0, 100.0
@@ -108,11 +98,11 @@ def table_of(matrix: Matrix, named: Collection[str] = ()) -> Table:
     spoken = [q for q in matrix.quantities if any(e.quantity == q for e in matrix.entries)]
     rows = []
     for note in matrix.models:
-        found = [matrix.entry(note.model, quantity) for quantity in spoken]
+        found = [matrix.entry(note.model, quantity.name) for quantity in spoken]
         cells = tuple(_cell(matrix, note, entry) if entry else None for entry in found)
         folded = note.model not in named and _folded(matrix, note.model)
         rows.append(Row(note, capital(model_name(note.model)), cells, folded))
-    headings = tuple(map(heading, spoken))
+    headings = tuple(quantity.label for quantity in spoken)
     return Table(headings, tuple(_own(matrix, quantity) for quantity in spoken), tuple(rows))
 
 
@@ -150,7 +140,7 @@ def _folded(matrix: Matrix, model: str) -> bool:
     return model.endswith("euler-bernoulli") or (useless and lacking)
 
 
-def _own(matrix: Matrix, quantity: str) -> tuple[str, str]:
+def _own(matrix: Matrix, quantity: Quantity) -> tuple[str, str]:
     """The reference's number and what is left open of it, by what the best model is off."""
     entries = [
         entry
@@ -158,22 +148,20 @@ def _own(matrix: Matrix, quantity: str) -> tuple[str, str]:
         if entry.quantity == quantity and entry.error is not None and entry.expected is not None
     ]
     # Under any force it is a number of another direction for every robot, and told in the sheet.
-    static, of_response = is_static(quantity), quantity.startswith(RESPONSE)
-    shown = static or of_response or quantity in FREQUENCIES
-    if not entries or not shown or quantity == ANY_FORCE or entries[0].measured:
+    if not entries or quantity in {ANY_FORCE, ORDER} or entries[0].measured:
         return "", ""
     best = min(entries, key=lambda entry: abs(entry.error or 0.0))
-    unit, scale, own = "Hz", 1.0, best.expected or 0.0
-    if of_response and _unit(quantity) != unit:
+    unit, scale, own = quantity.unit, 1.0, best.expected or 0.0
+    if quantity.harmonic and quantity.kind is not QuantityKind.PEAK_FREQUENCY:
         unit, scale = "µm/N", 1e6
-    if static:
+    if quantity.static:
         known = zip(best.values, best.alongs, strict=False)
         found = (
             v / (1.0 + off) for v, off in known if v is not None and off is not None and off > -_ALL
         )
         own = max(found, default=own)
-        unit, scale = ("µrad", 1e6 * MOMENT) if quantity in ROTATIONS else ("µm", 1e6 * FORCE)
-        scale = 1e6 if quantity.startswith(LOAD) else scale
+        unit, scale = ("µrad", 1e6 * MOMENT) if quantity.rotational else ("µm", 1e6 * FORCE)
+        scale = 1e6 if quantity.kind is QuantityKind.LOAD else scale
     spread = 0.0
     if best.expected and len(best.expected_range) == 2:
         # What is left open of the number where the model is worst, relative, is so of all.
@@ -197,6 +185,7 @@ def csv_of_matrix(matrix: Matrix) -> str:
             "probability",
         )
     }
+    named["quantity"] = [entry.quantity.name for entry in matrix.entries]
     forces = [" ".join(f"{one:.6g}" for one in entry.force) for entry in matrix.entries]
     readings = [
         "; ".join(f"{name} {error:.6g}" for name, error in entry.readings.items())
@@ -233,7 +222,7 @@ def _hint(matrix: Matrix, entry: Entry) -> str:
 def sheet_of(matrix: Matrix, note: ModelNote, entry: Entry) -> tuple[str, tuple[Line, ...]]:
     """What the quantity of an entry means, and the entry in full."""
     lines = (("Model", note.title), *_numbers(matrix, entry), *_reasons(entry))
-    return _meaning(entry.quantity), lines
+    return entry.quantity.meaning, lines
 
 
 def pose_text(matrix: Matrix, pose: tuple[float, ...]) -> str:
@@ -241,13 +230,13 @@ def pose_text(matrix: Matrix, pose: tuple[float, ...]) -> str:
     if not pose:
         return "the root clamped"
     return ", ".join(
-        f"{heading(one.name)} = {number(value, 4)} {one.unit}"
+        f"{AXIS_LABELS[one.name]} = {number(value, 4)} {one.unit}"
         for one, value in zip(matrix.coordinates, pose, strict=True)
     )
 
 
 def _numbers(matrix: Matrix, entry: Entry) -> list[Line]:
-    unit = entry.unit or _unit(entry.quantity)
+    unit = entry.quantity.unit
     along = "" if entry.signed else ", along the load"
     lines = [("Worst at", pose_text(matrix, entry.pose))]
     if entry.force:
@@ -306,32 +295,3 @@ def _reasons(entry: Entry) -> list[Line]:
     if entry.computed_by:
         lines.append(("Computed by", ", ".join(entry.computed_by)))
     return lines
-
-
-def _meaning(quantity: str) -> str:
-    if quantity in ROTATIONS:
-        return f"rotation under a moment about {ROTATIONS[quantity]}"
-    if is_static(quantity):
-        what = "any force" if quantity == ANY_FORCE else f"a force along {quantity}"
-        if quantity.startswith(LOAD):
-            what = f"the load {quantity.removeprefix(LOAD)}"
-        return f"displacement under {what}"
-    if quantity in FREQUENCIES:
-        return f"natural frequency {FREQUENCIES[quantity]}"
-    if quantity.startswith(RESPONSE) and not quantity.startswith(OF_HAMMER):
-        name, _, what = quantity.removeprefix(RESPONSE).partition(".")
-        return f"{_OF_RESPONSES[what]} of the response {name}"
-    if (entry := leg_entry(quantity)) is not None:
-        leg, row, column = entry
-        return f"c{row + 1}{column + 1} of the 6×6 of {leg}"
-    return heading(quantity)
-
-
-def _unit(quantity: str) -> str:
-    if quantity.startswith(RESPONSE) and not quantity.endswith(".frequency"):
-        return "m/N"
-    if not is_static(quantity):
-        return "Hz"
-    if quantity.startswith(LOAD):
-        return "m"
-    return "rad/(N m)" if quantity in ROTATIONS else "m/N"

@@ -6,20 +6,10 @@ What verdicts suppose is a sentence of its own.
 
 from collections.abc import Collection, Mapping, Sequence
 
-from lumped.acceptance.requirement import (
-    ANY_FORCE,
-    FREQUENCIES,
-    LOAD,
-    OF_HAMMER,
-    ORDER,
-    RESPONSE,
-    STATIC_QUANTITIES,
-    is_static,
-)
+from lumped.acceptance.quantities import ORDER, Quantity, QuantityKind
 from validation.adequacy.matrix import VERDICTS, Adequacy, Entry, Matrix
 from validation.drawing.text import bound, error_text, number, percent
 
-_OF_RESPONSES = {"": "peak", "frequency": "peak frequency", "at": "at one frequency"}
 _MODELS: Mapping[str, str] = {
     "simplified": "the simplified model",
     "vjm": "VJM with the legs as given",
@@ -30,13 +20,22 @@ _MODELS: Mapping[str, str] = {
     "segments-condensed": "condensed segments",
     "segments-stepped": "stepped segments",
 }
-SIGNS: Mapping[str, str] = {
-    "phi_x": "φx",
-    "phi_y": "φy",
-    "phi_z": "φz",
-    ANY_FORCE: "any force",
-    ORDER: "order of modes",
-}
+_KIND = QuantityKind
+# Words for all quantities of some kinds together.
+_GROUPS: tuple[tuple[tuple[str, ...], frozenset[QuantityKind]], ...] = (
+    (
+        ("deflections", "rotations"),
+        frozenset(
+            {_KIND.DEFLECTION, _KIND.ROTATION, _KIND.ANY_FORCE, _KIND.COMPONENT, _KIND.ANGLE}
+        ),
+    ),
+    (("frequencies",), frozenset({_KIND.FREQUENCY})),
+    (("loads",), frozenset({_KIND.LOAD})),
+    (
+        ("responses",),
+        frozenset({_KIND.PEAK, _KIND.PEAK_FREQUENCY, _KIND.SIZE, _KIND.TEST_SIZE, _KIND.LOW_SIZE}),
+    ),
+)
 
 
 def model_name(model: str) -> str:
@@ -44,33 +43,18 @@ def model_name(model: str) -> str:
     return _MODELS.get(model, model)
 
 
-def quantities_text(matrix: Matrix, quantities: Collection[str]) -> str:
-    """Quantities as in a sentence, all of a kind together."""
-    spoken = {entry.quantity for entry in matrix.entries}
-    told: list[str] = []
-    left = [name for name in matrix.quantities if name in quantities]
-    for words, kind in (
-        (("deflections", "rotations"), STATIC_QUANTITIES),
-        (("frequencies",), FREQUENCIES),
-        (("loads",), [name for name in spoken if name.startswith(LOAD)]),
-        (("responses",), [name for name in spoken if name.startswith(RESPONSE)]),
-    ):
-        asked = spoken.intersection(kind)
-        if len(asked) > 1 and asked <= set(left):
-            told += words
-            left = [name for name in left if name not in asked]
-    return listed([*told, *(f"the {SIGNS[ORDER]}" if q == ORDER else heading(q) for q in left)])
-
-
-def heading(quantity: str) -> str:
-    """A quantity as the table heads it: "φx", "load cutting"."""
-    if quantity.startswith(OF_HAMMER):
-        at = quantity.removeprefix(OF_HAMMER)
-        return f"response {f'at {at}' if at in FREQUENCIES else 'at low frequency'}"
-    if quantity.startswith(RESPONSE):
-        name, _, what = quantity.removeprefix(RESPONSE).partition(".")
-        return f"{name} {_OF_RESPONSES[what]}"
-    return SIGNS.get(quantity, quantity.replace(":", " "))
+def quantities_text(matrix: Matrix, quantities: Collection[Quantity]) -> str:
+    """Quantities as in a sentence, all of a group together."""
+    judged = {entry.quantity for entry in matrix.entries}
+    words: list[str] = []
+    remaining = [quantity for quantity in matrix.quantities if quantity in quantities]
+    for group, kinds in _GROUPS:
+        members = {quantity for quantity in judged if quantity.kind in kinds}
+        if len(members) > 1 and members <= set(remaining):
+            words += group
+            remaining = [quantity for quantity in remaining if quantity not in members]
+    singles = (f"the {one.label}" if one == ORDER else one.label for one in remaining)
+    return listed([*words, *singles])
 
 
 def capital(text: str) -> str:
@@ -98,13 +82,13 @@ def sentence(matrix: Matrix, rely: Sequence[str] = ()) -> str:
 def supposition(matrix: Matrix, rely: Sequence[str] = ()) -> str:
     """What decided verdicts on frequencies suppose, of models of `rely` if any; "" without such."""
     entries = [e for model in rely for e in matrix.of_model(model)] or matrix.entries
-    decided = any(e.verdict != "undecided" and not is_static(e.quantity) for e in entries)
+    decided = any(e.verdict != "undecided" and not e.quantity.static for e in entries)
     return f"Frequencies are judged {matrix.supposed}." if matrix.supposed and decided else ""
 
 
 def _relied(matrix: Matrix, models: Sequence[str]) -> str:
     """For models of the same verdicts: for what they are adequate or not, how far they are off."""
-    alike: dict[tuple[tuple[str, Adequacy], ...], list[str]] = {}
+    alike: dict[tuple[tuple[Quantity, Adequacy], ...], list[str]] = {}
     for model in models:
         verdicts = tuple((entry.quantity, entry.verdict) for entry in matrix.of_model(model))
         alike.setdefault(verdicts, []).append(model)
@@ -123,7 +107,7 @@ def _relied(matrix: Matrix, models: Sequence[str]) -> str:
     return f"You rely on {'; '.join(told)}. You accept {' to '.join(accepted)}"
 
 
-def _for_what(matrix: Matrix, quantities: Sequence[str]) -> str:
+def _for_what(matrix: Matrix, quantities: Sequence[Quantity]) -> str:
     spoken = {entry.quantity for entry in matrix.entries}
     everything = spoken == {*quantities} and ORDER in spoken
     return "everything judged" if everything else quantities_text(matrix, quantities)
@@ -144,7 +128,7 @@ def _by(entries: Sequence[Entry]) -> str:
     return f" (off by {'at most' if adequate else 'up to'} {off})"
 
 
-def models_to_use(matrix: Matrix) -> list[tuple[str, set[str]]]:
+def models_to_use(matrix: Matrix) -> list[tuple[str, set[Quantity]]]:
     """Models that together are adequate for all that any is adequate for, with what each is for.
 
     In turn the model that is adequate for most of what is left, the simplest of equals.
@@ -153,8 +137,8 @@ def models_to_use(matrix: Matrix) -> list[tuple[str, set[str]]]:
         note.model: {e.quantity for e in matrix.of_model(note.model) if e.verdict == "adequate"}
         for note in matrix.models
     }
-    left = set().union(*fitting.values())
-    chosen: list[tuple[str, set[str]]] = []
+    left: set[Quantity] = set().union(*fitting.values())
+    chosen: list[tuple[str, set[Quantity]]] = []
     while left:
         model = max(fitting, key=lambda name: len(fitting[name] & left))
         chosen.append((model, fitting[model] & left))

@@ -186,7 +186,9 @@ _OF_MEASUREMENT = (
 def adequacy_records(matrix: Matrix, part: str = "") -> list[AdequacyRecord]:
     """The entries of a matrix, of that `part` of the robot where it is one."""
     own = {"poses": matrix.poses, **({"part": part} if part else {})}
-    entries = (msgspec.to_builtins(entry) for entry in matrix.entries)
+    entries = (
+        msgspec.to_builtins(entry) | {"quantity": entry.quantity.name} for entry in matrix.entries
+    )
     # By way of JSON, which knows no infinite numbers.
     written = (msgspec.json.encode(entry | own) for entry in entries)
     return [msgspec.json.decode(entry, type=AdequacyRecord) for entry in written]

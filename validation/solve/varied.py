@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from lumped.acceptance.requirement import AXES, ROTATIONS
+from lumped.acceptance.quantities import AXES, ROTATIONS
 from lumped.errors import InputError, naming
 from lumped.robot_file import RobotFile
 from lumped.robot_file.places import unit_of

@@ -8,12 +8,11 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields, replace
 from typing import Any, get_args
 
+from lumped.acceptance.quantities import MOST_MODES, UNIT_LOADS
 from lumped.acceptance.requirement import (
     MODEL_KINDS,
-    MOST_MODES,
     SMALLEST_MEASURED,
     SMALLEST_SHARE,
-    STATIC_QUANTITIES,
     Requirement,
 )
 from lumped.legs import Ends
@@ -262,7 +261,7 @@ ACCEPT = TableRule(
     Key("response", _SHARE, "of peaks and sizes of responses", default=Requirement.response),
     Key("modes", _MODES, "how many frequencies are judged", default=Requirement.modes),
     Key("rely", Several(OneOf(MODEL_KINDS)), "models whose inadequacy is exit code 1", default=()),
-    *(Key(one, _SHARE, f"in place of `deflection` for {one}") for one in STATIC_QUANTITIES),
+    *(Key(one.name, _SHARE, f"in place of `deflection` for {one}") for one in UNIT_LOADS),
 )
 # From what no instrument resolves to more than any structure yields; errors are relative to it.
 _MEASURED = Number(least=-1e15, most=1e15)

@@ -9,7 +9,7 @@ from functools import cache
 import numpy as np
 import toy_catalogue
 
-from lumped.acceptance.requirement import STATIC_QUANTITIES
+from lumped.acceptance.quantities import measured_quantity, quantities
 from lumped.audit import Finding
 from validation.adequacy.matrix import (
     ADEQUACY,
@@ -32,13 +32,23 @@ PIXEL = base64.b64decode(
     "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJRU5ErkJggg=="
 )
 POSES = ((0.145,), (0.4975,), (0.85,))
+# Names of loads that samples may have.
+LOADS = ("weight", "tug")
 
 
-def entry(model, quantity, *curve, **fields):
+def quantity_of(name, *, measured=False):
+    """Quantity of verdicts, or of measured values, by its name."""
+    if measured:
+        return measured_quantity(name)
+    return next(one for one in quantities(LOADS) if one.name == name)
+
+
+def entry(model, name, *curve, **fields):
     """An entry judged by the largest of the errors along `curve`, or one for all; else undecided.
 
     Of deflections the whole displacement is off by what it is along the load, which has a sign.
     """
+    quantity = quantity_of(name, measured=fields.get("measured", False))
     own = {"error": None, "uncertainty": None, "verdict": "undecided", "pose": POSES[0]}
     if curve:
         errors = curve if len(curve) > 1 else curve * len(POSES)
@@ -55,7 +65,7 @@ def entry(model, quantity, *curve, **fields):
             "expected": 1e-8,
             "computed_by": (f"validation.models.robot_compliance({model!r})",),
         }
-        if quantity in STATIC_QUANTITIES and not fields.get("measured"):
+        if quantity.whole:
             own |= {"error": abs(worst), "errors": tuple(map(abs, errors))}
             own |= {"along": worst, "alongs": errors}
         half = fields.get("uncertainty", own["uncertainty"])
@@ -87,7 +97,10 @@ def sample_matrix(**fields):
         ),
         *(entry(model, q) for model in ("simplified", "segments", "beam") for q in ("f1", "f2")),
     ]
-    models = dict.fromkeys(one.model for one in fields.get("entries", entries))
+    shown = fields.get("entries", entries)
+    models = dict.fromkeys(one.model for one in shown)
+    known = {one.quantity.name: one.quantity for one in shown}
+    names = fields.pop("quantities", ("x", "y", "z", "phi_x", "f1", "f2", "order"))
     silent = {"vjm": "static", "vjm-equivalent": "static"}
     return Matrix(
         **{
@@ -95,7 +108,7 @@ def sample_matrix(**fields):
             "coordinates": (Coordinate("x", "m"),),
             "poses": POSES,
             "models": tuple(ModelNote(m, f"title of {m}", silent.get(m, "")) for m in models),
-            "quantities": ("x", "y", "z", "phi_x", "f1", "f2", "order"),
+            "quantities": tuple(known.get(name) or quantity_of(name) for name in names),
             "entries": tuple(entries),
             "notes": ("f1 between 113 and 131 Hz",),
         }

@@ -6,6 +6,7 @@ from one_arm import ONE_ARM
 from written_robot import robot_of
 
 from lumped.acceptance.measured import Measured
+from lumped.acceptance.quantities import measured_quantity
 from lumped.acceptance.requirement import Requirement
 from lumped.errors import InputError
 from lumped.robot_file import load_robot
@@ -53,9 +54,12 @@ def test_column_named_twice_is_refused(csv):
 def test_a_robot_file_says_what_is_asked_measured_and_uncertain(tmp_path):
     given = load_robot("ifw")
     own = robot_of(given.text + OWN, tmp_path)
-    assert [own.requirement.limit(name) for name in ("y", "z", "f6")] == [0.02, 0.2, 0.05]
+    limits = {one.name: own.requirement.limit(one) for one in own.requirement.quantities}
+    assert [limits[name] for name in ("y", "z", "f6")] == [0.02, 0.2, 0.05]
     assert own.requirement.rely == ("vjm", "segments")
-    assert own.measured == (Measured("z", 27.0e-6, 0.3e-6, "dial gauge", (0.4975,), 1000.0),)
+    assert own.measured == (
+        Measured(measured_quantity("z"), 27.0e-6, 0.3e-6, "dial gauge", (0.4975,), 1000.0),
+    )
     ((key, _, *off),) = own.with_inputs_off()
     assert key == "foot.compliance"
     foot, less, more = (
@@ -68,11 +72,12 @@ def test_a_robot_file_says_what_is_asked_measured_and_uncertain(tmp_path):
 def test_options_change_what_the_file_asks_which_is_five_per_cent_by_default():
     requirement = Requirement(rely=("beam",))
     quantities = ("x", "y", "z", "phi_x", "phi_y", "phi_z", "any_force", "f1", "f2", "f3", "f4")
-    assert requirement.quantities == (*quantities, "order")
+    assert [one.name for one in requirement.quantities] == [*quantities, "order"]
     assert {requirement.limit(quantity) for quantity in requirement.quantities} == {0.05}
     typed = ("deflection=0.03", "frequency=0.1", "modes=2", "phi_x=0.5", "order=0.2")
     asked = with_options(requirement, typed, ("vjm", "segments"))
-    assert [asked.limit(one) for one in ("x", "phi_x", "f2", "order")] == [0.03, 0.5, 0.1, 0.2]
+    limits = {one.name: asked.limit(one) for one in asked.quantities}
+    assert [limits[name] for name in ("x", "phi_x", "f2", "order")] == [0.03, 0.5, 0.1, 0.2]
     assert (asked.modes, asked.rely) == (2, ("vjm", "segments"))
     assert with_options(requirement, (), ()).rely == ("beam",)
 
@@ -92,14 +97,14 @@ def test_a_csv_file_joins_the_robot_s_own_values(csv):
     rest = "f1,0.4975,113.2,0.5,hammer,\nleg1.c22,,1.77e-7,2e-9,test stand,\n"
     found = with_measured(load_robot("ifw"), csv(HEAD + x + rest)).measured
     assert found == (
-        Measured("x", 8.9e-6, 1e-7, "laser tracker", (0.4975,), 1000.0),
-        Measured("f1", 113.2, 0.5, "hammer", (0.4975,)),
-        Measured("leg1.c22", 1.77e-7, 2e-9, "test stand"),
+        Measured(measured_quantity("x"), 8.9e-6, 1e-7, "laser tracker", (0.4975,), 1000.0),
+        Measured(measured_quantity("f1"), 113.2, 0.5, "hammer", (0.4975,)),
+        Measured(measured_quantity("leg1.c22"), 1.77e-7, 2e-9, "test stand"),
     )
-    assert found[2].leg_entry == ("leg1", 1, 1)
-    assert (found[1].mode, found[0].mode) == (1, None)
+    assert (found[2].quantity.leg, found[2].quantity.column) == ("leg1", 7)
+    assert (found[1].quantity.mode, found[0].quantity.mode) == (1, None)
     units = {"z": "m", "f2": "Hz", "leg1.c33": "m/N", "rod1.c53": "1/N", "leg2.c44": "rad/(N m)"}
-    assert {name: Measured(name, 1.0, 0.1, "gauge").unit for name in units} == units
+    assert {name: measured_quantity(name).unit for name in units} == units
 
 
 @pytest.mark.parametrize(

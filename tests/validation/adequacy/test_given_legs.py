@@ -10,6 +10,7 @@ from written_robot import described
 
 from fem.reduction.craig_bampton import craig_bampton
 from fem.reduction.superelement import static_superelement
+from lumped.acceptance.quantities import FREQUENCIES
 from lumped.acceptance.requirement import Requirement
 from lumped.arrays import Array
 from lumped.legs import ConstantLeg, GivenLeg, Material
@@ -127,7 +128,9 @@ def judgements(twins, truth, limit=0.05):
     for candidate in candidates:
         for number in range(1, MODES + 1):
             errors, truly = (
-                scale.errors([candidate.response] * len(one.dynamics.alternatives), f"f{number}")
+                scale.errors(
+                    [candidate.response] * len(one.dynamics.alternatives), FREQUENCIES[number - 1]
+                )
                 for scale, one in zip((own, true), subjects, strict=True)
             )
             low, high = (side[0] for side in errors.interval)

@@ -9,6 +9,7 @@ from plain_judgement import Rule
 from random_subjects import MODES, subject
 from toy_subject import toy_subject
 
+from lumped.acceptance.quantities import load_quantities
 from lumped.acceptance.requirement import Requirement
 from validation.adequacy.judgement import REST, judged
 from validation.adequacy.partners import frequency_changes, partners
@@ -292,7 +293,7 @@ def test_limit_in_metres_decides_by_the_way_of_each_pose():
         toy_subject(3),
         candidates=[Candidate("model", "a model", Response(moved))],
         statics=Reference("exact", [Alternative("", Response(due))]),
-        loads=("load:press",),
+        loads=load_quantities(["press"]),
     )
     wanted = Requirement(modes=3, loads=("press",), displacement=1e-4)
     told = judged(subject, wanted).entry("model", "load:press")
@@ -314,7 +315,7 @@ def entries(seed):
     models = {one.model: one for one in found.candidates}
     for limit in LIMITS:
         matrix = judged(found, Requirement(deflection=limit, frequency=limit, modes=MODES))
-        pairs += [(e, Rule(found, models[e.model], e.quantity, MODES)) for e in matrix.entries]
+        pairs += [(e, Rule(found, models[e.model], e.quantity.name, MODES)) for e in matrix.entries]
     return pairs
 
 
@@ -358,7 +359,7 @@ def test_all_that_can_be_said_comes_up():
     seen = [entry for seed in SEEDS for entry, _ in entries(seed)]
     assert {entry.verdict for entry in seen} == {"adequate", "inadequate", "undecided"}
     assert any(entry.error is None for entry in seen)
-    assert any(entry.quantity == "order" and entry.error for entry in seen)
+    assert any(entry.quantity.name == "order" and entry.error for entry in seen)
     off = [entry for entry in seen if entry.verdict == "inadequate"]
     assert {bool(entry.remedy) for entry in off} == {True, False}
     assert any((entry.error_with_remedy or 0.0) > entry.limit for entry in off)

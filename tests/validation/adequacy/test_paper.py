@@ -10,7 +10,8 @@ import pytest
 from like_ifw import LEG1, LEG2, file_of, like_ifw
 from written_robot import robot_of
 
-from lumped.acceptance.requirement import STATIC_QUANTITIES, Requirement
+from lumped.acceptance.quantities import UNIT_LOADS
+from lumped.acceptance.requirement import Requirement
 from lumped.legs import ConstantLeg, GivenLeg, Material, tip_compliance
 from lumped.robot_file import load_robot
 from lumped.sections import HollowRectangle
@@ -35,7 +36,7 @@ BEAMS = ("segments", "beam", "segments-euler-bernoulli", "beam-euler-bernoulli")
 DIGITS = "digits of the file"
 
 
-@pytest.mark.parametrize("quantity", STATIC_QUANTITIES)
+@pytest.mark.parametrize("quantity", [one.name for one in UNIT_LOADS])
 def test_legs_as_given_hold_in_statics_and_constant_sections_distort_them(paper, quantity):
     entry = paper.entry("vjm", quantity)
     assert entry.verdict == "adequate"

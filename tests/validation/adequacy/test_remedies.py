@@ -117,7 +117,7 @@ def test_one_leg_without_solids_leaves_the_robot_undecided_and_the_other_judged(
     robot = like_ifw(a=0.9, platform_mass=30.0, foot_compliance=None, **legs)
     robot = replace(robot, poses=robot.poses[4:5])
     matrix = robot_adequacy(Context(file_of(robot), "quick"))
-    statics = [entry for entry in matrix.entries if entry.quantity in ("x", "z", "phi_x")]
+    statics = [entry for entry in matrix.entries if entry.quantity.name in ("x", "z", "phi_x")]
     assert {entry.model for entry in statics} >= {"simplified", "vjm", "segments", "beam"}
     assert {entry.verdict for entry in matrix.entries} == {"undecided"}
     assert all(said in entry.reason for entry in statics)
@@ -170,7 +170,7 @@ def test_an_accuracy_that_is_asked_for_is_reached(arm):
     assert ";" not in better.notes[-1]
     # What finer meshes say lies within what coarser ones left open.
     for one in rough.entries:
-        other = better.entry(one.model, one.quantity)
+        other = better.entry(one.model, one.quantity.name)
         if one.error is not None and other.error is not None:
             assert abs(one.error - other.error) <= one.uncertainty + 1e-9
 
@@ -180,11 +180,12 @@ def test_a_verdict_that_hangs_on_meshes_is_decided_by_the_finest(arm):
     entry = widest(by(arm, "standard"))
     finest = by(arm, "fine", 1e-6)
     assert finest.notes[-1].endswith("; no preset has finer meshes of its bodies")
-    best = finest.entry(entry.model, entry.quantity)
+    best = finest.entry(entry.model, entry.quantity.name)
     # A limit that the meshes of this preset leave open, and those of the next one do not.
     size = abs(best.error) + best.uncertainty
     limit = 0.5 * (size + abs(entry.error) + entry.uncertainty)
-    decided = by(arm, "standard", **{entry.quantity: limit}).entry(entry.model, entry.quantity)
+    name = entry.quantity.name
+    decided = by(arm, "standard", **{name: limit}).entry(entry.model, name)
     assert decided.verdict == "adequate"
     assert decided.uncertainty == pytest.approx(best.uncertainty, rel=1e-6)
 

@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose
 from scipy.optimize import minimize
 
 from fem.beams.beam import beam_leg
-from lumped.acceptance.requirement import ANY_FORCE, AXES, STATIC_QUANTITIES
+from lumped.acceptance.quantities import ANY_FORCE, UNIT_LOADS
 from lumped.arrays import Array
 from lumped.legs import ConstantLeg, Material
 from lumped.models.bodies import clamped_modes
@@ -81,7 +81,7 @@ def test_sizes_are_of_the_whole_displacement_and_along_is_signed() -> None:
     rng = np.random.default_rng(7)
     own, other = (one @ np.swapaxes(one, 1, 2) for one in rng.normal(size=(2, 3, 6, 6)))
     found = sizes(other - own, own)
-    for k, quantity in enumerate(AXES):
+    for k, quantity in enumerate(UNIT_LOADS[:6]):
         rows = slice(3) if k < 3 else slice(3, 6)
         due, moved = own[:, rows, k], other[:, rows, k]
         plain = np.linalg.norm(moved - due, axis=1) / np.linalg.norm(due, axis=1)
@@ -90,7 +90,7 @@ def test_sizes_are_of_the_whole_displacement_and_along_is_signed() -> None:
         assert along == pytest.approx(other[:, k, k] / own[:, k, k] - 1.0, rel=1e-12)
     # No axis is worse than the worst direction: here every direction yields more than the floor.
     assert (found[:, 6] >= found[:, :3].max(axis=1) * (1.0 - 1e-9)).all()
-    assert STATIC_QUANTITIES[6] == ANY_FORCE
+    assert UNIT_LOADS[6] == ANY_FORCE
 
 
 def test_what_is_rigid_in_both_is_right_and_what_yields_alone_is_infinite() -> None:

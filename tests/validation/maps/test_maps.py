@@ -12,6 +12,7 @@ from gantry import GANTRY, STIFFNESSES
 from scipy.optimize import minimize_scalar
 from written_robot import robot_of
 
+from lumped.acceptance.quantities import ANY_FORCE
 from lumped.errors import ComputationError, InputError
 from lumped.models.bodies import links, tip_compliances
 from lumped.robot_file import load_robot
@@ -174,7 +175,7 @@ def test_errors_on_the_grid_are_those_of_the_verdicts(five_bar):
     assert study["model"] == "vjm"
     subject = static_subject(robot, judged_models(robot.mechanism))
     (response,) = (one.response for one in subject.candidates if one.model == "vjm")
-    errors = Scale(subject, 4).errors([response], "any_force").error[0]
+    errors = Scale(subject, 4).errors([response], ANY_FORCE).error[0]
     assert errors.max() < context.robot_file.requirement.deflection
     known = dict(zip(product(*study["x"]), np.ravel(study["values"]), strict=True))
     due = [known[tuple(pose)] for pose in subject.poses]

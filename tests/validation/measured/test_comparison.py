@@ -9,6 +9,7 @@ from one_arm import ONE_ARM
 from written_robot import robot_of
 
 from lumped.acceptance.measured import Freedoms, Measured, MeasuredResponse, ModalTest
+from lumped.acceptance.quantities import measured_quantity
 from lumped.errors import ComputationError
 from lumped.legs import tip_compliance
 from lumped.models.bodies import legs_of
@@ -56,11 +57,11 @@ def test_measured_values_join_the_matrix_as_a_reference_of_their_own():
     robot_file = load_robot("biglide")
     robot = robot_file.mechanism
     (x,), (first,) = robot.reference_pose, robot.poses[0]
-    given = Measured("z", 1.0, 1.0, "gauge", (x,), LOAD)
+    given = Measured(measured_quantity("z"), 1.0, 1.0, "gauge", (x,), LOAD)
     truth = predicted("vjm", robot, given, ModelOptions())
     good = replace(given, value=truth, uncertainty=1e-3 * truth)
     wrong = replace(good, value=1.2 * truth, pose=(first,))
-    of_leg = Measured("leg1.c33", 0.9, 1e-3, "stand")
+    of_leg = Measured(measured_quantity("leg1.c33"), 0.9, 1e-3, "stand")
 
     def matrix_of(*ones):
         return measured_matrix(Context(replace(robot_file, measured=ones), "quick"))
@@ -85,13 +86,15 @@ def test_measured_values_join_the_matrix_as_a_reference_of_their_own():
 def test_leg_entries_alone_have_a_chart():
     """Of a robot whose poses have one coordinate, too, though entries of a leg have no pose."""
     biglide = load_robot("biglide")
-    ones = tuple(Measured(f"leg1.{name}", 1e-6, 1e-8, "stand") for name in ("c22", "c33"))
+    ones = tuple(
+        Measured(measured_quantity(f"leg1.{name}"), 1e-6, 1e-8, "stand") for name in ("c22", "c33")
+    )
     matrix = measured_matrix(Context(replace(biglide, measured=ones), "quick"))
     chart = measured_curves(matrix).chart
     assert [panel.title for panel in chart.panels] == ["leg1.c22", "leg1.c33"]
     for panel, quantity in zip(chart.panels, matrix.quantities, strict=True):
         values = {one.label: one.y[0] for one in panel.series}
-        entry = matrix.entry("beam", quantity)
+        entry = matrix.entry("beam", quantity.name)
         assert values["beam"] == pytest.approx(entry.value / 1e-6, rel=1e-12)
     assert chart_svg(chart)
 
@@ -100,7 +103,9 @@ def test_value_that_one_model_refuses_costs_that_entry_alone(monkeypatch):
     robot_file = load_robot("five-bar")
     robot = robot_file.mechanism
     first, last = (tuple(map(float, robot.poses[place])) for place in (0, -1))
-    ones = tuple(Measured("x", 1e-6, 1e-9, "gauge", pose) for pose in (first, last))
+    ones = tuple(
+        Measured(measured_quantity("x"), 1e-6, 1e-9, "gauge", pose) for pose in (first, last)
+    )
 
     def refusing(model, robot, one, options):
         if model == "simplified" or (model == "beam" and one.pose == last):
@@ -184,8 +189,8 @@ def test_mode_far_above_the_measured_one_keeps_the_matrix(tmp_path):
         np.array([0.01]),
         (response,),
     )
-    mode = Measured("f1", 50.0, 0.5, "hammer", (0.0,), 1.0, test, 0)
-    push = Measured("x", 1e-6, 1e-8, "gauge", (0.0,))
+    mode = Measured(measured_quantity("f1"), 50.0, 0.5, "hammer", (0.0,), 1.0, test, 0)
+    push = Measured(measured_quantity("x"), 1e-6, 1e-8, "gauge", (0.0,))
     matrix = measured_matrix(Context(replace(robot_file, measured=(mode, push)), "quick"))
     assert matrix.entry("simplified", "x").value is not None
     # √(E/ρ)/4L = 2586 Hz of the arm alone, less with 1 kg at its end; 50 Hz is none of it.
@@ -257,7 +262,7 @@ def test_an_entry_of_a_leg_a_load_and_a_mode_are_those_that_were_measured():
     pose = tuple(mechanism.poses[0])
 
     def told(quantity, model, *where):
-        one = Measured(quantity, 1.0, 1.0, "gauge", *where)
+        one = Measured(measured_quantity(quantity), 1.0, 1.0, "gauge", *where)
         return predicted(model, mechanism, one, ModelOptions())
 
     for i, j in np.ndindex(6, 6):
@@ -270,5 +275,5 @@ def test_an_entry_of_a_leg_a_load_and_a_mode_are_those_that_were_measured():
     assert told("f3", "beam", pose) == pytest.approx(beam.frequencies[2], rel=1e-6)
     # Virtual joints that branch have no number.
     delta = load_robot("delta").mechanism
-    one = Measured("z", 1e-6, 1e-8, "gauge", tuple(delta.poses[0]), 1.0)
+    one = Measured(measured_quantity("z"), 1e-6, 1e-8, "gauge", tuple(delta.poses[0]), 1.0)
     assert predicted("vjm", delta, one, ModelOptions()) is None

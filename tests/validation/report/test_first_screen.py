@@ -234,7 +234,7 @@ def test_range_of_a_remedy_is_by_size_whatever_the_sign():
 
 def test_legs_and_measured_values_have_tables_and_sheets_of_their_own():
     by_gauge = tuple(
-        entry(model, "z", size, measured=True, reference="measured: gauge", unit="m")
+        entry(model, "z", size, measured=True, reference="measured: gauge")
         for model, size in (("vjm", 0.01), ("segments", -0.2))
     )
     leg, own = (sample_matrix(robot=name, notes=()) for name in ("leg 1", "equivalent legs"))

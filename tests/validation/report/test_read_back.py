@@ -16,6 +16,7 @@ from msgspec import to_builtins
 from random_subjects import MODES, subject
 from report_sample import measured, unmeasured
 
+from lumped.acceptance.quantities import AXIS_LABELS
 from lumped.acceptance.requirement import Requirement
 from validation import api
 from validation.adequacy.judgement import judged
@@ -27,7 +28,6 @@ from validation.report.figures.adequacy import error_curves
 from validation.report.listing import junit_xml, outcome_line
 from validation.report.remedies import remedies_of
 from validation.report.table import csv_of_matrix, table_of
-from validation.report.words import SIGNS
 from validation.results.outcome import Result, from_plain, plain
 from validation.results.records import adequacy_records
 from validation.results.standing import standing_of
@@ -74,9 +74,7 @@ def close(value):
 
 def pose_of(matrix, text):
     """The number of the pose that a text names."""
-    names = [
-        f"{SIGNS.get(one.name, one.name)} = ({NUMBER}) {one.unit}" for one in matrix.coordinates
-    ]
+    names = [f"{AXIS_LABELS[one.name]} = ({NUMBER}) {one.unit}" for one in matrix.coordinates]
     values = numbers(" ".join(re.search(", ".join(names), text).groups()))
     (place,) = (
         p for p, pose in enumerate(matrix.poses) if values == [told(one, FOUR) for one in pose]
@@ -134,7 +132,7 @@ def test_every_cell_and_its_sheet(matrix):
     ]
     assert len({cell.anchor for cell in shown.cells}) == len(cells)
     for entry, (model, heading, cell) in zip(matrix.entries, cells, strict=True):
-        assert (model, heading) == (entry.model, SIGNS.get(entry.quantity, entry.quantity))
+        assert (model, heading) == (entry.model, entry.quantity.label)
         assert cell.mark == MARKS[entry.verdict]
         assert cell.hint.startswith(f"{entry.verdict} (limit ")
         assert numbers(cell.hint)[0] == told(entry.limit)
@@ -163,13 +161,13 @@ def test_every_cell_and_its_sheet(matrix):
         assert {name: numbers(size)[0] for name, size in detail.items()} == {
             name: told(size) for name, size in entry.uncertainties.items()
         }
-        unit = UNITS.get(entry.quantity, "Hz")
+        unit = UNITS.get(entry.quantity.name, "Hz")
         for word, number in (("Value", entry.value), ("Reference", entry.expected)):
             assert re.search(rf"^{NUMBER} {re.escape(unit)}(, along the load)?$", said[word])
             assert numbers(said[word])[0] == told(number, SIX)
         along = [] if entry.along is None else [told(entry.along)]
         assert numbers(said.get("Along the load", "")) == along
-        if entry.quantity == "any_force":
+        if entry.quantity.name == "any_force":
             assert numbers(said["Worst force"]) == pytest.approx(entry.force, rel=TWO, abs=0.006)
         causes = [text for word, text in cell.sheet if word == "Cause"]
         assert [(text.partition(":")[0], numbers(text)[0]) for text in causes] == [
@@ -199,6 +197,7 @@ def test_every_line_of_the_csv(matrix):
         assert force == pytest.approx(entry.force, rel=6e-6)
         pose = [float(row.pop(name)) for name in ("x (m)", "phi_z (rad)")]
         assert pose == pytest.approx(entry.pose, rel=1e-9)
+        assert row.pop("quantity") == entry.quantity.name
         for name, cell in row.items():
             value = getattr(entry, fields.get(name, name.replace(" ", "_")))
             assert (cell if isinstance(value, str) else known(cell)) == close(value), name
@@ -212,7 +211,7 @@ def test_every_curve_and_its_table(matrix):
     for panel in chart.panels:
         quantity = panel.title.removeprefix("force along ")
         quantity = {"worst direction of force": "any_force"}.get(quantity, quantity)
-        entries = [one for one in matrix.entries if one.quantity == quantity]
+        entries = [one for one in matrix.entries if one.quantity.name == quantity]
         assert panel.y_label in ("relative error (%)", "")
         limit = 100.0 * entries[0].limit
         # Errors of whole displacements are never negative.

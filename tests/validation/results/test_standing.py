@@ -94,7 +94,7 @@ def test_no_run_that_fails_says_that_all_is_well():
 
 def by_gauge(size):
     """A matrix against a measured value, of which a model is off by a size."""
-    of_gauge = entry("simplified", "z", size, measured=True, reference="measured: gauge", unit="m")
+    of_gauge = entry("simplified", "z", size, measured=True, reference="measured: gauge")
     return sample_matrix(entries=(of_gauge,), quantities=("z",))
 
 

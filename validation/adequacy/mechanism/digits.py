@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 import scipy
 
-from lumped.acceptance.requirement import STATIC_QUANTITIES
+from lumped.acceptance.quantities import UNIT_LOADS
 from lumped.arrays import Array, SparseMatrix
 from lumped.legs import GivenLeg
 from lumped.mechanism.mechanism import Mechanism, Posture
@@ -42,7 +42,7 @@ def left_by_digits(text: str, postures: Sequence[Posture]) -> Array:
     roundings = roundings_of(text, postures)
     if not roundings:
         loads = len(postures[0].mechanism.loads)
-        return np.zeros((len(postures), len(STATIC_QUANTITIES) + loads))
+        return np.zeros((len(postures), len(UNIT_LOADS) + loads))
 
     def own_legs(at: Sequence[Posture]) -> Array:
         return assembled(at, tip_compliances(at[0].mechanism))

@@ -11,7 +11,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from lumped.acceptance.requirement import STATIC_QUANTITIES
+from lumped.acceptance.quantities import UNIT_LOADS
 from lumped.arrays import Array
 from lumped.legs import Ends, Leg, equivalent_leg, given_compliance
 from lumped.mechanism.mechanism import Posture
@@ -110,7 +110,7 @@ def static_reference(robot: RobotOnPath) -> Reference:
             coarse = _of_solids(robot, ends, fine=False)
             step = step_uncertainty(sizes(coarse - fine, fine), ratio)
             on_mass = [load.acts_on_mass for load in robot.mechanism.loads]
-            step[:, len(STATIC_QUANTITIES) :] += _MASS_OF_BEAMS * np.array(on_mass)
+            step[:, len(UNIT_LOADS) :] += _MASS_OF_BEAMS * np.array(on_mass)
         response = Response(compliance=fine)
         masses = _left_by_masses(robot, ends, fine)
         alternatives.append(
@@ -185,7 +185,7 @@ def _left_by_linearity(robot: RobotOnPath) -> Array | None:
         farther = np.array([[abs(one.farther) if one else 0.0 for one in row] for row in found])
         left = np.nan_to_num(farther, nan=1.0)
     left[left < _LINEAR] = 0.0
-    return np.pad(left, ((0, 0), (len(STATIC_QUANTITIES), 0)))
+    return np.pad(left, ((0, 0), (len(UNIT_LOADS), 0)))
 
 
 def _section_uncertainty(robot: RobotOnPath) -> Array | float:

@@ -9,7 +9,8 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from fem.beams.prestressed import PrestressedLeg, between, prestressed_leg
-from lumped.acceptance.requirement import AXES, LOAD, Requirement
+from lumped.acceptance.quantities import AXES, Quantity, load_quantities
+from lumped.acceptance.requirement import Requirement
 from lumped.arrays import dense
 from lumped.errors import ComputationError
 from lumped.legs import ConstantLeg, Theory
@@ -108,17 +109,17 @@ def stability_notes(
 
     `found` in each posture under each load.
     """
-    loads = [load.name for load in postures[0].mechanism.loads]
+    loads = load_quantities([load.name for load in postures[0].mechanism.loads])
     return tuple(
-        f"Load {load}: {'; '.join(said)}"
+        f"Load {load.key}: {'; '.join(said)}"
         for load, row in zip(loads, zip(*found, strict=True), strict=True)
         if (known := [(at, one) for at, one in zip(postures, row, strict=True) if one])
-        and (said := [*_said(f"{LOAD}{load}", requirement, known)])
+        and (said := [*_said(load, requirement, known)])
     )
 
 
 def _said(
-    load: str, requirement: Requirement, found: Sequence[tuple[Posture, Stability]]
+    load: Quantity, requirement: Requirement, found: Sequence[tuple[Posture, Stability]]
 ) -> Iterator[str]:
     lost = np.array([one.lost for _, one in found])
     taken, moved = float(lost.max()), max(abs(one.farther) for _, one in found)

@@ -6,21 +6,16 @@ from typing import Any
 
 import numpy as np
 
-from lumped.acceptance.requirement import ANY_FORCE, AXES, ROTATIONS
+from lumped.acceptance.quantities import UNIT_LOADS, Quantity, QuantityKind
 from lumped.arrays import Array
 from validation.adequacy.matrix import Entry, Matrix
 from validation.drawing.chart import Chart, Column, Panel, Series, few_ticks, percent, side_by_side
 from validation.report.declared import Shown, curves
-from validation.report.words import heading
 
 _POSE = "pose"
 # The deflections, and the frequencies where there are any: what is read off first.
-_STATIC, _MODES = (*AXES[:3], ANY_FORCE), 2
-_MEANINGS = {
-    **{axis: f"force along {axis}" for axis in AXES[:3]},
-    **{name: f"moment about {axis}" for name, axis in ROTATIONS.items()},
-    ANY_FORCE: "worst direction of force",
-}
+_DEFLECTIONS = tuple(quantity for quantity in UNIT_LOADS if not quantity.rotational)
+_MODES = 2
 _COLUMNS = 3
 
 
@@ -30,8 +25,8 @@ def error_curves(matrix: Matrix) -> Shown | None:
     Errors within the limit lie in the shaded band, on a linear scale; beyond it the scale is
     logarithmic.
     """
-    modes = tuple(q for q in matrix.quantities if q[:1] == "f" and q[1:].isdecimal())[:_MODES]
-    shown = [q for q in (*_STATIC, *modes) if any(_known(matrix, q))]
+    modes = [one for one in matrix.quantities if one.kind is QuantityKind.FREQUENCY][:_MODES]
+    shown = [one for one in (*_DEFLECTIONS, *modes) if any(_known(matrix, one))]
     if not shown:
         return None
     panels = [_panel(matrix, q, leftmost=not i % _COLUMNS) for i, q in enumerate(shown)]
@@ -55,7 +50,7 @@ def measured_curves(matrix: Matrix) -> Shown | None:
     panels = []
     for place, (quantity, entries) in enumerate(found.items()):
         label = "" if place % 3 else "value / measured value"
-        named = {"title": _MEANINGS.get(quantity, heading(quantity)), "y_label": label}
+        named = {"title": quantity.loading or quantity.label, "y_label": label}
         shape: dict[str, Any] = {**named, "levels": (1.0,), "staggered": False}
         if any(sum(error is not None for error in entry.errors) > 1 for entry in entries):
             panels.append(Panel(_over_poses(matrix, entries), **shape))
@@ -63,7 +58,7 @@ def measured_curves(matrix: Matrix) -> Shown | None:
             panels.append(Panel(_one_pose(entries), scale=side_by_side, x_label="", **shape))
     data: dict[str, Column] = {
         "model": [entry.model for entry in matrix.entries],
-        "quantity": [entry.quantity for entry in matrix.entries],
+        "quantity": [entry.quantity.name for entry in matrix.entries],
         "value": [entry.value for entry in matrix.entries],
         "measured": [entry.expected for entry in matrix.entries],
         "95 % of the measurement": [_part(e, "measurement") for e in matrix.entries],
@@ -105,13 +100,13 @@ def _left_open(entry: Entry) -> Array:
     return np.maximum([errors - lows, highs - errors], 0.0)
 
 
-def _known(matrix: Matrix, quantity: str) -> list[Entry]:
+def _known(matrix: Matrix, quantity: Quantity) -> list[Entry]:
     """What is known of a quantity, a model each."""
     entries = (entry for entry in matrix.entries if entry.quantity == quantity)
     return [entry for entry in entries if np.isfinite(_numbers(entry.errors)).any()]
 
 
-def _panel(matrix: Matrix, quantity: str, *, leftmost: bool) -> Panel:
+def _panel(matrix: Matrix, quantity: Quantity, *, leftmost: bool) -> Panel:
     x, _ = _abscissa(matrix)
     entries, series = _known(matrix, quantity), []
     limit = 100.0 * max(entry.limit for entry in entries)
@@ -122,7 +117,7 @@ def _panel(matrix: Matrix, quantity: str, *, leftmost: bool) -> Panel:
         series.append(Series(entry.model, x, 100.0 * _numbers(entry.errors), bars=bars))
     return Panel(
         series,
-        _MEANINGS.get(quantity, quantity),
+        quantity.loading or quantity.label,
         "relative error (%)" if leftmost else "",
         partial(percent, limit=limit, steps=(1.0, 3.0)),
         band=(-limit if signed else 0.0, limit),

@@ -5,7 +5,7 @@ from functools import partial
 
 import numpy as np
 
-from lumped.acceptance.requirement import AXES, ROTATIONS
+from lumped.acceptance.quantities import AXES, ROTATIONS
 from lumped.arrays import Array
 from lumped.mechanism.kinematics.postures import shown_pose
 from lumped.robot_file.places import unit_of

@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from report_sample import sample_matrix
+from report_sample import quantity_of, sample_matrix
 
 from lumped.mechanism.load import Excitation
 from lumped.robot_file import load_robot
@@ -117,7 +117,7 @@ def measured_entry(poses):
     many = (0.1,) * len(poses)
     return Entry(
         model="beam",
-        quantity="z",
+        quantity=quantity_of("z", measured=True),
         error=0.1,
         uncertainty=0.05,
         low=0.05,
@@ -134,7 +134,6 @@ def measured_entry(poses):
         lows=tuple(0.05 for _ in poses),
         highs=tuple(0.15 for _ in poses),
         measured=True,
-        unit="m",
     )
 
 

@@ -1,0 +1,125 @@
+"""Quantities: names in files and their way back, units, and columns among numbers."""
+
+import numpy as np
+import pytest
+
+from lumped.acceptance.quantities import (
+    ANY_FORCE,
+    AXES,
+    MOST_MODES,
+    ORDER,
+    SIZE_FAR_BELOW,
+    UNIT_LOADS,
+    QuantityKind,
+    load_quantities,
+    measured_quantity,
+    quantities,
+    response_quantities,
+    size_at_mode,
+)
+
+LOADS, RESPONSES = ("cutting", "f1"), ("mill", "mill.frequency", "x", "x.frequency", "x.at")
+JUDGED = quantities(LOADS, RESPONSES)
+
+
+def measurable():
+    entries = [f"leg-1.c{i}{j}" for i in range(1, 7) for j in range(1, 7)]
+    names = [*AXES, *(f"f{n}" for n in range(1, MOST_MODES + 1)), *entries]
+    names += [f"response:{name}" for name in RESPONSES]
+    return {name: measured_quantity(name, RESPONSES) for name in names}
+
+
+def test_names_of_judged_quantities_are_those_of_files():
+    modes = [f"f{number}" for number in range(1, MOST_MODES + 1)]
+    assert [str(one) for one in JUDGED] == [
+        *("x", "y", "z", "phi_x", "phi_y", "phi_z", "any_force", "load:cutting", "load:f1"),
+        *(*modes, "order", "response:mill", "response:mill.frequency", "response:x"),
+        *("response:x.frequency", "response:x.at"),
+    ]
+
+
+def test_name_determines_quantity():
+    assert len({one.name for one in JUDGED}) == len({*JUDGED}) == len(JUDGED)
+
+
+def test_name_of_measured_quantity_is_read_back():
+    assert {name: one.name for name, one in measurable().items()} == {
+        name: name for name in measurable()
+    }
+
+
+UNKNOWN = (
+    *("", "w", "X", "x ", "f0", "f01", "f11", "order", "any_force", "load:cutting", ".c11"),
+    *("leg1.c07", "leg1.c77", "response:", "response:nail", "response:mill.at"),
+    "response:hammer.f1",
+)
+
+
+@pytest.mark.parametrize("name", UNKNOWN)
+def test_unknown_name_is_no_measured_quantity(name):
+    assert measured_quantity(name, RESPONSES) is None
+
+
+def test_component_and_whole_vector_differ():
+    for whole in UNIT_LOADS[:6]:
+        component = measured_quantity(whole.name)
+        assert component != whole
+        assert component.name == whole.name
+        assert (component.whole, whole.whole) == (False, True)
+        assert (component.column, component.rotational) == (whole.column, whole.rotational)
+
+
+def test_units_are_those_of_numbers():
+    found = {one.name: one.unit for one in JUDGED}
+    assert found["x"] == found["any_force"] == found["response:mill"] == "m/N"
+    assert found["phi_z"] == "rad/(N m)"
+    assert found["load:cutting"] == "m"
+    assert {found[n] for n in ("f1", "order", "response:mill.frequency")} == {"Hz"}
+    assert found["response:x.at"] == size_at_mode(2).unit == "m/N"
+    measured = {name: one.unit for name, one in measurable().items()}
+    assert (measured["z"], measured["phi_x"], measured["f2"]) == ("m", "rad", "Hz")
+
+
+def test_units_of_a_compliance_are_displacement_per_load():
+    displacements, loads = (
+        ("m", "m", "m", "rad", "rad", "rad"),
+        ("N", "N", "N", "N m", "N m", "N m"),
+    )
+    # Radians are dropped where a translation is divided by a moment, and in the transpose.
+    known = {"m/N": "m/N", "m/N m": "1/N", "rad/N": "1/N", "rad/N m": "rad/(N m)"}
+    for i, j in np.ndindex(6, 6):
+        entry = measured_quantity(f"leg.c{i + 1}{j + 1}")
+        assert divmod(entry.column, 6) == (i, j)
+        assert entry.leg == "leg"
+        assert entry.unit == known[f"{displacements[i]}/{loads[j]}"]
+
+
+def test_each_quantity_is_static_modal_or_harmonic():
+    tests = (SIZE_FAR_BELOW, *map(size_at_mode, range(1, 4)))
+    for one in (*JUDGED, *measurable().values(), *tests):
+        assert one.static + one.modal + one.harmonic == 1
+        assert one.static or not one.whole
+        assert one.unit
+        assert one.label
+        assert one.meaning
+
+
+def test_columns_count_within_a_kind():
+    assert [one.static_column for one in JUDGED if one.whole] == list(range(9))
+    assert [one.column for one in load_quantities(LOADS)] == [0, 1]
+    assert [one.column for one in response_quantities(RESPONSES)] == [0, 1, 2, 3, 4]
+    assert [one.mode for one in JUDGED if one.kind is QuantityKind.FREQUENCY] == list(range(1, 11))
+    assert ORDER.mode is None
+    assert ANY_FORCE.static_column == 6
+
+
+def test_labels_and_meanings_are_words():
+    words = {one.name: (one.label, one.meaning) for one in JUDGED}
+    assert words["phi_x"] == ("φx", "rotation under a moment about x")
+    assert words["load:cutting"] == ("load cutting", "displacement under the load cutting")
+    assert words["any_force"] == ("any force", "displacement under any force")
+    assert words["f3"] == ("f3", "natural frequency 3")
+    assert words["response:mill.frequency"][1] == "frequency of the peak of the response mill"
+    assert measured_quantity("rod1.c22").meaning == "c22 of the 6×6 of rod1"
+    assert (size_at_mode(2).label, size_at_mode(2).name) == ("response at f2", "response:hammer.f2")
+    assert SIZE_FAR_BELOW.label == "response at low frequency"
