@@ -10,11 +10,12 @@ from lumped.errors import InputError
 from lumped.mechanism.mechanism import Mechanism
 from validation.adequacy.mechanism.dynamics import dynamic_reference
 from validation.adequacy.mechanism.path import RobotOnPath
-from validation.adequacy.mechanism.statics import compliances, static_reference
+from validation.adequacy.mechanism.statics import model_statics, static_reference
 from validation.adequacy.mechanism.vibration import modes_by_model
 from validation.adequacy.models import JudgedModel, judged_models, why_unable
 from validation.adequacy.partners import frequency_changes, partners
-from validation.adequacy.response import Alternative, Reference, Vibration
+from validation.adequacy.response import Alternative, Reference
+from validation.agreement.responses import PathModes, Statics
 from validation.models.loads.leg_masses import MASSES
 
 # From the bottom of a stack of curves to its top.
@@ -44,34 +45,35 @@ def compared_models(mechanism: Mechanism) -> tuple[tuple[str, ...], tuple[str, .
     return tuple(_stacked(mechanism, _STATIC_STACK)), tuple(_stacked(mechanism, _DYNAMIC_STACK))
 
 
-def compared_statics(robot: RobotOnPath) -> tuple[dict[str, Array], dict[str, Array]]:
-    """Compliances (p×6×6, SI) by all models and, last, by the alternatives of the reference.
+def compared_statics(robot: RobotOnPath) -> tuple[dict[str, Statics], dict[str, Array]]:
+    """Statics by all models and, last, by the alternatives of the reference.
 
     Then the uncertainties of the alternatives (p×7, relative), of meshes and of the file's digits.
     Raises InputError or ComputationError without reference.
     """
     found = {
-        name: compliances(robot.postures, model, options)
+        name: model_statics(robot.postures, model, options)
         for name, (model, _, options) in _answering(robot, _STATIC_STACK).items()
     }
     uncertainties = {}
     for one in static_reference(robot).alternatives:
         solid = robot.prisms or robot.mechanism.parts
         name = f"solid, {one.name}" if solid else "legs' own 6×6"
-        if one.response.compliance is not None and one.static is not None:
+        statics = one.response.solved_statics
+        if statics is not None and one.static is not None:
             open_digits = 0.0 if one.digits is None else one.digits
-            found[name], uncertainties[name] = one.response.compliance, one.static + open_digits
+            found[name], uncertainties[name] = statics, one.static + open_digits
     return found, uncertainties
 
 
 def compared_compliances(
-    compliances: Mapping[str, Array], uncertainties: Mapping[str, Array]
+    statics: Mapping[str, Statics], uncertainties: Mapping[str, Array]
 ) -> Compared:
     """Compliance (p×6, SI) along and about each axis, under its own force and moment.
 
     Arguments as `compared_statics` gives them.
     """
-    found = {name: np.diagonal(one, axis1=1, axis2=2) for name, one in compliances.items()}
+    found = {name: np.diagonal(one.compliances, axis1=1, axis2=2) for name, one in statics.items()}
     against = next(iter(uncertainties))
     reference = found[against]
     known = np.where(reference != 0.0, reference, np.nan)
@@ -98,13 +100,13 @@ def compared_frequencies(robot: RobotOnPath) -> Compared:
     found = answering_modes(robot)
     reference = dynamic_reference(robot)
     uncertainties = {}
-    weights, judged = robot.samples.weights, robot.judged
+    judged = robot.judged
     for name, likewise in _by_hold(reference).items():
-        shown, left_open = likewise[0].response.vibration, likewise[0].dynamic
+        shown, left_open = likewise[0].response.solved_modes, likewise[0].dynamic
         if shown is None or left_open is None:
             continue
-        others = (other.response.vibration for other in likewise[1:])
-        changes = [frequency_changes(shown, one, weights, judged) for one in others if one]
+        others = (other.response.solved_modes for other in likewise[1:])
+        changes = [frequency_changes(shown, one, judged) for one in others if one]
         found[name] = shown
         uncertainties[name] = left_open + np.nanmax([np.zeros_like(left_open), *changes], axis=0)
     if not uncertainties:
@@ -115,7 +117,7 @@ def compared_frequencies(robot: RobotOnPath) -> Compared:
     return Compared(
         {name: one.frequencies[:, :judged] for name, one in found.items()},
         {
-            name: partners(first, one, weights, judged).frequency / own - 1.0
+            name: partners(first, one, judged).frequency / own - 1.0
             for name, one in found.items()
             if name != against
         },
@@ -124,7 +126,7 @@ def compared_frequencies(robot: RobotOnPath) -> Compared:
     )
 
 
-def answering_modes(robot: RobotOnPath) -> dict[str, Vibration]:
+def answering_modes(robot: RobotOnPath) -> dict[str, PathModes]:
     """The modes of all models that have any."""
     return {
         name: modes

@@ -1,8 +1,8 @@
 """Total relative errors of a model against every alternative of the reference, pose by pose."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, fields
-from typing import Any
+from dataclasses import dataclass, field, fields, replace
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,22 +10,23 @@ from numpy.typing import NDArray
 from lumped.acceptance.quantities import ANY_FORCE, ORDER, Quantity
 from lumped.arrays import Array, IntArray
 from validation.adequacy.partners import Partners, partners
-from validation.adequacy.response import Alternative, Reference, Response, Subject, Vibration
-from validation.agreement.displacement import displacement, relative
+from validation.adequacy.response import Alternative, Reference, Response, Subject
+from validation.agreement.displacement import relative
+from validation.agreement.responses import PathModes
 
 
 @dataclass(frozen=True, eq=False)
 class Loaded:
     """What belongs to errors of deflections: a alternatives of the reference by p poses.
 
-    `load` (a×p×(6+l)) is the unit wrench, of any force the worst one, and how much there is of each
-    load of the file; `along` (a×p) the signed error of the displacement along it. `off` (a×p×3) is
+    `wrench` (a×p×6) is the unit wrench, of any force the worst one, zero for loads of the file;
+    `along` (a×p) the signed error of the displacement along it. `off` (a×p×3) is
     the difference of displacements, relative to `length` (a×p, m/N or rad/(N m), of the
     reference's). `masses` (a×p): what the places of the legs' masses leave open of the error, and
     `linear` (a×p) that loads change the stiffness.
     """
 
-    load: Array
+    wrench: Array
     along: Array
     off: Array
     length: Array
@@ -51,8 +52,8 @@ class Paired:
     seen: Array
     likeness: Array
 
-    def of(self, rows: Sequence[int]) -> "Paired":
-        """The pairing of some of the alternatives."""
+    def rows(self, rows: Sequence[int]) -> "Paired":
+        """Pairing of some of the alternatives."""
         return Paired(*(getattr(self, one.name)[rows] for one in fields(self)))
 
 
@@ -163,75 +164,69 @@ class Scale:
         None where a response says nothing of it.
         """
         alternatives = self.reference(quantity).alternatives
-        of = self._deflection if quantity.static else self._peak
+        errors_of = self._deflection if quantity.static else self._peak
         if quantity.modal:
-            of = self._frequency
-        rows = [
-            row
+            errors_of = self._frequency
+        found = [
+            errors
             for one, response in zip(alternatives, responses, strict=True)
-            if (row := of(one, response, quantity))
+            if (errors := errors_of(one, response, quantity))
         ]
-        if len(rows) < len(alternatives) or not rows:
-            return None
-        value, expected, error, numerical, digits, unknown, *further = (
-            np.array(column) for column in zip(*rows, strict=True)
-        )
-        return Errors(
-            tuple(one.name for one in alternatives),
-            value,
-            expected,
-            error,
-            numerical,
-            digits,
-            unknown,
-            loaded=Loaded(*further) if quantity.static else None,
-            paired=Paired(*further[:-1]) if quantity.modal else None,
-            numbers=further[-1] if quantity == ORDER else None,
-        )
+        return stacked(found) if found and len(found) == len(alternatives) else None
 
-    def _frequency(
-        self, one: Alternative, response: Response, quantity: Quantity
-    ) -> tuple[NDArray[Any], ...] | None:
-        """The first fields of `Errors` for every pose, those of `Paired`, and the numbers.
+    def _frequency(self, one: Alternative, response: Response, quantity: Quantity) -> Errors | None:
+        """Errors of a frequency, or of the order, against one alternative.
 
-        Of the order those of the mode, among all in another place, whose number misleads most.
+        Those of the order belong to the mode, among all in another place, whose number misleads
+        most.
         """
-        truth, model = one.response.vibration, response.vibration
+        truth, model = one.response.solved_modes, response.solved_modes
         if truth is None or model is None:
             return None
         found = self._partners(one, truth, response, model)
         own = truth.frequencies[:, : self.modes]
         poses, known = np.arange(len(own)), np.isfinite(own)
         if quantity == ORDER:
-            numbers, at, value, below, above = _misplaced(found, own)
+            order = _misplaced(found, own)
+            place, value, below, above = order.place, order.frequency, order.below, order.above
             unknown = (~known | found.undecided).any(axis=1)
-            moved = (numbers[poses, at] != at) | found.loose[poses, at]
+            moved = (order.numbers[poses, place] != place) | found.loose[poses, place]
         else:
-            at = np.full(len(own), quantity.column)
-            value, numbers = found.frequency[poses, at], found.number
-            below, above = value - found.lowest[poses, at], found.highest[poses, at] - value
-            unknown = ~known[poses, at] | found.undecided[poses, at]
+            order, place = None, np.full(len(own), quantity.column)
+            value = found.frequency[poses, place]
+            below = value - found.lowest[poses, place]
+            above = found.highest[poses, place] - value
+            unknown = ~known[poses, place] | found.undecided[poses, place]
             moved = np.ones(len(own), bool)
-        expected = own[poses, at]
+        expected = own[poses, place]
         ratio = value / expected
         numerical, digits = (
-            np.zeros(len(own)) if left is None else np.where(moved, left[poses, at], 0.0)
+            np.zeros(len(own)) if left is None else np.where(moved, left[poses, place], 0.0)
             for left in (one.dynamic, one.dynamic_digits)
         )
         sizes = np.abs(ratio)
-        left = numerical * sizes, digits * sizes
-        pairing = [
-            np.nan_to_num(below / expected),
-            np.nan_to_num(above / expected),
-            *(of[poses, at] for of in (found.undecided, found.local, found.seen, found.likeness)),
-        ]
-        return value, expected, ratio - 1.0, *left, np.asarray(unknown), *pairing, numbers
+        return Errors(
+            names=(one.name,),
+            value=value,
+            expected=expected,
+            error=ratio - 1.0,
+            numerical=numerical * sizes,
+            digits=digits * sizes,
+            unknown=np.asarray(unknown),
+            paired=Paired(
+                below=np.nan_to_num(below / expected),
+                above=np.nan_to_num(above / expected),
+                undecided=found.undecided[poses, place],
+                local=found.local[poses, place],
+                seen=found.seen[poses, place],
+                likeness=found.likeness[poses, place],
+            ),
+            numbers=order and order.numbers,
+        )
 
-    def _peak(
-        self, one: Alternative, response: Response, quantity: Quantity
-    ) -> tuple[NDArray[Any], ...] | None:
-        """The first fields of `Errors` for every pose, of what is judged of responses."""
-        truth, model, left = one.response.vibration, response.vibration, one.responses
+    def _peak(self, one: Alternative, response: Response, quantity: Quantity) -> Errors | None:
+        """Errors of a judged number of a response against one alternative."""
+        truth, model, left = one.response.solved_modes, response.solved_modes, one.responses
         if truth is None or model is None or left is None:
             return None
         column = quantity.column
@@ -240,11 +235,18 @@ class Scale:
             for of in (model, truth)
         )
         reach = np.nan_to_num(value / own)
-        numerical, digits = (of[:, column] * reach for of in (left.meshes, left.digits))
-        return value, own, value / own - 1.0, numerical, digits, np.isnan(own)
+        return Errors(
+            names=(one.name,),
+            value=value,
+            expected=own,
+            error=value / own - 1.0,
+            numerical=left.meshes[:, column] * reach,
+            digits=left.digits[:, column] * reach,
+            unknown=np.isnan(own),
+        )
 
     def _partners(
-        self, one: Alternative, truth: Vibration, response: Response, model: Vibration
+        self, one: Alternative, truth: PathModes, response: Response, model: PathModes
     ) -> Partners:
         key = id(response), one.name
         if key not in self._pairs:
@@ -252,20 +254,21 @@ class Scale:
                 of[:, : self.modes] for of in (one.dynamic, one.dynamic_digits) if of is not None
             ]
             unsure = np.sum(left, axis=0) if left else None
-            self._pairs[key] = partners(truth, model, self.subject.weights, self.modes, unsure)
+            self._pairs[key] = partners(truth, model, self.modes, unsure)
         return self._pairs[key]
 
     def _deflection(
         self, one: Alternative, response: Response, quantity: Quantity
-    ) -> tuple[NDArray[Any], ...] | None:
-        """The first fields of `Errors` and those of `Loaded`, for every pose."""
-        reference, compliance = one.response.compliance, response.compliance
-        if reference is None or compliance is None:
+    ) -> Errors | None:
+        """Errors of a displacement against one alternative."""
+        reference, model = one.response.solved_statics, response.solved_statics
+        if reference is None or model is None:
             return None
-        found = relative(compliance - reference, reference, quantity)
+        found = relative(model - reference, reference, quantity)
         size, length = found.size, found.length
-        moved, due = (displacement(c, found.load, quantity) for c in (compliance, reference))
-        value, expected = (np.einsum("pi,pi->p", found.direction, u) for u in (moved, due))
+        moved, due = (
+            statics.displacements(quantity, found.wrench) for statics in (model, reference)
+        )
         yields = length > 0
         off = np.divide(moved - due, length[:, None], out=np.zeros_like(due), where=yields[:, None])
         # What changes the reference by a part of its length changes the error by no more than that
@@ -274,26 +277,70 @@ class Scale:
         if quantity != ANY_FORCE:
             along = due / np.where(yields, length, np.inf)[:, None]
             reach = np.linalg.norm(off + along, axis=1)
-        numerical, digits, masses, linear = (
-            np.zeros(len(size))
-            if left is None
-            else np.multiply(
-                left[:, quantity.static_column], reach, out=np.zeros_like(size), where=yields
-            )
-            for left in (one.static, one.digits, one.masses, one.linear)
+
+        def half_width(left: Array | None) -> Array:
+            found = np.zeros_like(size)
+            if left is None:
+                return found
+            return np.multiply(left[:, quantity.static_column], reach, out=found, where=yields)
+
+        return Errors(
+            names=(one.name,),
+            value=np.einsum("pi,pi->p", found.direction, moved),
+            expected=np.einsum("pi,pi->p", found.direction, due),
+            error=np.where(np.isinf(size), np.nan, size),
+            numerical=half_width(one.static),
+            digits=half_width(one.digits),
+            unknown=np.zeros(len(size), bool),
+            loaded=Loaded(
+                wrench=found.wrench,
+                along=found.along,
+                off=off,
+                length=length,
+                masses=half_width(one.masses),
+                linear=half_width(one.linear),
+            ),
         )
-        error = np.where(np.isinf(size), np.nan, size)
-        unknown = np.zeros(len(size), bool)
-        of_load = found.load, found.along, off, length, masses, linear
-        return value, expected, error, numerical, digits, unknown, *of_load
 
 
-def _misplaced(found: Partners, own: Array) -> tuple[IntArray, IntArray, Array, Array, Array]:
-    """Numbers (p×K) of the modes, and the place (p) of the one in another place that misleads most.
+def stacked(errors: Sequence[Errors]) -> Errors:
+    """Errors against several alternatives (a×p…) from those against each of them (p…)."""
+    first = errors[0]
 
-    Then the model's frequency (p, Hz) there, and by how much the frequency is below and above it
-    that misleads most if modes stand in their places that may. `own` (p×K, Hz) are the reference's.
+    def columns(records: Sequence[Any]) -> dict[str, Any]:
+        """Arrays of all records by field, one row each."""
+        return {
+            one.name: np.array([getattr(record, one.name) for record in records])
+            for one in fields(records[0])
+            if isinstance(getattr(records[0], one.name), np.ndarray)
+        }
+
+    return replace(
+        first,
+        names=tuple(name for one in errors for name in one.names),
+        loaded=first.loaded and Loaded(**columns([one.loaded for one in errors])),
+        paired=first.paired and Paired(**columns([one.paired for one in errors])),
+        **columns(errors),
+    )
+
+
+class _Misplaced(NamedTuple):
+    """Modes in other places than the reference's, at p poses.
+
+    `numbers` (p×K) of the model's modes, and the `place` (p) of the mode in another place that
+    misleads most. `frequency` (p, Hz) of the model there; `below` and `above` it (p, Hz) lie those
+    that mislead most if modes stand in their places that may.
     """
+
+    numbers: IntArray
+    place: IntArray
+    frequency: Array
+    below: Array
+    above: Array
+
+
+def _misplaced(found: Partners, own: Array) -> _Misplaced:
+    """Modes in other places than those (p×K, Hz) of the reference."""
     poses, places = np.arange(len(own)), np.arange(own.shape[1])
     known = np.isfinite(own) & ~found.undecided
     # A mode in its place does not mislead, nor does one that is not known.
@@ -301,10 +348,15 @@ def _misplaced(found: Partners, own: Array) -> tuple[IntArray, IntArray, Array, 
     moved = numbers != places
     off = np.where(known, found.by_number / own - 1.0, 0.0)
     certain, possible = (np.where(of, off, 0.0) for of in (moved, moved | (known & found.loose)))
-    (least, _), (error, at) = (_most_misleading(errors) for errors in (certain, possible))
-    expected = own[poses, at]
-    below, above = (np.maximum(of, 0.0) * expected for of in (error - least, least - error))
-    return numbers, at, expected * (1.0 + error), below, above
+    (least, _), (error, place) = (_most_misleading(errors) for errors in (certain, possible))
+    expected = own[poses, place]
+    return _Misplaced(
+        numbers,
+        place,
+        frequency=expected * (1.0 + error),
+        below=np.maximum(error - least, 0.0) * expected,
+        above=np.maximum(least - error, 0.0) * expected,
+    )
 
 
 def _most_misleading(errors: Array) -> tuple[Array, IntArray]:

@@ -32,7 +32,6 @@ from validation.adequacy.response import (
     Step,
     Subject,
 )
-from validation.agreement.displacement import displacement
 
 DIGITS = "digits of the file"
 PAIRING = "modes whose shapes mix"
@@ -178,8 +177,7 @@ def _unknown(scale: Scale, candidate: Candidate, quantity: Quantity, limit: floa
     """The entry of what has no reference or is not solved; None where the candidate is silent."""
     response, reference = candidate.response, scale.reference(quantity)
     unsolved = response.unsolved(quantity)
-    known = response.compliance if quantity.static else response.vibration
-    if known is None and not unsolved:
+    if response.half(quantity) is None:
         return None
     return Entry(
         model=candidate.model,
@@ -331,7 +329,7 @@ def _rows(errors: Errors, rows: Sequence[int]) -> Errors:
         numerical=errors.numerical[rows],
         digits=errors.digits[rows],
         unknown=errors.unknown[rows],
-        paired=None if errors.paired is None else errors.paired.of(rows),
+        paired=None if errors.paired is None else errors.paired.rows(rows),
         numbers=None if errors.numbers is None else errors.numbers[rows],
     )
 
@@ -396,7 +394,7 @@ def _force(errors: Errors, quantity: Quantity, told: Told) -> tuple[float, ...]:
     """The worst direction of force; () of any other quantity."""
     if errors.loaded is None or quantity != ANY_FORCE:
         return ()
-    return tuple(float(number) for number in errors.loaded.load[told][:3])
+    return tuple(float(number) for number in errors.loaded.wrench[told][:3])
 
 
 def _parts(errors: Errors, reference: Reference, told: Told) -> dict[str, float]:
@@ -474,10 +472,10 @@ def _amount(
         if first is None or second is None or second.missing[:, pose].any():
             return None
         return float(first.error[told] - second.error[told])
-    loaded, one, other = errors.loaded, before[k].compliance, after[k].compliance
+    loaded, one, other = errors.loaded, before[k].solved_statics, after[k].solved_statics
     if one is None or other is None:
         return None
-    step = displacement(one[pose] - other[pose], loaded.load[k, pose], quantity)
+    step = (one - other).displacements(quantity, loaded.wrench[k])[pose]
     size = float(errors.error[k, pose])
     amount = step @ loaded.off[k, pose]
     return float(amount / (loaded.length[k, pose] * size)) if size > 0.0 else 0.0

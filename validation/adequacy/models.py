@@ -1,16 +1,16 @@
 """The models that are judged, by the names that the matrix has them under."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from functools import partial
 from typing import NamedTuple
 
 from lumped.legs import GivenLeg
 from lumped.mechanism.mechanism import Mechanism, Posture
 from validation.adequacy.mechanism.path import RobotOnPath, why_not_serial
-from validation.adequacy.mechanism.statics import compliances
+from validation.adequacy.mechanism.statics import model_statics
 from validation.adequacy.mechanism.vibration import modes_by_model
-from validation.adequacy.response import Response, modes_of, statics_of
+from validation.adequacy.response import modes_of, statics_of
+from validation.agreement.responses import PathModes, Statics, Unsolved
 from validation.models.options import STATIC, ModelName, ModelOptions
 from validation.models.parts import is_leg
 from validation.models.stepped_parts import why_not_stepped
@@ -71,21 +71,15 @@ def why_unable(postures: Sequence[Posture], model: JudgedModel) -> str:
     return why_not_serial(postures) if model.kind == "vjm" else ""
 
 
-def statics_by(robot: RobotOnPath, model: JudgedModel) -> Response:
-    """What a model answers to unit wrenches; nothing where it cannot answer."""
+def statics_by(robot: RobotOnPath, model: JudgedModel) -> Statics | Unsolved | None:
+    """Statics of a model. None if the model cannot represent the mechanism."""
     if why_unable(robot.postures, model):
-        return Response()
-    return statics_of(partial(compliances, robot.postures, model.kind, model.options))
+        return None
+    return statics_of(partial(model_statics, robot.postures, model.kind, model.options))
 
 
-def with_modes(statics: Response, robot: RobotOnPath, model: JudgedModel) -> Response:
-    """The response with the model's modes, where it has any."""
+def modes_by(robot: RobotOnPath, model: JudgedModel) -> PathModes | Unsolved | None:
+    """Modes of a model. None for a static one, without mass, and as `statics_by`."""
     if model.kind in STATIC or why_unable(robot.postures, model):
-        return statics
-    found = modes_of(partial(modes_by_model, robot, model.kind, model.options))
-    return replace(
-        statics,
-        vibration=found.vibration,
-        unsolved_modes=found.unsolved_modes,
-        fault=statics.fault or found.fault,
-    )
+        return None
+    return modes_of(partial(modes_by_model, robot, model.kind, model.options))

@@ -6,7 +6,6 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from lumped.arrays import Array, IntArray
-from validation.adequacy.response import Vibration
 from validation.agreement.mode_pairing import (
     ALIKE,
     BoolArray,
@@ -14,6 +13,7 @@ from validation.agreement.mode_pairing import (
     SampledModes,
     pair_modes,
 )
+from validation.agreement.responses import PathModes
 
 # Modes are local if the samples, cross-sections and bodies moving as wholes, have less than this
 # share of their kinetic energy.
@@ -55,9 +55,8 @@ class Partners:
 
 
 def partners(
-    reference: Vibration,
-    model: Vibration,
-    weights: Array,
+    reference: PathModes,
+    model: PathModes,
     count: int,
     unsure: Array | None = None,
 ) -> Partners:
@@ -68,18 +67,14 @@ def partners(
     poses = len(reference.frequencies)
     rows = [
         _at_pose(own, other, count, None if unsure is None else unsure[pose])
-        for pose, (own, other) in zip(
-            range(poses), _sampled(reference, model, weights), strict=True
-        )
+        for pose, (own, other) in zip(range(poses), _sampled(reference, model), strict=True)
     ]
     return Partners(
         **{one.name: np.array([row[one.name] for row in rows]) for one in fields(Partners)}
     )
 
 
-def amounts_by_shape(
-    reference: Vibration, other: Vibration, amounts: Array, weights: Array, count: int
-) -> Array:
+def amounts_by_shape(reference: PathModes, other: PathModes, amounts: Array, count: int) -> Array:
     """`amounts` (p×m×n, ≥ 0) of the reference's first `count` modes and their partners (p×count).
 
     A mode that looks like its partner alone has their amount. Modes that mix have the sum over all
@@ -89,7 +84,7 @@ def amounts_by_shape(
     found = np.full((len(amounts), count), np.nan)
     poses = zip(
         found,
-        _sampled(reference, other, weights),
+        _sampled(reference, other),
         reference.frequencies,
         other.frequencies,
         amounts,
@@ -107,21 +102,19 @@ def amounts_by_shape(
     return found
 
 
-def frequency_changes(fine: Vibration, coarse: Vibration, weights: Array, count: int) -> Array:
+def frequency_changes(fine: PathModes, coarse: PathModes, count: int) -> Array:
     """By how much the first modes' frequencies change from one mesh to a finer one (p×count).
 
     Relative to the finer one's, by shape; NaN for a mode that the coarser one does not have.
     """
     changes = np.abs(coarse.frequencies[:, None, :] / fine.frequencies[:, :, None] - 1.0)
-    return amounts_by_shape(fine, coarse, changes, weights, count)
+    return amounts_by_shape(fine, coarse, changes, count)
 
 
-def _sampled(
-    reference: Vibration, model: Vibration, weights: Array
-) -> Iterator[tuple[SampledModes, SampledModes]]:
+def _sampled(reference: PathModes, model: PathModes) -> Iterator[tuple[SampledModes, SampledModes]]:
     """Modes of reference and model at each pose."""
     for pose in range(len(reference.frequencies)):
-        yield reference.modes_at(pose, weights), model.modes_at(pose, weights)
+        yield reference.at(pose), model.at(pose)
 
 
 def _at_pose(

@@ -33,7 +33,8 @@ from lumped.memo import memo
 from validation.adequacy.errors import Errors, Scale
 from validation.adequacy.matrix import Adequacy
 from validation.adequacy.response import InputsOff
-from validation.agreement.displacement import FLOOR, displacement
+from validation.agreement.displacement import FLOOR
+from validation.agreement.responses import Statics
 
 # Of a normal distribution, two-sided 95 %.
 COVERAGE = 1.959964
@@ -324,16 +325,17 @@ class UncertainInputs:
 class _OfRobot:
     """The errors of a model's quantity for one robot, None if it has none.
 
-    `compliance` and `references` (p×6×(6+l), SI; of each alternative) are what they come from.
+    `statics` of the model and of each alternative of the reference are what they come from. None if
+    there are none.
     """
 
     quantity: Quantity
     errors: Errors | None
-    compliance: Array
-    references: Sequence[Array]
+    statics: Statics | None
+    references: Sequence[Statics | None]
 
     def components(self, own: Errors, forces: Array | None) -> Array:
-        """As `ErrorOfInputs.own`; under fixed `forces` (p×f×(6+l)) if the quantity is any force."""
+        """As `ErrorOfInputs.own`; under fixed `forces` (p×f×6) if the quantity is any force."""
         errors, of_displacement = self.errors, own.loaded is not None
         count = 1 if forces is None else forces.shape[1]
         shape = (*own.error.shape, count, 8 if of_displacement else 2)
@@ -341,15 +343,16 @@ class _OfRobot:
             return np.full(shape, np.nan)
         found = np.empty(shape)
         found[..., -1] = errors.farthest[..., None]
-        if errors.loaded is None:
+        if errors.loaded is None or self.statics is None:
             found[..., 0] = errors.error[..., None]
             return found
         loaded = errors.loaded
-        for k, one in enumerate(self.references):
-            load = loaded.load[k, :, None] if forces is None else forces
-            due, moved = (_displaced(c, load, self.quantity) for c in (one, self.compliance))
-            found[k, ..., :3], found[k, ..., 3:6] = moved, due
-            least = FLOOR * np.linalg.norm(one[:, :3, :3], 2, axis=(1, 2))
+        references = [one for one in self.references if one is not None]
+        for k, one in enumerate(references):
+            wrenches = loaded.wrench[k, :, None] if forces is None else forces
+            found[k, ..., :3] = self.statics.displacements(self.quantity, wrenches)
+            found[k, ..., 3:6] = one.displacements(self.quantity, wrenches)
+            least = FLOOR * np.linalg.norm(one.compliances[:, :3, :3], 2, axis=(1, 2))
             found[k, ..., 6] = least[:, None] if forces is not None else 0.0
         return np.where(errors.missing[..., None, None], np.nan, found)
 
@@ -370,25 +373,17 @@ def _of_robot(scale: Scale, model: str, quantity: Quantity) -> _OfRobot:
     (response,) = (one.response for one in scale.subject.candidates if one.model == model)
     alternatives = scale.reference(quantity).alternatives
     errors = scale.errors([response] * len(alternatives), quantity)
-    compliance, *references = (
-        np.zeros((0, 6, 6)) if one.compliance is None else one.compliance
-        for one in (response, *(one.response for one in alternatives))
-    )
-    return _OfRobot(quantity, errors, compliance, references)
-
-
-def _displaced(compliance: Array, load: Array, quantity: Quantity) -> Array:
-    """Displacements (p×f×3) under loads (p×f×(6+l))."""
-    return displacement(compliance[:, None], load, quantity)
+    references = [one.response.solved_statics for one in alternatives]
+    return _OfRobot(quantity, errors, response.solved_statics, references)
 
 
 def _worst_forces(found: Sequence[Errors | None]) -> Array:
-    """The worst forces (p×f×(6+l)) of several robots, at most `_FORCES` of them.
+    """The worst forces (p×f×6) of several robots, at most `_FORCES` of them.
 
     The first is that of the first robot's largest error, then those that differ most from it.
     """
     first = found[0]
-    loads = [one.loaded.load for one in found if one is not None and one.loaded]
+    loads = [one.loaded.wrench for one in found if one is not None and one.loaded]
     all_forces = np.concatenate(loads).transpose(1, 0, 2)
     chosen = []
     for pose, forces in enumerate(all_forces):

@@ -1,15 +1,13 @@
-"""What a model answers to unit wrenches at the tool and to being left to vibrate, pose by pose."""
+"""Subjects of a judgement: models with their responses, references, and steps between them."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
-
-import numpy as np
+from dataclasses import dataclass
 
 from lumped.acceptance.quantities import Quantity
-from lumped.arrays import Array, ComplexArray
+from lumped.arrays import Array
 from lumped.errors import ComputationError, InputError
 from validation.adequacy.matrix import Coordinate
-from validation.agreement.mode_pairing import SampledModes, sampled_modes
+from validation.agreement.responses import PathModes, Statics, Unsolved
 from validation.case import failure_reason
 
 # What legs known by their 6×6 leave open.
@@ -24,48 +22,39 @@ SAY_LINEAR = "needs large displacements: the load changes the stiffness, all mod
 
 
 @dataclass(frozen=True, eq=False)
-class Vibration:
-    """Natural modes at p poses: `frequencies` (Hz, p×m), `samples` (p×k×m) of their shapes.
-
-    All models of a robot are sampled at the same points of its bodies, so that shapes can be
-    compared; NaN stands for a mode that a model does not have in some pose. `seen` (p×m) is the
-    share of each mode's kinetic energy that the samples see. `peaks` (p×q) are the
-    numbers that are judged of the tool's responses, infinite where nothing damps one, and
-    `receptances` (p×n, m/N) its answers to each of the excitations.
-    """
-
-    frequencies: Array
-    samples: Array
-    seen: Array
-    peaks: Array = field(default_factory=lambda: np.zeros((0, 0)))
-    receptances: Sequence[ComplexArray] = ()
-
-    def modes_at(self, pose: int, weights: Array) -> SampledModes:
-        """The modes that there are at a pose (its index), with the masses `weights` (k)."""
-        there = np.isfinite(self.frequencies[pose])
-        shapes = self.samples[pose][:, there] * np.sqrt(weights)[:, None]
-        return sampled_modes(self.frequencies[pose, there], shapes, self.seen[pose, there])
-
-
-@dataclass(frozen=True, eq=False)
 class Response:
-    """One model at p poses: `compliance` (p×6×6, SI, base axes, at the loaded point), `vibration`.
+    """Response of one model in P poses, in two halves that are solved independently.
 
-    Behind the sixth column of the compliance stand displacements under the robot's own loads, none
-    where it cannot move so. Zeros in the compliance mean rigid. None where the model has no masses,
-    or no statics; where it has them and cannot be solved, `unsolved_statics` and `unsolved_modes`
-    say why. `fault`: that reason is an error of the program, not of the robot.
+    A half is None if the model does not define it: without masses there are no modes.
     """
 
-    compliance: Array | None = None
-    vibration: Vibration | None = None
-    unsolved_statics: str = ""
-    unsolved_modes: str = ""
-    fault: bool = False
+    statics: Statics | Unsolved | None = None
+    modes: PathModes | Unsolved | None = None
+
+    @property
+    def solved_statics(self) -> Statics | None:
+        """The statics. None if they are not defined or not solved."""
+        return self.statics if isinstance(self.statics, Statics) else None
+
+    @property
+    def solved_modes(self) -> PathModes | None:
+        """The modes. None if they are not defined or not solved."""
+        return self.modes if isinstance(self.modes, PathModes) else None
+
+    @property
+    def fault(self) -> bool:
+        """True if a half ended with an error of the program."""
+        halves = (self.statics, self.modes)
+        return any(isinstance(half, Unsolved) and half.fault for half in halves)
+
+    def half(self, quantity: Quantity) -> Statics | PathModes | Unsolved | None:
+        """The half that a quantity belongs to."""
+        return self.statics if quantity.static else self.modes
 
     def unsolved(self, quantity: Quantity) -> str:
-        """Why there is nothing of a quantity that there could be; "" where there is, or cannot."""
-        return self.unsolved_statics if quantity.static else self.unsolved_modes
+        """Reason why a quantity of the model cannot be computed. "" if there is none."""
+        half = self.half(quantity)
+        return half.reason if isinstance(half, Unsolved) else ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,30 +122,30 @@ class Reference:
 UNSOLVED = (InputError, ComputationError)
 
 
-def statics_of(solve: Callable[[], Array]) -> Response:
-    """The compliances that `solve` returns, or the reason why there are none.
+def statics_of(solve: Callable[[], Statics]) -> Statics | Unsolved:
+    """Statics that `solve` returns, or the reason why there are none.
 
     Any exception is the failure of this model alone: the others are judged.
     """
     try:
-        return Response(compliance=solve())
+        return solve()
     except UNSOLVED as error:
-        return Response(unsolved_statics=str(error))
+        return Unsolved(str(error))
     except Exception as error:  # noqa: BLE001  one model's failure is its own result
-        return Response(unsolved_statics=failure_reason("statics of a model", error), fault=True)
+        return Unsolved(failure_reason("statics of a model", error), fault=True)
 
 
-def modes_of(solve: Callable[[], Vibration | None]) -> Response:
-    """The modes that `solve` returns, or the reason why there are none, as `statics_of`.
+def modes_of(solve: Callable[[], PathModes | None]) -> PathModes | Unsolved | None:
+    """Modes that `solve` returns, or the reason why there are none, as `statics_of`.
 
-    No vibration and no reason if nothing has mass.
+    None if nothing has mass.
     """
     try:
-        return Response(vibration=solve())
+        return solve()
     except UNSOLVED as error:
-        return Response(unsolved_modes=str(error))
+        return Unsolved(str(error))
     except Exception as error:  # noqa: BLE001  one model's failure is its own result
-        return Response(unsolved_modes=failure_reason("modes of a model", error), fault=True)
+        return Unsolved(failure_reason("modes of a model", error), fault=True)
 
 
 def no_reference(error: Exception) -> Reference:
@@ -229,7 +218,7 @@ class Candidate:
 class Subject:
     """A robot with everything that its models are judged by.
 
-    `poses` (p×n) in `coordinates`; `weights` (k) of the samples of shapes; `notes` as in `Matrix`;
+    `poses` (p×n) in `coordinates`; `notes` as in `Matrix`;
     `parts` are its parts alone (each leg, root clamped), `formulation` the models whose legs are
     others than the robot's, held against solids of those; `inputs` the robot with uncertain inputs
     off, where its file names any. `loads` are the quantities of its own loads, `responses` those of
@@ -240,7 +229,6 @@ class Subject:
     robot: str
     coordinates: tuple[Coordinate, ...]
     poses: Array
-    weights: Array
     candidates: Sequence[Candidate]
     statics: Reference
     dynamics: Reference

@@ -42,9 +42,9 @@ from validation.adequacy.models import (
     LEGS_AS_GIVEN,
     JudgedModel,
     judged_models,
+    modes_by,
     statics_by,
     why_unable,
-    with_modes,
 )
 from validation.adequacy.response import (
     UNSOLVED,
@@ -56,6 +56,7 @@ from validation.adequacy.response import (
     no_reference,
 )
 from validation.agreement.accuracy import PATIENCE, refined
+from validation.agreement.responses import PathModes, Unsolved
 from validation.case import failure_reason
 from validation.context import PRESETS, Context, Preset
 from validation.models.loads.stability import stabilities, stability_notes
@@ -142,23 +143,20 @@ def robot_subject(context: Context) -> Subject:
     robot = robot_on_path(context)
     models = judged_models(robot.mechanism)
     statics = static_subject(robot, models)
-    found = {
-        one.model: with_modes(one.response, robot, models[one.model]) for one in statics.candidates
-    }
+    modes = {name: modes_by(robot, model) for name, model in models.items()}
     try:
         reference = dynamic_reference(robot)
     except UNSOLVED as error:
         reference = no_reference(error)
-    ladders = dynamic_ladders(robot, found, reference)
+    ladders = dynamic_ladders(robot, modes, reference)
     subject = replace(
         statics,
-        weights=robot.samples.weights,
         candidates=[
             replace(
                 one,
-                response=found[one.model],
+                response=replace(one.response, modes=modes[one.model]),
                 dynamic_steps=ladders.get(one.model, ()),
-                silent=one.silent or _silent(models[one.model], found[one.model]),
+                silent=one.silent or _silent(models[one.model], modes[one.model]),
             )
             for one in statics.candidates
         ],
@@ -191,7 +189,7 @@ def static_subject(robot: RobotOnPath, models: Models) -> Subject:
             Candidate(
                 model=name,
                 title=model.title,
-                response=statics_by(robot, model),
+                response=Response(statics_by(robot, model)),
                 static_steps=ladders.get(name, ()),
                 rigid=_RIGID if name == "simplified" else "",
                 silent=why_unable(robot.postures, model),
@@ -202,7 +200,6 @@ def static_subject(robot: RobotOnPath, models: Models) -> Subject:
         robot=robot.mechanism.name,
         coordinates=coordinates(robot.mechanism),
         poses=np.array([posture.pose for posture in robot.postures]),
-        weights=np.zeros(0),
         candidates=candidates,
         statics=reference,
         dynamics=Reference("none", ()),
@@ -211,10 +208,10 @@ def static_subject(robot: RobotOnPath, models: Models) -> Subject:
     )
 
 
-def _silent(model: JudgedModel, modes: Response) -> str:
+def _silent(model: JudgedModel, modes: PathModes | Unsolved | None) -> str:
     if model.kind in STATIC:
         return _STATIC
-    return "" if modes.vibration or modes.unsolved_modes else _NO_MASS
+    return _NO_MASS if modes is None else ""
 
 
 def _on_legs_of_constant_section(robot: RobotOnPath, models: Models) -> Subject | None:

@@ -13,6 +13,7 @@ import numpy as np
 
 from lumped.acceptance.quantities import AXES, UNIT_LOADS, Quantity, QuantityKind, load_quantities
 from lumped.arrays import Array
+from validation.agreement.responses import Statics
 
 # A direction that hardly yields does not decide: of the largest displacement that a force of the
 # same size causes, at least this part is what an error is relative to.
@@ -33,64 +34,52 @@ class Worst(NamedTuple):
 
 
 class RelativeDisplacement(NamedTuple):
-    """A difference of two displacements in p poses, relative to the reference's.
+    """Difference of two displacements in P poses, relative to the reference's.
 
-    `size` of the whole and `along` the load, signed (p each); `load` (p×6) is the unit wrench that
-    causes them, of any force the worst one (p×(6+l) where there are loads: a one for theirs).
-    `direction` (p×3) is the load's, of loads of the file that of the reference's displacement;
-    `length` (p, m/N or rad/(N m), of such loads m) of the reference's displacement, 0 where the
-    reference is rigid: `size` is then 0 or infinite.
+    `size` of the whole and `along` the load, signed (P each). `wrench` (P×6) is the unit wrench
+    that causes them: the worst one for any force, zero for loads of the file. `direction` (P×3) is
+    the wrench's, for loads of the file that of the reference's displacement. `length` (P, m/N or
+    rad/(N m), for such loads m) of the reference's displacement is 0 if the reference is rigid, and
+    `size` then 0 or infinite.
     """
 
     size: Array
     along: Array
-    load: Array
+    wrench: Array
     direction: Array
     length: Array
 
 
-def displacement(compliance: Array, load: Array, quantity: Quantity) -> Array:
-    """Displacement (…×3) under a wrench (…×6): rotation where the quantity is one.
+def sizes(difference: Statics, reference: Statics) -> Array:
+    """Sizes of a difference relative to the reference's displacement (P×(7+L)).
 
-    `compliance` (…×6×6, SI, base axes) at the loaded point; what stands behind its sixth column are
-    displacements under loads of the robot file, and behind the wrench how much there is of each.
+    One column for every unit load, then for every load of the robot file.
     """
-    moved = np.einsum("...ij,...j->...i", compliance, load)
-    return np.asarray(moved[..., 3:] if quantity.rotational else moved[..., :3])
+    loads = load_quantities([""] * reference.load_displacements.shape[1])
+    columns = [relative(difference, reference, one).size for one in (*UNIT_LOADS, *loads)]
+    return np.asarray(np.stack(columns, axis=1))
 
 
-def sizes(difference: Array, reference: Array) -> Array:
-    """Sizes of a difference of compliances relative to the reference's displacement (p×(7+l)).
-
-    Both p×6×(6+l); one column for every static quantity, then for every load.
-    """
-    loads = load_quantities([""] * (reference.shape[2] - len(AXES)))
-    found = [relative(difference, reference, one).size for one in (*UNIT_LOADS, *loads)]
-    return np.asarray(np.stack(found, axis=1))
-
-
-def relative(difference: Array, reference: Array, quantity: Quantity) -> RelativeDisplacement:
-    """A difference of compliances under the load of a quantity; both p×6×(6+l)."""
+def relative(difference: Statics, reference: Statics, quantity: Quantity) -> RelativeDisplacement:
+    """Difference of displacements under the load of a quantity."""
     is_load = quantity.kind is QuantityKind.LOAD
-    any_force = quantity.kind is QuantityKind.ANY_FORCE
     rows = slice(3, 6) if quantity.rotational else slice(0, 3)
-    column = len(AXES) + quantity.column if is_load else quantity.column
-    columns = slice(column, column + 1) if is_load else rows
-    block = reference[:, rows, columns]
-    nothing = RIGID * float(np.linalg.norm(block, axis=(1, 2)).max(initial=0.0))
-    load = np.zeros((len(reference), reference.shape[2]))
-    floor = np.zeros(len(reference))
-    if any_force:
-        load[:, :3] = worst_force(difference[:, rows, rows], block).force
+    wrench = np.zeros((len(reference.compliances), len(AXES)))
+    block = reference.compliances[:, rows, rows]
+    floor = np.zeros(len(block))
+    if quantity.kind is QuantityKind.ANY_FORCE:
+        wrench[:, rows] = worst_force(difference.compliances[:, rows, rows], block).force
         floor = FLOOR * np.linalg.norm(block, 2, axis=(1, 2))
-    else:
-        load[:, column] = 1.0
-    moved, off = (displacement(one, load, quantity) for one in (reference, difference))
+    elif not is_load:
+        wrench[:, quantity.column] = 1.0
+    moved, off = (one.displacements(quantity, wrench) for one in (reference, difference))
+    largest = np.linalg.norm(moved, axis=1) if is_load else np.linalg.norm(block, axis=(1, 2))
+    nothing = RIGID * float(largest.max(initial=0.0))
     length = np.maximum(np.linalg.norm(moved, axis=1), floor)
     size = np.linalg.norm(off, axis=1)
     yields = length > nothing
     infinite = np.where(size > nothing, np.inf, 0.0)
-    direction = load[:, rows]
+    direction = wrench[:, rows]
     if is_load:
         direction = moved / np.where(yields, length, np.inf)[:, None]
     own, other = (np.einsum("pi,pi->p", direction, one) for one in (moved, off))
@@ -98,7 +87,7 @@ def relative(difference: Array, reference: Array, quantity: Quantity) -> Relativ
     return RelativeDisplacement(
         np.divide(size, length, out=infinite, where=yields),
         np.divide(other, own, out=np.zeros_like(own), where=yields & (own > 0.0)),
-        load,
+        wrench,
         direction,
         np.where(yields, length, 0.0),
     )

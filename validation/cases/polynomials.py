@@ -23,7 +23,7 @@ from lumped.system.assembly import assembly
 from lumped.system.solution import rounding, solved
 from lumped.text import counted
 from validation.adequacy.mechanism.path import path_postures, why_not_serial
-from validation.adequacy.mechanism.statics import compliances
+from validation.adequacy.mechanism.statics import model_statics
 from validation.adequacy.models import JudgedModel, judged_models
 from validation.case import Measurement, Relative, Skip
 from validation.case_group import CaseGroup, numbered
@@ -124,7 +124,8 @@ def _static(context: Context, model: str, entry: str) -> Measurement:
     if kind == "vjm" and (branches := why_not_serial(postures)):
         raise Skip(branches)
     try:
-        found = np.diagonal(context.get(compliances, postures, kind, options), axis1=1, axis2=2)
+        statics = context.get(model_statics, postures, kind, options)
+        found = np.diagonal(statics.compliances, axis1=1, axis2=2)
     except vjm.RigidChainError as rigid:
         raise Skip(str(rigid)) from None
     legs = "given" if kind in STATIC and options.legs == "given" else "equivalent"

@@ -98,7 +98,7 @@ def free_modes(postures: tuple[Posture, ...], divisions: int, walls: int, count:
     own = vibration_of(samples, modes_along(assembly(mechanism, beams), postures, count), count)
     free: dict[str, Ends] = dict.fromkeys(legs, "free")
     solids = solid_vibration(postures, divisions, walls, free, None, count)
-    found = partners(own, solids, samples.weights, MODES)
+    found = partners(own, solids, MODES)
     changes = wave_changes(
         postures,
         {name: reduced[leg] for name, leg in legs.items()},

@@ -20,10 +20,11 @@ from lumped.system.sweep import swept
 from validation.adequacy.mechanism.legs import solid_tip
 from validation.adequacy.mechanism.parts import solid_parts
 from validation.adequacy.mechanism.path import RobotOnPath, path_postures, robot_at
-from validation.adequacy.mechanism.statics import compliances
+from validation.adequacy.mechanism.statics import model_statics
 from validation.adequacy.models import JudgedModel, judged_models, why_unable
 from validation.adequacy.response import UNSOLVED
 from validation.agreement.displacement import relative
+from validation.agreement.responses import Statics
 from validation.context import Context
 from validation.maps.workspace import Solve
 from validation.models.legs import reduced_leg
@@ -152,7 +153,7 @@ def _finite_elements(robot: RobotOnPath) -> Assembly:
 
 
 def _lowest_stiffness(model: JudgedModel, postures: Sequence[Posture]) -> Array:
-    found = compliances(postures, model.kind, model.options)[:, :3, :3]
+    found = model_statics(postures, model.kind, model.options).compliances[:, :3, :3]
     with np.errstate(divide="ignore"):
         return np.asarray(_MICRO / np.linalg.eigvalsh(found)[:, -1])
 
@@ -165,7 +166,8 @@ def _error(
     model: JudgedModel, references: Sequence[Assembly], postures: Sequence[Posture]
 ) -> Array:
     """In percent, the largest of those from all references."""
-    found = compliances(postures, model.kind, model.options)
-    truths = [swept(one, postures, 0).compliances for one in references]
+    found = model_statics(postures, model.kind, model.options)
+    none = np.zeros_like(found.load_displacements)
+    truths = [Statics(swept(one, postures, 0).compliances, none) for one in references]
     sizes = [relative(found - truth, truth, ANY_FORCE).size for truth in truths]
     return np.asarray(_PERCENT * np.max(sizes, axis=0))

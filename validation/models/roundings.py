@@ -1,6 +1,6 @@
 """What half a unit of each printed digit of a robot's 6×6 changes in what a model computes."""
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -45,17 +45,6 @@ def roundings_of(text: str, postures: Sequence[Posture]) -> list[Rounding]:
     return found
 
 
-def changes_by_digits(
-    roundings: Iterable[Rounding], own: Array, values: Callable[[Sequence[Posture]], Array]
-) -> Iterator[Array]:
-    """What half a unit of each number changes in `own`, `values` of the postures as they are."""
-    finite = np.isfinite(own)
-    for rounding in roundings:
-        moved = values(rounding.postures)
-        off = np.subtract(moved, own, out=np.zeros_like(own), where=finite)
-        yield off * rounding.factor
-
-
 def share_by_digits(
     roundings: Iterable[Rounding],
     postures: Sequence[Posture],
@@ -66,7 +55,11 @@ def share_by_digits(
     To first order; zero where `values` are infinite.
     """
     own = values(postures)
-    most = np.sum([np.abs(change) for change in changes_by_digits(roundings, own, values)], axis=0)
+    finite, most = np.isfinite(own), np.zeros_like(own)
+    for rounding in roundings:
+        moved = values(rounding.postures)
+        change = np.subtract(moved, own, out=np.zeros_like(own), where=finite)
+        most += np.abs(change * rounding.factor)
     share = np.zeros_like(own)
     np.divide(most, np.abs(own), out=share, where=most > 0.0)
     return share

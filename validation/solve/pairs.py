@@ -27,7 +27,7 @@ def paired(
     looked_at = count + _BESIDES
     others = mechanism_modes(against, postures, looked_at, options)
     own, other = (vibration_of(samples, ones, looked_at) for ones in (found, others))
-    of_postures = partners(own, other, samples.weights, count)
+    of_postures = partners(own, other, count)
     return [
         {
             "against": against,

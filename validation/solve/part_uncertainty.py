@@ -61,7 +61,7 @@ def of_parts(
         share = refinement_share(
             mechanism,
             lambda level: again(level)[:, own],
-            lambda change, _: number_by_number(change, scale[:, own]),
+            lambda one, other, _: number_by_number(one, other, scale[:, own]),
         )
         return np.broadcast_to(share, fine[:, own].shape)
 

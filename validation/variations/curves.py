@@ -94,13 +94,13 @@ class VariedRobot:
             compared = compared_frequencies(robot)
             first = {name: one[:, :1] for name, one in compared.values.items()}
             return compared, _extremes(first, compared.uncertainties, np.min)
-        compliances, uncertainties = compared_statics(robot)
+        statics, uncertainties = compared_statics(robot)
         displacements = {
-            name: _MICROMETRES * np.linalg.norm(one[:, :3, :3], axis=1)
-            for name, one in compliances.items()
+            name: _MICROMETRES * np.linalg.norm(one.compliances[:, :3, :3], axis=1)
+            for name, one in statics.items()
         }
         extremes = _extremes(displacements, uncertainties, np.max)
-        return compared_compliances(compliances, uncertainties), extremes
+        return compared_compliances(statics, uncertainties), extremes
 
     def _context(self) -> Context:
         return replace(_shared(self.preset), robot_file=self.robot_file)

@@ -14,10 +14,12 @@ from validation.adequacy.response import (
     Response,
     Step,
     Subject,
-    Vibration,
 )
+from validation.agreement.responses import PathModes, Statics
 
 POSES, MODES, SAMPLES = 3, 4, 12
+WEIGHTS = np.full(SAMPLES, 1.0 / SAMPLES)
+NO_LOADS = np.zeros((POSES, 0, 6))
 UNITS = np.array([1e-4] * 3 + [1e-2] * 3)
 REMEDIES = [
     ("take the beam", "", "use the shell"),
@@ -26,20 +28,22 @@ REMEDIES = [
 ]
 
 
-def compliance(rng):
+def statics(rng):
     """Of a robot: m/N, rad/N, rad/(N m), all coupled, axes up to a thousand times apart; p×6×6."""
     root = rng.normal(size=(POSES, 6, 6)) + 2.0 * np.eye(6)
     softness = UNITS * 10.0 ** rng.uniform(-0.75, 0.75, 6)
-    return root @ root.transpose(0, 2, 1) * np.outer(softness, softness)
+    return Statics(root @ root.transpose(0, 2, 1) * np.outer(softness, softness), NO_LOADS)
 
 
 def near(rng, own, size):
     """Another one, about so far off."""
-    change = rng.normal(size=(POSES, 6, 6)) * np.sqrt(np.einsum("pii,pjj->pij", own, own))
-    return own + size * (change + change.transpose(0, 2, 1))
+    compliances = own.compliances
+    scale = np.sqrt(np.einsum("pii,pjj->pij", compliances, compliances))
+    change = rng.normal(size=(POSES, 6, 6)) * scale
+    return Statics(compliances + size * (change + change.transpose(0, 2, 1)), NO_LOADS)
 
 
-def vibration(rng, truth, size):
+def modes_near(rng, truth, size):
     """A model's: some modes exchanged, all a little turned and off, one or none lacking."""
     frequencies, samples = truth.frequencies.copy(), truth.samples.copy()
     for p in range(POSES):
@@ -54,7 +58,7 @@ def vibration(rng, truth, size):
         samples[p] += 0.1 * rng.normal(size=samples[p].shape) / np.sqrt(SAMPLES)
         if rng.random() < 0.2:
             samples[p, :, rng.integers(count)] = rng.normal(size=SAMPLES)
-    return Vibration(frequencies, samples, np.ones_like(frequencies))
+    return PathModes(frequencies, samples, WEIGHTS, np.ones_like(frequencies))
 
 
 def subject(seed):
@@ -63,23 +67,24 @@ def subject(seed):
     names = ("ends rigid", "ends free")[: int(rng.integers(1, 3))]
     basis = np.linalg.qr(rng.normal(size=(POSES, SAMPLES, SAMPLES)))[0][:, :, : MODES + 2]
     frequencies = 40.0 * np.cumprod(rng.uniform(1.3, 1.8, size=(POSES, MODES + 2)), axis=1)
-    truth = Response(compliance(rng), Vibration(frequencies, basis, np.ones_like(frequencies)))
+    seen = np.ones_like(frequencies)
+    truth = Response(statics(rng), PathModes(frequencies, basis, WEIGHTS, seen))
     alternatives = []
     for number, name in enumerate(names):
         own = truth
         if number:
             off = rng.uniform(0.99, 1.01, frequencies.shape)
             own = Response(
-                near(rng, truth.compliance, 0.01),
-                Vibration(frequencies * off, basis, np.ones_like(off)),
+                near(rng, truth.statics, 0.01),
+                PathModes(frequencies * off, basis, WEIGHTS, seen),
             )
         unsure = 0.02 * rng.random((POSES, 7)), 0.01 * rng.random(frequencies.shape)
         meshes, digits = ([share * one for one in unsure] for share in (0.7, 0.3))
         alternatives.append(Alternative(name, own, *meshes, *digits))
 
     def answer(size, *, still=False):
-        modes = None if still else vibration(rng, truth.vibration, size)
-        return Response(near(rng, truth.compliance, size), modes)
+        modes = None if still else modes_near(rng, truth.modes, size)
+        return Response(near(rng, truth.statics, size), modes)
 
     def ladder(start):
         steps = zip(
@@ -103,7 +108,6 @@ def subject(seed):
         robot="random",
         coordinates=(Coordinate("x", "m"), Coordinate("phi_z", "rad")),
         poses=rng.uniform(-1.0, 1.0, size=(POSES, 2)),
-        weights=np.full(SAMPLES, 1.0 / SAMPLES),
         candidates=[candidate("segments"), candidate("beam"), candidate("vjm", silent="static")],
         statics=Reference("solids", alternatives, what, decides),
         dynamics=Reference("solid modes", alternatives, what, decides, remedy=remedy),

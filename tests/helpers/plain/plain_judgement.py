@@ -130,10 +130,12 @@ class Rule:
     def numbers(self, response, place, pose):
         truth = self.reference.alternatives[place].response
         if self.static:
-            return deflection(response.compliance[pose], truth.compliance[pose], self.quantity)
+            return deflection(
+                response.statics.compliances[pose], truth.statics.compliances[pose], self.quantity
+            )
         if self.quantity == "order":
-            return order(truth.vibration, response.vibration, self.modes, pose)
-        return frequency(truth.vibration, response.vibration, int(self.quantity[1:]) - 1, pose)
+            return order(truth.modes, response.modes, self.modes, pose)
+        return frequency(truth.modes, response.modes, int(self.quantity[1:]) - 1, pose)
 
     def each(self, responses, pose):
         return [self.numbers(one, place, pose) for place, one in enumerate(responses)]
@@ -227,7 +229,7 @@ class Rule:
         amounts, before = {}, self.model
         for step, after in self.steps:
             if self.static:
-                change = before[k].compliance[pose] - after[k].compliance[pose]
+                change = (before[k].statics - after[k].statics).compliances[pose]
                 along = (change[of["part"]] @ of["load"]) @ of["off"]
                 taken = along / of["length"] / of["error"]
             else:

@@ -15,8 +15,8 @@ from validation.adequacy.response import (
     Reference,
     Response,
     Subject,
-    Vibration,
 )
+from validation.agreement.responses import PathModes, Statics
 
 ERROR, OPEN = 0.04, 0.02
 # The interval of f2's error: (1 + e)(1 ± u) − 1.
@@ -26,23 +26,24 @@ POSES = np.array([[0.3], [0.7]])
 
 def toy_subject(modes):
     """The subject with so many modes, at two poses."""
-    compliance = np.array([np.diag([1.0, 2.0, 3.0, 40.0, 50.0, 60.0])] * len(POSES)) * 1e-8
+    compliances = np.array([np.diag([1.0, 2.0, 3.0, 40.0, 50.0, 60.0])] * len(POSES)) * 1e-8
+    statics = Statics(compliances, np.zeros((len(POSES), 0, 6)))
     frequencies = np.array([100.0 * np.arange(1, modes + 1)] * len(POSES))
     shapes = np.array([np.eye(modes)] * len(POSES))
-    truth = Response(compliance, Vibration(frequencies, shapes, np.ones_like(frequencies)))
+    weights, seen = np.ones(modes), np.ones_like(frequencies)
+    truth = Response(statics, PathModes(frequencies, shapes, weights, seen))
     unsure = np.zeros_like(frequencies)
     unsure[:, 1:2] = OPEN
     beam = Response(
-        (1.0 + ERROR) * compliance,
-        Vibration((1.0 + ERROR) * frequencies, shapes, np.ones_like(frequencies)),
+        (1.0 + ERROR) * statics,
+        PathModes((1.0 + ERROR) * frequencies, shapes, weights, seen),
     )
     return Subject(
         robot="toy",
         coordinates=(Coordinate("x", "m"),),
         poses=POSES,
-        weights=np.ones(modes),
         candidates=(
-            Candidate("vjm", "virtual joints", replace(truth, vibration=None)),
+            Candidate("vjm", "virtual joints", replace(truth, modes=None)),
             Candidate("beam", "beams", beam),
         ),
         statics=Reference("exact", (Alternative("", truth),)),

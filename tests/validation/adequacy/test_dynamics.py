@@ -179,7 +179,7 @@ def test_stated_uncertainties_of_frequencies_hold_shorter_slices_and_finer_secti
         quick.postures, 2, 2, hold, None, quick.offered, section=2 * COARSEST_WALLS
     )
     for truth in (modes_of_solids(finer, hold, None), of_sections):
-        changes = frequency_changes(own.response.vibration, truth, quick.samples.weights, 4)
+        changes = frequency_changes(own.response.modes, truth, 4)
         assert (changes <= own.dynamic).all()
 
 
@@ -189,9 +189,9 @@ def test_lumps_of_mass_decide_on_the_nine_modes_that_they_have_and_leave_the_ten
     asked = Requirement(modes=10)
     robot = robot_on_path(at_the_centre(asked, leg1=leg1, leg2=leg2))
     reference = dynamic_reference(robot)
-    beams = Candidate("beam", "", modes_of(lambda: modes_by_model(robot, "beam", DEFAULT_OPTIONS)))
-    none, weights = Reference("none", ()), robot.samples.weights
-    matrix = judged(Subject("", (), np.zeros((1, 0)), weights, [beams], none, reference), asked)
+    modes = modes_of(lambda: modes_by_model(robot, "beam", DEFAULT_OPTIONS))
+    beams, none = Candidate("beam", "", Response(modes=modes)), Reference("none", ())
+    matrix = judged(Subject("", (), np.zeros((1, 0)), [beams], none, reference), asked)
     known = [matrix.entry("beam", f"f{number}") for number in range(1, 10)]
     # Higher ones have no partner among the beams with some insides of the legs.
     assert None not in [entry.error for entry in known[:3]]
@@ -290,7 +290,7 @@ def test_legs_without_mass_bound_robots_whose_legs_are_all_given(*, mixed):
     legs = {"leg2": prism} if mixed else {}
     light = {"leg1": replace(LEG1, mass=1e-6), "leg2": replace(LEG2, mass=1e-6)}
     robot, massless = (robot_on_path(at_the_centre(Requirement(), **one)) for one in (legs, light))
-    known = Response(vibration=modes_by_model(robot, "beam", DEFAULT_OPTIONS))
+    known = Response(modes=modes_by_model(robot, "beam", DEFAULT_OPTIONS))
     (note,) = mass_notes(robot, Reference("", [Alternative("", known)], supposed="plausible"))
     assert note.startswith("Plausible distributions of the legs' mass and stiffness give f1 ")
     assert ("than massless legs" in note) is not mixed

@@ -47,7 +47,7 @@ def failing(function, place, model, options):
 @pytest.mark.parametrize("model", ["simplified", "links", "beam"])
 def test_model_that_raises_leaves_the_others_judged(arm, monkeypatch, capsys, model):
     due = verdicts_of(arm)[1]
-    for name in ("compliances", "modes_by_model"):
+    for name in ("model_statics", "modes_by_model"):
         function = failing(getattr(models, name), 1, model, DEFAULT_OPTIONS)
         monkeypatch.setattr(models, name, function)
     matrix, found = verdicts_of(arm)
@@ -85,7 +85,7 @@ def test_model_that_robot_does_not_allow_is_no_fault(arm, monkeypatch):
     def refusing(*_):
         raise ComputationError("the arm is too thin")
 
-    monkeypatch.setattr(models, "compliances", refusing)
+    monkeypatch.setattr(models, "model_statics", refusing)
     matrix, found = verdicts_of(arm)
     assert found["beam", "x"] == "undecided"
     assert "too thin" in matrix.entry("beam", "x").reason

@@ -22,7 +22,14 @@ from validation.adequacy.judgement import judged
 from validation.adequacy.mechanism.dynamics import dynamic_reference
 from validation.adequacy.mechanism.path import robot_at
 from validation.adequacy.mechanism.vibration import built_vibration, modes_by_model
-from validation.adequacy.response import Alternative, Candidate, Reference, Subject, modes_of
+from validation.adequacy.response import (
+    Alternative,
+    Candidate,
+    Reference,
+    Response,
+    Subject,
+    modes_of,
+)
 from validation.context import Context
 from validation.models.options import DEFAULT_OPTIONS, ModelOptions
 from validation.solids.legs import COARSEST_WALLS, divisions_across, held_solid
@@ -113,14 +120,20 @@ def judgements(twins, truth, limit=0.05):
     robot = twins.robot(limit)
     requirement = robot.context.robot_file.requirement
     reference = dynamic_reference(robot)
-    known = Alternative("solids", modes_of(lambda: truth), dynamic=np.zeros((1, MODES)))
+    known = Alternative(
+        "solids", Response(modes=modes_of(lambda: truth)), dynamic=np.zeros((1, MODES))
+    )
     candidates = [
-        Candidate(name, "", modes_of(lambda o=options: modes_by_model(robot, "beam", o)))
+        Candidate(
+            name,
+            "",
+            Response(modes=modes_of(lambda o=options: modes_by_model(robot, "beam", o))),
+        )
         for name, options in MODELS.items()
     ]
-    none, weights = Reference("none", ()), robot.samples.weights
+    none = Reference("none", ())
     subjects = [
-        Subject("", (), np.zeros((1, 0)), weights, candidates, none, dynamics)
+        Subject("", (), np.zeros((1, 0)), candidates, none, dynamics)
         for dynamics in (reference, Reference("solids", [known]))
     ]
     own, true = (Scale(subject, MODES) for subject in subjects)

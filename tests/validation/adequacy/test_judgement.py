@@ -18,11 +18,10 @@ from validation.adequacy.response import (
     Candidate,
     Reference,
     Response,
-    Vibration,
 )
+from validation.agreement.responses import PathModes, Statics
 from validation.drawing.text import error_with_spread
 
-WEIGHTS = np.ones(4)
 AXES = np.eye(4)
 A, B, C, D = AXES
 # Of A and B.
@@ -32,7 +31,8 @@ MIXED = (A + B) / np.sqrt(2.0), (A - B) / np.sqrt(2.0)
 def vibration(frequencies, *shapes, seen=1.0):
     """One pose."""
     shares = np.broadcast_to(seen, (1, len(frequencies)))
-    return Vibration(np.array([frequencies]), np.column_stack(shapes)[None], shares)
+    samples = np.column_stack(shapes)[None]
+    return PathModes(np.array([frequencies]), samples, np.ones(len(shapes[0])), shares)
 
 
 TRUTH = vibration([100.0, 150.0, 200.0, 300.0], *AXES)
@@ -42,15 +42,14 @@ def subject_of(truth, model, *others, unsure=0.0):
     """A model against a reference of one or more alternatives."""
     left = np.full((1, 4), unsure)
     alternatives = [
-        Alternative(f"ends {k}", Response(vibration=one), dynamic=left)
+        Alternative(f"ends {k}", Response(modes=one), dynamic=left)
         for k, one in enumerate((truth, *others))
     ]
     said = ("how the ends are held", "say how the ends are held") if others else ()
     return replace(
         toy_subject(4),
-        candidates=[Candidate("model", "a model", Response(vibration=model))],
+        candidates=[Candidate("model", "a model", Response(modes=model))],
         dynamics=Reference("truth", alternatives, *said),
-        weights=WEIGHTS,
     )
 
 
@@ -89,7 +88,7 @@ def test_modes_that_a_model_or_a_pose_does_not_have():
 def test_close_modes_in_other_order_keep_their_shapes():
     """Two per cent apart: shapes decide, not the order of the frequencies."""
     close, swapped = (vibration([100.0, 102.0, 200.0], *pair, C) for pair in ((A, B), (B, A)))
-    found = partners(close, swapped, WEIGHTS, 3)
+    found = partners(close, swapped, 3)
     assert found.frequency[0] == pytest.approx([102.0, 100.0, 200.0])
     assert found.number[0].tolist() == [1, 0, 2]
     assert found.likeness[0] == pytest.approx(1.0)
@@ -102,7 +101,7 @@ def test_mixed_modes_count_as_the_space_they_span(unsure, open_to):
         vibration([start, start + 2.0, 200.0], *pair, C)
         for start, pair in ((100.0, (A, B)), (110.0, MIXED))
     )
-    found = partners(close, mixed, WEIGHTS, 3, np.full((1, 3), unsure))
+    found = partners(close, mixed, 3, np.full((1, 3), unsure))
     assert found.likeness[0] == pytest.approx(1.0)
     assert sorted(found.frequency[0]) == pytest.approx([110.0, 112.0, 200.0])
     if open_to is None:
@@ -190,14 +189,14 @@ def test_order_of_modes_closer_than_known_is_undecided():
 def test_a_mode_has_the_change_of_its_own_shape(coarse, changes):
     """Of the first three modes of three close ones and one apart."""
     fine = vibration([100.0, 102.0, 104.0, 200.0], *AXES)
-    found = frequency_changes(fine, coarse, WEIGHTS, 3)[0]
+    found = frequency_changes(fine, coarse, 3)[0]
     assert found == pytest.approx(changes, nan_ok=True)
 
 
 @pytest.mark.parametrize(("common", "number"), [(0.4, -1), (0.6, 0)])
 def test_a_mode_with_less_than_half_in_common_is_another_one(common, number):
     model = vibration([100.0], np.sqrt(common) * A + np.sqrt(1.0 - common) * D)
-    found = partners(vibration([100.0, 150.0, 200.0], A, B, C), model, WEIGHTS, 1)
+    found = partners(vibration([100.0, 150.0, 200.0], A, B, C), model, 1)
     assert found.number.tolist() == [[number]]
     assert found.likeness[0, 0] == pytest.approx(common)
 
@@ -217,10 +216,10 @@ def test_entry_of_two_readings_has_the_farther_one():
 def static_entry(*factors, meshes=0.0):
     """Deflection along x by a model, against readings of the reference stiffer by factors."""
     toy = toy_subject(3)
-    truth = toy.statics.alternatives[0].response.compliance
+    truth = toy.statics.alternatives[0].response.statics
     names = ("rigid pins", "averaged ones")
     alternatives = [
-        Alternative(name, Response(truth / factor), static=np.full((2, 7), meshes))
+        Alternative(name, Response((1.0 / factor) * truth), static=np.full((2, 7), meshes))
         for name, factor in zip(names, factors, strict=False)
     ]
     subject = replace(
@@ -284,11 +283,11 @@ def plain(text):
 
 def test_limit_in_metres_decides_by_the_way_of_each_pose():
     """4 % of 0.1 mm are 4 µm, 2 % of 1 mm are 20 µm: of 0.1 mm the latter are more."""
-    due = np.zeros((2, 6, 7))
-    due[:, :, :6] = 1e-8 * np.eye(6)
-    due[:, 0, 6] = 1e-4, 1e-3
-    moved = due.copy()
-    moved[:, 0, 6] *= 1.04, 1.02
+    compliances = np.array([1e-8 * np.eye(6)] * 2)
+    due, moved = (
+        Statics(compliances, np.array(along)[:, None, None] * np.eye(6)[:1])
+        for along in ((1e-4, 1e-3), (1.04e-4, 1.02e-3))
+    )
     subject = replace(
         toy_subject(3),
         candidates=[Candidate("model", "a model", Response(moved))],

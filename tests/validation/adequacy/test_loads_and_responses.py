@@ -115,7 +115,7 @@ def test_limits_in_metres_take_the_place_of_shares_and_responses_have_their_own(
         assert matrix.entry("simplified", "x").limit == 1e-6
     # Of two references the one that yields most has the smallest share in so many metres.
     (one,) = subject.statics.alternatives
-    softer = replace(one, name="softer", response=Response(2.0 * one.response.compliance))
+    softer = replace(one, name="softer", response=Response(2.0 * one.response.statics))
     both = replace(
         subject,
         statics=replace(subject.statics, alternatives=[one, softer]),
@@ -123,9 +123,8 @@ def test_limits_in_metres_take_the_place_of_shares_and_responses_have_their_own(
     )
     matrix = judged(both, replace(wanted, displacement=100.0 * missed))
     found = matrix.entry("simplified", "load:cutting")
-    moved = one.response.compliance[
-        matrix.poses.index(found.pose), :3, 6 + OF_LOADS.index("load:cutting")
-    ]
+    place = matrix.poses.index(found.pose), OF_LOADS.index("load:cutting")
+    moved = one.response.statics.load_displacements[place][:3]
     assert found.limit == pytest.approx(50.0 * missed / np.linalg.norm(moved))
 
 

@@ -9,7 +9,8 @@ from toy_subject import toy_subject
 from lumped.acceptance.requirement import Requirement
 from validation.adequacy.judgement import judged
 from validation.adequacy.partners import partners
-from validation.adequacy.response import Alternative, Candidate, Reference, Response, Vibration
+from validation.adequacy.response import Alternative, Candidate, Reference, Response
+from validation.agreement.responses import PathModes
 
 SAMPLES, JUDGED, LIMIT = 24, 7, 0.05
 
@@ -33,9 +34,9 @@ def vibration(rng, sizes, frequencies, shapes):
         shapes[:, places[k]] @ np.linalg.qr(rng.normal(size=(sizes[k],) * 2))[0] for k in order
     ]
     repeated = np.repeat(frequencies[order], sizes[order])
-    return Vibration(repeated[None], np.hstack(turned)[None], np.ones((1, sizes.sum()))), np.repeat(
-        order, sizes[order]
-    )
+    seen = np.ones((1, sizes.sum()))
+    modes = PathModes(repeated[None], np.hstack(turned)[None], np.ones(SAMPLES), seen)
+    return modes, np.repeat(order, sizes[order])
 
 
 @pytest.mark.parametrize("seed", range(40))
@@ -49,11 +50,10 @@ def test_order_of_modes_is_that_of_their_families(seed):
     count = min(JUDGED, sizes.sum())
     subject = replace(
         toy_subject(SAMPLES),
-        candidates=[Candidate("model", "a model", Response(vibration=model))],
+        candidates=[Candidate("model", "a model", Response(modes=model))],
         dynamics=Reference(
-            "truth", [Alternative("", Response(vibration=truth), dynamic=np.zeros((1, count)))]
+            "truth", [Alternative("", Response(modes=truth), dynamic=np.zeros((1, count)))]
         ),
-        weights=np.ones(SAMPLES),
     )
     matrix = judged(subject, Requirement(frequency=LIMIT, modes=count))
     for mode in range(count):
@@ -83,9 +83,10 @@ def test_frequency_is_there_if_and_only_if_a_partner_is(seed):
     frequencies = 100.0 * np.cumprod(rng.uniform(1.0, 1.09, 9))
     kept = np.sort(rng.permutation(9)[:6])
     order = rng.permutation(kept)
-    model = Vibration(frequencies[None, :6], shapes[None][:, :, order], np.ones((1, 6)))
-    truth = Vibration(frequencies[None], shapes[None], np.ones((1, 9)))
-    found = partners(truth, model, np.ones(SAMPLES), 9)
+    weights = np.ones(SAMPLES)
+    model = PathModes(frequencies[None, :6], shapes[None][:, :, order], weights, np.ones((1, 6)))
+    truth = PathModes(frequencies[None], shapes[None], weights, np.ones((1, 9)))
+    found = partners(truth, model, 9)
     assert (np.isnan(found.frequency) == (found.number < 0)).all()
     expected = [int(np.flatnonzero(order == k)[0]) if k in kept else -1 for k in range(9)]
     assert found.number[0].tolist() == expected

@@ -120,7 +120,7 @@ def test_digits_leave_sizes_of_peaks_twice_as_open_as_their_frequencies(tmp_path
     file = robot_of(text, tmp_path)
     file = replace(file, mechanism=replace(file.mechanism, poses=file.mechanism.poses[4:5]))
     for one in dynamic_reference(robot_on_path(Context(file, "quick"))).alternatives:
-        modes = one.response.vibration
+        modes = one.response.modes
         nearest = np.argmin(np.abs(modes.frequencies[0, :4] - modes.peaks[0, 1]))
         due = one.dynamic_digits[0, nearest] * np.array([2.0, 1.0])
         assert one.responses.digits[0] == pytest.approx(due)
@@ -140,8 +140,8 @@ def test_a_coupling_that_is_left_out_is_not_adequate_however_good_the_diagonals_
     robot = robot_on_path(Context(file_of(robot), "quick"))
     subject = static_subject(robot, judged_models(robot.mechanism))
     matrix = judged(subject, robot.context.robot_file.requirement)
-    (due,) = (one.response.compliance for one in subject.statics.alternatives)
-    compliances = {one.model: one.response.compliance for one in subject.candidates}
+    (due,) = (one.response.statics.compliances for one in subject.statics.alternatives)
+    compliances = {one.model: one.response.statics.compliances for one in subject.candidates}
     for model in ("vjm-equivalent", "segments", "beam", "beam-euler-bernoulli"):
         # The rule that there was: all six are right within 3.5 %.
         diagonals = np.diagonal(compliances[model] / due, axis1=1, axis2=2) - 1.0

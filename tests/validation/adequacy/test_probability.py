@@ -109,7 +109,7 @@ def test_three_inputs_agree_with_monte_carlo():
 def scaled(robot, factor):
     """The toy robot with beams whose compliance is that of the reference times a factor."""
     truth = robot.statics.alternatives[0].response
-    beam = Response(compliance=factor * truth.compliance)
+    beam = Response(factor * truth.statics)
     candidates = [replace(one, response=beam) for one in robot.candidates if one.model == "beam"]
     return replace(robot, candidates=candidates)
 
@@ -288,7 +288,7 @@ def test_rigid_bodies_on_a_drive_are_judged_as_by_hand(of_arm):
 
 
 def without_modes(robot):
-    found = [(one, replace(one.response, vibration=None)) for one in robot.candidates]
+    found = [(one, replace(one.response, modes=None)) for one in robot.candidates]
     return replace(robot, candidates=[replace(one, response=silent) for one, silent in found])
 
 

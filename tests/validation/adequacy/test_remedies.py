@@ -39,6 +39,7 @@ from validation.adequacy.response import (
     finer_by,
 )
 from validation.adequacy.robot import leg_subject, robot_adequacy
+from validation.agreement.responses import Statics
 from validation.context import Context
 from validation.solids.legs import COARSEST_WALLS
 from validation.solids.size import larger_preset
@@ -263,13 +264,13 @@ def test_ends_and_interfaces_are_said_by_lines_that_can_be_pasted(tmp_path):
 @pytest.mark.parametrize("ends", [0.3, 0.8])
 def test_where_no_mesh_is_finer_what_leaves_nearly_as_much_open_is_said(ends):
     """A five-bar's meshes left 0.234 % open, its ends 0.222 %: it was told that nothing helps."""
-    exact, axes = np.eye(6)[None], np.full((1, 7), 0.02)
-    held = (("rigid", exact), ("free", exact * (1.0 - 0.04 * ends)))
+    exact, axes = Statics(np.eye(6)[None], np.zeros((1, 0, 6))), np.full((1, 7), 0.02)
+    held = (("rigid", exact), ("free", (1.0 - 0.04 * ends) * exact))
     answers = [Alternative(name, Response(found), static=axes) for name, found in held]
     beam = Candidate("beam", "beam", Response(1.05 * exact))
     for finer, told in ((NOT_FINER, NOT_FINER if ends < 0.5 else "say ends"), ("mesh", "mesh")):
         statics = Reference("solids", answers, open="ends", decides="say ends", finer=finer)
-        pose = (Coordinate("x", "m"),), np.zeros((1, 1)), np.ones(1)
+        pose = (Coordinate("x", "m"),), np.zeros((1, 1))
         robot = Subject("toy", *pose, [beam], statics, Reference("none", ()))
         entry = judged(robot, Requirement()).entry("beam", "x")
         assert entry.uncertainties["meshes"] > entry.uncertainties["ends"]

@@ -20,6 +20,7 @@ from validation.agreement.mode_pairing import (
     centreline_weights,
     mac_matrix,
 )
+from validation.agreement.responses import Statics
 
 
 def fraction(difference: Array, reference: Array, forces: Array) -> Array:
@@ -28,6 +29,11 @@ def fraction(difference: Array, reference: Array, forces: Array) -> Array:
     moved = np.linalg.norm(reference @ force, axis=0)
     floor = FLOOR * np.linalg.norm(reference, 2)
     return np.linalg.norm(difference @ force, axis=0) / np.maximum(moved, floor)
+
+
+def statics(compliances: Array) -> Statics:
+    """Statics of a robot without loads."""
+    return Statics(compliances, np.zeros((len(compliances), 0, 6)))
 
 
 def compliance(rng: np.random.Generator, yields: Array) -> Array:
@@ -74,19 +80,19 @@ def test_a_direction_that_hardly_yields_does_not_decide() -> None:
     # Along that force it is off by (0.03/400 + 1e-3)/(1 + 1/400), of the same twentieth.
     whole = np.zeros((2, 1, 6, 6))
     whole[:, 0, :3, :3] = difference, reference
-    assert relative(*whole, ANY_FORCE).along == pytest.approx(0.0214, rel=0.01)
+    assert relative(*map(statics, whole), ANY_FORCE).along == pytest.approx(0.0214, rel=0.01)
 
 
 def test_sizes_are_of_the_whole_displacement_and_along_is_signed() -> None:
     rng = np.random.default_rng(7)
     own, other = (one @ np.swapaxes(one, 1, 2) for one in rng.normal(size=(2, 3, 6, 6)))
-    found = sizes(other - own, own)
+    found = sizes(statics(other - own), statics(own))
     for k, quantity in enumerate(UNIT_LOADS[:6]):
         rows = slice(3) if k < 3 else slice(3, 6)
         due, moved = own[:, rows, k], other[:, rows, k]
         plain = np.linalg.norm(moved - due, axis=1) / np.linalg.norm(due, axis=1)
         assert found[:, k] == pytest.approx(plain, rel=1e-12)
-        along = relative(other - own, own, quantity).along
+        along = relative(statics(other - own), statics(own), quantity).along
         assert along == pytest.approx(other[:, k, k] / own[:, k, k] - 1.0, rel=1e-12)
     # No axis is worse than the worst direction: here every direction yields more than the floor.
     assert (found[:, 6] >= found[:, :3].max(axis=1) * (1.0 - 1e-9)).all()
@@ -94,9 +100,9 @@ def test_sizes_are_of_the_whole_displacement_and_along_is_signed() -> None:
 
 
 def test_what_is_rigid_in_both_is_right_and_what_yields_alone_is_infinite() -> None:
-    reference, rigid, yielding = np.zeros((3, 2, 6, 6))
-    reference[:, 0, 0] = 1e-8
-    yielding[1, 1, 1] = 1e-9
+    reference, rigid, yielding = (statics(one) for one in np.zeros((3, 2, 6, 6)))
+    reference.compliances[:, 0, 0] = 1e-8
+    yielding.compliances[1, 1, 1] = 1e-9
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert not sizes(rigid, reference).any()

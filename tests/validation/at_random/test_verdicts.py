@@ -21,7 +21,7 @@ from meshes.section.section_mesh import section_mesh
 from validation.adequacy.judgement import judged
 from validation.adequacy.mechanism.path import robot_at
 from validation.adequacy.mechanism.samples import samples_of
-from validation.adequacy.mechanism.statics import compliances
+from validation.adequacy.mechanism.statics import model_statics
 from validation.adequacy.mechanism.vibration import vibration_of
 from validation.adequacy.models import JUDGED
 from validation.adequacy.partners import partners
@@ -80,7 +80,9 @@ def static_errors(robot, ends):
         springs[name] = doubling.tip_compliance(condensed, ends)
     places = placed_at(robot, *stations(robot, POSTURES))
     due = [serial_chains.compliance(at, springs) for at in places]
-    own = {name: compliances(places, JUDGED[name][0], JUDGED[name][2]) for name in MODELS}
+    own = {
+        name: model_statics(places, JUDGED[name][0], JUDGED[name][2]).compliances for name in MODELS
+    }
     return {
         (name, quantity): np.array(
             [
@@ -103,7 +105,7 @@ def frequency_errors(robot, ends):
             ("segments", ModelOptions()),
         )
     )
-    pairs = partners(reference, segments, samples.weights, MODES)
+    pairs = partners(reference, segments, MODES)
     off = pairs.frequency / reference.frequencies[:, :MODES] - 1.0
     sure = (pairs.likeness > 0.9).all(axis=0)
     return {("segments", f"f{k + 1}"): off[:, k] for k in range(MODES) if sure[k]}

@@ -131,10 +131,10 @@ def test_value_that_one_model_refuses_costs_that_entry_alone(monkeypatch):
 def test_error_of_the_program_costs_one_value_alone(monkeypatch, capsys):
     robot_file = load_robot("five-bar")
     pose = tuple(map(float, robot_file.mechanism.poses[0]))
-    ones = tuple(Measured(axis, 1e-6, 1e-9, "gauge", pose) for axis in "xy")
+    ones = tuple(Measured(measured_quantity(axis), 1e-6, 1e-9, "gauge", pose) for axis in "xy")
 
     def faulty(model, robot, one, options):
-        if (model, options.theory, one.quantity) == ("beam", "timoshenko", "x"):
+        if (model, options.theory, one.quantity.name) == ("beam", "timoshenko", "x"):
             return 1 / 0
         return predicted(model, robot, one, options)
 
@@ -147,7 +147,7 @@ def test_error_of_the_program_costs_one_value_alone(monkeypatch, capsys):
     assert "ZeroDivisionError: division by zero" in lost.reason
     assert matrix.faults == ("beam",)
     assert due.faults == ()
-    others = [one for one in due.entries if (one.model, one.quantity) != ("beam", "x")]
+    others = [one for one in due.entries if (one.model, one.quantity.name) != ("beam", "x")]
     assert [one for one in matrix.entries if one is not lost] == others
     assert "return 1 / 0" in capsys.readouterr().err
 
@@ -157,7 +157,7 @@ def test_missing_value_of_a_changed_model_decides_nothing(monkeypatch, tmp_path,
     """As zeros they were no uncertainty at all, or all of the value: adequate, or open by 67 %."""
     robot_file = robot_of(load_robot("five-bar").text + OWN, tmp_path)
     robot, options = robot_file.mechanism, ModelOptions()
-    (f1,) = (one for one in robot_file.measured if one.quantity == "f1")
+    (f1,) = (one for one in robot_file.measured if one.quantity.name == "f1")
     one = replace(f1, value=predicted("beam", robot, f1, options), uncertainty=1e-3)
 
     def without(model, mechanism, one, options):

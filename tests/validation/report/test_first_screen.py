@@ -126,7 +126,8 @@ def test_models_to_use_share_what_is_adequate(seed):
         best = int(left.sum(axis=1).argmax())
         chosen.append((names[best], {quantities[q] for q in np.flatnonzero(left[best])}))
         left[:, left[best]] = False
-    assert models_to_use(matrix) == chosen
+    found = models_to_use(matrix)
+    assert [(model, {one.name for one in reasons}) for model, reasons in found] == chosen
 
 
 def test_second_theories_and_models_that_lack_motions_are_folded_unless_told_of():

@@ -19,12 +19,12 @@ from lumped.system.assembly import assembly
 from validation.adequacy.mechanism.parts import assembled
 from validation.adequacy.mechanism.samples import samples_of
 from validation.adequacy.mechanism.vibration import vibration_of
-from validation.adequacy.response import Vibration
 from validation.agreement.displacement import sizes
+from validation.agreement.responses import PathModes, Statics
 from validation.models.loads.leg_masses import Inside, Masses, by_shapes, shapes_inside
 from validation.models.mechanism import dynamic_bodies, highest_frequency, modes_along
 from validation.models.options import ModelOptions
-from validation.models.roundings import changes_by_digits, roundings_of
+from validation.models.roundings import roundings_of
 
 # 512 points of Sobol: half-widths of one seed and another differ by 1 to 2 % of themselves.
 _POWER = 9
@@ -44,21 +44,33 @@ def left_by_digits(text: str, postures: Sequence[Posture]) -> Array:
         loads = len(postures[0].mechanism.loads)
         return np.zeros((len(postures), len(UNIT_LOADS) + loads))
 
-    def own_legs(at: Sequence[Posture]) -> Array:
-        return assembled(at, tip_compliances(at[0].mechanism))
-
-    own = own_legs(postures)
-    changes = np.array(list(changes_by_digits(roundings, own, own_legs)))
+    own = assembled(postures, tip_compliances(postures[0].mechanism))
+    changes = [
+        one.factor * (assembled(one.postures, tip_compliances(one.postures[0].mechanism)) - own)
+        for one in roundings
+    ]
     draws = 2.0 * scipy.stats.qmc.Sobol(len(changes), seed=0).random_base2(_POWER) - 1.0
-    off = np.tensordot(draws, changes, axes=1).reshape(-1, *own.shape[1:])
-    found = sizes(off, np.tile(own, (len(draws), 1, 1))).reshape(len(draws), len(postures), -1)
+    # All draws in all poses, as poses of one record.
+    compliances, load_displacements = (
+        np.tensordot(draws, parts, axes=1).reshape(len(draws) * len(postures), *parts.shape[2:])
+        for parts in (
+            np.array([one.compliances for one in changes]),
+            np.array([one.load_displacements for one in changes]),
+        )
+    )
+    repeated = Statics(
+        np.tile(own.compliances, (len(draws), 1, 1)),
+        np.tile(own.load_displacements, (len(draws), 1, 1)),
+    )
+    off = Statics(compliances, load_displacements)
+    found = sizes(off, repeated).reshape(len(draws), len(postures), -1)
     # Where the robot is rigid no model's error is relative to anything.
     return np.quantile(np.where(np.isfinite(found), found, 0.0), 0.95, axis=0)
 
 
 def modes_by_digits(
     text: str, postures: tuple[Posture, ...], count: int, masses: Masses
-) -> tuple[Vibration, Array] | None:
+) -> tuple[PathModes, Array] | None:
     """Modes by beams, given legs by their own 6×6, and the share of each that digits leave open.
 
     At most, to first order (p×m), by the printed digits of the 6×6 in the `text` of the robot file;

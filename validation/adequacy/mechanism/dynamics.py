@@ -16,6 +16,7 @@ from validation.adequacy.mechanism.parts import (
     FINER_PARTS,
     PART_STEPS,
     UNKNOWN,
+    number_by_number,
     part_answers,
     refinement_share,
 )
@@ -36,11 +37,11 @@ from validation.adequacy.response import (
     Response,
     ResponsesLeftOpen,
     Step,
-    Vibration,
     finer_by,
     ladders,
     modes_of,
 )
+from validation.agreement.responses import PathModes, Unsolved
 from validation.context import Preset
 from validation.models.loads.leg_masses import MASSES, Inside, Masses, plausible_insides
 from validation.models.mechanism import modes_along
@@ -76,7 +77,7 @@ def dynamic_reference(robot: RobotOnPath) -> Reference:
         alternatives.append(
             Alternative(
                 ", ".join(filter(None, (said, str(inside or "")))),
-                Response(vibration=fine),
+                Response(modes=fine),
                 dynamic=dynamic,
                 dynamic_digits=digits,
                 responses=_left_of_responses(robot, hold, inside, fine, digits),
@@ -119,25 +120,25 @@ def _finer_preset(prisms: Sequence[ConstantLeg], preset: Preset) -> str:
     return finer_by(larger_preset(preset, lambda one: not _why_unmeshed(prisms, one)))
 
 
-def _mesh_uncertainty(robot: RobotOnPath, coarse: Vibration, fine: Vibration, ends: Holds) -> Array:
+def _mesh_uncertainty(robot: RobotOnPath, coarse: PathModes, fine: PathModes, ends: Holds) -> Array:
     """What the meshes of prisms leave open of the judged frequencies of `fine` (p×K, relative).
 
     From the step between two solids, whose elements become shorter along walls and legs while walls
     keep one across, and from what that leaves open of the beams' modes of the same shape. NaN for a
     mode that the coarser solid does not have, or the beams: it is known to no digit.
     """
-    weights, judged = robot.samples.weights, robot.judged
-    step = frequency_changes(fine, coarse, weights, judged)
+    judged = robot.judged
+    step = frequency_changes(fine, coarse, judged)
     ratio = solid_meshes(robot.context.meshes).ratio(robot.prisms)
     rough, beams = _beams_on_section_meshes(robot, ends)
     count = beams.frequencies.shape[1]
-    changes = frequency_changes(beams, rough, weights, count)
+    changes = frequency_changes(beams, rough, count)
     of_beams = np.broadcast_to(changes[:, None, :], (*fine.frequencies.shape, count))
-    section = amounts_by_shape(fine, beams, of_beams, weights, judged)
+    section = amounts_by_shape(fine, beams, of_beams, judged)
     return step_uncertainty(step, ratio) + step_uncertainty(section, SECTION_RATIO)
 
 
-def _beams_on_section_meshes(robot: RobotOnPath, ends: Holds) -> tuple[Vibration, Vibration]:
+def _beams_on_section_meshes(robot: RobotOnPath, ends: Holds) -> tuple[PathModes, PathModes]:
     """Beams by the section meshes of the solids, and by their own finer ones."""
     across, walls = solid_meshes(robot.context.meshes).fine
     # Beams free to warp lean on Saint-Venant's constant less than such solids do.
@@ -147,14 +148,14 @@ def _beams_on_section_meshes(robot: RobotOnPath, ends: Holds) -> tuple[Vibration
 
 
 def _left_of_responses(
-    robot: RobotOnPath, ends: Holds, inside: Inside | None, fine: Vibration, digits: Array | None
+    robot: RobotOnPath, ends: Holds, inside: Inside | None, fine: PathModes, digits: Array | None
 ) -> ResponsesLeftOpen | None:
     """What meshes and printed digits (`digits` of frequencies, p×K) leave open of responses."""
     excitations = robot.mechanism.excitations
     if not excitations:
         return None
 
-    def meshes(numbers: Callable[[Vibration], Array]) -> Array:
+    def meshes(numbers: Callable[[PathModes], Array]) -> Array:
         return _left_by_meshes(robot, ends, inside, fine, numbers)
 
     known = np.zeros((len(robot.postures), robot.judged)) if digits is None else digits
@@ -162,7 +163,7 @@ def _left_of_responses(
     receptances = []
     for number, one in enumerate(excitations):
 
-        def sizes(of: Vibration, number: int = number) -> Array:
+        def sizes(of: PathModes, number: int = number) -> Array:
             return np.abs(of.receptances[number])
 
         peak = fine.peaks[:, [len(of_peaks) + 1]]
@@ -176,7 +177,7 @@ def _left_of_responses(
 
 
 def _left_by_digits(
-    fine: Vibration, digits: Array, frequencies: Array, sizes: Array, peak: Array
+    fine: PathModes, digits: Array, frequencies: Array, sizes: Array, peak: Array
 ) -> tuple[Array, Array]:
     """What printed digits leave open of the frequency of a peak (p) and of sizes (p×n), relative.
 
@@ -195,12 +196,12 @@ def _left_by_meshes(
     robot: RobotOnPath,
     ends: Holds,
     inside: Inside | None,
-    fine: Vibration,
-    numbers: Callable[[Vibration], Array],
+    fine: PathModes,
+    numbers: Callable[[PathModes], Array],
 ) -> Array:
     """What meshes leave open of `numbers` of the responses of `fine`, relative; all if unknown."""
 
-    def step(rough: Vibration, own: Vibration, ratio: float) -> Array:
+    def step(rough: PathModes, own: PathModes, ratio: float) -> Array:
         return step_uncertainty(np.abs(numbers(rough) / numbers(own) - 1.0), ratio)
 
     def of_parts(level: int) -> Array:
@@ -209,7 +210,9 @@ def _left_by_meshes(
 
     # A peak that nothing damps has no size.
     with np.errstate(invalid="ignore"):
-        left = np.zeros_like(numbers(fine)) + refinement_share(robot.mechanism, of_parts)
+        left = np.zeros_like(numbers(fine)) + refinement_share(
+            robot.mechanism, of_parts, number_by_number
+        )
         if robot.prisms:
             coarse = modes_of_solids(robot, ends, inside, fine=False)
             ratio = solid_meshes(robot.context.meshes).ratio(robot.prisms)
@@ -218,7 +221,7 @@ def _left_by_meshes(
     return np.where(np.isnan(left), UNKNOWN, left)
 
 
-def _digit_uncertainty(robot: RobotOnPath, fine: Vibration, masses: Masses) -> Array | None:
+def _digit_uncertainty(robot: RobotOnPath, fine: PathModes, masses: Masses) -> Array | None:
     """What printed digits leave open of the judged frequencies of `fine` (p×K, relative).
 
     As of the beams' modes of the same shape; of a mode that beams do not have the most of all
@@ -229,7 +232,7 @@ def _digit_uncertainty(robot: RobotOnPath, fine: Vibration, masses: Masses) -> A
         return None
     beams, share = found
     amounts = np.broadcast_to(share[:, None, :], (*fine.frequencies.shape, share.shape[1]))
-    by_shape = amounts_by_shape(fine, beams, amounts, robot.samples.weights, robot.judged)
+    by_shape = amounts_by_shape(fine, beams, amounts, robot.judged)
     most = share[:, : robot.judged].max(axis=1, keepdims=True)
     return np.where(np.isnan(by_shape), most, by_shape)
 
@@ -248,10 +251,10 @@ def _part_uncertainty(robot: RobotOnPath, inside: Inside | None) -> Array | floa
         own = finest.frequencies[:, : robot.judged]
         if level == FINEST:
             return own
-        changes = frequency_changes(finest, found, robot.samples.weights, robot.judged)
+        changes = frequency_changes(finest, found, robot.judged)
         return np.asarray(own * (1.0 + changes))
 
-    return refinement_share(robot.mechanism, frequencies)
+    return refinement_share(robot.mechanism, frequencies, number_by_number)
 
 
 def mass_notes(robot: RobotOnPath, reference: Reference) -> tuple[str, ...]:
@@ -262,7 +265,7 @@ def mass_notes(robot: RobotOnPath, reference: Reference) -> tuple[str, ...]:
     """
     if not reference.supposed:
         return ()
-    answers = [one.response.vibration for one in reference.alternatives]
+    answers = [one.response.solved_modes for one in reference.alternatives]
     known = [one.frequencies for one in answers if one]
     found = np.array([one[len(one) // 2, : robot.judged] for one in known])
     lows, highs = np.nanmin(found, axis=0), np.nanmax(found, axis=0)
@@ -285,7 +288,9 @@ def mass_notes(robot: RobotOnPath, reference: Reference) -> tuple[str, ...]:
 
 
 def dynamic_ladders(
-    robot: RobotOnPath, found: Mapping[str, Response], reference: Reference
+    robot: RobotOnPath,
+    found: Mapping[str, PathModes | Unsolved | None],
+    reference: Reference,
 ) -> dict[str, tuple[Step, ...]]:
     """Steps by name of the model, each ladder from the model upwards; `found` are their modes."""
     names = [one.name for one in reference.alternatives]
@@ -293,24 +298,26 @@ def dynamic_ladders(
         return {}
 
     def answered(model: ModelName, options: ModelOptions) -> Response:
-        return modes_of(partial(modes_by_model, robot, model, options))
+        return Response(modes=modes_of(partial(modes_by_model, robot, model, options)))
 
     def own(ends: Holds | None) -> Response:
-        return modes_of(partial(modes_of_own_beams, robot, ends))
+        return Response(modes=modes_of(partial(modes_of_own_beams, robot, ends)))
+
+    beam, segments = (Response(modes=found[name]) for name in ("beam", "segments"))
 
     alike = {
-        "drives": found["beam"],
-        "shear of segments": found["segments"],
-        "shear of beams": found["beam"],
+        "drives": beam,
+        "shear of segments": segments,
+        "shear of beams": beam,
         # Second order in 1/n: a quarter of the error is left.
         "twice as many": answered("segments", ModelOptions(elements=2 * ELEMENTS)),
-        "beams": found["beam"],
+        "beams": beam,
         **part_answers(robot.mechanism, lambda kind: answered("beam", ModelOptions(parts=kind))),
     }
     if robot.mechanism.parts:
         # On a coarser mesh than the reference's.
         solids = partial(modes_of_solids, robot, robot.holding.first, None, level=MIDDLE)
-        alike["modes inside"] = modes_of(solids)
+        alike["modes inside"] = Response(modes=modes_of(solids))
     if robot.prisms and not robot.given:
         alike["own"] = own(None)
     by_step = {step: dict.fromkeys(names, modes) for step, modes in alike.items()}

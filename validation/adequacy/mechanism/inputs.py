@@ -14,7 +14,6 @@ from itertools import product
 import numpy as np
 import scipy
 
-from lumped.arrays import Array
 from lumped.mechanism.mechanism import Mechanism
 from validation.adequacy.mechanism.legs import held_spring
 from validation.adequacy.mechanism.parts import assembled
@@ -23,16 +22,16 @@ from validation.adequacy.mechanism.vibration import (
     modes_of_own_beams,
     modes_of_solids,
 )
-from validation.adequacy.models import JudgedModel, statics_by, with_modes
+from validation.adequacy.models import JudgedModel, modes_by, statics_by
 from validation.adequacy.partners import partners
 from validation.adequacy.response import (
     InputOff,
     InputsOff,
     Response,
     Subject,
-    Vibration,
     modes_of,
 )
+from validation.agreement.responses import PathModes, Statics
 from validation.context import Preset
 from validation.kinematics.poses import postures_of
 from validation.models.loads.leg_masses import plausible_insides
@@ -79,27 +78,29 @@ def inputs_off(
 class _Beams:
     """What stands for the references: one for every alternative, in their order."""
 
-    compliances: Sequence[Array]
-    vibrations: Sequence[Vibration | None]
+    statics: Sequence[Statics]
+    modes: Sequence[PathModes | None]
 
 
 def _beams(robot: RobotOnPath) -> _Beams:
     holds = tuple(robot.holding.alternatives.values())
     insides = plausible_insides(robot.given.values())
     return _Beams(
-        [_compliance(robot, ends) for ends in holds],
+        [_statics(robot, ends) for ends in holds],
         [
-            modes_of(
-                partial(modes_of_solids, robot, ends, inside)
-                if not robot.prisms and not robot.mechanism.parts
-                else partial(modes_of_own_beams, robot, ends)
-            ).vibration
+            Response(
+                modes=modes_of(
+                    partial(modes_of_solids, robot, ends, inside)
+                    if not robot.prisms and not robot.mechanism.parts
+                    else partial(modes_of_own_beams, robot, ends)
+                )
+            ).solved_modes
             for ends, inside in product(holds, insides)
         ],
     )
 
 
-def _compliance(robot: RobotOnPath, ends: Holds) -> Array:
+def _statics(robot: RobotOnPath, ends: Holds) -> Statics:
     springs = {
         name: held_spring(robot.context, leg, ends[name]) for name, leg in robot.legs.items()
     }
@@ -114,20 +115,16 @@ def _carried(
     off: _Beams,
 ) -> Subject:
     statics = [
-        replace(one, response=Response(compliance=_congruent(one.response.compliance, *beams)))
-        for one, *beams in zip(
-            subject.statics.alternatives, own.compliances, off.compliances, strict=True
-        )
-        if one.response.compliance is not None
+        replace(one, response=Response(_congruent(statics, *beams)))
+        for one, *beams in zip(subject.statics.alternatives, own.statics, off.statics, strict=True)
+        if (statics := one.response.solved_statics) is not None
     ]
     dynamics = [
-        replace(one, response=Response(vibration=_scaled(robot, one.response.vibration, *beams)))
-        for one, *beams in zip(
-            subject.dynamics.alternatives, own.vibrations, off.vibrations, strict=False
-        )
+        replace(one, response=Response(modes=_scaled(one.response.solved_modes, *beams)))
+        for one, *beams in zip(subject.dynamics.alternatives, own.modes, off.modes, strict=False)
     ]
     candidates = [
-        replace(one, response=with_modes(statics_by(robot, of), robot, of))
+        replace(one, response=Response(statics_by(robot, of), modes_by(robot, of)))
         for one in subject.candidates
         for of in [models[one.model]]
     ]
@@ -139,34 +136,39 @@ def _carried(
     )
 
 
-def _congruent(reference: Array, own: Array, off: Array) -> Array:
-    """The reference (p×6×(6+l)) with what changes `own` into `off` (p×6×(6+l) each).
+def _congruent(reference: Statics, own: Statics, off: Statics) -> Statics:
+    """The reference with the changes of the beams from `own` to `off`.
 
-    Displacements under loads change by T times what the beams' do.
+    Displacements under loads change by T times the change of the beams'.
     """
-    changed: Array = reference + off - own
+    change = off - own
     try:
-        lower = np.linalg.cholesky(reference[:, :, :6])
-        lower = lower @ np.linalg.inv(np.linalg.cholesky(own[:, :, :6]))
+        lower = np.linalg.cholesky(reference.compliances)
+        lower = lower @ np.linalg.inv(np.linalg.cholesky(own.compliances))
     except np.linalg.LinAlgError:
         # Directions in which the robot is rigid: both are the same there.
-        return changed
-    changed[:, :, :6] = lower @ off[:, :, :6] @ np.swapaxes(lower, 1, 2)
-    changed[:, :, 6:] = reference[:, :, 6:] + lower @ (off - own)[:, :, 6:]
-    return changed
+        return Statics(
+            reference.compliances + change.compliances,
+            reference.load_displacements + change.load_displacements,
+        )
+    upper = np.swapaxes(lower, 1, 2)
+    return Statics(
+        lower @ off.compliances @ upper,
+        reference.load_displacements + change.load_displacements @ upper,
+    )
 
 
 def _scaled(
-    robot: RobotOnPath, reference: Vibration | None, own: Vibration | None, off: Vibration | None
-) -> Vibration | None:
-    """The reference's modes, each as much higher as the beams' mode of its shape has become.
+    reference: PathModes | None, own: PathModes | None, off: PathModes | None
+) -> PathModes | None:
+    """Modes of the reference, each as much higher as the beams' mode of its shape has become.
 
     The peaks of responses likewise.
     """
     if reference is None or own is None or off is None:
         return None
     count = min(one.frequencies.shape[1] for one in (reference, own, off))
-    number = partners(reference, own, robot.samples.weights, count).number
+    number = partners(reference, own, count).number
     number = np.where(number >= 0, number, np.arange(count))
     ratio = np.take_along_axis(off.frequencies[:, :count] / own.frequencies[:, :count], number, 1)
     with np.errstate(invalid="ignore"):

@@ -1,6 +1,7 @@
 """CAD parts of a mechanism as their solids, and what their meshes leave open."""
 
 from collections.abc import Callable, Mapping, Sequence
+from typing import TypeVar
 
 import numpy as np
 
@@ -16,8 +17,9 @@ from lumped.system.solution import compliance, solved
 from lumped.text import counted
 from validation.adequacy.mechanism.path import Springs
 from validation.adequacy.response import Response
+from validation.agreement.responses import Statics
 from validation.drawing.text import percent
-from validation.models.loads.displacements import displacements_by, masses_of, with_loads
+from validation.models.loads.displacements import displacements_by, masses_of
 from validation.models.loads.leg_masses import MASSES, Masses
 from validation.models.mechanism import CUTOFF, highest_frequency, static_bodies
 from validation.models.options import PartLegs, ReductionBy
@@ -26,6 +28,7 @@ from validation.models.stepped_parts import why_not_stepped
 from validation.parts.meshes import FINEST, LEVELS
 from validation.parts.refinement import left_by_changes
 
+T = TypeVar("T")
 Bodies = Mapping[str, BodyModel]
 _FEWEST = 8
 # Share of an answer that is left open where nothing tells it: all of it.
@@ -133,8 +136,8 @@ def assembled(
     springs: Springs,
     parts: Bodies | None = None,
     masses: Masses = MASSES[0],
-) -> Array:
-    """Compliances (p×6×(6+l)) by the assembler, every leg by its tip's compliance (6×6).
+) -> Statics:
+    """Statics by the assembler, every leg by its tip's compliance (6×6).
 
     `parts`: models of those bodies that are CAD parts; condensed on their interfaces without.
     `masses`: where legs known by their 6×6 have theirs, which loads act on.
@@ -148,7 +151,7 @@ def assembled(
         postures,
         masses_of(mechanism, masses, of_parts),
     )
-    return with_loads(np.array([compliance(one) for one in solutions.values()]), moved)
+    return Statics.of(np.array([compliance(one) for one in solutions.values()]), moved)
 
 
 def part_answers(
@@ -166,26 +169,26 @@ def part_answers(
     return {kind: idealised(kind) for kind in kinds}
 
 
-def number_by_number(difference: Array, values: Array) -> Array:
-    """Sizes of differences relative to the values; 0 where nothing yields: no mesh changes that."""
+def number_by_number(one: Array, other: Array, values: Array) -> Array:
+    """Sizes of differences relative to the values. 0 if nothing yields: no mesh changes that."""
     share = np.zeros_like(values)
-    return np.divide(np.abs(difference), np.abs(values), out=share, where=values != 0.0)
+    return np.divide(np.abs(one - other), np.abs(values), out=share, where=values != 0.0)
 
 
 def refinement_share(
     mechanism: Mechanism,
-    answer: Callable[[int], Array],
-    sizes: Callable[[Array, Array], Array] = number_by_number,
+    solve: Callable[[int], T],
+    sizes: Callable[[T, T, T], Array],
 ) -> Array | float:
-    """What the meshes of the parts leave open of the answer on the finest, relative.
+    """Relative half-width that the meshes of the parts leave open of a response on the finest.
 
-    `answer` gives the values on a level of the ladder, `sizes` how large differences of them are
-    relative to those on the finest, number by number where nothing else is said. A part that is a
-    mesh cannot be refined: what it leaves open is unknown, and taken as all of it.
+    `solve` returns the response on a level of the ladder, `sizes` the sizes of the difference of
+    two of them relative to that on the finest. A part that is a mesh cannot be refined: its
+    half-width is unknown, and taken as the whole.
     """
     if not mechanism.parts:
         return 0.0
     if any(found_in(body)[0].mesh is not None for body in mechanism.parts.values()):
         return UNKNOWN
-    coarse, middle, fine = (answer(level) for level in LEVELS)
-    return left_by_changes(sizes(middle - coarse, fine), sizes(fine - middle, fine))
+    coarse, middle, fine = (solve(level) for level in LEVELS)
+    return left_by_changes(sizes(middle, coarse, fine), sizes(fine, middle, fine))

@@ -51,13 +51,13 @@ from validation.adequacy.response import (
     statics_of,
 )
 from validation.agreement.displacement import sizes
+from validation.agreement.responses import Statics
 from validation.case import failure_reason
 from validation.models.loads.displacements import (
     by_chains,
     displacements,
     displacements_by,
     masses_of,
-    with_loads,
 )
 from validation.models.loads.leg_masses import MASSES, Masses, plausible_masses
 from validation.models.loads.stability import stabilities
@@ -77,17 +77,17 @@ _LINEAR = 1e-3
 _BY = {"vjm": "virtual joints with ", "links": "links with "}
 
 
-def compliances(postures: Sequence[Posture], model: ModelName, options: ModelOptions) -> Array:
-    """What a model answers to unit wrenches at the loaded point, and to loads (p×6×(6+l), SI)."""
+def model_statics(postures: Sequence[Posture], model: ModelName, options: ModelOptions) -> Statics:
+    """Statics of a model."""
     found = np.array([answer.compliance for answer in answers(model, postures, 0, options)])
-    return with_loads(found, displacements(model, postures, options))
+    return Statics.of(found, displacements(model, postures, options))
 
 
-def summed(postures: Sequence[Posture], springs: Springs) -> Array:
-    """Compliances (p×6×(6+l)) by virtual joints along serial chains, every leg by its tip's."""
+def summed(postures: Sequence[Posture], springs: Springs) -> Statics:
+    """Statics by virtual joints along serial chains, every leg by its tip's."""
     found = np.array([serial_chains.compliance(posture, springs) for posture in postures])
     masses = masses_of(postures[0].mechanism)
-    return with_loads(found, displacements_by(by_chains(springs), postures, masses))
+    return Statics.of(found, displacements_by(by_chains(springs), postures, masses))
 
 
 def static_reference(robot: RobotOnPath) -> Reference:
@@ -95,7 +95,9 @@ def static_reference(robot: RobotOnPath) -> Reference:
     context, parts = robot.context, robot.mechanism.parts
     ratio = min((solid_leg(context, leg).ratio for leg in robot.prisms), default=1.0)
     further = _section_uncertainty(robot) + refinement_share(
-        robot.mechanism, lambda level: _of_solids(robot, robot.holding.first, level=level), sizes
+        robot.mechanism,
+        lambda level: _of_solids(robot, robot.holding.first, level=level),
+        lambda one, other, fine: sizes(one - other, fine),
     )
     digits = None
     if robot.text:
@@ -105,13 +107,14 @@ def static_reference(robot: RobotOnPath) -> Reference:
     for name, ends in robot.holding.alternatives.items():
         fine = _of_solids(robot, ends)
         # Every axis, any force, every load.
-        step = np.full((len(fine), fine.shape[2] + 1), ROUNDING)
+        poses, loads, _ = fine.load_displacements.shape
+        step = np.full((poses, len(UNIT_LOADS) + loads), ROUNDING)
         if robot.prisms:
             coarse = _of_solids(robot, ends, fine=False)
             step = step_uncertainty(sizes(coarse - fine, fine), ratio)
             on_mass = [load.acts_on_mass for load in robot.mechanism.loads]
             step[:, len(UNIT_LOADS) :] += _MASS_OF_BEAMS * np.array(on_mass)
-        response = Response(compliance=fine)
+        response = Response(fine)
         masses = _left_by_masses(robot, ends, fine)
         alternatives.append(
             Alternative(
@@ -147,8 +150,8 @@ def _of_solids(
     fine: bool = True,
     level: int = FINEST,
     masses: Masses = MASSES[0],
-) -> Array:
-    """Compliances (p×6×(6+l)) with solid legs on one of two meshes, parts on one of three."""
+) -> Statics:
+    """Statics with solid legs on one of two meshes, parts on one of three."""
     tips = {
         body: solid_tip(robot.context, leg, ends[body], fine=fine)
         for body, leg in robot.legs.items()
@@ -157,7 +160,7 @@ def _of_solids(
     return assembled(robot.postures, tips, parts, masses)
 
 
-def _left_by_masses(robot: RobotOnPath, ends: Holds, own: Array) -> Array | None:
+def _left_by_masses(robot: RobotOnPath, ends: Holds, own: Statics) -> Array | None:
     """What plausible places of the mass of legs known by their 6×6 leave open (p×(7+l), relative).
 
     The displacement under a load is linear in where the mass is: between these it is any.
@@ -197,7 +200,7 @@ def _section_uncertainty(robot: RobotOnPath) -> Array | float:
     if not shared:
         return 0.0
 
-    def own(divisions: int) -> Array:
+    def own(divisions: int) -> Statics:
         springs = {
             name: own_spring(robot.context, leg, divisions if name in shared else SECTION_DIVISIONS)
             for name, leg in robot.legs.items()
@@ -208,8 +211,8 @@ def _section_uncertainty(robot: RobotOnPath) -> Array | float:
     return step_uncertainty(sizes(own(COARSEST_WALLS) - fine, fine), SECTION_RATIO)
 
 
-def _climbed(robot: RobotOnPath, springs: Springs) -> Array:
-    """Compliances (p×6×6) of legs as springs, by virtual joints where legs are serial chains."""
+def _climbed(robot: RobotOnPath, springs: Springs) -> Statics:
+    """Statics of legs as springs, by virtual joints where legs are serial chains."""
     return (summed if robot.climbs == "vjm" else assembled)(robot.postures, springs)
 
 
@@ -233,17 +236,17 @@ def static_ladders(robot: RobotOnPath) -> dict[str, tuple[Step, ...]]:
     context, mechanism = robot.context, robot.mechanism
 
     def climbed(spring: Spring) -> dict[str, Response]:
-        def solve(ends: Holds) -> Array:
+        def solve(ends: Holds) -> Statics:
             return _climbed(robot, {body: spring(leg, ends[body]) for body, leg in legs})
 
         return {
-            name: statics_of(partial(solve, ends))
+            name: Response(statics_of(partial(solve, ends)))
             for name, ends in robot.holding.alternatives.items()
         }
 
     def idealised(parts: PartLegs) -> Response:
         options = ModelOptions(parts=parts)
-        return statics_of(partial(compliances, robot.postures, "beam", options))
+        return Response(statics_of(partial(model_statics, robot.postures, "beam", options)))
 
     def alike(found: Response) -> dict[str, Response]:
         return dict.fromkeys(robot.holding.alternatives, found)

@@ -23,7 +23,7 @@ from validation.adequacy.mechanism.legs import SECTION_DIVISIONS, own_elements
 from validation.adequacy.mechanism.parts import Bodies, condensed_parts, solid_parts
 from validation.adequacy.mechanism.path import Holds, RobotOnPath, known_legs
 from validation.adequacy.mechanism.samples import Samples, samples_of
-from validation.adequacy.response import Vibration
+from validation.agreement.responses import PathModes
 from validation.context import Preset
 from validation.models.legs import filled
 from validation.models.loads.leg_masses import MASSES, Inside, leg_with_inside
@@ -49,7 +49,7 @@ from validation.solids.legs import (
 Build = Callable[[Leg, Ends, float], LegMatrices]
 
 
-def modes_by_model(robot: RobotOnPath, model: ModelName, options: ModelOptions) -> Vibration | None:
+def modes_by_model(robot: RobotOnPath, model: ModelName, options: ModelOptions) -> PathModes | None:
     """What a model answers; None where nothing has mass."""
     if model == "simplified":
         drives = modes_on_drives(robot.postures, robot.offered)
@@ -85,7 +85,7 @@ def modes_of_solids(
     *,
     fine: bool = True,
     level: int = FINEST,
-) -> Vibration:
+) -> PathModes:
     """Solid legs on one of two meshes, given ones with such an `inside`, parts on one of three.
 
     Sections of thin walls are one mesh with one and with two divisions: how much too stiff it
@@ -102,12 +102,12 @@ def modes_of_own_beams(
     robot: RobotOnPath,
     ends: Holds | None,
     divisions: tuple[int, int] = (SECTION_DIVISIONS, SECTION_DIVISIONS),
-) -> Vibration:
+) -> PathModes:
     """Beams of the sections' own constants from such meshes, with warping where ends are held."""
     return robot.context.get(own_vibration, robot.postures, *divisions, ends, robot.offered)
 
 
-def vibration_of(samples: Samples, found: Iterable[PostureModes], count: int) -> Vibration:
+def vibration_of(samples: Samples, found: Iterable[PostureModes], count: int) -> PathModes:
     """Frequencies and sampled shapes of `count` modes, NaN beyond those that have mass; responses.
 
     Lumps of mass have few modes; on its drives alone a robot has fewer at the end of a stroke.
@@ -121,9 +121,10 @@ def vibration_of(samples: Samples, found: Iterable[PostureModes], count: int) ->
         shapes.append(np.pad(samples.at(one.system, one.modes.shapes, of_models), ((0, 0), beyond)))
         seen.append(np.pad(samples.seen(one.system, one.modes.shapes, of_models), beyond))
         responses.append(one.responses)
-    return Vibration(
+    return PathModes(
         np.array(frequencies),
         np.array(shapes),
+        samples.weights,
         np.array(seen),
         np.array([[number for one in of for number in one.judged] for of in responses]),
         [np.array([one.receptance for one in ones]) for ones in zip(*responses, strict=True)],
@@ -132,12 +133,12 @@ def vibration_of(samples: Samples, found: Iterable[PostureModes], count: int) ->
 
 def model_vibration(
     postures: tuple[Posture, ...], model: ModelName, options: ModelOptions, count: int
-) -> Vibration:
+) -> PathModes:
     """Modes by segments or beam elements of textbook constants."""
     mechanism = postures[0].mechanism
     samples = samples_of(mechanism)
 
-    def solve(highest: float) -> Vibration:
+    def solve(highest: float) -> PathModes:
         bodies = dynamic_bodies(model, mechanism, highest, options)
         along = modes_along(assembly(mechanism, bodies), postures, count)
         return vibration_of(samples, along, count)
@@ -151,7 +152,7 @@ def built_vibration(
     parts: Bodies,
     ends: Holds,
     count: int,
-) -> Vibration:
+) -> PathModes:
     """Modes with every leg as `build` makes it of leg, ends and highest frequency (Hz).
 
     `parts`: models of the CAD parts.
@@ -159,7 +160,7 @@ def built_vibration(
     mechanism = postures[0].mechanism
     samples, legs = samples_of(mechanism), known_legs(mechanism)
 
-    def solve(highest: float) -> Vibration:
+    def solve(highest: float) -> PathModes:
         made: dict[tuple[object, Ends], LegMatrices] = {}
         bodies: dict[str, BodyModel] = {}
         for name, leg in legs.items():
@@ -173,7 +174,7 @@ def built_vibration(
     return with_enough_modes(solve, _known, postures, count)
 
 
-def _known(found: Vibration) -> Array:
+def _known(found: PathModes) -> Array:
     return np.asarray(found.frequencies[np.isfinite(found.frequencies)])
 
 
@@ -186,7 +187,7 @@ def solid_vibration(
     count: int,
     level: int = FINEST,
     section: int = 0,
-) -> Vibration:
+) -> PathModes:
     """Modes with prisms as solids reduced to their ends, and given legs with a plausible inside.
 
     `divisions` across rectangles, `walls` across the sections that have walls, which are meshed
@@ -219,7 +220,7 @@ def own_vibration(
     walls: int,
     ends: Holds | None,
     count: int,
-) -> Vibration:
+) -> PathModes:
     """Modes by beams of the sections' own constants; with warping, held as `ends` say.
 
     `divisions` of the mesh of rectangles, `walls` of the others, as in `solid_vibration`.

@@ -98,15 +98,6 @@ def displacements_by(
     return found
 
 
-def with_loads(compliances: Array, moved: Array) -> Array:
-    """Compliances (p×6×6), behind them displacements under loads (p×l×6): p×6×(6+l).
-
-    Nothing where the mechanism cannot move as a load says: there is none to be wrong about.
-    """
-    columns = np.swapaxes(np.nan_to_num(moved), 1, 2)
-    return np.concatenate([compliances, columns], axis=2)
-
-
 def masses_of(
     mechanism: Mechanism,
     masses: Masses = MASSES[0],

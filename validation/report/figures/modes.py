@@ -26,8 +26,8 @@ from validation.adequacy.mechanism.path import (
 )
 from validation.adequacy.mechanism.vibration import modes_by_model
 from validation.adequacy.partners import partners
-from validation.adequacy.response import Vibration
 from validation.agreement.mode_pairing import likeness_matrix
+from validation.agreement.responses import PathModes
 from validation.case import Skip
 from validation.context import Context
 from validation.drawing.chart import Bars, Chart, Column, Panel, Series
@@ -101,11 +101,11 @@ def _with_condensed_parts(at: Posture, count: int) -> PostureModes:
 def pairs(context: Context) -> Shown:
     """MAC of beams and segments with the reference, and by how much paired frequencies differ."""
     robot = robot_on_path(context)
-    weights, reference = robot.samples.weights, dynamic_reference(robot)
+    reference = dynamic_reference(robot)
     held = next(iter(reference.alternatives), None)
-    if held is None or held.response.vibration is None:
+    truth = held.response.solved_modes if held else None
+    if held is None or truth is None:
         raise Skip(f"there is no reference of the frequencies: {reference.decides}")
-    truth = held.response.vibration
     first = _in_the_middle(truth)
     shown = first.frequencies.shape[1]
     models = {
@@ -121,10 +121,10 @@ def pairs(context: Context) -> Shown:
     panels: list[Panel] = []
     changes: list[Series] = []
     for name, model in models.items():
-        mac = likeness_matrix(*(of.modes_at(0, weights) for of in (first, model)))
+        mac = likeness_matrix(*(of.at(0) for of in (first, model)))
         label = "" if panels else "mode of the reference"
         panels.append(Panel((), f"MAC with {name}", label, x_label=f"mode of {name}", matrix=mac))
-        found = partners(first, model, weights, shown)
+        found = partners(first, model, shown)
         change = 100.0 * (found.frequency[0] / first.frequencies[0] - 1.0)
         changes.append(Series(name, numbers, change))
         columns |= {
@@ -142,13 +142,14 @@ def pairs(context: Context) -> Shown:
     )
 
 
-def _in_the_middle(found: Vibration) -> Vibration:
+def _in_the_middle(found: PathModes) -> PathModes:
     """The modes in the middle pose alone, those that there are."""
     place = len(found.frequencies) // 2
     known = np.isfinite(found.frequencies[place])
-    return Vibration(
+    return PathModes(
         found.frequencies[place : place + 1, known],
         found.samples[place : place + 1][:, :, known],
+        found.weights,
         found.seen[place : place + 1, known],
     )
 

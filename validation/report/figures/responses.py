@@ -114,8 +114,9 @@ def _response(context: Context, number: int) -> Shown:
         raise Skip(str(error)) from error
     bands = []
     for one in reference.alternatives:
-        if one.response.vibration is not None and one.responses is not None:
-            known = one.response.vibration.receptances[number][at]
+        modes = one.response.solved_modes
+        if modes is not None and one.responses is not None:
+            known = modes.receptances[number][at]
             left_open = np.outer([-1.0, 1.0], one.responses.receptances[number][at])
             bands.append(1e6 * np.abs(known) * np.maximum(1.0 + left_open, _LEAST))
             found.setdefault(_REFERENCE, known)

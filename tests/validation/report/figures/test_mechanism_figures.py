@@ -4,7 +4,6 @@ import csv
 import gzip
 import io
 from functools import cache
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -17,7 +16,8 @@ from lumped.mechanism.kinematics.postures import reference_posture
 from lumped.robot_file import load_robot
 from lumped.sections import Rectangle
 from validation.adequacy.compared import Compared
-from validation.adequacy.response import Alternative, Reference, Response, Vibration
+from validation.adequacy.response import Alternative, Reference, Response
+from validation.agreement.responses import PathModes
 from validation.context import Context
 from validation.drawing import opengl
 from validation.drawing.chart import chart_table
@@ -146,10 +146,11 @@ def test_modes_are_paired_by_shape_in_the_middle_of_the_path(five_bar, monkeypat
     """Made up: two modes of the models exchanged, each a tenth too high."""
     shapes = np.linalg.qr(np.random.default_rng(2).normal(size=(3, 12, 4)))[0]
     frequencies = np.outer([1.0, 2.0, 3.0], [10.0, 20.0, 40.0, 80.0])
-    model = Vibration(1.1 * frequencies, shapes[:, :, [1, 0, 2, 3]], np.ones((3, 4)))
-    truth = Alternative("", Response(None, Vibration(frequencies, shapes, np.ones((3, 4)))))
-    robot = SimpleNamespace(samples=SimpleNamespace(weights=np.full(12, 1.0 / 12.0)))
-    monkeypatch.setattr(modes, "robot_on_path", lambda _: robot)
+    weights, seen = np.full(12, 1.0 / 12.0), np.ones((3, 4))
+    model = PathModes(1.1 * frequencies, shapes[:, :, [1, 0, 2, 3]], weights, seen)
+    own = PathModes(frequencies, shapes, weights, seen)
+    truth = Alternative("", Response(modes=own))
+    monkeypatch.setattr(modes, "robot_on_path", lambda _: None)
     monkeypatch.setattr(modes, "dynamic_reference", lambda _: Reference("solid", [truth]))
     monkeypatch.setattr(modes, "modes_by_model", lambda *_: model)
     rows = table(modes.pairs(five_bar))

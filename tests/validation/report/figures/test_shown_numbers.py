@@ -16,8 +16,8 @@ from validation.adequacy.response import (
     Reference,
     Response,
     ResponsesLeftOpen,
-    Vibration,
 )
+from validation.agreement.responses import PathModes
 from validation.context import Context
 from validation.kinematics.poses import postures_of
 from validation.report.figures import responses
@@ -43,16 +43,16 @@ def robot():
 def vibration(scale=1.0):
     """Made-up modes, at each pose ten times as high as at the one before, and responses."""
     frequencies = scale * np.outer([1.0, 10.0, 100.0], [1.0, 2.0])
-    return Vibration(
-        frequencies, np.zeros((3, 4, 2)), np.ones((3, 2)), receptances=[scale * SIZES + 0j]
-    )
+    samples, seen = np.zeros((3, 4, 2)), np.ones((3, 2))
+    receptances = [scale * SIZES + 0j]
+    return PathModes(frequencies, samples, np.ones(4), seen, receptances=receptances)
 
 
 def test_band_of_a_response_is_that_of_the_middle_pose(robot, monkeypatch):
     alternatives = [
         Alternative(
             name,
-            Response(vibration=vibration(scale)),
+            Response(modes=vibration(scale)),
             responses=ResponsesLeftOpen(np.zeros((3, 1)), np.zeros((3, 1)), [LEFT_OPEN * wide]),
         )
         for name, scale, wide in (("rigid", 1.0, 1.0), ("free", 1.5, 2.0))
@@ -76,7 +76,7 @@ def test_band_of_a_response_is_that_of_the_middle_pose(robot, monkeypatch):
 def test_band_below_reaches_down_to_the_reading_that_is_least(robot, monkeypatch):
     left_open = ResponsesLeftOpen(np.zeros((3, 1)), np.zeros((3, 1)), [np.full((3, 2), 0.4)])
     alternatives = [
-        Alternative(name, Response(vibration=vibration(scale)), responses=left_open)
+        Alternative(name, Response(modes=vibration(scale)), responses=left_open)
         for name, scale in (("rigid", 1.0), ("free", 3.0))
     ]
     monkeypatch.setattr(responses, "robot_on_path", lambda _: robot)
@@ -90,7 +90,7 @@ def test_band_below_reaches_down_to_the_reading_that_is_least(robot, monkeypatch
 def test_note_on_masses_has_numbers_of_the_middle_pose(robot):
     robot.prisms = [None]
     alternatives = [
-        Alternative(name, Response(vibration=vibration(scale)))
+        Alternative(name, Response(modes=vibration(scale)))
         for name, scale in (("wedge", 1.0), ("lump", 0.9))
     ]
     (note,) = mass_notes(robot, Reference("", alternatives, supposed="plausible"))
