@@ -22,6 +22,7 @@ from validation.exhibits import (
 )
 from validation.report.agreement import AgreementTable, agreement_sentence, agreement_tables
 from validation.report.declared import attempted
+from validation.report.element_counts import element_count_sentence
 from validation.report.figures.budgets import budget_figure
 from validation.report.figures.studies import Family, families, study_figure
 from validation.report.said import SaidTable
@@ -64,8 +65,8 @@ class PageSection:
 
     @property
     def statement(self) -> str:
-        """The agreement of all formulations in one sentence; "" without such cases."""
-        return agreement_sentence(self.outcomes)
+        """Agreement of all formulations, or element counts, in one sentence; "" without such."""
+        return agreement_sentence(self.outcomes) or element_count_sentence(self.figures)
 
     @property
     def worst_first(self) -> list[Outcome]:
