@@ -4,7 +4,7 @@ import csv
 import io
 import json
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
 import pytest
@@ -85,6 +85,21 @@ def test_one_quantity_beyond_the_limit_disagrees():
 
     study = with_series(leg1_study(), "beam", change)
     assert verdict_with(study, "leg1.converged[beam-20]") == "disagree"
+
+
+def test_error_about_an_uncertain_limit_is_undecided():
+    """0.95 % of a limit that is known to 0.1 %: it may be 1.05 %."""
+
+    def change(series, half_width):
+        values = np.tile(series.limits, (len(series.counts), 1))
+        values[:, 1] *= 1.0095
+        half_widths = np.zeros_like(series.limits)
+        half_widths[1] = half_width
+        return replace(series, values=values, limit_half_widths=half_widths)
+
+    for half_width, verdict in ((0.0, "agree"), (1e-3, "undecided")):
+        study = with_series(leg1_study(), "beam", partial(change, half_width=half_width))
+        assert verdict_with(study, "leg1.converged[beam-20]") == verdict
 
 
 def test_limit_of_the_other_theory_disagrees():
@@ -172,6 +187,19 @@ def test_figure_and_studies_show_every_subject():
         for body in ("leg1", "leg2", "robot")
         for quantity in ("f1", "f2", "f3", "f4", "x", "y", "z")
     }
+    for body in ("leg1", ""):
+        own = study_of(context, body)
+        for study, (k, quantity) in zip(
+            own.study_records(), enumerate(own.quantities), strict=True
+        ):
+            assert study["id"] == f"convergence.{body or 'robot'}.{quantity}"
+            for series in own.series:
+                # Of the finest value, in the unit of the study.
+                width, value = series.half_widths[-1, k], series.values[-1, k]
+                label = series.reading.label
+                assert study["uncertainty"][label] == pytest.approx(width * value, rel=1e-12)
+                assert study["limit"][label] == series.limits[k]
+                assert (label in study["order"]) is bool(np.isfinite(series.orders[k]))
     study = next(one for one in figure.studies if one["id"] == "convergence.leg1.f2")
     values = study["series"]["rigid segments, half-length end springs"]
     at = study["x"].index(20)

@@ -6,6 +6,7 @@ from functools import partialmethod
 import pytest
 from one_arm import ONE_ARM
 from report_sample import measured
+from sound_biglide import SOUND
 from written_robot import robot_of
 
 from lumped.robot_file import load_robot
@@ -23,6 +24,8 @@ from validation.report.agreement import (
 )
 from validation.results.outcome import judge
 
+HOLLOW = '{ shape = "hollow-rectangle", width = 0.10, height = 0.16, thickness = 0.008 }'
+RECTANGLE = '{ shape = "rectangle", width = 0.10, height = 0.16 }'
 CONTEXT = Context(load_robot("ifw"), "quick")
 BY_ID = {case.id: case for case in cases(legs=("leg1", "leg2"))}
 
@@ -136,6 +139,22 @@ def test_wrong_section_formula_disagrees(steel_arm, monkeypatch, mistake):
 
 def scaled(section, coefficients, factor, nu):
     return tuple(factor * one for one in coefficients(section, nu))
+
+
+def torsion_of(folder, ends):
+    """Measurement of φx of a biglide's leg 1 by the VJM, a rectangle with these ends."""
+    text = SOUND.replace(HOLLOW, RECTANGLE).replace("[leg1]", f"[leg1]\n{ends}")
+    case = {case.id: case for case in cases(legs=("leg1",))}["leg1.agrees[vjm-solid-φx]"]
+    return case.measure(Context(robot_of(text, folder), "quick"))
+
+
+def test_free_ends_of_the_file_hold_nothing(tmp_path):
+    free, unsaid = (torsion_of(tmp_path, ends) for ends in ('ends = "free"', ""))
+    assert [one.amount for one in free.allowances if one.cause == HELD_FACES] == [0.0]
+    (held,) = (one.amount for one in unsaid.allowances if one.cause == HELD_FACES)
+    assert free.value == unsaid.value
+    assert free.reference - unsaid.reference == pytest.approx(held, rel=1e-2)
+    assert held > 2e-3 * unsaid.reference
 
 
 def agreeing(model, label, value, reference, *allowances, body="leg1", **more):
