@@ -19,6 +19,7 @@ from lumped.system.assembly import assembly
 from meshes.section.section_blocks import WALL_ASPECT
 from validation.adequacy.mechanism.parts import bounded_frequencies
 from validation.adequacy.mechanism.path import (
+    RobotReading,
     known_legs,
     offered,
     path_postures,
@@ -26,6 +27,7 @@ from validation.adequacy.mechanism.path import (
 )
 from validation.adequacy.mechanism.samples import samples_of
 from validation.adequacy.mechanism.vibration import (
+    LegMesh,
     SolidMeshes,
     solid_meshes,
     solid_vibration,
@@ -51,7 +53,6 @@ from validation.solids.legs import (
     FORMAL_ORDER,
     SHARED_SOLIDS,
     decay_of_warping,
-    divisions_across,
     own_beam,
 )
 from validation.solids.size import too_large
@@ -80,13 +81,13 @@ cases = CaseGroup(
 )
 
 
-def free_modes(postures: tuple[Posture, ...], divisions: int, walls: int, count: int) -> FreeModes:
+def free_modes(postures: tuple[Posture, ...], mesh: LegMesh, count: int) -> FreeModes:
     """Beams and solids of one section mesh in the only one of `postures`."""
     mechanism = postures[0].mechanism
     legs = {
         name: leg for name, leg in known_legs(mechanism).items() if isinstance(leg, ConstantLeg)
     }
-    numbers = {name: divisions_across(leg, divisions, walls) for name, leg in legs.items()}
+    numbers = {name: mesh.divisions(leg) for name, leg in legs.items()}
     samples = samples_of(mechanism)
     highest = highest_frequency(postures, count)
     alike = {leg: own_beam(leg, numbers[name]) for name, leg in legs.items()}
@@ -97,7 +98,7 @@ def free_modes(postures: tuple[Posture, ...], divisions: int, walls: int, count:
     beams = {name: filled(reduced[leg].matrices) for name, leg in legs.items()}
     own = vibration_of(samples, modes_along(assembly(mechanism, beams), postures, count), count)
     free: dict[str, Ends] = dict.fromkeys(legs, "free")
-    solids = solid_vibration(postures, divisions, walls, free, None, count)
+    solids = solid_vibration(postures, RobotReading(free), mesh, count)
     found = partners(own, solids, MODES)
     changes = wave_changes(
         postures,
@@ -121,7 +122,7 @@ def _meshes(context: Context) -> tuple[tuple[Posture, ...], SolidMeshes, float]:
     if mechanism.parts or not prisms or len(prisms) < len(legs):
         raise Skip("not all of its legs are prisms, whose waves are known")
     meshes = solid_meshes(context.preset)
-    numbers = [divisions_across(leg, *meshes.fine) for leg in prisms]
+    numbers = [meshes.fine.divisions(leg) for leg in prisms]
     if reason := too_large(prisms, numbers, context.preset):
         raise Skip(reason)
     for leg, number in zip(prisms, numbers, strict=True):
@@ -155,7 +156,7 @@ def _meshes(context: Context) -> tuple[tuple[Posture, ...], SolidMeshes, float]:
 def _frequency(context: Context, index: int) -> Measurement:
     middle, meshes, ratio = _meshes(context)
     count = offered(MODES)
-    rougher, found = (context.get(free_modes, middle, *mesh, count) for mesh in meshes)
+    rougher, found = (context.get(free_modes, middle, mesh, count) for mesh in meshes)
     factor = step_factor(ratio, FORMAL_ORDER)
     change = float(found.changes[index])
     if not np.isfinite(change):

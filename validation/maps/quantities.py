@@ -126,10 +126,7 @@ def _references(robot: RobotOnPath) -> list[Assembly]:
     """The robot as its statics are judged by, for each of what its file leaves open."""
     found = []
     for ends in robot.holding.alternatives.values():
-        tips = {
-            name: solid_tip(robot.context, leg, ends[name], fine=True)
-            for name, leg in robot.legs.items()
-        }
+        tips = {name: solid_tip(robot.context, leg, ends[name]) for name, leg in robot.legs.items()}
         parts = solid_parts(robot.postures, robot.offered, ends)
         found.append(assembly(robot.mechanism, {**links(robot.mechanism, tips), **parts}))
     return found

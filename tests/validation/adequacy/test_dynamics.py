@@ -24,6 +24,7 @@ from validation.adequacy.mechanism.dynamics import dynamic_reference, mass_notes
 from validation.adequacy.mechanism.path import robot_at, robot_on_path
 from validation.adequacy.mechanism.statics import static_reference
 from validation.adequacy.mechanism.vibration import (
+    LegMesh,
     built_vibration,
     modes_by_model,
     modes_of_solids,
@@ -174,11 +175,10 @@ def test_stated_uncertainties_of_frequencies_hold_shorter_slices_and_finer_secti
         for preset in ("quick", "standard")
     )
     (own,) = dynamic_reference(quick).alternatives
-    hold = finer.holding.first
-    of_sections = solid_vibration(
-        quick.postures, 2, 2, hold, None, quick.offered, section=2 * COARSEST_WALLS
-    )
-    for truth in (modes_of_solids(finer, hold, None), of_sections):
+    hold = finer.first_reading
+    mesh = LegMesh(2, 2, 2 * COARSEST_WALLS)
+    of_sections = solid_vibration(quick.postures, hold, mesh, quick.offered)
+    for truth in (modes_of_solids(finer, hold), of_sections):
         changes = frequency_changes(own.response.modes, truth, 4)
         assert (changes <= own.dynamic).all()
 
@@ -299,9 +299,7 @@ def test_legs_without_mass_bound_robots_whose_legs_are_all_given(*, mixed):
         (statics,) = static_reference(robot).alternatives
         assert (statics.static[:, :6] > 1e-6).all()
     else:
-        own, above = (
-            modes_of_solids(one, one.holding.first, Inside(MASSES[0])) for one in (robot, massless)
-        )
+        own, above = (modes_of_solids(one, one.first_reading) for one in (robot, massless))
         assert (own.frequencies[0, :3] < above.frequencies[0, :3]).all()
         bounds = [f"f{k + 1} {one:.4g} Hz" for k, one in enumerate(above.frequencies[0, :3])]
         assert note.endswith(", ".join(bounds))

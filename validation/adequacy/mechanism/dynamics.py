@@ -1,6 +1,7 @@
 """Natural modes of a robot: what models are held against, and why they are off."""
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from itertools import product
 
@@ -20,7 +21,7 @@ from validation.adequacy.mechanism.parts import (
     part_answers,
     refinement_share,
 )
-from validation.adequacy.mechanism.path import Holds, RobotOnPath
+from validation.adequacy.mechanism.path import Holds, RobotOnPath, RobotReading
 from validation.adequacy.mechanism.vibration import (
     modes_by_model,
     modes_of_own_beams,
@@ -43,11 +44,11 @@ from validation.adequacy.response import (
 )
 from validation.agreement.responses import PathModes, Unsolved
 from validation.context import Preset
-from validation.models.loads.leg_masses import MASSES, Inside, Masses, plausible_insides
+from validation.models.loads.leg_masses import Masses, plausible_insides
 from validation.models.mechanism import modes_along
 from validation.models.options import ModelName, ModelOptions
 from validation.parts.meshes import FINEST, MIDDLE
-from validation.solids.legs import COARSEST_WALLS, ELEMENTS, divisions_across
+from validation.solids.legs import COARSEST_WALLS, ELEMENTS
 from validation.solids.size import larger_preset, too_large
 
 # m/N: a logarithm has no zero.
@@ -61,28 +62,27 @@ def dynamic_reference(robot: RobotOnPath) -> Reference:
     if reason := _why_unmeshed(robot.prisms, preset):
         return Reference("none", (), decides=reason)
     insides = plausible_insides(robot.given.values())
-    left_by_parts = _part_uncertainty(robot, insides[0])
+    left_by_parts = _part_uncertainty(robot)
     alternatives = []
     for (name, hold), inside in product(holding.alternatives.items(), insides):
-        fine = modes_of_solids(robot, hold, inside)
+        reading = RobotReading(hold, inside)
+        fine = modes_of_solids(robot, reading)
         uncertainty = np.zeros((len(robot.postures), robot.judged)) + left_by_parts
         # Where no section is meshed there is one solution.
         if robot.prisms:
-            coarse = modes_of_solids(robot, hold, inside, fine=False)
-            uncertainty += _mesh_uncertainty(robot, coarse, fine, hold)
+            uncertainty += _mesh_uncertainty(robot, reading, fine)
         said = name if robot.prisms or parts or not robot.given else ""
-        masses = inside.masses if inside else MASSES[0]
         dynamic = np.where(np.isnan(uncertainty), UNKNOWN, uncertainty)
-        digits = _digit_uncertainty(robot, fine, masses)
+        digits = _digit_uncertainty(robot, fine, reading.masses)
         alternatives.append(
             Alternative(
                 ", ".join(filter(None, (said, str(inside or "")))),
                 Response(modes=fine),
                 dynamic=dynamic,
                 dynamic_digits=digits,
-                responses=_left_of_responses(robot, hold, inside, fine, digits),
+                responses=_left_of_responses(robot, reading, fine, digits),
                 ends=said,
-                others=", ".join((said, masses)),
+                others=", ".join((said, reading.masses)),
             )
         )
     mass_unsaid = OPEN_MASSES if robot.given else ""
@@ -111,7 +111,7 @@ def _title(robot: RobotOnPath) -> str:
 
 def _why_unmeshed(prisms: Sequence[ConstantLeg], preset: Preset) -> str:
     """Why a preset does not mesh these legs; or ""."""
-    divisions = [divisions_across(leg, *solid_meshes(preset).fine) for leg in prisms]
+    divisions = [solid_meshes(preset).fine.divisions(leg) for leg in prisms]
     return too_large(prisms, divisions, preset)
 
 
@@ -120,17 +120,17 @@ def _finer_preset(prisms: Sequence[ConstantLeg], preset: Preset) -> str:
     return finer_by(larger_preset(preset, lambda one: not _why_unmeshed(prisms, one)))
 
 
-def _mesh_uncertainty(robot: RobotOnPath, coarse: PathModes, fine: PathModes, ends: Holds) -> Array:
+def _mesh_uncertainty(robot: RobotOnPath, reading: RobotReading, fine: PathModes) -> Array:
     """What the meshes of prisms leave open of the judged frequencies of `fine` (p×K, relative).
 
     From the step between two solids, whose elements become shorter along walls and legs while walls
     keep one across, and from what that leaves open of the beams' modes of the same shape. NaN for a
     mode that the coarser solid does not have, or the beams: it is known to no digit.
     """
-    judged = robot.judged
+    judged, coarse = robot.judged, modes_of_solids(robot, replace(reading, mesh=0))
     step = frequency_changes(fine, coarse, judged)
     ratio = solid_meshes(robot.context.meshes).ratio(robot.prisms)
-    rough, beams = _beams_on_section_meshes(robot, ends)
+    rough, beams = _beams_on_section_meshes(robot, reading.ends)
     count = beams.frequencies.shape[1]
     changes = frequency_changes(beams, rough, count)
     of_beams = np.broadcast_to(changes[:, None, :], (*fine.frequencies.shape, count))
@@ -140,15 +140,16 @@ def _mesh_uncertainty(robot: RobotOnPath, coarse: PathModes, fine: PathModes, en
 
 def _beams_on_section_meshes(robot: RobotOnPath, ends: Holds) -> tuple[PathModes, PathModes]:
     """Beams by the section meshes of the solids, and by their own finer ones."""
-    across, walls = solid_meshes(robot.context.meshes).fine
+    fine = solid_meshes(robot.context.meshes).fine
     # Beams free to warp lean on Saint-Venant's constant less than such solids do.
     warping = None if "free" in ends.values() else ends
-    rough = modes_of_own_beams(robot, warping, (across, max(walls, COARSEST_WALLS)))
+    mesh = fine._replace(walls=max(fine.walls, COARSEST_WALLS))
+    rough = modes_of_own_beams(robot, warping, mesh)
     return rough, modes_of_own_beams(robot, warping)
 
 
 def _left_of_responses(
-    robot: RobotOnPath, ends: Holds, inside: Inside | None, fine: PathModes, digits: Array | None
+    robot: RobotOnPath, reading: RobotReading, fine: PathModes, digits: Array | None
 ) -> ResponsesLeftOpen | None:
     """What meshes and printed digits (`digits` of frequencies, p×K) leave open of responses."""
     excitations = robot.mechanism.excitations
@@ -156,7 +157,7 @@ def _left_of_responses(
         return None
 
     def meshes(numbers: Callable[[PathModes], Array]) -> Array:
-        return _left_by_meshes(robot, ends, inside, fine, numbers)
+        return _left_by_meshes(robot, reading, fine, numbers)
 
     known = np.zeros((len(robot.postures), robot.judged)) if digits is None else digits
     of_peaks: list[Array] = []
@@ -194,8 +195,7 @@ def _left_by_digits(
 
 def _left_by_meshes(
     robot: RobotOnPath,
-    ends: Holds,
-    inside: Inside | None,
+    reading: RobotReading,
     fine: PathModes,
     numbers: Callable[[PathModes], Array],
 ) -> Array:
@@ -205,8 +205,7 @@ def _left_by_meshes(
         return step_uncertainty(np.abs(numbers(rough) / numbers(own) - 1.0), ratio)
 
     def of_parts(level: int) -> Array:
-        first = plausible_insides(robot.given.values())[0]
-        return numbers(modes_of_solids(robot, robot.holding.first, first, level=level))
+        return numbers(modes_of_solids(robot, replace(robot.first_reading, part_mesh=level)))
 
     # A peak that nothing damps has no size.
     with np.errstate(invalid="ignore"):
@@ -214,10 +213,10 @@ def _left_by_meshes(
             robot.mechanism, of_parts, number_by_number
         )
         if robot.prisms:
-            coarse = modes_of_solids(robot, ends, inside, fine=False)
+            coarse = modes_of_solids(robot, replace(reading, mesh=0))
             ratio = solid_meshes(robot.context.meshes).ratio(robot.prisms)
             left += step(coarse, fine, ratio)
-            left += step(*_beams_on_section_meshes(robot, ends), SECTION_RATIO)
+            left += step(*_beams_on_section_meshes(robot, reading.ends), SECTION_RATIO)
     return np.where(np.isnan(left), UNKNOWN, left)
 
 
@@ -237,7 +236,7 @@ def _digit_uncertainty(robot: RobotOnPath, fine: PathModes, masses: Masses) -> A
     return np.where(np.isnan(by_shape), most, by_shape)
 
 
-def _part_uncertainty(robot: RobotOnPath, inside: Inside | None) -> Array | float:
+def _part_uncertainty(robot: RobotOnPath) -> Array | float:
     """What the meshes of CAD parts leave open of frequencies (p×K, relative).
 
     NaN for a mode that a coarser mesh does not have.
@@ -245,7 +244,7 @@ def _part_uncertainty(robot: RobotOnPath, inside: Inside | None) -> Array | floa
 
     def frequencies(level: int) -> Array:
         finest, found = (
-            modes_of_solids(robot, robot.holding.first, inside, level=one)
+            modes_of_solids(robot, replace(robot.first_reading, part_mesh=one))
             for one in (FINEST, level)
         )
         own = finest.frequencies[:, : robot.judged]
@@ -316,7 +315,9 @@ def dynamic_ladders(
     }
     if robot.mechanism.parts:
         # On a coarser mesh than the reference's.
-        solids = partial(modes_of_solids, robot, robot.holding.first, None, level=MIDDLE)
+        solids = partial(
+            modes_of_solids, robot, RobotReading(robot.holding.first, part_mesh=MIDDLE)
+        )
         alike["modes inside"] = Response(modes=modes_of(solids))
     if robot.prisms and not robot.given:
         alike["own"] = own(None)

@@ -17,7 +17,7 @@ import scipy
 from lumped.mechanism.mechanism import Mechanism
 from validation.adequacy.mechanism.legs import held_spring
 from validation.adequacy.mechanism.parts import assembled
-from validation.adequacy.mechanism.path import Holds, RobotOnPath, robot_at
+from validation.adequacy.mechanism.path import Holds, RobotOnPath, RobotReading, robot_at
 from validation.adequacy.mechanism.vibration import (
     modes_of_own_beams,
     modes_of_solids,
@@ -90,7 +90,7 @@ def _beams(robot: RobotOnPath) -> _Beams:
         [
             Response(
                 modes=modes_of(
-                    partial(modes_of_solids, robot, ends, inside)
+                    partial(modes_of_solids, robot, RobotReading(ends, inside))
                     if not robot.prisms and not robot.mechanism.parts
                     else partial(modes_of_own_beams, robot, ends)
                 )

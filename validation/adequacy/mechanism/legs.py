@@ -1,6 +1,7 @@
 """Legs as their robot's reference has them, and the springs by which causes are told apart."""
 
 from collections.abc import Iterable
+from typing import Literal
 
 import numpy as np
 
@@ -99,12 +100,12 @@ def _most(preset: Preset, leg: ConstantLeg) -> int:
     return first if static_ladder(leg, first) else second
 
 
-def solid_tip(context: Context, leg: Leg, ends: Ends, *, fine: bool) -> Array:
+def solid_tip(context: Context, leg: Leg, ends: Ends, *, mesh: Literal[0, 1] = 1) -> Array:
     """6×6 tip compliance (SI, leg axes) of a solid leg on one of its meshes; a given one's own."""
     if isinstance(leg, GivenLeg):
         return given_compliance(leg)
     meshes = solid_leg(context, leg)
-    return (meshes.fine if fine else meshes.coarse)[ends]
+    return (meshes.fine if mesh else meshes.coarse)[ends]
 
 
 def straight_spring(leg: Leg) -> Array:

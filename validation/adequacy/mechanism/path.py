@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TypeAlias
+from typing import Literal, TypeAlias
 
 import numpy as np
 
@@ -17,10 +17,12 @@ from validation.adequacy.matrix import Coordinate
 from validation.adequacy.mechanism.samples import Samples, samples_of
 from validation.context import Context, Preset
 from validation.kinematics.poses import postures_on_path
+from validation.models.loads.leg_masses import MASSES, Inside, Masses, plausible_insides
 from validation.models.mechanism import constant_legs
 from validation.models.options import DEFAULT_OPTIONS
 from validation.models.part_legs import part_springs, require_legs
 from validation.models.parts import is_held_as_said
+from validation.parts.meshes import FINEST
 
 # How ends are held, and tip compliances (6×6, SI, leg axes), by body.
 Holds: TypeAlias = Mapping[str, Ends]
@@ -31,6 +33,25 @@ MOST_POSES: Mapping[Preset, int] = {"quick": 9, "standard": 25, "fine": 81}
 HOLD: tuple[Ends, Ends] = ("rigid", "free")
 _SAY_PARTS = 'how faces are held: coupling = "rigid", "average" or "pin" in the interfaces of'
 _SAY_ENDS = 'how end faces are held: ends = "rigid" (bolted flat) or ends = "free" (to warp) in'
+
+
+@dataclass(frozen=True)
+class RobotReading:
+    """Reading of a robot file where it leaves something open, on one mesh of each kind.
+
+    `ends` of every leg and part; `inside` of the legs known by their 6×6, None without such legs.
+    `mesh` of solid legs: 1 is the fine one, 0 the coarse one. `part_mesh`: level of CAD parts.
+    """
+
+    ends: Holds
+    inside: Inside | None = None
+    mesh: Literal[0, 1] = 1
+    part_mesh: int = FINEST
+
+    @property
+    def masses(self) -> Masses:
+        """Distribution of the mass of legs known by their 6×6: along the legs if nothing is set."""
+        return self.inside.masses if self.inside else MASSES[0]
 
 
 @dataclass(frozen=True)
@@ -90,6 +111,11 @@ class RobotOnPath:
     def say_interior(self) -> str:
         """Instruction that settles the stiffness inside these; "" without such legs."""
         return say_interior(self.given, self.context.robot_file.schema)
+
+    @property
+    def first_reading(self) -> RobotReading:
+        """The reading by which the meshes of CAD parts are studied."""
+        return RobotReading(self.holding.first, plausible_insides(self.given.values())[0])
 
     @property
     def judged(self) -> int:

@@ -6,6 +6,7 @@ serial chains; it shares no code with the assembler.
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import TypeAlias
 
@@ -39,7 +40,7 @@ from validation.adequacy.mechanism.parts import (
     refinement_share,
     solid_parts,
 )
-from validation.adequacy.mechanism.path import Holds, RobotOnPath, Springs
+from validation.adequacy.mechanism.path import Holds, RobotOnPath, RobotReading, Springs
 from validation.adequacy.response import (
     USE,
     USE_SOLID,
@@ -59,11 +60,10 @@ from validation.models.loads.displacements import (
     displacements_by,
     masses_of,
 )
-from validation.models.loads.leg_masses import MASSES, Masses, plausible_masses
+from validation.models.loads.leg_masses import Inside, plausible_masses
 from validation.models.loads.stability import stabilities
 from validation.models.mechanism import answers
 from validation.models.options import ModelName, ModelOptions, PartLegs
-from validation.parts.meshes import FINEST
 from validation.solids.legs import COARSEST_WALLS
 
 # Compliance (6×6, SI, leg axes) of the tip of a leg with such ends.
@@ -96,7 +96,7 @@ def static_reference(robot: RobotOnPath) -> Reference:
     ratio = min((solid_leg(context, leg).ratio for leg in robot.prisms), default=1.0)
     further = _section_uncertainty(robot) + refinement_share(
         robot.mechanism,
-        lambda level: _of_solids(robot, robot.holding.first, level=level),
+        lambda level: _of_solids(robot, replace(robot.first_reading, part_mesh=level)),
         lambda one, other, fine: sizes(one - other, fine),
     )
     digits = None
@@ -105,17 +105,18 @@ def static_reference(robot: RobotOnPath) -> Reference:
     linear = _left_by_linearity(robot)
     alternatives = []
     for name, ends in robot.holding.alternatives.items():
-        fine = _of_solids(robot, ends)
+        reading = RobotReading(ends)
+        fine = _of_solids(robot, reading)
         # Every axis, any force, every load.
         poses, loads, _ = fine.load_displacements.shape
         step = np.full((poses, len(UNIT_LOADS) + loads), ROUNDING)
         if robot.prisms:
-            coarse = _of_solids(robot, ends, fine=False)
+            coarse = _of_solids(robot, replace(reading, mesh=0))
             step = step_uncertainty(sizes(coarse - fine, fine), ratio)
             on_mass = [load.acts_on_mass for load in robot.mechanism.loads]
             step[:, len(UNIT_LOADS) :] += _MASS_OF_BEAMS * np.array(on_mass)
         response = Response(fine)
-        masses = _left_by_masses(robot, ends, fine)
+        masses = _left_by_masses(robot, reading, fine)
         alternatives.append(
             Alternative(
                 name,
@@ -143,24 +144,17 @@ def static_reference(robot: RobotOnPath) -> Reference:
     )
 
 
-def _of_solids(
-    robot: RobotOnPath,
-    ends: Holds,
-    *,
-    fine: bool = True,
-    level: int = FINEST,
-    masses: Masses = MASSES[0],
-) -> Statics:
-    """Statics with solid legs on one of two meshes, parts on one of three."""
+def _of_solids(robot: RobotOnPath, reading: RobotReading) -> Statics:
+    """Statics with solid legs and parts."""
     tips = {
-        body: solid_tip(robot.context, leg, ends[body], fine=fine)
+        body: solid_tip(robot.context, leg, reading.ends[body], mesh=reading.mesh)
         for body, leg in robot.legs.items()
     }
-    parts = solid_parts(robot.postures, robot.offered, ends, level)
-    return assembled(robot.postures, tips, parts, masses)
+    parts = solid_parts(robot.postures, robot.offered, reading.ends, reading.part_mesh)
+    return assembled(robot.postures, tips, parts, reading.masses)
 
 
-def _left_by_masses(robot: RobotOnPath, ends: Holds, own: Statics) -> Array | None:
+def _left_by_masses(robot: RobotOnPath, reading: RobotReading, own: Statics) -> Array | None:
     """What plausible places of the mass of legs known by their 6×6 leave open (p×(7+l), relative).
 
     The displacement under a load is linear in where the mass is: between these it is any.
@@ -168,7 +162,7 @@ def _left_by_masses(robot: RobotOnPath, ends: Holds, own: Statics) -> Array | No
     if not robot.given or not any(load.acts_on_mass for load in robot.mechanism.loads):
         return None
     others = plausible_masses(robot.given.values())
-    found = (_of_solids(robot, ends, masses=masses) for masses in others)
+    found = (_of_solids(robot, replace(reading, inside=Inside(masses))) for masses in others)
     return np.asarray(np.max([sizes(one - own, own) for one in found], axis=0))
 
 

@@ -21,7 +21,7 @@ from lumped.memo import memo
 from lumped.system.assembly import assembly
 from validation.adequacy.mechanism.legs import SECTION_DIVISIONS, own_elements
 from validation.adequacy.mechanism.parts import Bodies, condensed_parts, solid_parts
-from validation.adequacy.mechanism.path import Holds, RobotOnPath, known_legs
+from validation.adequacy.mechanism.path import Holds, RobotOnPath, RobotReading, known_legs
 from validation.adequacy.mechanism.samples import Samples, samples_of
 from validation.agreement.responses import PathModes
 from validation.context import Preset
@@ -36,7 +36,6 @@ from validation.models.mechanism import (
     with_enough_modes,
 )
 from validation.models.options import ModelName, ModelOptions
-from validation.parts.meshes import FINEST
 from validation.solids.legs import (
     COARSEST_WALLS,
     DIVISIONS,
@@ -58,53 +57,61 @@ def modes_by_model(robot: RobotOnPath, model: ModelName, options: ModelOptions) 
     return robot.context.get(model_vibration, robot.postures, model, options, robot.offered)
 
 
-class SolidMeshes(NamedTuple):
-    """Divisions of two meshes of the solid legs, each across rectangles and across walls."""
+class LegMesh(NamedTuple):
+    """Divisions of a prism's mesh: `across` rectangles, and across the `walls` of other sections.
 
-    coarse: tuple[int, int]
-    fine: tuple[int, int]
+    Sections with walls are meshed with at least `least` divisions, whatever the slices are.
+    """
+
+    across: int
+    walls: int
+    least: int = 0
+
+    def divisions(self, leg: ConstantLeg) -> int:
+        """Divisions of a leg along its walls and axis."""
+        return divisions_across(leg, self.across, self.walls)
+
+    def section_divisions(self, leg: ConstantLeg) -> int:
+        """Divisions of the section of a leg."""
+        return divisions_across(leg, self.across, max(self.walls, self.least))
+
+
+OWN_SECTIONS = LegMesh(SECTION_DIVISIONS, SECTION_DIVISIONS)
+
+
+class SolidMeshes(NamedTuple):
+    """Two meshes of the solid legs."""
+
+    coarse: LegMesh
+    fine: LegMesh
 
     def ratio(self, prisms: Iterable[ConstantLeg]) -> float:
-        """By how much the coarse one's elements of these legs are larger at least."""
-        return min(
-            divisions_across(leg, *self.fine) / divisions_across(leg, *self.coarse)
-            for leg in prisms
-        )
+        """Smallest ratio of the element sizes of these legs, coarse to fine."""
+        return min(self.fine.divisions(leg) / self.coarse.divisions(leg) for leg in prisms)
 
 
 def solid_meshes(preset: Preset) -> SolidMeshes:
-    """The meshes whose step shows what they leave open."""
+    """Meshes between which the step of a preset's solid legs is taken."""
     across, walls = DIVISIONS[preset], WALL_DIVISIONS[preset]
-    return SolidMeshes((across - 1, walls // 2), (across, walls))
+    return SolidMeshes(LegMesh(across - 1, walls // 2), LegMesh(across, walls))
 
 
-def modes_of_solids(
-    robot: RobotOnPath,
-    ends: Holds,
-    inside: Inside | None,
-    *,
-    fine: bool = True,
-    level: int = FINEST,
-) -> PathModes:
-    """Solid legs on one of two meshes, given ones with such an `inside`, parts on one of three.
+def modes_of_solids(robot: RobotOnPath, reading: RobotReading) -> PathModes:
+    """Modes with solid legs, legs known by their 6×6 with an inside, and CAD parts.
 
-    Sections of thin walls are one mesh with one and with two divisions: how much too stiff it
-    resists distortion no shorter slices would tell. The fine one has at least four.
+    Sections of thin walls are one mesh with one and with two divisions: shorter slices would not
+    show how much too stiff it resists distortion. The fine one has at least four.
     """
     meshes = solid_meshes(robot.context.meshes)
-    divisions, section = (meshes.fine, COARSEST_WALLS) if fine else (meshes.coarse, 0)
-    return robot.context.get(
-        solid_vibration, robot.postures, *divisions, ends, inside, robot.offered, level, section
-    )
+    mesh = meshes.fine._replace(least=COARSEST_WALLS) if reading.mesh else meshes.coarse
+    return robot.context.get(solid_vibration, robot.postures, reading, mesh, robot.offered)
 
 
 def modes_of_own_beams(
-    robot: RobotOnPath,
-    ends: Holds | None,
-    divisions: tuple[int, int] = (SECTION_DIVISIONS, SECTION_DIVISIONS),
+    robot: RobotOnPath, ends: Holds | None, mesh: LegMesh = OWN_SECTIONS
 ) -> PathModes:
-    """Beams of the sections' own constants from such meshes, with warping where ends are held."""
-    return robot.context.get(own_vibration, robot.postures, *divisions, ends, robot.offered)
+    """Modes with beams of the sections' own constants, with warping if `ends` are given."""
+    return robot.context.get(own_vibration, robot.postures, mesh, ends, robot.offered)
 
 
 def vibration_of(samples: Samples, found: Iterable[PostureModes], count: int) -> PathModes:
@@ -179,31 +186,18 @@ def _known(found: PathModes) -> Array:
 
 
 def solid_vibration(
-    postures: tuple[Posture, ...],
-    divisions: int,
-    walls: int,
-    ends: Holds,
-    inside: Inside | None,
-    count: int,
-    level: int = FINEST,
-    section: int = 0,
+    postures: tuple[Posture, ...], reading: RobotReading, mesh: LegMesh, count: int
 ) -> PathModes:
-    """Modes with prisms as solids reduced to their ends, and given legs with a plausible inside.
-
-    `divisions` across rectangles, `walls` across the sections that have walls, which are meshed
-    with `section` divisions where those are more; CAD parts on the mesh of that `level`.
-    """
+    """Modes with prisms as solids on `mesh` reduced to their ends; all else as the reading."""
 
     def build(leg: Leg, ends: Ends, highest: float) -> LegMatrices:
         if isinstance(leg, GivenLeg):
-            return leg_with_inside(leg, inside or Inside(MASSES[0]), highest)
-        number, face = (
-            divisions_across(leg, divisions, one) for one in (walls, max(walls, section))
-        )
-        return _reduced_solid(leg, number, face, ends, highest)
+            return leg_with_inside(leg, reading.inside or Inside(MASSES[0]), highest)
+        divisions = mesh.divisions(leg), mesh.section_divisions(leg)
+        return _reduced_solid(leg, *divisions, ends, highest)
 
-    parts = solid_parts(postures, count, ends, level)
-    return built_vibration(postures, build, parts, ends, count)
+    parts = solid_parts(postures, count, reading.ends, reading.part_mesh)
+    return built_vibration(postures, build, parts, reading.ends, count)
 
 
 # Robots that differ in one number share most of their legs.
@@ -215,25 +209,16 @@ def _reduced_solid(
 
 
 def own_vibration(
-    postures: tuple[Posture, ...],
-    divisions: int,
-    walls: int,
-    ends: Holds | None,
-    count: int,
+    postures: tuple[Posture, ...], mesh: LegMesh, ends: Holds | None, count: int
 ) -> PathModes:
-    """Modes by beams of the sections' own constants; with warping, held as `ends` say.
-
-    `divisions` of the mesh of rectangles, `walls` of the others, as in `solid_vibration`.
-    """
+    """Modes by beams of the sections' own constants on `mesh`, with warping if `ends` are given."""
     mechanism = postures[0].mechanism
-    build = partial(_own_leg, divisions=divisions, walls=walls, warping=ends is not None)
+    build = partial(_own_leg, mesh=mesh, warping=ends is not None)
     hold: Holds = ends or dict.fromkeys(known_legs(mechanism), "rigid")
     return built_vibration(postures, build, condensed_parts(mechanism), hold, count)
 
 
-def _own_leg(
-    leg: Leg, ends: Ends, highest: float, *, divisions: int, walls: int, warping: bool
-) -> LegMatrices:
-    number = divisions_across(equivalent_leg(leg), divisions, walls)
+def _own_leg(leg: Leg, ends: Ends, highest: float, *, mesh: LegMesh, warping: bool) -> LegMatrices:
+    number = mesh.divisions(equivalent_leg(leg))
     whole = own_elements(leg, ends if warping else None, ELEMENTS, number)
     return craig_bampton(held_leg(whole), highest, CUTOFF["beam"] * highest).matrices
