@@ -12,8 +12,9 @@ held) is 1/K22 = L³/12EI + L/κGA: what exceeds L² c66/12 is shear. No 6×6 co
   c44 the second has a first held frequency up to 22.37/(π√12) = 2.06 times as high.
 
 The held stiffness of such legs lies between that of the "soft" and of the "stiff" beam, and with it
-every frequency of their robot (Rayleigh). Radii of gyration are those of a homogeneous leg,
-I/A = EI/EA with the EI of c55 and c66.
+every frequency of their robot by its number, whatever its shape (Rayleigh), but for what the shapes
+by which the inside follows the ends do to the mass: some 1e-3 of the lowest ones. Radii of gyration
+are those of a homogeneous leg, I/A = EI/EA with the EI of c55 and c66.
 """
 
 from math import sqrt

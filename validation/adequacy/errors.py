@@ -7,11 +7,18 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from lumped.acceptance.quantities import ANY_FORCE, ORDER, Quantity
+from lumped.acceptance.quantities import ANY_FORCE, ORDER, Quantity, QuantityKind
 from lumped.arrays import Array, IntArray
-from validation.adequacy.partners import Partners, partners
-from validation.adequacy.response import Alternative, Reference, Response, Subject
+from validation.adequacy.partners import Partners, partners, shape_ranges
+from validation.adequacy.response import (
+    Alternative,
+    Reference,
+    Response,
+    Subject,
+    by_interior,
+)
 from validation.agreement.displacement import relative
+from validation.agreement.mode_pairing import one_frequency
 from validation.agreement.responses import PathModes
 
 
@@ -42,7 +49,9 @@ class Paired:
     those of other places. `undecided`: shapes do not decide whether the model has the mode.
     `local`: the mode is local to a leg's section, `seen` the share of its kinetic energy in
     sections and bodies that move as wholes. `likeness` with the partner, or the largest with any
-    mode of the model.
+    mode of the model. `beyond_below` and `beyond_above`: distance from the error and what else is
+    left open of it to those of modes that have this number with a stiffness inside the legs between
+    those of the alternatives.
     """
 
     below: Array
@@ -51,6 +60,8 @@ class Paired:
     local: NDArray[np.bool_]
     seen: Array
     likeness: Array
+    beyond_below: Array
+    beyond_above: Array
 
     def rows(self, rows: Sequence[int]) -> "Paired":
         """Pairing of some of the alternatives."""
@@ -98,7 +109,8 @@ class Errors:
         """Distance of the farther bound from each error (a×p)."""
         if self.paired is None:
             return self.spread
-        return self.spread + np.maximum(self.paired.below, self.paired.above)
+        low, high = self.bounds
+        return np.maximum(self.error - low, high - self.error)
 
     @property
     def bounds(self) -> tuple[Array, Array]:
@@ -106,7 +118,8 @@ class Errors:
         low, high = self.error - self.spread, self.error + self.spread
         if self.paired is None:
             return low, high
-        return low - self.paired.below, high + self.paired.above
+        paired = self.paired
+        return low - paired.below - paired.beyond_below, high + paired.above + paired.beyond_above
 
     @property
     def interval(self) -> tuple[Array, Array]:
@@ -153,6 +166,9 @@ class Scale:
     subject: Subject
     modes: int
     _pairs: dict[tuple[int, str], Partners] = field(default_factory=dict, repr=False)
+    _ranges: dict[tuple[int, ...], list[tuple[Array, Array]]] = field(
+        default_factory=dict, repr=False
+    )
 
     def reference(self, quantity: Quantity) -> Reference:
         """The reference of a quantity."""
@@ -172,7 +188,71 @@ class Scale:
             for one, response in zip(alternatives, responses, strict=True)
             if (errors := errors_of(one, response, quantity))
         ]
-        return stacked(found) if found and len(found) == len(alternatives) else None
+        if not found or len(found) < len(alternatives):
+            return None
+        all_errors = stacked(found)
+        if quantity.kind is not QuantityKind.FREQUENCY or not self.subject.dynamics.interior:
+            return all_errors
+        return self._with_exchanges(all_errors, responses, quantity.column)
+
+    def _with_exchanges(self, errors: Errors, responses: Sequence[Response], place: int) -> Errors:
+        """Add the errors of modes that stand at a `place` with another stiffness inside the legs.
+
+        Alternatives that differ in that stiffness alone are ends of a range. Within it a mode has a
+        frequency between those of its shape at the ends, and the mode at `place` one between those
+        at this place, whatever its shape: modes pass each other there.
+        """
+        (low, high), spread, paired = errors.bounds, errors.spread, errors.paired
+        poses = np.arange(low.shape[1])
+        below, above = np.zeros_like(low), np.zeros_like(high)
+        for rows in by_interior(self.subject.dynamics):
+            lowest, highest = self._exchanged(responses, rows, place)
+            first, last = (np.array(rows)[of[rows].argmin(axis=0)] for of in (low, -high))
+            down, up = (first, poses), (last, poses)
+            below[down] = np.maximum(low[down] - (lowest - spread[down]), 0.0)
+            above[up] = np.maximum(highest + spread[up] - high[up], 0.0)
+        widened = paired and replace(paired, beyond_below=below, beyond_above=above)
+        return replace(errors, paired=widened)
+
+    def _exchanged(
+        self, responses: Sequence[Response], rows: Sequence[int], place: int
+    ) -> tuple[Array, Array]:
+        """Lowest and highest error (p each) of modes that stand at `place` between alternatives.
+
+        Infinite if none of them has a partner among the modes of the model.
+        """
+        known = [
+            (one, truth, response, model)
+            for one, response in (
+                (self.subject.dynamics.alternatives[k], responses[k]) for k in rows
+            )
+            if (truth := one.response.solved_modes) and (model := response.solved_modes)
+        ]
+        truths = [truth for _, truth, *_ in known]
+        there = np.array([truth.frequencies[:, place] for truth in truths])
+        first, last = there.min(axis=0)[:, None], there.max(axis=0)[:, None]
+        lowest, highest = [], []
+        for (one, truth, response, model), (low, high) in zip(
+            known, self._shape_ranges(tuple(rows), truths), strict=True
+        ):
+            found = self._partners(one, truth, response, model)
+            spaces = np.array([one_frequency(row) for row in truth.frequencies])
+            # Repeated modes are one space, in which none passes another.
+            may = (spaces != spaces[:, [place]]) | (np.arange(low.shape[1]) == place)
+            may &= (low <= last) & (high >= first)
+            lowest.append(np.where(may, found.lowest / np.minimum(high, last) - 1.0, np.inf))
+            highest.append(np.where(may, found.highest / np.maximum(low, first) - 1.0, -np.inf))
+        return (
+            np.fmin.reduce(np.hstack(lowest), axis=1),
+            np.fmax.reduce(np.hstack(highest), axis=1),
+        )
+
+    def _shape_ranges(
+        self, rows: tuple[int, ...], truths: Sequence[PathModes]
+    ) -> list[tuple[Array, Array]]:
+        if rows not in self._ranges:
+            self._ranges[rows] = shape_ranges(truths)
+        return self._ranges[rows]
 
     def _frequency(self, one: Alternative, response: Response, quantity: Quantity) -> Errors | None:
         """Errors of a frequency, or of the order, against one alternative.
@@ -183,7 +263,7 @@ class Scale:
         truth, model = one.response.solved_modes, response.solved_modes
         if truth is None or model is None:
             return None
-        found = self._partners(one, truth, response, model)
+        found = self._partners(one, truth, response, model).first(self.modes)
         own = truth.frequencies[:, : self.modes]
         poses, known = np.arange(len(own)), np.isfinite(own)
         if quantity == ORDER:
@@ -220,6 +300,8 @@ class Scale:
                 local=found.local[poses, place],
                 seen=found.seen[poses, place],
                 likeness=found.likeness[poses, place],
+                beyond_below=np.zeros(len(own)),
+                beyond_above=np.zeros(len(own)),
             ),
             numbers=order and order.numbers,
         )
@@ -254,7 +336,8 @@ class Scale:
                 of[:, : self.modes] for of in (one.dynamic, one.dynamic_digits) if of is not None
             ]
             unsure = np.sum(left, axis=0) if left else None
-            self._pairs[key] = partners(truth, model, self.modes, unsure)
+            count = truth.frequencies.shape[1]
+            self._pairs[key] = partners(truth, model, count, unsure)
         return self._pairs[key]
 
     def _deflection(

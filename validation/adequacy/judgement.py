@@ -31,6 +31,7 @@ from validation.adequacy.response import (
     Response,
     Step,
     Subject,
+    by_interior,
 )
 
 DIGITS = "digits of the file"
@@ -306,16 +307,8 @@ def _decides(errors: Errors, reference: Reference, pose: int, limits: Array) -> 
     """What settles the alternatives: the legs' interior if none of the others is enough."""
     if not reference.interior:
         return reference.decides
-    alone = [verdicts_of(_rows(errors, rows), limits)[pose] for rows in _by_interior(reference)]
+    alone = [verdicts_of(_rows(errors, rows), limits)[pose] for rows in by_interior(reference)]
     return reference.interior if set(alone) == {"undecided"} else reference.decides
-
-
-def _by_interior(reference: Reference) -> list[list[int]]:
-    """Numbers of the alternatives that differ in the legs' interior alone."""
-    rows: dict[str, list[int]] = {}
-    for number, one in enumerate(reference.alternatives):
-        rows.setdefault(one.others, []).append(number)
-    return list(rows.values())
 
 
 def _rows(errors: Errors, rows: Sequence[int]) -> Errors:
@@ -409,11 +402,16 @@ def _parts(errors: Errors, reference: Reference, told: Told) -> dict[str, float]
         loaded = {OPEN_MASSES: errors.loaded.masses, OPEN_LINEAR: errors.loaded.linear}
         parts |= {name: float(of[told]) for name, of in loaded.items() if of.any()}
     if reference.open and errors.numbers is None:
-        error, interior = errors.error[:, told[1]], 0.0
+        low = high = errors.error[:, told[1]]
+        if errors.paired is not None:
+            low = low - errors.paired.beyond_below[:, told[1]]
+            high = high + errors.paired.beyond_above[:, told[1]]
+        interior = 0.0
         if reference.interior:
-            interior = max(0.5 * float(np.ptp(error[rows])) for rows in _by_interior(reference))
+            alike = by_interior(reference)
+            interior = max(0.5 * float(high[rows].max() - low[rows].min()) for rows in alike)
             parts[OPEN_INTERIOR] = interior
-        parts[reference.open] = 0.5 * float(np.ptp(error)) - interior
+        parts[reference.open] = 0.5 * float(high.max() - low.min()) - interior
     return parts
 
 

@@ -1,6 +1,6 @@
 """Partners of the reference's modes among those of a model, pose by pose."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields
 
 import numpy as np
@@ -47,6 +47,10 @@ class Partners:
     ordered: IntArray
     loose: BoolArray
     by_number: Array
+
+    def first(self, count: int) -> "Partners":
+        """Partners of the first `count` modes alone."""
+        return Partners(**{one.name: getattr(self, one.name)[:, :count] for one in fields(self)})
 
     @property
     def local(self) -> BoolArray:
@@ -100,6 +104,24 @@ def amounts_by_shape(reference: PathModes, other: PathModes, amounts: Array, cou
         inside = paired[paired < count]
         row[inside] = sums[inside]
     return found
+
+
+def shape_ranges(readings: Sequence[PathModes]) -> list[tuple[Array, Array]]:
+    """Lowest and highest frequency (p×m each, Hz) of the modes of each reading, by their shapes.
+
+    Of all readings of one robot that have a mode of that shape.
+    """
+    ranges = []
+    for reading in readings:
+        lowest, highest = reading.frequencies.copy(), reading.frequencies.copy()
+        for other in readings:
+            if other is reading:
+                continue
+            count = reading.frequencies.shape[1]
+            known = partners(reading, other, count).frequency
+            lowest, highest = np.fmin(lowest, known), np.fmax(highest, known)
+        ranges.append((lowest, highest))
+    return ranges
 
 
 def frequency_changes(fine: PathModes, coarse: PathModes, count: int) -> Array:

@@ -118,6 +118,14 @@ class Reference:
     computed_by: tuple[str, ...] = ()
 
 
+def by_interior(reference: Reference) -> list[list[int]]:
+    """Numbers of the alternatives that differ in the stiffness inside the legs alone."""
+    rows: dict[str, list[int]] = {}
+    for number, one in enumerate(reference.alternatives):
+        rows.setdefault(one.others, []).append(number)
+    return list(rows.values())
+
+
 # What solids of a leg may end with: walls too thin to mesh, a material that they lose in rounding.
 UNSOLVED = (InputError, ComputationError)
 

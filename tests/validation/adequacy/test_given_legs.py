@@ -35,8 +35,10 @@ from validation.models.options import DEFAULT_OPTIONS, ModelOptions
 from validation.solids.legs import COARSEST_WALLS, divisions_across, held_solid
 
 MODES = 6
-# Share of a frequency that the mesh of the solids leaves open at preset quick: 0.1 % at least.
-OPEN = 2e-3
+# Relative. The shapes by which the inside follows the ends are others with each stiffness inside,
+# which Rayleigh's argument leaves out: they change the f1 of the robot of seed 103 by 1e-3 in no
+# order, and its solids are 9e-5 above the highest reading.
+OPEN = 2e-4
 EULER = ModelOptions(theory="euler-bernoulli")
 MODELS = {"beam": DEFAULT_OPTIONS, "beam-euler-bernoulli": EULER}
 STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
@@ -165,7 +167,8 @@ def test_frequency_of_i_section_legs_is_not_adequate(flanged):
     low, high, true = found["beam", 1]
     assert true == pytest.approx(-0.301, abs=0.004)
     assert low < true < high
-    assert matrix.entry("beam", "f1").verdict == "undecided"
+    entry = matrix.entry("beam", "f1")
+    assert (entry.verdict, entry.reason) == ("undecided", SECTION)
 
 
 def test_intervals_of_i_section_legs_contain_errors_of_beams(flanged):
@@ -244,10 +247,9 @@ GIVEN = {"mass": (), "centre": ("mass_centre",), "inertia": ("mass_centre", "ine
 
 @pytest.mark.soak
 def test_intervals_of_random_6x6_legs_contain_the_truth():
-    """At least 93 % by kind of data and of f1 to f4, as an interval of 95 % should.
+    """At least 93 % by kind of data and by mode, as an interval of 95 % should.
 
-    Of f5 and f6 it is 91 %: where readings of the reference exchange modes, the number of a mode
-    stands for another shape in each of them.
+    Of f5 and f6 it was 89 % where modes that pass each other between the readings were left out.
     """
     inside = {(given, number): [] for given in GIVEN for number in range(1, MODES + 1)}
     for seed in range(100, 114):
@@ -267,4 +269,4 @@ def test_intervals_of_random_6x6_legs_contain_the_truth():
         known = [
             one for (_, mode), of_given in inside.items() if mode == number for one in of_given
         ]
-        assert np.mean(known) >= (0.93 if number <= 4 else 0.90), shares
+        assert np.mean(known) >= 0.93, shares

@@ -213,6 +213,31 @@ def test_entry_of_two_readings_has_the_farther_one():
     assert told.expected_range == pytest.approx((100.0, 104.0), rel=1e-12)
 
 
+@pytest.mark.parametrize("interior", ["", "give the section of the leg"])
+def test_interval_covers_modes_that_pass_between_readings(interior):
+    """From a soft to a stiff inside of a leg A goes from 100 to 130 Hz, and B from 110 to 115.
+
+    In between both may be f1, at up to 115 Hz, or f2, from 110 Hz. Other readings stand alone.
+    """
+    soft = vibration([100.0, 110.0, 200.0, 300.0], A, B, C, D)
+    stiff = vibration([115.0, 130.0, 200.0, 300.0], B, A, C, D)
+    model = vibration([112.0, 120.0, 200.0, 300.0], B, A, C, D)
+    subject = subject_of(soft, model, stiff, unsure=0.01)
+    dynamics = replace(subject.dynamics, interior=interior)
+    matrix = judged(replace(subject, dynamics=dynamics), Requirement(modes=3))
+    first, second = (matrix.entry("model", name) for name in ("f1", "f2"))
+    assert first.readings == pytest.approx({"ends 0": 0.2, "ends 1": 112.0 / 115.0 - 1.0})
+    assert second.readings == pytest.approx({"ends 0": 112.0 / 110.0 - 1.0, "ends 1": -1.0 / 13.0})
+    # Each bound with 1 % of its ratio.
+    assert (first.low, first.high) == pytest.approx((0.99 * 112.0 / 115.0 - 1.0, 0.212))
+    highest = 112.0 / 110.0 * 1.01 - 1.0
+    if interior:
+        highest = 120.0 / 110.0 - 1.0 + 0.01 * 112.0 / 110.0
+        inside = second.uncertainties["how stiff the legs are between their ends"]
+        assert inside == pytest.approx(0.5 * (120.0 / 110.0 - 120.0 / 130.0))
+    assert (second.low, second.high) == pytest.approx((0.99 * 120.0 / 130.0 - 1.0, highest))
+
+
 def static_entry(*factors, meshes=0.0):
     """Deflection along x by a model, against readings of the reference stiffer by factors."""
     toy = toy_subject(3)
