@@ -4,7 +4,6 @@ Every step of a model's ladder removes one named cause by a computation of its o
 knows the reference; what the ladder does not reach is the rest, and is shown as such.
 """
 
-import re
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import compress
@@ -25,7 +24,6 @@ from validation.adequacy.response import (
     OPEN_LINEAR,
     OPEN_MASSES,
     SAY_LINEAR,
-    USE,
     Candidate,
     Reference,
     Response,
@@ -48,7 +46,6 @@ _WORTH_NAMING, _WORTH_TAKING = 0.005, 0.1
 _NEARLY = 0.5
 # Relative difference up to which errors of two poses are one, far above rounding.
 _SAME = 1e-9
-_OPTION = re.compile(r"--\w+")
 # The alternative of the reference and the pose, by number, of which an entry has its numbers.
 Told: TypeAlias = tuple[int, int]
 
@@ -498,8 +495,8 @@ def remedied(
         errors_after = after.worst
         if step.remedy and not abs(errors_after[pose] - before) < _WORTH_TAKING * limit:
             # Another model takes the place of what was before, an option that of its other value.
-            remedies = {} if step.remedy.startswith(USE) else remedies
-            remedies[(_OPTION.findall(step.remedy) or [step.remedy])[0]] = step.remedy
+            remedies = {} if step.remedy.model else remedies
+            remedies[step.remedy.option or step.remedy.text] = step.remedy.text
         if step.remedy and remedies and np.isfinite(errors_after).all():
             worst = float(errors_after[np.argmax(np.abs(errors_after))])
             beyond = "inadequate" in verdicts_of(after, np.full(len(errors_after), limit))
@@ -509,7 +506,7 @@ def remedied(
     enough = [one for one in tried if one[0] <= limit]
     model = scale.reference(quantity).remedy
     if model and not enough and all(beyond for *_, beyond in tried):
-        return model, 0.0
+        return model.text, 0.0
     if not tried:
         return "", None
     size, error, remedy, _ = enough[0] if enough else min(tried)

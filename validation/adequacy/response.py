@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from lumped.acceptance.quantities import Quantity
 from lumped.arrays import Array
@@ -13,12 +14,36 @@ from validation.case import failure_reason
 # What legs known by their 6×6 leave open.
 OPEN_MASSES = "where the legs' mass lies"
 OPEN_INTERIOR = "how stiff the legs are between their ends"
-# How remedies begin that name another model; and that which answers as a reference of solids.
-USE = "use "
-USE_SOLID = f"{USE}solid"
 # What neither models nor references know, all linear, and what would.
 OPEN_LINEAR = "stiffness that the load takes or adds"
 SAY_LINEAR = "needs large displacements: the load changes the stiffness, all models are linear"
+
+
+@dataclass(frozen=True)
+class Remedy:
+    """Change of the model, or of an option, that removes a cause of an error; `text` states it.
+
+    `model`: the model to use instead, with which all remedies before are void. `option`: the option
+    of the command line, of which a later value replaces an earlier one. "" if there is none.
+    """
+
+    text: str
+    option: str = ""
+    model: str = ""
+
+    def formatted(self, **words: str) -> "Remedy":
+        """The remedy with `words` in place of their names in braces."""
+        return Remedy(self.text.format(**words), self.option, self.model.format(**words))
+
+
+def use(model: str, how: str = "", option: str = "") -> Remedy:
+    """Remedy that replaces the model, with an `option` stated by `how`."""
+    return Remedy(f"use {model}{how}", option, model)
+
+
+# The solid model of `solve` computes the same as a reference of solids.
+USE_SOLID = use("solid")
+TIMOSHENKO = Remedy("take Timoshenko's beams: --theory timoshenko", "--theory")
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,7 +126,7 @@ class Reference:
 
     `title` says what it is, `open` what was left open and `decides` what would settle it, `masses`
     that of loads on the legs' masses, `interior` that of the stiffness inside legs; `finer` what
-    would make it more certain. `remedy` names the model that answers as it does, "" where there is
+    would make it more certain. `remedy` names the model that computes the same, None if there is
     none. `supposed`: what the alternatives are taken to cover, where nothing that could be computed
     would tell.
     """
@@ -113,7 +138,7 @@ class Reference:
     masses: str = ""
     interior: str = ""
     finer: str = "needs a finer reference"
-    remedy: str = ""
+    remedy: Remedy | None = None
     supposed: str = ""
     computed_by: tuple[str, ...] = ()
 
@@ -174,30 +199,43 @@ class Step:
     """A step from a model towards the reference: one cause removed, the others left.
 
     `responses` holds what the model answers after this step and all before it, by alternative of
-    the reference; `remedy` names the option or the model that takes it, `source` what it is
-    computed from.
+    the reference; `remedy` takes it, None if no option or model does; `source` what it is computed
+    from.
     """
 
     cause: str
     source: str
     responses: Mapping[str, Response]
-    remedy: str = ""
+    remedy: Remedy | None = None
+
+
+class StepTexts(NamedTuple):
+    """Cause, source and remedy of a step, with words in braces that depend on the robot."""
+
+    cause: str
+    source: str
+    remedy: Remedy | None = None
 
 
 def ladders(
     models: Mapping[str, Sequence[str]],
-    texts: Mapping[str, tuple[str, str, str]],
+    texts: Mapping[str, StepTexts],
     responses: Mapping[str, Mapping[str, Response]],
     **words: str,
 ) -> dict[str, tuple[Step, ...]]:
     """Steps by model: in the order that `models` name them, those that have `responses`.
 
-    `texts` are templates of `words`: cause, source and remedy of every step.
+    `texts` of every step contain `words` by their names.
     """
     steps = {}
     for name, found in responses.items():
-        cause, source, remedy = (text.format(**words) for text in texts[name])
-        steps[name] = Step(cause, source, found, remedy)
+        cause, source, remedy = texts[name]
+        steps[name] = Step(
+            cause.format(**words),
+            source.format(**words),
+            found,
+            remedy and remedy.formatted(**words),
+        )
     return {
         model: tuple(steps[name] for name in names if name in steps)
         for model, names in models.items()

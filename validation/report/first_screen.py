@@ -9,7 +9,7 @@ from validation.drawing.text import percent
 from validation.exhibits import Figure
 from validation.report.declared import attempted
 from validation.report.figures.adequacy import error_curves, measured_curves
-from validation.report.remedies import Remedy, remedies_of
+from validation.report.remedies import RemedyLine, remedies_of
 from validation.report.table import Table, csv_of_matrix, table_of
 from validation.report.words import (
     capital,
@@ -37,8 +37,8 @@ class FirstScreen:
     table: Table
     csv: str
     errors: Figure | None
-    remedies: tuple[Remedy, ...]
-    other_remedies: tuple[Remedy, ...]
+    remedies: tuple[RemedyLine, ...]
+    other_remedies: tuple[RemedyLine, ...]
     notes: tuple[str, ...]
     undecided: Mapping[str, str]
     other_undecided: Mapping[str, str] = field(default_factory=dict)

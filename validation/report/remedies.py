@@ -23,7 +23,7 @@ _ALONG = 0.8
 
 
 @dataclass(frozen=True)
-class Remedy:
+class RemedyLine:
     """Models and quantities that are off for the same reasons, and what helps.
 
     `without` and `with_remedy` are ranges of errors, as text.
@@ -37,7 +37,7 @@ class Remedy:
     with_remedy: str
 
 
-def remedies_of(matrix: Matrix, models: Collection[str]) -> tuple[Remedy, ...]:
+def remedies_of(matrix: Matrix, models: Collection[str]) -> tuple[RemedyLine, ...]:
     """A line for each reason why any of the models is inadequate, in the order of the matrix.
 
     Entries belong together where they name the same foremost causes and the same remedy.
@@ -50,7 +50,7 @@ def remedies_of(matrix: Matrix, models: Collection[str]) -> tuple[Remedy, ...]:
             key = causes, entry.remedy, "" if causes else entry.reason, entry.signed
             groups.setdefault(key, []).append(entry)
     return tuple(
-        Remedy(
+        RemedyLine(
             models=capital(listed(list(dict.fromkeys(model_name(e.model) for e in entries)))),
             quantities=quantities_text(matrix, [entry.quantity for entry in entries]),
             without=_range([e.error for e in entries], error_text, signed=signed) + _sense(entries),

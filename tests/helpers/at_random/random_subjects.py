@@ -11,6 +11,7 @@ from validation.adequacy.response import (
     Alternative,
     Candidate,
     Reference,
+    Remedy,
     Response,
     Step,
     Subject,
@@ -22,9 +23,9 @@ WEIGHTS = np.full(SAMPLES, 1.0 / SAMPLES)
 NO_LOADS = np.zeros((POSES, 0, 6))
 UNITS = np.array([1e-4] * 3 + [1e-2] * 3)
 REMEDIES = [
-    ("take the beam", "", "use the shell"),
-    ("", "a", "b"),
-    ("a: --p one", "b", "c: --p two"),
+    (Remedy("take the beam"), None, Remedy("use the shell", model="shell")),
+    (None, Remedy("a"), Remedy("b")),
+    (Remedy("a: --p one", "--p"), Remedy("b"), Remedy("c: --p two", "--p")),
 ]
 
 
@@ -103,7 +104,7 @@ def subject(seed):
 
     what = "ends" if len(names) > 1 else ""
     decides = "say how ends are held" if what else ""
-    remedy = "use the solid" if seed % 2 else ""
+    remedy = Remedy("use the solid", model="solid") if seed % 2 else None
     return Subject(
         robot="random",
         coordinates=(Coordinate("x", "m"), Coordinate("phi_z", "rad")),

@@ -256,10 +256,8 @@ class Rule:
             lost = before.missing or after[pose].missing
             if step.remedy:
                 if lost or abs(after[pose].error - before.error) >= 0.1 * limit:
-                    if step.remedy.startswith("use "):
-                        words = {}
-                    option = step.remedy.partition("--")[2].split(" ")[0]
-                    words[option or step.remedy] = step.remedy
+                    words = {} if step.remedy.model else words
+                    words[step.remedy.option or step.remedy.text] = step.remedy.text
                 if words and not any(one.missing for one in after):
                     worst = max((one.error for one in after), key=abs)
                     beyond = any(one.verdict(limit) == "inadequate" for one in after)
@@ -267,7 +265,7 @@ class Rule:
                 before = after[pose]
         enough = [one for one in tried if one[0] <= limit]
         if self.reference.remedy and not enough and all(one[3] for one in tried):
-            return self.reference.remedy, 0.0
+            return self.reference.remedy.text, 0.0
         size, error, said, _ = (enough or [min(tried, default=(inf, 0.0, "", True))])[0]
         better = size < (inf if start.missing else abs(start.error))
         return (said, error) if better else ("", None)

@@ -193,8 +193,8 @@ def test_a_verdict_that_hangs_on_meshes_is_decided_by_the_finest(arm):
 
 STEPS = (*STATIC_STEPS.values(), *DYNAMIC_STEPS.values())
 REMEDIES = {
-    remedy.format(climbs=climbs)
-    for remedy in (USE_SOLID, *(remedy for *_, remedy in STEPS if remedy))
+    remedy.formatted(climbs=climbs)
+    for remedy in (USE_SOLID, *(step.remedy for step in STEPS if step.remedy))
     for climbs in ("vjm", "links")
 }
 FINER = larger_preset("quick", lambda preset: preset == "fine")
@@ -209,15 +209,22 @@ def options_taken(said, *words):
     return options
 
 
-@pytest.mark.parametrize("remedy", sorted(REMEDIES))
-def test_every_remedy_is_a_model_or_an_option_that_solve_takes(remedy):
-    said = set(re.findall(r"--(\w+)", remedy))
-    models = re.findall(r"\buse (\w+)", remedy) or [
-        model for model, heard in OPTIONS.items() if said and said <= set(heard)
+@pytest.mark.parametrize("remedy", sorted(REMEDIES, key=str), ids=lambda remedy: remedy.text)
+def test_remedy_is_a_model_or_an_option_of_solve(remedy):
+    options, used = (
+        set(re.findall(r"--(\w+)", remedy.text)),
+        re.findall(r"\buse (\w+)", remedy.text),
+    )
+    # Its fields, which decide, are those that its text states.
+    assert options == {remedy.option.removeprefix("--")} - {""}
+    assert used == [remedy.model] * bool(remedy.model)
+    models = used or [
+        model for model, taken in OPTIONS.items() if options and options <= set(taken)
     ]
     assert models
     for model in models:
-        assert options_taken(remedy, "solve", "ifw", "--model", model).keys() <= set(OPTIONS[model])
+        taken = options_taken(remedy.text, "solve", "ifw", "--model", model)
+        assert taken.keys() <= set(OPTIONS[model])
 
 
 @pytest.mark.parametrize("said", [FINER_PARTS, finer_by(FINER)])

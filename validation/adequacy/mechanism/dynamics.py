@@ -31,16 +31,19 @@ from validation.adequacy.mechanism.vibration import (
 from validation.adequacy.partners import amounts_by_shape, frequency_changes
 from validation.adequacy.response import (
     OPEN_MASSES,
-    USE,
+    TIMOSHENKO,
     USE_SOLID,
     Alternative,
     Reference,
+    Remedy,
     Response,
     ResponsesLeftOpen,
     Step,
+    StepTexts,
     finer_by,
     ladders,
     modes_of,
+    use,
 )
 from validation.agreement.responses import PathModes, Unsolved
 from validation.context import Preset
@@ -93,7 +96,7 @@ def dynamic_reference(robot: RobotOnPath) -> Reference:
         decides="; ".join(filter(None, (holding.decides, robot.say_masses))),
         interior=robot.say_interior,
         finer=FINER_PARTS if parts else _finer_preset(robot.prisms, preset),
-        remedy="" if robot.given else USE_SOLID,
+        remedy=None if robot.given else USE_SOLID,
         supposed=_SUPPOSED if robot.given else "",
         computed_by=("validation.adequacy.mechanism.vibration.solid_vibration",),
     )
@@ -329,35 +332,33 @@ def dynamic_ladders(
 
 
 _SHEAR = "shear deformation and rotary inertia neglected"
-_TIMOSHENKO = "take Timoshenko's beams: --theory timoshenko"
 _DISCRETE = f"discretisation (n = {ELEMENTS})"
-DYNAMIC_STEPS: Mapping[str, tuple[str, str, str]] = {
-    "drives": ("elastic drives only, legs rigid and massless", "beam elements", f"{USE}beam"),
-    "shear of segments": (_SHEAR, "Timoshenko segments", _TIMOSHENKO),
-    "shear of beams": (_SHEAR, "Timoshenko beams", _TIMOSHENKO),
-    "twice as many": (
+DYNAMIC_STEPS: Mapping[str, StepTexts] = {
+    "drives": StepTexts(
+        "elastic drives only, legs rigid and massless", "beam elements", use("beam")
+    ),
+    "shear of segments": StepTexts(_SHEAR, "Timoshenko segments", TIMOSHENKO),
+    "shear of beams": StepTexts(_SHEAR, "Timoshenko beams", TIMOSHENKO),
+    "twice as many": StepTexts(
         _DISCRETE,
         f"{2 * ELEMENTS} segments, then beam elements",
-        f"take more segments: --elements {2 * ELEMENTS}",
+        Remedy(f"take more segments: --elements {2 * ELEMENTS}", "--elements"),
     ),
-    "beams": (_DISCRETE, "beam elements of the same constants", f"{USE}beam"),
+    "beams": StepTexts(_DISCRETE, "beam elements of the same constants", use("beam")),
     **PART_STEPS,
     # From Guyan's mass.
-    "modes inside": (
+    "modes inside": StepTexts(
         "inertia inside the parts (Guyan's mass)",
         "parts reduced by Craig and Bampton, the middle one of their meshes",
-        "",
     ),
     # From textbook constants to the sections' own, and to warping by alternative.
-    "own": (
+    "own": StepTexts(
         "textbook section constants",
         "fem.sections.section_constants, beam elements",
-        "",
     ),
-    "warping": (
+    "warping": StepTexts(
         "warping held at the ends, non-uniform torsion between them",
         "beams with Reissner's torsion, the section's own Γ",
-        "",
     ),
 }
 _TO_SOLIDS = ("own", "warping")

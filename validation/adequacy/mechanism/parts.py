@@ -16,7 +16,7 @@ from lumped.system.loads import tool_displacements
 from lumped.system.solution import compliance, solved
 from lumped.text import counted
 from validation.adequacy.mechanism.path import Springs
-from validation.adequacy.response import Response
+from validation.adequacy.response import Remedy, Response, StepTexts
 from validation.agreement.responses import Statics
 from validation.drawing.text import percent
 from validation.models.loads.displacements import displacements_by, masses_of
@@ -36,16 +36,16 @@ UNKNOWN = 1.0
 # The meshes of parts are of one size in all presets.
 FINER_PARTS = "needs finer meshes of the parts, such as --accuracy 0.002 makes"
 # Above models with equivalent legs.
-PART_STEPS: Mapping[str, tuple[str, str, str]] = {
-    "stepped": (
+PART_STEPS: Mapping[str, StepTexts] = {
+    "stepped": StepTexts(
         "one constant section instead of the part",
         "ten prismatic pieces with the part's own sections, beam elements",
-        "step the parts: --parts stepped",
+        Remedy("step the parts: --parts stepped", "--parts"),
     ),
-    "condensed": (
+    "condensed": StepTexts(
         "beam pieces instead of the part",
         "the part condensed on its interfaces",
-        "condense the parts on their interfaces: --parts condensed",
+        Remedy("condense the parts on their interfaces: --parts condensed", "--parts"),
     ),
 }
 

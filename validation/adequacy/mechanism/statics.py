@@ -42,14 +42,16 @@ from validation.adequacy.mechanism.parts import (
 )
 from validation.adequacy.mechanism.path import Holds, RobotOnPath, RobotReading, Springs
 from validation.adequacy.response import (
-    USE,
+    TIMOSHENKO,
     USE_SOLID,
     Alternative,
     Reference,
     Response,
     Step,
+    StepTexts,
     ladders,
     statics_of,
+    use,
 )
 from validation.agreement.displacement import sizes
 from validation.agreement.responses import Statics
@@ -135,7 +137,7 @@ def static_reference(robot: RobotOnPath) -> Reference:
         decides=robot.holding.decides,
         masses=robot.say_masses,
         finer=FINER_PARTS if parts else finer_statics(context, robot.legs.values()),
-        remedy="" if robot.given else USE_SOLID,
+        remedy=None if robot.given else USE_SOLID,
         computed_by=(
             *((own,) if robot.legs else ()),
             *(("validation.models.parts.reduced",) if parts else ()),
@@ -265,44 +267,40 @@ def static_ladders(robot: RobotOnPath) -> dict[str, tuple[Step, ...]]:
     return ladders(_LADDERS, STATIC_STEPS, answered, by=_BY[robot.climbs], climbs=robot.climbs)
 
 
-STATIC_STEPS: Mapping[str, tuple[str, str, str]] = {
-    "drives": (
+STATIC_STEPS: Mapping[str, StepTexts] = {
+    "drives": StepTexts(
         "elastic drives only, bodies and joints rigid",
         "{by}the legs as given",
-        f"{USE}{{climbs}}",
+        use("{climbs}"),
     ),
-    "shear": (
+    "shear": StepTexts(
         "shear deformation neglected",
         "{by}Timoshenko's cantilever",
-        "take Timoshenko's beams: --theory timoshenko",
+        TIMOSHENKO,
     ),
     # From legs of constant section to the 6×6 that they were made of, then from parts as such legs,
-    "diagonal": (
+    "diagonal": StepTexts(
         "equivalent leg with another diagonal than the 6×6",
         "{by}the straight leg's entries of the 6×6",
-        "",
     ),
-    "couplings": (
+    "couplings": StepTexts(
         "equivalent leg without the couplings of the 6×6",
         "{by}the 6×6 as given",
-        f"{USE}{{climbs}} with the 6×6 as given: --legs given",
+        use("{climbs}", " with the 6×6 as given: --legs given", "--legs"),
     ),
     **PART_STEPS,
     # and from textbook constants to solids with rigid end faces.
-    "own": (
+    "own": StepTexts(
         "textbook section constants",
         "fem.sections.section_constants, tip of the cantilever",
-        "",
     ),
-    "warping": (
+    "warping": StepTexts(
         "warping held at the ends",
         "Reissner's torsion with held ends, the section's own Γ",
-        "",
     ),
-    "contraction": (
+    "contraction": StepTexts(
         "contraction and shear warping held at the ends",
         "fem.couplings.end_effects, exact along the leg",
-        "",
     ),
 }
 _TO_SOLIDS = ("own", "warping", "contraction")
