@@ -21,13 +21,15 @@ HOME = re.compile(r"(?<![\w./])/(?:home|Users|root|work|tmp)/[A-Za-z0-9_.-]|[A-Z
 INDEX = re.compile(r"https?://(?!pypi\.org/)[^\s/\"')]*(?:pypi|simple|artifactory|nexus|devpi)")
 _TEXT = (
     r"(?:\w\.(?:id|title|citation|quantity|section|label|caption|message)"
-    r"|\bquantity(?:\.(?:name|key|label|meaning))?)"
+    r"|\b(?:quantity|remedy)(?:\.(?:name|key|label|meaning|text))?)"
 )
 _TAKEN_APART = r"(?:(?:start|end)swith|r?partition|r?split|splitlines|remove\w+|r?find|r?index)"
 # What is meant has a field of its own.
 PARSED = re.compile(
     rf"{_TEXT}(?:\.(?:{_TAKEN_APART}|strip|isdecimal)\(|\[)"
     rf"|\bin [\w.]*{_TEXT}(?![\w.(])|\bre\.\w+\([^()]*{_TEXT}\b"
+    # Blanks of a message may be counted and joined: split() remains.
+    r"|\bstr\(\w*error\)(?:\.(?:(?:start|end)swith|r?partition|remove\w+|r?find|r?index)\(|\[)"
 )
 
 
@@ -97,6 +99,7 @@ def test_nothing_is_parsed_out_of_ids_and_titles():
     for text in (
         *("case.id.startswith('robot.')", "'solid' in case.title", "case.quantity[0]"),
         *("quantity.startswith('load:')", "one.quantity.name[:1]", "quantity.key.partition('.')"),
+        *("str(error).startswith('ran out')", "step.remedy.text.partition('--')"),
     ):
         assert PARSED.search(text), text
     packages = (ROOT / "validation", ROOT / "lumped" / "acceptance", ROOT / "lumped" / "robot_file")

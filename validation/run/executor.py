@@ -66,6 +66,10 @@ class _Worker:
     log_from: int = 0
 
 
+class OutOfMemoryCrash(Crashed):
+    """OpenBLAS ended a process for lack of memory."""
+
+
 @dataclass
 class Cores:
     """Processes of this machine; see `on_cores`."""
@@ -165,7 +169,9 @@ class Cores:
         said = (read_regular(self.log) or b"")[start:].decode("utf-8", "replace")
         lines = [line.strip() for line in said.splitlines() if "OpenBLAS error" in line]
         crashed = isinstance(error, Crashed)
-        return Crashed(f"ran out of memory ({lines[-1]})") if crashed and lines else error
+        if crashed and lines:
+            return OutOfMemoryCrash(f"ran out of memory ({lines[-1]})")
+        return error
 
     def _logged(self) -> int:
         try:

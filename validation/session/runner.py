@@ -25,7 +25,7 @@ from validation.context import Context, Preset
 from validation.drawing.text import function_name
 from validation.exhibits import PlannedFigure
 from validation.results.outcome import AnyResult, Record, Result, Task, judge, plain
-from validation.run.executor import on_cores
+from validation.run.executor import OutOfMemoryCrash, on_cores
 
 if TYPE_CHECKING:
     # Rich, which processes that compute do without.
@@ -101,7 +101,7 @@ def run(
 
 def _failed(name: str, error: Exception) -> Record:
     """The record of a task whose process ended."""
-    starved = str(error).startswith("ran out of memory")
+    starved = isinstance(error, OutOfMemoryCrash)
     more = f"; {OUT_OF_MEMORY}" if starved else " (log.txt may say more)"
     return plain(Result(name, "failed", 0.0, f"{error}{more}"))
 

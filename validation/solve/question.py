@@ -1,7 +1,7 @@
 """What is asked of a robot: a model, its options, where, how many modes; and its faults."""
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 from lumped.errors import each
@@ -109,10 +109,10 @@ class Question:
                 found.append(f"--accuracy: the {self.model} model has no meshes; leave it out")
         if self.alone is not None:
             found += self._body_faults(self.alone)
-        return found + [
-            f"--x: {fault}" if self.numbered and not fault.startswith("--") else fault
-            for fault in each(self._posture, self._typed)[1]
-        ]
+        poses, unreadable = each(partial(parsed_pose, self.mechanism), self._typed)
+        _, unreachable = each(partial(posture, self.mechanism), poses)
+        option = "--x: " if self.numbered else ""
+        return [*found, *unreadable, *(f"{option}{fault}" for fault in unreachable)]
 
     def _allowed(self) -> tuple[str, ...]:
         # Eq. (25) as printed is a statement about the paper's own kind of robot.
