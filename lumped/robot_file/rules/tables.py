@@ -382,6 +382,8 @@ BIGLIDE = TableRule(
 def rules_of(tables: Mapping[str, Any]) -> TableRule:
     """The rules for a file's tables: those of its schema."""
     schema = tables.get("schema")
+    # True is 1 to Python, and is no number in the file.
+    schema = None if isinstance(schema, bool) else schema
     # Whoever mistypes the number has written one of the two all the same.
     any_robot = not tables.keys().isdisjoint(("points", "bodies", "joints"))
     return MECHANISM if schema == 2 or (schema != 1 and any_robot) else BIGLIDE

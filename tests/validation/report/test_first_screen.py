@@ -221,6 +221,24 @@ def test_entries_of_the_same_cause_and_remedy_share_a_line():
     assert (screen.remedies, screen.other_remedies) == ((off,), tuple(simple))
 
 
+def test_reasons_of_undecided_stand_with_their_models():
+    """Models of a second theory are folded, and so is what decides their verdicts."""
+    theory = "beam-euler-bernoulli"
+    reasons = {"beam": "say the ends", theory: "needs a finer reference"}
+    matrix = matrix_of(
+        *(entry(m, q, reason=why, verdict="undecided") for m, why in reasons.items() for q in "xy"),
+        entry("beam", "f1", reason="say the ends", verdict="undecided"),
+        entry("segments", "f1", reason="say the ends", verdict="undecided"),
+    )
+    screen = first_screen(matrix, plotted=False, rely=["beam", "segments"])
+    assert screen.undecided == {
+        "say the ends": "deflections, rotations and f1 by beams and segments"
+    }
+    assert screen.other_undecided == {
+        "needs a finer reference": "deflections and rotations by Euler–Bernoulli beams"
+    }
+
+
 def test_range_of_a_remedy_is_by_size_whatever_the_sign():
     """Frequencies 8 % too low and 20 % too high, each with a sign."""
     causes = (Cause("shear", 1.0),)

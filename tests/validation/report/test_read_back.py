@@ -146,6 +146,7 @@ def test_every_cell_and_its_sheet(matrix):
             continue
         assert_error_is_told(entry, cell.text, cell.spread)
         assert numbers(said["Error"]) == [told(entry.error), told(entry.limit)]
+        assert ("accepted ± " in said["Error"]) is entry.signed
         assert said["Error"].startswith("+") == (entry.signed and entry.error >= NOTHING)
         assert numbers(said["Left open"]) == [told(entry.low), told(entry.high)]
         readings = re.findall(
@@ -383,5 +384,15 @@ def test_lines_sum_and_junit_say_the_verdicts():
     assert suite is not None
     found = [[child.tag for child in one] for one in suite]
     assert found == [*(["failure"] * one for one in wrong), ["error"], ["skipped"], ["skipped"]]
+    for one, case in zip(outcomes, suite, strict=True):
+        assert (case.attrib["name"], float(case.attrib["time"])) == (
+            one.case.id,
+            pytest.approx(one.seconds, abs=5e-4),
+        )
+        if (failure := case.find("failure")) is not None:
+            due = [one.measurement.value, one.measurement.reference, one.tolerance]
+            assert numbers(failure.attrib["message"]) == [told(due[0]), told(due[1]), told(due[2])]
+        elif one.measurement is None:
+            assert case[0].attrib["message"] == one.message
     counts = {name: suite.attrib[name] for name in ("tests", "failures", "errors", "skipped")}
     assert counts == {"tests": "10", "failures": "4", "errors": "1", "skipped": "2"}
