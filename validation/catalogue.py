@@ -9,7 +9,13 @@ from validation.adequacy.matrix import ADEQUACY, MEASURED, Assessment
 from validation.adequacy.mechanism.path import distinct_legs
 from validation.adequacy.robot import robot_adequacy
 from validation.cases import cases
-from validation.comparisons import convergence_cases, convergence_figure, leg_beam_vs_solid
+from validation.comparisons import (
+    convergence_cases,
+    convergence_figure,
+    leg_beam_vs_solid,
+    robot_beam_vs_solid,
+)
+from validation.comparisons.requested import leg_names
 from validation.maps.figure import figures as maps
 from validation.maps.workspace import directions
 from validation.measured.matrix import measured_matrix
@@ -43,6 +49,7 @@ def catalogue(robot_file: RobotFile, variations: Sequence[Variation] = ()) -> Se
     described = robot_file.mechanism
     return (
         *(paper.cases() if is_the_papers(robot_file) else ()),
+        *(robot_beam_vs_solid.cases() if leg_names(described) else ()),
         *leg_beam_vs_solid.cases(legs=distinct_legs(described)),
         *convergence_cases.cases(bodies=convergence_cases.subjects(described)),
         *cases(described, robot_file.requirement.modes),

@@ -21,7 +21,6 @@ from fem.bodies.solid import clamped_leg, solid_leg_matrices
 from fem.calculix.mechanism import compliance_and_frequencies
 from fem.couplings.end_effects import restrained_compliance
 from fem.couplings.wave_cantilever import prism_frequency, wave_frequency
-from fem.couplings.wave_stiffness import prism_waves
 from fem.reduction.craig_bampton import craig_bampton, reduction
 from fem.reduction.free_interface import free_interface
 from fem.sections import nonuniform_torsion
@@ -39,7 +38,7 @@ from validation import paper
 from validation.adequacy.models import JUDGED
 from validation.case import Case
 from validation.cases import cases, ritz
-from validation.cases.solids import free_modes
+from validation.comparisons.robot_beam_vs_solid import robot_modes
 from validation.models.legs import leg_matrices
 from validation.solids.legs import held_solid
 from validation.variations.cases import cases_over
@@ -100,7 +99,6 @@ SIDES = {
         ),
     ),
     "refinement.*": (DOUBLED, ()),
-    "mechanism.solid.frequency": ((held_solid, craig_bampton), (beam_leg, prism_waves)),
     "mechanism.parts.frequency": ((free_interface,), (reduction,)),
     "mechanism.calculix.*": (
         (solid_leg_matrices, craig_bampton, *ASSEMBLER),
@@ -232,7 +230,7 @@ def test_what_computes_a_comparison_rests_on_both_its_sides():
 
 def test_a_reference_by_the_value_s_code_is_seen():
     """By its name, two rooms away, by one assembler, and of a class by what is annotated."""
-    alike = {leg_matrices: beam_leg, free_modes: beam_leg, swept: solved, rooted_body: RootedBody}
+    alike = {leg_matrices: beam_leg, robot_modes: beam_leg, swept: solved, rooted_body: RootedBody}
     assert all(shared((one,), (other,)) for one, other in alike.items())
 
 

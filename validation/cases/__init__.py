@@ -6,7 +6,7 @@ In: the mechanism of a run. Out: cases whose subject is the robot, or one of its
 from lumped.mechanism.mechanism import Mechanism
 from validation.adequacy.mechanism.path import distinct_legs
 from validation.case import Case
-from validation.cases import legs, other_programs, polynomials, solids
+from validation.cases import legs, other_programs, part_reductions, polynomials
 
 
 def cases(described: Mechanism, modes: int) -> tuple[Case, ...]:
@@ -16,7 +16,7 @@ def cases(described: Mechanism, modes: int) -> tuple[Case, ...]:
     """
     return (
         *legs.cases(legs=distinct_legs(described)),
-        *solids.cases(mechanism=described),
+        *part_reductions.cases(mechanism=described),
         *other_programs.cases(mechanism=described),
         *polynomials.cases(mechanism=described, modes=modes),
     )

@@ -36,6 +36,7 @@ from validation.models.options import Ends, ModelName, ModelOptions
 from validation.solids.legs import Refinement, formal_order, leg_constants
 
 HELD_FACES = "held end faces"
+DISTORTION = "distortion of the section"
 FORMULA = "section constants by formula"
 FORMULA_SOURCE = "finite elements on the section, within the known error of the textbook's formulas"
 # Entries of the tip compliance by the motion that they give along their own load.
@@ -89,7 +90,7 @@ def _motion(context: Context, body: str, model: ModelName, entry: int) -> Measur
     theory = tip_compliance(leg.timoshenko, leg.length)[at]
     of_section = Refinement(solid.divisions, own, formal_order(leg, "free"))
     stiff, soft = (one[at] for one in context.get(compliance_band, leg, solid.divisions[-1]))
-    formula = _within(
+    formula = limited(
         float(theory - own[-1][at]),
         (float(stiff - own[-1][at]), float(soft - own[-1][at])),
         of_section.uncertainty(*at),
@@ -135,7 +136,7 @@ def _frequency(context: Context, body: str, model: ModelName, index: int) -> Mea
     reference = float(held.frequencies.values[-1, index])
     value = float(leg_frequencies(model, leg, index + 1, _OPTIONS)[index])
     band = context.get(frequency_band, leg, divisions[-1], kinds)[:, index]
-    formula = _within(
+    formula = limited(
         modes[index].frequency - float(beam[-1]),
         (float(band[0] - beam[-1]), float(band[1] - beam[-1])),
         Refinement(divisions, beam).uncertainty(),
@@ -147,7 +148,7 @@ def _frequency(context: Context, body: str, model: ModelName, index: int) -> Mea
         judged_uncertainty=left.uncertainty(),
         allowances=(
             Allowance(HELD_FACES, float(solid[-1]) - reference, "solids with free and held ends"),
-            Allowance("distortion of the section", -float(change[-1]), DISTORTION_SOURCE),
+            Allowance(DISTORTION, -float(change[-1]), DISTORTION_SOURCE),
             Allowance(FORMULA, formula, FORMULA_SOURCE),
         ),
     )
@@ -176,7 +177,7 @@ def _band(leg: ConstantLeg, divisions: int) -> tuple[BeamProperties, BeamPropert
     return formula_band(leg, constants, beam_properties(constants, leg.material))
 
 
-def _within(difference: float, band: tuple[float, float], uncertainty: float) -> float:
+def limited(difference: float, band: tuple[float, float], uncertainty: float) -> float:
     """The part of a difference that correct formulas, and the section's mesh, may cause."""
     low, high = min(0.0, *band) - uncertainty, max(0.0, *band) + uncertainty
     return min(max(difference, low), high)

@@ -1,4 +1,4 @@
-"""Table of one leg by all formulations: values of the solid, and differences from them."""
+"""Tables of the robot and of each leg by all formulations: values of the solid, and differences."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -43,11 +43,12 @@ class AgreementCell:
 
 @dataclass(frozen=True)
 class AgreementTable:
-    """One leg: a row for each formulation with a cell per quantity, None without one.
+    """A leg or the robot: a row for each formulation with a cell per quantity, None without one.
 
-    `solid` are the values of the solid with their units, "" if it has none. `explanations` name the
-    differences that are allowed for, with their amounts, by quantity; `missing` name the
-    comparisons that were skipped or failed, with the reason.
+    `subject` names the leg, or the robot and its pose. `solid` are the values of the solid with
+    their units, "" if it has none. `explanations` name the differences that are allowed for, with
+    their amounts, by quantity; `missing` name the comparisons that were skipped or failed, with the
+    reason.
     """
 
     subject: str
@@ -57,14 +58,17 @@ class AgreementTable:
     explanations: tuple[str, ...]
     missing: tuple[str, ...]
 
+    @property
+    def compared(self) -> bool:
+        """Whether any formulation was compared: otherwise only the reasons are shown."""
+        return any(self.solid)
+
 
 def agreement_tables(outcomes: Sequence[Outcome]) -> tuple[AgreementTable, ...]:
-    """A table for each leg that has agreement cases, in their order."""
+    """A table for the robot and for each leg that has agreement cases, in their order."""
     found = [one for one in outcomes if one.case.kind == "agreement"]
     subjects = dict.fromkeys(one.case.body for one in found)
-    return tuple(
-        _table(subject, [one for one in found if one.case.body == subject]) for subject in subjects
-    )
+    return tuple(_table([one for one in found if one.case.body == subject]) for subject in subjects)
 
 
 def agreement_sentence(outcomes: Sequence[Outcome]) -> str:
@@ -103,7 +107,16 @@ def _unexplained(outcome: Outcome) -> float:
     return abs(measurement.unexplained / measurement.reference)
 
 
-def _table(subject: str, outcomes: Sequence[Outcome]) -> AgreementTable:
+def _subject(outcomes: Sequence[Outcome]) -> str:
+    """The leg, or the robot and its pose (m, rad) as the measurements have it."""
+    if body := outcomes[0].case.body:
+        return body
+    poses = {one.measurement.pose for one in outcomes if one.measurement}
+    pose = ", ".join(f"{coordinate:.4g}" for coordinate in next(iter(poses), ()))
+    return f"robot at ({pose})" if pose else "robot"
+
+
+def _table(outcomes: Sequence[Outcome]) -> AgreementTable:
     quantities = tuple(dict.fromkeys(one.case.label for one in outcomes))
     models = dict.fromkeys(one.case.model for one in outcomes)
     by_place = {(one.case.model, one.case.label): one for one in outcomes}
@@ -113,7 +126,12 @@ def _table(subject: str, outcomes: Sequence[Outcome]) -> AgreementTable:
         rows.append((_MODELS[model], tuple(_cell(one) if one else None for one in cells)))
     solid = tuple(_solid(quantity, outcomes) for quantity in quantities)
     return AgreementTable(
-        subject, quantities, solid, tuple(rows), _explanations(outcomes), _missing(outcomes)
+        _subject(outcomes),
+        quantities,
+        solid,
+        tuple(rows),
+        _explanations(outcomes),
+        _missing(outcomes),
     )
 
 

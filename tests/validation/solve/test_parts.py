@@ -17,7 +17,7 @@ from validation.adequacy.mechanism.parts import reduction_note, solid_parts
 from validation.adequacy.mechanism.path import holding, path_postures
 from validation.adequacy.models import JUDGED, judged_models, why_unable
 from validation.adequacy.robot import robot_adequacy
-from validation.cases import solids
+from validation.cases import part_reductions
 from validation.context import Context
 from validation.models import parts
 from validation.models.mechanism import CUTOFF, answers, dynamic_bodies
@@ -227,7 +227,7 @@ def test_the_page_says_what_the_reduction_kept_and_what_that_leaves(crane):
 
 def test_held_and_free_modes_of_parts_are_compared_in_a_run(crane):
     """Within both bounds, which are worth something."""
-    listed = {case.id: case for case in solids.cases(mechanism=crane.mechanism)}
+    listed = {case.id: case for case in part_reductions.cases(mechanism=crane.mechanism)}
     case = listed["mechanism.parts.frequency[2]"]
     found = case.compute(Context(crane, "quick"))
     assert judge(case, found, 0.0).verdict == "agree"

@@ -66,13 +66,13 @@ def solid_leg(context: Context, leg: ConstantLeg) -> TwoMeshes:
     Raises InputError where even one section mesh has too many unknowns, with the larger preset that
     takes it.
     """
-    most = _most(context.meshes, leg)
+    most = most_unknowns(context.meshes, leg)
     try:
         return context.get(two_meshes, leg, most)
     except InputError as error:
         if has_meshes(leg, most):
             raise
-        takes = larger_preset(context.meshes, lambda one: has_meshes(leg, _most(one, leg)))
+        takes = larger_preset(context.meshes, lambda one: has_meshes(leg, most_unknowns(one, leg)))
         raise InputError(f"{error}; {takes} takes it") from error
 
 
@@ -81,8 +81,8 @@ def finer_statics(context: Context, legs: Iterable[Leg]) -> str:
     solids = [leg for leg in legs if isinstance(leg, ConstantLeg)]
 
     def finer(preset: Preset) -> bool:
-        now = [mesh_pair(leg, _most(context.meshes, leg)) for leg in solids]
-        return [mesh_pair(leg, _most(preset, leg)) for leg in solids] != now
+        now = [mesh_pair(leg, most_unknowns(context.meshes, leg)) for leg in solids]
+        return [mesh_pair(leg, most_unknowns(preset, leg)) for leg in solids] != now
 
     return finer_by(larger_preset(context.meshes, finer))
 
@@ -91,10 +91,10 @@ def shares_section(context: Context, leg: Leg) -> bool:
     """Whether both solids of a leg have one section mesh, the only one that is affordable."""
     if not isinstance(leg, ConstantLeg):
         return False
-    return not context.get(static_ladder, leg, _most(context.meshes, leg))
+    return not context.get(static_ladder, leg, most_unknowns(context.meshes, leg))
 
 
-def _most(preset: Preset, leg: ConstantLeg) -> int:
+def most_unknowns(preset: Preset, leg: ConstantLeg) -> int:
     """Unknowns of the finest section mesh: more where few do not allow two meshes."""
     first, second = UNKNOWNS[preset]
     return first if static_ladder(leg, first) else second

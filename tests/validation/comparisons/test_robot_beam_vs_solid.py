@@ -1,0 +1,135 @@
+"""The whole robot by all formulations against solid legs: verdicts and named differences."""
+
+from dataclasses import replace
+from functools import cache
+
+import pytest
+from crane import write_crane
+
+from lumped.robot_file import load_robot
+from validation.case import Skip
+from validation.comparisons import robot_beam_vs_solid
+from validation.comparisons.robot_beam_vs_solid import (
+    DISTORTION,
+    FORMULA,
+    HELD_FACES,
+    cases,
+    constant_posture,
+)
+from validation.context import Context
+from validation.models.options import ModelOptions
+from validation.results.outcome import judge
+
+BY_ID = {case.id: case for case in cases()}
+
+
+@cache
+def context_of(name):
+    """Context of a robot whose solids the tests share."""
+    return Context(load_robot(name), "quick")
+
+
+def outcome_of(name, identifier):
+    case = BY_ID[identifier]
+    return judge(case, case.measure(context_of(name)), 0.0)
+
+
+def shares(outcome):
+    """Amounts of the named differences over the reference."""
+    measurement = outcome.measurement
+    return {one.cause: one.amount / measurement.reference for one in measurement.allowances}
+
+
+def test_ids_are_those_of_the_interface():
+    assert len(BY_ID) == 4 * 6 + 2 * 4
+    assert "robot.agrees[beam-solid-f1]" in BY_ID
+    assert "robot.agrees[vjm-solid-φz]" in BY_ID
+    assert {case.kind for case in BY_ID.values()} == {"agreement"}
+
+
+@pytest.mark.parametrize("model", ["segments", "beam"])
+def test_first_frequency_of_the_biglide_agrees(model):
+    """f1 = 112.396 Hz at x = 0.4975 m by beams, 0.5 % below the robot on held solid legs."""
+    outcome = outcome_of("ifw", f"robot.agrees[{model}-solid-f1]")
+    measurement = outcome.measurement
+    assert outcome.verdict == "agree"
+    assert measurement.pose == pytest.approx((0.4975,))
+    assert measurement.value == pytest.approx(112.396, abs=2e-3)
+    assert measurement.difference / measurement.reference == pytest.approx(-0.0053, abs=5e-4)
+    assert abs(measurement.unexplained) < 1e-4 * measurement.reference
+
+
+@pytest.mark.parametrize("model", ["vjm", "links", "segments", "beam"])
+@pytest.mark.parametrize("motion", ["x", "z", "φx", "φz"])
+def test_motion_of_the_biglide_differs_by_held_faces_alone(model, motion):
+    """Held warping of the legs makes the robot 2.9 % stiffer about x, not stiffer along x."""
+    outcome = outcome_of("ifw", f"robot.agrees[{model}-solid-{motion}]")
+    measurement = outcome.measurement
+    assert outcome.verdict == "agree"
+    assert abs(measurement.unexplained) < 1e-6 * measurement.reference
+    expected = {"x": 0.0, "z": 0.0118, "φx": 0.0288, "φz": 0.0}[motion]
+    assert shares(outcome)[HELD_FACES] == pytest.approx(expected, abs=1e-4)
+    assert shares(outcome)[FORMULA] == pytest.approx(0.0, abs=1e-4)
+
+
+def test_frequencies_of_thin_walled_legs_agree():
+    """Boxes of the five-bar: textbook torsion constants are 1.4 % of f3, held faces 0.6 %."""
+    outcome = outcome_of("five-bar", "robot.agrees[beam-solid-f3]")
+    assert outcome.verdict == "agree"
+    assert shares(outcome)[FORMULA] == pytest.approx(-0.0141, abs=5e-4)
+    assert shares(outcome)[HELD_FACES] == pytest.approx(-0.0058, abs=5e-4)
+    assert abs(outcome.measurement.unexplained) < 1e-4 * outcome.measurement.reference
+    fourth = outcome_of("five-bar", "robot.agrees[beam-solid-f4]")
+    assert shares(fourth)[DISTORTION] == pytest.approx(0.0007, abs=1e-4)
+
+
+def test_branching_robot_is_skipped_by_vjm_alone():
+    with pytest.raises(Skip, match="serial chains"):
+        BY_ID["robot.agrees[vjm-solid-x]"].measure(context_of("delta"))
+    assert outcome_of("delta", "robot.agrees[links-solid-x]").verdict == "agree"
+
+
+# Options of the judged model that are mistakes, and what they change beyond the limit.
+MISTAKES = {
+    "shear left out": (ModelOptions(theory="euler-bernoulli"), "beam-solid-z"),
+    "literal layout": (ModelOptions(layout="literal"), "segments-solid-φz"),
+    "two elements": (ModelOptions(elements=2), "segments-solid-f4"),
+}
+
+
+@pytest.mark.parametrize("mistake", MISTAKES)
+def test_wrong_model_of_the_legs_disagrees(monkeypatch, mistake):
+    options, name = MISTAKES[mistake]
+    monkeypatch.setattr(robot_beam_vs_solid, "DEFAULT_OPTIONS", options)
+    context = Context(load_robot("ifw"), "quick")
+    case = BY_ID[f"robot.agrees[{name}]"]
+    assert judge(case, case.measure(context), 0.0).verdict == "disagree"
+
+
+def test_other_pose_in_the_model_disagrees(monkeypatch):
+    """Solid legs in the middle of the path, the judged model at its end."""
+    robot_file = load_robot("ifw")
+    end = replace(robot_file.mechanism, poses=robot_file.mechanism.poses[:1])
+    other = constant_posture(Context(replace(robot_file, mechanism=end), "quick"))
+    right = robot_beam_vs_solid.answers
+
+    def elsewhere(model, _postures, count, options):
+        return right(model, (other,), count, options)
+
+    # The context finds what it keeps by the function's name.
+    monkeypatch.setattr(robot_beam_vs_solid, "answers", elsewhere_named(elsewhere))
+    case = BY_ID["robot.agrees[links-solid-x]"]
+    assert judge(case, case.measure(Context(robot_file, "quick")), 0.0).verdict == "disagree"
+
+
+def elsewhere_named(function):
+    function.__qualname__ = "elsewhere"
+    return function
+
+
+def test_robot_of_cad_parts_is_skipped_with_reason(tmp_path):
+    write_crane(tmp_path)
+    context = Context(load_robot(tmp_path / "robot.toml"), "quick")
+    for case in BY_ID.values():
+        with pytest.raises(Skip, match="arm of CAD files"):
+            case.measure(context)

@@ -1,0 +1,51 @@
+"""Modes of a mechanism with CAD parts, reduced twice.
+
+Parts are reduced by their modes with interfaces held (Craig, Bampton), and free (MacNeal, Rubin),
+which span different spaces; each reduction bounds what it has dropped.
+"""
+
+from lumped.mechanism.mechanism import Mechanism
+from validation.adequacy.mechanism.parts import bounded_frequencies
+from validation.adequacy.mechanism.path import (
+    robot_on_path,
+)
+from validation.case import Measurement, Relative
+from validation.case_group import CaseGroup, numbered
+from validation.context import Context
+from validation.exhibits import PATH
+from validation.models.mechanism import (
+    JUDGED_MODES,
+)
+from validation.parts.meshes import COARSE
+
+cases = CaseGroup(
+    reference_kind="independent-solver", model="solid", section=PATH, unit="Hz", effort=5.0
+)
+
+
+def _of_parts(mechanism: Mechanism) -> tuple[tuple[int, int], ...]:
+    return numbered(JUDGED_MODES) if mechanism.parts else ()
+
+
+@cases.case(
+    "mechanism.parts.frequency[{mode}]",
+    "Frequency {mode} with parts by their free modes is that with their held ones",
+    over={"index, mode": _of_parts},
+    quantity="natural frequency {mode}, middle of the path, coarsest mesh of the parts",
+    citation="the same meshes reduced by Craig and Bampton",
+    group="mechanism.parts",
+    tolerance=Relative(1e-5),
+    tolerance_reason="what each reduction may be too high by its own bound says, 3e-7 and less",
+)
+def _part_frequency(context: Context, index: int) -> Measurement:
+    robot = robot_on_path(context)
+    at = robot.postures, robot.offered, robot.holding.first
+    free, held = (
+        context.get(bounded_frequencies, *at, JUDGED_MODES, COARSE, by) for by in ("free", "fixed")
+    )
+    return Measurement(
+        float(free.upper[index]),
+        float(held.upper[index]),
+        value_uncertainty=float(free.upper[index] - free.lower[index]),
+        reference_uncertainty=float(held.upper[index] - held.lower[index]),
+    )

@@ -1,0 +1,459 @@
+"""The whole robot: VJM, links, segments and beam elements against the robot with solid legs.
+
+All legs are of constant section, those known by their 6×6 by their equivalent leg; the robot stands
+in the middle of its path. End faces of the solids are as the robot file says, kept plane if it does
+not say. Named differences are those of a single leg (`validation.comparisons.leg_beam_vs_solid`),
+carried through the robot: each is the difference of two robots that have legs with and without it.
+
+Statics: legs by their tip compliance, solids by doubling on two meshes. Dynamics: solids reduced to
+their ends; beams of the solids' own section constants, with and without the waves of 3-D elasticity
+in them (`validation.cases.leg_waves`). PathModes are paired by shape with those of the reference.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+
+from fem.beams.beam import beam_leg
+from fem.couplings.end_effects import restrained_compliance
+from fem.reduction.craig_bampton import CraigBampton, craig_bampton
+from fem.reduction.superelement import held_leg
+from fem.sections.section_constants import beam_properties, section_constants
+from lumped.arrays import Array, IntArray
+from lumped.legs import BeamProperties, ConstantLeg, tip_compliance
+from lumped.mechanism.body_model import LegMatrices
+from lumped.mechanism.mechanism import Mechanism, Posture
+from lumped.memo import memo
+from lumped.models.bodies import links, on_equivalent_legs
+from lumped.system.assembly import assembly
+from lumped.system.solution import compliance, solved
+from meshes.section.section_blocks import WALL_ASPECT
+from meshes.section.section_mesh import section_mesh
+from validation.adequacy.mechanism.legs import (
+    SECTION_DIVISIONS,
+    most_unknowns,
+    step_uncertainty,
+)
+from validation.adequacy.mechanism.path import (
+    Holds,
+    RobotReading,
+    known_legs,
+    offered,
+    path_postures,
+    why_not_serial,
+)
+from validation.adequacy.mechanism.samples import samples_of
+from validation.adequacy.mechanism.vibration import (
+    SolidMeshes,
+    model_vibration,
+    solid_meshes,
+    solid_vibration,
+    vibration_of,
+)
+from validation.adequacy.partners import partners
+from validation.agreement.convergence import step_factor
+from validation.agreement.responses import PathModes
+from validation.case import Allowance, Measurement, Relative, Skip
+from validation.case_group import CaseGroup, numbered
+from validation.cases.leg_waves import NO_WAVES, WAVES_SOURCE, wave_changes, waves_of
+from validation.comparisons.element_convergence import MODES
+from validation.comparisons.leg_beam_vs_solid import (
+    COMPLIANCE_TOLERANCE,
+    DISTORTION,
+    DYNAMIC_MODELS,
+    FORMULA,
+    FORMULA_SOURCE,
+    FREQUENCY_TOLERANCE,
+    HELD_FACES,
+    MOTIONS,
+    STATIC_MODELS,
+    limited,
+)
+from validation.comparisons.section_formulas import formula_band
+from validation.context import Context, Preset
+from validation.exhibits import AGREEMENT
+from validation.models.legs import filled
+from validation.models.mechanism import CUTOFF, answers, highest_frequency, modes_along
+from validation.models.options import DEFAULT_OPTIONS, ModelName
+from validation.solids.legs import (
+    COARSEST_WALLS,
+    ELEMENTS,
+    FORMAL_ORDER,
+    SHARED_SOLIDS,
+    decay_of_warping,
+    doubled_tips,
+    face_mesh,
+    has_meshes,
+    leg_constants,
+    mesh_pair,
+    own_beam,
+    own_properties,
+)
+from validation.solids.size import too_large
+
+# Share of a leg's length within which a strip bends as a plate near an end.
+_SHORT = 0.1
+# Share of a leg's length to which warping may reach from an end. The waves leave it out: 3e-4 of f4
+# of the built-in robot, whose leg 2 has a share of 0.106.
+_WARPING = 0.2
+# Share of the largest motion of its kind below which a motion is none.
+_STILL = 1e-9
+# Meshes of `RobotStatics` and `RobotModes` by row.
+_COARSE, _FINE = 0, 1
+
+cases = CaseGroup(
+    kind="agreement",
+    reference_kind="independent-solver",
+    section=AGREEMENT,
+    group=SHARED_SOLIDS,
+    effort=0.5,
+)
+
+
+# Tip compliance (6×6, SI, leg axes) of a leg by its name, on a mesh.
+Spring: TypeAlias = Callable[[str, ConstantLeg, int], Array]
+
+
+@dataclass(frozen=True, eq=False)
+class RobotStatics:
+    """Motions (6, SI) of the tool along and about the axes under their unit loads.
+
+    `solid`, `own` (legs of the solids' own section constants) and `restrained` (less what held
+    faces take) on two meshes (2×6, coarse and fine), whose sizes differ by `ratio` at least.
+    `rough`: as `own` on another section mesh than the fine one. `theory`: textbook constants,
+    `soft` and `stiff` the bounds of those by correct formulas.
+    """
+
+    solid: Array
+    own: Array
+    restrained: Array
+    rough: Array
+    theory: Array
+    soft: Array
+    stiff: Array
+    ratio: float
+
+
+@dataclass(frozen=True, eq=False)
+class RobotModes:
+    """Frequencies (Hz) of the first modes (k) of solid legs, and of their partners by shape.
+
+    `held` (2×k, coarse and fine mesh) have end faces as they are, `free` ones free to warp; `own`
+    beams of the solids' own section constants, `changes` (2×k, relative) of those by waves in the
+    legs. `theory`, `soft` and `stiff` (k) as of `RobotStatics`. NaN without a partner. `reference`:
+    the modes `held` on the fine mesh, by which models are paired.
+    """
+
+    reference: PathModes
+    held: Array
+    free: Array
+    own: Array
+    changes: Array
+    theory: Array
+    soft: Array
+    stiff: Array
+
+
+def constant_posture(context: Context) -> Posture:
+    """The middle posture of the path, the robot on legs of constant section."""
+    return context.get(_constant_posture, path_postures(context))
+
+
+def _constant_posture(postures: tuple[Posture, ...]) -> Posture:
+    middle = postures[len(postures) // 2]
+    mechanism = on_equivalent_legs(middle.mechanism)
+    return Posture(mechanism, middle.pose, middle.frames, middle.coordinates)
+
+
+def _require_prisms(mechanism: Mechanism) -> None:
+    """Raise Skip for a robot with CAD parts in place of legs of constant section."""
+    if parts := ", ".join(mechanism.parts):
+        raise Skip(
+            f"{parts} of CAD files: no robot on legs of constant section; the matrix of the "
+            "models holds them against their own solids"
+        )
+
+
+def _ends(mechanism: Mechanism) -> Holds:
+    """End conditions of the solids: kept plane if the robot file does not specify them."""
+    return {name: leg.ends or "rigid" for name, leg in _prisms(mechanism).items()}
+
+
+def _prisms(mechanism: Mechanism) -> dict[str, ConstantLeg]:
+    """Legs by name, alike ones the same."""
+    return {
+        name: leg for name, leg in known_legs(mechanism).items() if isinstance(leg, ConstantLeg)
+    }
+
+
+def robot_statics(posture: Posture, preset: Preset) -> RobotStatics:
+    """Statics with solid legs on the two finest meshes that a preset allows, and of their beams."""
+    mechanism = posture.mechanism
+    legs, ends = _prisms(mechanism), _ends(mechanism)
+    meshes = {name: mesh_pair(leg, most_unknowns(preset, leg)) for name, leg in legs.items()}
+    # Where both meshes share the section, other constants show what it leaves open.
+    other = {
+        name: coarse if coarse != fine else SECTION_DIVISIONS
+        for name, ((coarse, _), (fine, _)) in meshes.items()
+    }
+
+    def motions(spring: Spring, mesh: int = _FINE) -> Array:
+        tips = {name: spring(name, leg, mesh) for name, leg in legs.items()}
+        bodies = links(mechanism, tips)
+        return np.diag(compliance(solved(assembly(mechanism, bodies).at(posture)))).copy()
+
+    def on_both(spring: Spring) -> Array:
+        return np.array([motions(spring, mesh) for mesh in (_COARSE, _FINE)])
+
+    def solid(name: str, leg: ConstantLeg, mesh: int) -> Array:
+        return doubled_tips(leg, *meshes[name][mesh])[ends[name]]
+
+    def own(name: str, leg: ConstantLeg, mesh: int) -> Array:
+        return _own_tip(leg, meshes[name][mesh][0])
+
+    def restrained(name: str, leg: ConstantLeg, mesh: int) -> Array:
+        taken = _taken(leg, meshes[name][mesh][0]) if ends[name] == "rigid" else 0.0
+        return own(name, leg, mesh) + taken
+
+    def by_formula(side: int) -> Array:
+        return motions(
+            lambda name, leg, mesh: tip_compliance(
+                _band(leg, meshes[name][mesh][0])[side], leg.length
+            )
+        )
+
+    return RobotStatics(
+        solid=on_both(solid),
+        own=on_both(own),
+        restrained=on_both(restrained),
+        rough=motions(lambda name, leg, _: _own_tip(leg, other[name])),
+        theory=motions(lambda _name, leg, _mesh: tip_compliance(leg.timoshenko, leg.length)),
+        soft=by_formula(0),
+        stiff=by_formula(1),
+        ratio=min(fine[1] / coarse[1] for coarse, fine in meshes.values()),
+    )
+
+
+@memo(16)
+def _own_tip(leg: ConstantLeg, divisions: int) -> Array:
+    """Tip compliance (6×6) of the beam of the section's own constants."""
+    return tip_compliance(own_properties(leg, divisions), leg.length)
+
+
+@memo(16)
+def _taken(leg: ConstantLeg, divisions: int) -> Array:
+    """Change (6×6, ≤ 0) of the tip compliance by rigid end faces, on one section mesh."""
+    return restrained_compliance(face_mesh(leg, divisions), leg.material, leg.length)
+
+
+@memo(16)
+def _band(leg: ConstantLeg, divisions: int) -> tuple[BeamProperties, BeamProperties]:
+    """Softest and stiffest beam that correct textbook formulas can make of a leg."""
+    constants = leg_constants(leg, divisions)
+    return formula_band(leg, constants, beam_properties(constants, leg.material))
+
+
+@cases.case(
+    "robot.agrees[{model}-solid-{motion}]",
+    "{motion} of the robot by {model} is that of the robot with solid legs",
+    over={
+        "model": STATIC_MODELS,
+        "motion, entry, unit": [(name, *of) for name, of in MOTIONS.items()],
+    },
+    quantity="tool motion {motion} under its unit load, middle of the path",
+    label="{motion}",
+    citation="the same legs as quadratic hexahedra",
+    tolerance=Relative(COMPLIANCE_TOLERANCE),
+    tolerance_reason="beam theory is exact in statics once its differences from the solid are "
+    "allowed for: 0.1 %",
+)
+def _motion(context: Context, model: ModelName, entry: int) -> Measurement:
+    _require_prisms(context.robot_file.mechanism)
+    posture = constant_posture(context)
+    if model == "vjm" and (reason := context.get(why_not_serial, (posture,))):
+        raise Skip(reason)
+    for leg in _prisms(posture.mechanism).values():
+        if not has_meshes(leg, most_unknowns(context.meshes, leg)):
+            raise Skip(
+                f"{leg.name}: its section takes too many unknowns in preset {context.meshes}"
+            )
+    found = context.get(robot_statics, posture, context.meshes)
+    reference = float(found.solid[_FINE, entry])
+    of_kind = found.solid[_FINE, :3] if entry < 3 else found.solid[_FINE, 3:]
+    if reference <= _STILL * of_kind.max():
+        raise Skip("the tool does not give way in this direction")
+    (answer,) = context.get(answers, model, (posture,), 0, DEFAULT_OPTIONS)
+    own = float(found.own[_FINE, entry])
+    left = (found.restrained - found.solid)[:, entry]
+    formula = limited(
+        float(found.theory[entry]) - own,
+        (float(found.stiff[entry]) - own, float(found.soft[entry]) - own),
+        _step(own - found.rough[entry], found.ratio),
+    )
+    return Measurement(
+        float(answer.compliance[entry, entry]),
+        reference,
+        reference_uncertainty=_step(reference - found.solid[_COARSE, entry], found.ratio),
+        judged_uncertainty=_step(left[_FINE] - left[_COARSE], found.ratio),
+        allowances=(
+            Allowance(
+                HELD_FACES, own - float(found.restrained[_FINE, entry]), "fem.couplings.end_effects"
+            ),
+            Allowance(FORMULA, formula, FORMULA_SOURCE),
+        ),
+        pose=tuple(posture.pose.tolist()),
+    )
+
+
+def _step(change: float, ratio: float) -> float:
+    return float(step_uncertainty(np.abs(np.array(change)), ratio))
+
+
+def robot_modes(posture: Posture, meshes: SolidMeshes, count: int) -> RobotModes:
+    """Modes with solid legs on two meshes and of their beams, `count` of each looked at."""
+    legs, ends = _prisms(posture.mechanism), _ends(posture.mechanism)
+    free: Holds = dict.fromkeys(legs, "free")
+
+    def solids(hold: Holds) -> list[PathModes]:
+        return [solid_vibration((posture,), RobotReading(hold), mesh, count) for mesh in meshes]
+
+    relaxed = solids(free)
+    held = relaxed if ends == free else solids(ends)
+    reference = held[_FINE]
+
+    def partner(other: PathModes) -> tuple[Array, IntArray]:
+        found = partners(reference, other, MODES)
+        return found.frequency[0], found.number[0]
+
+    faces = [{name: mesh.section_divisions(leg) for name, leg in legs.items()} for mesh in meshes]
+    own, changes = [], []
+    for face in faces:
+        beams = {leg: own_beam(leg, face[name]) for name, leg in legs.items()}
+        vibration, reduced = _beam_vibration(posture, beams, count)
+        frequencies, numbers = partner(vibration)
+        by_waves = wave_changes(
+            (posture,),
+            {name: reduced[leg] for name, leg in legs.items()},
+            {name: beams[leg] for name, leg in legs.items()},
+            waves_of(legs, face),
+            elements=ELEMENTS,
+            offered=count,
+            count=int(numbers.max()) + 1,
+        )[0]
+        own.append(frequencies)
+        changes.append(np.where(numbers >= 0, by_waves[numbers], np.nan))
+
+    def by_formula(side: int) -> Array:
+        beams = {
+            leg: beam_leg(_section_band(leg, faces[_FINE][name])[side], leg.length, ELEMENTS)
+            for name, leg in legs.items()
+        }
+        return partner(_beam_vibration(posture, beams, count)[0])[0]
+
+    return RobotModes(
+        reference=reference,
+        held=np.array([partner(one)[0] for one in held]),
+        free=np.array([partner(one)[0] for one in relaxed]),
+        own=np.array(own),
+        changes=np.array(changes),
+        theory=partner(model_vibration((posture,), "beam", DEFAULT_OPTIONS, count))[0],
+        soft=by_formula(0),
+        stiff=by_formula(1),
+    )
+
+
+def _section_band(leg: ConstantLeg, divisions: int) -> tuple[BeamProperties, BeamProperties]:
+    """As `_band`, on the mesh of the solid that vibrates."""
+    material = leg.material
+    constants = section_constants(
+        section_mesh(leg.section, divisions), material.nu, material.G / material.E
+    )
+    return formula_band(leg, constants, beam_properties(constants, material))
+
+
+def _beam_vibration(
+    posture: Posture, beams: Mapping[ConstantLeg, LegMatrices], count: int
+) -> tuple[PathModes, dict[ConstantLeg, CraigBampton]]:
+    """PathModes with such beams as legs, and the beams reduced."""
+    highest = highest_frequency((posture,), count)
+    reduced = {
+        leg: craig_bampton(held_leg(beam), highest, CUTOFF["beam"] * highest)
+        for leg, beam in beams.items()
+    }
+    legs = _prisms(posture.mechanism)
+    bodies = {name: filled(reduced[leg].matrices) for name, leg in legs.items()}
+    modes = modes_along(assembly(posture.mechanism, bodies), (posture,), count)
+    return vibration_of(samples_of(posture.mechanism), modes, count), reduced
+
+
+def _require_waves(context: Context, legs: Sequence[ConstantLeg], meshes: SolidMeshes) -> None:
+    """Raise Skip if a preset does not mesh the legs or beams and their waves leave out a cause."""
+    numbers = [meshes.fine.divisions(leg) for leg in legs]
+    if reason := too_large(legs, numbers, context.preset):
+        raise Skip(reason)
+    for leg, number in zip(legs, numbers, strict=True):
+        if decay_of_warping(leg, number) > _WARPING * leg.length:
+            raise Skip(
+                f"{leg.name}: warping of its open section reaches over more than a fifth of its "
+                "length, where the theory of beams without warping does not hold"
+            )
+        smaller, larger = sorted(leg.section.extent)
+        if larger > max(WALL_ASPECT * smaller, _SHORT * leg.length):
+            raise Skip(
+                f"{leg.name}: a strip, wider than a tenth of its length, bends as a plate near its "
+                "ends, which the waves of beams leave out (1 % of two leaves a third as wide as "
+                "long)"
+            )
+
+
+@cases.case(
+    "robot.agrees[{model}-solid-f{mode}]",
+    "f{mode} of the robot by {model} is that of the robot with solid legs",
+    over={"model": DYNAMIC_MODELS, "index, mode": numbered(MODES)},
+    quantity="natural frequency {mode}, middle of the path, paired by shape",
+    label="f{mode}",
+    unit="Hz",
+    citation="the same legs as quadratic hexahedra, reduced to their ends",
+    figure="mechanism.mode-shapes",
+    tolerance=Relative(FREQUENCY_TOLERANCE),
+    tolerance_reason="20 elements per leg are within 1 % of their limit",
+)
+def _frequency(context: Context, model: ModelName, index: int) -> Measurement:
+    _require_prisms(context.robot_file.mechanism)
+    posture = constant_posture(context)
+    legs = list(_prisms(posture.mechanism).values())
+    coarse, fine = solid_meshes(context.preset)
+    # As the reference of the verdicts: one mesh of a wall is too stiff against distortion.
+    meshes = SolidMeshes(coarse, fine._replace(least=COARSEST_WALLS))
+    _require_waves(context, legs, meshes)
+    count = offered(max(MODES, context.robot_file.requirement.modes))
+    found = context.get(robot_modes, posture, meshes, count)
+    vibration = context.get(model_vibration, (posture,), model, DEFAULT_OPTIONS, count)
+    value = float(partners(found.reference, vibration, MODES).frequency[0, index])
+    distorted = (found.own * (1.0 + found.changes))[:, index]
+    if not np.isfinite(distorted).all():
+        raise Skip(NO_WAVES)
+    reference, free = float(found.held[_FINE, index]), found.free[:, index]
+    own = float(found.own[_FINE, index])
+    factor = step_factor(meshes.ratio(legs), FORMAL_ORDER)
+    left = distorted - free
+    formula = limited(
+        float(found.theory[index]) - own,
+        (float(found.soft[index]) - own, float(found.stiff[index]) - own),
+        factor * abs(own - float(found.own[_COARSE, index])),
+    )
+    return Measurement(
+        value,
+        reference,
+        reference_uncertainty=factor * abs(reference - float(found.held[_COARSE, index])),
+        # Constants, waves and solids have the errors of one section mesh in common.
+        judged_uncertainty=float(factor * abs(left[_FINE] - left[_COARSE])),
+        allowances=(
+            Allowance(HELD_FACES, float(free[_FINE]) - reference, "solids with free and held ends"),
+            Allowance(DISTORTION, own - float(distorted[_FINE]), WAVES_SOURCE),
+            Allowance(FORMULA, formula, FORMULA_SOURCE),
+        ),
+        pose=tuple(posture.pose.tolist()),
+    )
