@@ -7,7 +7,7 @@ carried through the robot: each is the difference of two robots that have legs w
 
 Statics: legs by their tip compliance, solids by doubling on two meshes. Dynamics: solids reduced to
 their ends; beams of the solids' own section constants, with and without the waves of 3-D elasticity
-in them (`validation.cases.leg_waves`). PathModes are paired by shape with those of the reference.
+in them (`validation.cases.leg_waves`). Modes are paired by shape with those of the reference.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -376,7 +376,7 @@ def _section_band(leg: ConstantLeg, divisions: int) -> tuple[BeamProperties, Bea
 def _beam_vibration(
     posture: Posture, beams: Mapping[ConstantLeg, LegMatrices], count: int
 ) -> tuple[PathModes, dict[ConstantLeg, CraigBampton]]:
-    """PathModes with such beams as legs, and the beams reduced."""
+    """Modes with such beams as legs, and the beams reduced."""
     highest = highest_frequency((posture,), count)
     reduced = {
         leg: craig_bampton(held_leg(beam), highest, CUTOFF["beam"] * highest)
