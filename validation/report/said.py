@@ -20,8 +20,8 @@ _YES = {True: "yes", False: "no"}
 
 
 @dataclass(frozen=True)
-class Reading:
-    """A sentence in one reading: `text` (its number, or curves that hold), `verdict`, `hint`."""
+class StatementCell:
+    """A statement as printed or as corrected: its number, or how many curves hold."""
 
     text: str
     verdict: str
@@ -35,7 +35,7 @@ class SaidTable:
     claims: tuple[Claim, ...]
 
     @property
-    def rows(self) -> Iterator[tuple[Claim, list[Reading], str, str]]:
+    def rows(self) -> Iterator[tuple[Claim, list[StatementCell], str, str]]:
         """A sentence with both readings, in which of them it holds, and the colour of that."""
         for claim in self.claims:
             readings = [_cell(claim, reading) for reading in ("printed", "corrected")]
@@ -68,10 +68,10 @@ class SaidTable:
         )
 
 
-def _cell(claim: Claim, reading: str) -> Reading:
+def _cell(claim: Claim, reading: str) -> StatementCell:
     held = [getattr(curve, f"{reading}_holds") for curve in claim.curves]
     texts = [_with_unit(getattr(curve, reading), curve.unit) for curve in claim.curves]
-    return Reading(
+    return StatementCell(
         text=texts[0] if len(texts) == 1 else f"{sum(held)} of {len(held)} curves",
         verdict="adequate" if all(held) else "inadequate",
         hint="; ".join(
