@@ -54,7 +54,6 @@ for _robot, _tasks in TASKS.items():
 SLOW = {("five-bar", "robot.solid.modes"), ("ifw", "leg1.solid"), ("ifw", "leg1.modes")}
 # Groups of which the quick preset compares nothing, and the reasons.
 BEYOND_QUICK = {
-    ("ifw", "robot.solid.modes"): "not all of its legs are prisms",
     ("ifw", "mechanism.exudyn"): "EXUDYN's beams need a section",
     ("five-bar", "crank1.solid"): "preset standard takes them",
     ("five-bar", "rod1.solid"): "preset standard takes them",
@@ -77,7 +76,11 @@ OTHERS = [
 # tolerances than these need not turn the verdict. Of many arrays that are alike few are tried.
 WRONG, MOVED, FEW = 0.15, 3.0, 2
 # What both sides of a comparison are about: the robot's data and its postures.
-DATA = ("lumped.legs.equivalent_leg ", "validation.adequacy.mechanism.path._postures ")
+DATA = (
+    "lumped.legs.equivalent_leg ",
+    "validation.adequacy.mechanism.path._postures ",
+    "validation.comparisons.robot_beam_vs_solid._constant_posture ",
+)
 
 
 def test_a_robot_of_one_mode_and_no_give_is_told_what_cannot_be_compared(tmp_path):
