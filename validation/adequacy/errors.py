@@ -63,10 +63,6 @@ class Paired:
     beyond_below: Array
     beyond_above: Array
 
-    def rows(self, rows: Sequence[int]) -> "Paired":
-        """Pairing of some of the alternatives."""
-        return Paired(*(getattr(self, one.name)[rows] for one in fields(self)))
-
 
 @dataclass(frozen=True, eq=False)
 class Errors:
@@ -92,6 +88,20 @@ class Errors:
     loaded: Loaded | None = None
     paired: Paired | None = None
     numbers: IntArray | None = None
+
+    def rows(self, rows: Sequence[int]) -> "Errors":
+        """Errors against some of the alternatives."""
+
+        def chosen(record: Any) -> dict[str, Any]:
+            return {name: values[rows] for name, values in _arrays(record).items()}
+
+        return replace(
+            self,
+            names=tuple(self.names[row] for row in rows),
+            loaded=self.loaded and Loaded(**chosen(self.loaded)),
+            paired=self.paired and Paired(**chosen(self.paired)),
+            **chosen(self),
+        )
 
     @property
     def missing(self) -> NDArray[np.bool_]:
@@ -392,11 +402,8 @@ def stacked(errors: Sequence[Errors]) -> Errors:
 
     def columns(records: Sequence[Any]) -> dict[str, Any]:
         """Arrays of all records by field, one row each."""
-        return {
-            one.name: np.array([getattr(record, one.name) for record in records])
-            for one in fields(records[0])
-            if isinstance(getattr(records[0], one.name), np.ndarray)
-        }
+        arrays = [_arrays(record) for record in records]
+        return {name: np.array([one[name] for one in arrays]) for name in arrays[0]}
 
     return replace(
         first,
@@ -405,6 +412,12 @@ def stacked(errors: Sequence[Errors]) -> Errors:
         paired=first.paired and Paired(**columns([one.paired for one in errors])),
         **columns(errors),
     )
+
+
+def _arrays(record: Any) -> dict[str, Any]:
+    """Fields of a record that are arrays."""
+    values = {one.name: getattr(record, one.name) for one in fields(record)}
+    return {name: value for name, value in values.items() if isinstance(value, np.ndarray)}
 
 
 class _Misplaced(NamedTuple):

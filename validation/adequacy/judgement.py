@@ -5,7 +5,6 @@ knows the reference; what the ladder does not reach is the rest, and is shown as
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
 from itertools import compress
 from typing import TypeAlias
 
@@ -304,24 +303,8 @@ def _decides(errors: Errors, reference: Reference, pose: int, limits: Array) -> 
     """What settles the alternatives: the legs' interior if none of the others is enough."""
     if not reference.interior:
         return reference.decides
-    alone = [verdicts_of(_rows(errors, rows), limits)[pose] for rows in by_interior(reference)]
+    alone = [verdicts_of(errors.rows(rows), limits)[pose] for rows in by_interior(reference)]
     return reference.interior if set(alone) == {"undecided"} else reference.decides
-
-
-def _rows(errors: Errors, rows: Sequence[int]) -> Errors:
-    """Errors of some of the alternatives, of a frequency or of the order."""
-    return replace(
-        errors,
-        names=tuple(errors.names[row] for row in rows),
-        value=errors.value[rows],
-        expected=errors.expected[rows],
-        error=errors.error[rows],
-        numerical=errors.numerical[rows],
-        digits=errors.digits[rows],
-        unknown=errors.unknown[rows],
-        paired=None if errors.paired is None else errors.paired.rows(rows),
-        numbers=None if errors.numbers is None else errors.numbers[rows],
-    )
 
 
 def _places(errors: Errors, reference: Reference, pose: int) -> list[str]:
