@@ -15,7 +15,7 @@ from lumped.models.bodies import legs_of
 from lumped.system.assembly import assemble
 from lumped.system.solution import modes, solved
 from validation import api
-from validation.adequacy.mechanism.statics import compliances
+from validation.adequacy.mechanism.statics import model_statics
 from validation.case import Case, Skip
 from validation.cases import ritz
 from validation.cases.polynomials import path_roundings
@@ -127,7 +127,7 @@ def test_what_rounding_leaves_open_covers_the_error_against_the_closed_form(robo
     options = ModelOptions(legs="equivalent", theory="euler-bernoulli")
     for at in placed_at(robot, *stations(robot, 5)):
         exact = planar_exactly(at)
-        found = compliances((at,), model, options)[0]
+        found = model_statics((at,), model, options).compliances[0]
         left_open = path_roundings((at,), model, options)[0]
         off = np.abs(np.linalg.norm(found[:2, :2], axis=0) - exact)
         # Beside the roundings of the matrix those of its solution, some in the last place.
