@@ -98,14 +98,16 @@ def converge(
     "euler-bernoulli". The robot stands in the middle of its path.
     Raises InputError, ComputationError.
     """
+    loaded = _loaded(robot)
     with _arguments_named():
         return convergence(
-            _loaded(robot).mechanism,
+            loaded.mechanism,
             model=model,
             body=body,
             elements=elements,
             divisions=divisions,
             theory=theory,
+            limits=loaded.agreement,
         )
 
 

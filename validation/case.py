@@ -183,11 +183,11 @@ class Case:
     it is ("segments", "solid"; empty where it is no model's). `subject` tells what a case says
     something about: the run's robot, or one of its legs, whose name is `body`. `label` is what an
     axis has room for of the quantity. `section` is the heading under which the report shows the
-    case, `figure` the id of the figure that shows what it measured. `group` names what expensive
-    results the case shares: cases of one group run in the same process, one after the other.
-    `effort` is the expected time
-    in seconds, for the order of work and the time left. `compute` may raise ComputationError (the
-    case has failed) or Skip.
+    case, `figure` the id of the figure that shows what it measured. `elements`: element count of
+    each leg; 0 if the model has no elements or the case is about several counts. `group` names what
+    expensive results the case shares: cases of one group run in the same process, one after the
+    other. `effort` is the expected time in seconds, for the order of work and the time left.
+    `compute` may raise ComputationError (the case has failed) or Skip.
     """
 
     id: str
@@ -210,6 +210,7 @@ class Case:
     label: str = ""
     kind: CaseKind = "comparison"
     body: str = ""
+    elements: int = 0
 
     def measure(self, context: Context) -> Measurement:
         """What `compute` finds in the `context` of the run.

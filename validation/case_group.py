@@ -59,6 +59,7 @@ class CaseFields(TypedDict, total=False):
     label: Field[str]
     kind: Field[CaseKind]
     body: Field[str]
+    elements: Field[int]
 
 
 class CaseGroup:

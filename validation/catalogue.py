@@ -46,12 +46,12 @@ def catalogue(robot_file: RobotFile, variations: Sequence[Variation] = ()) -> Se
 
     The paper's statements are for the paper's robot alone.
     """
-    described = robot_file.mechanism
+    described, limits = robot_file.mechanism, robot_file.agreement
     return (
         *(paper.cases() if is_the_papers(robot_file) else ()),
-        *(robot_beam_vs_solid.cases() if leg_names(described) else ()),
-        *leg_beam_vs_solid.cases(legs=distinct_legs(described)),
-        *convergence_cases.cases(bodies=convergence_cases.subjects(described)),
+        *(robot_beam_vs_solid.cases(limits=limits) if leg_names(described) else ()),
+        *leg_beam_vs_solid.cases(legs=distinct_legs(described), limits=limits),
+        *convergence_cases.cases(bodies=convergence_cases.subjects(described), limits=limits),
         *cases(described, robot_file.requirement.modes),
         *([_MEASURED] if robot_file.measured else []),
         _ADEQUACY,

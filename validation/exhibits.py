@@ -14,8 +14,6 @@ from validation.context import PRESETS, Context, Preset
 
 # Sections of the report that cases and figures share.
 AGREEMENT = "All formulations on the same legs"
-# Label of the cases on the error with the stated count of elements.
-STATED = "error with 20 elements"
 CONVERGENCE = "Convergence with element count"
 STROKE = "The robot over its stroke"
 PATH = "The mechanism over its path"

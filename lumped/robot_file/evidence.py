@@ -19,7 +19,7 @@ from lumped.robot_file.rules.tables import ACCEPT, MEASURED, MEASURED_VALUES
 from lumped.text import shown
 
 # What is no property of the robot: uncertain it would change nothing, or be refused in mid-run.
-_OF_NO_ROBOT = {"schema", "accept", "path", "hammer"}
+OF_NO_ROBOT = {"schema", "accept", "agree", "path", "hammer"}
 _COLUMNS = ("quantity", "pose", "value", "uncertainty", "source")
 
 
@@ -141,7 +141,7 @@ def evidence_faults(
         f"input_uncertainty[{number}].key = {shown(one['key'])}: must name a number or a matrix "
         'of the robot in this file, like "leg1.length" or "foot.compliance"'
         for number, one in enumerate(read["input_uncertainty"], start=1)
-        if one["key"].partition(".")[0].strip() in _OF_NO_ROBOT
+        if one["key"].partition(".")[0].strip() in OF_NO_ROBOT
         or not _are_numbers(_value_or_none(tables, one["key"]))
     ]
 

@@ -10,6 +10,7 @@ from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from lumped.acceptance.agreement import DEFAULT_LIMITS, AgreementLimits
 from lumped.acceptance.measured import Measured, measured_value, pose_faults
 from lumped.acceptance.requirement import Requirement
 from lumped.errors import InputError, write_error
@@ -19,6 +20,7 @@ from lumped.mechanism.mechanism import Mechanism
 from lumped.memo import memo
 from lumped.robot_file.biglide import biglide_faults, biglide_of
 from lumped.robot_file.evidence import (
+    OF_NO_ROBOT,
     Correction,
     evidence_faults,
     read_measured,
@@ -63,8 +65,9 @@ class RobotFile:
     `source` is the path as given or, if `built_in`, the robot's name; `text` the file's text and
     `sha256` the digest (hexadecimal) of its bytes and those of files it names; `corrections` of
     misprints in its source; `requirement` what is asked of its models, `measured` what was measured
-    of the robot. `supposed`: how well moduli, lengths and stiffnesses are taken to be known where
-    the file does not say it of any number.
+    of the robot; `agreement` limits the differences between its models. `supposed`: how well
+    moduli, lengths and stiffnesses are taken to be known where the file does not say it of any
+    number.
     """
 
     mechanism: Mechanism
@@ -75,6 +78,7 @@ class RobotFile:
     corrections: tuple[Correction, ...]
     requirement: Requirement = field(default_factory=Requirement)
     measured: tuple[Measured, ...] = ()
+    agreement: AgreementLimits = DEFAULT_LIMITS
     supposed: float | None = None
 
     @property
@@ -114,7 +118,8 @@ class RobotFile:
         said = {one["key"]: one["relative"] for one in read["input_uncertainty"]}
         if said or self.supposed is None:
             return said
-        return dict.fromkeys(keys_named(tables, _RARELY_KNOWN), self.supposed)
+        of_robot = {name: table for name, table in tables.items() if name not in OF_NO_ROBOT}
+        return dict.fromkeys(keys_named(of_robot, _RARELY_KNOWN), self.supposed)
 
     def with_factors(self, off: Mapping[str, float]) -> Mechanism:
         """The robot with numbers or matrices at keys off by such shares of themselves.
@@ -207,6 +212,7 @@ def _described(source: str, content: bytes, *, built_in: bool = False) -> RobotF
         measured=tuple(
             measured_value(one, "measured", mechanism.judged_responses) for one in read["measured"]
         ),
+        agreement=AgreementLimits(**read["agree"]) if read["agree"] else DEFAULT_LIMITS,
     )
 
 

@@ -55,7 +55,8 @@ def converge(
     quantity
         Quantity of the table: f1 to f4, or x, y, z, the deflection along a unit force.
     within
-        Largest accepted relative error at 20 elements, as 0.01: exit code 1 if it is missed.
+        Largest accepted relative error at 20 elements, as 0.01: exit code 1 if it is missed. Left
+        out, [agree] of the robot file has the limit and the element count.
     csv
         Also write values and errors into this CSV file.
     picture
@@ -76,15 +77,17 @@ def converge(
         raise InputError(f"--within = {within:g}: must be above 0 and below 1 (1 % is 0.01)")
     if quantity not in QUANTITIES:
         raise InputError(f"--quantity {quantity}: must be one of {', '.join(QUANTITIES)}")
+    robot_file = load_robot(robot)
     study = convergence(
-        load_robot(robot).mechanism,
+        robot_file.mechanism,
         model=model,
         body=body,
         elements=_counts("--elements", elements),
         divisions=_counts("--divisions", divisions),
         theory=theory,
+        limits=robot_file.agreement,
     )
-    missed = [] if within is None else study.missed(quantity, within)
+    missed = study.missed(quantity, within)
     say(study.json() if json else study.table(quantity))
     if csv is not None:
         write(csv, study.csv().encode(), ".csv")

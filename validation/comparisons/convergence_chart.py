@@ -6,6 +6,7 @@ from functools import partial
 
 import numpy as np
 
+from lumped.acceptance.agreement import DEFAULT_LIMITS, AgreementLimits
 from lumped.arrays import Array
 from validation.drawing.chart import Chart, Column, Note, Panel, Series, refined
 from validation.drawing.text import number
@@ -15,7 +16,6 @@ _LOWEST = 1e-7
 # Curves whose last errors differ by a smaller factor have their remarks above each other (pt).
 _NEAR, _LINE = 3.0, 9.0
 _LABELLED = (1, 2, 5, 20, 80)
-_STATED_ELEMENTS, _STATED_ERROR = 20.0, 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,7 +24,7 @@ class ErrorCurve:
 
     `name` is that of the formulation, `label` its entry in the legend, `look` one of
     `validation.drawing.style.LOOKS`. A curve that is not `drawn` is in the data alone;
-    the error at 20 elements stands at it if it is `stated`.
+    the error at the stated count stands at it if it is `stated`.
     """
 
     name: str
@@ -46,11 +46,18 @@ class ErrorPanel:
     curves: Sequence[ErrorCurve]
 
 
-def convergence_chart(panels: Sequence[ErrorPanel], x_label: str, columns: int = 2) -> Chart:
-    """One panel each, with lines at an error of 1 % and at 20 elements; errors in percent."""
+def convergence_chart(
+    panels: Sequence[ErrorPanel],
+    x_label: str,
+    agreement: AgreementLimits = DEFAULT_LIMITS,
+    columns: int = 2,
+) -> Chart:
+    """One panel each, with lines at the stated error and element count; errors in percent."""
     counts = np.unique(np.concatenate([curve.counts for one in panels for curve in one.curves]))
     columns = min(columns, len(panels))
-    drawn = [_panel(one, counts, leftmost=k % columns == 0) for k, one in enumerate(panels)]
+    drawn = [
+        _panel(one, counts, agreement, leftmost=k % columns == 0) for k, one in enumerate(panels)
+    ]
     table: dict[str, Column] = {x_label: counts.tolist()}
     for panel in panels:
         for curve in panel.curves:
@@ -64,11 +71,14 @@ def _column(curve: ErrorCurve, counts: Array) -> Column:
     return [errors.get(count) for count in counts.tolist()]
 
 
-def _panel(panel: ErrorPanel, counts: Array, *, leftmost: bool) -> Panel:
+def _panel(
+    panel: ErrorPanel, counts: Array, agreement: AgreementLimits, *, leftmost: bool
+) -> Panel:
     series = []
     ends_of_curves: list[tuple[float, float, str]] = []
     stated: list[tuple[float, float, str]] = []
-    lowest = _STATED_ERROR
+    error, count = 100.0 * agreement.convergence, float(agreement.elements)
+    lowest = error
     for curve in (one for one in panel.curves if one.drawn):
         sizes = 100.0 * np.abs(curve.errors)
         sizes[sizes < _LOWEST] = np.nan
@@ -77,16 +87,16 @@ def _panel(panel: ErrorPanel, counts: Array, *, leftmost: bool) -> Panel:
             last = visible[-1]
             ends_of_curves.append((float(sizes[last]), float(curve.counts[last]), curve.remark))
             lowest = min(lowest, float(np.nanmin(sizes)))
-        at_stated = (curve.counts == _STATED_ELEMENTS) & np.isfinite(sizes)
+        at_stated = (curve.counts == count) & np.isfinite(sizes)
         for size in sizes[at_stated & curve.stated].tolist():
             text = f"{number(size, 2)}\N{NO-BREAK SPACE}%"
-            stated.append((size, _STATED_ELEMENTS, text))
+            stated.append((size, count, text))
     ends = np.array([counts[0], counts[-1]])
-    highest = np.nanmax([np.nanmax(one.y, initial=_STATED_ERROR) for one in series])
-    lines = [Series("1 %", ends, np.full(2, _STATED_ERROR), of="stated error")]
-    if counts[0] <= _STATED_ELEMENTS <= counts[-1]:
-        upright = np.full(2, _STATED_ELEMENTS), np.array([lowest, highest])
-        lines.append(Series("20 elements", *upright, of="stated count"))
+    highest = np.nanmax([np.nanmax(one.y, initial=error) for one in series])
+    lines = [Series(f"{error:g} %", ends, np.full(2, error), of="stated error")]
+    if counts[0] <= count <= counts[-1]:
+        upright = np.full(2, count), np.array([lowest, highest])
+        lines.append(Series(f"{count:g} elements", *upright, of="stated count"))
     return Panel(
         [*series, *lines],
         panel.title,

@@ -9,7 +9,6 @@ from validation.comparisons.convergence_chart import ErrorPanel, convergence_cha
 from validation.comparisons.convergence_study import (
     X_LABELS,
     ConvergenceStudy,
-    short_summary,
 )
 from validation.context import Context
 from validation.exhibits import CONVERGENCE
@@ -31,24 +30,26 @@ def element_convergence(context: Context) -> Shown:
     legs, robot = bodies[:-1][:_MOST_LEGS], bodies[-1]
     studies = [study_of(context, body) for body in (*legs, robot)]
     panels: list[ErrorPanel] = [study.panel(name) for name in _ROWS for study in studies]
-    chart = convergence_chart(panels, X_LABELS["elements"], columns=len(studies))
+    limits = context.robot_file.agreement
+    chart = convergence_chart(panels, X_LABELS["elements"], limits, columns=len(studies))
     shown = curves(chart, *_caption(studies, len(bodies) - 1 - len(legs)))
     records = [one for body in bodies for one in study_of(context, body).study_records()]
     return replace(shown, studies=records)
 
 
 def _caption(studies: Sequence[ConvergenceStudy], left_out: int) -> list[str]:
+    elements = studies[0].agreement.elements
     sentences = [
         "Relative error over the number of elements per leg: a clamped leg against the exact "
         "cantilever (Huang 1961), the robot against the extrapolated limit of its beam elements. "
-        "At the end of each curve its observed order, at 20 elements its error; deflections that "
-        "are exact for every count are not drawn. Euler–Bernoulli elements are compared with the "
-        "exact Euler–Bernoulli cantilever and drawn if their errors differ visibly from those by "
-        "Timoshenko's theory. Error of f1 with 20 elements and, in brackets, the smallest counts "
-        "for 1 %, 0.1 % and 0.01 %:"
+        f"At the end of each curve its observed order, at {elements} elements its error; "
+        "deflections that are exact for every count are not drawn. Euler–Bernoulli elements are "
+        "compared with the exact Euler–Bernoulli cantilever and drawn if their errors differ "
+        f"visibly from those by Timoshenko's theory. Error of f1 with {elements} elements and, in "
+        "brackets, the smallest counts for 1 %, 0.1 % and 0.01 %:"
     ]
     for study in studies:
-        by_label = {one.reading.label: short_summary(one, 0) for one in study.series}
+        by_label = {one.reading.label: study.short_summary(one, 0) for one in study.series}
         known = [
             f"{one.reading.label} {by_label[one.reading.label]}"
             for one in study.series

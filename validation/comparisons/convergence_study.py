@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from lumped.acceptance.agreement import DEFAULT_LIMITS, AgreementLimits
 from lumped.arrays import Array
 from lumped.errors import InputError
 from lumped.legs import Theory
@@ -46,8 +47,6 @@ if TYPE_CHECKING:
 TARGETS = (0.01, 0.001, 0.0001)
 REFINED = {"elements": "element count", "divisions": "mesh"}
 X_LABELS = {"elements": "elements per leg", "divisions": "divisions across the section"}
-# Element count whose error is stated, and limit on that error: the paper's.
-STATED_ELEMENTS, STATED_ERROR = 20, 0.01
 # Relative round-off of frequencies and compliances with 80 elements: ten times the largest that was
 # seen on five processor kernels. Without shear, bending stiffness alone joins the nodes, and
 # rounding grows with the fourth power of the count.
@@ -174,7 +173,8 @@ class ConvergenceStudy:
 
     `subject`: the body's name, empty for the whole robot, which stands in `pose` (m, rad).
     `quantities` (q) are f1, f2, … (Hz) and x, y, z: the deflection of the tip or tool under a unit
-    force along that axis (m/N). `reference` names the source of the limits.
+    force along that axis (m/N). `reference` names the source of the limits. `agreement`: the
+    element count whose error is stated, and the limit on it.
     """
 
     robot: str
@@ -185,6 +185,7 @@ class ConvergenceStudy:
     reference: str
     series: tuple[ConvergenceSeries, ...]
     refined: Literal["elements", "divisions"] = "elements"
+    agreement: AgreementLimits = DEFAULT_LIMITS
 
     @property
     def title(self) -> str:
@@ -215,8 +216,8 @@ class ConvergenceStudy:
     def assert_converged(
         self,
         quantity: str,
-        elements: int = STATED_ELEMENTS,
-        within: float = STATED_ERROR,
+        elements: int | None = None,
+        within: float | None = None,
         *,
         model: RefinedModel = "segments",
         layout: Layout = "half",
@@ -224,10 +225,18 @@ class ConvergenceStudy:
     ) -> None:
         """Raise AssertionError if the error at `elements` and at any finer count exceeds `within`.
 
-        The error counts with the half-width of its limit. Raises InputError for a quantity, a
-        formulation or an element count that was not computed.
+        None: those of `agreement`, 20 elements and 1 % if the robot file does not change them; for
+        solids the finest mesh. The error counts with the half-width of its limit. Raises InputError
+        for a quantity, a formulation or an element count that was not computed.
         """
-        self._require_converged(self.of(model, layout, theory), quantity, elements, within)
+        series = self.of(model, layout, theory)
+        count = self.stated_count(series) if elements is None else elements
+        allowed = self.agreement.convergence if within is None else within
+        self._require_converged(series, quantity, count, allowed)
+
+    def stated_count(self, series: ConvergenceSeries) -> int:
+        """The element count whose error is stated, or the divisions of the finest mesh."""
+        return series.counts[-1] if self.refined == "divisions" else self.agreement.elements
 
     def _require_converged(
         self, series: ConvergenceSeries, quantity: str, count: int, within: float
@@ -242,7 +251,7 @@ class ConvergenceStudy:
             raise AssertionError(
                 f"{series.reading.label}, {self.title}, {quantity}: the error with {count} "
                 f"{self.refined} or more reaches {_size(bound)}, allowed {_size(within)}; "
-                f"{series.behaviour(column)}; {summary(series, column)}".replace(
+                f"{series.behaviour(column)}; {self.summary(series, column)}".replace(
                     "\N{NO-BREAK SPACE}", " "
                 )
             )
@@ -261,7 +270,7 @@ class ConvergenceStudy:
             lines += ["", f"{series.reading.label}: {quantity}", self._rows(series, column)]
             others = [k for k in range(len(self.quantities)) if k != column]
             lines += [
-                f"  {self.quantities[k]}: {series.behaviour(k)}; {summary(series, k)}"
+                f"  {self.quantities[k]}: {series.behaviour(k)}; {self.summary(series, k)}"
                 for k in (column, *others)
             ]
         return "\n".join(lines).replace("\N{NO-BREAK SPACE}", " ")
@@ -340,6 +349,7 @@ class ConvergenceStudy:
                     }
                     for one in self.series
                 },
+                "stated": self.agreement.elements,
                 "notes": [self.reference],
             }
             for k, quantity in enumerate(self.quantities)
@@ -349,20 +359,28 @@ class ConvergenceStudy:
         """The record as JSON text."""
         return dumps(self.record(), allow_nan=False)
 
-    def missed(self, quantity: str, within: float) -> list[str]:
+    def missed(self, quantity: str, within: float | None = None) -> list[str]:
         """A line for each formulation whose error at the stated count exceeds `within`.
 
-        The stated count is 20 elements, or the finest mesh of solids. The literal layout of the
-        paper is shown and not judged. Raises InputError if 20 elements were not computed.
+        The stated count is that of `agreement`, or the finest mesh of solids. The literal layout of
+        the paper is shown and not judged. Raises InputError if the count was not computed.
+
+        `within` None: the limit of `agreement`, which is about elements; nothing if its count was
+        not computed.
         """
-        lines = []
+        lines: list[str] = []
+        if within is None and self.refined == "divisions":
+            return lines
+        allowed = self.agreement.convergence if within is None else within
         for series in self.series:
             reading = series.reading
             if reading.layout == "literal":
                 continue
-            count = series.counts[-1] if self.refined == "divisions" else STATED_ELEMENTS
+            count = self.stated_count(series)
+            if within is None and count not in series.counts:
+                continue
             try:
-                self._require_converged(series, quantity, count, within)
+                self._require_converged(series, quantity, count, allowed)
             except AssertionError as error:
                 lines.append(str(error))
         return lines
@@ -408,7 +426,8 @@ class ConvergenceStudy:
 
     def chart(self, quantities: Sequence[str]) -> Chart:
         """The figure declared; raises InputError for a quantity that the study does not have."""
-        return convergence_chart([self.panel(one) for one in quantities], X_LABELS[self.refined])
+        panels = [self.panel(one) for one in quantities]
+        return convergence_chart(panels, X_LABELS[self.refined], self.agreement)
 
     def panel(self, quantity: str) -> ErrorPanel:
         """The errors of one quantity as they are drawn.
@@ -479,28 +498,30 @@ class ConvergenceStudy:
             },
         }
 
+    def short_summary(self, series: ConvergenceSeries, column: int) -> str:
+        """Error with the stated count and the smallest counts: "+0.009 % (2, 6, 19)"."""
+        needed = [str(count or f"over {series.counts[-1]}") for count in series.needed[:, column]]
+        return f"{self._stated_error(series, column)} ({', '.join(needed)})".strip()
+
+    def summary(self, series: ConvergenceSeries, column: int) -> str:
+        """Error with the stated count, and the smallest counts for 1 %, 0.1 % and 0.01 %."""
+        needed = [
+            f"{100.0 * target:g} % needs {count or f'more than {series.counts[-1]}'}"
+            for target, count in zip(TARGETS, series.needed[:, column], strict=True)
+        ]
+        error = self._stated_error(series, column)
+        stated = f"{self.agreement.elements} elements: {error}; " if error else ""
+        return stated + ", ".join(needed)
+
+    def _stated_error(self, series: ConvergenceSeries, column: int) -> str:
+        """Error with the stated count of elements; "" if it was not computed."""
+        count = self.agreement.elements
+        if self.refined != "elements" or count not in series.counts:
+            return ""
+        return _percent(series.errors[series.counts.index(count), column])
+
     def _repr_html_(self) -> str:
         return f"<pre>{escape(self.table())}</pre>"
-
-
-def short_summary(series: ConvergenceSeries, column: int) -> str:
-    """Error at 20 elements and the smallest counts for 1 %, 0.1 %, 0.01 %: "0.009 % (2, 6, 19)"."""
-    error = series.errors[series.counts.index(STATED_ELEMENTS), column]
-    needed = [str(count or f"over {series.counts[-1]}") for count in series.needed[:, column]]
-    return f"{_percent(error)} ({', '.join(needed)})"
-
-
-def summary(series: ConvergenceSeries, column: int) -> str:
-    """Error at 20 elements, and the smallest counts for 1 %, 0.1 % and 0.01 %."""
-    needed = [
-        f"{100.0 * target:g} % needs {count or f'more than {series.counts[-1]}'}"
-        for target, count in zip(TARGETS, series.needed[:, column], strict=True)
-    ]
-    stated = ""
-    if STATED_ELEMENTS in series.counts:
-        error = series.errors[series.counts.index(STATED_ELEMENTS), column]
-        stated = f"{STATED_ELEMENTS} elements: {_percent(error)}; "
-    return stated + ", ".join(needed)
 
 
 def _shown(value: float, digits: str) -> str:

@@ -1,17 +1,21 @@
 """Leg by leg: VJM, links, rigid segments and beam elements against the solid of the same leg.
 
 The leg is of constant section, its root clamped, its tip loaded or free. The solid has end faces as
-the robot file says, kept plane if it does not say. Named differences are allowed for, each computed
-without the model that is judged: what held end faces take (fields that decay from the faces of a
-prism), section constants by formula in place of finite elements on the section, as far as a correct
-formula may be off (`validation.comparisons.section_formulas`), and distortion of the section in
-vibration (waves of 3-D elasticity in a prism).
+[agree] of the robot file says, else the leg's own `ends`; kept plane if neither does. Named
+differences are allowed for, each computed without the model that is judged: what held end faces
+take (fields that decay from the faces of a prism), section constants by formula in place of finite
+elements on the section, as far as a correct formula may be off
+(`validation.comparisons.section_formulas`), and distortion of the section in vibration (waves of
+3-D elasticity in a prism).
 """
+
+from dataclasses import replace
 
 import numpy as np
 
 from fem.beams.beam_theory import cantilever_frequencies
 from fem.sections.section_constants import beam_properties
+from lumped.acceptance.agreement import AgreementLimits
 from lumped.arrays import Array
 from lumped.legs import BeamProperties, ConstantLeg, tip_compliance
 from validation.case import Allowance, Measurement, Relative, Skip
@@ -32,7 +36,7 @@ from validation.comparisons.section_formulas import formula_band
 from validation.context import Context
 from validation.exhibits import AGREEMENT
 from validation.models.legs import constant_leg_of, leg_compliance, leg_frequencies
-from validation.models.options import Ends, ModelName, ModelOptions
+from validation.models.options import ModelName, ModelOptions
 from validation.solids.legs import Refinement, formal_order, leg_constants
 
 HELD_FACES = "held end faces"
@@ -52,7 +56,6 @@ MOTIONS = {
 _OPTIONS = ModelOptions(legs="equivalent")
 STATIC_MODELS: tuple[ModelName, ...] = ("vjm", "links", "segments", "beam")
 DYNAMIC_MODELS: tuple[ModelName, ...] = ("segments", "beam")
-COMPLIANCE_TOLERANCE, FREQUENCY_TOLERANCE = 0.001, 0.01
 
 cases = CaseGroup(
     over={"body": lambda legs: legs},
@@ -61,6 +64,7 @@ cases = CaseGroup(
     section=AGREEMENT,
     subject="leg",
     effort=0.05,
+    elements=lambda model, limits: limits.elements if model in DYNAMIC_MODELS else 0,
 )
 
 
@@ -75,13 +79,15 @@ cases = CaseGroup(
     label="{motion}",
     citation="the same leg as quadratic hexahedra",
     group="{body}.solid",
-    tolerance=Relative(COMPLIANCE_TOLERANCE),
-    tolerance_reason="beam theory is exact in statics once its differences from the solid are "
-    "allowed for: 0.1 %",
+    tolerance=lambda limits: Relative(limits.compliance),
+    tolerance_reason="[agree] compliance, 0.1 % if left out: beam theory is exact in statics once "
+    "its differences from the solid are allowed for",
 )
-def _motion(context: Context, body: str, model: ModelName, entry: int) -> Measurement:
+def _motion(
+    context: Context, body: str, model: ModelName, entry: int, limits: AgreementLimits
+) -> Measurement:
     leg = constant_leg_of(context, body)
-    ends = _ends(leg)
+    ends = limits.ends_of(leg.ends)
     solid = compliances(context, body, ends)
     own = context.get(own_compliances, leg, solid.divisions)
     taken = context.get(restrained, leg, solid.divisions) if ends == "rigid" else 0.0 * own
@@ -96,7 +102,7 @@ def _motion(context: Context, body: str, model: ModelName, entry: int) -> Measur
         of_section.uncertainty(*at),
     )
     return Measurement(
-        float(leg_compliance(model, leg, _OPTIONS)[at]),
+        float(leg_compliance(model, leg, _options(limits))[at]),
         float(solid.values[-1][at]),
         reference_uncertainty=solid.uncertainty(*at),
         judged_uncertainty=left.uncertainty(*at),
@@ -116,17 +122,21 @@ def _motion(context: Context, body: str, model: ModelName, entry: int) -> Measur
     unit="Hz",
     citation="the same leg as quadratic hexahedra",
     group="{body}.modes",
-    tolerance=Relative(FREQUENCY_TOLERANCE),
-    tolerance_reason="20 elements per leg are within 1 % of their limit",
+    tolerance=lambda limits: Relative(limits.frequency),
+    tolerance_reason="[agree] frequency, 1 % if left out: 20 elements per leg are as near to their "
+    "limit",
 )
-def _frequency(context: Context, body: str, model: ModelName, index: int) -> Measurement:
+def _frequency(
+    context: Context, body: str, model: ModelName, index: int, limits: AgreementLimits
+) -> Measurement:
     leg = constant_leg_of(context, body)
     modes = exact_modes(leg)
     reasons = [context.get(not_a_beam, leg, mode) for mode in modes]
     if reasons[index]:
         raise Skip(f"{modes[index].kind}, number {modes[index].order}: {reasons[index]}")
     judged = len(modes) - next(k for k, reason in enumerate(reversed(reasons)) if not reason)
-    held, free = (frequencies(context, body, ends, judged) for ends in (_ends(leg), "free"))
+    held = frequencies(context, body, limits.ends_of(leg.ends), judged)
+    free = frequencies(context, body, "free", judged)
     divisions = free.frequencies.divisions
     kinds = tuple((one.kind, one.order) for one in modes)
     beam = context.get(own_frequencies, leg, divisions, kinds)[:, index]
@@ -134,7 +144,7 @@ def _frequency(context: Context, body: str, model: ModelName, index: int) -> Mea
     solid = free.frequencies.values[:, index]
     left = Refinement(divisions, beam + change - solid)
     reference = float(held.frequencies.values[-1, index])
-    value = float(leg_frequencies(model, leg, index + 1, _OPTIONS)[index])
+    value = float(leg_frequencies(model, leg, index + 1, _options(limits))[index])
     band = context.get(frequency_band, leg, divisions[-1], kinds)[:, index]
     formula = limited(
         modes[index].frequency - float(beam[-1]),
@@ -183,6 +193,5 @@ def limited(difference: float, band: tuple[float, float], uncertainty: float) ->
     return min(max(difference, low), high)
 
 
-def _ends(leg: ConstantLeg) -> Ends:
-    """End condition of the solid: kept plane if the robot file does not specify it."""
-    return leg.ends or "rigid"
+def _options(limits: AgreementLimits) -> ModelOptions:
+    return replace(_OPTIONS, elements=limits.elements)

@@ -1,8 +1,10 @@
 """The convergence study of a robot or of one of its legs."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from fem.beams.stepped import SteppedLeg
+from lumped.acceptance.agreement import DEFAULT_LIMITS, MOST_ELEMENTS, AgreementLimits
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, Theory, equivalent_leg
 from lumped.mechanism.kinematics.postures import posture, reference_posture
@@ -15,9 +17,6 @@ from validation.comparisons.readings import EULER_BERNOULLI, FORMULATIONS, Refin
 from validation.models.parts import is_leg
 from validation.models.stepped_parts import PIECES, stepped
 
-# Elements per leg are solved densely.
-_MOST_ELEMENTS = 200
-
 
 def convergence(
     mechanism: Mechanism,
@@ -27,22 +26,25 @@ def convergence(
     elements: Sequence[int] | None = None,
     divisions: Sequence[int] | None = None,
     theory: Theory | None = None,
+    limits: AgreementLimits = DEFAULT_LIMITS,
 ) -> ConvergenceStudy:
     """Convergence of the robot in the middle of its path, or of the leg `body`.
 
-    `model` None: segments in both layouts, and beam elements. `theory` None: Timoshenko's. Raises
-    InputError with every fault of the arguments.
+    `model` None: segments in both layouts, and beam elements. `theory` None: Timoshenko's.
+    `elements` None: the usual counts and that of `limits`. Raises InputError with every fault of
+    the arguments.
     """
     if faults := _faults(mechanism, model, body, elements, divisions, theory):
         raise InputError(faults)
     if model == "solid" or divisions is not None:
         leg = legs_of(mechanism)[str(body)]
-        return leg_mesh_convergence(
+        study = leg_mesh_convergence(
             mechanism.name, str(body), equivalent_leg(leg), divisions=divisions or DIVISIONS
         )
+        return replace(study, agreement=limits)
     formulations = EULER_BERNOULLI if theory == "euler-bernoulli" else FORMULATIONS
     readings = [one for one in formulations if model in (None, one.model)]
-    counts = tuple(elements or COUNTS)
+    counts = tuple(elements or {*COUNTS, limits.elements})
     if body in mechanism.parts or (body is None and mechanism.parts):
         # Each prismatic piece has whole elements; the literal layout is about one prism.
         readings = [one for one in readings if one.layout != "literal"]
@@ -52,8 +54,11 @@ def convergence(
                 f"elements: CAD parts are legs of {PIECES} pieces; must have a multiple of {PIECES}"
             )
     if body is None:
-        return robot_convergence(middle_posture(mechanism), readings, counts)
-    return leg_convergence(mechanism.name, body, _leg(mechanism, body), readings, counts)
+        study = robot_convergence(middle_posture(mechanism), readings, counts)
+    else:
+        leg_alone = _leg(mechanism, body)
+        study = leg_convergence(mechanism.name, body, leg_alone, readings, counts)
+    return replace(study, agreement=limits)
 
 
 def leg_names(mechanism: Mechanism) -> list[str]:
@@ -106,6 +111,6 @@ def _faults(
         if counts is not None and (not counts or min(counts) < 1):
             listed = ", ".join(map(str, counts)) or "none"
             faults.append(f"{name} = {listed}: must be one or more whole numbers of 1 or more")
-    if elements and max(elements) > _MOST_ELEMENTS:
-        faults.append(f"elements = {max(elements)}: must be at most {_MOST_ELEMENTS}")
+    if elements and max(elements) > MOST_ELEMENTS:
+        faults.append(f"elements = {max(elements)}: must be at most {MOST_ELEMENTS}")
     return faults

@@ -1,9 +1,10 @@
 """The whole robot: VJM, links, segments and beam elements against the robot with solid legs.
 
 All legs are of constant section, those known by their 6×6 by their equivalent leg; the robot stands
-in the middle of its path. End faces of the solids are as the robot file says, kept plane if it does
-not say. Named differences are those of a single leg (`validation.comparisons.leg_beam_vs_solid`),
-carried through the robot: each is the difference of two robots that have legs with and without it.
+in the middle of its path. End faces of the solids are as [agree] of the robot file says, else as
+`ends` of each leg does; kept plane if neither does. Named differences are those of a single leg
+(`validation.comparisons.leg_beam_vs_solid`), carried through the robot: each is the difference of
+two robots that have legs with and without it.
 
 Statics: legs by their tip compliance, solids by doubling on two meshes. Dynamics: solids reduced to
 their ends; beams of the solids' own section constants, with and without the waves of 3-D elasticity
@@ -11,7 +12,7 @@ in them (`validation.cases.leg_waves`). Modes are paired by shape with those of 
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 import numpy as np
@@ -21,6 +22,7 @@ from fem.couplings.end_effects import restrained_compliance
 from fem.reduction.craig_bampton import CraigBampton, craig_bampton
 from fem.reduction.superelement import held_leg
 from fem.sections.section_constants import beam_properties, section_constants
+from lumped.acceptance.agreement import DEFAULT_LIMITS, AgreementLimits
 from lumped.arrays import Array, IntArray
 from lumped.legs import BeamProperties, ConstantLeg, tip_compliance
 from lumped.mechanism.body_model import LegMatrices
@@ -60,12 +62,10 @@ from validation.case_group import CaseGroup, numbered
 from validation.cases.leg_waves import NO_WAVES, WAVES_SOURCE, wave_changes, waves_of
 from validation.comparisons.element_convergence import MODES
 from validation.comparisons.leg_beam_vs_solid import (
-    COMPLIANCE_TOLERANCE,
     DISTORTION,
     DYNAMIC_MODELS,
     FORMULA,
     FORMULA_SOURCE,
-    FREQUENCY_TOLERANCE,
     HELD_FACES,
     MOTIONS,
     STATIC_MODELS,
@@ -76,7 +76,7 @@ from validation.context import Context, Preset
 from validation.exhibits import AGREEMENT
 from validation.models.legs import filled
 from validation.models.mechanism import CUTOFF, answers, highest_frequency, modes_along
-from validation.models.options import DEFAULT_OPTIONS, ModelName
+from validation.models.options import DEFAULT_OPTIONS, ModelName, ModelOptions
 from validation.solids.legs import (
     COARSEST_WALLS,
     ELEMENTS,
@@ -109,6 +109,7 @@ cases = CaseGroup(
     section=AGREEMENT,
     group=SHARED_SOLIDS,
     effort=0.5,
+    elements=lambda model, limits: limits.elements if model in DYNAMIC_MODELS else 0,
 )
 
 
@@ -176,9 +177,9 @@ def _require_prisms(mechanism: Mechanism) -> None:
         )
 
 
-def _ends(mechanism: Mechanism) -> Holds:
-    """End conditions of the solids: kept plane if the robot file does not specify them."""
-    return {name: leg.ends or "rigid" for name, leg in _prisms(mechanism).items()}
+def _ends(mechanism: Mechanism, limits: AgreementLimits) -> Holds:
+    """End conditions of the solids by leg."""
+    return {name: limits.ends_of(leg.ends) for name, leg in _prisms(mechanism).items()}
 
 
 def _prisms(mechanism: Mechanism) -> dict[str, ConstantLeg]:
@@ -188,10 +189,12 @@ def _prisms(mechanism: Mechanism) -> dict[str, ConstantLeg]:
     }
 
 
-def robot_statics(posture: Posture, preset: Preset) -> RobotStatics:
+def robot_statics(
+    posture: Posture, preset: Preset, limits: AgreementLimits = DEFAULT_LIMITS
+) -> RobotStatics:
     """Statics with solid legs on the two finest meshes that a preset allows, and of their beams."""
     mechanism = posture.mechanism
-    legs, ends = _prisms(mechanism), _ends(mechanism)
+    legs, ends = _prisms(mechanism), _ends(mechanism, limits)
     meshes = {name: mesh_pair(leg, most_unknowns(preset, leg)) for name, leg in legs.items()}
     # Where both meshes share the section, other constants show what it leaves open.
     other = {
@@ -265,11 +268,11 @@ def _band(leg: ConstantLeg, divisions: int) -> tuple[BeamProperties, BeamPropert
     quantity="tool motion {motion} under its unit load, middle of the path",
     label="{motion}",
     citation="the same legs as quadratic hexahedra",
-    tolerance=Relative(COMPLIANCE_TOLERANCE),
-    tolerance_reason="beam theory is exact in statics once its differences from the solid are "
-    "allowed for: 0.1 %",
+    tolerance=lambda limits: Relative(limits.compliance),
+    tolerance_reason="[agree] compliance, 0.1 % if left out: beam theory is exact in statics once "
+    "its differences from the solid are allowed for",
 )
-def _motion(context: Context, model: ModelName, entry: int) -> Measurement:
+def _motion(context: Context, model: ModelName, entry: int, limits: AgreementLimits) -> Measurement:
     _require_prisms(context.robot_file.mechanism)
     posture = constant_posture(context)
     if model == "vjm" and (reason := context.get(why_not_serial, (posture,))):
@@ -279,12 +282,12 @@ def _motion(context: Context, model: ModelName, entry: int) -> Measurement:
             raise Skip(
                 f"{leg.name}: its section takes too many unknowns in preset {context.meshes}"
             )
-    found = context.get(robot_statics, posture, context.meshes)
+    found = context.get(robot_statics, posture, context.meshes, limits)
     reference = float(found.solid[_FINE, entry])
     of_kind = found.solid[_FINE, :3] if entry < 3 else found.solid[_FINE, 3:]
     if reference <= _STILL * of_kind.max():
         raise Skip("the tool does not give way in this direction")
-    (answer,) = context.get(answers, model, (posture,), 0, DEFAULT_OPTIONS)
+    (answer,) = context.get(answers, model, (posture,), 0, _options(limits))
     own = float(found.own[_FINE, entry])
     left = (found.restrained - found.solid)[:, entry]
     formula = limited(
@@ -307,13 +310,19 @@ def _motion(context: Context, model: ModelName, entry: int) -> Measurement:
     )
 
 
+def _options(limits: AgreementLimits) -> ModelOptions:
+    return replace(DEFAULT_OPTIONS, elements=limits.elements)
+
+
 def _step(change: float, ratio: float) -> float:
     return float(step_uncertainty(np.abs(np.array(change)), ratio))
 
 
-def robot_modes(posture: Posture, meshes: SolidMeshes, count: int) -> RobotModes:
+def robot_modes(
+    posture: Posture, meshes: SolidMeshes, count: int, limits: AgreementLimits = DEFAULT_LIMITS
+) -> RobotModes:
     """Modes with solid legs on two meshes and of their beams, `count` of each looked at."""
-    legs, ends = _prisms(posture.mechanism), _ends(posture.mechanism)
+    legs, ends = _prisms(posture.mechanism), _ends(posture.mechanism, limits)
     free: Holds = dict.fromkeys(legs, "free")
 
     def solids(hold: Holds) -> list[PathModes]:
@@ -417,10 +426,13 @@ def _require_waves(context: Context, legs: Sequence[ConstantLeg], meshes: SolidM
     unit="Hz",
     citation="the same legs as quadratic hexahedra, reduced to their ends",
     figure="mechanism.mode-shapes",
-    tolerance=Relative(FREQUENCY_TOLERANCE),
-    tolerance_reason="20 elements per leg are within 1 % of their limit",
+    tolerance=lambda limits: Relative(limits.frequency),
+    tolerance_reason="[agree] frequency, 1 % if left out: 20 elements per leg are as near to their "
+    "limit",
 )
-def _frequency(context: Context, model: ModelName, index: int) -> Measurement:
+def _frequency(
+    context: Context, model: ModelName, index: int, limits: AgreementLimits
+) -> Measurement:
     _require_prisms(context.robot_file.mechanism)
     posture = constant_posture(context)
     legs = list(_prisms(posture.mechanism).values())
@@ -429,8 +441,8 @@ def _frequency(context: Context, model: ModelName, index: int) -> Measurement:
     meshes = SolidMeshes(coarse, fine._replace(least=COARSEST_WALLS))
     _require_waves(context, legs, meshes)
     count = offered(max(MODES, context.robot_file.requirement.modes))
-    found = context.get(robot_modes, posture, meshes, count)
-    vibration = context.get(model_vibration, (posture,), model, DEFAULT_OPTIONS, count)
+    found = context.get(robot_modes, posture, meshes, count, limits)
+    vibration = context.get(model_vibration, (posture,), model, _options(limits), count)
     value = float(partners(found.reference, vibration, MODES).frequency[0, index])
     distorted = (found.own * (1.0 + found.changes))[:, index]
     if not np.isfinite(distorted).all():

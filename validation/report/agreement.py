@@ -3,8 +3,8 @@
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
+from validation.case import Case
 from validation.drawing.text import number, percent
-from validation.exhibits import STATED
 from validation.results.outcome import Outcome, Verdict
 
 # Of verdicts on comparisons, wherever the page shows one.
@@ -20,8 +20,8 @@ _NOTHING = 5e-5
 _MODELS = {
     "vjm": "VJM",
     "links": "Links",
-    "segments": "Segments (20)",
-    "beam": "Beam FE (20)",
+    "segments": "Segments",
+    "beam": "Beam FE",
 }
 # Factor and unit of what is shown of each unit of a case.
 _SHOWN = {"m/N": (1e9, "µm"), "rad/(N m)": (1e8, "µrad"), "Hz": (1.0, "Hz")}
@@ -91,13 +91,12 @@ def agreement_sentence(outcomes: Sequence[Outcome]) -> str:
 
 
 def convergence_sentence(outcomes: Sequence[Outcome]) -> str:
-    """Largest error with 20 elements of segments and beams in one sentence; "" if not computed."""
-    errors = [
-        one.measurement.value
-        for one in outcomes
-        if one.case.kind == "convergence" and one.case.label == STATED and one.measurement
-    ]
-    return f"20 elements: at most {percent(max(errors), signed=False)}." if errors else ""
+    """Largest error of segments and beams with the stated element count; "" if not computed."""
+    stated = [one for one in outcomes if one.case.kind == "convergence" and one.case.elements]
+    errors = [one.measurement.value for one in stated if one.measurement]
+    if not errors:
+        return ""
+    return f"{stated[0].case.elements} elements: at most {percent(max(errors), signed=False)}."
 
 
 def _unexplained(outcome: Outcome) -> float:
@@ -118,12 +117,12 @@ def _subject(outcomes: Sequence[Outcome]) -> str:
 
 def _table(outcomes: Sequence[Outcome]) -> AgreementTable:
     quantities = tuple(dict.fromkeys(one.case.label for one in outcomes))
-    models = dict.fromkeys(one.case.model for one in outcomes)
+    models = {one.case.model: _row_name(one.case) for one in outcomes}
     by_place = {(one.case.model, one.case.label): one for one in outcomes}
     rows = []
-    for model in models:
+    for model, name in models.items():
         cells = [by_place.get((model, quantity)) for quantity in quantities]
-        rows.append((_MODELS[model], tuple(_cell(one) if one else None for one in cells)))
+        rows.append((name, tuple(_cell(one) if one else None for one in cells)))
     solid = tuple(_solid(quantity, outcomes) for quantity in quantities)
     return AgreementTable(
         _subject(outcomes),
@@ -133,6 +132,11 @@ def _table(outcomes: Sequence[Outcome]) -> AgreementTable:
         _explanations(outcomes),
         _missing(outcomes),
     )
+
+
+def _row_name(case: Case) -> str:
+    """The model, and its elements per leg in brackets if it has any: "Beam FE (20)"."""
+    return f"{_MODELS[case.model]} ({case.elements})" if case.elements else _MODELS[case.model]
 
 
 def _solid(quantity: str, outcomes: Sequence[Outcome]) -> str:

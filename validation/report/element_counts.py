@@ -6,14 +6,14 @@ from typing import Any
 from validation.drawing.text import percent
 from validation.exhibits import Figure
 
-_STATED = 20
 _TARGET = "0.01"
 
 
 def element_count_sentence(figures: Sequence[Figure]) -> str:
-    """Elements that 1 % takes, and the error with 20, by formulation; "" without such a study.
+    """Elements that 1 % takes and the error with the stated count; "" without such a study.
 
-    Both for the worst of all frequencies and deflections of legs and robot, by Timoshenko's theory.
+    Of each formulation by Timoshenko's theory, for the worst of all frequencies and deflections of
+    legs and robot.
     """
     studies = [study for figure in figures for study in figure.studies if "needed" in study]
     labels = dict.fromkeys(
@@ -39,13 +39,16 @@ def _formulation(label: str, studies: Sequence[Mapping[str, Any]]) -> str:
     finest = max(max(study["x"]) for study in studies)
     count = f"more than {finest}" if None in needed else str(max(needed))
     errors = [abs(error) for study in studies if (error := _stated_error(label, study)) is not None]
-    stated = f" (with {_STATED}: {percent(max(errors), signed=False)})" if errors else ""
-    return f"{count} by {label}{stated}"
+    if not errors:
+        return f"{count} by {label}"
+    stated = studies[0]["stated"]
+    return f"{count} by {label} (with {stated}: {percent(max(errors), signed=False)})"
 
 
 def _stated_error(label: str, study: Mapping[str, Any]) -> float | None:
-    """Relative error with 20 elements; None if these were not computed."""
-    if _STATED not in study["x"]:
+    """Relative error with the stated count of elements; None if it was not computed."""
+    count = study["stated"]
+    if count not in study["x"]:
         return None
-    value = study["series"][label][study["x"].index(_STATED)]
+    value = study["series"][label][study["x"].index(count)]
     return None if value is None else float(value / study["limit"][label] - 1.0)

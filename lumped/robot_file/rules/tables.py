@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields, replace
 from typing import Any, get_args
 
+from lumped.acceptance.agreement import MOST_ELEMENTS, AgreementLimits, SolidEnds
 from lumped.acceptance.quantities import MOST_MODES, UNIT_LOADS
 from lumped.acceptance.requirement import (
     MODEL_KINDS,
@@ -263,6 +264,17 @@ ACCEPT = TableRule(
     Key("rely", Several(OneOf(MODEL_KINDS)), "models whose inadequacy is exit code 1", default=()),
     *(Key(one.name, _SHARE, f"in place of `deflection` for {one}") for one in UNIT_LOADS),
 )
+_ELEMENTS = Number(least=1, most=MOST_ELEMENTS, whole=True)
+_FINE = "relative error of f1 to f4 and of deflections with that many elements"
+_UNEXPLAINED = "unexplained difference from solids of the same legs"
+_SOLID_ENDS = 'of these solids; "as given": as `ends` of the leg, else kept plane'
+AGREE = TableRule(
+    Key("elements", _ELEMENTS, "per leg of segments and beams", default=AgreementLimits.elements),
+    Key("convergence", _SHARE, _FINE, default=AgreementLimits.convergence),
+    Key("compliance", _SHARE, f"{_UNEXPLAINED}: deflections", default=AgreementLimits.compliance),
+    Key("frequency", _SHARE, f"{_UNEXPLAINED}: f1 to f4", default=AgreementLimits.frequency),
+    Key("ends", OneOf(get_args(SolidEnds)), _SOLID_ENDS, default=AgreementLimits.ends),
+)
 # From what no instrument resolves to more than any structure yields; errors are relative to it.
 _MEASURED = Number(least=-1e15, most=1e15)
 _SPREAD = Number(above=0.0, most=1e15, slip=SMALLEST_MEASURED)
@@ -304,6 +316,7 @@ _ASKED = (
     Key("damping", DAMPING, "of all modes, beside the losses of bodies, joints and drives"),
     Key("responses", Several(RESPONSE), "to harmonic forces, each judged", default=()),
     Key("accept", ACCEPT, "what is asked of a model"),
+    Key("agree", AGREE, "how closely formulations of the same legs must agree"),
     Key("measured", MEASURED_VALUES, "measured values", default=()),
     Key("hammer", HAMMER, "where a modal test was made, whose file `--measured` names"),
     Key("input_uncertainty", Several(_INPUT_UNCERTAINTY), "how well data are known", default=()),

@@ -12,6 +12,7 @@ from crane import write_overlapping_crane
 from one_arm import ONE_ARM
 from written_robot import robot_of
 
+from lumped.acceptance.agreement import DEFAULT_LIMITS
 from lumped.errors import ComputationError, InputError
 from lumped.robot_file import load_robot
 from validation.case import Skip
@@ -41,9 +42,11 @@ def leg1_study():
 def verdict_with(study, identifier):
     """The verdict of a case on leg 1 whose study is this one."""
     context = Context(BIGLIDE)
-    key = memo_key(convergence_cases._study, (BIGLIDE.mechanism, "leg1"), {})
+    key = memo_key(convergence_cases._study, (BIGLIDE.mechanism, "leg1", DEFAULT_LIMITS), {})
     context._memo[key] = study
-    case = next(case for case in cases(bodies=("leg1",)) if case.id == identifier)
+    case = next(
+        case for case in cases(bodies=("leg1",), limits=DEFAULT_LIMITS) if case.id == identifier
+    )
     return judge(case, case.compute(context), 0.0).verdict
 
 
@@ -128,7 +131,7 @@ def test_half_widths_too_narrow_disagree():
 def outcomes_of(robot_file, body):
     """Value or exception of each case on a body."""
     context = Context(robot_file)
-    for case in cases(bodies=(body,)):
+    for case in cases(bodies=(body,), limits=DEFAULT_LIMITS):
         try:
             yield case.compute(context)
         except Exception as error:  # noqa: BLE001  the class is what is tested

@@ -9,6 +9,7 @@ from report_sample import measured
 from sound_biglide import SOUND
 from written_robot import robot_of
 
+from lumped.acceptance.agreement import DEFAULT_LIMITS
 from lumped.robot_file import load_robot
 from lumped.sections import HollowRectangle, ISection, Rectangle, Tube
 from validation.case import Allowance, Relative
@@ -27,7 +28,7 @@ from validation.results.outcome import judge
 HOLLOW = '{ shape = "hollow-rectangle", width = 0.10, height = 0.16, thickness = 0.008 }'
 RECTANGLE = '{ shape = "rectangle", width = 0.10, height = 0.16 }'
 CONTEXT = Context(load_robot("ifw"), "quick")
-BY_ID = {case.id: case for case in cases(legs=("leg1", "leg2"))}
+BY_ID = {case.id: case for case in cases(legs=("leg1", "leg2"), limits=DEFAULT_LIMITS)}
 
 
 def outcome_of(identifier):
@@ -100,7 +101,11 @@ def steel_arm(request, tmp_path_factory):
 
 def vjm_verdict(context, motion):
     """Verdict on a motion by VJM, whose compliance is in closed form."""
-    (case,) = (one for one in cases(legs=("arm",)) if (one.model, one.label) == ("vjm", motion))
+    (case,) = (
+        one
+        for one in cases(legs=("arm",), limits=DEFAULT_LIMITS)
+        if (one.model, one.label) == ("vjm", motion)
+    )
     return judge(case, case.measure(context), 0.0).verdict
 
 
@@ -168,6 +173,7 @@ def agreeing(model, label, value, reference, *allowances, body="leg1", **more):
         label=label,
         body=body,
         unit="m/N",
+        elements=0 if model == "vjm" else 20,
         tolerance=Relative(0.001),
     )
     return judge(case, outcome.measurement, 0.0)
@@ -212,8 +218,7 @@ def test_convergence_sentence_states_the_largest_error():
         measured(f"c{value}", value, 0.01, tolerance=Relative(0.5)) for value in (0.002, 0.007)
     ]
     told = [
-        replace(one, case=replace(one.case, kind="convergence", label="error with 20 elements"))
-        for one in outcomes
+        replace(one, case=replace(one.case, kind="convergence", elements=20)) for one in outcomes
     ]
     assert convergence_sentence(told) == "20 elements: at most 0.7\N{NO-BREAK SPACE}%."
     assert convergence_sentence(outcomes) == ""

@@ -6,6 +6,7 @@ from functools import cache
 import pytest
 from crane import write_crane
 
+from lumped.acceptance.agreement import DEFAULT_LIMITS
 from lumped.robot_file import load_robot
 from validation.case import Skip
 from validation.comparisons import robot_beam_vs_solid
@@ -20,7 +21,7 @@ from validation.context import Context
 from validation.models.options import ModelOptions
 from validation.results.outcome import judge
 
-BY_ID = {case.id: case for case in cases()}
+BY_ID = {case.id: case for case in cases(limits=DEFAULT_LIMITS)}
 
 
 @cache
@@ -93,7 +94,6 @@ def test_branching_robot_is_skipped_by_vjm_alone():
 MISTAKES = {
     "shear left out": (ModelOptions(theory="euler-bernoulli"), "beam-solid-z"),
     "literal layout": (ModelOptions(layout="literal"), "segments-solid-φz"),
-    "two elements": (ModelOptions(elements=2), "segments-solid-f4"),
 }
 
 
@@ -104,6 +104,13 @@ def test_wrong_model_of_the_legs_disagrees(monkeypatch, mistake):
     context = Context(load_robot("ifw"), "quick")
     case = BY_ID[f"robot.agrees[{name}]"]
     assert judge(case, case.measure(context), 0.0).verdict == "disagree"
+
+
+def test_too_few_elements_disagree():
+    """f4 by two segments per leg."""
+    by_id = {case.id: case for case in cases(limits=replace(DEFAULT_LIMITS, elements=2))}
+    case = by_id["robot.agrees[segments-solid-f4]"]
+    assert judge(case, case.measure(context_of("ifw")), 0.0).verdict == "disagree"
 
 
 def test_other_pose_in_the_model_disagrees(monkeypatch):

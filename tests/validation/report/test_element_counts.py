@@ -17,6 +17,7 @@ def study(needed, errors, theory=("timoshenko", "timoshenko", "euler-bernoulli")
     at_twenty = [50.0 * (1.0 + error) for error in errors]
     return {
         "x": list(x),
+        "stated": 20,
         "series": {
             label: [0.0, value, 0.0] for label, value in zip(LABELS, at_twenty, strict=False)
         },

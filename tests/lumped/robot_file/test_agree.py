@@ -1,0 +1,104 @@
+"""Table [agree] of a robot file: defaults, values read, faults, and its place among other keys."""
+
+import json
+from dataclasses import asdict, replace
+
+import pytest
+
+from lumped.acceptance.agreement import AgreementLimits
+from lumped.errors import InputError
+from lumped.robot_file import load_robot, write_template
+from lumped.robot_file.rules.published import json_schema
+
+# Of the paper's statement (20 elements, 1 %) and of what beam theory leaves in statics.
+DEFAULTS = {
+    "elements": 20,
+    "convergence": 0.01,
+    "compliance": 0.001,
+    "frequency": 0.01,
+    "ends": "as given",
+}
+
+
+@pytest.fixture
+def robot_with(tmp_path):
+    """The robot file of a built-in robot with a table [agree]."""
+
+    def load(agree, robot="ifw", more=""):
+        path = tmp_path / "mine.toml"
+        path.write_text(f"{load_robot(robot).text}\n[agree]\n{agree}\n{more}", encoding="utf-8")
+        return load_robot(path)
+
+    return load
+
+
+def test_limits_left_out_are_the_defaults(robot_with):
+    assert asdict(load_robot("ifw").agreement) == DEFAULTS
+    assert asdict(robot_with("").agreement) == DEFAULTS
+
+
+@pytest.mark.parametrize("robot", ["ifw", "five-bar"])
+def test_limits_are_read_in_both_schemas(robot_with, robot):
+    given = 'elements = 12\nconvergence = 0.02\ncompliance = 0.003\nfrequency = 0.04\nends = "free"'
+    read = robot_with(given, robot).agreement
+    assert read == AgreementLimits(12, 0.02, 0.003, 0.04, "free")
+
+
+@pytest.mark.parametrize(
+    ("agree", "fault"),
+    [
+        ("elements = 0", "agree.elements = 0: must be at least 1"),
+        ("elements = 201", "agree.elements = 201: must be at most 200"),
+        ("elements = 20.5", "agree.elements = 20.5: must be a whole number from 1 to 200"),
+        ("convergence = 0.0", "agree.convergence = 0.0: must be at least 1e-06 (0.05 is 5 %)"),
+        ("convergence = 5", "must be at most 1 (0.05 is 5 %); is this in percent?"),
+        ('frequency = "1 %"', 'agree.frequency = "1 %": must be a number from 1e-06 to 1'),
+        ("compliance = -1.0", "agree.compliance = -1.0: must be at least 1e-06"),
+        ('ends = "pinned"', 'agree.ends = "pinned": must be "as given" or "rigid" or "free"'),
+        ("element = 20", 'agree.element: unknown key; did you mean "elements"?'),
+    ],
+)
+def test_wrong_value_is_refused_in_one_line(robot_with, agree, fault):
+    with pytest.raises(InputError) as raised:
+        robot_with(agree)
+    (line,) = raised.value.faults
+    assert fault in line
+    assert "mine.toml" in line
+
+
+@pytest.mark.parametrize(
+    ("ends", "leg_ends", "expected"),
+    [
+        ("as given", None, "rigid"),
+        ("as given", "free", "free"),
+        ("free", "rigid", "free"),
+        ("rigid", "free", "rigid"),
+    ],
+)
+def test_ends_of_solids_follow_the_table_then_the_leg(ends, leg_ends, expected):
+    assert AgreementLimits(ends=ends).ends_of(leg_ends) == expected
+
+
+def test_limit_is_no_uncertain_input_of_the_robot(robot_with):
+    """Its `compliance` has the name of a number that `--inputs` supposes uncertain."""
+    robot = replace(robot_with("compliance = 0.002"), supposed=0.05)
+    assert "foot.compliance" in robot.uncertain_inputs
+    assert "agree.compliance" not in robot.uncertain_inputs
+    named = '[[input_uncertainty]]\nkey = "agree.compliance"\nrelative = 0.1'
+    with pytest.raises(InputError, match="must name a number or a matrix of the robot"):
+        robot_with("compliance = 0.002", more=named)
+
+
+@pytest.mark.parametrize("kind", ["biglide", "five-bar"])
+def test_new_file_lists_the_limits(tmp_path, kind):
+    write_template(tmp_path / "new.toml", kind)
+    lines = (tmp_path / "new.toml").read_text(encoding="utf-8").replace("\n#     ", " ").split("\n")
+    for key, value in DEFAULTS.items():
+        (line,) = [line for line in lines if line.startswith(f"# agree.{key}:")]
+        assert line.endswith(f"; {json.dumps(value)} where left out")
+
+
+def test_schema_has_the_limits_with_their_defaults():
+    for branch in ("then", "else"):
+        properties = json_schema()[branch]["properties"]["agree"]["properties"]
+        assert {key: one["default"] for key, one in properties.items()} == DEFAULTS
