@@ -113,7 +113,9 @@ def test_remark_stands_at_the_finest_drawn_error(leg1):
             if (sizes >= 1e-7).any():
                 last = int(np.flatnonzero(sizes >= 1e-7)[-1])
                 ends.append((sizes[last], series.counts[last], series.behaviour(column)))
-        notes = sorted((note.y, note.x, note.text) for note in panel.notes)
+        # Errors with 20 elements stand at the curves, too.
+        remarks = [note for note in panel.notes if not note.text.endswith("%")]
+        notes = sorted((note.y, note.x, note.text) for note in remarks)
         assert notes == sorted(ends)
 
 
