@@ -36,7 +36,7 @@ ROOT = Path(__file__).resolve().parents[1]
 EXAMPLES = ROOT / "docs" / "examples"
 PAGES = (ROOT / "README.md", *sorted((ROOT / "docs" / "guide").glob("*.md")))
 # Pages and scripts whose examples take ten seconds and more.
-LONG = {"measured", "models", "mechanisms", "cases", "paper", "from_python"}
+LONG = {"cross_validation", "measured", "models", "mechanisms", "cases", "paper", "from_python"}
 BLOCK = re.compile(r"^```(\w+)[ ]?([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 LINK = re.compile(r"\]\(([^)#\s]+)(?:#[^)\s]*)?\)")
 FEW = ["--preset", "quick", "--only", "*.statics?simplified*", "--jobs", "1"]

@@ -29,7 +29,7 @@ def wheel(tmp_path_factory):
 
 def test_wheel_contains_data_and_type_markers(wheel):
     names = set(zipfile.ZipFile(wheel).namelist())
-    assert {f"{name}/py.typed" for name in PACKAGES} <= names
+    assert {"flexproof.py", *(f"{name}/py.typed" for name in PACKAGES)} <= names
     robots = {f"lumped/robots/{file.name}" for file in (ROOT / "lumped/robots").glob("*.toml")}
     assert len(robots) > 5
     assert robots <= names
@@ -75,6 +75,10 @@ def test_installed_wheel_runs_and_offers_the_plugin(wheel, tmp_path):
     assert run.returncode == 0, run.stderr
     assert "<h1" in (tmp_path / "report" / "report.html").read_text("utf-8")
     assert outcome(command, "new", "mine.toml").returncode == 0
+    public = "import flexproof as fp; print(fp.__file__, fp.solve('ifw', 'vjm').table())"
+    solved = outcome(python, "-c", public)
+    assert str(site) in solved.stdout, solved.stderr
+    assert "x (m/N)" in solved.stdout
     plugin = outcome(python, "-m", "pytest", "--help")
     assert "--flexproof" in plugin.stdout, plugin.stderr
     refused = outcome(command, "docs")

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, get_type_hints
+from typing import TYPE_CHECKING, Any, get_type_hints
 
 import numpy as np
 
@@ -29,13 +29,18 @@ from validation.comparisons.requested import convergence
 from validation.console.arguments import checked, faults_of
 from validation.console.typed import MOST_PROCESSES
 from validation.context import Context, Preset
+from validation.cross_validation import CrossValidation
 from validation.drawing.text import error_with_spread, percent
 from validation.models.options import ModelName, ModelOptions
 from validation.report.table import pose_text, table_of
 from validation.report.words import force_text, sentence
-from validation.solve.answer import Solution, paragraph, table
+from validation.solve.answer import Solution
 from validation.solve.model_answers import solve as answered
 from validation.solve.question import Question
+from validation.tables import Cell, Table, html_paragraph, html_table
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 Robot = RobotFile | str | Path
 
@@ -109,6 +114,19 @@ def converge(
             theory=theory,
             limits=loaded.agreement,
         )
+
+
+@checked
+def cross_validate(robot: Robot, *, preset: Preset = "standard") -> CrossValidation:
+    """Compare all formulations of the robot's legs with solids, and study their convergence.
+
+    The numbers are those of the chapter "Cross-validation" of a report with this preset.
+    Raises InputError, and ComputationError if a convergence study fails.
+    """
+    # Cases are many modules; solving a model needs none of them.
+    from validation.session.cross_validate import cross_validation  # noqa: PLC0415
+
+    return cross_validation(Context(_loaded(robot), preset))
 
 
 @dataclass(frozen=True)
@@ -193,6 +211,26 @@ class Adequacy:
             return f'quantity "{quantity}" is not judged; there are {", ".join(names)}'
         return f'model "{model}" says nothing of "{quantity}"'
 
+    def table(self) -> Table:
+        """A row for each model and quantity, errors and limits in per cent."""
+        return Table(_HEADINGS, tuple(_row(self.matrix, entry) for entry in self.matrix.entries))
+
+    def plot(self) -> "Figure":
+        """Errors of the deflections and of the first frequencies over the path, by model.
+
+        The shaded band is the limit. Raises InputError if no error could be computed.
+        """
+        # Only a picture needs the library that draws it.
+        from validation.drawing.plot import drawn_chart  # noqa: PLC0415
+        from validation.drawing.style import plot_style  # noqa: PLC0415
+        from validation.report.figures.adequacy import error_curves  # noqa: PLC0415
+
+        curves = error_curves(self.matrix)
+        if curves is None or curves.chart is None:
+            raise InputError("plot: no error of a deflection or a frequency was computed")
+        with plot_style():
+            return drawn_chart(curves.chart)
+
     def _repr_html_(self) -> str:
         shown = table_of(self.matrix)
         rows = [
@@ -204,7 +242,27 @@ class Adequacy:
             for row in shown.rows
         ]
         headings = ("model", *shown.headings)
-        return paragraph(self.sentence) + table(headings, rows, verdicts)
+        return html_paragraph(self.sentence) + html_table(headings, rows, verdicts)
+
+
+_HEADINGS = (
+    *("model", "quantity", "verdict", "error (%)", "half-width (%)", "low (%)", "high (%)"),
+    *("limit (%)", "pose", "cause", "remedy"),
+)
+
+
+def _row(matrix: Matrix, entry: Entry) -> tuple[Cell, ...]:
+    errors = entry.error, entry.uncertainty, entry.low, entry.high
+    return (
+        entry.model,
+        str(entry.quantity),
+        entry.verdict,
+        *(None if share is None else 100.0 * share for share in errors),
+        100.0 * entry.limit,
+        pose_text(matrix, entry.pose) if entry.pose else None,
+        entry.causes[0].cause if entry.causes else None,
+        entry.remedy or None,
+    )
 
 
 @checked
@@ -238,9 +296,9 @@ class Run:
         return self.out / "report.html"
 
     def _repr_html_(self) -> str:
-        said = paragraph(sentence(self.matrix)) if self.matrix else ""
+        said = html_paragraph(sentence(self.matrix)) if self.matrix else ""
         rows = [[verdict, str(count)] for verdict, count in self.verdicts.items()]
-        return said + table(("verdict", "comparisons"), rows)
+        return said + html_table(("verdict", "comparisons"), rows)
 
 
 @checked

@@ -3,8 +3,7 @@
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
-from html import escape
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
@@ -15,10 +14,17 @@ from lumped.system.response import ToolResponse
 from lumped.system.stability import Stability
 from validation.agreement.accuracy import Accuracy
 from validation.models.options import ModelName, ReductionBy
+from validation.tables import Table, html_paragraph, html_table
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+# Diagonal of a compliance by axis, with its unit.
+_AXES = (
+    *(("x", "m/N"), ("y", "m/N"), ("z", "m/N")),
+    *(("phi_x", "rad/(N m)"), ("phi_y", "rad/(N m)"), ("phi_z", "rad/(N m)")),
+)
 Place: TypeAlias = dict[str, float | int | str | list[float]]
-# Of cells in a notebook.
-_COLOURS = {"adequate": "#d3f0e4", "inadequate": "#fbdcc8", "undecided": "#eceef1"}
 # Parts that are named of those that carry a mode: how many, and from which share on.
 _MOST_PARTS, _TOLD = 3, 0.005
 # Share of a stiffness from which on it is told that a load takes it.
@@ -137,6 +143,37 @@ class Solution:
     answers: tuple[Answer, ...]
     accuracy: Accuracy | None = None
 
+    def table(self) -> Table:
+        """A row for each pose: compliances along and about the axes (SI), frequencies (Hz)."""
+        axes = _AXES[: len(self.answers[0].compliance)]
+        count = max(len(answer.frequencies) for answer in self.answers)
+        modes = [f"f{mode} (Hz)" for mode in range(1, count + 1)]
+        return Table(
+            ("at", *(f"{axis} ({unit})" for axis, unit in axes), *modes),
+            tuple(
+                (
+                    _head(answer.place)[0],
+                    *np.diag(answer.compliance).tolist(),
+                    *_numbers_or_none(answer.frequencies, count),
+                )
+                for answer in self.answers
+            ),
+        )
+
+    def plot(self) -> "Figure":
+        """Deflections under their own load of 1000 N, and frequencies.
+
+        Bars for a single pose, curves over the number of the pose for several.
+        """
+        # Only a picture needs the library that draws it.
+        from validation.solve.solution_plot import solution_plot  # noqa: PLC0415
+
+        places = [_head(answer.place)[0] for answer in self.answers]
+        deflections = np.array([np.diag(one.compliance)[:3] * 1e9 for one in self.answers])
+        count = max(len(answer.frequencies) for answer in self.answers)
+        frequencies = [_numbers_or_none(answer.frequencies, count) for answer in self.answers]
+        return solution_plot(places, deflections, np.array(frequencies, dtype=float))
+
     def _repr_html_(self) -> str:
         """Deflections under their own load of 1000 N, and frequencies, as a notebook shows them."""
         rows = [
@@ -149,31 +186,13 @@ class Solution:
         ]
         axes = "xyz"[: len(rows[0]) - 2]
         headings = ["at", *(f"{axis} (µm at 1000 N)" for axis in axes), "frequencies (Hz)"]
-        return paragraph(f"{self.robot}, {self.model}") + table(headings, rows)
+        return html_paragraph(f"{self.robot}, {self.model}") + html_table(headings, rows)
 
 
-def table(
-    headings: Sequence[str],
-    rows: Sequence[Sequence[str]],
-    verdicts: Sequence[Sequence[str | None]] | None = None,
-) -> str:
-    """Rows of text under headings as a notebook shows them; `verdicts` colour their cells."""
-    head = "".join(f"<th>{escape(heading)}</th>" for heading in headings)
-    kinds = verdicts or [[None] * len(row) for row in rows]
-    lines = ("".join(map(_cell, *row)) for row in zip(rows, kinds, strict=True))
-    body = "".join(f"<tr>{line}</tr>" for line in lines)
-    return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
-
-
-def paragraph(text: str) -> str:
-    """A paragraph of text as HTML."""
-    return f"<p>{escape(text)}</p>"
-
-
-def _cell(text: str, verdict: str | None) -> str:
-    colour = _COLOURS.get(verdict or "")
-    style = f' style="background:{colour};color:#1b1f24"' if colour else ""
-    return f"<td{style}>{escape(text)}</td>"
+def _numbers_or_none(frequencies: Array, count: int) -> list[float | None]:
+    """Finite frequencies (Hz), None for infinite ones and for modes that are missing."""
+    finite = [value if np.isfinite(value) else None for value in frequencies.tolist()]
+    return finite + [None] * (count - len(finite))
 
 
 def as_json(solution: Solution) -> str:

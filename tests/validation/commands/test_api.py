@@ -1,6 +1,6 @@
 """flexproof from Python: what the command line gives, as frozen data that shows itself."""
 
-from dataclasses import FrozenInstanceError
+from dataclasses import FrozenInstanceError, replace
 from html import escape
 
 import numpy as np
@@ -68,7 +68,8 @@ def test_a_wrong_name_is_an_input_error_that_lists_the_right_ones(judged):
 def test_limits_are_those_of_the_file_unless_given():
     assert api.load("ifw").requirement == load_robot("ifw").requirement
     loaded = api.load("ifw", accept={"deflection": 0.2, "z": 0.5})
-    assert [loaded.requirement.limit(name) for name in ("x", "z", "f1")] == [0.2, 0.5, 0.05]
+    limits = {one.name: loaded.requirement.limit(one) for one in loaded.requirement.quantities}
+    assert [limits[name] for name in ("x", "z", "f1")] == [0.2, 0.5, 0.05]
     for wrong in ({"deflexion": 0.1}, {"z": 5.0}, {"z": 0.0}):
         with pytest.raises(InputError, match="accept"):
             api.load("ifw", accept=wrong)
@@ -84,6 +85,47 @@ def test_results_are_frozen_and_show_themselves(judged):
     solution = api.solve("ifw", "simplified")
     assert solution._repr_html_().count("<td") == 4
     assert "IFW demonstrator, simplified" in solution._repr_html_()
+
+
+def test_solution_has_table_and_plot():
+    """Beams at two poses, and an infinite frequency."""
+    solution = api.solve("ifw", "beam", poses=[0.3, 0.5], modes=2)
+    table = solution.table()
+    units = ("x (m/N)", "y (m/N)", "z (m/N)", "phi_x (rad/(N m))", "phi_y (rad/(N m))")
+    assert table.headings == ("at", *units, "phi_z (rad/(N m))", "f1 (Hz)", "f2 (Hz)")
+    for row, answer in zip(table.rows, solution.answers, strict=True):
+        assert row[1:7] == tuple(np.diag(answer.compliance))
+        assert row[7:] == tuple(answer.frequencies)
+    deflection, frequency = solution.plot().axes
+    assert deflection.get_title(loc="left") == "deflection along a force of 1000 N (µm)"
+    curves = [line.get_ydata() for line in deflection.get_lines()]
+    expected = [[np.diag(one.compliance)[k] * 1e9 for one in solution.answers] for k in range(3)]
+    np.testing.assert_allclose(curves, expected)
+    frequencies = [line.get_ydata() for line in frequency.get_lines()]
+    np.testing.assert_allclose(np.transpose(frequencies), [a.frequencies for a in solution.answers])
+    rigid = replace(solution.answers[0], frequencies=np.array([100.0, np.inf]))
+    assert replace(solution, answers=(rigid,)).table().rows[0][7:] == (100.0, None)
+
+
+def test_solution_at_one_pose_is_plotted_as_bars():
+    solution = api.solve("ifw", "vjm", poses=[0.4975])
+    (deflection,) = solution.plot().axes
+    heights = [patch.get_height() for patch in deflection.patches]
+    np.testing.assert_allclose(heights, np.diag(solution.answers[0].compliance)[:3] * 1e9)
+
+
+def test_adequacy_has_table_and_plot(judged):
+    table = judged.table()
+    column = {name: place for place, name in enumerate(table.headings)}
+    assert len(table.rows) == len(judged.matrix.entries) > 20
+    for row, entry in zip(table.rows, judged.matrix.entries, strict=True):
+        assert row[:3] == (entry.model, str(entry.quantity), entry.verdict)
+        assert row[column["limit (%)"]] == 100.0 * entry.limit
+        if entry.error is not None:
+            assert row[column["error (%)"]] == 100.0 * entry.error
+            assert row[column["low (%)"]] <= row[column["error (%)"]] <= row[column["high (%)"]]
+    titles = [axes.get_title(loc="left") for axes in judged.plot().axes]
+    assert titles[:3] == ["force along x", "force along y", "force along z"]
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,248 @@
+"""Cross-validation in Python: formulations of the same legs compared, and their convergence.
+
+The comparisons are those of the chapter "Cross-validation" of a report: legs of constant section
+by every formulation against solids of the same legs.
+"""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from lumped.errors import InputError
+from validation.comparisons.convergence_study import ConvergenceStudy
+from validation.comparisons.readings import RefinedModel
+from validation.report.agreement import agreement_sentence
+from validation.results.outcome import Outcome
+from validation.tables import Cell, Table, html_paragraph
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+SOLID = "solid"
+# Names of rotations as they are typed, by the labels of comparisons.
+_TYPED: Mapping[str, str] = {"φx": "phi_x", "φy": "phi_y", "φz": "phi_z"}
+# Decimals of percentages in the table: what is smaller is round-off.
+_DECIMALS = 6
+HEADINGS = (
+    *("body", "model", "quantity", "unit", "value", "solid"),
+    *("difference (%)", "explained (%)", "unexplained (%)", "half-width (%)", "tolerance (%)"),
+    "verdict",
+)
+
+
+@dataclass(frozen=True, eq=False)
+class CrossValidation:
+    """All formulations of the same legs, compared with solids, and their convergence.
+
+    `agreement` are the comparisons; their `case.body` is the name of a leg, "" for the whole robot.
+    `convergence` are the studies with element count, by leg, "" for the whole robot.
+    """
+
+    robot: str
+    agreement: tuple[Outcome, ...]
+    convergence: Mapping[str, ConvergenceStudy]
+
+    @property
+    def sentence(self) -> str:
+        """Agreement of all formulations in one sentence."""
+        return agreement_sentence(self.agreement)
+
+    @property
+    def bodies(self) -> tuple[str, ...]:
+        """Legs that are compared, and "" for the whole robot."""
+        return tuple(dict.fromkeys(outcome.case.body for outcome in self.agreement))
+
+    def comparison(self, model: str, quantity: str, body: str | None = None) -> Outcome:
+        """Comparison of a formulation with the solid: of the leg `body`, of the robot if None.
+
+        Raises InputError for a body, model or quantity that is not compared.
+        """
+        of_body = {
+            (outcome.case.model, _quantity(outcome)): outcome
+            for outcome in self.agreement
+            if outcome.case.body == (body or "")
+        }
+        if not of_body:
+            raise InputError(_not_computed("body", str(body), self.bodies))
+        models = dict.fromkeys(name for name, _ in of_body)
+        if model not in models:
+            raise InputError(_not_computed("model", model, models))
+        if (model, quantity) not in of_body:
+            quantities = [name for of_model, name in of_body if of_model == model]
+            raise InputError(_not_computed("quantity", quantity, quantities))
+        return of_body[model, quantity]
+
+    def assert_agrees(
+        self,
+        model: str,
+        with_: str = SOLID,
+        *,
+        quantity: str,
+        within: float | None = None,
+        body: str | None = None,
+    ) -> None:
+        """Raise AssertionError if two formulations of the same legs do not agree.
+
+        Parameters
+        ----------
+        model, with_
+            Formulations: "vjm", "links", "segments", "beam", and "solid" as the second. Of the
+            difference from a solid, the parts with a named cause are allowed for.
+        quantity
+            "x", "y", "z", "phi_x", "phi_y", "phi_z" (motion under its own load), "f1" to "f4".
+        within
+            Largest relative difference, half-width included. The tolerance of the comparison if
+            None.
+        body
+            A leg, with its root clamped. The whole robot if None.
+
+        Raises
+        ------
+        AssertionError
+            With values, allowances and half-width, or with the reason why nothing was compared.
+        InputError
+            For names that are not compared.
+        """
+        outcome = self.comparison(model, quantity, body)
+        shares = _computed(outcome)
+        allowed = shares.tolerance if within is None else within
+        if with_ == SOLID:
+            bound, detail = abs(shares.unexplained) + shares.half_width, shares.detail
+        else:
+            other = _computed(self.comparison(with_, quantity, body))
+            difference = shares.value / other.value - 1.0
+            bound = abs(difference)
+            detail = f"{shares.value:.6g} against {other.value:.6g}, {_percent(difference)}"
+        if not bound <= allowed:
+            raise AssertionError(
+                f"{model} and {with_}, {quantity} of {body or 'the robot'}: {detail}; "
+                f"allowed {_percent(allowed).lstrip('+')}"
+            )
+
+    def assert_converged(
+        self,
+        quantity: str,
+        elements: int = 20,
+        within: float = 0.01,
+        *,
+        model: RefinedModel = "segments",
+        body: str | None = None,
+    ) -> None:
+        """Raise AssertionError if the error with `elements` or more per leg exceeds `within`.
+
+        `body` is a leg, or None for the whole robot. Raises InputError for a body, a quantity or
+        an element count that was not computed.
+        """
+        if (body or "") not in self.convergence:
+            raise InputError(_not_computed("body", str(body), self.convergence))
+        self.convergence[body or ""].assert_converged(quantity, elements, within, model=model)
+
+    def table(self) -> Table:
+        """A row for each comparison: values, difference from the solid and its parts, verdict."""
+        return Table(HEADINGS, tuple(_row(outcome) for outcome in self.agreement))
+
+    def plot(self) -> "Figure":
+        """Differences from the solid in per cent, a panel for each leg and one for the robot.
+
+        A marker with its half-width is the unexplained difference of a formulation, a grey diamond
+        the whole difference. The shaded band is the tolerance. Beyond 0.1 % the scale is
+        logarithmic.
+        """
+        # Only a picture needs the library that draws it.
+        from validation.drawing.agreement_plot import Difference, agreement_plot  # noqa: PLC0415
+
+        panels: dict[str, list[Difference]] = {}
+        for outcome in self.agreement:
+            if shares := _shares(outcome):
+                title = outcome.case.body or f"{self.robot}, whole robot"
+                panels.setdefault(title, []).append(
+                    Difference(
+                        outcome.case.label,
+                        outcome.case.model,
+                        *(100.0 * share for share in shares.parts),
+                    )
+                )
+        return agreement_plot(panels)
+
+    def _repr_html_(self) -> str:
+        return html_paragraph(self.sentence) + self.table().html()
+
+
+@dataclass(frozen=True)
+class _Shares:
+    """Value and reference of a comparison in `unit`, parts relative to the reference."""
+
+    value: float
+    reference: float
+    unit: str
+    difference: float
+    explained: Mapping[str, float]
+    unexplained: float
+    half_width: float
+    tolerance: float
+
+    @property
+    def parts(self) -> tuple[float, float, float, float]:
+        """Whole difference, unexplained part, half-width and tolerance."""
+        return self.difference, self.unexplained, self.half_width, self.tolerance
+
+    @property
+    def detail(self) -> str:
+        """The comparison in words."""
+        causes = ", ".join(f"{cause} {_percent(share)}" for cause, share in self.explained.items())
+        return (
+            f"{self.value:.6g} against {self.reference:.6g} {self.unit}, "
+            f"{_percent(self.difference)}; "
+            f"explained: {causes or 'nothing'}; unexplained {_percent(self.unexplained)} "
+            f"± {_percent(self.half_width).lstrip('+')}"
+        )
+
+
+def _shares(outcome: Outcome) -> _Shares | None:
+    """Relative parts of a comparison; None if it was skipped or failed."""
+    measurement = outcome.measurement
+    if measurement is None:
+        return None
+    scale = abs(measurement.reference)
+    return _Shares(
+        measurement.value,
+        measurement.reference,
+        outcome.case.unit,
+        measurement.difference / scale,
+        {one.cause: one.amount / scale for one in measurement.allowances},
+        measurement.unexplained / scale,
+        (measurement.numerical_uncertainty or 0.0) / scale,
+        outcome.tolerance / scale,
+    )
+
+
+def _computed(outcome: Outcome) -> _Shares:
+    """Relative parts of a comparison; raises AssertionError if it was skipped or failed."""
+    shares = _shares(outcome)
+    if shares is None:
+        raise AssertionError(f"{outcome.case.id}: not compared: {outcome.message}")
+    return shares
+
+
+def _quantity(outcome: Outcome) -> str:
+    return _TYPED.get(outcome.case.label, outcome.case.label)
+
+
+def _row(outcome: Outcome) -> tuple[Cell, ...]:
+    case, shares = outcome.case, _shares(outcome)
+    names = case.body or "robot", case.model, _quantity(outcome), case.unit
+    if shares is None:
+        return (*names, *[None] * 7, outcome.verdict)
+    explained = shares.difference - shares.unexplained
+    parts = shares.difference, explained, *shares.parts[1:]
+    percentages = (round(100.0 * share, _DECIMALS) for share in parts)
+    return (*names, shares.value, shares.reference, *percentages, outcome.verdict)
+
+
+def _not_computed(what: str, name: str, known: Iterable[str]) -> str:
+    listed = ", ".join(one or "None (the robot)" for one in known) or "none"
+    return f"{what} {name}: was not computed; must be one of {listed}"
+
+
+def _percent(share: float) -> str:
+    return f"{100.0 * share:+.3g} %"
