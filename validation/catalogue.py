@@ -13,6 +13,7 @@ from validation.comparisons import (
     convergence_cases,
     convergence_figure,
     leg_beam_vs_solid,
+    mesh_cases,
     robot_beam_vs_solid,
 )
 from validation.comparisons.requested import leg_names
@@ -51,6 +52,7 @@ def catalogue(robot_file: RobotFile, variations: Sequence[Variation] = ()) -> Se
         *(paper.cases() if is_the_papers(robot_file) else ()),
         *(robot_beam_vs_solid.cases(limits=limits) if leg_names(described) else ()),
         *leg_beam_vs_solid.cases(legs=distinct_legs(described), limits=limits),
+        *mesh_cases.cases(legs=distinct_legs(described)),
         *convergence_cases.cases(bodies=convergence_cases.subjects(described), limits=limits),
         *cases(described, robot_file.requirement.modes),
         *([_MEASURED] if robot_file.measured else []),

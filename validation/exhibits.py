@@ -15,6 +15,7 @@ from validation.context import PRESETS, Context, Preset
 # Sections of the report that cases and figures share.
 AGREEMENT = "All formulations on the same legs"
 CONVERGENCE = "Convergence with element count"
+MESHES = "Convergence with mesh"
 STROKE = "The robot over its stroke"
 PATH = "The mechanism over its path"
 MODES = "Modes by shape and strain energy"
@@ -51,7 +52,9 @@ class Study:
     relative errors). Cases may share a study by giving equal ones: it is shown once.
 
     Studies of one `family` have one x and are drawn in the same axes, under `family_title`; their
-    curves go by the `variant` of their study.
+    curves go by the `variant` of their study. If studies name a `panel`, the family has a panel for
+    each name, over an x of its own: sizes of the deviations from the limits, or plain values
+    without limits.
     """
 
     id: str
@@ -69,6 +72,7 @@ class Study:
     family: str = ""
     family_title: str = ""
     variant: str = ""
+    panel: str = ""
 
     def __post_init__(self) -> None:
         _require_file_name(self.id)

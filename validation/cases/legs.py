@@ -1,7 +1,6 @@
 """Each leg alone, root clamped: a 3-D solid against beam theory, differences with their causes."""
 
 from collections.abc import Callable, Mapping
-from math import inf
 from typing import TypeAlias
 
 import numpy as np
@@ -18,15 +17,12 @@ from lumped.errors import ComputationError
 from lumped.legs import ConstantLeg, tip_compliance
 from lumped.memo import memo
 from lumped.text import counted
-from validation.case import Absolute, Allowance, Measurement, Relative, Skip
+from validation.case import Allowance, Measurement, Relative, Skip
 from validation.case_group import CaseGroup, numbered
 from validation.context import Context, Preset
-from validation.exhibits import Study
 from validation.models.legs import constant_leg_of
 from validation.solids.legs import (
-    FORMAL_ORDER,
     GRIDS_FOR_ORDER,
-    ROUND_OFF,
     Refinement,
     SolidModes,
     dynamic_ladder,
@@ -246,14 +242,11 @@ def _percent(changed: float, base: float) -> str:
 )
 def _mode(context: Context, body: str, index: int) -> Measurement:
     leg = constant_leg_of(context, body)
-    # Sections too large for a solid are too large for their waves.
-    _divisions(context, leg, dynamic_ladder, DYNAMICS, "solid meshes")
+    judged = modes_of_beams(context, leg)
     modes = exact_modes(leg)
     exact = modes[index]
-    reasons = [context.get(not_a_beam, leg, mode) for mode in modes]
-    if reasons[index]:
-        raise Skip(f"{exact.kind}, number {exact.order} of its kind: {reasons[index]}")
-    judged = MODES - next(k for k, reason in enumerate(reversed(reasons)) if not reason)
+    if reason := context.get(not_a_beam, leg, exact):
+        raise Skip(f"{exact.kind}, number {exact.order} of its kind: {reason}")
     rigid, free = (frequencies(context, body, ends, judged) for ends in ("rigid", "free"))
     found = free.frequencies
     kinds = tuple((one.kind, one.order) for one in modes)
@@ -282,6 +275,16 @@ def _mode(context: Context, body: str, index: int) -> Measurement:
 def exact_modes(leg: ConstantLeg) -> tuple[CantileverFrequency, ...]:
     """The first frequencies of the Timoshenko cantilever, ascending."""
     return cantilever_frequencies(leg.timoshenko, leg.length, MODES)
+
+
+def modes_of_beams(context: Context, leg: ConstantLeg) -> int:
+    """Count of the first modes up to the last that beam theory applies to, at least one.
+
+    Raises Skip for sections too large for a solid: they are too large for their waves, too.
+    """
+    _divisions(context, leg, dynamic_ladder, DYNAMICS, "solid meshes")
+    beams = [not context.get(not_a_beam, leg, mode) for mode in exact_modes(leg)]
+    return max((place for place, beam in enumerate(beams, start=1) if beam), default=1)
 
 
 def _wave_number(leg: ConstantLeg, order: int) -> float:
@@ -358,66 +361,3 @@ def _warping_waves(leg: ConstantLeg, order: int) -> float:
     relaxed = nonuniform_torsion.cantilever_frequencies(constants, material, leg.length, order)[-1]
     tip = relaxed / nonuniform_torsion.wave_frequency(constants, material, wave_number)
     return float(wave * tip)
-
-
-@cases.case(
-    "refinement.{body}.solid.order[{name}]",
-    "{body}, quadratic solid with free ends: {name} converges with the order of energies",
-    over={"name": ("c22", "c44")},
-    quantity="fitted order in the divisions of the section",
-    unit="1",
-    citation="twice the order of the gradients: h⁴ for smooth solutions. Where a rigid face holds "
-    "contraction or the warping of shear its edges have singular stresses (M. L. Williams, J. "
-    "Appl. Mech. 19 (1952) 526), which leave order 1.2 to 2.7: that is no error of elements",
-    tolerance=Absolute(1.0),
-    tolerance_reason="coarse meshes show less in torsion, 3.4: between 3 and 5 the extrapolation "
-    "holds within the safety factor",
-    model="solid",
-    section="Refinement",
-    group="{body}.solid",
-)
-def _order(context: Context, body: str, name: str) -> Measurement:
-    found = compliances(context, body, "free")
-    if len(found.divisions) < GRIDS_FOR_ORDER:
-        meshes = counted(len(found.divisions), "mesh", "meshes")
-        raise Skip(
-            f"affordable in preset {context.preset}: {meshes} of this section; an order needs "
-            f"{GRIDS_FOR_ORDER}"
-        )
-    entry, meaning, unit = ENTRIES[name]
-    convergence = found.at(*entry)
-    order = convergence.observed_order
-    uncertainty, limit = convergence.uncertainty, convergence.extrapolated
-    notes = (convergence.refusal,) if convergence.refusal else ()
-    study = Study(
-        id=f"refinement.{body}.solid.{name}",
-        title=f"{body} as a solid: {name}, {meaning}",
-        x_label="quadratic elements across the section",
-        y_label=f"{name} ({unit})",
-        unit=unit,
-        x=tuple(float(n) for n in found.divisions),
-        series={name: tuple(found.values[:, *entry].tolist())},
-        formal_order=FORMAL_ORDER,
-        orders={} if order is None else {name: order},
-        uncertainties={} if uncertainty is None else {name: uncertainty},
-        limits={} if limit is None else {name: limit},
-        notes=notes,
-        family=f"refinement.{body}.solid",
-        family_title=f"{body} as a solid",
-        variant=f"{name}, {meaning}",
-    )
-    if order is None:
-        # The last one observed, by three meshes: undecided. NaN if the values do not converge.
-        last = float(convergence.orders[-1])
-        return Measurement(last, FORMAL_ORDER, value_uncertainty=inf, notes=notes, studies=(study,))
-    return Measurement(
-        order,
-        FORMAL_ORDER,
-        # What the finest mesh has changed of the order, and rounding of its last step.
-        value_uncertainty=float(
-            abs(convergence.orders[-1] - convergence.orders[-2])
-            + ROUND_OFF * abs(convergence.values[-1] / np.diff(convergence.values)[-1])
-        ),
-        notes=notes,
-        studies=(study,),
-    )

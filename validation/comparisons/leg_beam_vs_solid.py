@@ -26,6 +26,7 @@ from validation.cases.legs import (
     distortion,
     exact_modes,
     frequencies,
+    modes_of_beams,
     not_a_beam,
     own_compliances,
     own_frequencies,
@@ -130,11 +131,10 @@ def _frequency(
     context: Context, body: str, model: ModelName, index: int, limits: AgreementLimits
 ) -> Measurement:
     leg = constant_leg_of(context, body)
+    judged = modes_of_beams(context, leg)
     modes = exact_modes(leg)
-    reasons = [context.get(not_a_beam, leg, mode) for mode in modes]
-    if reasons[index]:
-        raise Skip(f"{modes[index].kind}, number {modes[index].order}: {reasons[index]}")
-    judged = len(modes) - next(k for k, reason in enumerate(reversed(reasons)) if not reason)
+    if reason := context.get(not_a_beam, leg, modes[index]):
+        raise Skip(f"{modes[index].kind}, number {modes[index].order}: {reason}")
     held = frequencies(context, body, limits.ends_of(leg.ends), judged)
     free = frequencies(context, body, "free", judged)
     divisions = free.frequencies.divisions

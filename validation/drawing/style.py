@@ -58,6 +58,8 @@ LOOKS: Mapping[str, Look] = {
     "mass along the legs, free": Look(VERMILLION, "2", "--"),
     "measured": Look(BLACK, "d", "none"),
     "measured response": Look(BLACK, "d"),
+    "tetrahedra, held ends": Look(SKY, "^"),
+    "tetrahedra, free ends": Look(SKY, "v", "--"),
     # Of comparisons: the difference as measured, and what no cause explains of it.
     "difference E": Look(BLACK, "D", "none"),
     "numerical uncertainty of both sides": Look(BLACK, "o", "none"),
@@ -73,6 +75,8 @@ _AS_WELL = {
     "VJM, legs as given": "vjm",
     "VJM, equivalent legs": "vjm-equivalent",
     "beam FE": "beam",
+    "hexahedra, held ends": "solid",
+    "hexahedra, free ends": "solid, free",
 }
 # Fills of bars by what they stand for; anything else takes the first colours that are free.
 FILLS: Mapping[str, str] = {

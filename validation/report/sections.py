@@ -14,6 +14,7 @@ from validation.exhibits import (
     AGREEMENT,
     CONVERGENCE,
     FAMILY,
+    MESHES,
     MODES,
     PARAMETERS,
     PATH,
@@ -34,7 +35,7 @@ from validation.results.records import claims_of
 LEGS = "Modes and legs in detail"
 CROSS_VALIDATION = "Cross-validation"
 CHAPTERS: Mapping[str, tuple[str, ...]] = {
-    CROSS_VALIDATION: (AGREEMENT, CONVERGENCE),
+    CROSS_VALIDATION: (AGREEMENT, CONVERGENCE, MESHES),
     "The robot": (PATH,),
     "The decision": (PARAMETERS,),
     LEGS: (MODES,),

@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from itertools import takewhile
 from math import ceil
+from time import process_time
 
 import numpy as np
 import scipy
@@ -118,10 +119,15 @@ class Refinement:
 
 @dataclass(frozen=True)
 class SolidModes:
-    """Frequencies (Hz, m×k) in the order of the beam's first k modes, and MAC with those (m×k)."""
+    """Frequencies (Hz, m×k) in the order of the beam's first k modes, and MAC with those (m×k).
+
+    `unknowns` (m) of the meshes; `seconds` (m) of CPU time that mesh, factor and modes took.
+    """
 
     frequencies: Refinement
     mac: Array
+    unknowns: tuple[int, ...]
+    seconds: tuple[float, ...]
 
 
 def formal_order(leg: ConstantLeg, ends: Ends) -> float:
@@ -218,6 +224,11 @@ def face_mesh(leg: ConstantLeg, divisions: int) -> SectionMesh:
     return section_mesh(leg.section, section_counts(leg, divisions))
 
 
+def doubled_unknowns(leg: ConstantLeg, divisions: int) -> int:
+    """Unknowns of the mesh that doubling condenses to the ends."""
+    return 3 * len(face_mesh(leg, divisions).nodes) * (2 * static_slices(leg, divisions) + 1)
+
+
 def leg_constants(leg: ConstantLeg, divisions: int) -> SectionConstants:
     """Constants of a leg's section by finite elements, without thin-wall assumptions."""
     material = leg.material
@@ -266,8 +277,9 @@ def solid_frequencies(
     stations, lengths = centreline_samples(leg.length, _STATIONS)
     weights = centreline_weights(leg.timoshenko, lengths)
     target = beam.centreline(stations) @ clamped_modes(beam, count).shapes
-    frequencies, mac = [], []
+    frequencies, mac, unknowns, seconds = [], [], [], []
     for number in divisions:
+        start = process_time()
         counts = section_counts(leg, number)
         mesh = hexahedra(leg.section, leg.length, counts, slices(leg, number))
         clamped = clamped_leg(solid_leg(leg, mesh), ends)
@@ -285,8 +297,10 @@ def solid_frequencies(
                 break
         frequencies.append(modes.frequencies[partner])
         mac.append(alike)
+        unknowns.append(mesh.nodes.size)
+        seconds.append(process_time() - start)
     found = Refinement(divisions, np.array(frequencies), formal_order(leg, ends))
-    return SolidModes(found, np.array(mac))
+    return SolidModes(found, np.array(mac), tuple(unknowns), tuple(seconds))
 
 
 def held_solid(leg: ConstantLeg, divisions: int, ends: Ends, section: int | None = None) -> HeldLeg:

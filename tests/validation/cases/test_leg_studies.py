@@ -22,6 +22,7 @@ from lumped.system.solution import modes, solved
 from validation.case import Skip
 from validation.cases import legs
 from validation.cases.leg_waves import wave_changes, waves_of
+from validation.comparisons import mesh_cases
 from validation.context import Context
 from validation.results.outcome import judge
 from validation.solids.legs import (
@@ -253,7 +254,7 @@ def test_a_leg_that_swings_between_ends_at_rest_has_its_waves():
 def test_order_of_a_leg_is_judged_where_it_has_settled(monkeypatch, values, verdict):
     divisions = (1, 2, 3, 4) if verdict == "undecided" else (2, 3, 4, 6)
     found = Refinement(divisions, np.multiply.outer(values, np.eye(6)))
-    monkeypatch.setattr(legs, "compliances", lambda *_: found)
-    cases = {case.id: case for case in legs.cases(legs=("leg1",))}
+    monkeypatch.setattr(mesh_cases, "compliances", lambda *_: found)
+    cases = {case.id: case for case in mesh_cases.cases(legs=("leg1",))}
     case = cases["refinement.leg1.solid.order[c22]"]
     assert judge(case, case.measure(Context(load_robot("ifw"))), 0.0).verdict == verdict

@@ -11,6 +11,7 @@ from validation.drawing.chart import Chart, Column, Panel, Series, refined
 from validation.drawing.text import function_name
 from validation.exhibits import Figure, Study
 from validation.report.declared import Shown, curves
+from validation.report.figures.meshes import mesh_curves
 from validation.results.outcome import Outcome
 
 _DEVIATION = "deviation from the limit (%)"
@@ -39,6 +40,16 @@ class Family:
     title: str
     curves: tuple[Curve, ...]
     computed_by: tuple[str, ...] = ()
+
+    @property
+    def studies(self) -> tuple[Study, ...]:
+        """The studies of the curves, each once."""
+        return tuple({curve.study.id: curve.study for curve in self.curves}.values())
+
+    @property
+    def panels(self) -> bool:
+        """True if the studies have panels of their own, over an x of their own."""
+        return all(curve.study.panel for curve in self.curves)
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -90,8 +101,9 @@ def family_of(studies: Iterable[Study]) -> Family:
 
 
 def study_figure(family: Family) -> Figure:
-    """The figure of `study_curves`."""
-    return study_curves(family).figure(family.id, family.title, "studies", family.computed_by)
+    """The figure of `study_curves`, or of `mesh_curves` if the studies name panels."""
+    shown = mesh_curves(family.studies) if family.panels else study_curves(family)
+    return shown.figure(family.id, family.title, "studies", family.computed_by)
 
 
 def study_curves(family: Family) -> Shown:

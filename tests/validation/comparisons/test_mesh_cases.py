@@ -1,0 +1,154 @@
+"""Verdicts and figure of the convergence with mesh: small solids, and mistakes that are noticed."""
+
+import csv
+import io
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from lumped.legs import ConstantLeg, Material, equivalent_leg
+from lumped.models.bodies import legs_of
+from lumped.robot_file import load_robot
+from lumped.sections import Rectangle
+from validation.adequacy.mechanism.path import distinct_legs
+from validation.comparisons import mesh_cases
+from validation.comparisons.mesh_cases import half_width_shares, tetrahedral_modes
+from validation.context import Context, memo_key
+from validation.report.figures.meshes import mesh_curves
+from validation.report.figures.studies import families, study_figure
+from validation.results.outcome import judge
+from validation.solids.legs import Refinement, formal_order, solid_compliances
+
+BIGLIDE = load_robot("ifw")
+STEEL = Material(E=2.1e11, G=2.1e11 / 2.6, nu=0.3, rho=7850.0)
+
+
+@cache
+def outcomes():
+    """All mesh cases of leg 1 of the built-in robot, preset quick."""
+    context = Context(BIGLIDE, "quick")
+    cases = mesh_cases.cases(legs=distinct_legs(BIGLIDE.mechanism)[:1])
+    return tuple(judge(case, case.compute(context), 0.0) for case in cases)
+
+
+def outcome(identifier):
+    return next(one for one in outcomes() if one.case.id == identifier)
+
+
+def test_all_mesh_cases_of_a_leg_agree():
+    assert {one.case.id for one in outcomes()} == {
+        "refinement.leg1.solid.order[c22]",
+        "refinement.leg1.solid.order[c44]",
+        "refinement.leg1.solid-held.order[c22]",
+        *(f"leg1.converged[solid-{held}-half-width]" for held in ("free", "held")),
+        *(f"leg1.converged[solid-{held}-f1]" for held in ("free", "held")),
+        *(f"leg1.converged[tetrahedra-{held}-f1]" for held in ("free", "held")),
+    }
+    assert {one.case.kind for one in outcomes()} == {"convergence"}
+    assert {one.verdict for one in outcomes()} == {"agree"}
+
+
+def test_limits_are_those_of_the_cantilever():
+    """f1 = 114.518 Hz (Huang 1961) with ends free; a wave of 3-D elasticity changes 1e-5 of it."""
+    study = outcome("leg1.converged[solid-free-f1]").measurement.studies[0]
+    name = "hexahedra, free ends"
+    assert abs(study.limits[name] - 114.518) <= study.uncertainties[name]
+    assert study.uncertainties[name] < 5e-4 * 114.518
+    assert study.x == (585.0, 3375.0)
+
+
+def test_tetrahedra_and_hexahedra_have_one_frequency():
+    """Unstructured quadratic tetrahedra are above the limit, two across within 0.1 % of it."""
+    leg = equivalent_leg(legs_of(BIGLIDE.mechanism)["leg1"])
+    for modes in tetrahedral_modes(leg).values():
+        errors = modes.frequencies.values[:, 0] / 114.518 - 1.0
+        assert (errors > 0.0).all()
+        assert errors[1] < 1e-3
+        assert modes.unknowns[1] > 2 * modes.unknowns[0]
+
+
+def random_leg(seed):
+    draw = np.random.default_rng(seed)
+    width = draw.uniform(0.03, 0.1)
+    section = Rectangle(width, draw.uniform(1.0, 1.9) * width)
+    nu = draw.uniform(0.2, 0.35)
+    material = replace(STEEL, nu=nu, G=STEEL.E / (2.0 * (1.0 + nu)))
+    return ConstantLeg(draw.uniform(6.0, 12.0) * width, section, material)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_random_solids_converge_as_their_theory(seed):
+    """Free ends: h⁴ in bending; held ends: the order of their edges. From one element across on.
+
+    Each half-width from two meshes on contains the next finer mesh; for (1, 2) and (2, 4) that is a
+    mesh twice as fine.
+    """
+    leg = random_leg(seed)
+    found = solid_compliances(leg, (1, 2, 3, 4))
+    for entry in (1, 2):
+        assert found["free"].at(entry, entry).observed_order == pytest.approx(4.0, abs=0.3)
+        held = found["rigid"].at(entry, entry)
+        assert held.orders[-1] == pytest.approx(formal_order(leg, "rigid"), abs=0.5)
+    doubled = solid_compliances(leg, (1, 2, 4))
+    for refinements in (found, doubled):
+        for refinement in refinements.values():
+            assert (half_width_shares(refinement) <= 1.0).all()
+
+
+def test_half_width_too_narrow_is_noticed():
+    """Order 1 taken for order 4: 3/15 of a step is less than the next step, a half of it."""
+    divisions = (1, 2, 4)
+    values = np.multiply.outer(1.0 + 1.0 / np.array(divisions), np.eye(6))
+    assert half_width_shares(Refinement(divisions, values, 4.0)).max() == pytest.approx(2.5)
+    assert half_width_shares(Refinement(divisions, values, 1.0)).max() <= 1.0
+
+
+def test_figure_shows_errors_orders_and_costs():
+    """Panels, curves and data of the figure by a second reading of the cases."""
+    (family,) = families(outcomes())
+    shown = mesh_curves(family.studies)
+    panels = {panel.title: panel for panel in shown.chart.panels}
+    assert set(panels) == {"deflection along y", "torsion", "f1", "CPU time"}
+    rows = list(csv.DictReader(io.StringIO(study_figure(family).data)))
+    for study in family.studies:
+        (name,) = study.series
+        own = [row for row in rows if (row["quantity"], row["mesh"]) == (study.panel, name)]
+        assert [float(row["unknowns"]) for row in own] == list(study.x)
+        np.testing.assert_array_equal([float(row["value"]) for row in own], study.series[name])
+        curve = next(one for one in panels[study.panel].series if one.look == name)
+        np.testing.assert_array_equal(curve.x, study.x)
+        if study.panel == "CPU time":
+            assert {row["error (%)"] for row in own} == {""}
+            np.testing.assert_array_equal(curve.y, study.series[name])
+            continue
+        errors = [100.0 * (value / study.limits[name] - 1.0) for value in study.series[name]]
+        np.testing.assert_allclose([float(row["error (%)"]) for row in own], errors, atol=1e-12)
+        np.testing.assert_allclose(curve.y, np.abs(errors), atol=1e-12)
+        assert f"(formal order {study.formal_order:.3g})" in curve.label
+        notes = [note.text for note in panels[study.panel].notes]
+        if len(study.x) >= 4:
+            # Slope of log error over log unknowns is a third of the order in the mesh size.
+            logs = np.log(np.abs(errors[-3:])), np.log(np.array(study.x[-3:]))
+            slope = -3.0 * np.polyfit(logs[1], logs[0], 1)[0]
+            assert study.orders[name] == pytest.approx(slope, abs=0.35)
+            assert f"order {study.orders[name]:.2f}" in notes
+        else:
+            assert notes == []
+            assert name not in study.orders
+
+
+def test_times_stay_out_of_verdicts():
+    """Measurements with other CPU times have equal values and verdicts."""
+    first = outcome("leg1.converged[tetrahedra-free-f1]")
+    leg = equivalent_leg(legs_of(BIGLIDE.mechanism)["leg1"])
+    context = Context(BIGLIDE, "quick")
+    context._memo[memo_key(tetrahedral_modes, (leg,), {})] = {
+        ends: replace(modes, seconds=tuple(1e3 + second for second in modes.seconds))
+        for ends, modes in tetrahedral_modes(leg).items()
+    }
+    second = judge(first.case, first.case.compute(context), 0.0)
+    assert second.verdict == first.verdict
+    assert second.measurement.value == pytest.approx(first.measurement.value, rel=1e-9)
+    assert second.measurement.studies[1].series != first.measurement.studies[1].series

@@ -1,0 +1,319 @@
+"""Cases and studies of the convergence with mesh: a leg as a solid, ends free and held.
+
+Tip compliances by doubling show orders: coarse meshes are cheap. Frequencies have few meshes; a
+second family, unstructured tetrahedra, is held against the hexahedra. CPU times are shown and
+decide nothing.
+"""
+
+from collections.abc import Sequence
+from math import inf
+from time import process_time
+
+import numpy as np
+
+from fem.bodies.solid import clamped_leg, solid_leg
+from lumped.arrays import Array
+from lumped.legs import ConstantLeg
+from lumped.sections import Rectangle
+from lumped.text import counted
+from meshes.prism import tetrahedra
+from validation.agreement.convergence import Convergence, richardson
+from validation.case import Absolute, Measurement, Relation, Skip
+from validation.case_group import CaseGroup
+from validation.cases.legs import ENTRIES, compliances, frequencies, modes_of_beams
+from validation.context import Context
+from validation.exhibits import MESHES, Study
+from validation.models.legs import constant_leg_of
+from validation.models.options import Ends
+from validation.solids.legs import (
+    GRIDS_FOR_ORDER,
+    ROUND_OFF,
+    Refinement,
+    SolidModes,
+    doubled_unknowns,
+    formal_order,
+)
+
+HELD: dict[Ends, str] = {"free": "free", "rigid": "held"}
+# Tetrahedra across the smaller side of a rectangle.
+TETRAHEDRA = (1, 2)
+_CPU = "CPU time"
+
+cases = CaseGroup(
+    over={"body": lambda legs: legs},
+    kind="convergence",
+    reference_kind="finer-model",
+    section=MESHES,
+    subject="leg",
+    model="solid",
+    unit="1",
+    effort=0.2,
+)
+
+
+@cases.case(
+    "refinement.{body}.solid.order[{name}]",
+    "{body}, quadratic solid with free ends: {name} converges with the order of energies",
+    over={"name, ends, tolerance": [(name, "free", Absolute(1.0)) for name in ("c22", "c44")]},
+    quantity="fitted order in the divisions of the section",
+    citation="twice the order of the gradients: h⁴ for smooth solutions",
+    tolerance_reason="coarse meshes show less in torsion, 3.4: between 3 and 5 the extrapolation "
+    "holds within the safety factor",
+    group="{body}.solid",
+)
+@cases.case(
+    "refinement.{body}.solid-held.order[{name}]",
+    "{body}, quadratic solid with held ends: {name} converges with the order of its edges",
+    over={"name, ends, tolerance": [("c22", "rigid", Absolute(0.5))]},
+    quantity="fitted order in the divisions of the section",
+    citation="stresses r^(λ − 1) at the edges of a rigid face leave 2λ (M. L. Williams, J. Appl. "
+    "Mech. 19 (1952) 526)",
+    tolerance_reason="on coarse meshes smooth parts of fourth order and the edges' own are mixed: "
+    "1.1 to 1.7 of 1.42 for ν = 0.3",
+    group="{body}.solid",
+)
+def _order(context: Context, body: str, name: str, ends: Ends) -> Measurement:
+    leg = constant_leg_of(context, body)
+    refinement = compliances(context, body, ends)
+    divisions = refinement.divisions
+    if len(divisions) < GRIDS_FOR_ORDER:
+        meshes = counted(len(divisions), "mesh", "meshes")
+        raise Skip(
+            f"affordable in preset {context.preset}: {meshes} of this section; an order needs "
+            f"{GRIDS_FOR_ORDER}"
+        )
+    entry, meaning, unit = ENTRIES[name]
+    convergence = refinement.at(*entry)
+    notes = (convergence.refusal,) if convergence.refusal else ()
+    study = _study(
+        body,
+        f"{name}.hexahedra.{HELD[ends]}",
+        (meaning, f"{name} ({unit})", unit),
+        f"hexahedra, {HELD[ends]} ends",
+        [doubled_unknowns(leg, number) for number in divisions],
+        convergence.values,
+        refinement.formal_order,
+        convergence,
+        notes,
+    )
+    order = convergence.observed_order
+    if order is None:
+        # The last one observed, by three meshes: undecided. NaN if the values do not converge.
+        last = float(convergence.orders[-1])
+        return Measurement(
+            last, refinement.formal_order, value_uncertainty=inf, notes=notes, studies=(study,)
+        )
+    return Measurement(
+        order,
+        refinement.formal_order,
+        # What the finest mesh has changed of the order, and rounding of its last step.
+        value_uncertainty=float(
+            abs(convergence.orders[-1] - convergence.orders[-2])
+            + ROUND_OFF * abs(convergence.values[-1] / np.diff(convergence.values)[-1])
+        ),
+        notes=notes,
+        studies=(study,),
+    )
+
+
+@cases.case(
+    "{body}.converged[solid-{held}-half-width]",
+    "{body}, quadratic solid with {held} ends: each half-width contains the next finer mesh",
+    over={"ends, held": list(HELD.items())},
+    quantity="largest change by the next finer mesh over the half-width, all tip motions",
+    label="solid, {held} ends: change over half-width",
+    citation="the next finer mesh of the same leg",
+    relation=Relation.AT_MOST,
+    tolerance=Absolute(1e-9),
+    tolerance_reason="a half-width includes round-off",
+    group="{body}.solid",
+)
+def _half_width(context: Context, body: str, ends: Ends) -> Measurement:
+    refinement = compliances(context, body, ends)
+    shares = half_width_shares(refinement)
+    if not len(shares):
+        raise Skip(
+            "affordable: two meshes of this section, none finer than the one with a half-width"
+        )
+    return Measurement(float(shares.max()), 1.0, exact=True)
+
+
+def half_width_shares(refinement: Refinement) -> Array:
+    """Changes of the diagonal entries by the next finer mesh over their half-widths (m−2 × 6).
+
+    The half-width of each mesh follows from this and the coarser ones.
+    """
+    rows = []
+    for count in range(2, len(refinement.divisions)):
+        coarse = _first(refinement, count)
+        diagonal = range(refinement.values.shape[-1])
+        widths = np.array([coarse.uncertainty(k, k) for k in diagonal])
+        values, finer = (np.diag(refinement.values[place]) for place in (count - 1, count))
+        rows.append(np.abs(finer - values) / (widths + ROUND_OFF * np.abs(values)))
+    return np.array(rows)
+
+
+def _first(refinement: Refinement, count: int) -> Refinement:
+    free = None if refinement.free is None else _first(refinement.free, count)
+    values = refinement.values[:count]
+    return Refinement(refinement.divisions[:count], values, refinement.formal_order, free)
+
+
+@cases.case(
+    "{body}.converged[solid-{held}-f1]",
+    "{body}, quadratic solid with {held} ends: the half-width of f1 is at most 1 %",
+    over={"ends, held": list(HELD.items())},
+    quantity="relative half-width of f1 on the finest mesh",
+    label="solid, {held} ends: half-width of f1",
+    citation="meshes of the preset",
+    relation=Relation.AT_MOST,
+    tolerance=Absolute(1e-4),
+    tolerance_reason="1 % is meant to a hundredth of itself",
+    group="{body}.modes",
+)
+def _first_frequency(context: Context, body: str, ends: Ends, held: str) -> Measurement:
+    leg = constant_leg_of(context, body)
+    modes = frequencies(context, body, ends, modes_of_beams(context, leg))
+    refinement = modes.frequencies
+    values = refinement.values[:, 0]
+    name = f"hexahedra, {held} ends"
+    studies = (
+        _study(
+            body,
+            f"f1.hexahedra.{held}",
+            ("f1", "f1 (Hz)", "Hz"),
+            name,
+            modes.unknowns,
+            values,
+            refinement.formal_order,
+            _convergence(refinement),
+        ),
+        _cost(body, f"hexahedra.{held}", name, modes.unknowns, modes.seconds),
+    )
+    width = refinement.uncertainty(0) / float(values[-1])
+    return Measurement(width, 0.01, exact=True, studies=studies)
+
+
+@cases.case(
+    "{body}.converged[tetrahedra-{held}-f1]",
+    "{body}, {held} ends: f1 of tetrahedra and of hexahedra differ by less than their half-widths",
+    over={"ends, held": list(HELD.items())},
+    quantity="difference over the sum of both half-widths",
+    label="tetrahedra, {held} ends: difference over half-widths",
+    citation="quadratic hexahedra",
+    relation=Relation.AT_MOST,
+    tolerance=Absolute(1e-9),
+    tolerance_reason="each half-width contains the common limit",
+    group="{body}.modes",
+)
+def _tetrahedra(context: Context, body: str, ends: Ends, held: str) -> Measurement:
+    leg = constant_leg_of(context, body)
+    if not isinstance(leg.section, Rectangle):
+        raise Skip(f"{leg.section.shape}: tetrahedra fill solid rectangles alone")
+    hexahedral = frequencies(context, body, ends, modes_of_beams(context, leg)).frequencies
+    meshes = context.get(tetrahedral_modes, leg)[ends]
+    tetrahedral = meshes.frequencies
+    limit = _convergence(hexahedral).extrapolated
+    width = tetrahedral.uncertainty(0)
+    name = f"tetrahedra, {held} ends"
+    studies = (
+        _study(
+            body,
+            f"f1.tetrahedra.{held}",
+            ("f1", "f1 (Hz)", "Hz"),
+            name,
+            meshes.unknowns,
+            tetrahedral.values[:, 0],
+            hexahedral.formal_order,
+            # Unstructured meshes are not similar: their errors are those from the other's limit.
+            Convergence(tetrahedral.values[:, 0], np.array([]), None, limit, width),
+        ),
+        _cost(body, f"tetrahedra.{held}", name, meshes.unknowns, meshes.seconds),
+    )
+    difference = abs(float(tetrahedral.values[-1, 0]) - float(hexahedral.values[-1, 0]))
+    both = width + hexahedral.uncertainty(0)
+    return Measurement(difference / both, 1.0, exact=True, studies=studies)
+
+
+def tetrahedral_modes(leg: ConstantLeg) -> dict[Ends, SolidModes]:
+    """First frequency of the leg by its ends on the meshes `TETRAHEDRA`; no MAC."""
+    found: dict[Ends, list[tuple[float, int, float]]] = {ends: [] for ends in HELD}
+    for number in TETRAHEDRA:
+        start = process_time()
+        solid = solid_leg(leg, tetrahedra(leg.section, leg.length, number))
+        shared = process_time() - start
+        for ends, rows in found.items():
+            start = process_time()
+            frequency = float(clamped_leg(solid, ends).modes(1).frequencies[0])
+            rows.append((frequency, solid.mesh.nodes.size, shared + process_time() - start))
+    return {ends: _solid_modes(rows, formal_order(leg, ends)) for ends, rows in found.items()}
+
+
+def _solid_modes(rows: Sequence[tuple[float, int, float]], order: float) -> SolidModes:
+    frequencies, unknowns, seconds = zip(*rows, strict=True)
+    values = np.array(frequencies)[:, None]
+    refinement = Refinement(TETRAHEDRA, values, order)
+    return SolidModes(refinement, np.full(values.shape, np.nan), unknowns, seconds)
+
+
+def _convergence(refinement: Refinement) -> Convergence:
+    """Convergence of the first value; its limit by the formal order if there are too few meshes."""
+    if len(refinement.divisions) >= GRIDS_FOR_ORDER:
+        return refinement.at(0)
+    values = refinement.values[:, 0]
+    ratio = refinement.divisions[-1] / refinement.divisions[-2]
+    limit = richardson(values[-2], values[-1], ratio, refinement.formal_order)
+    return Convergence(values, np.array([]), None, limit, refinement.uncertainty(0))
+
+
+def _study(
+    body: str,
+    what: str,
+    panel: tuple[str, str, str],
+    variant: str,
+    unknowns: Sequence[int],
+    values: Array,
+    order: float,
+    convergence: Convergence,
+    notes: tuple[str, ...] = (),
+) -> Study:
+    """Values over unknowns; `panel`: its title, the label of y, and the unit."""
+    title, label, unit = panel
+    observed = convergence.observed_order
+    width, limit = convergence.uncertainty, convergence.extrapolated
+    return Study(
+        id=f"convergence.{body}.solid.{what}",
+        title=f"{body} as a solid, {variant}: {title}",
+        x_label="unknowns",
+        y_label=label,
+        unit=unit,
+        x=tuple(map(float, unknowns)),
+        series={variant: tuple(values.tolist())},
+        formal_order=order,
+        orders={} if observed is None else {variant: observed},
+        uncertainties={} if width is None else {variant: width},
+        limits={} if limit is None else {variant: limit},
+        notes=notes,
+        family=f"convergence.{body}.solid",
+        family_title=f"{body}: convergence with mesh",
+        variant=variant,
+        panel=title,
+    )
+
+
+def _cost(
+    body: str, what: str, variant: str, unknowns: Sequence[int], seconds: tuple[float, ...]
+) -> Study:
+    return Study(
+        id=f"convergence.{body}.solid.seconds.{what}",
+        title=f"{body} as a solid, {variant}: {_CPU}",
+        x_label="unknowns",
+        y_label=f"{_CPU} (s)",
+        unit="s",
+        x=tuple(map(float, unknowns)),
+        series={variant: seconds},
+        family=f"convergence.{body}.solid",
+        family_title=f"{body}: convergence with mesh",
+        variant=variant,
+        panel=_CPU,
+    )

@@ -1,0 +1,127 @@
+"""Figure "Convergence with mesh": errors and CPU time over unknowns, a panel for each quantity."""
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lumped.arrays import Array
+from validation.drawing.chart import Chart, Column, Note, Panel, Series, octaves, powers
+from validation.drawing.text import number
+from validation.exhibits import Study
+from validation.report.declared import Shown, curves
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+# Deviations below are rounding and are not drawn (%).
+_LOWEST = 1e-7
+# Fewer meshes show no order.
+GRIDS = 4
+# Remarks at the ends of curves whose last values differ by a smaller factor stand apart (pt).
+_NEAR, _LINE = 2.0, 9.0
+
+
+def mesh_curves(studies: Sequence[Study]) -> Shown:
+    """Studies with panels: sizes of the errors from the limits, or values if there is no order."""
+    formal = {study.variant: study.formal_order for study in studies if study.formal_order}
+    titles = list(dict.fromkeys(study.panel for study in studies))
+    panels = [_panel([one for one in studies if one.panel == title], formal) for title in titles]
+    rows = [(study, place) for study in studies for place in range(len(study.x))]
+    table: dict[str, Column] = {
+        "quantity": [study.panel for study, _ in rows],
+        "mesh": [study.variant for study, _ in rows],
+        "unknowns": [study.x[place] for study, place in rows],
+        "value": [_values(study)[place] for study, place in rows],
+        "unit": [study.unit for study, _ in rows],
+        "error (%)": [_error(study, place) for study, place in rows],
+    }
+    chart = Chart(panels, studies[0].x_label, min(2, len(panels)), 2.0, table)
+    known = "; ".join(_limit(study) for study in studies if study.limits)
+    return curves(
+        chart,
+        "Relative error from the extrapolated limit over the unknowns of the mesh, and CPU time of "
+        "mesh, factor and modes; bars: half-width of the finest value. Ends held plane, or free to "
+        "warp and contract. Deflections and torsion by doubling, with thin slices, so with more "
+        f"unknowns. Limits with their half-widths: {known}.",
+    )
+
+
+def _panel(studies: Sequence[Study], formal: Mapping[str, float]) -> Panel:
+    shown, ends = [], []
+    for study in studies:
+        x, sizes = np.array(study.x), _sizes(study)
+        order = f" (formal order {formal[study.variant]:.3g})" if study.variant in formal else ""
+        bars = None
+        if study.formal_order and np.isfinite(sizes[-1]):
+            bars = _bar(study, sizes)
+        shown.append(Series(f"{study.variant}{order}", x, sizes, of=study.variant, bars=bars))
+        visible = np.flatnonzero(np.isfinite(sizes))
+        if study.formal_order and len(visible) and len(study.x) >= GRIDS:
+            last = int(visible[-1])
+            ends.append((float(sizes[last]), float(x[last]), _order(study)))
+    unit = "|error| (%)" if studies[0].formal_order else studies[0].y_label
+    return Panel(shown, studies[0].panel, unit, _logarithmic, notes=_notes(ends), staggered=False)
+
+
+def _logarithmic(axes: "Axes") -> None:
+    octaves(axes)
+    powers(axes)
+
+
+def _values(study: Study) -> tuple[float, ...]:
+    return study.series[study.variant]
+
+
+def _error(study: Study, place: int) -> float | None:
+    """Relative error in percent; None without a limit."""
+    limit = study.limits.get(study.variant)
+    return None if limit is None else 100.0 * (_values(study)[place] / limit - 1.0)
+
+
+def _sizes(study: Study) -> Array:
+    """Sizes of the errors in percent, NaN below rounding; the values without a formal order."""
+    if not study.formal_order:
+        return np.array(_values(study))
+    errors = [_error(study, place) for place in range(len(study.x))]
+    sizes = np.array([np.nan if error is None else abs(error) for error in errors])
+    sizes[sizes < _LOWEST] = np.nan
+    return sizes
+
+
+def _bar(study: Study, sizes: Array) -> Array | None:
+    """Half-width of the finest value in percent (2×n, down and up); None if there is none."""
+    width = study.uncertainties.get(study.variant)
+    if width is None:
+        return None
+    bars = np.full((2, len(sizes)), np.nan)
+    up = 100.0 * width / abs(study.limits[study.variant])
+    # A half-width beyond the error itself would reach below any logarithmic axis.
+    bars[:, -1] = min(up, 0.9 * sizes[-1]), up
+    return bars
+
+
+def _order(study: Study) -> str:
+    order = study.orders.get(study.variant)
+    if order is not None:
+        return f"order {order:.2f}"
+    return f"{len(study.x)} meshes" if len(study.x) < GRIDS else "no order"
+
+
+def _limit(study: Study) -> str:
+    """Limit, half-width and observed order of one study."""
+    width = study.uncertainties.get(study.variant)
+    spread = "" if width is None else f" ± {number(width, 2)}"
+    value = number(study.limits[study.variant], 6)
+    return f"{study.panel}, {study.variant}: {value}{spread} {study.unit}, {_order(study)}"
+
+
+def _notes(ends: Sequence[tuple[float, float, str]]) -> list[Note]:
+    """Orders at the ends (error, unknowns) of curves; those of near ones above each other."""
+    notes: list[Note] = []
+    height, last = -3.0, 0.0
+    for size, count, text in sorted(ends):
+        height = height + _LINE if size < _NEAR * last else -3.0
+        notes.append(Note(text, count, size, (5.0, height)))
+        last = size
+    return notes
