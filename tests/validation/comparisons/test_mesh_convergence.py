@@ -28,6 +28,23 @@ def test_solid_limit_is_the_timoshenko_cantilever(study):
     assert (series.limit_half_widths[4:] < 1e-3).all()
 
 
+def test_needed_divisions_are_the_fewest_that_stay_below(study):
+    """Of the meshes that were computed; 0 if the finest misses the target."""
+    found = set()
+    for series in study.series:
+        sizes = np.abs(series.values / series.limits - 1.0)
+        for target, row in zip((0.01, 0.001, 0.0001), series.needed, strict=True):
+            for needed, errors in zip(row, sizes.T, strict=True):
+                due = [
+                    count
+                    for place, count in enumerate(series.counts)
+                    if (errors[place:] <= target).all()
+                ]
+                assert needed == (due[0] if due else 0)
+                found.add(needed)
+    assert len(found) >= 3
+
+
 def test_half_width_contains_mesh_twice_as_fine():
     coarse = leg_mesh_convergence("", "leg", LEG, [FREE], (1, 2)).series[0]
     fine = leg_mesh_convergence("", "leg", LEG, [FREE], (2, 4)).series[0]

@@ -76,6 +76,13 @@ def test_measured_values_join_the_matrix_as_a_reference_of_their_own():
     assert (entry.verdict, entry.pose) == ("inadequate", (first,))
     there = predicted("vjm", robot, wrong, ModelOptions())
     assert entry.errors == pytest.approx([there / wrong.value - 1.0, 0.0])
+    # Every pose has its own interval, of 95 %: the gauge alone is uncertain.
+    halves = [1.959964 * 1e-3 * truth / abs(one.value) for one in (wrong, good)]
+    assert entry.spreads == pytest.approx(halves, rel=1e-6)
+    assert entry.lows == pytest.approx(np.subtract(entry.errors, halves), rel=1e-6)
+    assert entry.highs == pytest.approx(np.add(entry.errors, halves), rel=1e-6)
+    assert entry.values == pytest.approx([there, truth])
+    assert (entry.low, entry.high) == (entry.lows[0], entry.highs[0])
     entry = more.entry("beam", "leg1.c33")
     assert (entry.pose, entry.errors) == ((), (None, None))
     assert more.entry("simplified", "leg1.c33") is None

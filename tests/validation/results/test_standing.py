@@ -110,3 +110,13 @@ def test_measured_values_alone_refuse_a_model(size, code):
     both = {ADEQUACY: Result(ADEQUACY, "made", 0.1, found=sample_matrix()), **done}
     tasks.append(MODELS)
     assert replace(found, tasks=tasks, done=both).standing.exit_code == 1
+
+
+def test_models_without_a_verdict_are_refused_if_strict_alone():
+    """The assessment was skipped: nothing is known of the model that is relied on."""
+    for strict in (False, True):
+        found = results([MODELS], "skipped", rely=("beam",), strict=strict)
+        assert found.refused == (("beam",) if strict else ())
+        assert found.standing.exit_code == int(strict)
+        # Nothing of the kind was to be judged.
+        assert results(CASES, *["agree"] * 3, rely=("beam",), strict=strict).refused == ()
