@@ -113,6 +113,26 @@ def test_too_few_elements_disagree():
     assert judge(case, case.measure(context_of("ifw")), 0.0).verdict == "disagree"
 
 
+def changed(context, function, change):
+    """The context with another value of a function that the cases ask for."""
+    name = f"{function.__module__}.{function.__qualname__} "
+    memo = {key: change(one) if key.startswith(name) else one for key, one in context._memo.items()}
+    return replace(context, _memo=memo)
+
+
+@pytest.mark.parametrize("field", ["held", "own"])
+def test_wrong_ingredient_is_not_explained(field):
+    """3 % off in one of the frequencies that the named differences are made of."""
+    outcome_of("ifw", "robot.agrees[beam-solid-f2]")
+
+    def change(modes):
+        return replace(modes, **{field: 1.03 * getattr(modes, field)})
+
+    context = changed(context_of("ifw"), robot_beam_vs_solid.robot_modes, change)
+    case = BY_ID["robot.agrees[beam-solid-f2]"]
+    assert judge(case, case.measure(context), 0.0).verdict == "disagree"
+
+
 def test_other_pose_in_the_model_disagrees(monkeypatch):
     """Solid legs in the middle of the path, the judged model at its end."""
     robot_file = load_robot("ifw")
