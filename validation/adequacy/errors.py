@@ -17,7 +17,7 @@ from validation.adequacy.response import (
     Subject,
     by_interior,
 )
-from validation.agreement.displacement import relative
+from validation.agreement.displacement import difference_under, nearest_between, relative
 from validation.agreement.mode_pairing import one_frequency
 from validation.agreement.responses import PathModes
 
@@ -27,10 +27,12 @@ class Loaded:
     """What belongs to errors of deflections: a alternatives of the reference by p poses.
 
     `wrench` (a×p×6) is the unit wrench, of any force the worst one, zero for loads of the file;
-    `along` (a×p) the signed error of the displacement along it. `off` (a×p×3) is
-    the difference of displacements, relative to `length` (a×p, m/N or rad/(N m), of the
-    reference's). `masses` (a×p): what the places of the legs' masses leave open of the error, and
-    `linear` (a×p) that loads change the stiffness.
+    `along` (a×p) the signed error of the displacement along it. `off` (a×p×3) is the difference of
+    displacements, relative to `length` (a×p, m/N or rad/(N m), of the reference's). `masses` (a×p):
+    what the places of the legs' masses leave open of the error, and `linear` (a×p) that loads
+    change the stiffness. `between` (a×p, one number per pose): error
+    against the reading between two alternatives that is nearest to the model, infinite if there is
+    one alternative.
     """
 
     wrench: Array
@@ -39,6 +41,7 @@ class Loaded:
     length: Array
     masses: Array
     linear: Array
+    between: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,16 +138,19 @@ class Errors:
     def interval(self) -> tuple[Array, Array]:
         """Lowest and highest error (p each) of all alternatives with their half-widths.
 
-        The error of a whole displacement is never below zero. Of the order the interval is that of
-        the alternative by which it misleads most: between a mode in its place and one in another
-        there is nothing.
+        The error of a whole displacement is never below zero, and zero if the model lies between
+        two alternatives. Of the order the interval is that of the alternative by which it misleads
+        most: between a mode in its place and one in another there is nothing.
         """
         low, high = self.bounds
         if self.numbers is not None:
             at = self.largest, np.arange(self.error.shape[1])
             return low[at], high[at]
         low, high = low.min(axis=0), high.max(axis=0)
-        return (low if self.loaded is None else np.maximum(low, 0.0)), high
+        if self.loaded is not None:
+            between = self.loaded.between.min(axis=0) - self.spread.max(axis=0)
+            low = np.maximum(np.minimum(low, between), 0.0)
+        return low, high
 
     @property
     def bound(self) -> Array:
@@ -201,9 +207,31 @@ class Scale:
         if not found or len(found) < len(alternatives):
             return None
         all_errors = stacked(found)
+        if all_errors.loaded is not None:
+            between = self._between(all_errors.loaded.wrench, responses, quantity)
+            between = np.broadcast_to(between, all_errors.error.shape)
+            return replace(all_errors, loaded=replace(all_errors.loaded, between=between))
         if quantity.kind is not QuantityKind.FREQUENCY or not self.subject.dynamics.interior:
             return all_errors
         return self._with_exchanges(all_errors, responses, quantity.column)
+
+    def _between(self, wrenches: Array, responses: Sequence[Response], quantity: Quantity) -> Array:
+        """Relative size (p) of the difference from the nearest reading between two alternatives.
+
+        `wrenches` (a×p×6) by alternative. Under any force the one under which it is largest counts.
+        """
+        known = [
+            (reference, model)
+            for one, response in zip(self.subject.statics.alternatives, responses, strict=True)
+            if (reference := one.response.solved_statics) and (model := response.solved_statics)
+        ]
+        nearest = []
+        for wrench in wrenches:
+            found = [
+                difference_under(model, reference, quantity, wrench) for reference, model in known
+            ]
+            nearest.append(nearest_between(*(np.array(one) for one in zip(*found, strict=True))))
+        return np.asarray(np.max(nearest, axis=0))
 
     def _with_exchanges(self, errors: Errors, responses: Sequence[Response], place: int) -> Errors:
         """Add the errors of modes that stand at a `place` with another stiffness inside the legs.
@@ -392,6 +420,7 @@ class Scale:
                 length=length,
                 masses=half_width(one.masses),
                 linear=half_width(one.linear),
+                between=np.full(len(size), np.inf),
             ),
         )
 

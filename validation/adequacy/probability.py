@@ -33,7 +33,7 @@ from lumped.memo import memo
 from validation.adequacy.errors import Errors, Scale
 from validation.adequacy.matrix import Adequacy
 from validation.adequacy.response import InputsOff
-from validation.agreement.displacement import FLOOR
+from validation.agreement.displacement import FLOOR, nearest_between
 from validation.agreement.responses import Statics
 
 # Of a normal distribution, two-sided 95 %.
@@ -138,7 +138,12 @@ class ErrorOfInputs:
         error = np.linalg.norm(vectors, axis=-1).max(axis=-1)
         error = vectors[..., 0, 0] if self.signed else error
         low, high = (error - half).min(axis=1), (error + half).max(axis=1)
-        low = low if self.signed else np.maximum(low, 0.0)
+        if not self.signed:
+            moved, due = found[..., :3], found[..., 3:6]
+            length = np.maximum(np.linalg.norm(due, axis=-1), found[..., 6])
+            between = nearest_between(*(np.moveaxis(one, 1, 0) for one in (moved - due, length)))
+            low = np.minimum(low, between.max(axis=-1) - half.max(axis=1))
+            low = np.maximum(low, 0.0)
         return np.stack([low - self.misfit, high + self.misfit], axis=1)
 
     def _vectors(self, found: Array) -> Array:

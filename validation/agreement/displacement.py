@@ -7,6 +7,7 @@ directions of force the worst is found exactly: by Dines' theorem (Bull. Amer. M
 smallest over 0 <= w <= 1 of the largest generalised eigenvalue of (DᵀD, w A + (1 − w) B).
 """
 
+from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
@@ -91,6 +92,41 @@ def relative(difference: Statics, reference: Statics, quantity: Quantity) -> Rel
         direction,
         np.where(yields, length, 0.0),
     )
+
+
+def difference_under(
+    model: Statics, reference: Statics, quantity: Quantity, wrench: Array
+) -> tuple[Array, Array]:
+    """Difference (P×3) of displacements under wrenches (P×6), and the length (P) it is relative to.
+
+    The length as in `relative`.
+    """
+    due, moved = (one.displacements(quantity, wrench) for one in (reference, model))
+    length = np.linalg.norm(due, axis=-1)
+    if quantity.kind is QuantityKind.ANY_FORCE:
+        block = reference.compliances[:, :3, :3]
+        length = np.maximum(length, FLOOR * np.linalg.norm(block, 2, axis=(1, 2)))
+    return moved - due, length
+
+
+def nearest_between(off: Array, length: Array) -> Array:
+    """Least relative size (…) of a difference from what lies between two of several references.
+
+    `off` (a×…×3) are the differences of displacements from the references, `length` (a×…) those of
+    the references. Between two references displacement and length change linearly. Infinite for
+    one reference.
+    """
+    nearest = np.full(length.shape[1:], np.inf)
+    for first, second in combinations(range(len(off)), 2):
+        step = off[second] - off[first]
+        square, towards = (np.einsum("...i,...i->...", step, one) for one in (step, -off[first]))
+        share = np.divide(towards, square, out=np.zeros_like(square), where=square > 0.0)
+        share = np.clip(share, 0.0, 1.0)
+        size = np.linalg.norm(off[first] + share[..., None] * step, axis=-1)
+        whole = length[first] + share * (length[second] - length[first])
+        found = np.divide(size, whole, out=np.full_like(size, np.inf), where=whole > 0.0)
+        nearest = np.fmin(nearest, found)
+    return nearest
 
 
 def worst_force(difference: Array, reference: Array) -> Worst:

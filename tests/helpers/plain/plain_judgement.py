@@ -7,6 +7,7 @@ verdict, the pose that decides, what each cause takes off, and the remedy.
 """
 
 from functools import cache
+from itertools import combinations
 from math import inf, isfinite, isnan, nan
 from typing import NamedTuple
 
@@ -88,6 +89,21 @@ def deflection(own, due, quantity):
     }
 
 
+def nearest(own, pair, found):
+    """Error of a model against the reading between two that is nearest to it, under one load."""
+    part, load = found["part"], found["load"]
+    moved = own[part] @ load
+    first, second = (due[part] @ load for due in pair)
+    way = second - first
+    share = min(max(float((moved - first) @ way / (way @ way)), 0.0), 1.0)
+    lengths = [np.linalg.norm(one) for one in (first, second)]
+    if np.count_nonzero(load) > 1:
+        floors = [np.linalg.norm(due[:3, :3], ord=2) / 20.0 for due in pair]
+        lengths = [max(both) for both in zip(lengths, floors, strict=True)]
+    off = np.linalg.norm(moved - first - share * way)
+    return float(off / (lengths[0] + share * (lengths[1] - lengths[0])))
+
+
 def partner(truth, model, mode, pose):
     """The model's mode whose shape has most, and at least half, in common with the truth's."""
     a = truth.samples[pose, :, mode]
@@ -164,7 +180,23 @@ class Rule:
             worst = alone[max(range(len(alone)), key=lambda k: abs(errors[k]))]
             return Plain(worst.low, worst.high, alone=tuple(alone), **told)
         low, high = min(one.low for one in alone), max(one.high for one in alone)
+        if self.static and len(alone) > 1:
+            low = min(low, self.between(responses, pose) - max(halves))
         return Plain(max(low, 0.0) if self.static else low, high, **told)
+
+    def between(self, responses, pose):
+        """Error against the nearest of all readings from one alternative to another.
+
+        Under any force that of the load, of all worst ones, under which it is largest.
+        """
+        references = [one.response.statics.compliances[pose] for one in self.reference.alternatives]
+        return max(
+            min(
+                nearest(response.statics.compliances[pose], pair, found)
+                for pair in combinations(references, 2)
+            )
+            for response, found in zip(responses, self.each(responses, pose), strict=True)
+        )
 
     def along(self, responses):
         return [self.at(responses, pose) for pose in range(len(self.poses))]

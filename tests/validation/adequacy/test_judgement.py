@@ -238,7 +238,7 @@ def test_interval_covers_modes_that_pass_between_readings(interior):
     assert (second.low, second.high) == pytest.approx((0.99 * 120.0 / 130.0 - 1.0, highest))
 
 
-def static_entry(*factors, meshes=0.0):
+def static_entry(*factors, meshes=0.0, limit=0.05):
     """Deflection along x by a model, against readings of the reference stiffer by factors."""
     toy = toy_subject(3)
     truth = toy.statics.alternatives[0].response.statics
@@ -252,7 +252,7 @@ def static_entry(*factors, meshes=0.0):
         candidates=[Candidate("model", "a model", Response(truth))],
         statics=Reference("solids", alternatives, "how pins are held"),
     )
-    return judged(subject, Requirement(modes=3)).entry("model", "x")
+    return judged(subject, Requirement(deflection=limit, modes=3)).entry("model", "x")
 
 
 def test_model_equal_to_its_reference_has_no_error():
@@ -283,6 +283,17 @@ def test_readings_apart_are_shown_as_such():
     # Closer together than each is known they say no more than the bound does.
     told = static_entry(1.0, 1.01, meshes=0.03)
     assert plain(error_with_spread(told)) == "below 4 %"
+
+
+@pytest.mark.parametrize(("limit", "verdict"), [(0.05, "undecided"), (0.07, "adequate")])
+def test_interval_of_model_between_readings_contains_zero(limit, verdict):
+    """6 % farther than one reading and 6 % less far than the other: the truth may lie between."""
+    told = static_entry(0.94, 1.06, limit=limit)
+    assert told.readings == pytest.approx({"rigid pins": 0.06, "averaged ones": 0.06})
+    assert (told.low, told.high, told.verdict) == (0.0, pytest.approx(0.06), verdict)
+    # Beyond both readings the nearer of them is the least error.
+    told = static_entry(1.02, 1.06)
+    assert (told.low, told.high) == pytest.approx((0.02, 0.06))
 
 
 @pytest.mark.parametrize(("value", "text"), [(98.0, "−2 % ± 0.98 %"), (100.5, "below 1.5 %")])
