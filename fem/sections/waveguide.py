@@ -6,8 +6,6 @@ Vib. 185 (1995) 531). The lowest torsional wave is Saint-Venant's, ω = k√(GJ/
 excess at finite k is due to the stiffness and inertia of warping, relative order (k · side)².
 """
 
-from typing import Literal
-
 import numpy as np
 from scipy.linalg import eigh
 
@@ -23,41 +21,8 @@ def torsion_wave(mesh: SectionMesh, material: Material, wave_number: float) -> f
     The mode is told from bending and tension by its share of motion in a rotation of the section.
     """
     quad = section_quadrature(mesh)
-    return _wave_like(_rotation(mesh, quad), quad, material, wave_number)
-
-
-def bending_wave(
-    mesh: SectionMesh, material: Material, wave_number: float, along: Literal["y", "z"]
-) -> float:
-    """Angular frequency (rad/s) of the wave of `wave_number` k (rad/m) that bends along y or z.
-
-    Timoshenko's is that of its section's own constants as k → 0. At finite k contraction by
-    Poisson's ratio stiffens it, relative order (k · side)²; warping by shear, (k · side)⁴, and
-    walls that bend soften it.
-    """
-    motion = np.zeros((len(mesh.nodes), 3))
-    motion[:, "xyz".index(along)] = 1.0
-    return _wave_like(motion.ravel(), section_quadrature(mesh), material, wave_number)
-
-
-def wall_frequency(mesh: SectionMesh, material: Material) -> float:
-    """Lowest angular frequency (rad/s) at which the walls of an endless leg move, all in phase.
-
-    From there on waves of walls travel beside those of beams, and couple with them at the ends.
-    """
-    quad = section_quadrature(mesh)
-    stiffness, mass = _stiffness(quad, material, 0.0), mass_matrix(quad, material.rho)
-    # The first four are the section's rigid motions: tension, two bendings, torsion.
-    values = eigh(stiffness, mass, subset_by_index=[4, 4], eigvals_only=True)
-    return float(np.sqrt(values[0]))
-
-
-def _wave_like(
-    motion: Array, quad: SectionQuadrature, material: Material, wave_number: float
-) -> float:
-    """The wave with the largest share of a `motion` of the section (3N), of the lowest ones."""
-    stiffness = _stiffness(quad, material, wave_number)
-    mass = mass_matrix(quad, material.rho)
+    motion = _rotation(mesh, quad)
+    stiffness, mass = stiffness_matrix(quad, material, wave_number), mass_matrix(quad, material.rho)
     # Two bendings, tension and torsion are the four lowest; two more in case higher ones cross.
     values, shapes = eigh(stiffness, mass, subset_by_index=[0, 5])
     share = np.square(shapes.T @ mass @ motion) / (motion @ mass @ motion)
@@ -69,7 +34,7 @@ def _rotation(mesh: SectionMesh, quad: SectionQuadrature) -> Array:
     return np.column_stack([np.zeros_like(y), -z, y]).ravel()
 
 
-def _stiffness(quad: SectionQuadrature, material: Material, k: float) -> Array:
+def stiffness_matrix(quad: SectionQuadrature, material: Material, k: float) -> Array:
     """3N×3N matrix of twice the mean strain energy per length, unknowns (a, b_y, b_z) per node."""
     field = strains(quad, k)
     moduli = elasticity(material)

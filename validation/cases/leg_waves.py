@@ -2,7 +2,9 @@
 
 The legs' dynamic stiffness by the waves on their sections' meshes (`fem.couplings.wave_stiffness`)
 takes the place of that of beams: Λ + Φᵀ(D(ω) − D_beam(ω))Φ has the eigenvalue ω², with D on the
-twists of the sections between a leg's pieces and Λ, Φ the modes by beams. Pieces are so short that
+twists of the sections between a leg's pieces and Λ, Φ the modes by beams. D_beam is that of the
+section's own Saint-Venant states and inertia (`fem.couplings.wave_cantilever`), not of the beams
+that gave Λ and Φ: what is wrong with those stays in the frequencies. Pieces are so short that
 with both ends held they would swing far above ω: a leg that swings between ends at rest shows at
 its ends nothing of what it does. No mesh along the legs, and no solid, has a part in it.
 """
@@ -15,6 +17,7 @@ from typing import TypeAlias
 import numpy as np
 from scipy.linalg import eigh
 
+from fem.couplings.wave_cantilever import saint_venant_beam
 from fem.couplings.wave_stiffness import PrismWaves, prism_waves
 from fem.reduction.superelement import ENDS, Superelement
 from lumped.arrays import Array, IntArray, dense
@@ -100,6 +103,11 @@ class _PiecedLeg:
     waves: tuple[PrismWaves, ...]
 
     @cached_property
+    def alike(self) -> tuple[PrismWaves, ...]:
+        """Beam of the Saint-Venant states of each kind of waves."""
+        return tuple(saint_venant_beam(kind) for kind in self.waves)
+
+    @cached_property
     def held(self) -> float:
         """ω (rad/s) of the leg with both ends held."""
         stiffness, mass = (
@@ -146,35 +154,24 @@ def _change(frequencies: Array, legs: Sequence[tuple[_PiecedLeg, Array]], mode: 
 def _difference(leg: _PiecedLeg, own: Array, mode: int, omega: float) -> Array:
     """Φᵀ(D − D_beam)Φ (m×m) of one leg with `own` shapes Φ at ω (rad/s)."""
     pieces = leg.pieces(omega)
-    sections = leg.sections(pieces)
-    by_beam = dynamic_stiffness(leg.beam, omega, sections.ravel())
+    sections = leg.sections(pieces).ravel()
+    length = leg.beam.length / pieces
     difference = np.zeros((own.shape[1],) * 2)
-    for kind in leg.waves:
+    for kind, alike in zip(leg.waves, leg.alike, strict=True):
         try:
-            of_piece = kind.stiffness(leg.beam.length / pieces, omega)
+            of_piece = kind.stiffness(length, omega) - alike.stiffness(length, omega)
         except ComputationError:
             swung = own[:, mode]
             strained = swung @ (leg.beam.parts[kind.fields.name] @ swung)
             if strained > _NOTHING * omega**2:
                 raise
             continue
+        count = len(kind.fields.twists)
         moved = (6 * np.arange(pieces + 1)[:, None] + kind.fields.twists).ravel()
-        by_waves = np.zeros((len(moved),) * 2)
-        for first in range(0, pieces * len(kind.fields.twists), len(kind.fields.twists)):
+        assembled = np.zeros((len(moved),) * 2)
+        for first in range(0, pieces * count, count):
             ends = slice(first, first + len(kind.ends))
-            by_waves[ends, ends] += of_piece
-        twists = own[sections.ravel()[moved]]
-        difference += twists.T @ (by_waves - by_beam[np.ix_(moved, moved)]) @ twists
+            assembled[ends, ends] += of_piece
+        twists = own[sections[moved]]
+        difference += twists.T @ assembled @ twists
     return difference
-
-
-def dynamic_stiffness(leg: LegMatrices, omega: float, kept: IntArray | None = None) -> Array:
-    """Forces (k×k, SI, leg axes) on a leg that swings with ω (rad/s), at its `kept` unknowns (k).
-
-    Those of root and tip unless told.
-    """
-    shown = np.arange(ENDS) if kept is None else kept
-    hidden = np.setdiff1d(np.arange(leg.size), shown)
-    dynamic = dense(leg.stiffness) - omega**2 * dense(leg.mass)
-    inner = np.linalg.solve(dynamic[np.ix_(hidden, hidden)], dynamic[np.ix_(hidden, shown)])
-    return np.asarray(dynamic[np.ix_(shown, shown)] - dynamic[np.ix_(shown, hidden)] @ inner)

@@ -6,6 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from prism_waves import wall_frequency
 from prismatic_legs import STEEL
 
 from fem.beams.beam_theory import cantilever_frequencies
@@ -16,7 +17,6 @@ from fem.couplings.wave_cantilever import (
     wave_frequency,
 )
 from fem.couplings.wave_stiffness import prism_waves
-from fem.sections.waveguide import wall_frequency
 from lumped.errors import ComputationError
 from lumped.legs import ConstantLeg, Material
 from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Tube

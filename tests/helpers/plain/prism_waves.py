@@ -10,6 +10,11 @@ import numpy as np
 from numpy.polynomial import legendre
 from scipy.linalg import eigh
 
+from fem.sections.saint_venant import section_quadrature
+from fem.sections.waveguide import mass_matrix, stiffness_matrix
+from lumped.legs import Material
+from meshes.section.section_mesh import SectionMesh
+
 
 def beam_wave_frequency(beam, kind, wavenumber):
     """Frequency (Hz) of the beam's wave of `wavenumber` k (1/m); bending y, Timoshenko's.
@@ -65,3 +70,27 @@ def prism_wave_frequency(section, material, kind, wavenumber, degree=10):
     mass = material.rho * sum(f.T @ (volumes * f) for f in fields)
     lowest = eigh(stiffness, mass, eigvals_only=True, subset_by_index=[0, 0])[0]
     return sqrt(lowest) / (2.0 * pi)
+
+
+def bending_wave(mesh: SectionMesh, material: Material, wave_number: float, along: str) -> float:
+    """Angular frequency (rad/s) of the wave on a section mesh that bends along "y" or "z".
+
+    Timoshenko's is that of its section's own constants as k → 0. At finite k contraction by
+    Poisson's ratio stiffens it, relative order (k · side)²; warping by shear, (k · side)⁴, and
+    walls that bend soften it.
+    """
+    motion = np.zeros((len(mesh.nodes), 3))
+    motion[:, "xyz".index(along)] = 1.0
+    quad = section_quadrature(mesh)
+    stiffness, mass = stiffness_matrix(quad, material, wave_number), mass_matrix(quad, material.rho)
+    values, shapes = eigh(stiffness, mass, subset_by_index=[0, 5])
+    # Of the lowest ones that with the largest share of the translation.
+    return float(np.sqrt(values[np.argmax(np.abs(shapes.T @ mass @ motion.ravel()))]))
+
+
+def wall_frequency(mesh: SectionMesh, material: Material) -> float:
+    """Lowest angular frequency (rad/s) at which the walls of an endless leg move, all in phase."""
+    quad = section_quadrature(mesh)
+    stiffness, mass = stiffness_matrix(quad, material, 0.0), mass_matrix(quad, material.rho)
+    # The first four are the section's rigid motions: tension, two bendings, torsion.
+    return float(np.sqrt(eigh(stiffness, mass, subset_by_index=[4, 4], eigvals_only=True)[0]))

@@ -206,6 +206,32 @@ def test_tube_with_own_shear_modulus_agrees_when_free(section, length, nu):
     assert_allclose(np.diag(solid), np.diag(beam), rtol=2e-7)
 
 
+def test_waves_do_not_hide_wrong_density_of_beams():
+    """2 % more mass in the legs: what waves add to frequencies stays, beams are lower by it.
+
+    Held against the beams themselves, waves gave the frequencies of the right mass.
+    """
+    leg = ConstantLeg(0.3, Rectangle(0.03, 0.05), STEEL)
+    mechanism = biglide("heavy", 0.4, leg, leg, platform_mass=1e-3, drive_stiffness=1e10)
+    right = own_beam(leg, 2)
+    places, found = placed_at(mechanism), []
+    for beam in (right, replace(right, mass=1.02 * right.mass)):
+        beams = dict.fromkeys(legs_of(mechanism), beam)
+        changes = wave_changes(
+            places,
+            {name: Superelement(one, np.eye(one.size)) for name, one in beams.items()},
+            beams,
+            waves_of(legs_of(mechanism), dict.fromkeys(beams, 2)),
+            elements=ELEMENTS,
+            offered=20,
+            count=3,
+        )[0]
+        found.append((modes(solved(assemble(places[0], beams)), 3).frequencies, changes))
+    (own, changes), (lower, unchanged) = found
+    assert_allclose(lower / own, 1.02**-0.5, rtol=1e-3)
+    assert_allclose(unchanged, changes, atol=3e-4)
+
+
 @pytest.mark.exhaustive
 def test_a_leg_that_swings_between_ends_at_rest_has_its_waves():
     """So light a leg bends between ends at rest.
