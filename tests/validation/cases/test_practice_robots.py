@@ -3,11 +3,14 @@
 from pathlib import Path
 
 import pytest
+from written_robot import robot_of
 
+from lumped.acceptance.agreement import DEFAULT_LIMITS
 from lumped.robot_file import load_robot
 from validation import api
 from validation.case import Skip
 from validation.cases import legs, other_programs
+from validation.comparisons import robot_beam_vs_solid
 from validation.context import Context
 
 ROBOTS = Path(__file__).parents[2] / "helpers" / "robots" / "practice"
@@ -32,6 +35,54 @@ def test_thin_leaf_is_skipped_without_its_waves(monkeypatch):
     for mode in range(1, legs.MODES + 1):
         with pytest.raises(Skip, match="two solid meshes of this section have more than 9000"):
             cases[f"leaf1.frequency.solid[{mode}]"].measure(context)
+
+
+def waves_and_solids(*_):
+    raise Skip("waves are computed")
+
+
+@pytest.mark.parametrize(
+    ("width", "reason"),
+    [
+        (
+            0.0005,
+            "leaf1: a strip, wider than a tenth of its length, bends as a plate near its ends",
+        ),
+        # A bar of 5 by 20 mm.
+        (0.005, "waves are computed"),
+    ],
+)
+def test_waves_of_leaf_stage_leave_strips_out(monkeypatch, width, reason, tmp_path):
+    monkeypatch.setattr(robot_beam_vs_solid, "robot_modes", waves_and_solids)
+    text = (ROBOTS / "leaf-stage.toml").read_text(encoding="utf-8")
+    robot = robot_of(text.replace("width = 0.0005", f"width = {width}"), tmp_path)
+    found = [
+        case
+        for case in robot_beam_vs_solid.cases(limits=DEFAULT_LIMITS)
+        if case.id.startswith("robot.agrees[") and "-solid-f" in case.id
+    ]
+    assert len(found) == 8
+    for case in found:
+        with pytest.raises(Skip, match=reason):
+            case.measure(Context(robot, "quick"))
+
+
+@pytest.mark.parametrize("model", ["vjm", "links", "segments", "beam"])
+def test_leaf_stage_deflects_as_two_guided_leaves(model):
+    """x: L³/24EI = 205.7 µm/N, the ends of both leaves kept parallel (Euler–Bernoulli).
+
+    Shear adds L/2κGA, κ by Cowper, and the tilt of the stage, as leaves d apart are pulled and
+    pushed, L³/2EAd².
+    """
+    length, apart, width, height, nu = 0.06, 0.05, 0.0005, 0.02, 0.3
+    area, kappa = width * height, 10.0 * (1.0 + nu) / (12.0 + 11.0 * nu)
+    bending = length**3 / (24.0 * 2.1e11 * height * width**3 / 12.0)
+    shear = length / (2.0 * kappa * 2.1e11 / (2.0 * (1.0 + nu)) * area)
+    tilt = length**3 / (2.0 * 2.1e11 * area * apart**2)
+    assert bending == pytest.approx(205.7e-6, rel=1e-4)
+    (answer,) = api.solve(ROBOTS / "leaf-stage.toml", model).answers
+    # Round-off is 1e-10.
+    assert answer.compliance[0, 0] == pytest.approx(bending + shear + tilt, rel=1e-8)
 
 
 def test_strips_are_too_many_tetrahedra_for_calculix(monkeypatch):
