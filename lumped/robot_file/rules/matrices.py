@@ -32,6 +32,8 @@ _DIAGONAL = tuple(
     for unit in ("m/N", "rad/(N m)")
     for _ in range(3)
 )
+# From a grain of 1e-9 kg to 1e5 kg at 100 m, the largest mass and length of a body.
+_INERTIA = Number("kg m²", above=0.0, slip=1e-20, most=1e9, high="is this in kg mm²?")
 # A single entry above it is a slip, more of them are another matrix.
 _ENTRIES_OF_A_STIFFNESS = 2
 
@@ -80,7 +82,7 @@ def symmetric(rows: Any) -> Array:
 
 @dataclass(frozen=True)
 class SquareMatrix(Rule):
-    """A symmetric matrix of `size` rows in `unit`; positive definite if it is a `compliance`."""
+    """A symmetric, positive definite matrix of `size` rows in `unit`: a compliance, or inertia."""
 
     written = (list,)
     size: int
@@ -117,10 +119,14 @@ def _matrix_faults(value: object, kind: SquareMatrix) -> list[str]:
         for a in asymmetries(matrix)
     ]
     faults += _diagonal_faults(matrix, kind)
-    if not faults and kind.compliance and not is_positive_definite(matrix):
+    if not faults and not is_positive_definite(matrix):
+        smallest = smallest_eigenvalue(matrix)
         faults.append(
-            f": smallest eigenvalue {smallest_eigenvalue(matrix):.3g}: the matrix must be positive "
-            "definite, or some load would do negative work"
+            f": smallest eigenvalue {smallest:.3g}: the matrix must be positive definite, or some "
+            "load would do negative work"
+            if kind.compliance
+            else f": smallest principal moment {smallest:.3g} kg m²: all three must be above 0, or "
+            "some rotation would have negative energy"
         )
     return faults
 
@@ -139,7 +145,7 @@ def _shape_faults(value: object, kind: SquareMatrix) -> list[str]:
 
 
 def _diagonal_faults(matrix: Array, kind: SquareMatrix) -> list[str]:
-    rules = _DIAGONAL if kind.compliance else (Number(kind.unit, above=0.0),) * kind.size
+    rules = _DIAGONAL if kind.compliance else (_INERTIA,) * kind.size
     entries = enumerate(zip(rules, np.diag(matrix).tolist(), strict=True), start=1)
     return [fault for i, (rule, entry) in entries for fault in rule.faults(entry, f"[{i},{i}]")]
 

@@ -47,7 +47,7 @@ def test_the_verdict_is_that_of_the_whole_interval():
     for verdict, intervals in {
         "adequate": [(1.02, 0.001), (0.98, 0.001)],
         "inadequate": [(1.12, 0.001), (0.90, 0.001)],
-        "undecided": [(1.04, 0.02), (1.00, 0.10)],
+        "undecided": [(1.04, 0.02), (1.00, 0.10), (1.06, 0.02), (0.94, 0.02)],
     }.items():
         for value, uncertainty in intervals:
             assert Comparison(value, 1.0, 0.0, 0.0, uncertainty).verdict(0.05) == verdict
