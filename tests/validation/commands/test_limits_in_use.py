@@ -5,6 +5,7 @@ One made-up robot with known errors (toy_subject) is judged through the API, the
 """
 
 import inspect
+import re
 from dataclasses import replace
 from importlib.metadata import entry_points
 from itertools import groupby
@@ -111,6 +112,9 @@ def test_run_returns_counts_and_exit_code_of_what_it_gathered(monkeypatch, disag
     assert found.verdicts == {verdict: count for verdict, count in counts.items() if count}
     assert found.exit_code == (1 if disagreeing else 0)
     assert found.seconds == 75.2
+    # As a notebook shows it.
+    cells = re.findall(r"<td[^>]*>([^<]*)</td>", found._repr_html_())
+    assert dict(zip(cells[::2], map(int, cells[1::2]), strict=True)) == found.verdicts
     broken = sample_report(matrix=None, figures=(), missing=()).results
     monkeypatch.setattr(session, "validate", lambda *_: broken)
     assert api.run("ifw").exit_code == 3

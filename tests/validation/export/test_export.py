@@ -116,6 +116,11 @@ def test_ends_of_rods_meet_on_the_platform_which_moves_by_the_compliance(folder)
     data = read_vtk(folder / "mechanism.vtp")
     assert data.n_lines == len(legs_of(MECHANISM))
     np.testing.assert_allclose(data.field_data["frequencies"], expected.frequencies, rtol=1e-9)
+    for number, (name, leg) in enumerate(legs_of(MECHANISM).items(), start=1):
+        (line,) = np.flatnonzero(data.cell_data["leg"] == number)
+        root, along = at.frames[name].position, at.frames[name].rotation[:, 0]
+        ends = data.get_cell(line).points[[0, -1]]
+        np.testing.assert_allclose(ends, [root, root + leg.length * along], atol=1e-6)
     frame, places = at.frames["platform"], dict(MECHANISM.bodies["platform"].interfaces)
     tool = (frame @ places.pop("P")).position
     for place in places.values():
