@@ -95,6 +95,16 @@ class PageSection:
         claims = claims_of(self.outcomes)
         return SaidTable(claims) if claims else None
 
+    @property
+    def skipped(self) -> tuple[str, ...]:
+        """The reasons for skipping, with their bodies, if nothing at all was compared."""
+        if any(outcome.verdict != "skipped" for outcome in self.outcomes):
+            return ()
+        bodies: dict[str, dict[str, None]] = {}
+        for outcome in self.outcomes:
+            bodies.setdefault(outcome.message, {})[outcome.case.body or "robot"] = None
+        return tuple(f"{', '.join(names)}: {reason}" for reason, names in bodies.items())
+
     def count(self, verdict: Verdict) -> int:
         """How many comparisons have this verdict."""
         return sum(outcome.verdict == verdict for outcome in self.outcomes)

@@ -3,6 +3,7 @@
 import csv
 import io
 import json
+import re
 from dataclasses import replace
 from functools import cache, partial
 
@@ -21,7 +22,7 @@ from validation.comparisons import convergence_cases, element_convergence
 from validation.comparisons.convergence_cases import cases, study_of, subjects
 from validation.comparisons.convergence_figure import element_convergence as figure_of
 from validation.comparisons.convergence_study import fitted_orders
-from validation.comparisons.readings import FORMULATIONS
+from validation.comparisons.readings import EULER_BERNOULLI, FORMULATIONS
 from validation.context import Context, memo_key
 from validation.results.outcome import judge
 
@@ -217,6 +218,51 @@ def test_figure_and_studies_show_every_subject():
     column = next(name for name in rows[0] if "leg1: f1" in name and "half-length" in name)
     by_count = {float(row["elements per leg"]): row[column] for row in rows}
     assert float(by_count[20.0]) == pytest.approx(0.00886, rel=1e-3)
+
+
+PERCENT = r"([-+−]?[\d.]+(?: × 10[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)?) %"
+SUPERSCRIPTS = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹−", "-0123456789-")
+
+
+def plain_order(counts, errors):
+    """Regression of log |e| on log 1/n over the three finest errors above 1e-8, from n = 5 on."""
+    kept = [(n, abs(e)) for n, e in zip(counts, errors, strict=True) if n >= 5 and abs(e) > 1e-8]
+    x, y = np.log([n for n, _ in kept[-3:]]), np.log([e for _, e in kept[-3:]])
+    return -float(np.sum((x - x.mean()) * (y - y.mean())) / np.sum((x - x.mean()) ** 2))
+
+
+def test_figure_of_a_leg_is_read_back():
+    """Curves of f1 from JSON, CSV, page and caption: one set of numbers, orders and counts."""
+    figure = figure_of(Context(BIGLIDE))
+    rows = list(csv.DictReader(io.StringIO(figure.data)))
+    study = next(one for one in figure.studies if one["id"] == "convergence.leg1.f1")
+    caption = figure.caption.replace("\N{NO-BREAK SPACE}", " ").partition("leg1: ")[2]
+    assert set(study["series"]) == {one.label for one in (*FORMULATIONS, *EULER_BERNOULLI)}
+    for label, values in study["series"].items():
+        known = [(n, v) for n, v in zip(study["x"], values, strict=True) if v is not None]
+        errors = {n: value / study["limit"][label] - 1.0 for n, value in known}
+        column = f"leg1: f1: {label}, error (%)"
+        read = {int(float(row["elements per leg"])): row[column] for row in rows if row[column]}
+        assert set(read) == set(errors)
+        for count, error in errors.items():
+            assert float(read[count]) == pytest.approx(100.0 * error, rel=1e-9, abs=1e-12)
+        order = plain_order(list(errors), list(errors.values()))
+        assert study["order"][label] == pytest.approx(order, rel=1e-9)
+        needed = study["needed"][label]
+        for target, count in needed.items():
+            finer = [abs(error) for n, error in errors.items() if count and n >= count]
+            assert max(finer, default=0.0) <= float(target)
+            coarser = [n for n, error in errors.items() if abs(error) > float(target)]
+            assert max(coarser, default=0) < (count or np.inf)
+        if theory_of(label) == "timoshenko":
+            said = re.search(rf"{re.escape(label)} {PERCENT} \(([^)]*)\)", caption)
+            told = said[1].replace(" ", "").replace("×10", "e").translate(SUPERSCRIPTS)
+            assert 0.01 * float(told) == pytest.approx(errors[20], rel=0.06)
+            assert said[2].split(", ") == [str(n or "over 80") for n in needed.values()]
+
+
+def theory_of(label):
+    return "euler-bernoulli" if label in {one.label for one in EULER_BERNOULLI} else "timoshenko"
 
 
 def test_run_writes_convergence_verdicts(tmp_path, capsys):

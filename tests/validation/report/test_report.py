@@ -10,7 +10,16 @@ from html.parser import HTMLParser
 from math import nan
 
 import pytest
-from report_sample import CONVERGENCE, PIXEL, drawn, measured, never, sample_outcomes, sample_report
+from report_sample import (
+    CONVERGENCE,
+    PIXEL,
+    drawn,
+    measured,
+    never,
+    sample_outcomes,
+    sample_report,
+    unmeasured,
+)
 
 from validation.adequacy.matrix import ADEQUACY, MEASURED
 from validation.case import Absolute, Allowance, Relation
@@ -20,7 +29,7 @@ from validation.report import sections
 from validation.report.figures.budgets import budget_curves, budget_figure
 from validation.report.figures.studies import families, family_of, study_figure
 from validation.report.page import render
-from validation.report.sections import LEGS, chapters_of, unexplained_share
+from validation.report.sections import LEGS, PageSection, chapters_of, unexplained_share
 
 # After the first page, whose charts are drawn.
 pytestmark = pytest.mark.usefixtures("markup", "undrawn")
@@ -274,3 +283,16 @@ def test_cross_validation_leads_the_page_unfolded():
     assert not first.folded
     assert first.title == "Cross-validation"
     assert not second.leads
+
+
+def test_section_of_skipped_comparisons_states_the_reasons():
+    """Each reason once, with the bodies that it is about; none if anything was compared."""
+    skipped = tuple(
+        replace(one, case=replace(one.case, body=name))
+        for name in ("rod", "crank")
+        for one in [unmeasured(name, "skipped", "too large")]
+    )
+    section = PageSection("Convergence with mesh", skipped, (), plotted=False)
+    assert section.skipped == ("rod, crank: too large",)
+    compared = (*skipped, measured("other", 1.0, 1.0))
+    assert PageSection("Convergence with mesh", compared, (), plotted=False).skipped == ()
