@@ -9,6 +9,7 @@ lack of proof the safety factor of three stands for.
 Differences are d_k = f_{k+1} − f_k, ratios r_k = h_k / h_{k+1} > 1.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import isfinite, log
 from typing import Literal, TypeAlias
@@ -30,6 +31,8 @@ CLOSE_TO_FORMAL = 0.10
 PROVEN = 1.25
 # The safety factor of everything else.
 UNPROVEN = 3.0
+# Below so many elements no series is expected to be asymptotic.
+COARSE_COUNT = 5
 
 
 @dataclass(frozen=True)
@@ -113,6 +116,33 @@ def fit_order(sizes: Array, values: Array) -> float:
         left, bounds=bounds, method="bounded", options={"xatol": 1e-10}
     )
     return float(found.x)
+
+
+def orders_to_limits(counts: Sequence[int], errors: Array, floors: Array) -> Array:
+    """Orders in 1/n (q) of relative `errors` (n×q) from known limits, `counts` n ascending.
+
+    Fitted by least squares to log |e| over the three finest counts above the `floors` (q). NaN if
+    the errors of all such counts from five on change sign or grow, if the two pairwise orders have
+    not settled, or for fewer than three counts.
+    """
+    return np.array(
+        [_order_to_limit(counts, own, floor) for own, floor in zip(errors.T, floors, strict=True)]
+    )
+
+
+def _order_to_limit(counts: Sequence[int], errors: Array, floor: float) -> float:
+    usable = [place for place, error in enumerate(errors) if abs(error) > floor]
+    asymptotic = [place for place in usable if counts[place] >= COARSE_COUNT]
+    usable = asymptotic if len(asymptotic) >= 3 else usable
+    # Errors must decrease over all of these counts, not only over the three that are fitted.
+    sizes, signs = np.abs(errors[usable]), np.sign(errors[usable])
+    if len(usable) < 3 or len(set(signs)) > 1 or np.any(np.diff(sizes) >= 0.0):
+        return float("nan")
+    logarithms = -np.log(np.array(counts, dtype=float)[usable[-3:]]), np.log(sizes[-3:])
+    pairwise = np.diff(logarithms[1]) / np.diff(logarithms[0])
+    if abs(pairwise[1] - pairwise[0]) > SETTLED * pairwise[1]:
+        return float("nan")
+    return float(np.polyfit(*logarithms, 1)[0])
 
 
 def _fitted(sizes: Array, values: Array, orders: tuple[float, ...]) -> tuple[Array, Array]:

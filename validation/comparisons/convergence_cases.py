@@ -17,7 +17,8 @@ from meshes.part.slices import NotPrismaticError
 from validation.adequacy.mechanism.path import distinct_legs
 from validation.case import Absolute, Elsewhere, Measurement, Relation, Skip
 from validation.case_group import CaseGroup
-from validation.comparisons.convergence_study import ConvergenceSeries, ConvergenceStudy
+from validation.comparisons.convergence_series import ConvergenceSeries
+from validation.comparisons.convergence_study import ConvergenceStudy
 from validation.comparisons.element_convergence import QUANTITIES
 from validation.comparisons.readings import RefinedModel
 from validation.comparisons.requested import convergence, leg_names

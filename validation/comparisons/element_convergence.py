@@ -22,12 +22,8 @@ from lumped.models.bodies import clamped_modes, legs_of, tip_compliance_of
 from lumped.system.assembly import assembly
 from lumped.system.solution import compliance, modes, solved
 from validation.agreement.convergence import UNPROVEN
-from validation.comparisons.convergence_study import (
-    TARGETS,
-    ConvergenceSeries,
-    ConvergenceStudy,
-    fitted_orders,
-)
+from validation.comparisons.convergence_series import TARGETS, ConvergenceSeries, fitted_orders
+from validation.comparisons.convergence_study import ConvergenceStudy
 from validation.comparisons.readings import FORMULATIONS, Reading
 from validation.models.legs import leg_matrices, reduced_leg
 from validation.models.mechanism import bodies_of, highest_frequency

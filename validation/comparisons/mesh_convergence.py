@@ -13,7 +13,8 @@ from lumped.arrays import Array
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg
 from validation.agreement.convergence import UNPROVEN, analyse
-from validation.comparisons.convergence_study import TARGETS, ConvergenceSeries, ConvergenceStudy
+from validation.comparisons.convergence_series import TARGETS, ConvergenceSeries
+from validation.comparisons.convergence_study import ConvergenceStudy
 from validation.comparisons.element_convergence import DEFLECTIONS, MODES, QUANTITIES, UNITS
 from validation.comparisons.readings import Reading
 from validation.models.legs import clamped_solid

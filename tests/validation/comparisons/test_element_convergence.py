@@ -19,7 +19,7 @@ from lumped.robot_file import load_robot
 from lumped.sections import Circle, HollowRectangle, Rectangle, Tube
 from lumped.system.assembly import assembly
 from lumped.system.solution import compliance, modes, solved
-from validation.comparisons.convergence_study import ConvergenceSeries, fitted_orders
+from validation.comparisons.convergence_series import ConvergenceSeries, fitted_orders
 from validation.comparisons.element_convergence import leg_convergence, robot_convergence
 from validation.comparisons.readings import FORMULATIONS, Reading
 from validation.comparisons.requested import convergence, middle_posture

@@ -1,0 +1,105 @@
+"""Text and plain data of one series of a convergence study."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from lumped.text import aligned
+from validation.comparisons.convergence_series import ROUND_OFF, TARGETS, ConvergenceSeries
+from validation.drawing.text import number, percent
+
+
+def series_rows(series: ConvergenceSeries, column: int, refined: str, unit: str) -> str:
+    """Values, errors, half-widths and orders of a quantity over the counts; the limit below."""
+    orders = series.pairwise_orders(column)
+    rows = [
+        (
+            str(count),
+            f"{series.values[k, column]:.8g}",
+            f"{100.0 * series.errors[k, column]:+.3g}",
+            _shown(100.0 * series.half_widths[k, column], ".2g"),
+            _shown(orders[k], ".2f"),
+        )
+        for k, count in enumerate(series.counts)
+    ]
+    limit = (
+        f"{series.limits[column]:.8g}",
+        "",
+        f"{100.0 * series.limit_half_widths[column]:.2g}",
+    )
+    headings = (refined, unit, "error (%)", "half-width (%)", "order")
+    return aligned(headings, [*rows, ("limit", *limit, "")])
+
+
+def short_summary(series: ConvergenceSeries, column: int, stated: int | None) -> str:
+    """Error with the stated count and the smallest counts: "+0.009 % (2, 6, 19)"."""
+    needed = [str(count or f"over {series.counts[-1]}") for count in series.needed[:, column]]
+    return f"{_stated_error(series, column, stated)} ({', '.join(needed)})".strip()
+
+
+def summary(series: ConvergenceSeries, column: int, stated: int | None) -> str:
+    """Error with the stated count, and the smallest counts for 1 %, 0.1 % and 0.01 %.
+
+    No error is stated if `stated` is None or was not computed.
+    """
+    needed = [
+        f"{100.0 * target:g} % needs {count or f'more than {series.counts[-1]}'}"
+        for target, count in zip(TARGETS, series.needed[:, column], strict=True)
+    ]
+    error = _stated_error(series, column, stated)
+    return (f"{stated} elements: {error}; " if error else "") + ", ".join(needed)
+
+
+def _stated_error(series: ConvergenceSeries, column: int, stated: int | None) -> str:
+    if stated not in series.counts:
+        return ""
+    return _percent(series.errors[series.counts.index(stated), column])
+
+
+def series_record(
+    series: ConvergenceSeries, quantities: Sequence[str], refined: str
+) -> dict[str, Any]:
+    """The series as plain data by quantity; null for what it does not have."""
+    by_quantity = dict(enumerate(quantities))
+    return {
+        "model": series.reading.model,
+        "layout": series.reading.layout,
+        "theory": series.reading.theory,
+        "formal_order": series.formal_order,
+        refined: list(series.counts),
+        "values": {q: series.values[:, k].tolist() for k, q in by_quantity.items()},
+        "errors": {q: series.errors[:, k].tolist() for k, q in by_quantity.items()},
+        # Nothing can be stated of the first count.
+        "half_widths": {
+            q: [None, *series.half_widths[1:, k].tolist()] for k, q in by_quantity.items()
+        },
+        "orders": {
+            q: None if np.isnan(series.orders[k]) else float(series.orders[k])
+            for k, q in by_quantity.items()
+        },
+        "limits": {q: float(series.limits[k]) for k, q in by_quantity.items()},
+        "limit_half_widths": {
+            q: float(series.limit_half_widths[k]) for k, q in by_quantity.items()
+        },
+        "needed": {
+            f"{target:g}": {q: int(row[k]) or None for k, q in by_quantity.items()}
+            for target, row in zip(TARGETS, series.needed, strict=True)
+        },
+    }
+
+
+def _shown(value: float, digits: str) -> str:
+    return "" if np.isnan(value) else f"{value:{digits}}"
+
+
+def size_text(error: float) -> str:
+    """A relative error in percent, without its sign."""
+    return percent(error, signed=False)
+
+
+def _percent(error: float) -> str:
+    """A relative error in percent; below the round-off it is only bounded."""
+    if abs(error) < ROUND_OFF["timoshenko"]:
+        return f"below {number(100.0 * ROUND_OFF['timoshenko'])}\N{NO-BREAK SPACE}%"
+    return percent(error)
