@@ -10,7 +10,8 @@ but the loads and the ground is felt by a robot that turns as a whole.
 The load keeps its direction and its place on the body, the mechanism its posture. An idle motion
 costs no energy, so the load alone would decide where it comes to rest, and every deformation could
 be had with any amount of it. It is held where it is, as friction holds it: the geometric stiffness
-is that of motions without an idle part, the same in all base axes.
+is that of motions without an idle part, the same in all base axes. What a load does along an idle
+motion, the inertia of the bodies takes: with it joints carry what is left.
 """
 
 from collections.abc import Mapping
@@ -32,7 +33,7 @@ from lumped.screws import shift, skew, turn
 from lumped.system.assembly import System
 from lumped.system.joint_motion import Portion
 from lumped.system.loads import work_on
-from lumped.system.solution import Solved, without_idle
+from lumped.system.solution import Solved, idle_accelerations, without_idle
 
 
 class Prestressed(Protocol):
@@ -59,8 +60,9 @@ def geometric_stiffness(
     Others turn as a whole: theirs is the mean rotation of their interfaces. Idle motions meet none.
     """
     system = solution.system
-    work = without_idle(solution, work_on(system, load)[:, None])
-    moved = solution.displacements(work)[:, 0]
+    work = work_on(system, load)[:, None]
+    moved = solution.displacements(without_idle(solution, work))[:, 0]
+    accelerated = idle_accelerations(solution, work)[:, 0]
     total = np.zeros((system.size, system.size))
     outer = total[: system.outer, : system.outer]
     # What joints give to the nodes: what the bodies take, less what the load gives.
@@ -69,9 +71,13 @@ def geometric_stiffness(
         own, inside, ends = system.own(name, moved), system.inside[name], system.ends[name]
         count = len(ends)
         forces = (model.stiffness @ own)[:count]
+        # A load that sets off an idle motion meets the inertia of the bodies.
+        inertia = (model.mass @ system.own(name, accelerated))[:count]
         frame = system.posture.frames[name]
         for point, wrench in zip(
-            system.posture.mechanism.bodies[name].interfaces, forces.reshape(-1, 6), strict=True
+            system.posture.mechanism.bodies[name].interfaces,
+            (forces + inertia).reshape(-1, 6),
+            strict=True,
         ):
             given[system.motions.structure.node(name, point)] += turn(frame.rotation) @ wrench
         if name not in bodies:
@@ -81,7 +87,7 @@ def geometric_stiffness(
             outer += _turned_as_a_whole(ends, np.array(places), forces)
             continue
         spins = _spins(ends @ solution.motions[: system.outer])
-        found = bodies[name](forces, _spread(system, name, load), spins=spins)
+        found = bodies[name](forces, _spread(system, name, load) - inertia, spins=spins)
         outer += ends.T @ found[:count, :count] @ ends
         total[: system.outer, inside] += ends.T @ found[:count, count:]
         total[inside, inside] += found[count:, count:]

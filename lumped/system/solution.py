@@ -177,6 +177,14 @@ def without_idle(solution: Solved, loads: Array) -> Array:
     return np.asarray(loads - momenta @ (with_mass @ (solution.motions.T @ loads)))
 
 
+def idle_accelerations(solution: Solved, loads: Array) -> Array:
+    """Accelerations (n×m, SI) of the idle motions that loads (n×m) set off."""
+    if not solution.idle:
+        return np.zeros_like(loads)
+    _, with_mass = _of_idle(solution, dense(solution.system.mass))
+    return np.asarray(solution.motions @ (with_mass @ (solution.motions.T @ loads)))
+
+
 def _of_idle(solution: Solved, mass: Array) -> tuple[Array, Array]:
     """Momenta M N (n×k) of the idle motions, and (NᵀMN)⁺."""
     momenta = mass @ solution.motions
