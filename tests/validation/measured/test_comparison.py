@@ -69,6 +69,12 @@ def test_measured_values_join_the_matrix_as_a_reference_of_their_own():
     entry = matrix_of(good).entry("vjm", "z")
     assert (entry.verdict, entry.reference, entry.pose) == ("adequate", "measured: gauge", (x,))
     assert (entry.error, entry.uncertainty) == (0.0, pytest.approx(1.959964e-3))
+    # Of several with one verdict in one pose the farthest off decides, in whatever order.
+    farther = replace(good, value=truth / 0.98)
+    for ones in ((good, farther), (farther, good)):
+        entry = matrix_of(*ones).entry("vjm", "z")
+        assert (entry.verdict, entry.error) == ("adequate", pytest.approx(-0.02))
+        assert entry.errors == (entry.error,)
     # The worst of several poses decides; a leg's entry has none.
     more = matrix_of(good, wrong, of_leg)
     assert more.poses == ((first,), (x,))

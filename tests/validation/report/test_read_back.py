@@ -339,6 +339,10 @@ def test_the_record_and_the_line_of_the_api():
                 text, _, spread = said.partition(" ±")
                 assert_error_is_told(entry, text, spread)
                 assert matrix.poses[pose_of(matrix, line)] == entry.pose
+            along = re.search(rf"along the load(?: of a force along .*?\))? ({NUMBER} %)", line)
+            assert bool(along) is (entry.along is not None)
+            if along:
+                assert numbers(along[1]) == [told(entry.along)]
             if entry.causes:
                 assert f"cause: {entry.causes[0].cause}" in line
             if entry.remedy:
