@@ -12,8 +12,9 @@ import numpy as np
 
 from fem.extras import missing_message
 from lumped.arrays import Array
+from lumped.equivalent_leg import equivalent_leg
 from lumped.errors import InputError
-from lumped.legs import ConstantLeg, GivenLeg, equivalent_leg
+from lumped.legs import ConstantLeg, GivenLeg
 from lumped.mechanism.body import Part, Rigid
 from lumped.mechanism.free_twists import free_twists, interface_position
 from lumped.mechanism.joint import Joint, Side

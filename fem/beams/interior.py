@@ -24,7 +24,8 @@ import numpy as np
 
 from fem.beams.beam import beam_leg, with_warping
 from fem.sections.nonuniform_torsion import WarpingRod
-from lumped.legs import BeamProperties, GivenLeg, require_positive_definite
+from lumped.equivalent_leg import require_positive_definite
+from lumped.legs import BeamProperties, GivenLeg
 from lumped.mechanism.body_model import LegMatrices
 
 Interior: TypeAlias = Literal["uniform", "soft", "stiff"]

@@ -18,7 +18,8 @@ from fem.calculix.deck import Deck, ElementSet, Equation, Freedom
 from fem.calculix.run import run_calculix
 from fem.couplings.grips import rigid_motions
 from lumped.arrays import Array, SparseMatrix
-from lumped.legs import ConstantLeg, Material, equivalent_leg
+from lumped.equivalent_leg import equivalent_leg
+from lumped.legs import ConstantLeg, Material
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.models.bodies import legs_of
 from lumped.sections import Rectangle

@@ -12,8 +12,9 @@ from math import fsum, sqrt
 import numpy as np
 
 from lumped.arrays import Array
+from lumped.equivalent_leg import equivalent_leg
 from lumped.errors import InputError
-from lumped.legs import Leg, equivalent_leg
+from lumped.legs import Leg
 from lumped.mechanism.body import Frame
 from lumped.mechanism.joint import Drive, Joint, JointKind, Side
 from lumped.mechanism.mechanism import GROUND, Mechanism, Tool

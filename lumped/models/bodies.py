@@ -15,17 +15,9 @@ import numpy as np
 from lumped.arrays import Array, dense
 from lumped.dense.modes import Modes, solve_modes
 from lumped.dense.statics import balanced_flexibility, solve_statics
+from lumped.equivalent_leg import EquivalentBy, equivalent_leg
 from lumped.errors import InputError
-from lumped.legs import (
-    ConstantLeg,
-    EquivalentBy,
-    GivenLeg,
-    Leg,
-    Theory,
-    equivalent_leg,
-    given_compliance,
-    tip_compliance,
-)
+from lumped.legs import ConstantLeg, GivenLeg, Leg, Theory, given_compliance, tip_compliance
 from lumped.mechanism.body import Body
 from lumped.mechanism.body_model import LegMatrices
 from lumped.mechanism.mechanism import Mechanism

@@ -10,8 +10,9 @@ from prismatic_legs import STEEL
 
 from fem.bodies.solid import solid_leg, solid_mesh
 from fem.sections.section_constants import section_constants
+from lumped.equivalent_leg import equivalent_leg
 from lumped.errors import ComputationError, InputError, naming
-from lumped.legs import ConstantLeg, GivenLeg, Material, equivalent_leg, tip_compliance
+from lumped.legs import ConstantLeg, GivenLeg, Material, tip_compliance
 from lumped.sections import (
     Circle,
     HollowRectangle,

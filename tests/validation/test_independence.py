@@ -50,6 +50,7 @@ BASICS = {
     "lumped.arrays": "types, and matrices made dense",
     "lumped.dense.modes": "eigenvalues of small matrices",
     "lumped.errors": "messages",
+    "lumped.equivalent_leg": "data of legs",
     "lumped.legs": "data of legs",
     "lumped.sections": "data of legs: textbook constants, which fem.sections computes anew",
     "lumped.text": "messages",

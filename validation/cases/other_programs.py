@@ -14,8 +14,9 @@ from fem.reduction.craig_bampton import craig_bampton
 from fem.reduction.superelement import held_leg
 from lumped.arrays import Array
 from lumped.dense.modes import FewerModesError
+from lumped.equivalent_leg import equivalent_leg
 from lumped.errors import InputError
-from lumped.legs import ConstantLeg, Leg, equivalent_leg
+from lumped.legs import ConstantLeg, Leg
 from lumped.mechanism.kinematics.postures import reference_posture
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.models.bodies import legs_of

@@ -16,8 +16,9 @@ from numpy.polynomial import legendre
 from scipy.linalg import block_diag, eigh, null_space, pinvh
 
 from lumped.arrays import Array
+from lumped.equivalent_leg import equivalent_leg
 from lumped.errors import ComputationError
-from lumped.legs import BeamProperties, ConstantLeg, GivenLeg, Leg, Theory, equivalent_leg
+from lumped.legs import BeamProperties, ConstantLeg, GivenLeg, Leg, Theory
 from lumped.mechanism.body import Rigid
 from lumped.mechanism.joint import Joint, Side
 from lumped.mechanism.mechanism import GROUND, Mechanism, Posture

@@ -5,8 +5,9 @@ from dataclasses import replace
 
 from fem.beams.stepped import SteppedLeg
 from lumped.acceptance.agreement import DEFAULT_LIMITS, MOST_ELEMENTS, AgreementLimits
+from lumped.equivalent_leg import equivalent_leg
 from lumped.errors import InputError
-from lumped.legs import ConstantLeg, Theory, equivalent_leg
+from lumped.legs import ConstantLeg, Theory
 from lumped.mechanism.kinematics.postures import posture, reference_posture
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.models.bodies import legs_of

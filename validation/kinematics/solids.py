@@ -12,8 +12,9 @@ from typing import Literal, TypeAlias, assert_never
 import numpy as np
 
 from lumped.arrays import Array
+from lumped.equivalent_leg import equivalent_leg
 from lumped.errors import InputError
-from lumped.legs import ConstantLeg, GivenLeg, equivalent_leg
+from lumped.legs import ConstantLeg, GivenLeg
 from lumped.mechanism.body import Body, Part
 from lumped.mechanism.free_twists import across_axis, interface_position, turned_since_reference
 from lumped.mechanism.joint import Joint, Side

@@ -11,8 +11,9 @@ from fem.bodies.rooted import RootedBody
 from fem.reduction.craig_bampton import CraigBampton, craig_bampton
 from fem.reduction.superelement import HeldLeg, held_leg, static_superelement
 from lumped.arrays import Array, dense
+from lumped.equivalent_leg import equivalent_leg
 from lumped.errors import InputError
-from lumped.legs import ConstantLeg, GivenLeg, Leg, equivalent_leg, given_compliance, tip_compliance
+from lumped.legs import ConstantLeg, GivenLeg, Leg, given_compliance, tip_compliance
 from lumped.mechanism.body_model import BodyModel, LegMatrices
 from lumped.memo import memo
 from lumped.models.bodies import clamped_modes, legs_of, tip_compliance_of

@@ -16,8 +16,9 @@ from fem.beams.stepped import SteppedLeg
 from fem.reduction.craig_bampton import CUTOFF_FACTOR
 from lumped.arrays import Array
 from lumped.dense.modes import Modes, too_few
+from lumped.equivalent_leg import equivalent_leg
 from lumped.errors import InputError
-from lumped.legs import ConstantLeg, GivenLeg, equivalent_leg, tip_compliance
+from lumped.legs import ConstantLeg, GivenLeg, tip_compliance
 from lumped.mechanism.body_model import BodyModel, LegMatrices
 from lumped.mechanism.joint import Joint
 from lumped.mechanism.kinematics.mobility import mobility

@@ -3,7 +3,8 @@
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
-from lumped.legs import EquivalentBy, Theory
+from lumped.equivalent_leg import EquivalentBy
+from lumped.legs import Theory
 from lumped.models.segments import Layout, Release
 
 ModelName: TypeAlias = Literal["simplified", "vjm", "links", "segments", "beam", "solid"]

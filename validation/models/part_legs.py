@@ -13,8 +13,9 @@ from scipy.sparse import csr_array, eye_array, issparse
 
 from fem.beams.stepped import SteppedLeg
 from lumped.arrays import Array, SparseMatrix
+from lumped.equivalent_leg import equivalent_leg
 from lumped.errors import InputError
-from lumped.legs import ConstantLeg, GivenLeg, equivalent_leg, tip_compliance
+from lumped.legs import ConstantLeg, GivenLeg, tip_compliance
 from lumped.mechanism.body import Body, Frame
 from lumped.mechanism.body_model import ENDS, BodyModel, LegMatrices
 from lumped.mechanism.mechanism import Mechanism

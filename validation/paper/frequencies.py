@@ -6,7 +6,8 @@ from dataclasses import replace
 import numpy as np
 
 from fem.beams.beam_theory import Plane, bending_frequencies
-from lumped.legs import ConstantLeg, equivalent_leg
+from lumped.equivalent_leg import equivalent_leg
+from lumped.legs import ConstantLeg
 from lumped.system.joint_motion import Portion
 from validation.case import Absolute, Measurement, Relation, Relative
 from validation.context import Context

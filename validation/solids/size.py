@@ -6,8 +6,9 @@ A preset says how fine a mesh is; how many unknowns follow depends on how slende
 from collections.abc import Callable, Sequence
 from math import ceil
 
+from lumped.equivalent_leg import equivalent_leg
 from lumped.errors import InputError
-from lumped.legs import ConstantLeg, Leg, equivalent_leg
+from lumped.legs import ConstantLeg, Leg
 from lumped.text import counted
 from meshes.section.section_blocks import element_length, section_blocks, sides_of
 from validation.context import PRESETS, Preset

@@ -7,8 +7,9 @@ from math import cbrt, inf, sqrt
 import numpy as np
 
 from lumped.arrays import Array
+from lumped.equivalent_leg import equivalent_leg
 from lumped.errors import InputError
-from lumped.legs import Leg, equivalent_leg
+from lumped.legs import Leg
 from lumped.sections import Rectangle, Section
 from meshes.section.section_blocks import element_count
 from validation.agreement.convergence import richardson_limits, step_factor

@@ -5,7 +5,8 @@ import numpy as np
 from fem.bodies.solid import SolidLeg, solid_leg
 from lumped.arrays import Array, dense
 from lumped.dense.modes import solve_modes
-from lumped.legs import ConstantLeg, Material, constant_leg
+from lumped.equivalent_leg import constant_leg
+from lumped.legs import ConstantLeg, Material
 from lumped.mechanism.body_model import LegMatrices
 from meshes.prism import extrude, stations
 from meshes.section.section_mesh import Divisions, section_mesh

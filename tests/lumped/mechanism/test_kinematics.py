@@ -10,8 +10,8 @@ from like_ifw import LEG1, LEG2, like_ifw
 from numpy.testing import assert_allclose
 from scipy.spatial.transform import Rotation
 
+from lumped.equivalent_leg import equivalent_leg
 from lumped.errors import InputError
-from lumped.legs import equivalent_leg
 from lumped.mechanism.biglide import Stroke, lengthened
 from lumped.mechanism.free_twists import interface_position, twists_left_free
 from lumped.mechanism.joint import FREEDOMS, Joint, Side

@@ -5,8 +5,9 @@ import pytest
 from like_ifw import IFW, like_ifw, placed_at, stations
 from numpy.testing import assert_allclose
 
+from lumped.equivalent_leg import constant_leg
 from lumped.errors import ComputationError
-from lumped.legs import constant_leg, given_compliance
+from lumped.legs import given_compliance
 from lumped.models import serial_chains, vjm
 from lumped.models.bodies import tip_compliances
 from lumped.screws import move_compliance, rotation_z, turn_matrix

@@ -9,8 +9,8 @@ from like_ifw import placed_at, stations
 from random_biglides import MILD, random_robots
 from written_robot import robot_of
 
+from lumped.equivalent_leg import equivalent_leg
 from lumped.errors import ComputationError, InputError
-from lumped.legs import equivalent_leg
 from lumped.models.bodies import legs_of
 from lumped.system.assembly import assemble
 from lumped.system.solution import modes, solved

@@ -77,7 +77,7 @@ OTHERS = [
 WRONG, MOVED, FEW = 0.15, 3.0, 2
 # What both sides of a comparison are about: the robot's data and its postures.
 DATA = (
-    "lumped.legs.equivalent_leg ",
+    "lumped.equivalent_leg.equivalent_leg ",
     "validation.adequacy.mechanism.path._postures ",
     "validation.comparisons.robot_beam_vs_solid._constant_posture ",
 )

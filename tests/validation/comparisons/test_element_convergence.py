@@ -13,7 +13,8 @@ import numpy as np
 import pytest
 import scipy
 
-from lumped.legs import ConstantLeg, Material, equivalent_leg
+from lumped.equivalent_leg import equivalent_leg
+from lumped.legs import ConstantLeg, Material
 from lumped.models.bodies import legs_of
 from lumped.robot_file import load_robot
 from lumped.sections import Circle, HollowRectangle, Rectangle, Tube

@@ -10,8 +10,8 @@ from like_ifw import IFW
 from numpy.testing import assert_allclose
 from perturbed import assert_agrees_and_can_turn
 
+from lumped.equivalent_leg import equivalent_leg
 from lumped.errors import InputError
-from lumped.legs import equivalent_leg
 from lumped.models.bodies import clamped_modes, legs_of
 from lumped.models.segments import segment_chain, segment_leg
 from lumped.robot_file import as_printed, load_robot

@@ -24,7 +24,8 @@ from scipy.spatial.transform import Rotation
 
 from fem.beams.beam import beam_leg
 from fem.bodies.part import grips_of, held_part, meshed_part
-from lumped.legs import GivenLeg, equivalent_leg, tip_compliance
+from lumped.equivalent_leg import equivalent_leg
+from lumped.legs import GivenLeg, tip_compliance
 from lumped.mechanism.kinematics.postures import posture
 from lumped.mechanism.placing import leg_frame
 from lumped.models.bodies import clamped_modes

@@ -15,8 +15,9 @@ from written_robot import robot_of
 from fem.bodies.solid import coupled_leg, solid_leg, solid_mesh
 from fem.calculix.leg import with_bars
 from fem.solvers.factor import analyse
+from lumped.equivalent_leg import equivalent_leg
 from lumped.errors import ComputationError, InputError
-from lumped.legs import ConstantLeg, Material, equivalent_leg
+from lumped.legs import ConstantLeg, Material
 from lumped.mechanism.kinematics.postures import reference_posture
 from lumped.mechanism.load import Load
 from lumped.models.bodies import legs_of

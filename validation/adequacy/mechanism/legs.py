@@ -9,16 +9,9 @@ from fem.beams.beam import beam_leg, warping_beam_leg
 from fem.sections.nonuniform_torsion import held_torsion_compliance
 from fem.sections.section_constants import SectionConstants, beam_properties
 from lumped.arrays import Array
+from lumped.equivalent_leg import equivalent_leg
 from lumped.errors import InputError, naming
-from lumped.legs import (
-    ConstantLeg,
-    Ends,
-    GivenLeg,
-    Leg,
-    equivalent_leg,
-    given_compliance,
-    tip_compliance,
-)
+from lumped.legs import ConstantLeg, Ends, GivenLeg, Leg, given_compliance, tip_compliance
 from lumped.mechanism.body_model import LegMatrices
 from validation.adequacy.response import finer_by
 from validation.agreement.convergence import step_factor

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from lumped.arrays import Array
-from lumped.legs import ConstantLeg, equivalent_leg
+from lumped.equivalent_leg import equivalent_leg
+from lumped.legs import ConstantLeg
 from lumped.mechanism.body import Body, Rigid
 from lumped.mechanism.body_model import BodyModel
 from lumped.mechanism.mechanism import Mechanism

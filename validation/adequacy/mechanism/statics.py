@@ -14,7 +14,8 @@ import numpy as np
 
 from lumped.acceptance.quantities import UNIT_LOADS
 from lumped.arrays import Array
-from lumped.legs import Ends, Leg, equivalent_leg, given_compliance
+from lumped.equivalent_leg import equivalent_leg
+from lumped.legs import Ends, Leg, given_compliance
 from lumped.mechanism.mechanism import Posture
 from lumped.models import serial_chains
 from validation.adequacy.mechanism.digits import left_by_digits

@@ -14,7 +14,8 @@ import numpy as np
 from fem.reduction.craig_bampton import craig_bampton
 from fem.reduction.superelement import held_leg
 from lumped.arrays import Array
-from lumped.legs import ConstantLeg, Ends, GivenLeg, Leg, equivalent_leg
+from lumped.equivalent_leg import equivalent_leg
+from lumped.legs import ConstantLeg, Ends, GivenLeg, Leg
 from lumped.mechanism.body_model import BodyModel, LegMatrices
 from lumped.mechanism.mechanism import Posture
 from lumped.memo import memo

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lumped.arrays import Array
-from lumped.legs import equivalent_leg
+from lumped.equivalent_leg import equivalent_leg
 from lumped.mechanism.body import Body
 from lumped.mechanism.body_model import LegMatrices
 from lumped.mechanism.free_twists import interface_position

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lumped.arrays import Array
-from lumped.legs import equivalent_leg
+from lumped.equivalent_leg import equivalent_leg
 from lumped.mechanism.body import Body, Part, Rigid
 from lumped.mechanism.free_twists import interface_position
 from lumped.mechanism.joint import Side

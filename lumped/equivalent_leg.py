@@ -1,0 +1,63 @@
+"""Equivalent leg of constant section: a prism in place of a leg known by its 6×6 (paper §2.3)."""
+
+from dataclasses import replace
+from math import sqrt
+from typing import Literal, TypeAlias
+
+import numpy as np
+
+from lumped.errors import InputError
+from lumped.legs import ConstantLeg, GivenLeg, Leg, Material
+from lumped.sections import Rectangle
+
+# Diagonal that is matched: of the 6×6 stiffness with both ends, or of the compliance.
+EquivalentBy: TypeAlias = Literal["stiffness", "compliance"]
+
+
+def constant_leg(
+    length: float, EA: float, EIy: float, EIz: float, GJ: float, mass: float
+) -> ConstantLeg:
+    """Solid rectangular leg with four given stiffnesses (N, N m²) and mass (kg).
+
+    h = √(12 EIy/EA) along z, b = √(12 EIz/EA) along y, E = EA/(bh), G = GJ/J(b, h), ν = 0: a
+    cubic material, since no isotropic section has four arbitrary terms.
+    """
+    section = Rectangle(width=sqrt(12.0 * EIz / EA), height=sqrt(12.0 * EIy / EA))
+    material = Material(
+        E=EA / section.area,
+        G=GJ / section.torsion_constant,
+        nu=0.0,
+        rho=mass / (section.area * length),
+    )
+    return ConstantLeg(length, section, material)
+
+
+def require_positive_definite(leg: GivenLeg) -> None:
+    """Raise InputError if the leg's compliance is not positive definite."""
+    if np.linalg.eigvalsh(leg.compliance)[0] <= 0.0:
+        raise InputError(
+            f"{leg.name or 'leg'}: its compliance is not positive definite, so that it has no "
+            "equivalent leg"
+        )
+
+
+def equivalent_leg(leg: Leg, by: EquivalentBy = "stiffness") -> ConstantLeg:
+    """Constant-section leg with the same first four diagonal terms (paper §2.3).
+
+    Of the stiffness matrix K = k⁻¹: EA = K11 L, EIz = K22 L³/12, EIy = K33 L³/12, GJ = K44 L; or
+    of the compliance c: EA = L/c11, EIz = L³/3c22, EIy = L³/3c33, GJ = L/c44. A leg of constant
+    section is its own equivalent. Raises InputError where k is not positive definite.
+    """
+    if isinstance(leg, ConstantLeg):
+        return leg
+    length = leg.length
+    require_positive_definite(leg)
+    if by == "stiffness":
+        k11, k22, k33, k44 = np.diag(np.linalg.inv(leg.compliance))[:4]
+        stiffnesses = (k11 * length, k33 * length**3 / 12.0, k22 * length**3 / 12.0, k44 * length)
+    else:
+        c11, c22, c33, c44 = np.diag(leg.compliance)[:4]
+        stiffnesses = (length / c11, length**3 / (3.0 * c33), length**3 / (3.0 * c22), length / c44)
+    EA, EIy, EIz, GJ = (float(value) for value in stiffnesses)
+    constant = constant_leg(length, EA=EA, EIy=EIy, EIz=EIz, GJ=GJ, mass=leg.mass)
+    return replace(constant, name=f"equivalent of {leg.name}" if leg.name else "")
