@@ -59,6 +59,15 @@ def test_csv_holds_the_values(capsys, tmp_path, leg1):
     rows = list(csv.DictReader(io.StringIO(path.read_text())))
     assert code == 0
     assert len(rows) == sum(len(series.counts) for series in leg1.series)
+    for row in rows:
+        series = leg1.of(row["model"], row["layout"], row["theory"])
+        values = series.values[series.counts.index(int(row["elements"]))]
+        assert row["body"] == "leg1"
+        for k, (quantity, unit) in enumerate(zip(leg1.quantities, leg1.units, strict=True)):
+            assert float(row[f"{quantity} ({unit})"]) == pytest.approx(values[k], rel=1e-12)
+            # With its sign: the literal layout is too stiff by 1/n.
+            error = float(row[f"{quantity} relative error"])
+            assert error == pytest.approx(values[k] / series.limits[k] - 1.0, abs=1e-15)
     literal = leg1.of("segments", "literal")
     row = next(r for r in rows if r["layout"] == "literal" and r["elements"] == "20")
     assert float(row["f2 (Hz)"]) == pytest.approx(191.01, abs=6e-3)

@@ -106,6 +106,19 @@ def test_error_about_an_uncertain_limit_is_undecided():
         assert verdict_with(study, "leg1.converged[beam-20]") == verdict
 
 
+@pytest.mark.parametrize("column", range(4))
+def test_order_that_still_moves_is_undecided(column):
+    """The finest error of one frequency 20 % larger: its last step shows 0.26 less of an order."""
+
+    def change(series):
+        values = series.values.copy()
+        values[-1, column] += 0.2 * (values[-1, column] - series.limits[column])
+        return replace(series, values=values)
+
+    study = with_series(leg1_study(), "segments", change)
+    assert verdict_with(study, "leg1.converged[segments-order]") == "undecided"
+
+
 def test_limit_of_the_other_theory_disagrees():
     """186.8 Hz (Euler–Bernoulli) for 181.8 Hz: errors no longer vanish."""
 
