@@ -17,6 +17,7 @@ from validation.adequacy.mechanism.path import distinct_legs
 from validation.comparisons import mesh_cases
 from validation.comparisons.mesh_cases import half_width_shares, tetrahedral_modes
 from validation.context import Context, memo_key
+from validation.drawing.text import number
 from validation.report.figures.meshes import mesh_curves
 from validation.report.figures.studies import families, study_figure
 from validation.results.outcome import judge
@@ -118,6 +119,9 @@ def test_figure_shows_errors_orders_and_costs():
         own = [row for row in rows if (row["quantity"], row["mesh"]) == (study.panel, name)]
         assert [float(row["unknowns"]) for row in own] == list(study.x)
         np.testing.assert_array_equal([float(row["value"]) for row in own], study.series[name])
+        if study.limits:
+            limit = f"{study.panel}, {name}: {number(study.limits[name], 6)} ± "
+            assert f"{limit}{number(study.uncertainties[name], 2)} {study.unit}, " in shown.caption
         curve = next(one for one in panels[study.panel].series if one.look == name)
         np.testing.assert_array_equal(curve.x, study.x)
         if study.panel == "CPU time":

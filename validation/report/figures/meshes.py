@@ -40,10 +40,10 @@ def mesh_curves(studies: Sequence[Study]) -> Shown:
     known = "; ".join(_limit(study) for study in studies if study.limits)
     return curves(
         chart,
-        "Relative error from the extrapolated limit over the unknowns of the mesh, and CPU time of "
-        "mesh, factor and modes; bars: half-width of the finest value. Ends held plane, or free to "
-        "warp and contract. Deflections and torsion by doubling, with thin slices, so with more "
-        f"unknowns. Limits with their half-widths: {known}.",
+        "Relative error over the unknowns of the mesh, from the extrapolated limit of the "
+        "hexahedra, and CPU time of mesh, factor and modes; bars: half-width of the finest value. "
+        "Ends held plane, or free to warp and contract. Deflections and torsion by doubling, with "
+        f"thin slices, so with more unknowns. Limits with their half-widths: {known}.",
     )
 
 
