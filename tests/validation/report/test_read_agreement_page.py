@@ -1,0 +1,168 @@
+"""Tables of agreement on the page of a run, read back and compared with its results.json.
+
+A second reading that shares no code with the page: cells are found by row and column of the markup,
+and every number is formed anew from the values of results.json.
+"""
+
+import json
+import re
+from html.parser import HTMLParser
+
+import pytest
+from one_arm import ONE_ARM
+
+from validation.cli import main
+
+ROWS = {"VJM": "vjm", "Links": "links", "Segments (20)": "segments", "Beam FE (20)": "beam"}
+# Load of the table and size of its unit, by the unit's name.
+UNITS = {"µm": (1000.0, 1e-6), "µrad": (100.0, 1e-6), "Hz": (1.0, 1.0)}
+MARKS = {"✓": "agree", "✗": "disagree", "?": "undecided", "!": "failed"}
+NUMBER = r"[+−]?\d+\.\d\d"
+
+
+class Tables(HTMLParser):
+    """Rows of cells' texts of every table of agreement."""
+
+    def __init__(self):
+        super().__init__()
+        self.tables, self.inside, self.cell = [], False, False
+
+    def handle_starttag(self, tag, attrs):
+        if tag == "table" and "agreement" in (dict(attrs).get("class") or "").split():
+            self.inside = True
+            self.tables.append([])
+        elif self.inside and tag == "tr":
+            self.tables[-1].append([])
+        elif self.inside and tag in {"td", "th"}:
+            self.cell = True
+            self.tables[-1][-1].append("")
+
+    def handle_endtag(self, tag):
+        if tag == "table":
+            self.inside = False
+        elif tag in {"td", "th"}:
+            self.cell = False
+
+    def handle_data(self, data):
+        if self.inside and self.cell:
+            self.tables[-1][-1][-1] += data
+
+
+def misread(page, document):
+    """Places where the tables of the page differ from the numbers of results.json."""
+    reader = Tables()
+    reader.feed(page)
+    cases = {case["id"]: case for case in document["cases"]}
+    wrong, read = [], set()
+    for (head, *columns), (_, *solid), *rows in reader.tables:
+        subject = head.split(" ")[0]
+        for name, *cells in rows:
+            for column, value, cell in zip(columns, solid, cells, strict=True):
+                identifier = f"{subject}.agrees[{ROWS[name]}-solid-{column}]"
+                case = cases.get(identifier)
+                read.add(identifier)
+                if not agrees(case, value, cell):
+                    wrong.append((identifier, value, cell))
+    missed = {name for name, case in cases.items() if case["verdict"] != "skipped"} - read
+    return wrong, missed
+
+
+def agrees(case, solid, cell):
+    """Whether value of the solid, difference, rest, half-width and mark are those of the case."""
+    if case is None or case["verdict"] == "skipped":
+        return cell.strip() == "–"
+    value, reference = case["value"], case["reference"]
+    number, unit = solid.split("\N{NO-BREAK SPACE}")
+    load, size = UNITS[unit]
+    percents = re.search(
+        rf"^\s*({NUMBER})\N{{NO-BREAK SPACE}}%\N{{NO-BREAK SPACE}}([✓✗?!])"
+        rf"(?:({NUMBER})\N{{NO-BREAK SPACE}}% left)?\s*(?:± ({NUMBER})\N{{NO-BREAK SPACE}}%)?\s*$",
+        cell,
+    )
+    if percents is None:
+        return False
+    difference, mark, left, half = percents.groups()
+    allowed = sum(one["amount"] for one in case["allowances"])
+    expected = {
+        difference: (value - reference) / reference,
+        left: (value - reference - allowed) / reference,
+        half: (case["numerical_uncertainty"] or 0.0) / reference,
+    }
+    shown = [
+        abs(float(text.replace("−", "-")) / 100.0 - share) < 5.1e-5
+        for text, share in ((t, s) for t, s in expected.items() if t is not None)
+    ]
+    right_solid = abs(float(number) * size / load / reference - 1.0) < 6e-4
+    return all(shown) and right_solid and MARKS[mark] == case["verdict"]
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("agreement")
+
+
+@pytest.fixture(scope="module", params=["arm", "ifw"])
+def run_of(request, folder):
+    """Page and results of an arm with free ends and, of the biglide, the whole robot."""
+    if request.param == "ifw":
+        robot, only = "ifw", "robot.agrees*"
+    else:
+        robot, only = folder / "arm.toml", "*.agrees*"
+        text = ONE_ARM.replace("nu = 0.0", "nu = 0.3").replace(
+            'to = "P"\n', 'to = "P"\nends = "rigid"\n'
+        )
+        robot.write_text(f"{text}[path]\nposes = [[0.0]]\n", "utf-8")
+    out = folder / request.param
+    main(["run", str(robot), "--preset", "quick", "--only", only, "--out", str(out)])
+    document = json.loads((out / "results.json").read_text("utf-8"))
+    return (out / "report.html").read_text("utf-8"), document
+
+
+def test_page_shows_the_numbers_of_results(run_of):
+    page, document = run_of
+    assert any(case["verdict"] == "agree" for case in document["cases"])
+    assert misread(page, document) == ([], set())
+
+
+def spoilt(document, change):
+    return {**document, "cases": [change(case) for case in document["cases"]]}
+
+
+# Mistakes of a page, as the numbers that it would show instead.
+MISTAKES = {
+    "ratio for percent": lambda c: {"value": c["reference"] * (1 + 100 * rel(c))},
+    "sign": lambda c: {"value": c["reference"] * (1 - rel(c))},
+    "relative to the model": lambda c: {"reference": c["value"], "value": c["reference"]},
+    "allowances left out": lambda _: {"allowances": []},
+    "verdict": lambda _: {"verdict": "disagree"},
+}
+
+
+def rel(case):
+    return case["value"] / case["reference"] - 1.0
+
+
+@pytest.mark.parametrize("mistake", MISTAKES)
+def test_mistake_of_the_page_is_noticed(run_of, mistake):
+    page, document = run_of
+
+    def change(case):
+        if case["verdict"] == "skipped":
+            return case
+        return {**case, **MISTAKES[mistake](case)}
+
+    assert misread(page, spoilt(document, change))[0]
+
+
+def test_rows_and_columns_of_other_cases_are_noticed(run_of):
+    """Numbers of the neighbouring quantity in a row, and of the neighbouring row."""
+    page, document = run_of
+    measured = [case for case in document["cases"] if case["verdict"] != "skipped"]
+    numbers = ("value", "reference", "allowances", "numerical_uncertainty")
+    for shift in (1, -1):
+        shifted = {
+            case["id"]: {key: measured[(k + shift) % len(measured)][key] for key in numbers}
+            for k, case in enumerate(measured)
+        }
+        other = spoilt(document, lambda case: {**case, **shifted.get(case["id"], {})})  # noqa: B023
+        assert misread(page, other)[0]
