@@ -10,7 +10,7 @@ from msgspec.json import encode
 from msgspec.structs import replace
 
 from lumped.errors import InputError
-from validation.results.compare import as_dict, as_text, compare, drift
+from validation.results.compare import as_dict, as_text, compare, drift, with_drift
 from validation.results.records import AdequacyRecord, CaseRecord, RunRecord, load_run
 
 CASE = {"id": "steady", "verdict": "agree"}
@@ -68,6 +68,16 @@ def test_drift_is_what_exceeds_the_uncertainty(values, uncertainties, beyond):
         for value, uncertainty in zip(values, uncertainties, strict=True)
     )
     assert drift(before, after).beyond is beyond
+    # In results.json beside the value, as the page shows it.
+    written = with_drift(after, before)
+    # Where the reference is zero, a thousandth of the tolerance is rounding.
+    rounding = 1e-12 if known else 1e-9 * max(values)
+    allowed = max([rounding, *(one for one in uncertainties if one is not None)])
+    assert (written.value, written.earlier) == values[::-1]
+    assert written.drift == values[1] - values[0]
+    assert written.drift_allowed == pytest.approx(allowed)
+    assert written.drifted is beyond
+    assert with_drift(after, None) == after
 
 
 def test_people_and_programs_are_told_what_changed_and_nothing_else():
