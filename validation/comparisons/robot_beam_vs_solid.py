@@ -411,6 +411,13 @@ def _beam_vibration(
     return vibration_of(samples_of(posture.mechanism), modes, count), reduced
 
 
+def _looked_at(context: Context) -> int:
+    """Modes looked at: as many as the verdicts do if these have the same solids, else fewer."""
+    given = known_legs(context.robot_file.mechanism).values()
+    shared = all(isinstance(leg, ConstantLeg) for leg in given)
+    return offered(max(MODES, context.robot_file.requirement.modes)) if shared else offered(1)
+
+
 def _require_waves(context: Context, legs: Sequence[ConstantLeg], meshes: SolidMeshes) -> None:
     """Raise Skip if a preset does not mesh the legs or beams and their waves leave out a cause."""
     numbers = [meshes.fine.divisions(leg) for leg in legs]
@@ -454,7 +461,7 @@ def _frequency(
     # As the reference of the verdicts: one mesh of a wall is too stiff against distortion.
     meshes = SolidMeshes(coarse, fine._replace(least=COARSEST_WALLS))
     _require_waves(context, legs, meshes)
-    count = offered(max(MODES, context.robot_file.requirement.modes))
+    count = _looked_at(context)
     found = context.get(robot_modes, posture, meshes, count, limits)
     vibration = context.get(model_vibration, (posture,), model, _options(limits), count)
     value = float(partners(found.reference, vibration, MODES).frequency[0, index])
