@@ -29,12 +29,19 @@ def element_convergence(context: Context) -> Shown:
         raise Skip("the robot has no legs that could be divided into elements")
     legs, robot = bodies[:-1][:_MOST_LEGS], bodies[-1]
     studies = [study_of(context, body) for body in (*legs, robot)]
-    panels: list[ErrorPanel] = [study.panel(name) for name in _ROWS for study in studies]
+    drawn = [name for name in _ROWS if any(_has_errors(study, name) for study in studies)]
+    panels: list[ErrorPanel] = [study.panel(name) for name in drawn for study in studies]
     limits = context.robot_file.agreement
     chart = convergence_chart(panels, X_LABELS["elements"], limits, columns=len(studies))
     shown = curves(chart, *_caption(studies, len(bodies) - 1 - len(legs)))
     records = [one for body in bodies for one in study_of(context, body).study_records()]
     return replace(shown, studies=records)
+
+
+def _has_errors(study: ConvergenceStudy, quantity: str) -> bool:
+    """True unless all formulations are exact for every count."""
+    column = study.column(quantity)
+    return not all(series.exact[column] for series in study.series)
 
 
 def _caption(studies: Sequence[ConvergenceStudy], left_out: int) -> list[str]:

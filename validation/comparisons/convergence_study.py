@@ -303,9 +303,7 @@ class ConvergenceStudy:
         column = self.column(quantity)
         limit = self.series[0].limits[column]
         shown = (
-            f"{limit:.4g} Hz"
-            if self.units[column] == "Hz"
-            else f"{number(1e9 * limit, 3)} µm at 1 kN"
+            f"{limit:.4g} Hz" if self.units[column] == "Hz" else f"{number(1e9 * limit, 3)} µm/kN"
         )
         return ErrorPanel(
             f"{self.subject or 'robot'}: {quantity}",
