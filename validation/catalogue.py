@@ -9,14 +9,8 @@ from validation.adequacy.matrix import ADEQUACY, MEASURED, Assessment
 from validation.adequacy.mechanism.path import distinct_legs
 from validation.adequacy.robot import robot_adequacy
 from validation.cases import cases
-from validation.comparisons import (
-    convergence_cases,
-    convergence_figure,
-    leg_beam_vs_solid,
-    mesh_cases,
-    robot_beam_vs_solid,
-)
-from validation.comparisons.requested import leg_names
+from validation.comparisons import convergence_cases, convergence_figure, mesh_cases
+from validation.comparisons.checks import agreement_cases
 from validation.maps.figure import figures as maps
 from validation.maps.workspace import directions
 from validation.measured.matrix import measured_matrix
@@ -50,8 +44,7 @@ def catalogue(robot_file: RobotFile, variations: Sequence[Variation] = ()) -> Se
     described, limits = robot_file.mechanism, robot_file.agreement
     return (
         *(paper.cases() if is_the_papers(robot_file) else ()),
-        *(robot_beam_vs_solid.cases(limits=limits) if leg_names(described) else ()),
-        *leg_beam_vs_solid.cases(legs=distinct_legs(described), limits=limits),
+        *agreement_cases(robot_file),
         *mesh_cases.cases(legs=distinct_legs(described)),
         *convergence_cases.cases(bodies=convergence_cases.subjects(described), limits=limits),
         *cases(described, robot_file.requirement.modes),

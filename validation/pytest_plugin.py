@@ -3,7 +3,8 @@
 def test_robot(flexproof):
 flexproof("mine.toml").assert_adequate("segments", "f1", within=0.05)
 
-pytest --flexproof mine.toml        one item per model and quantity
+pytest --flexproof mine.toml        one item per model and quantity, and one per comparison of
+                                    formulations with each other
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -15,9 +16,14 @@ import pytest
 if TYPE_CHECKING:
     from lumped.robot_file import RobotFile
     from validation.api import Adequacy
+    from validation.comparisons.checks import Check
+    from validation.context import Context
 
 # What this session has judged, by the digest of the robot file, the preset and the modes asked for.
 _JUDGED = pytest.StashKey[dict[tuple[str, str, float | None], "Adequacy"]]()
+
+# What this session has computed of comparisons, by the digest of the robot file and the preset.
+_COMPARED = pytest.StashKey[dict[tuple[str, str], "Context"]]()
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -28,7 +34,8 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         action="append",
         default=[],
         metavar="ROBOT",
-        help="collect a robot (file or built-in name): one test per model and quantity",
+        help="collect a robot (file or built-in name): one test per model and quantity, for its "
+        "adequacy, its agreement with solids and its convergence",
     )
     group.addoption(
         "--flexproof-preset",
@@ -45,6 +52,7 @@ def pytest_configure(config: pytest.Config) -> None:
     Workers of pytest-xdist could not say them: the session ends before it has any.
     """
     config.stash[_JUDGED] = {}
+    config.stash[_COMPARED] = {}
     if not hasattr(config, "workerinput"):
         for robot in config.getoption("flexproof"):
             _robot_file(robot)
@@ -81,15 +89,21 @@ class RobotCollector(pytest.File):
         super().__init__(**node)
         self.robot = robot
 
-    def collect(self) -> Iterator["ModelItem"]:
-        """An item for each model and quantity; raises UsageError with the faults of the file."""
+    def collect(self) -> Iterator[pytest.Item]:
+        """Items by model and quantity, and by comparison.
+
+        Raises UsageError with the faults of the file.
+        """
         from validation.adequacy.models import judged_models  # noqa: PLC0415
+        from validation.comparisons.checks import checks  # noqa: PLC0415
 
         robot_file = _robot_file(self.robot)
         for model in judged_models(robot_file.mechanism):
             for quantity in (one.name for one in robot_file.requirement.quantities):
                 name = f"{model}.{quantity}"
                 yield ModelItem.from_parent(self, name=name, model=model, quantity=quantity)
+        for check in checks(robot_file):
+            yield ComparisonItem.from_parent(self, name=check.name, check=check)
 
 
 class ModelItem(pytest.Item):
@@ -119,6 +133,36 @@ class ModelItem(pytest.Item):
         return self.path, None, self.name
 
 
+class ComparisonItem(pytest.Item):
+    """Agreement with a solid or convergence: skipped if not compared, or undecided."""
+
+    def __init__(self, *, check: "Check", **node: Any) -> None:
+        super().__init__(**node)
+        self.check = check
+
+    def runtest(self) -> None:
+        """Compute the comparison; solids and studies are computed once per session."""
+        from lumped.errors import ComputationError, InputError  # noqa: PLC0415
+        from validation.case import Skip  # noqa: PLC0415
+
+        assert isinstance(self.parent, RobotCollector)  # noqa: S101  for the type checker
+        try:
+            checked = self.check.compute(_context(self.config, self.parent.robot))
+        except Skip as reason:
+            pytest.skip(str(reason))
+        except (ComputationError, InputError) as error:
+            pytest.fail(f"{self.name}: {error}", pytrace=False)
+        strict = self.config.getoption("flexproof_strict")
+        if checked.verdict == "undecided" and not strict:
+            pytest.skip(checked.text)
+        if checked.verdict != "agree":
+            pytest.fail(checked.text, pytrace=False)
+
+    def reportinfo(self) -> tuple[Path, None, str]:
+        """Where the item is from, and its name."""
+        return self.path, None, self.name
+
+
 def _robot_file(robot: str) -> "RobotFile":
     """The robot that was asked for; raises UsageError with the faults of its file."""
     from lumped.errors import InputError  # noqa: PLC0415  other sessions need not wait for it
@@ -128,6 +172,17 @@ def _robot_file(robot: str) -> "RobotFile":
         return load_robot(robot)
     except InputError as error:
         raise pytest.UsageError("\n".join(error.faults)) from error
+
+
+def _context(config: pytest.Config, robot: str) -> "Context":
+    from validation.context import Context  # noqa: PLC0415  loads the finite elements
+
+    robot_file = _robot_file(robot)
+    preset, known = config.getoption("flexproof_preset"), config.stash[_COMPARED]
+    key = robot_file.sha256, preset
+    if key not in known:
+        known[key] = Context(robot_file, preset)
+    return known[key]
 
 
 def _judged(

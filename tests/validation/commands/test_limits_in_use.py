@@ -242,8 +242,9 @@ def test_model_that_ends_with_an_error_is_a_failed_item(in_folder, monkeypatch):
 
 def test_a_robot_file_is_collected_as_one_item_per_model_and_quantity(in_folder, capsys):
     in_folder("", "--flexproof", "mine.toml", "--collect-only", "-q")
-    # Eight models by six axes and any force, four frequencies and their order.
-    assert capsys.readouterr().out.count("mine.toml::") == 96
+    # Eight models by six axes and any force, four frequencies and their order; comparisons of
+    # formulations with each other, see test_checks.
+    assert capsys.readouterr().out.count("mine.toml::") == 96 + 138
 
 
 def test_item_lies_at_the_robot_file(in_folder, pytester):
@@ -256,7 +257,7 @@ def test_item_lies_at_the_robot_file(in_folder, pytester):
 
     in_folder("")
     pytester.inline_run(*PLUGIN_OPTIONS, "--flexproof", "mine.toml", "--co", plugins=[Seen()])
-    assert len(items) == 96
+    assert len(items) == 96 + 138
     assert {item.path for item in items} == {pytester.path / "mine.toml"}
     assert {item.location[0] for item in items} == {"mine.toml"}
 

@@ -1,0 +1,142 @@
+"""Agreement and convergence as items of pytest: names, verdicts, messages, one study per robot."""
+
+from dataclasses import replace
+from importlib.metadata import entry_points
+
+import pytest
+from crane import write_crane
+from report_sample import measured
+
+from lumped.acceptance.agreement import AgreementLimits
+from lumped.robot_file import load_robot
+from validation import api, pytest_plugin
+from validation.case import Allowance, Relative, Skip
+from validation.comparisons import convergence_cases
+from validation.comparisons.checks import agreement_text, checks, convergence_check
+from validation.results.outcome import judge
+
+pytest_plugins = ["pytester"]
+# An environment set up before the plugin was there knows it by its module alone.
+_KNOWN = any(one.value == pytest_plugin.__name__ for one in entry_points(group="pytest11"))
+PLUGIN_OPTIONS = () if _KNOWN else ("-p", pytest_plugin.__name__)
+FILE = ("--flexproof", "mine.toml", "--flexproof-preset", "quick")
+
+
+@pytest.fixture
+def items(pytester):
+    """Outcomes and messages of the items of a robot file with a table [agree], by name."""
+
+    def run(agree, chosen, *options):
+        text = f"{load_robot('ifw').text}\n[agree]\n{agree}\n"
+        (pytester.path / "mine.toml").write_text(text, encoding="utf-8")
+        done = pytester.inline_run(
+            "-p", "no:cacheprovider", *PLUGIN_OPTIONS, *FILE, "-k", chosen, *options
+        )
+        reports = [r for r in done.getreports("pytest_runtest_logreport") if r.when == "call"]
+        return {r.nodeid.rpartition("::")[2]: (r.outcome, str(r.longrepr)) for r in reports}
+
+    return run
+
+
+def test_names_have_body_model_quantity_and_count():
+    names = [check.name for check in checks(load_robot("ifw"))]
+    assert len(set(names)) == len(names)
+    # Robot and two legs: six motions by four models and four frequencies by two; four frequencies
+    # and three deflections by two models.
+    assert len(names) == 3 * (6 * 4 + 4 * 2) + 3 * (7 * 2)
+    for name in (
+        "agrees[beam-solid-f1]",
+        "agrees[leg2-vjm-solid-phi_x]",
+        "converged[segments-f1-20]",
+        "converged[leg1-beam-z-20]",
+    ):
+        assert name in names
+
+
+def test_items_follow_the_limit_and_share_one_study(items, monkeypatch):
+    """Segments of leg 1 at 20 elements: f1 0.0089 % off, f4 0.123 %."""
+    studies, original = [], convergence_cases.convergence
+
+    def counted(mechanism, **options):
+        studies.append(options)
+        return original(mechanism, **options)
+
+    monkeypatch.setattr(convergence_cases, "convergence", counted)
+    found = items("convergence = 0.0005", "converged and leg1-segments")
+    outcomes = {name: outcome for name, (outcome, _) in found.items()}
+    assert len(outcomes) == 7
+    assert outcomes.pop("converged[leg1-segments-f4-20]") == "failed"
+    assert outcomes["converged[leg1-segments-f1-20]"] == "passed"
+    message = found["converged[leg1-segments-f4-20]"][1]
+    assert message.startswith("leg1, f4 by segments with 20 elements or more: disagree\n")
+    assert "difference   +0.12 %, allowed 0.05 %" in message
+    assert "Traceback" not in message
+    # One by each theory, for seven items.
+    assert [one.get("theory") for one in studies] == [None, "euler-bernoulli"]
+
+
+def test_item_of_a_leg_agrees_with_its_solid(items):
+    """Torsion of leg 1 differs by 1.47 %, all but 0.01 % of it by held end faces."""
+    chosen = "leg1-vjm-solid-phi_x"
+    assert items("", chosen) == {f"agrees[{chosen}]": ("passed", "None")}
+
+
+def test_items_run_on_two_workers(pytester):
+    (pytester.path / "mine.toml").write_text(load_robot("ifw").text, encoding="utf-8")
+    chosen = ("-k", "converged and leg1 and f1", "-n", "2")
+    done = pytester.runpytest_subprocess("-p", "no:cacheprovider", *PLUGIN_OPTIONS, *FILE, *chosen)
+    done.assert_outcomes(passed=2)
+
+
+def test_missing_comparison_is_skipped_with_its_reason(pytester):
+    write_crane(pytester.path)
+    done = pytester.inline_run(
+        *("-p", "no:cacheprovider", *PLUGIN_OPTIONS, "--flexproof", "robot.toml"),
+        *("-k", "agrees and beam-solid-f1"),
+    )
+    (report,) = [r for r in done.getreports("pytest_runtest_logreport") if r.when == "call"]
+    assert report.outcome == "skipped"
+    assert "arm of CAD files" in str(report.longrepr)
+
+
+def test_agreement_text_has_every_number():
+    """1.5 % off, 1.45 % of it explained: 0.05 % is left, of 0.1 %."""
+    allowances = (Allowance("held end faces", 2.9),)
+    outcome = measured("beam", 203.0, 200.0, 0.02, exact=False, allowances=allowances)
+    own = {"model": "beam", "label": "φx", "body": "leg1", "unit": "Hz"}
+    case = replace(outcome.case, **own, tolerance=Relative(0.001))
+    text = agreement_text(judge(case, outcome.measurement, 0.0))
+    assert text.splitlines()[0] == "leg1, phi_x by beam and by the solid: agree"
+    for line in (
+        "value        203 Hz",
+        "reference    200 Hz",
+        "difference   +1.5 %",
+        "explained    held end faces +1.4 %",
+        "unexplained  +0.05 %, allowed 0.1 %",
+        "half-width   0.01 %",
+    ):
+        assert line in text
+
+
+@pytest.fixture(scope="module")
+def study():
+    return api.converge("ifw", body="leg1", elements=(5, 10, 20, 40))
+
+
+@pytest.mark.parametrize(
+    ("limits", "verdict"),
+    # f1 by segments: 0.0089 % at 20 elements, 0.14 % at 5.
+    [
+        ((20, 1e-4), "agree"),
+        ((20, 8e-5), "disagree"),
+        ((5, 1e-2), "agree"),
+        ((5, 1e-3), "disagree"),
+    ],
+)
+def test_convergence_check_takes_count_and_limit(study, limits, verdict):
+    assert convergence_check(study, "segments", "f1", AgreementLimits(*limits)).verdict == verdict
+
+
+def test_count_that_was_not_computed_is_skipped(study):
+    with pytest.raises(Skip, match="elements = 12: was not computed; must be one of 5, 10, 20, 40"):
+        convergence_check(study, "segments", "f1", AgreementLimits(12))

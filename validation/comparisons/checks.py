@@ -1,0 +1,148 @@
+"""Agreement and convergence of a robot as checks, one for each formulation and quantity.
+
+`agrees[beam-solid-f1]` is about the whole robot, `agrees[leg1-beam-solid-f1]` about one leg;
+`converged[segments-f1-20]` and `converged[leg1-segments-f1-20]` name the element count, too. Limits
+are those of table [agree] of the robot file.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from lumped.acceptance.agreement import AgreementLimits
+from lumped.robot_file import RobotFile
+from validation.adequacy.mechanism.path import distinct_legs
+from validation.case import Case, Skip
+from validation.comparisons import leg_beam_vs_solid, robot_beam_vs_solid
+from validation.comparisons.convergence_cases import JUDGED, study_of, subjects
+from validation.comparisons.convergence_study import ConvergenceStudy
+from validation.comparisons.element_convergence import QUANTITIES
+from validation.comparisons.readings import RefinedModel
+from validation.comparisons.requested import leg_names
+from validation.context import Context
+from validation.drawing.text import percent
+from validation.results.outcome import Outcome, Verdict, judge
+
+# Names of rotations as they are typed, by the labels of the cases.
+_TYPED: Mapping[str, str] = {"φx": "phi_x", "φy": "phi_y", "φz": "phi_z"}
+
+
+@dataclass(frozen=True)
+class Checked:
+    """Verdict of a check and its numbers, a line each."""
+
+    verdict: Verdict
+    text: str
+
+
+@dataclass(frozen=True)
+class Check:
+    """A check by name; `compute` raises Skip if there is no comparison, with the reason."""
+
+    name: str
+    compute: Callable[[Context], Checked]
+
+
+def agreement_cases(robot_file: RobotFile) -> tuple[Case, ...]:
+    """Comparisons of all formulations with solids: of the robot, then of each distinct leg."""
+    mechanism, limits = robot_file.mechanism, robot_file.agreement
+    of_robot = robot_beam_vs_solid.cases(limits=limits) if leg_names(mechanism) else ()
+    return (*of_robot, *leg_beam_vs_solid.cases(legs=distinct_legs(mechanism), limits=limits))
+
+
+def checks(robot_file: RobotFile) -> tuple[Check, ...]:
+    """All checks of a robot: agreement with solids, then convergence with element count."""
+    limits = robot_file.agreement
+    agreement = [
+        Check(
+            f"agrees[{_within(case.body)}{case.model}-solid-{_quantity(case)}]",
+            partial(_agrees, case),
+        )
+        for case in agreement_cases(robot_file)
+    ]
+    convergence = [
+        Check(
+            f"converged[{_within(body)}{model}-{quantity}-{limits.elements}]",
+            partial(_converged, body, model, quantity),
+        )
+        for body in sorted(subjects(robot_file.mechanism), key=bool)
+        for model in JUDGED
+        for quantity in QUANTITIES
+    ]
+    return (*agreement, *convergence)
+
+
+def _within(body: str) -> str:
+    return f"{body}-" if body else ""
+
+
+def _quantity(case: Case) -> str:
+    return _TYPED.get(case.label, case.label)
+
+
+def _agrees(case: Case, context: Context) -> Checked:
+    outcome = judge(case, case.measure(context), 0.0)
+    return Checked(outcome.verdict, agreement_text(outcome))
+
+
+def agreement_text(outcome: Outcome) -> str:
+    """A comparison that was made: values, difference, named causes, half-width and limit."""
+    case, measurement = outcome.case, outcome.measurement
+    assert measurement is not None  # noqa: S101  judged, so measured
+    scale, unit = abs(measurement.reference), f" {case.unit}"
+    causes = [f"{one.cause} {percent(one.amount / scale)}" for one in measurement.allowances]
+    half_width = percent((measurement.numerical_uncertainty or 0.0) / scale, signed=False)
+    return _block(
+        f"{case.body or 'robot'}, {_quantity(case)} by {case.model} and by the solid: "
+        f"{outcome.verdict}",
+        value=f"{measurement.value:.6g}{unit}",
+        reference=f"{measurement.reference:.6g}{unit}",
+        difference=percent(measurement.difference / scale),
+        explained=", ".join(causes) or "nothing",
+        unexplained=f"{percent(measurement.unexplained / scale)}, allowed "
+        f"{percent(outcome.tolerance / scale, signed=False)}",
+        **{"half-width": half_width},
+    )
+
+
+def _converged(body: str, model: RefinedModel, quantity: str, context: Context) -> Checked:
+    return convergence_check(study_of(context, body), model, quantity, context.robot_file.agreement)
+
+
+def convergence_check(
+    study: ConvergenceStudy, model: RefinedModel, quantity: str, limits: AgreementLimits
+) -> Checked:
+    """The largest error with the element count of `limits` or more, against its limit.
+
+    Raises Skip if that count was not computed, as for legs of pieces that it does not divide.
+    """
+    series, column = study.of(model), study.column(quantity)
+    if limits.elements not in series.counts:
+        known = ", ".join(map(str, series.counts))
+        raise Skip(f"agree.elements = {limits.elements}: was not computed; must be one of {known}")
+    fine = series.counts.index(limits.elements)
+    place = fine + int(np.argmax(np.abs(series.errors[fine:, column])))
+    error, half_width = series.errors[place, column], series.limit_half_widths[column]
+    verdict: Verdict = "undecided"
+    if abs(error) + half_width <= limits.convergence:
+        verdict = "agree"
+    elif not abs(error) - half_width <= limits.convergence:
+        verdict = "disagree"
+    unit = study.units[column]
+    text = _block(
+        f"{study.subject or 'robot'}, {quantity} by {model} with {limits.elements} elements or "
+        f"more: {verdict}",
+        value=f"{series.values[place, column]:.6g} {unit} with {series.counts[place]} elements",
+        reference=f"{series.limits[column]:.6g} {unit}, {study.reference}",
+        difference=f"{percent(error)}, allowed {percent(limits.convergence, signed=False)}",
+        explained="nothing: the same legs",
+        **{"half-width": f"{percent(half_width, signed=False)} of the reference"},
+    )
+    return Checked(verdict, text)
+
+
+def _block(heading: str, **lines: str) -> str:
+    rows = [f"  {name:<12} {text}" for name, text in lines.items()]
+    return "\n".join([heading, *rows]).replace("\N{NO-BREAK SPACE}", " ")
