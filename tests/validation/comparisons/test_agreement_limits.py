@@ -33,7 +33,7 @@ def run(robot, folder, only, *options):
 
 
 def test_element_count_names_cases_and_rows(mine):
-    """Segments of leg 1, f4: 0.123 % off at 20 elements, by second order 0.77 % at 8."""
+    """Segments of leg 1, f3: 0.123 % off at 20 elements, by second order 0.77 % at 8."""
     robot = load_robot(mine("elements = 8\nconvergence = 0.005"))
     by_id = {task.id: task for task in catalogue(robot)}
     assert "leg1.converged[segments-20]" not in by_id
@@ -78,7 +78,7 @@ def test_ends_choose_the_solid():
 
 
 def test_changed_limit_changes_the_verdict_of_kept_results(mine, tmp_path, capsys):
-    """Segments of leg 1: f4 is 0.123 % off at 20 elements, more than any other quantity."""
+    """Segments of leg 1: f3 is 0.123 % off at 20 elements, more than any other quantity."""
     only, name = "leg1.converged?segments-20?", "leg1.converged[segments-20]"
     code, before = run(mine(""), tmp_path / "out", only)
     assert (code, before[name]["verdict"], before[name]["reference"]) == (0, "agree", 0.01)

@@ -54,7 +54,7 @@ def test_names_have_body_model_quantity_and_count():
 
 
 def test_items_follow_the_limit_and_share_one_study(items, monkeypatch):
-    """Segments of leg 1 at 20 elements: f1 0.0089 % off, f4 0.123 %."""
+    """Segments of leg 1 at 20 elements: f1 0.0089 % off, f3 0.123 %."""
     studies, original = [], convergence_cases.convergence
 
     def counted(mechanism, **options):
@@ -65,11 +65,11 @@ def test_items_follow_the_limit_and_share_one_study(items, monkeypatch):
     found = items("convergence = 0.0005", "converged and leg1-segments")
     outcomes = {name: outcome for name, (outcome, _) in found.items()}
     assert len(outcomes) == 7
-    assert outcomes.pop("converged[leg1-segments-f4-20]") == "failed"
+    assert outcomes.pop("converged[leg1-segments-f3-20]") == "failed"
     assert outcomes["converged[leg1-segments-f1-20]"] == "passed"
-    message = found["converged[leg1-segments-f4-20]"][1]
-    assert message.startswith("leg1, f4 by segments with 20 elements or more: disagree\n")
-    assert "difference   +0.12 %, allowed 0.05 %" in message
+    message = found["converged[leg1-segments-f3-20]"][1]
+    assert message.startswith("leg1, f3 by segments with 20 elements or more: disagree\n")
+    assert "difference   −0.12 %, allowed 0.05 %" in message
     assert "Traceback" not in message
     # One by each theory, for seven items.
     assert [one.get("theory") for one in studies] == [None, "euler-bernoulli"]
