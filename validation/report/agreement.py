@@ -72,22 +72,37 @@ def agreement_tables(outcomes: Sequence[Outcome]) -> tuple[AgreementTable, ...]:
 
 
 def agreement_sentence(outcomes: Sequence[Outcome]) -> str:
-    """All comparisons of formulations in one sentence; "" if there are none."""
+    """All comparisons of formulations in one sentence; "" if there are none.
+
+    Comparisons that are undecided or failed are counted: all formulations agree only without them.
+    """
     found = [one for one in outcomes if one.case.kind == "agreement"]
-    decided = [one for one in found if one.verdict in {"agree", "disagree"}]
-    if not decided:
-        return "No formulation could be compared with solids of the same legs." if found else ""
-    agreeing = [one for one in decided if one.verdict == "agree"]
-    wrong = len(decided) - len(agreeing)
+    if not found:
+        return ""
+    counts = {
+        verdict: sum(one.verdict == verdict for one in found)
+        for verdict in ("agree", "disagree", "undecided", "failed")
+    }
+    unsettled = ", ".join(
+        f"{counts[name]} {name}" for name in ("undecided", "failed") if counts[name]
+    )
+    if not counts["agree"] + counts["disagree"]:
+        reason = f"; of the comparisons {unsettled}" if unsettled else ""
+        return f"No formulation could be compared with solids of the same legs{reason}."
+    rest = f"; of the other comparisons {unsettled}" if unsettled else ""
+    agreeing = [one for one in found if one.verdict == "agree"]
     largest = max((_unexplained(one) for one in agreeing), default=0.0)
     within = percent(largest, signed=False) if largest else "rounding"
     named = "once held end faces, section constants and distortion are allowed for"
-    if wrong:
+    if counts["disagree"]:
+        decided = counts["agree"] + counts["disagree"]
+        others = f"; the others agree within {within} {named}" if agreeing else ""
         return (
-            f"On the same legs {wrong} of {len(decided)} comparisons of the formulations with the "
-            f"solid disagree; the others agree within {within} {named}."
+            f"On the same legs {counts['disagree']} of {decided} comparisons of the formulations "
+            f"with the solid disagree{others}{rest}."
         )
-    return f"On the same legs all formulations agree within {within} {named}."
+    who = "the formulations" if rest else "all formulations"
+    return f"On the same legs {who} agree within {within} {named}{rest}."
 
 
 def convergence_sentence(outcomes: Sequence[Outcome]) -> str:

@@ -7,6 +7,7 @@ reader would, so that another factor, sign, unit or another outcome's number dif
 import re
 from dataclasses import replace
 
+import msgspec
 import numpy as np
 import pytest
 from report_sample import measured, unmeasured
@@ -186,6 +187,24 @@ def test_sentence_counts_decided_comparisons(outcomes):
     within = re.search(r"within ([\d.]+)\N{NO-BREAK SPACE}%", sentence)
     # Two digits.
     assert float(within[1]) / 100.0 == pytest.approx(largest, rel=0.051)
+    for verdict in ("undecided", "failed"):
+        count = sum(one.verdict == verdict for one in outcomes)
+        assert re.findall(rf"(\d+) {verdict}", sentence) == [str(count)] * bool(count)
+
+
+@pytest.mark.parametrize("verdict", ["undecided", "failed"])
+def test_all_agree_only_if_all_are_decided(verdict):
+    good = measured("good", 0.001, 0.01)
+    good = replace(good, case=replace(good.case, kind="agreement"))
+    assert agreement_sentence([good]).startswith("On the same legs all formulations agree within")
+    other = replace(good, result=msgspec.structs.replace(good.result, verdict=verdict))
+    sentence = agreement_sentence([good, other])
+    assert "all formulations" not in sentence
+    assert sentence.endswith(f"; of the other comparisons 1 {verdict}.")
+    assert agreement_sentence([other]) == (
+        "No formulation could be compared with solids of the same legs; of the other comparisons "
+        f"1 {verdict}."
+    ).replace("; of the other comparisons 1", "; of the comparisons 1")
 
 
 def test_convergence_sentence_is_of_the_stated_count():
