@@ -164,7 +164,9 @@ def scaled(section, coefficients, factor, nu):
 def torsion_of(folder, ends):
     """Measurement of φx of a biglide's leg 1 by the VJM, a rectangle with these ends."""
     text = SOUND.replace(HOLLOW, RECTANGLE).replace("[leg1]", f"[leg1]\n{ends}")
-    case = {case.id: case for case in cases(legs=("leg1",))}["leg1.agrees[vjm-solid-φx]"]
+    case = {case.id: case for case in cases(legs=("leg1",), limits=DEFAULT_LIMITS)}[
+        "leg1.agrees[vjm-solid-φx]"
+    ]
     return case.measure(Context(robot_of(text, folder), "quick"))
 
 

@@ -194,8 +194,9 @@ def test_sentence_counts_decided_comparisons(outcomes):
 
 @pytest.mark.parametrize("verdict", ["undecided", "failed"])
 def test_all_agree_only_if_all_are_decided(verdict):
-    good = measured("good", 0.001, 0.01)
-    good = replace(good, case=replace(good.case, kind="agreement"))
+    good = measured("good", 1.0001, 1.0)
+    case = replace(good.case, kind="agreement", tolerance=Relative(TOLERANCE))
+    good = judge(case, good.measurement, 0.0)
     assert agreement_sentence([good]).startswith("On the same legs all formulations agree within")
     other = replace(good, result=msgspec.structs.replace(good.result, verdict=verdict))
     sentence = agreement_sentence([good, other])
