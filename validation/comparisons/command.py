@@ -1,11 +1,11 @@
 """The command `converge`."""
 
+import os
 import re
 from pathlib import Path
 from typing import Literal
 
 from lumped.errors import InputError
-from lumped.legs import Theory
 from validation.console.streams import complain, say
 from validation.console.typed import (
     AsJson,
@@ -28,7 +28,7 @@ def converge(
     model: Literal["segments", "beam", "solid"] | None = None,
     elements: str | None = None,
     divisions: str | None = None,
-    theory: Theory | None = None,
+    theory: Literal["euler-bernoulli", "timoshenko"] | None = None,
     quantity: str = "f1",
     within: float | None = None,
     json: AsJson = False,
@@ -61,6 +61,9 @@ def converge(
     picture
         Also draw the errors of f1 to f4 into this PNG or SVG file, as its name ends.
     """
+    # Small dense matrices: a second thread of BLAS would wait for the first. It reads this once, as
+    # numpy is loaded.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     from lumped.robot_file import load_robot  # noqa: PLC0415
     from validation.comparisons.element_convergence import QUANTITIES  # noqa: PLC0415
     from validation.comparisons.requested import convergence  # noqa: PLC0415

@@ -57,8 +57,8 @@ BEYOND_QUICK = {
     ("ifw", "mechanism.exudyn"): "EXUDYN's beams need a section",
     ("five-bar", "crank1.solid"): "preset standard takes them",
     ("five-bar", "rod1.solid"): "preset standard takes them",
-    ("five-bar", "rod1.modes"): "preset fine takes them",
-    ("five-bar", "crank1.modes"): "preset fine takes them|, number [12] of its kind: ",
+    ("five-bar", "rod1.modes"): "preset fine takes them|: tetrahedra fill solid rectangles alone",
+    ("five-bar", "crank1.modes"): "preset fine takes them|: tetrahedra fill solid rectangles",
 }
 # Reasons for which some cases of the other groups are skipped.
 SOME = {
