@@ -68,7 +68,7 @@ class ConvergenceSeries:
     @cached_property
     def errors(self) -> Array:
         """Relative errors f(n)/f∞ − 1 (n×q)."""
-        return np.asarray(self.values / self.limits - 1.0)
+        return relative_errors(self.values, self.limits)
 
     @property
     def _round_off(self) -> float:
@@ -101,7 +101,7 @@ class ConvergenceSeries:
         sizes, values = 1.0 / np.array(self.counts, dtype=float), self.values[:, column]
         widths = UNPROVEN * self.largest_errors[:, column]
         if not np.isnan(self.orders[column]) or self.exact[column]:
-            steps = np.abs(np.diff(values)) / np.abs(self.limits[column])
+            steps = np.abs(np.diff(self.errors[:, column]))
             ratios = sizes[:-1] / sizes[1:]
             observed = np.concatenate([[np.nan], pairwise_orders(sizes, values)])
             close = np.abs(observed - self.formal_order) <= CLOSE_TO_FORMAL * self.formal_order
@@ -144,6 +144,16 @@ class ConvergenceSeries:
         return len(errors) > 1 and bool(
             len(set(np.sign(errors))) > 1 or np.any(np.diff(np.abs(errors)) >= 0.0)
         )
+
+
+def relative_errors(values: Array, limits: Array) -> Array:
+    """Relative errors (n×q) of `values` (n×q) from their `limits` (q): v/f∞ − 1.
+
+    Zero if value and limit are both zero, as of a direction in which a tool cannot move; infinite
+    if only the limit is.
+    """
+    exact = np.where(values == 0.0, 0.0, np.inf)
+    return np.divide(values, limits, out=exact + 1.0, where=limits != 0.0) - 1.0
 
 
 def fitted_orders(counts: Sequence[int], errors: Array, limit_half_widths: Array) -> Array:

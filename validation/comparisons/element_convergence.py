@@ -22,7 +22,12 @@ from lumped.models.bodies import clamped_modes, legs_of, tip_compliance_of
 from lumped.system.assembly import assembly
 from lumped.system.solution import compliance, modes, solved
 from validation.agreement.convergence import UNPROVEN
-from validation.comparisons.convergence_series import TARGETS, ConvergenceSeries, fitted_orders
+from validation.comparisons.convergence_series import (
+    TARGETS,
+    ConvergenceSeries,
+    fitted_orders,
+    relative_errors,
+)
 from validation.comparisons.convergence_study import ConvergenceStudy
 from validation.comparisons.readings import FORMULATIONS, Reading
 from validation.models.legs import leg_matrices, reduced_leg
@@ -39,6 +44,8 @@ UNITS = MODES * ("Hz",) + len(DEFLECTIONS) * ("m/N",)
 _CUTOFF = 16.0
 # Legs of so few elements are assembled whole: they have hardly more unknowns than reduced ones.
 _WHOLE = 8
+# Share of the largest deflection of the tool below which another one is round-off of zero.
+_STILL = 1e-13
 # Counts from which the limit of a robot is extrapolated.
 _LIMIT_COUNTS = (40, 80)
 
@@ -133,7 +140,7 @@ def _series(
     def errors(count: int) -> Array:
         if count not in known:
             known[count] = evaluate(reading.with_count(count))
-        return np.abs(known[count] / limits - 1.0)
+        return np.abs(relative_errors(known[count], limits))
 
     values = np.array([known[count] for count in counts])
     columns = range(len(limits))
@@ -145,7 +152,7 @@ def _series(
         values=values,
         limits=limits,
         limit_half_widths=limit_half_widths,
-        orders=fitted_orders(counts, values / limits - 1.0, limit_half_widths),
+        orders=fitted_orders(counts, relative_errors(values, limits), limit_half_widths),
         needed=np.array(needed),
     )
 
@@ -201,7 +208,10 @@ def _robot_values(posture: Posture, highest: float, reading: Reading) -> Array:
     mechanism = posture.mechanism
     bodies = bodies_of(mechanism, reading.options, matrices)
     solution = solved(assembly(mechanism, bodies).at(posture))
-    return _values(modes(solution, MODES).frequencies, compliance(solution))
+    values = _values(modes(solution, MODES).frequencies, compliance(solution))
+    deflections = values[MODES:]
+    deflections[deflections <= _STILL * deflections.max()] = 0.0
+    return values
 
 
 def _beam_limit(evaluate: Evaluate, theory: Theory) -> tuple[Array, Array]:
@@ -210,7 +220,7 @@ def _beam_limit(evaluate: Evaluate, theory: Theory) -> tuple[Array, Array]:
     coarse, fine = (evaluate(beams.with_count(count)) for count in _LIMIT_COUNTS)
     step = (fine - coarse) / ((_LIMIT_COUNTS[1] / _LIMIT_COUNTS[0]) ** BEAM_ORDER - 1.0)
     limits = fine + step
-    return limits, UNPROVEN * np.abs(step / limits)
+    return limits, UNPROVEN * np.abs(relative_errors(fine, limits))
 
 
 def _values(frequencies: Array, tip: Array) -> Array:

@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import scipy
+from written_robot import robot_of
 
 from lumped.equivalent_leg import equivalent_leg
 from lumped.legs import ConstantLeg, Material
@@ -20,7 +21,11 @@ from lumped.robot_file import load_robot
 from lumped.sections import Circle, HollowRectangle, Rectangle, Tube
 from lumped.system.assembly import assembly
 from lumped.system.solution import compliance, modes, solved
-from validation.comparisons.convergence_series import ConvergenceSeries, fitted_orders
+from validation.comparisons.convergence_series import (
+    ConvergenceSeries,
+    fitted_orders,
+    relative_errors,
+)
 from validation.comparisons.element_convergence import leg_convergence, robot_convergence
 from validation.comparisons.readings import FORMULATIONS, Reading
 from validation.comparisons.requested import convergence, middle_posture
@@ -320,3 +325,53 @@ def test_half_width_with_order_follows_from_two_counts():
     )
     expected = [3.0 * errors[1, 0], 3.0 * errors[2, 0], 1.25 * errors[3, 0]]
     np.testing.assert_allclose(series.half_widths[1:, 0], expected, rtol=1e-5)
+
+
+# A rod on two ball joints that carries a slide: the tool cannot move along x and y at all.
+GUIDED = """
+schema = 2
+name = "guided rod"
+[points]
+A = [0.0, 0.0, 0.0]
+B = [0.0, 0.0, 1.0]
+[bodies.rod]
+up = [1.0, 0.0, 0.0]
+from = "A"
+to = "B"
+section = { shape = "circle", diameter = 0.01 }
+material = { E = 2.1e11, nu = 0.3, rho = 7850.0 }
+[bodies.head]
+points = ["B"]
+[joints]
+A = { type = "spherical", between = ["ground", "rod"], at = "A" }
+B = { type = "spherical", between = ["rod", "head"], at = "B" }
+[joints.slide]
+type = "prismatic"
+between = ["ground", "head"]
+at = "B"
+axis = [0.0, 0.0, 1.0]
+drive = { stiffness = 1.0 }
+[tool]
+body = "head"
+point = "B"
+moves = []
+"""
+
+
+def test_deflection_of_zero_is_exact(tmp_path):
+    """Along x and y the slide holds the tool: no error; along z the rod gives L/EA."""
+    study = convergence(robot_of(GUIDED, tmp_path).mechanism)
+    across = [study.column("x"), study.column("y")]
+    for series in study.series:
+        assert (series.values[:, across] == 0.0).all()
+        assert (series.errors[:, across] == 0.0).all()
+        assert [series.behaviour(k) for k in across] == ["exact", "exact"]
+        assert (series.limit_half_widths[across] == 0.0).all()
+        assert np.isfinite(series.half_widths[1:]).all()
+    beam = study.of("beam").values[-1, study.column("z")]
+    assert beam == pytest.approx(1.0 / (2.1e11 * np.pi * 0.005**2 + 1.0), rel=1e-9)
+
+
+def test_value_beside_a_reference_of_zero_is_infinitely_off():
+    errors = relative_errors(np.array([[0.0, 1e-9, 2.0]]), np.array([0.0, 0.0, 1.0]))
+    np.testing.assert_array_equal(errors, [[0.0, np.inf, 1.0]])
