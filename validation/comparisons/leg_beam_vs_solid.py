@@ -17,11 +17,13 @@ from fem.beams.beam_theory import cantilever_frequencies
 from fem.sections.section_constants import beam_properties
 from lumped.acceptance.agreement import AgreementLimits
 from lumped.arrays import Array
-from lumped.legs import BeamProperties, ConstantLeg, tip_compliance
+from lumped.legs import BeamProperties, ConstantLeg, Ends, tip_compliance
+from validation.adequacy.mechanism.legs import SECTION_DIVISIONS, most_unknowns
 from validation.case import Allowance, Measurement, Relative, Skip
 from validation.case_group import CaseGroup, numbered
 from validation.cases.legs import (
     DISTORTION_SOURCE,
+    STATICS,
     compliances,
     distortion,
     exact_modes,
@@ -38,7 +40,15 @@ from validation.context import Context
 from validation.exhibits import AGREEMENT
 from validation.models.legs import constant_leg_of, leg_compliance, leg_frequencies
 from validation.models.options import ModelName, ModelOptions
-from validation.solids.legs import Refinement, formal_order, leg_constants
+from validation.solids.legs import (
+    Refinement,
+    doubled_tips,
+    formal_order,
+    has_meshes,
+    leg_constants,
+    mesh_pair,
+    static_ladder,
+)
 
 HELD_FACES = "held end faces"
 HELD_SOURCE = (
@@ -97,14 +107,17 @@ def _motion(
 ) -> Measurement:
     leg = constant_leg_of(context, body)
     ends = limits.ends_of(leg.ends)
-    solid = compliances(context, body, ends)
-    own = context.get(own_compliances, leg, solid.divisions)
-    taken = context.get(restrained, leg, solid.divisions) if ends == "rigid" else 0.0 * own
+    solid, sections = _solid_statics(context, body, ends)
+    own = context.get(own_compliances, leg, sections)
+    taken = context.get(restrained, leg, sections) if ends == "rigid" else 0.0 * own
     left = Refinement(solid.divisions, own + taken - solid.values, formal_order(leg, ends))
     at = entry, entry
     theory = tip_compliance(leg.timoshenko, leg.length)[at]
-    of_section = Refinement(solid.divisions, own, formal_order(leg, "free"))
-    stiff, soft = (one[at] for one in context.get(compliance_band, leg, solid.divisions[-1]))
+    # Constants are no finer with longer slices: two section meshes show what they leave open.
+    meshes = sections if sections[0] != sections[-1] else (sections[-1], SECTION_DIVISIONS)
+    by_section = context.get(own_compliances, leg, meshes)
+    of_section = Refinement(meshes, by_section, formal_order(leg, "free"))
+    stiff, soft = (one[at] for one in context.get(compliance_band, leg, sections[-1]))
     formula = limited(
         float(theory - own[-1][at]),
         (float(stiff - own[-1][at]), float(soft - own[-1][at])),
@@ -177,6 +190,31 @@ def _frequency(
             Allowance(FORMULA, formula, FORMULA_SOURCE),
         ),
     )
+
+
+def _solid_statics(context: Context, body: str, ends: Ends) -> tuple[Refinement, tuple[int, ...]]:
+    """Tip compliances of the solid leg, and the divisions of the section in each of its meshes.
+
+    On the meshes by doubling that the preset allows. If these are fewer than two, on the two meshes
+    of the robot's solids, which may share their section and differ in slices along the leg. Raises
+    Skip if the preset takes none of them.
+    """
+    leg = constant_leg_of(context, body)
+    most = most_unknowns(context.meshes, leg)
+    if context.get(static_ladder, leg, STATICS[context.preset]) or not has_meshes(leg, most):
+        solid = compliances(context, body, ends)
+        return solid, solid.divisions
+    pair = mesh_pair(leg, most)
+    along = tuple(slices for _, slices in pair)
+    tips = [doubled_tips(leg, *mesh) for mesh in pair]
+
+    def on_both(kind: Ends) -> Array:
+        return np.array([tip[kind] for tip in tips])
+
+    solid = Refinement(along, on_both("free"), formal_order(leg, "free"))
+    if ends == "rigid":
+        solid = Refinement(along, on_both("rigid"), formal_order(leg, "rigid"), solid)
+    return solid, tuple(divisions for divisions, _ in pair)
 
 
 def held_share(leg: ConstantLeg, divisions: int, kind: str) -> float:

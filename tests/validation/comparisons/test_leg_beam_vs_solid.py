@@ -129,6 +129,19 @@ def test_section_by_correct_formulas_agrees(steel_arm, motion):
     assert vjm_verdict(steel_arm[1], motion) == "agree"
 
 
+def test_quick_preset_compares_walls_on_one_section_mesh(steel_arm, monkeypatch):
+    """Two section meshes of walls are too large for it: slices alone differ, and decide as well."""
+    shape, context = steel_arm
+    quick = Context(context.robot_file, "quick")
+    assert {motion: vjm_verdict(quick, motion) for motion in MOTIONS} == dict.fromkeys(
+        MOTIONS, "agree"
+    )
+    right = shape.torsion_constant
+    monkeypatch.setattr(shape, "torsion_constant", property(lambda one: 1.1 * right.fget(one)))
+    monkeypatch.delitem(constant_leg_of(quick, "arm").__dict__, "timoshenko")
+    assert vjm_verdict(quick, "φx") == "disagree"
+
+
 # A wrong textbook constant, and a motion that it changes by more than 0.1 %.
 MISTAKES = {
     "torsion": ("torsion_constant", 1.1, "φx"),
