@@ -35,7 +35,7 @@ _GRAVITY = 9.80665
 # The line that begins and ends a data set.
 _END_WITH_BLANKS = re.compile(rb"^(    -1)[ \t]+(?=\r?$)", re.MULTILINE)
 # Order of the highest polynomial, lines of a spectrum that it needs, and steps equal as printed.
-_HIGHEST, _FEWEST_LINES, _AS_PRINTED = 40, 160, 1e-2
+_HIGHEST, _FEWEST_ORDERS, _FEWEST_LINES, _AS_PRINTED = 40, 4, 160, 1e-2
 # Distance of poles that are one, of their size, share of the orders that must have it, and damping
 # ratio above which a pole is none of a robot's modes.
 _ALIKE, _MOST, _DAMPED = 0.003, 0.7, 0.3
@@ -239,20 +239,15 @@ def _identified(path: Path, functions: _Functions) -> TestedModes:
         raise InputError(f"{path}: two functions are of the same motion by the same force")
     if not freedoms:
         raise InputError(f"{path}: no motion was measured with every place that was struck")
-    # Of the same extra; it loads matplotlib, for which files without functions need not wait.
-    from sdypy.EMA import Model  # noqa: PLC0415
-
     # From 0 Hz on, where nothing was measured zero: sdypy-EMA counts the lines that are missing by
     # rounding up, one too many.
     lines = np.hstack([np.zeros((count, functions.before)), rows])
     whole = frequencies[0] / functions.before * np.arange(lines.shape[1])
-    band = {"lower": frequencies[0], "upper": frequencies[-1]}
-    model = Model(lines, whole, pol_order_high=_HIGHEST, frf_form="mobility", **band)
-    model.get_poles(show_progress=False)
+    model, highest = _with_poles(path, lines, whole, (frequencies[0], frequencies[-1]))
     chosen, scatter = _stable(model.all_poles, 2.0 * np.pi * frequencies[[0, -1]])
     if not chosen:
         raise InputError(f"{path}: no mode can be told from its functions")
-    model.pole_ind = [[_HIGHEST - 1, place] for place in chosen]
+    model.pole_ind = [[highest - 1, place] for place in chosen]
     # Without the last line, which sdypy-EMA drops.
     constants = model.get_constants(f_upper=model.freq[-1])[1]
     parts = np.array([constants[[row_of[end, one] for one in freedoms]] for end in fixed])
@@ -268,6 +263,32 @@ def _identified(path: Path, functions: _Functions) -> TestedModes:
         functions.ends,
         functions.coherence,
     )
+
+
+def _with_poles(
+    path: Path, functions: Array, frequencies: Array, band: tuple[float, float]
+) -> tuple[Any, int]:
+    """Model with poles of all polynomial orders, and the highest order.
+
+    Functions without noise leave no information for high orders, whose equations are then singular,
+    on some processors exactly. The highest order is the last one before that. Raises InputError if
+    it is below `_FEWEST_ORDERS`.
+    """
+    # Of the same extra; it loads matplotlib, for which files without functions need not wait.
+    from sdypy.EMA import Model  # noqa: PLC0415
+
+    highest = _HIGHEST
+    while True:
+        options = {"lower": band[0], "upper": band[1], "pol_order_high": highest}
+        model = Model(functions, frequencies, frf_form="mobility", **options)
+        try:
+            model.get_poles(show_progress=False)
+        except np.linalg.LinAlgError:
+            highest = len(model.all_poles)
+            if highest < _FEWEST_ORDERS:
+                raise InputError(f"{path}: no mode can be told from its functions") from None
+        else:
+            return model, highest
 
 
 def _stable(poles: list[ComplexArray], band: Array) -> tuple[list[int], list[list[float]]]:
