@@ -112,6 +112,28 @@ class Elsewhere:
 
 
 @dataclass(frozen=True)
+class Shown:
+    """A value beside its reference that is shown and not judged, in `unit`.
+
+    `model` and `label` of the quantity as of a case; `half_width`: numerical uncertainty of the
+    reference, None if unknown; `elements` as of a case.
+    """
+
+    model: str
+    label: str
+    unit: str
+    value: float
+    reference: float
+    half_width: float | None = None
+    elements: int = 0
+
+    @property
+    def share(self) -> float:
+        """(value − reference)/reference."""
+        return self.value / self.reference - 1.0
+
+
+@dataclass(frozen=True)
 class Measurement:
     """What a case computed, in the unit of the case.
 
@@ -122,7 +144,8 @@ class Measurement:
     rounding alone is left; ValueError for neither and for both. `table` maps column headings to
     equally long columns; `studies` are convergence studies and sweeps to be shown with the case.
     `pose` is the one that the numbers belong to. Where a case looks at several places it is fixed
-    beforehand, so that runs can be compared, and `elsewhere` has the others, judged as well.
+    beforehand, so that runs can be compared, and `elsewhere` has the others, judged as well. values
+    `shown` are reported beside it and not judged.
     `claim`: what a source says of it, read as printed and as corrected. `decides`: what there is to
     do, or to know, where the uncertainty is too large to judge.
     """
@@ -138,6 +161,7 @@ class Measurement:
     studies: tuple[Study, ...] = ()
     pose: tuple[float, ...] = ()
     elsewhere: tuple[Elsewhere, ...] = ()
+    shown: tuple[Shown, ...] = ()
     claim: Claim | None = None
     exact: bool = False
     decides: str = "refine the models"

@@ -9,7 +9,12 @@ from validation.adequacy.matrix import ADEQUACY, MEASURED, Assessment
 from validation.adequacy.mechanism.path import distinct_legs
 from validation.adequacy.robot import robot_adequacy
 from validation.cases import cases
-from validation.comparisons import convergence_cases, convergence_figure, mesh_cases
+from validation.comparisons import (
+    convergence_cases,
+    convergence_figure,
+    mesh_cases,
+    part_models_vs_solid,
+)
 from validation.comparisons.checks import agreement_cases
 from validation.maps.figure import figures as maps
 from validation.maps.workspace import directions
@@ -45,6 +50,9 @@ def catalogue(robot_file: RobotFile, variations: Sequence[Variation] = ()) -> Se
     return (
         *(paper.cases() if is_the_papers(robot_file) else ()),
         *agreement_cases(robot_file),
+        *part_models_vs_solid.cases(
+            parts=part_models_vs_solid.parts_as_legs(described), limits=limits
+        ),
         *mesh_cases.cases(legs=distinct_legs(described)),
         *convergence_cases.cases(bodies=convergence_cases.subjects(described), limits=limits),
         *cases(described, robot_file.requirement.modes),

@@ -46,15 +46,25 @@ def _has_errors(study: ConvergenceStudy, quantity: str) -> bool:
 
 def _caption(studies: Sequence[ConvergenceStudy], left_out: int) -> list[str]:
     elements = studies[0].agreement.elements
+    subjects: dict[str, list[str]] = {}
+    for study in studies:
+        name = f"{study.subject} (root clamped)" if study.subject else "robot"
+        subjects.setdefault(study.reference, []).append(name)
+    references = "; ".join(f"{', '.join(names)}: {text}" for text, names in subjects.items())
     sentences = [
-        "Relative error over the number of elements per leg: a clamped leg against the exact "
-        "cantilever (Huang 1961), the robot against the extrapolated limit of its beam elements. "
+        f"Relative error over the number of elements per leg. Reference of {references}. "
         f"At the end of each curve its observed order, at {elements} elements its error; "
-        "deflections that are exact for every count are not drawn. Euler–Bernoulli elements are "
-        "compared with the exact Euler–Bernoulli cantilever and drawn if their errors differ "
-        f"visibly from those by Timoshenko's theory. Error of f1 with {elements} elements and, in "
-        "brackets, the smallest counts for 1 %, 0.1 % and 0.01 %:"
+        "deflections that are exact for every count are not drawn.",
     ]
+    if any(one.reading.theory == "euler-bernoulli" for study in studies for one in study.series):
+        sentences.append(
+            "Euler–Bernoulli elements are drawn if their errors differ visibly from those by "
+            "Timoshenko's theory."
+        )
+    sentences.append(
+        f"Error of f1 with {elements} elements and, in brackets, the smallest counts for 1 %, "
+        "0.1 % and 0.01 %:"
+    )
     for study in studies:
         by_label = {one.reading.label: study.short_summary(one, 0) for one in study.series}
         known = [

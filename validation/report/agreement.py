@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from validation.case import Case
+from validation.case import Shown
 from validation.drawing.text import number, percent
 from validation.results.outcome import Outcome, Verdict
 
@@ -22,6 +22,9 @@ _MODELS = {
     "links": "Links",
     "segments": "Segments",
     "beam": "Beam FE",
+    "segments-stepped": "Segments, stepped",
+    "beam-stepped": "Beam FE, stepped",
+    "condensed": "Condensed",
 }
 # Factor and unit of what is shown of each unit of a case.
 _SHOWN = {"m/N": (1e9, "µm"), "rad/(N m)": (1e8, "µrad"), "Hz": (1.0, "Hz")}
@@ -31,13 +34,14 @@ _SHOWN = {"m/N": (1e9, "µm"), "rad/(N m)": (1e8, "µrad"), "Hz": (1.0, "Hz")}
 class AgreementCell:
     """Difference of a formulation from the solid: `text`; under it what no cause explains.
 
-    `case` is the id of the comparison. A skipped one has its reason as text.
+    `case` is the id of the comparison. A skipped one has its reason as text. `verdict` is None and
+    `mark` empty for a difference that is shown and not judged.
     """
 
     text: str
     under: str
     mark: str
-    verdict: Verdict
+    verdict: Verdict | None
     case: str
 
 
@@ -48,7 +52,7 @@ class AgreementTable:
     `subject` names the leg, or the robot and its pose. `solid` are the values of the solid with
     their units, "" if it has none. `explanations` name the differences that are allowed for, with
     their amounts, by quantity; `missing` name the comparisons that were skipped or failed, with the
-    reason.
+    reason. `judged`: False if the differences are shown without verdicts, with `notes` below them.
     """
 
     subject: str
@@ -57,6 +61,8 @@ class AgreementTable:
     rows: tuple[tuple[str, tuple[AgreementCell | None, ...]], ...]
     explanations: tuple[str, ...]
     missing: tuple[str, ...]
+    judged: bool = True
+    notes: tuple[str, ...] = ()
 
     @property
     def compared(self) -> bool:
@@ -65,10 +71,11 @@ class AgreementTable:
 
 
 def agreement_tables(outcomes: Sequence[Outcome]) -> tuple[AgreementTable, ...]:
-    """A table for the robot and for each leg that has agreement cases, in their order."""
+    """A table for the robot and for each leg that has agreement cases, then for each CAD part."""
     found = [one for one in outcomes if one.case.kind == "agreement"]
     subjects = dict.fromkeys(one.case.body for one in found)
-    return tuple(_table([one for one in found if one.case.body == subject]) for subject in subjects)
+    judged = [_table([one for one in found if one.case.body == subject]) for subject in subjects]
+    return (*judged, *(_part_table(one) for one in outcomes if _shown(one)))
 
 
 def agreement_sentence(outcomes: Sequence[Outcome]) -> str:
@@ -76,6 +83,26 @@ def agreement_sentence(outcomes: Sequence[Outcome]) -> str:
 
     Comparisons that are undecided or failed are counted: all formulations agree only without them.
     """
+    return " ".join(filter(None, (_judged_sentence(outcomes), _parts_sentence(outcomes))))
+
+
+def _parts_sentence(outcomes: Sequence[Outcome]) -> str:
+    """Largest differences of stepped CAD parts from their solids, or of condensed ones alone."""
+    shown = [one for outcome in outcomes for one in _shown(outcome)]
+    if not shown:
+        return ""
+    form = "as stepped beams" if any(one.elements for one in shown) else "condensed"
+    compared = [one for one in shown if one.elements] or shown
+    motions = max(abs(one.share) for one in compared if one.unit != "Hz")
+    frequencies = max(abs(one.share) for one in compared if one.unit == "Hz")
+    return (
+        f"CAD parts {form} differ from their own solids by at most "
+        f"{percent(motions, signed=False)} in tip motions and "
+        f"{percent(frequencies, signed=False)} in f1 to f4 (judged by [accept] for the robot)."
+    )
+
+
+def _judged_sentence(outcomes: Sequence[Outcome]) -> str:
     found = [one for one in outcomes if one.case.kind == "agreement"]
     if not found:
         return ""
@@ -88,6 +115,8 @@ def agreement_sentence(outcomes: Sequence[Outcome]) -> str:
     )
     if not counts["agree"] + counts["disagree"]:
         reason = f"; of the comparisons {unsettled}" if unsettled else ""
+        if not unsettled and any(map(_shown, outcomes)):
+            return ""
         return f"No formulation could be compared with solids of the same legs{reason}."
     rest = f"; of the other comparisons {unsettled}" if unsettled else ""
     agreeing = [one for one in found if one.verdict == "agree"]
@@ -126,13 +155,13 @@ def _subject(outcomes: Sequence[Outcome]) -> str:
     if body := outcomes[0].case.body:
         return body
     poses = {one.measurement.pose for one in outcomes if one.measurement}
-    pose = ", ".join(f"{coordinate:.4g}" for coordinate in next(iter(poses), ()))
+    pose = ", ".join(f"{coordinate:.4g}" for coordinate in next(iter(poses), ())).replace("-", "−")
     return f"robot at ({pose})" if pose else "robot"
 
 
 def _table(outcomes: Sequence[Outcome]) -> AgreementTable:
     quantities = tuple(dict.fromkeys(one.case.label for one in outcomes))
-    models = {one.case.model: _row_name(one.case) for one in outcomes}
+    models = {one.case.model: _row_name(one.case.model, one.case.elements) for one in outcomes}
     by_place = {(one.case.model, one.case.label): one for one in outcomes}
     rows = []
     for model, name in models.items():
@@ -149,18 +178,53 @@ def _table(outcomes: Sequence[Outcome]) -> AgreementTable:
     )
 
 
-def _row_name(case: Case) -> str:
+def _row_name(model: str, elements: int) -> str:
     """The model, and its elements per leg in brackets if it has any: "Beam FE (20)"."""
-    return f"{_MODELS[case.model]} ({case.elements})" if case.elements else _MODELS[case.model]
+    return f"{_MODELS[model]} ({elements})" if elements else _MODELS[model]
+
+
+def _shown(outcome: Outcome) -> tuple[Shown, ...]:
+    return outcome.measurement.shown if outcome.measurement else ()
+
+
+def _part_table(outcome: Outcome) -> AgreementTable:
+    """Stepped and condensed forms of a CAD part beside its solid, without verdicts."""
+    shown = _shown(outcome)
+    quantities = {one.label: _value(one.reference, one.unit) for one in shown}
+    rows: dict[str, tuple[AgreementCell, ...]] = {}
+    for one in shown:
+        half_width = abs((one.half_width or 0.0) / one.reference)
+        cell = AgreementCell(_percent(one.share), _spread(half_width), "", None, outcome.case.id)
+        name = _row_name(one.model, one.elements)
+        rows[name] = (*rows.get(name, ()), cell)
+    return AgreementTable(
+        f"{outcome.case.body}, CAD part",
+        tuple(quantities),
+        tuple(quantities.values()),
+        tuple(rows.items()),
+        (),
+        (),
+        judged=False,
+        notes=outcome.measurement.notes if outcome.measurement else (),
+    )
 
 
 def _solid(quantity: str, outcomes: Sequence[Outcome]) -> str:
     """Value of the solid: µm under 1000 N, µrad under 100 N m, or Hz."""
     for one in outcomes:
         if one.case.label == quantity and one.measurement is not None:
-            scale, unit = _SHOWN[one.case.unit]
-            return f"{number(scale * one.measurement.reference, 4)}\N{NO-BREAK SPACE}{unit}"
+            return _value(one.measurement.reference, one.case.unit)
     return ""
+
+
+def _value(reference: float, unit: str) -> str:
+    scale, shown = _SHOWN[unit]
+    return f"{number(scale * reference, 4)}\N{NO-BREAK SPACE}{shown}"
+
+
+def _spread(half_width: float) -> str:
+    """Relative half-width, "" if it would read as zero."""
+    return f"± {_percent(half_width).lstrip('+')}" if half_width >= _NOTHING else ""
 
 
 def _cell(outcome: Outcome) -> AgreementCell:
@@ -169,8 +233,7 @@ def _cell(outcome: Outcome) -> AgreementCell:
         return AgreementCell(outcome.message, "", mark, outcome.verdict, outcome.case.id)
     scale = abs(measurement.reference)
     left = f"{_percent(measurement.unexplained / scale)} left" if _explained(outcome) else ""
-    uncertainty = (measurement.numerical_uncertainty or 0.0) / scale
-    spread = f"± {_percent(uncertainty).lstrip('+')}" if uncertainty >= _NOTHING else ""
+    spread = _spread((measurement.numerical_uncertainty or 0.0) / scale)
     text = _percent(measurement.difference / scale)
     under = " ".join(filter(None, (left, spread)))
     return AgreementCell(text, under, mark, outcome.verdict, outcome.case.id)

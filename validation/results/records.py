@@ -57,6 +57,7 @@ class CaseRecord(msgspec.Struct, frozen=True, kw_only=True):
     table: Mapping[str, tuple[Real | str | None, ...]] = {}
     pose: tuple[Real, ...] = ()
     elsewhere: tuple[Mapping[str, Any], ...] = ()
+    shown: tuple[Mapping[str, Any], ...] = ()
     earlier: Real | None = None
     drift: Real | None = None
     drift_allowed: Real | None = None
@@ -169,6 +170,7 @@ def case_record(outcome: Outcome) -> CaseRecord:
             "tolerance": outcome.tolerance,
             "allowances": tuple(asdict(one) for one in measurement.allowances),
             "elsewhere": tuple(asdict(one) for one in measurement.elsewhere),
+            "shown": tuple(asdict(one) for one in measurement.shown),
         }
     return CaseRecord(**told)
 

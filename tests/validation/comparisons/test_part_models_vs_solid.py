@@ -1,0 +1,115 @@
+"""CAD parts by their stepped and condensed forms: values by hand, bounds, a table without verdicts.
+
+A slender bar has the frequencies of Euler's and Bernoulli's cantilever, (λL)² = 3.5160 and 22.034;
+condensed on its ends it is one cubic element with consistent mass, 3.5327 and 34.807.
+"""
+
+import numpy as np
+import pytest
+from crane import write_crane, write_overlapping_crane
+from drawn_parts import plane_ends, written
+
+from lumped.acceptance.agreement import DEFAULT_LIMITS
+from lumped.legs import Material
+from lumped.mechanism.body import Body, Frame, Part
+from lumped.robot_file import load_robot
+from validation.comparisons import part_models_vs_solid
+from validation.comparisons.part_models_vs_solid import (
+    QUANTITIES,
+    cases,
+    condensed_values,
+    parts_as_legs,
+    solid_values,
+    stepped_values,
+)
+from validation.comparisons.readings import Reading
+from validation.context import Context
+from validation.report.agreement import agreement_sentence, agreement_tables
+from validation.results.outcome import judge
+
+pytestmark = pytest.mark.usefixtures("coarse_parts")
+E, RHO, LENGTH, SIDE = 2.1e11, 7850.0, 0.3, 0.02
+AREA, SECOND_MOMENT = SIDE**2, SIDE**4 / 12.0
+AT = {name: place for place, name in enumerate(QUANTITIES)}
+
+
+@pytest.fixture(scope="module")
+def bar(tmp_path_factory):
+    file = written(
+        tmp_path_factory.mktemp("bar") / "bar.step",
+        lambda occ: occ.addBox(0, -10, -10, 300, 20, 20),
+    )
+    ends = plane_ends(LENGTH, "average")
+    points = {"A": Frame(), "B": Frame(np.array([LENGTH, 0.0, 0.0]))}
+    return Body("bar", Part(file, Material.isotropic(E, 0.0, RHO), ends, None), points)
+
+
+def test_bar_has_the_values_of_the_cantilever(bar):
+    solid, stepped = solid_values(bar).values, stepped_values(bar, Reading("beam"))
+    speed = np.sqrt(E * SECOND_MOMENT / (RHO * AREA)) / LENGTH**2 / (2.0 * np.pi)
+    for values in (solid, stepped):
+        assert values[AT["x"]] == pytest.approx(LENGTH / (E * AREA), rel=2e-3)
+        # Shear adds 0.2 %.
+        bending = LENGTH**3 / (3.0 * E * SECOND_MOMENT)
+        assert values[[AT["y"], AT["z"]]] == pytest.approx(bending, rel=5e-3)
+        assert values[AT["φz"]] == pytest.approx(LENGTH / (E * SECOND_MOMENT), rel=5e-3)
+        assert values[AT["f1"]] == pytest.approx(3.5160 * speed, rel=5e-3)
+
+
+def test_condensed_bar_is_one_element_with_consistent_mass(bar):
+    solid, condensed = solid_values(bar).values, condensed_values(bar)
+    shares = condensed / solid - 1.0
+    np.testing.assert_allclose(shares[: AT["f1"]], 0.0, atol=1e-6)
+    assert shares[AT["f1"]] == pytest.approx(3.5327 / 3.5160 - 1.0, abs=1e-3)
+    # Shear and rotary inertia take 2 % of the second frequency.
+    assert shares[AT["f3"]] == pytest.approx(34.807 / 22.034 - 1.0, abs=0.03)
+
+
+def outcomes_of(path):
+    robot_file = load_robot(path)
+    names = parts_as_legs(robot_file.mechanism)
+    context = Context(robot_file, "quick")
+    return [
+        judge(case, case.measure(context), 0.0)
+        for case in cases(parts=names, limits=DEFAULT_LIMITS)
+    ]
+
+
+def test_table_of_a_part_has_differences_without_verdicts(tmp_path):
+    (outcome,) = outcomes_of(write_crane(tmp_path))
+    assert outcome.verdict == "agree"
+    (table,) = agreement_tables([outcome])
+    assert not table.judged
+    assert table.quantities == QUANTITIES
+    names = [name for name, _ in table.rows]
+    assert names == ["Segments, stepped (20)", "Beam FE, stepped (20)", "Condensed"]
+    cells = [cell for _, row in table.rows for cell in row]
+    assert len(cells) == 3 * len(QUANTITIES)
+    assert all(cell.verdict is None and not cell.mark for cell in cells)
+    by_place = {(one.model, one.label): one for one in outcome.measurement.shown}
+    stepped = by_place["beam-stepped", "y"]
+    assert stepped.share != 0.0
+    shown = table.rows[1][1][AT["y"]].text.replace("−", "-").split("\N{NO-BREAK SPACE}")[0]
+    assert float(shown) == pytest.approx(100.0 * stepped.share, abs=5e-3)
+    sentence = agreement_sentence([outcome])
+    assert "agree" not in sentence
+    assert "as stepped beams differ" in sentence
+
+
+def test_condensed_frequency_below_the_solid_disagrees(tmp_path, monkeypatch):
+    """A condensed part with 2 % more mass than its solid: f1 and f2 are 0.3 % above it else."""
+    right = part_models_vs_solid.condensed_values
+    monkeypatch.setattr(
+        part_models_vs_solid, "condensed_values", lambda body: right(body) / np.sqrt(1.02)
+    )
+    (outcome,) = outcomes_of(write_crane(tmp_path))
+    assert outcome.verdict == "disagree"
+
+
+def test_part_that_cannot_be_stepped_shows_its_condensed_form(tmp_path):
+    write_overlapping_crane(tmp_path)
+    (outcome,) = outcomes_of(tmp_path / "robot.toml")
+    (table,) = agreement_tables([outcome])
+    assert [name for name, _ in table.rows] == ["Condensed"]
+    assert "interfaces overlap" in " ".join(table.notes)
+    assert "condensed differ" in agreement_sentence([outcome])

@@ -1,0 +1,145 @@
+"""CAD parts of two interfaces: stepped segments and beams, and condensed parts, against solids.
+
+The first interface of the part is clamped; the second is loaded, or free. Ribs, lugs and fillets
+are in the solid and not in a stepped beam, and the condensed part has six modes: these differences
+are named, not bounded, so that no small tolerance applies to them. They are shown without a
+verdict; the matrix of models judges the robot for the user's [accept] limits.
+
+What is judged follows from Rayleigh's principle: stiffness and mass condensed on the interfaces
+(Guyan, AIAA J. 3 (1965) 380) restrain the part to static shapes, so that no frequency can be below
+that of the same number of the solid on the same mesh.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.linalg import eigh
+
+from lumped.acceptance.agreement import AgreementLimits
+from lumped.arrays import Array
+from lumped.errors import InputError
+from lumped.mechanism.body import Body
+from lumped.mechanism.mechanism import Mechanism
+from lumped.models.bodies import clamped_modes, tip_compliance_of
+from lumped.screws import turn, turn_matrix
+from validation.case import Elsewhere, Measurement, Relation, Relative, Shown
+from validation.case_group import CaseGroup
+from validation.comparisons.element_convergence import MODES
+from validation.comparisons.leg_beam_vs_solid import MOTIONS
+from validation.comparisons.readings import Reading, RefinedModel
+from validation.context import Context
+from validation.exhibits import AGREEMENT
+from validation.models.legs import leg_matrices
+from validation.models.parts import identified, is_leg, leg_axes
+from validation.models.stepped_parts import PIECES, stepped
+from validation.solids.legs import SHARED_SOLIDS
+
+QUANTITIES = (*MOTIONS, *(f"f{number}" for number in range(1, MODES + 1)))
+_STEPPED: tuple[RefinedModel, ...] = ("segments", "beam")
+UNITS = (*(unit for _, unit in MOTIONS.values()), *MODES * ("Hz",))
+
+
+@dataclass(frozen=True, eq=False)
+class PartValues:
+    """Tip compliances (6, SI, leg axes), then frequencies (Hz) in ascending order.
+
+    `half_widths` are those of the mesh, NaN for a given mesh or a model without one.
+    """
+
+    values: Array
+    half_widths: Array
+
+
+def parts_as_legs(mechanism: Mechanism) -> tuple[str, ...]:
+    """Names of the CAD parts of two interfaces."""
+    return tuple(name for name, body in mechanism.parts.items() if is_leg(body))
+
+
+def solid_values(body: Body) -> PartValues:
+    """The identified part on its finest mesh, first interface clamped."""
+    found, rotation = identified(body), leg_axes(body).rotation.T
+    block = np.abs(turn(rotation))
+    return PartValues(
+        _values(turn_matrix(found.compliance, rotation), found.frequencies),
+        # Half-widths of the entries add up at most.
+        _values(block @ found.compliance_refinement @ block.T, found.frequency_refinement),
+    )
+
+
+def condensed_values(body: Body) -> Array:
+    """Tip compliances and frequencies of the condensed part, first interface clamped."""
+    found, tip = identified(body), np.s_[6:, 6:]
+    squared = eigh(found.stiffness[tip], found.mass[tip], eigvals_only=True)
+    compliance = np.linalg.inv(found.stiffness[tip]).astype(float)
+    frequencies = np.sqrt(squared) / (2.0 * np.pi)
+    return _values(turn_matrix(compliance, leg_axes(body).rotation.T), frequencies)
+
+
+def stepped_values(body: Body, reading: Reading) -> Array:
+    """Tip compliances and frequencies of the part as prismatic pieces; raises as `stepped`."""
+    matrices = leg_matrices(reading.model, stepped(body), reading.options)
+    return _values(tip_compliance_of(matrices), clamped_modes(matrices, MODES).frequencies)
+
+
+def _values(compliance: Array, frequencies: Array) -> Array:
+    return np.concatenate([np.diag(compliance), frequencies[:MODES]])
+
+
+cases = CaseGroup(
+    over={"body": lambda parts: parts},
+    reference_kind="independent-solver",
+    section=AGREEMENT,
+    subject="leg",
+    group=SHARED_SOLIDS,
+)
+
+
+@cases.case(
+    "{body}.bound[condensed-solid]",
+    "{body}: no frequency of the condensed part is below that of its solid",
+    quantity="f1 to f4 by number, first interface clamped",
+    unit="Hz",
+    label="bound",
+    model="condensed",
+    citation="Rayleigh's principle; the same mesh of the part with all its modes",
+    relation=Relation.AT_LEAST,
+    tolerance=Relative(1e-6),
+    tolerance_reason="one mesh: rounding of two eigenvalue solvers, 1e-9 and less",
+)
+def _bound(context: Context, body: str, limits: AgreementLimits) -> Measurement:
+    part = context.robot_file.mechanism.parts[body]
+    solid, condensed = solid_values(part), condensed_values(part)
+    first = len(MOTIONS)
+    pairs = zip(QUANTITIES[first:], condensed[first:], solid.values[first:], strict=True)
+    (_, value, reference), *others = pairs
+    notes = []
+    # One mesh: its half-widths are none of the difference.
+    shown = [*_shown("condensed", 0, condensed, replace(solid, half_widths=0.0 * solid.values))]
+    try:
+        shown = [*_stepped(part, limits, solid), *shown]
+    except InputError as error:
+        notes.append(f"no stepped form: {error}")
+    return Measurement(
+        float(value),
+        float(reference),
+        exact=True,
+        elsewhere=tuple(Elsewhere(name, float(a), float(b)) for name, a, b in others),
+        notes=tuple(notes),
+        shown=tuple(shown),
+    )
+
+
+def _stepped(body: Body, limits: AgreementLimits, solid: PartValues) -> Iterator[Shown]:
+    """Values of the stepped forms; elements are those of [agree], a whole number in each piece."""
+    elements = PIECES * max(1, round(limits.elements / PIECES))
+    for model in _STEPPED:
+        values = stepped_values(body, Reading(model, elements=elements))
+        yield from _shown(f"{model}-stepped", elements, values, solid)
+
+
+def _shown(model: str, elements: int, values: Array, solid: PartValues) -> Iterator[Shown]:
+    columns = zip(QUANTITIES, UNITS, values, solid.values, solid.half_widths, strict=True)
+    for label, unit, value, reference, width in columns:
+        half_width = float(width) if np.isfinite(width) else None
+        yield Shown(model, label, unit, float(value), float(reference), half_width, elements)
