@@ -206,7 +206,7 @@ def _solid_statics(context: Context, body: str, ends: Ends) -> tuple[Refinement,
         return solid, solid.divisions
     pair = mesh_pair(leg, most)
     along = tuple(slices for _, slices in pair)
-    tips = [doubled_tips(leg, *mesh) for mesh in pair]
+    tips = [context.get(doubled_tips, leg, *mesh) for mesh in pair]
 
     def on_both(kind: Ends) -> Array:
         return np.array([tip[kind] for tip in tips])

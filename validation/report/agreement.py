@@ -198,7 +198,7 @@ def _part_table(outcome: Outcome) -> AgreementTable:
         name = _row_name(one.model, one.elements)
         rows[name] = (*rows.get(name, ()), cell)
     return AgreementTable(
-        f"{outcome.case.body}, CAD part",
+        outcome.case.body,
         tuple(quantities),
         tuple(quantities.values()),
         tuple(rows.items()),
