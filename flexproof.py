@@ -19,7 +19,7 @@ from validation.api import (
 from validation.comparisons.convergence_study import ConvergenceStudy
 from validation.cross_validation import CrossValidation
 from validation.solve.answer import Solution
-from validation.tables import Table
+from validation.tables import ResultTable
 
 __all__ = [
     "Adequacy",
@@ -27,9 +27,9 @@ __all__ = [
     "ConvergenceStudy",
     "CrossValidation",
     "InputError",
+    "ResultTable",
     "Run",
     "Solution",
-    "Table",
     "adequacy",
     "converge",
     "cross_validate",

@@ -37,7 +37,7 @@ from validation.report.words import force_text, sentence
 from validation.solve.answer import Solution
 from validation.solve.model_answers import solve as answered
 from validation.solve.question import Question
-from validation.tables import Cell, Table, html_paragraph, html_table
+from validation.tables import Cell, ResultTable, html_paragraph, html_table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -211,9 +211,11 @@ class Adequacy:
             return f'quantity "{quantity}" is not judged; there are {", ".join(names)}'
         return f'model "{model}" says nothing of "{quantity}"'
 
-    def table(self) -> Table:
+    def table(self) -> ResultTable:
         """A row for each model and quantity, errors and limits in per cent."""
-        return Table(_HEADINGS, tuple(_row(self.matrix, entry) for entry in self.matrix.entries))
+        return ResultTable(
+            _HEADINGS, tuple(_row(self.matrix, entry) for entry in self.matrix.entries)
+        )
 
     def plot(self) -> "Figure":
         """Errors of the deflections and of the first frequencies over the path, by model.

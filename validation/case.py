@@ -112,7 +112,7 @@ class Elsewhere:
 
 
 @dataclass(frozen=True)
-class Shown:
+class UnjudgedValue:
     """A value beside its reference that is shown and not judged, in `unit`.
 
     `model` and `label` of the quantity as of a case; `half_width`: numerical uncertainty of the
@@ -161,7 +161,7 @@ class Measurement:
     studies: tuple[Study, ...] = ()
     pose: tuple[float, ...] = ()
     elsewhere: tuple[Elsewhere, ...] = ()
-    shown: tuple[Shown, ...] = ()
+    shown: tuple[UnjudgedValue, ...] = ()
     claim: Claim | None = None
     exact: bool = False
     decides: str = "refine the models"

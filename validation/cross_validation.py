@@ -13,7 +13,7 @@ from validation.comparisons.convergence_study import ConvergenceStudy
 from validation.comparisons.readings import RefinedModel
 from validation.report.agreement import agreement_sentence
 from validation.results.outcome import Outcome
-from validation.tables import Cell, Table, html_paragraph
+from validation.tables import Cell, ResultTable, html_paragraph
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -137,9 +137,9 @@ class CrossValidation:
             raise InputError(_not_computed("body", str(body), self.convergence))
         self.convergence[body or ""].assert_converged(quantity, elements, within, model=model)
 
-    def table(self) -> Table:
+    def table(self) -> ResultTable:
         """A row for each comparison: values, difference from the solid and its parts, verdict."""
-        return Table(HEADINGS, tuple(_row(outcome) for outcome in self.agreement))
+        return ResultTable(HEADINGS, tuple(_row(outcome) for outcome in self.agreement))
 
     def plot(self) -> "Figure":
         """Differences from the solid in per cent, a panel for each leg and one for the robot.

@@ -24,7 +24,7 @@ _COLOURS: Mapping[str, str] = {
 
 
 @dataclass(frozen=True)
-class Table:
+class ResultTable:
     """Rows of cells under headings, which contain the units; a cell is None if it has no value.
 
     `str(table)` is plain text with numbers of five digits.

@@ -23,7 +23,7 @@ from lumped.mechanism.body import Body
 from lumped.mechanism.mechanism import Mechanism
 from lumped.models.bodies import clamped_modes, tip_compliance_of
 from lumped.screws import turn, turn_matrix
-from validation.case import Elsewhere, Measurement, Relation, Relative, Shown
+from validation.case import Elsewhere, Measurement, Relation, Relative, UnjudgedValue
 from validation.case_group import CaseGroup
 from validation.comparisons.element_convergence import MODES
 from validation.comparisons.leg_beam_vs_solid import MOTIONS
@@ -130,7 +130,7 @@ def _bound(context: Context, body: str, limits: AgreementLimits) -> Measurement:
     )
 
 
-def _stepped(body: Body, limits: AgreementLimits, solid: PartValues) -> Iterator[Shown]:
+def _stepped(body: Body, limits: AgreementLimits, solid: PartValues) -> Iterator[UnjudgedValue]:
     """Values of the stepped forms; elements are those of [agree], a whole number in each piece."""
     elements = PIECES * max(1, round(limits.elements / PIECES))
     for model in _STEPPED:
@@ -138,8 +138,10 @@ def _stepped(body: Body, limits: AgreementLimits, solid: PartValues) -> Iterator
         yield from _shown(f"{model}-stepped", elements, values, solid)
 
 
-def _shown(model: str, elements: int, values: Array, solid: PartValues) -> Iterator[Shown]:
+def _shown(model: str, elements: int, values: Array, solid: PartValues) -> Iterator[UnjudgedValue]:
     columns = zip(QUANTITIES, UNITS, values, solid.values, solid.half_widths, strict=True)
     for label, unit, value, reference, width in columns:
         half_width = float(width) if np.isfinite(width) else None
-        yield Shown(model, label, unit, float(value), float(reference), half_width, elements)
+        yield UnjudgedValue(
+            model, label, unit, float(value), float(reference), half_width, elements
+        )

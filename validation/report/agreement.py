@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from validation.case import Shown
+from validation.case import UnjudgedValue
 from validation.drawing.text import number, percent
 from validation.results.outcome import Outcome, Verdict
 
@@ -183,7 +183,7 @@ def _row_name(model: str, elements: int) -> str:
     return f"{_MODELS[model]} ({elements})" if elements else _MODELS[model]
 
 
-def _shown(outcome: Outcome) -> tuple[Shown, ...]:
+def _shown(outcome: Outcome) -> tuple[UnjudgedValue, ...]:
     return outcome.measurement.shown if outcome.measurement else ()
 
 

@@ -14,7 +14,7 @@ from lumped.system.response import ToolResponse
 from lumped.system.stability import Stability
 from validation.agreement.accuracy import Accuracy
 from validation.models.options import ModelName, ReductionBy
-from validation.tables import Table, html_paragraph, html_table
+from validation.tables import ResultTable, html_paragraph, html_table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -143,12 +143,12 @@ class Solution:
     answers: tuple[Answer, ...]
     accuracy: Accuracy | None = None
 
-    def table(self) -> Table:
+    def table(self) -> ResultTable:
         """A row for each pose: compliances along and about the axes (SI), frequencies (Hz)."""
         axes = _AXES[: len(self.answers[0].compliance)]
         count = max(len(answer.frequencies) for answer in self.answers)
         modes = [f"f{mode} (Hz)" for mode in range(1, count + 1)]
-        return Table(
+        return ResultTable(
             ("at", *(f"{axis} ({unit})" for axis, unit in axes), *modes),
             tuple(
                 (
