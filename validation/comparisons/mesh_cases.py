@@ -191,7 +191,14 @@ def _first_frequency(context: Context, body: str, ends: Ends, held: str) -> Meas
         _cost(body, f"hexahedra.{held}", name, modes.unknowns, modes.seconds),
     )
     width = refinement.uncertainty(0) / float(values[-1])
-    return Measurement(width, 0.01, exact=True, studies=studies)
+    # Too coarse a mesh is no disagreement: what exceeds the limit is uncertainty.
+    return Measurement(
+        width,
+        0.01,
+        judged_uncertainty=max(width - 0.01, 0.0),
+        studies=studies,
+        decides="take a finer preset",
+    )
 
 
 @cases.case(
