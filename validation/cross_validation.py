@@ -12,22 +12,20 @@ from lumped.errors import InputError
 from validation.comparisons.convergence_study import ConvergenceStudy
 from validation.comparisons.readings import RefinedModel
 from validation.report.agreement import agreement_sentence
+from validation.report.agreement_parts import (
+    DifferenceParts,
+    agreement_rows,
+    difference_parts,
+    percent,
+    quantity_name,
+)
 from validation.results.outcome import Outcome
-from validation.tables import Cell, ResultTable, html_paragraph
+from validation.tables import ResultTable, html_paragraph
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 SOLID = "solid"
-# Names of rotations as they are typed, by the labels of comparisons.
-_TYPED: Mapping[str, str] = {"φx": "phi_x", "φy": "phi_y", "φz": "phi_z"}
-# Decimals of percentages in the table: what is smaller is round-off.
-_DECIMALS = 6
-HEADINGS = (
-    *("body", "model", "quantity", "unit", "value", "solid"),
-    *("difference (%)", "explained (%)", "unexplained (%)", "half-width (%)", "tolerance (%)"),
-    "verdict",
-)
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +56,7 @@ class CrossValidation:
         Raises InputError for a body, model or quantity that is not compared.
         """
         of_body = {
-            (outcome.case.model, _quantity(outcome)): outcome
+            (outcome.case.model, quantity_name(outcome.case.label)): outcome
             for outcome in self.agreement
             if outcome.case.body == (body or "")
         }
@@ -112,11 +110,11 @@ class CrossValidation:
             other = _computed(self.comparison(with_, quantity, body))
             difference = shares.value / other.value - 1.0
             bound = abs(difference)
-            detail = f"{shares.value:.6g} against {other.value:.6g}, {_percent(difference)}"
+            detail = f"{shares.value:.6g} against {other.value:.6g}, {percent(difference)}"
         if not bound <= allowed:
             raise AssertionError(
                 f"{model} and {with_}, {quantity} of {body or 'the robot'}: {detail}; "
-                f"allowed {_percent(allowed).lstrip('+')}"
+                f"allowed {percent(allowed).lstrip('+')}"
             )
 
     def assert_converged(
@@ -139,7 +137,7 @@ class CrossValidation:
 
     def table(self) -> ResultTable:
         """A row for each comparison: values, difference from the solid and its parts, verdict."""
-        return ResultTable(HEADINGS, tuple(_row(outcome) for outcome in self.agreement))
+        return agreement_rows(self.agreement)
 
     def plot(self) -> "Figure":
         """Differences from the solid in per cent, a panel for each leg and one for the robot.
@@ -153,13 +151,13 @@ class CrossValidation:
 
         panels: dict[str, list[Difference]] = {}
         for outcome in self.agreement:
-            if shares := _shares(outcome):
+            if shares := difference_parts(outcome):
                 title = outcome.case.body or f"{self.robot}, whole robot"
                 panels.setdefault(title, []).append(
                     Difference(
                         outcome.case.label,
                         outcome.case.model,
-                        *(100.0 * share for share in shares.parts),
+                        *(100.0 * share for share in shares.whole_and_rest),
                     )
                 )
         return agreement_plot(panels)
@@ -168,81 +166,14 @@ class CrossValidation:
         return html_paragraph(self.sentence) + self.table().html()
 
 
-@dataclass(frozen=True)
-class _Shares:
-    """Value and reference of a comparison in `unit`, parts relative to the reference."""
-
-    value: float
-    reference: float
-    unit: str
-    difference: float
-    explained: Mapping[str, float]
-    unexplained: float
-    half_width: float
-    tolerance: float
-
-    @property
-    def parts(self) -> tuple[float, float, float, float]:
-        """Whole difference, unexplained part, half-width and tolerance."""
-        return self.difference, self.unexplained, self.half_width, self.tolerance
-
-    @property
-    def detail(self) -> str:
-        """The comparison in words."""
-        causes = ", ".join(f"{cause} {_percent(share)}" for cause, share in self.explained.items())
-        return (
-            f"{self.value:.6g} against {self.reference:.6g} {self.unit}, "
-            f"{_percent(self.difference)}; "
-            f"explained: {causes or 'nothing'}; unexplained {_percent(self.unexplained)} "
-            f"± {_percent(self.half_width).lstrip('+')}"
-        )
-
-
-def _shares(outcome: Outcome) -> _Shares | None:
-    """Relative parts of a comparison; None if it was skipped or failed."""
-    measurement = outcome.measurement
-    if measurement is None:
-        return None
-    scale = abs(measurement.reference)
-    return _Shares(
-        measurement.value,
-        measurement.reference,
-        outcome.case.unit,
-        measurement.difference / scale,
-        {one.cause: one.amount / scale for one in measurement.allowances},
-        measurement.unexplained / scale,
-        (measurement.numerical_uncertainty or 0.0) / scale,
-        outcome.tolerance / scale,
-    )
-
-
-def _computed(outcome: Outcome) -> _Shares:
+def _computed(outcome: Outcome) -> DifferenceParts:
     """Relative parts of a comparison; raises AssertionError if it was skipped or failed."""
-    shares = _shares(outcome)
+    shares = difference_parts(outcome)
     if shares is None:
         raise AssertionError(f"{outcome.case.id}: not compared: {outcome.message}")
     return shares
 
 
-def _quantity(outcome: Outcome) -> str:
-    return _TYPED.get(outcome.case.label, outcome.case.label)
-
-
-def _row(outcome: Outcome) -> tuple[Cell, ...]:
-    case, shares = outcome.case, _shares(outcome)
-    names = case.body or "robot", case.model, _quantity(outcome), case.unit
-    if shares is None:
-        return (*names, *[None] * 7, outcome.verdict)
-    explained = shares.difference - shares.unexplained
-    parts = shares.difference, explained, *shares.parts[1:]
-    percentages = (round(100.0 * share, _DECIMALS) for share in parts)
-    return (*names, shares.value, shares.reference, *percentages, outcome.verdict)
-
-
 def _not_computed(what: str, name: str, known: Iterable[str]) -> str:
     listed = ", ".join(one or "None (the robot)" for one in known) or "none"
     return f"{what} {name}: was not computed; must be one of {listed}"
-
-
-def _percent(share: float) -> str:
-    return f"{100.0 * share:+.3g} %"

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from lumped.errors import InputError
 from lumped.text import aligned
+from validation.drawing.style import csv_of
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -44,6 +45,11 @@ class ResultTable:
         from pandas import DataFrame  # noqa: PLC0415
 
         return DataFrame(list(self.rows), columns=list(self.headings))
+
+    def csv(self) -> str:
+        """The table as CSV, numbers with all their digits, nothing for a cell without a value."""
+        columns = zip(*self.rows, strict=True) if self.rows else [()] * len(self.headings)
+        return csv_of(dict(zip(self.headings, columns, strict=True)))
 
     def html(self) -> str:
         """The table as HTML, verdicts in colour."""

@@ -119,6 +119,13 @@ class Report:
             *(figure for section in sections for figure in section.shown),
         )
 
+    @property
+    def tables(self) -> Mapping[str, str]:
+        """Tables of the page as CSV by file name, those of figures apart."""
+        sections = [section for chapter in self.chapters for section in chapter.sections]
+        tables = [section.agreement_csv for section in sections if section.agreement_csv]
+        return {"cross-validation.csv": tables[0]} if tables else {}
+
     @cached_property
     def figure_ids(self) -> Mapping[str, str]:
         """Titles of the figures that were computed, by id, to which comparisons lead."""

@@ -22,6 +22,7 @@ from validation.exhibits import (
     Figure,
 )
 from validation.report.agreement import AgreementTable, agreement_sentence, agreement_tables
+from validation.report.agreement_parts import agreement_rows
 from validation.report.declared import attempted
 from validation.report.element_counts import element_count_sentence
 from validation.report.figures.budgets import budget_figure
@@ -63,6 +64,11 @@ class PageSection:
     def agreement(self) -> tuple[AgreementTable, ...]:
         """A table of all formulations for each leg, of cases that compare these."""
         return agreement_tables(self.outcomes)
+
+    @cached_property
+    def agreement_csv(self) -> str:
+        """The comparisons of all formulations as CSV; "" without any."""
+        return agreement_rows(self.outcomes).csv() if self.agreement else ""
 
     @property
     def statement(self) -> str:

@@ -186,13 +186,10 @@ def validate(request: Request, catalogue: runner.Catalogue) -> Results:
 
 
 def publish(gathered: Results, folder: RunFolder, findings: Sequence[Finding]) -> None:
-    """Write junit.xml, figures/ (all that the report shows) and report.html."""
+    """Write junit.xml, figures/ (figures and tables of the report) and report.html."""
     report = Report(gathered, findings)
-    figures = {
-        f"figures/{name}": content
-        for figure in report.shown
-        for name, content in figure.files.items()
-    }
+    contents = [report.tables, *(figure.files for figure in report.shown)]
+    figures = {f"figures/{name}": content for files in contents for name, content in files.items()}
     junit = junit_xml(report.outcomes, f"flexproof {gathered.header['robot']}")
     page = {"report.html": render(report)}
     folder.write({"results.json": gathered.as_json(), "junit.xml": junit, **figures, **page})

@@ -25,6 +25,7 @@ from validation.comparisons.part_models_vs_solid import (
 from validation.comparisons.readings import Reading
 from validation.context import Context
 from validation.report.agreement import agreement_sentence, agreement_tables
+from validation.report.agreement_parts import agreement_rows
 from validation.results.outcome import judge
 
 pytestmark = pytest.mark.usefixtures("coarse_parts")
@@ -91,6 +92,11 @@ def test_table_of_a_part_has_differences_without_verdicts(tmp_path):
     assert stepped.share != 0.0
     shown = table.rows[1][1][AT["y"]].text.replace("−", "-").split("\N{NO-BREAK SPACE}")[0]
     assert float(shown) == pytest.approx(100.0 * stepped.share, abs=5e-3)
+    rows = {row[1:3]: row for row in agreement_rows([outcome]).rows}
+    row = rows[stepped.model, "y"]
+    assert (row[0], *row[3:6]) == (outcome.case.body, "m/N", stepped.value, stepped.reference)
+    assert row[6] == pytest.approx(100.0 * stepped.share, abs=5.1e-7)
+    assert row[-2:] == (None, "not judged")
     sentence = agreement_sentence([outcome])
     assert "agree" not in sentence
     assert "as stepped beams differ" in sentence

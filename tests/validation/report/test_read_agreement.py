@@ -4,20 +4,26 @@ Outcomes are drawn at random; each cell, value of the solid, explanation and sen
 reader would, so that another factor, sign, unit or another outcome's number differs.
 """
 
+import csv
+import io
 import re
+from base64 import b64decode
 from dataclasses import replace
 
 import msgspec
 import numpy as np
 import pytest
-from report_sample import measured, unmeasured
+from report_sample import measured, sample_report, unmeasured
 
 from validation.case import Allowance, Relative
+from validation.exhibits import AGREEMENT
 from validation.report.agreement import (
     agreement_sentence,
     agreement_tables,
     convergence_sentence,
 )
+from validation.report.agreement_parts import HEADINGS, agreement_rows
+from validation.report.page import render
 from validation.results.outcome import judge
 
 MODELS = {"vjm": "VJM", "links": "Links", "segments": "Segments (20)", "beam": "Beam FE (20)"}
@@ -170,6 +176,46 @@ def test_every_explanation_and_reason_names_its_quantities(outcomes):
                 for text in told[one.case.label]
             ]
             assert {cause: read(share) for cause, share in counted.items()} in lines
+
+
+@pytest.mark.parametrize("outcomes", DRAWN)
+def test_csv_of_comparisons_equals_their_outcomes(outcomes):
+    rows = list(csv.DictReader(io.StringIO(agreement_rows(outcomes).csv())))
+    assert len(rows) == len(outcomes)
+    for row, one in zip(rows, outcomes, strict=True):
+        label = one.case.label.replace("φ", "phi_")
+        assert (row["body"], row["model"], row["quantity"]) == (
+            one.case.body,
+            one.case.model,
+            label,
+        )
+        assert (row["unit"], row["verdict"]) == (one.case.unit, one.verdict)
+        numbers = [row[heading] for heading in HEADINGS[4:11]]
+        if one.measurement is None:
+            assert numbers == [""] * 7
+            continue
+        value, reference = one.measurement.value, one.measurement.reference
+        explained = sum(part.amount for part in one.measurement.allowances)
+        shares = (value - reference, explained, value - reference - explained)
+        half_width = one.measurement.value_uncertainty
+        percentages = [100.0 * share / reference for share in (*shares, half_width)]
+        # Percentages are rounded to six decimals.
+        assert list(map(float, numbers)) == pytest.approx(
+            [value, reference, *percentages, 100.0 * TOLERANCE], rel=1e-12, abs=5.1e-7
+        )
+
+
+def test_page_and_run_folder_have_csv_of_comparisons():
+    outcomes = [
+        replace(one, case=replace(one.case, section=AGREEMENT, group="bodies")) for one in DRAWN[0]
+    ]
+    report = sample_report(outcomes=outcomes)
+    markup = render(report)
+    encoded = re.search(r'download="cross-validation\.csv" href="data:[^,]*base64,([^"]+)"', markup)
+    expected = agreement_rows(outcomes).csv()
+    assert b64decode(encoded[1]).decode() == expected
+    assert report.tables == {"cross-validation.csv": expected}
+    assert sample_report().tables == {}
 
 
 @pytest.mark.parametrize("outcomes", DRAWN)
