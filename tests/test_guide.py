@@ -29,7 +29,7 @@ from meshes.section import section_mesh
 from validation import cli
 from validation.case import Case
 from validation.catalogue import catalogue
-from validation.session import runner
+from validation.run import runner
 from validation.variations.cases import cases_over
 
 ROOT = Path(__file__).resolve().parents[1]

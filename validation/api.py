@@ -20,7 +20,6 @@ from lumped.legs import Theory
 from lumped.robot_file import RobotFile, load_robot
 from lumped.robot_file.evidence import with_options
 from validation.adequacy.judgement import judged
-from validation.adequacy.matrix import Entry, Matrix
 from validation.adequacy.response import Subject
 from validation.adequacy.robot import judged_robot
 from validation.comparisons.convergence_study import ConvergenceStudy
@@ -29,7 +28,7 @@ from validation.comparisons.requested import convergence
 from validation.console.arguments import checked, faults_of
 from validation.console.typed import MOST_PROCESSES
 from validation.context import Context, Preset
-from validation.cross_validation import CrossValidation
+from validation.cross_validation import CrossValidation, cross_validation
 from validation.drawing.text import error_with_spread, percent
 from validation.models.options import ModelName, ModelOptions
 from validation.report.table import pose_text, table_of
@@ -38,6 +37,7 @@ from validation.solve.answer import Solution
 from validation.solve.model_answers import solve as answered
 from validation.solve.question import Question
 from validation.tables import Cell, ResultTable, html_paragraph, html_table
+from validation.verdicts import Entry, Matrix
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -123,9 +123,6 @@ def cross_validate(robot: Robot, *, preset: Preset = "standard") -> CrossValidat
     The numbers are those of the chapter "Cross-validation" of a report with this preset.
     Raises InputError, and ComputationError if a convergence study fails.
     """
-    # Cases are many modules; solving a model needs none of them.
-    from validation.session.cross_validate import cross_validation  # noqa: PLC0415
-
     return cross_validation(Context(_loaded(robot), preset))
 
 
@@ -320,7 +317,7 @@ def run(
     """
     # The session loads every case; solving a model needs none of them.
     from validation.catalogue import catalogue  # noqa: PLC0415
-    from validation.session.validate import Request, validate  # noqa: PLC0415
+    from validation.validate import Request, validate  # noqa: PLC0415
 
     if jobs is not None and not 1 <= jobs <= MOST_PROCESSES:
         raise InputError(f"jobs = {jobs}: must be a whole number from 1 to {MOST_PROCESSES}")

@@ -5,7 +5,6 @@ from collections.abc import Sequence
 from lumped.robot_file import RobotFile
 from lumped.robot_file.variation import Variation
 from validation import paper
-from validation.adequacy.matrix import ADEQUACY, MEASURED, Assessment
 from validation.adequacy.mechanism.path import distinct_legs
 from validation.adequacy.robot import robot_adequacy
 from validation.cases import cases
@@ -21,9 +20,10 @@ from validation.maps.workspace import directions
 from validation.measured.matrix import measured_matrix
 from validation.paper.robot import is_the_papers
 from validation.report.figures import curves, modes, pictures, responses
-from validation.results.outcome import Task
+from validation.run.outcome import Task
 from validation.solids.legs import SHARED_SOLIDS
 from validation.variations.cases import cases_over
+from validation.verdicts import ADEQUACY, MEASURED, Assessment
 
 _ADEQUACY = Assessment(
     id=ADEQUACY,

@@ -215,11 +215,11 @@ def run(
         models over it, as figures, and what each of them would choose; a * in the key stands for
         any part of a name. May be given again for another number.
     """
+    from lumped.files import StoreError  # noqa: PLC0415
     from lumped.robot_file import load_robot  # noqa: PLC0415
     from validation.catalogue import catalogue  # noqa: PLC0415
-    from validation.run.files import StoreError  # noqa: PLC0415
-    from validation.session import summary  # noqa: PLC0415
-    from validation.session.validate import Request, validate  # noqa: PLC0415
+    from validation.report import summary  # noqa: PLC0415
+    from validation.validate import Request, validate  # noqa: PLC0415
 
     require_room(TO_COMPUTE)
     if cluster is not None:
@@ -242,12 +242,13 @@ def run(
         vary=vary,
         strict=strict,
     )
+    go_on = f"go on with: {request.resume_command}"
     try:
         gathered = validate(request, catalogue)
     except (StoreError, ComputationError) as error:
-        return complain([str(error), summary.how_to_go_on(request)], 3)
+        return complain([str(error), go_on], 3)
     except KeyboardInterrupt:
-        return complain(["interrupted", summary.how_to_go_on(request)], 3)
+        return complain(["interrupted", go_on], 3)
     complain([*gathered.remarks, *summary.left_out(gathered)], 0)
     changes, worsened = summary.changes(gathered)
     if said := [*summary.verdicts(gathered), *changes]:
@@ -256,7 +257,7 @@ def run(
     for line in (*summary.adequacy(gathered), *summary.cross_validation(gathered)):
         say(line)
     if gathered.unfinished:
-        complain(["interrupted", summary.how_to_go_on(request)], 3)
+        complain(["interrupted", go_on], 3)
     return max(gathered.standing.exit_code, int(worsened))
 
 
@@ -275,9 +276,9 @@ def compare(before: Place, after: Place, *, json: AsJson = False) -> int:
     """
     from json import dumps  # noqa: PLC0415
 
-    from validation.results.compare import as_dict, as_text  # noqa: PLC0415
-    from validation.results.compare import compare as compare_runs  # noqa: PLC0415
-    from validation.results.records import load_run  # noqa: PLC0415
+    from validation.run.compare import as_dict, as_text  # noqa: PLC0415
+    from validation.run.compare import compare as compare_runs  # noqa: PLC0415
+    from validation.run.records import load_run  # noqa: PLC0415
 
     runs = load_run(before), load_run(after)
     comparison = compare_runs(*runs)

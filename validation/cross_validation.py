@@ -5,12 +5,15 @@ by every formulation against solids of the same legs.
 """
 
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from lumped.errors import InputError
+from validation.case import Case, Skip
 from validation.comparisons.convergence_study import ConvergenceStudy
 from validation.comparisons.readings import RefinedModel
+from validation.context import Context
 from validation.report.agreement import agreement_sentence
 from validation.report.agreement_parts import (
     DifferenceParts,
@@ -19,7 +22,7 @@ from validation.report.agreement_parts import (
     percent,
     quantity_name,
 )
-from validation.results.outcome import Outcome
+from validation.run.outcome import Outcome
 from validation.tables import ResultTable, html_paragraph
 
 if TYPE_CHECKING:
@@ -177,3 +180,30 @@ def _computed(outcome: Outcome) -> DifferenceParts:
 def _not_computed(what: str, name: str, known: Iterable[str]) -> str:
     listed = ", ".join(one or "None (the robot)" for one in known) or "none"
     return f"{what} {name}: was not computed; must be one of {listed}"
+
+
+def _percent(share: float) -> str:
+    return f"{100.0 * share:+.3g} %"
+
+
+def cross_validation(context: Context) -> CrossValidation:
+    """All formulations of the same legs, compared as a run with this preset compares them.
+
+    A comparison that is skipped or fails is an outcome with its reason. A leg whose elements do
+    not apply has no convergence study. Raises ComputationError, InputError if a study fails.
+    """
+    # Cases are many modules, of which tables need none.
+    from validation.catalogue import catalogue  # noqa: PLC0415
+    from validation.comparisons.convergence_cases import study_of, subjects  # noqa: PLC0415
+    from validation.run.runner import execute  # noqa: PLC0415
+
+    comparisons = [
+        Outcome(task, execute(task, context))
+        for task in catalogue(context.robot_file)
+        if isinstance(task, Case) and task.kind == "agreement" and context.preset in task.presets
+    ]
+    studies = {}
+    for body in subjects(context.robot_file.mechanism):
+        with suppress(Skip):
+            studies[body] = study_of(context, body)
+    return CrossValidation(context.robot_file.name, tuple(comparisons), studies)

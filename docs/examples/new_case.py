@@ -21,7 +21,7 @@ def lowest(context: Context) -> Measurement:
 if __name__ == "__main__":
     from dataclasses import replace
 
-    from validation.results.outcome import judge
+    from validation.run.outcome import judge
 
     context = Context(api.load("biglide"))
     for case in cases():

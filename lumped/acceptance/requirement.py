@@ -1,10 +1,15 @@
-"""What a designer asks of a model, set beforehand by the use (ASME V&V 10): table [accept]."""
+"""Limits of a robot file: accepted errors of models, and of the agreement of formulations.
+
+Accepted errors (table [accept]) are set beforehand by the use (ASME V&V 10). Table [agree] limits
+differences between formulations of the same legs.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal, TypeAlias, get_args
 
 from lumped.acceptance.quantities import Quantity, QuantityKind, quantities
+from lumped.legs import Ends
 
 # No model of a robot is known better than to this relative error.
 SMALLEST_SHARE = 1e-6
@@ -22,6 +27,9 @@ ModelKind: TypeAlias = Literal[
     "segments-condensed",
     "segments-stepped",
 ]
+SolidEnds: TypeAlias = Literal["as given", "rigid", "free"]
+# Elements per leg: more are dense matrices that take minutes.
+MOST_ELEMENTS = 200
 MODEL_KINDS: tuple[ModelKind, ...] = get_args(ModelKind)
 
 
@@ -64,3 +72,26 @@ class Requirement:
         """Largest accepted error (m) of a quantity. None if a relative limit applies."""
         is_load = quantity.kind is QuantityKind.LOAD and quantity.name not in self.limits
         return self.displacement if is_load else None
+
+
+@dataclass(frozen=True)
+class AgreementLimits:
+    """Largest relative differences between formulations, and the models that are compared.
+
+    `elements` per leg of segments and beams. `convergence`: error with that many elements.
+    `compliance` and `frequency`: difference from solids of the same legs after its allowances.
+    `ends` of these solids; "as given": those of each leg, kept plane if the file does not say.
+    """
+
+    elements: int = 20
+    convergence: float = 0.01
+    compliance: float = 0.001
+    frequency: float = 0.01
+    ends: SolidEnds = "as given"
+
+    def ends_of(self, leg_ends: Ends | None) -> Ends:
+        """End condition of the solid of a leg whose own is `leg_ends`."""
+        return (leg_ends or "rigid") if self.ends == "as given" else self.ends
+
+
+DEFAULT_LIMITS = AgreementLimits()

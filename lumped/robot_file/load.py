@@ -10,9 +10,8 @@ from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from lumped.acceptance.agreement import DEFAULT_LIMITS, AgreementLimits
 from lumped.acceptance.measured import Measured, measured_value, pose_faults
-from lumped.acceptance.requirement import Requirement
+from lumped.acceptance.requirement import DEFAULT_LIMITS, AgreementLimits, Requirement
 from lumped.errors import InputError, write_error
 from lumped.files import read_ordinary, require_ordinary
 from lumped.mechanism.body import Part

@@ -12,12 +12,12 @@ from meshes.part import slices, volume
 from meshes.part.reading import read
 from validation import cli
 from validation.adequacy.judgement import judged
-from validation.adequacy.matrix import Matrix
 from validation.adequacy.mechanism import legs
 from validation.adequacy.response import Subject
 from validation.adequacy.robot import robot_subject
 from validation.context import Context
 from validation.models import parts
+from validation.verdicts import Matrix
 
 
 class CommandLine:

@@ -35,7 +35,7 @@ from validation.parts import identify, meshes
 from validation.run import provenance
 from validation.run.cache import key_of
 from validation.run.folder import mark_of
-from validation.session.validate import Request
+from validation.validate import Request
 from validation.variations import curves as CURVES  # noqa: N812
 from validation.variations.curves import VariedRobot, computed
 

@@ -15,7 +15,6 @@ from lumped.acceptance.quantities import ANY_FORCE, ORDER, Quantity, QuantityKin
 from lumped.acceptance.requirement import Requirement
 from lumped.arrays import Array, IntArray
 from validation.adequacy.errors import Errors, Scale
-from validation.adequacy.matrix import Adequacy, Cause, Entry, Matrix, ModelNote, worst_of
 from validation.adequacy.probability import Probability, UncertainInputs, probability
 from validation.adequacy.response import (
     NOT_FINER,
@@ -30,6 +29,7 @@ from validation.adequacy.response import (
     Subject,
     by_interior,
 )
+from validation.verdicts import Adequacy, Cause, Entry, Matrix, ModelNote, worst_of
 
 DIGITS = "digits of the file"
 PAIRING = "modes whose shapes mix"

@@ -31,10 +31,10 @@ from lumped.acceptance.quantities import ANY_FORCE, Quantity
 from lumped.arrays import Array
 from lumped.memo import memo
 from validation.adequacy.errors import Errors, Scale
-from validation.adequacy.matrix import Adequacy
 from validation.adequacy.response import InputsOff
 from validation.agreement.displacement import FLOOR, nearest_between
 from validation.agreement.responses import Statics
+from validation.verdicts import Adequacy
 
 # Of a normal distribution, two-sided 95 %.
 COVERAGE = 1.959964

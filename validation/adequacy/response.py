@@ -7,9 +7,9 @@ from typing import NamedTuple
 from lumped.acceptance.quantities import Quantity
 from lumped.arrays import Array
 from lumped.errors import ComputationError, InputError
-from validation.adequacy.matrix import Coordinate
 from validation.agreement.responses import PathModes, Statics, Unsolved
 from validation.case import failure_reason
+from validation.verdicts import Coordinate
 
 # What legs known by their 6×6 leave open.
 OPEN_MASSES = "where the legs' mass lies"

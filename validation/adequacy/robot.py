@@ -21,7 +21,6 @@ from lumped.mechanism.placing import leg_on, rigid_on
 from lumped.models.bodies import leg_of, on_equivalent_legs
 from lumped.text import counted
 from validation.adequacy.judgement import judged
-from validation.adequacy.matrix import Matrix
 from validation.adequacy.mechanism.dynamics import (
     dynamic_ladders,
     dynamic_reference,
@@ -62,6 +61,7 @@ from validation.context import PRESETS, Context, Preset
 from validation.models.loads.stability import stabilities, stability_notes
 from validation.models.options import STATIC
 from validation.models.parts import with_finer_parts
+from validation.verdicts import Matrix
 
 _ROOT, _TIP = "root", "tip"
 # Seconds that a run of the preset waits for finer meshes that nobody has asked for; those of CAD

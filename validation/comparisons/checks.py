@@ -11,7 +11,7 @@ from functools import partial
 
 import numpy as np
 
-from lumped.acceptance.agreement import AgreementLimits
+from lumped.acceptance.requirement import AgreementLimits
 from lumped.robot_file import RobotFile
 from validation.adequacy.mechanism.path import distinct_legs
 from validation.case import Case, Skip
@@ -23,7 +23,7 @@ from validation.comparisons.readings import RefinedModel
 from validation.comparisons.requested import leg_names
 from validation.context import Context
 from validation.drawing.text import percent
-from validation.results.outcome import Outcome, Verdict, judge
+from validation.run.outcome import Outcome, Verdict, judge
 
 # Names of rotations as they are typed, by the labels of the cases.
 _TYPED: Mapping[str, str] = {"φx": "phi_x", "φy": "phi_y", "φz": "phi_z"}

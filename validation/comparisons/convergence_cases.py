@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from lumped.acceptance.agreement import AgreementLimits
+from lumped.acceptance.requirement import AgreementLimits
 from lumped.legs import NoBeamTheoryError
 from lumped.mechanism.mechanism import Mechanism
 from lumped.models.bodies import legs_of

@@ -6,7 +6,7 @@ from functools import partial
 
 import numpy as np
 
-from lumped.acceptance.agreement import DEFAULT_LIMITS, AgreementLimits
+from lumped.acceptance.requirement import DEFAULT_LIMITS, AgreementLimits
 from lumped.arrays import Array
 from validation.drawing.chart import Chart, Column, Note, Panel, Series, refined
 from validation.drawing.text import number

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from lumped.acceptance.agreement import DEFAULT_LIMITS, AgreementLimits
+from lumped.acceptance.requirement import DEFAULT_LIMITS, AgreementLimits
 from lumped.errors import InputError
 from lumped.legs import Theory
 from lumped.models.segments import Layout

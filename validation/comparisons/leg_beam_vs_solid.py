@@ -15,7 +15,7 @@ import numpy as np
 
 from fem.beams.beam_theory import cantilever_frequencies
 from fem.sections.section_constants import beam_properties
-from lumped.acceptance.agreement import AgreementLimits
+from lumped.acceptance.requirement import AgreementLimits
 from lumped.arrays import Array
 from lumped.legs import BeamProperties, ConstantLeg, Ends, tip_compliance
 from lumped.sections import Rectangle

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from fem.beams.stepped import SteppedLeg
-from lumped.acceptance.agreement import DEFAULT_LIMITS, MOST_ELEMENTS, AgreementLimits
+from lumped.acceptance.requirement import DEFAULT_LIMITS, MOST_ELEMENTS, AgreementLimits
 from lumped.equivalent_leg import equivalent_leg
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, Theory

@@ -22,7 +22,7 @@ from fem.couplings.end_effects import restrained_compliance
 from fem.reduction.craig_bampton import CraigBampton, craig_bampton
 from fem.reduction.superelement import held_leg
 from fem.sections.section_constants import beam_properties, section_constants
-from lumped.acceptance.agreement import DEFAULT_LIMITS, AgreementLimits
+from lumped.acceptance.requirement import DEFAULT_LIMITS, AgreementLimits
 from lumped.arrays import Array, IntArray
 from lumped.legs import BeamProperties, ConstantLeg, tip_compliance
 from lumped.mechanism.body_model import LegMatrices

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
-from validation.run.files import digest, read_regular
+from lumped.files import digest, read_regular
 
 _MARK = "written by flexproof {}"
 _TABLE = ".csv"

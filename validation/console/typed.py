@@ -15,9 +15,9 @@ from typing import Annotated, TypeAlias
 from cyclopts import Parameter, Token
 
 from lumped.errors import InputError, write_error
+from lumped.files import write_whole
 from validation.console.marks import is_marked, marked
 from validation.console.streams import complain
-from validation.run.files import write_whole
 
 # Of a run: more than any machine has cores.
 MOST_PROCESSES = 1024

@@ -19,7 +19,6 @@ from lumped.mechanism.kinematics.postures import posture
 from lumped.mechanism.mechanism import Mechanism
 from lumped.models.bodies import legs_of
 from lumped.robot_file.load import UncertainInput
-from validation.adequacy.matrix import Adequacy, Entry, Matrix, ModelNote, worst_of
 from validation.adequacy.mechanism.path import coordinates, why_not_serial
 from validation.adequacy.models import judged_models
 from validation.adequacy.probability import COVERAGE, propagated
@@ -30,6 +29,7 @@ from validation.measured.modes import Partner, modal_answer
 from validation.models.legs import leg_compliance
 from validation.models.mechanism import answers, mechanism_modes
 from validation.models.options import STATIC, ModelName, ModelOptions
+from validation.verdicts import Adequacy, Entry, Matrix, ModelNote, worst_of
 
 # Models of elements; the others have none and no discretisation.
 _OF_ELEMENTS = ("segments", "beam")

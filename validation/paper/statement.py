@@ -21,7 +21,7 @@ from validation.case_group import CaseFields, CaseGroup, Over
 from validation.claims import Claim, ClaimedCurve
 from validation.context import Context
 from validation.models.options import DEFAULT_OPTIONS, ModelOptions
-from validation.results.outcome import verdict
+from validation.run.outcome import verdict
 
 # Postures over the stroke at which curves are compared.
 POSTURES = 81

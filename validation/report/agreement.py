@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from validation.case import UnjudgedValue
 from validation.drawing.text import number, percent
-from validation.results.outcome import Outcome, Verdict
+from validation.run.outcome import Outcome, Verdict
 
 # Of verdicts on comparisons, wherever the page shows one.
 MARKS: Mapping[Verdict, str] = {

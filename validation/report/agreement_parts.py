@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from validation.case import UnjudgedValue
-from validation.results.outcome import Outcome
+from validation.run.outcome import Outcome
 from validation.tables import Cell, ResultTable
 
 # Names of rotations as they are typed, by the labels of comparisons.

@@ -4,7 +4,6 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import sqrt
 
-from validation.adequacy.matrix import Entry, Matrix
 from validation.drawing.text import percent
 from validation.exhibits import Figure
 from validation.report.declared import attempted
@@ -20,6 +19,7 @@ from validation.report.words import (
     sentence,
     supposition,
 )
+from validation.verdicts import Entry, Matrix
 
 
 @dataclass(frozen=True)

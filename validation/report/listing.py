@@ -11,7 +11,7 @@ from lumped.text import counted
 from validation.case import Absolute, Case, Tolerance
 from validation.drawing.text import tolerance
 from validation.kinematics.listing import mobility_text
-from validation.results.outcome import Outcome, Task
+from validation.run.outcome import Outcome, Task
 
 _FIELDS = (
     *("id", "title", "section", "quantity", "unit", "reference_kind", "citation"),

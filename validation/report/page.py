@@ -11,16 +11,16 @@ from markupsafe import Markup, escape
 
 from lumped.audit import Finding
 from lumped.text import counted
-from validation.adequacy.matrix import Matrix
 from validation.drawing import text
 from validation.drawing.turnable import viewer
 from validation.exhibits import PORTRAIT, Figure
 from validation.report.agreement import MARKS
 from validation.report.first_screen import FirstScreen, first_screen
 from validation.report.sections import Chapter, chapters_of
-from validation.results.gathered import Results
-from validation.results.outcome import Outcome, Verdict
-from validation.results.records import CaseRecord, studies_of
+from validation.run.outcome import Outcome, Verdict
+from validation.run.records import CaseRecord, studies_of
+from validation.run.results import Results
+from validation.verdicts import Matrix
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,6 @@ from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from functools import partial
 
-from validation.adequacy.matrix import Entry, Matrix
 from validation.drawing.text import error_text, percent
 from validation.report.words import (
     capital,
@@ -12,6 +11,7 @@ from validation.report.words import (
     model_name,
     quantities_text,
 )
+from validation.verdicts import Entry, Matrix
 
 # How many causes a line names.
 _FOREMOST = 2

@@ -28,8 +28,8 @@ from validation.report.element_counts import element_count_sentence
 from validation.report.figures.budgets import budget_figure
 from validation.report.figures.studies import Family, families, study_figure
 from validation.report.said import SaidTable
-from validation.results.outcome import Outcome, Verdict
-from validation.results.records import claims_of
+from validation.run.outcome import Outcome, Verdict
+from validation.run.records import claims_of
 
 # Chapters in their order, with their sections as they follow each other; sections that stand in no
 # list go by the subject of their cases.

@@ -11,7 +11,6 @@ from lumped.acceptance.quantities import (
     Quantity,
     QuantityKind,
 )
-from validation.adequacy.matrix import Adequacy, Entry, Matrix, ModelNote
 from validation.drawing.style import csv_of
 from validation.drawing.text import (
     anchor,
@@ -27,6 +26,7 @@ from validation.report.words import (
     force_text,
     model_name,
 )
+from validation.verdicts import Adequacy, Entry, Matrix, ModelNote
 
 # A word, and what is to be said under it.
 Line: TypeAlias = tuple[str, str]

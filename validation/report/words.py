@@ -7,8 +7,8 @@ What verdicts suppose is a sentence of its own.
 from collections.abc import Collection, Mapping, Sequence
 
 from lumped.acceptance.quantities import ORDER, Quantity, QuantityKind
-from validation.adequacy.matrix import VERDICTS, Adequacy, Entry, Matrix
 from validation.drawing.text import bound, error_text, number, percent
+from validation.verdicts import VERDICTS, Adequacy, Entry, Matrix
 
 _MODELS: Mapping[str, str] = {
     "simplified": "the simplified model",

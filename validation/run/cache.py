@@ -20,8 +20,8 @@ from zipfile import BadZipFile
 import numpy as np
 
 from lumped.arrays import Array
+from lumped.files import digest, read_regular, write_whole
 from lumped.memo import fingerprint, memo
-from validation.run.files import digest, read_regular, write_whole
 
 Arrays: TypeAlias = dict[str, Array]
 T = TypeVar("T")

@@ -15,8 +15,8 @@ from pathlib import Path
 from typing import Any, TypeAlias, TypeVar
 
 from lumped.errors import ComputationError, InputError
+from lumped.files import read_regular
 from meshes.processes import Crashed, Process
-from validation.run.files import read_regular
 
 # A call without arguments that can be pickled.
 Work: TypeAlias = Callable[[], Any]

@@ -8,13 +8,15 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields, replace
 from typing import Any, get_args
 
-from lumped.acceptance.agreement import MOST_ELEMENTS, AgreementLimits, SolidEnds
 from lumped.acceptance.quantities import MOST_MODES, UNIT_LOADS
 from lumped.acceptance.requirement import (
     MODEL_KINDS,
+    MOST_ELEMENTS,
     SMALLEST_MEASURED,
     SMALLEST_SHARE,
+    AgreementLimits,
     Requirement,
+    SolidEnds,
 )
 from lumped.legs import Ends
 from lumped.mechanism.body import Coupling, LengthUnit

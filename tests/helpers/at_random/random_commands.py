@@ -15,7 +15,7 @@ from one_arm import LOADS, ONE_ARM
 from sound_biglide import SOUND
 
 import lumped.robots
-from validation.results.records import AdequacyRecord, CaseRecord, RunRecord
+from validation.run.records import AdequacyRecord, CaseRecord, RunRecord
 
 _BUILT_IN = ("five-bar", "3-rrr", "delta", "orthoglide", "hexapod")
 _FOLDER = Path(lumped.robots.__file__).parent

@@ -6,7 +6,6 @@ lacks one or the other; ladders of causes lead from the model to the reference.
 
 import numpy as np
 
-from validation.adequacy.matrix import Coordinate
 from validation.adequacy.response import (
     Alternative,
     Candidate,
@@ -17,6 +16,7 @@ from validation.adequacy.response import (
     Subject,
 )
 from validation.agreement.responses import PathModes, Statics
+from validation.verdicts import Coordinate
 
 POSES, MODES, SAMPLES = 3, 4, 12
 WEIGHTS = np.full(SAMPLES, 1.0 / SAMPLES)

@@ -11,7 +11,13 @@ import toy_catalogue
 
 from lumped.acceptance.quantities import measured_quantity, quantities
 from lumped.audit import Finding
-from validation.adequacy.matrix import (
+from validation.case import Absolute, Allowance, Measurement, Relation, Relative
+from validation.exhibits import Figure, PlannedFigure, Study
+from validation.report.figures.studies import family_of, study_figure
+from validation.report.page import Report
+from validation.run.outcome import Outcome, Result, judge
+from validation.run.results import Results
+from validation.verdicts import (
     ADEQUACY,
     MEASURED,
     Assessment,
@@ -21,12 +27,6 @@ from validation.adequacy.matrix import (
     Matrix,
     ModelNote,
 )
-from validation.case import Absolute, Allowance, Measurement, Relation, Relative
-from validation.exhibits import Figure, PlannedFigure, Study
-from validation.report.figures.studies import family_of, study_figure
-from validation.report.page import Report
-from validation.results.gathered import Results
-from validation.results.outcome import Outcome, Result, judge
 
 PIXEL = base64.b64decode(
     "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJRU5ErkJggg=="

@@ -4,7 +4,7 @@ from dataclasses import replace
 from math import isfinite
 
 from validation.case import Relation
-from validation.results.outcome import Outcome, Verdict, verdict
+from validation.run.outcome import Outcome, Verdict, verdict
 
 
 def perturbed(outcome: Outcome, factor: float) -> Verdict:

@@ -9,8 +9,8 @@ import sys
 import time
 from pathlib import Path
 
-from validation.results.outcome import plain
-from validation.session.runner import execute
+from validation.run.outcome import plain
+from validation.run.runner import execute
 
 HERE = Path(__file__).parent
 ENVIRONMENT = os.environ | {

@@ -8,7 +8,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from validation.adequacy.matrix import Coordinate
 from validation.adequacy.response import (
     Alternative,
     Candidate,
@@ -17,6 +16,7 @@ from validation.adequacy.response import (
     Subject,
 )
 from validation.agreement.responses import PathModes, Statics
+from validation.verdicts import Coordinate
 
 ERROR, OPEN = 0.04, 0.02
 # The interval of f2's error: (1 + e)(1 ± u) − 1.

@@ -5,7 +5,7 @@ from dataclasses import asdict, replace
 
 import pytest
 
-from lumped.acceptance.agreement import AgreementLimits
+from lumped.acceptance.requirement import AgreementLimits
 from lumped.errors import InputError
 from lumped.robot_file import load_robot, write_template
 from lumped.robot_file.rules.published import json_schema

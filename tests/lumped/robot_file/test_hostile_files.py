@@ -24,7 +24,7 @@ from lumped.robot_file.load import described_by
 from lumped.text import shown
 from meshes.part.reading.read import require_file
 from validation import cli
-from validation.results.records import load_run
+from validation.run.records import load_run
 
 ARM = tomllib.loads(ONE_ARM)
 LEG2_MATRIX = SOUND[SOUND.rindex("compliance = [") :]

@@ -22,7 +22,6 @@ from lumped.sections import HollowRectangle, Rectangle, Tube
 from meshes.section.section_mesh import section_mesh
 from validation import cli
 from validation.adequacy.judgement import REST, judged
-from validation.adequacy.matrix import Coordinate
 from validation.adequacy.mechanism import statics, vibration
 from validation.adequacy.mechanism.dynamics import DYNAMIC_STEPS
 from validation.adequacy.mechanism.parts import FINER_PARTS
@@ -44,6 +43,7 @@ from validation.context import Context
 from validation.solids.legs import COARSEST_WALLS
 from validation.solids.size import larger_preset
 from validation.solve.question import OPTIONS
+from validation.verdicts import Coordinate
 
 pytestmark = pytest.mark.usefixtures("coarse_legs")
 

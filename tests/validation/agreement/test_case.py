@@ -11,8 +11,8 @@ from perturbed import perturbed
 
 from validation.case import Absolute, Allowance, Elsewhere, Measurement, Relation, Relative
 from validation.case_group import CaseGroup, numbered
-from validation.results.outcome import judge
-from validation.results.records import case_record, parse_run, run_record
+from validation.run.outcome import judge
+from validation.run.records import case_record, parse_run, run_record
 
 # Keys that interface.md fixes for an entry of "cases" in results.json.
 INTERFACE = {

@@ -24,7 +24,7 @@ from validation.context import Context
 from validation.models.legs import leg_matrices
 from validation.models.mechanism import bodies_of
 from validation.models.options import ModelOptions
-from validation.results.outcome import judge
+from validation.run.outcome import judge
 from validation.solve.answer import record_of
 
 COUNT, FEW = 60, 6

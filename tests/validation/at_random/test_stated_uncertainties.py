@@ -14,7 +14,7 @@ from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Tube
 from validation.agreement.convergence import pairwise_orders
 from validation.catalogue import catalogue
 from validation.context import Context
-from validation.results.outcome import judge
+from validation.run.outcome import judge
 from validation.solids.legs import (
     Refinement,
     edge_order,

@@ -26,8 +26,8 @@ from validation.case import Allowance, Case, Relation, Skip
 from validation.catalogue import catalogue
 from validation.context import Context
 from validation.exhibits import PlannedFigure
-from validation.results.outcome import judge
-from validation.session.runner import execute
+from validation.run.outcome import judge
+from validation.run.runner import execute
 
 
 class Noted(dict):

@@ -24,7 +24,7 @@ from validation.cases import legs
 from validation.cases.leg_waves import wave_changes, waves_of
 from validation.comparisons import mesh_cases
 from validation.context import Context
-from validation.results.outcome import judge
+from validation.run.outcome import judge
 from validation.solids.legs import (
     ELEMENTS,
     Refinement,

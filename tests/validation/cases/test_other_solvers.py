@@ -32,7 +32,7 @@ from validation.context import Context
 from validation.kinematics.poses import postures_of
 from validation.models.mechanism import answers, mechanism_modes
 from validation.models.options import ModelOptions
-from validation.results.outcome import judge
+from validation.run.outcome import judge
 from validation.selftest.benchmarks import hexapod_stiffness
 
 ROCKER = Path(__file__).resolve().parents[3] / "examples" / "rocker" / "robot.toml"

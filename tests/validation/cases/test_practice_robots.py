@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from written_robot import robot_of
 
-from lumped.acceptance.agreement import DEFAULT_LIMITS
+from lumped.acceptance.requirement import DEFAULT_LIMITS
 from lumped.robot_file import load_robot
 from validation import api
 from validation.case import Skip

@@ -11,10 +11,10 @@ import pytest
 import toy_catalogue as toys
 from toy_runs import refusing, run_here
 
+from lumped.files import refusals
 from validation import cli
-from validation.run.files import refusals
+from validation.run import runner
 from validation.run.folder import RunFolder
-from validation.session import runner
 
 pytestmark = pytest.mark.usefixtures("undrawn")
 ROOT = Path(__file__).parents[3]
@@ -176,7 +176,7 @@ def test_a_fault_of_the_program_is_no_disagreement(with_catalogue, tmp_path, mon
         raise RuntimeError("no template")
 
     with_catalogue(toys.sound)
-    monkeypatch.setattr("validation.session.validate.render", broken)
+    monkeypatch.setattr("validation.validate.render", broken)
     assert cli.main(["run", "--only", "toy.agrees", "--out", str(tmp_path / "run")]) == 3
     printed = capsys.readouterr().err
     assert "no template" in printed

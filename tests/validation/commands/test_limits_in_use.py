@@ -21,13 +21,13 @@ from lumped.errors import InputError
 from lumped.robot_file import load_robot
 from lumped.robot_file.variation import variations_of
 from validation import api, catalogue, cli, pytest_plugin
+from validation import validate as session
 from validation.adequacy import robot as adequacy_of_robot
 from validation.adequacy.judgement import judged
-from validation.adequacy.matrix import Assessment
 from validation.adequacy.response import Response
 from validation.case import Measurement
-from validation.session import runner
-from validation.session import validate as session
+from validation.run import runner
+from validation.verdicts import Assessment
 
 pytest_plugins = ["pytester"]
 BELOW, ABOVE = 0.99, 1.01

@@ -4,13 +4,13 @@ import json
 
 import pytest
 
-from lumped.acceptance.agreement import AgreementLimits
+from lumped.acceptance.requirement import AgreementLimits
 from lumped.robot_file import load_robot
 from validation.catalogue import catalogue
 from validation.cli import main
 from validation.comparisons.leg_beam_vs_solid import cases
 from validation.context import Context
-from validation.results.outcome import judge
+from validation.run.outcome import judge
 
 
 @pytest.fixture

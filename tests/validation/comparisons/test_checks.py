@@ -7,13 +7,13 @@ import pytest
 from crane import write_crane
 from report_sample import measured
 
-from lumped.acceptance.agreement import AgreementLimits
+from lumped.acceptance.requirement import AgreementLimits
 from lumped.robot_file import load_robot
 from validation import api, pytest_plugin
 from validation.case import Allowance, Relative, Skip
 from validation.comparisons import convergence_cases
 from validation.comparisons.checks import agreement_text, checks, convergence_check
-from validation.results.outcome import judge
+from validation.run.outcome import judge
 
 pytest_plugins = ["pytester"]
 # An environment set up before the plugin was there knows it by its module alone.

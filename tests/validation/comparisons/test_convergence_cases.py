@@ -13,7 +13,7 @@ from crane import write_overlapping_crane
 from one_arm import ONE_ARM
 from written_robot import robot_of
 
-from lumped.acceptance.agreement import DEFAULT_LIMITS
+from lumped.acceptance.requirement import DEFAULT_LIMITS
 from lumped.errors import ComputationError, InputError
 from lumped.robot_file import load_robot
 from validation.case import Skip
@@ -24,7 +24,7 @@ from validation.comparisons.convergence_figure import element_convergence as fig
 from validation.comparisons.convergence_series import fitted_orders
 from validation.comparisons.readings import EULER_BERNOULLI, FORMULATIONS
 from validation.context import Context, memo_key
-from validation.results.outcome import judge
+from validation.run.outcome import judge
 
 PATH = """
 [path]

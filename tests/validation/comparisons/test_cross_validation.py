@@ -9,7 +9,7 @@ from validation import api
 from validation.case import Allowance, Case, Measurement, Relative
 from validation.comparisons.requested import convergence
 from validation.cross_validation import CrossValidation
-from validation.results.outcome import Outcome, Result, judge
+from validation.run.outcome import Outcome, Result, judge
 
 ARM = """\
 schema = 2

@@ -9,7 +9,7 @@ from report_sample import measured
 from sound_biglide import SOUND
 from written_robot import robot_of
 
-from lumped.acceptance.agreement import DEFAULT_LIMITS
+from lumped.acceptance.requirement import DEFAULT_LIMITS
 from lumped.robot_file import load_robot
 from lumped.sections import HollowRectangle, ISection, Rectangle, Tube
 from validation.case import Allowance, Relative, Skip
@@ -23,7 +23,7 @@ from validation.report.agreement import (
     agreement_tables,
     convergence_sentence,
 )
-from validation.results.outcome import judge
+from validation.run.outcome import judge
 
 HOLLOW = '{ shape = "hollow-rectangle", width = 0.10, height = 0.16, thickness = 0.008 }'
 RECTANGLE = '{ shape = "rectangle", width = 0.10, height = 0.16 }'

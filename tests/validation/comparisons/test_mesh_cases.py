@@ -20,7 +20,7 @@ from validation.context import Context, memo_key
 from validation.drawing.text import number
 from validation.report.figures.meshes import mesh_curves
 from validation.report.figures.studies import families, study_figure
-from validation.results.outcome import judge
+from validation.run.outcome import judge
 from validation.solids.legs import Refinement, formal_order, solid_compliances
 
 BIGLIDE = load_robot("ifw")

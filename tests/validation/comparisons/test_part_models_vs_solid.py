@@ -9,7 +9,7 @@ import pytest
 from crane import write_crane, write_overlapping_crane
 from drawn_parts import plane_ends, written
 
-from lumped.acceptance.agreement import DEFAULT_LIMITS
+from lumped.acceptance.requirement import DEFAULT_LIMITS
 from lumped.legs import Material
 from lumped.mechanism.body import Body, Frame, Part
 from lumped.robot_file import load_robot
@@ -26,7 +26,7 @@ from validation.comparisons.readings import Reading
 from validation.context import Context
 from validation.report.agreement import agreement_sentence, agreement_tables
 from validation.report.agreement_parts import agreement_rows
-from validation.results.outcome import judge
+from validation.run.outcome import judge
 
 pytestmark = pytest.mark.usefixtures("coarse_parts")
 E, RHO, LENGTH, SIDE = 2.1e11, 7850.0, 0.3, 0.02

@@ -6,7 +6,7 @@ from functools import cache
 import pytest
 from crane import write_crane
 
-from lumped.acceptance.agreement import DEFAULT_LIMITS
+from lumped.acceptance.requirement import DEFAULT_LIMITS
 from lumped.robot_file import load_robot
 from validation.case import Skip
 from validation.comparisons import robot_beam_vs_solid
@@ -19,7 +19,7 @@ from validation.comparisons.robot_beam_vs_solid import (
 )
 from validation.context import Context
 from validation.models.options import ModelOptions
-from validation.results.outcome import judge
+from validation.run.outcome import judge
 
 BY_ID = {case.id: case for case in cases(limits=DEFAULT_LIMITS)}
 

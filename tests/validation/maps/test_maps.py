@@ -27,8 +27,8 @@ from validation.kinematics.poses import postures_of
 from validation.maps.figure import _MOST, _panels, maps
 from validation.maps.quantities import _error
 from validation.maps.workspace import evenly, values_on, workspace, worst_posture
-from validation.results.outcome import Result, from_plain, plain
-from validation.results.records import run_record
+from validation.run.outcome import Result, from_plain, plain
+from validation.run.records import run_record
 
 pytestmark = pytest.mark.usefixtures("coarse_legs")
 # Two telescopes in a plane, all rigid but for their drives: K = Σ k d dᵀ at their common pin.

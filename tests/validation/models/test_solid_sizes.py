@@ -16,8 +16,8 @@ from validation.case import Skip
 from validation.catalogue import catalogue
 from validation.context import Context
 from validation.report.figures import modes
-from validation.session.validate import Request, validate
 from validation.solids.size import LARGEST, solid_unknowns, too_large
+from validation.validate import Request, validate
 
 STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 # A strip: elements of 0.5 by 3.1 by 3.1 mm over 0.85 m and 50 mm, 272 slices of 2 by 16.

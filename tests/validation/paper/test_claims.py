@@ -32,8 +32,8 @@ from validation.paper.robot import (
     stroke_of,
 )
 from validation.report.said import SaidTable
-from validation.results.outcome import judge
-from validation.results.records import claims_of, run_record
+from validation.run.outcome import judge
+from validation.run.records import claims_of, run_record
 
 # As printed, as corrected.
 YES, NO, PRINTED, CORRECTED = (True, True), (False, False), (True, False), (False, True)

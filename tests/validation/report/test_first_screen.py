@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from report_sample import entry, sample_matrix, sample_report
 
-from validation.adequacy.matrix import Cause
 from validation.drawing.text import anchor, number
 from validation.exhibits import Figure
 from validation.report.first_screen import first_screen
@@ -17,6 +16,7 @@ from validation.report.remedies import remedies_of
 from validation.report.sections import LEGS
 from validation.report.table import table_of
 from validation.report.words import models_to_use, sentence, supposition
+from validation.verdicts import Cause
 
 pytestmark = pytest.mark.usefixtures("undrawn")
 

@@ -24,7 +24,7 @@ from validation.report.agreement import (
 )
 from validation.report.agreement_parts import HEADINGS, agreement_rows
 from validation.report.page import render
-from validation.results.outcome import judge
+from validation.run.outcome import judge
 
 MODELS = {"vjm": "VJM", "links": "Links", "segments": "Segments (20)", "beam": "Beam FE (20)"}
 # Unit of the case, load of the table and its unit.

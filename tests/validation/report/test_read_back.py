@@ -20,7 +20,6 @@ from lumped.acceptance.quantities import AXIS_LABELS
 from lumped.acceptance.requirement import Requirement
 from validation import api
 from validation.adequacy.judgement import judged
-from validation.adequacy.matrix import Assessment
 from validation.case import Absolute, Relative
 from validation.drawing import text
 from validation.drawing.chart import chart_table
@@ -28,9 +27,10 @@ from validation.report.figures.adequacy import error_curves
 from validation.report.listing import junit_xml, outcome_line
 from validation.report.remedies import remedies_of
 from validation.report.table import csv_of_matrix, table_of
-from validation.results.outcome import Result, from_plain, plain
-from validation.results.records import adequacy_records
-from validation.results.standing import standing_of
+from validation.run.outcome import Result, from_plain, plain
+from validation.run.records import adequacy_records
+from validation.run.results import standing_of
+from validation.verdicts import Assessment
 
 LIMITS = {"x": 0.011, "f1": 0.023, "phi_y": 0.37}
 MARKS = {"adequate": "✓", "inadequate": "✗", "undecided": "?"}

@@ -21,7 +21,6 @@ from report_sample import (
     unmeasured,
 )
 
-from validation.adequacy.matrix import ADEQUACY, MEASURED
 from validation.case import Absolute, Allowance, Relation
 from validation.drawing import text
 from validation.exhibits import AGREEMENT, PATH, Figure, InteractiveScene, study_record
@@ -30,6 +29,7 @@ from validation.report.figures.budgets import budget_curves, budget_figure
 from validation.report.figures.studies import families, family_of, study_figure
 from validation.report.page import render
 from validation.report.sections import LEGS, PageSection, chapters_of, unexplained_share
+from validation.verdicts import ADEQUACY, MEASURED
 
 # After the first page, whose charts are drawn.
 pytestmark = pytest.mark.usefixtures("markup", "undrawn")

@@ -24,13 +24,13 @@ from lumped.errors import ComputationError, InputError
 from lumped.robot_file import load_robot
 from meshes.part.reading import read
 from validation.adequacy.mechanism.parts import highest_of_parts, solid_parts
+from validation.adequacy.mechanism.parts_ahead import prepare_parts
 from validation.adequacy.mechanism.path import holding, offered, path_postures
 from validation.context import Context
 from validation.models import parts
 from validation.run import cluster as on_dask
 from validation.run.cluster import on_cluster
-from validation.run.opening import open_folder
-from validation.session.parts_ahead import prepare_parts
+from validation.run.folder import open_folder
 
 ROOT = Path(__file__).resolve().parents[3]
 

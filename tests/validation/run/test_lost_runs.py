@@ -16,10 +16,10 @@ import pytest
 import toy_catalogue
 import toy_runs as toys
 
+from lumped.files import read_regular
 from lumped.robot_file import load_robot
-from validation.run.files import read_regular
-from validation.session import runner
-from validation.session.validate import Request, validate
+from validation.run import runner
+from validation.validate import Request, validate
 
 pytestmark = pytest.mark.usefixtures("undrawn")
 

@@ -3,6 +3,7 @@
 import errno
 import json
 import os
+import shutil
 import signal
 from itertools import count
 from math import isnan, nan
@@ -12,9 +13,8 @@ import pytest
 from toy_runs import content, partial, refusing
 
 from lumped.errors import InputError
-from validation.run import opening
-from validation.run.files import StoreError
-from validation.run.opening import open_folder
+from lumped.files import StoreError
+from validation.run.folder import open_folder
 
 HEADER = {"robot": "r", "robot_sha256": "1", "preset": "quick", "versions": {"numpy": "2"},
           "started": "today"}  # fmt: skip
@@ -312,8 +312,8 @@ def test_what_cannot_be_resumed_or_written_is_refused_and_left_alone(tmp_path, m
     with monkeypatch.context() as patch:
         patch.setattr(Path, "mkdir", refusing(errno.EROFS))
         assert_refused("cannot write there: Read-only file system", path, OTHER, "afresh")
-    usage = opening.shutil.disk_usage(tmp_path)._replace(free=0)
-    monkeypatch.setattr(opening.shutil, "disk_usage", lambda _: usage)
+    usage = shutil.disk_usage(tmp_path)._replace(free=0)
+    monkeypatch.setattr(shutil, "disk_usage", lambda _: usage)
     assert_refused(r"0\.0 MB are free, and the new run needs about", path, OTHER, "afresh")
     assert content(tmp_path) == before
     assert {entry.name for entry in tmp_path.iterdir()} == {"empty", "file", "run"}

@@ -15,10 +15,10 @@ from lumped.errors import ComputationError, InputError
 from lumped.robot_file import load_robot
 from validation.console import progress as telling
 from validation.report.listing import junit_xml
-from validation.results.outcome import Outcome, Result
-from validation.run.opening import open_folder
-from validation.session import progress, runner
-from validation.session.validate import Request, validate
+from validation.run import progress, runner
+from validation.run.folder import open_folder
+from validation.run.outcome import Outcome, Result
+from validation.validate import Request, validate
 
 
 @pytest.fixture(scope="module")

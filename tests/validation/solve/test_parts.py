@@ -21,7 +21,7 @@ from validation.cases import part_reductions
 from validation.context import Context
 from validation.models import parts
 from validation.models.mechanism import CUTOFF, answers, dynamic_bodies
-from validation.results.outcome import judge
+from validation.run.outcome import judge
 from validation.solve.answer import Solution, as_text
 from validation.solve.model_answers import solve
 from validation.solve.question import Question

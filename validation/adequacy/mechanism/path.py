@@ -13,7 +13,6 @@ from lumped.legs import ConstantLeg, Ends, GivenLeg, Leg
 from lumped.mechanism.mechanism import UNITS_OF_MOVES, Mechanism, Posture
 from lumped.models import serial_chains
 from lumped.models.bodies import legs_of, tip_compliances
-from validation.adequacy.matrix import Coordinate
 from validation.adequacy.mechanism.samples import Samples, samples_of
 from validation.context import Context, Preset
 from validation.kinematics.poses import postures_on_path
@@ -23,6 +22,7 @@ from validation.models.options import DEFAULT_OPTIONS
 from validation.models.part_legs import part_springs, require_legs
 from validation.models.parts import is_held_as_said
 from validation.parts.meshes import FINEST
+from validation.verdicts import Coordinate
 
 # How ends are held, and tip compliances (6×6, SI, leg axes), by body.
 Holds: TypeAlias = Mapping[str, Ends]

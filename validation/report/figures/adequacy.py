@@ -8,9 +8,9 @@ import numpy as np
 
 from lumped.acceptance.quantities import UNIT_LOADS, Quantity, QuantityKind
 from lumped.arrays import Array
-from validation.adequacy.matrix import Entry, Matrix
 from validation.drawing.chart import Chart, Column, Panel, Series, few_ticks, percent, side_by_side
 from validation.report.declared import Shown, curves
+from validation.verdicts import Entry, Matrix
 
 _POSE = "pose"
 # The deflections, and the frequencies where there are any: what is read off first.

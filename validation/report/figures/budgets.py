@@ -16,7 +16,7 @@ from validation.drawing.chart import Bars, Chart, Panel, Series, around_zero
 from validation.drawing.text import function_name
 from validation.exhibits import Figure
 from validation.report.declared import Shown, curves
-from validation.results.outcome import Outcome
+from validation.run.outcome import Outcome
 
 # Of the causes: the hatch tells them apart in black and white.
 _HATCHES = ("", "//", "..", "\\\\", "xx", "++", "--")

@@ -10,7 +10,6 @@ from lumped.mechanism.kinematics.postures import shown_pose
 from lumped.mechanism.mechanism import Mechanism
 from lumped.robot_file import RobotFile
 from validation.adequacy.compared import answering_modes
-from validation.adequacy.matrix import MEASURED_RESPONSE
 from validation.adequacy.mechanism.dynamics import dynamic_reference
 from validation.adequacy.mechanism.path import robot_on_path
 from validation.adequacy.models import judged_models
@@ -31,6 +30,7 @@ from validation.exhibits import PATH, PlannedFigure
 from validation.measured.modes import modal_answer
 from validation.report.declared import FigureGroup, Shown, curves
 from validation.solids.legs import SHARED_SOLIDS
+from validation.verdicts import MEASURED_RESPONSE
 
 # Of a size that is known to no digit the band ends at this part of it: a logarithm has no zero.
 _LEAST = 0.01

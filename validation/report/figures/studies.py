@@ -12,7 +12,7 @@ from validation.drawing.text import function_name
 from validation.exhibits import Figure, Study
 from validation.report.declared import Shown, curves
 from validation.report.figures.meshes import mesh_curves
-from validation.results.outcome import Outcome
+from validation.run.outcome import Outcome
 
 _DEVIATION = "deviation from the limit (%)"
 

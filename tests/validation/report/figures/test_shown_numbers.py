@@ -9,7 +9,6 @@ from report_sample import quantity_of, sample_matrix
 from lumped.mechanism.load import Excitation
 from lumped.robot_file import load_robot
 from validation.adequacy.compared import Compared
-from validation.adequacy.matrix import Entry
 from validation.adequacy.mechanism.dynamics import mass_notes
 from validation.adequacy.response import (
     Alternative,
@@ -23,6 +22,7 @@ from validation.kinematics.poses import postures_of
 from validation.report.figures import responses
 from validation.report.figures.adequacy import measured_curves
 from validation.variations import curves
+from validation.verdicts import Entry
 
 # Sizes of responses at three poses and two frequencies, m/N.
 SIZES = 1e-6 * np.array([[1.0, 2.0], [10.0, 20.0], [100.0, 200.0]])

@@ -10,8 +10,8 @@ from msgspec.json import encode
 from msgspec.structs import replace
 
 from lumped.errors import InputError
-from validation.results.compare import as_dict, as_text, compare, drift, with_drift
-from validation.results.records import AdequacyRecord, CaseRecord, RunRecord, load_run
+from validation.run.compare import as_dict, as_text, compare, drift, with_drift
+from validation.run.records import AdequacyRecord, CaseRecord, RunRecord, load_run
 
 CASE = {"id": "steady", "verdict": "agree"}
 STEADY = CaseRecord(**CASE, value=1.0, reference=1.0, tolerance=0.1, seconds=1.0)

@@ -7,12 +7,11 @@ import pytest
 from report_sample import HEADER, entry, never, sample_matrix, sample_report
 from toy_catalogue import case
 
-from validation.adequacy.matrix import ADEQUACY, MEASURED, Assessment
 from validation.exhibits import PlannedFigure
-from validation.results.gathered import Results
-from validation.results.outcome import Result
-from validation.results.standing import standing_of
-from validation.session.summary import adequacy, verdicts
+from validation.report.summary import adequacy, verdicts
+from validation.run.outcome import Result
+from validation.run.results import Results, standing_of
+from validation.verdicts import ADEQUACY, MEASURED, Assessment
 
 FIGURE = PlannedFigure("fig7", "Fig. 7", never)
 MODELS = Assessment(ADEQUACY, "", never)

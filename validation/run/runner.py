@@ -19,17 +19,17 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from lumped.errors import InputError
 from lumped.text import did_you_mean
-from validation.adequacy.matrix import Assessment
 from validation.case import OUT_OF_MEMORY, Case, Skip, failure_reason
 from validation.context import Context, Preset
 from validation.drawing.text import function_name
 from validation.exhibits import PlannedFigure
-from validation.results.outcome import AnyResult, Record, Result, Task, judge, plain
 from validation.run.executor import OutOfMemoryCrash, on_cores
+from validation.run.outcome import AnyResult, Record, Result, Task, judge, plain
+from validation.verdicts import Assessment
 
 if TYPE_CHECKING:
     # Rich, which processes that compute do without.
-    from validation.session.progress import RunProgress
+    from validation.run.progress import RunProgress
 
 # A function at the top of a module that lists the cases and figures for a robot file; it must be
 # quick and give the same list in every process.

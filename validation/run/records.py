@@ -10,10 +10,10 @@ from msgspec import UNSET, UnsetType
 
 from lumped.errors import InputError
 from lumped.files import read_ordinary
-from validation.adequacy.matrix import Adequacy, Matrix
 from validation.claims import Claim, claim_records, gathered
 from validation.exhibits import Figure, Study, study_record
-from validation.results.outcome import Outcome, Verdict
+from validation.run.outcome import Outcome, Verdict
+from validation.verdicts import Adequacy, Matrix
 
 _FILE = "results.json"
 # Runs of large mechanisms come to a few MB.
@@ -72,7 +72,7 @@ class ShareRecord(msgspec.Struct, frozen=True):
 
 
 class AdequacyRecord(msgspec.Struct, frozen=True, kw_only=True):
-    """An entry of a matrix (validation.adequacy.matrix.Entry) in SI units.
+    """An entry of a matrix (validation.verdicts.Entry) in SI units.
 
     `values` at `poses` let two runs be compared; `part`: which of the robot's it is of. `along`,
     and `force` of any force, belong to deflections alone.

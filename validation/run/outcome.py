@@ -12,9 +12,9 @@ from typing import Any, Generic, Literal, TypeAlias, TypeVar
 import msgspec
 import numpy as np
 
-from validation.adequacy.matrix import Assessment, Matrix
 from validation.case import Case, Measurement, Relation
 from validation.exhibits import Figure, PlannedFigure
+from validation.verdicts import Assessment, Matrix
 
 Verdict: TypeAlias = Literal["agree", "disagree", "undecided", "failed", "skipped"]
 V = TypeVar("V")

@@ -16,7 +16,7 @@ from rich.progress import (
 from lumped.text import counted
 from validation.case import Case
 from validation.console.progress import told
-from validation.results.outcome import Record, Task
+from validation.run.outcome import Record, Task
 
 # Seconds over which the pace is measured: all of the run.
 _ALL_OF_IT = 1e9

@@ -5,6 +5,7 @@ from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from pathlib import Path
+from shlex import join
 from time import perf_counter
 
 from lumped.acceptance.measured import digest
@@ -15,7 +16,6 @@ from lumped.models.bodies import legs_of
 from lumped.robot_file import RobotFile
 from lumped.robot_file.evidence import with_options
 from lumped.robot_file.variation import Variation
-from validation.adequacy.matrix import ADEQUACY, MEASURED, MEASURED_RESPONSE
 from validation.agreement.accuracy import accuracy_faults
 from validation.console.progress import stage
 from validation.console.streams import mention
@@ -24,17 +24,16 @@ from validation.paper.errata import paper_findings
 from validation.report.listing import junit_xml
 from validation.report.page import Report, render
 from validation.report.words import sentence
-from validation.results.gathered import Results
-from validation.results.outcome import Record, Task
-from validation.results.records import RunRecord, load_run
-from validation.run import provenance
+from validation.run import progress, provenance, runner
 from validation.run.cache import some_cache
 from validation.run.executor import Executor, on_cores
-from validation.run.folder import RunFolder
-from validation.run.opening import Start, open_folder
+from validation.run.folder import RunFolder, Start, open_folder
+from validation.run.outcome import Record, Task
 from validation.run.provenance import last_selftest
-from validation.session import progress, runner
+from validation.run.records import RunRecord, load_run
+from validation.run.results import Results
 from validation.solve.cost import PER_PART
+from validation.verdicts import ADEQUACY, MEASURED, MEASURED_RESPONSE
 
 # How many times as long as results.json takes to write it is left alone.
 _SPARING = 20.0
@@ -116,6 +115,22 @@ class Request:
             "inputs": f"{self.inputs:g}" if self.inputs else "",
         }
         return {option: text for option, text in given.items() if text}
+
+    @property
+    def resume_command(self) -> str:
+        """The command that goes on with an interrupted run of this request."""
+        command = ["flexproof", "run", self.robot.source, "--preset", self.preset]
+        command += ["--only", self.only] if self.only else []
+        command += ["--baseline", str(self.baseline)] if self.baseline else []
+        command += ["--export"] if self.exports else []
+        command += ["--cluster", self.cluster] if self.cluster else []
+        for option in ("accept", "rely", "vary"):
+            command += [word for one in getattr(self, option) for word in (f"--{option}", one)]
+        command += ["--accuracy", f"{self.accuracy:g}"] if self.accuracy else []
+        command += ["--inputs", f"{self.inputs:g}"] if self.inputs else []
+        command += ["--measured", str(self.measured)] if self.measured else []
+        command += ["--strict"] if self.strict else []
+        return join([*command, "--out", str(self.out), "--resume"])
 
 
 def validate(request: Request, catalogue: runner.Catalogue) -> Results:
@@ -239,7 +254,7 @@ def _prepare(request: Request, cluster: Executor | None) -> None:
     if not request.robot_file.mechanism.parts:
         return
     # Meshes and solvers, of which most runs ask for none.
-    from validation.session.parts_ahead import prepare_parts  # noqa: PLC0415
+    from validation.adequacy.mechanism.parts_ahead import prepare_parts  # noqa: PLC0415
 
     context = Context(request.robot_file, request.preset)
     parts = len(request.robot_file.mechanism.parts)

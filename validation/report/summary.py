@@ -1,13 +1,10 @@
-"""What a run says at its end on the terminal."""
-
-from shlex import join
+"""The result of a run as lines of text, shown at its end on the terminal."""
 
 from validation.report.agreement import agreement_sentence, convergence_sentence
 from validation.report.listing import outcome_line
 from validation.report.words import sentence, supposition
-from validation.results import compare
-from validation.results.gathered import Results
-from validation.session.validate import Request
+from validation.run import compare
+from validation.run.results import Results
 
 
 def verdicts(gathered: Results) -> list[str]:
@@ -65,19 +62,3 @@ def changes(gathered: Results) -> tuple[list[str], bool]:
         *worse,
         f"against the baseline: {compare.sentence(comparison)}",
     ], comparison.worsened
-
-
-def how_to_go_on(request: Request) -> str:
-    """The command that goes on with an interrupted run."""
-    command = ["flexproof", "run", request.robot.source, "--preset", request.preset]
-    command += ["--only", request.only] if request.only else []
-    command += ["--baseline", str(request.baseline)] if request.baseline else []
-    command += ["--export"] if request.exports else []
-    command += ["--cluster", request.cluster] if request.cluster else []
-    for option in ("accept", "rely", "vary"):
-        command += [word for one in getattr(request, option) for word in (f"--{option}", one)]
-    command += ["--accuracy", f"{request.accuracy:g}"] if request.accuracy else []
-    command += ["--inputs", f"{request.inputs:g}"] if request.inputs else []
-    command += ["--measured", str(request.measured)] if request.measured else []
-    command += ["--strict"] if request.strict else []
-    return f"go on with: {join([*command, '--out', str(request.out), '--resume'])}"

@@ -15,10 +15,10 @@ import msgspec
 import numpy as np
 
 from lumped.text import aligned, counted
-from validation.adequacy.matrix import Adequacy
 from validation.drawing.text import error_with_spread
-from validation.results.outcome import Verdict
-from validation.results.records import AdequacyRecord, CaseRecord, RunRecord
+from validation.run.outcome import Verdict
+from validation.run.records import AdequacyRecord, CaseRecord, RunRecord
+from validation.verdicts import Adequacy
 
 # Rounding differs between machines and library versions; far above it, far below any tolerance.
 _ROUNDING = 1e-9
@@ -83,7 +83,7 @@ class InputChange:
 
 @dataclass(frozen=True)
 class Judged:
-    """What a run says of a model's quantity; see validation.results.records.AdequacyRecord."""
+    """What a run says of a model's quantity; see validation.run.records.AdequacyRecord."""
 
     verdict: Adequacy
     error: float | None
