@@ -24,7 +24,7 @@ from queue import SimpleQueue
 from signal import SIGKILL, SIGXCPU, Signals
 from threading import Thread
 from time import monotonic, process_time
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 from lumped.errors import ComputationError, InputError
 
@@ -47,6 +47,14 @@ class _Raised:
     """The error that comes in place of a value."""
 
     error: Exception
+
+
+class _Question(NamedTuple):
+    """A call for the other process; if it `stays`, its value is kept there."""
+
+    function: Callable[..., object]
+    arguments: tuple[object, ...]
+    stays: bool = False
 
 
 class Process:
@@ -74,9 +82,19 @@ class Process:
 
     def ask(self, function: Callable[..., object], *arguments: object) -> None:
         """Have `function(*arguments)` computed, a function at the top of a module."""
-        question = pickle.dumps((function, arguments))
+        self._send(_Question(function, arguments))
+
+    def begin(self, function: Callable[..., object], *arguments: object) -> None:
+        """Have a value computed that stays there: the first argument of all later functions.
+
+        The answer is None.
+        """
+        self._send(_Question(function, arguments, stays=True))
+
+    def _send(self, question: "_Question") -> None:
+        content = pickle.dumps(question)
         try:
-            self.connection.send_bytes(question)
+            self.connection.send_bytes(content)
         except ConnectionError:
             # Its end is noticed when the answer is read.
             return
@@ -163,14 +181,20 @@ def serve(descriptor: int) -> None:
     connection = Connection(descriptor)
     questions: SimpleQueue[bytes] = SimpleQueue()
     Thread(target=_receive, args=(connection, questions), daemon=True).start()
+    staying: list[object] = []
     while True:
-        connection.send_bytes(_answered(questions.get()))
+        connection.send_bytes(_answered(questions.get(), staying))
 
 
-def _answered(question: bytes) -> bytes:
+def _answered(content: bytes, staying: list[object]) -> bytes:
+    """The pickled answer to a question; a value that stays is added to those `staying`."""
     try:
-        function, arguments = pickle.loads(question)  # noqa: S301  from who started this process
-        return pickle.dumps(function(*arguments))
+        question: _Question = pickle.loads(content)  # noqa: S301  from who started this process
+        value = question.function(*staying, *question.arguments)
+        if question.stays:
+            staying.append(value)
+            value = None
+        return pickle.dumps(value)
     except (InputError, ComputationError) as error:
         return pickle.dumps(_Raised(error))
     except MemoryError:

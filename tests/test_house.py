@@ -32,6 +32,8 @@ PARSED = re.compile(
     r"|\bstr\(\w*error\)(?:\.(?:(?:start|end)swith|r?partition|remove\w+|r?find|r?index)\(|\[)"
 )
 
+EMPTY = re.compile(r"\[\]|\{\}|(?:list|dict|set|deque|(?:\w+\.)?defaultdict)\((?:list|dict|set)?\)")
+
 
 def tracked() -> list[Path]:
     try:
@@ -82,6 +84,32 @@ def test_imports_go_one_way_and_never_in_a_circle():
 
 def test_the_drawing_of_the_house_is_as_its_imports_are():
     assert MAP["drawing"]() == MAP["PICTURE"].read_text(encoding="utf-8")
+
+
+def test_no_module_holds_a_state():
+    """What changes is passed along; `lumped.memo` knows the memos that tests have forget all."""
+    assert states("found: list[int] = []\nLIMITS = {1: 2}\n") == ["found"]
+    assert states("seen = set()\nfrom collections import deque\ntodo = deque()") == ["seen", "todo"]
+    assert states("def f():\n    global count\n    count = 1") == ["count"]
+    held = {
+        f"{name}.{state}"
+        for name, path in MODULES.items()
+        for state in states(path.read_text(encoding="utf-8"))
+    }
+    assert held == {"lumped.memo._remembering"}
+
+
+def states(source: str) -> list[str]:
+    """Names in a module that are filled later: empty collections, and `global` ones."""
+    tree, found = ast.parse(source), list[str]()
+    for node in tree.body:
+        if isinstance(node, ast.Assign | ast.AnnAssign) and node.value is not None:
+            targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+            found += [
+                ast.unparse(one) for one in targets if EMPTY.fullmatch(ast.unparse(node.value))
+            ]
+    globals_ = (node for node in ast.walk(tree) if isinstance(node, ast.Global))
+    return [*found, *(name for node in globals_ for name in node.names)]
 
 
 def test_no_path_of_a_machine_and_no_package_index_is_committed():

@@ -35,6 +35,20 @@ def test_values_and_errors_come_back_from_another_process():
     process.end()
 
 
+def test_value_that_stays_is_argument_of_later_calls():
+    process = Process()
+    process.begin(list, "ab")
+    process.ask(len)
+    process.begin(sorted)
+    process.ask(zip_lists)
+    assert [process.answer() for _ in range(4)] == [None, 2, None, [("a", "a"), ("b", "b")]]
+    process.end()
+
+
+def zip_lists(*lists):
+    return list(zip(*lists, strict=True))
+
+
 def test_crashes_and_limits_of_time_and_memory_end_it_alone_and_say_which():
     with pytest.raises(Crashed, match="was ended by SIGABRT"):
         in_own_process(os.abort)

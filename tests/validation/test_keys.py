@@ -33,7 +33,7 @@ from validation.models import parts, stepped_parts
 from validation.models.options import ModelOptions
 from validation.parts import identify, meshes
 from validation.run import provenance
-from validation.run.cache import key_of
+from validation.run.cache import CacheEntry, key_of
 from validation.run.folder import mark_of
 from validation.validate import Request
 from validation.variations import curves as CURVES  # noqa: N812
@@ -163,15 +163,14 @@ def asked_of_parts(file: PartFile, interfaces: tuple[Interface, ...]) -> Iterato
 
 
 def test_everything_that_is_kept_of_parts_has_a_key_of_its_own(tmp_path, monkeypatch):
-    def noted(key, *_):
-        keys.append(key)
+    def noted(entry):
+        keys.append(entry.key)
         raise InterruptedError
 
     keys: list[str] = []
     part = given(tmp_path)
     monkeypatch.setattr(parts, "found_in", lambda _: part)
-    for module in (parts, stepped_parts, identify, meshes):
-        monkeypatch.setattr(module, "kept", noted)
+    monkeypatch.setattr(CacheEntry, "value", noted)
     asked = list(asked_of_parts(*part))
     for ask in asked:
         with pytest.raises(InterruptedError):

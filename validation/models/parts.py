@@ -29,9 +29,10 @@ from meshes.part.boundary import PartMesh
 from meshes.part.interfaces import Interface, find_interfaces
 from meshes.part.reading.read import PartFile
 from validation.models.options import ReductionBy
-from validation.parts.identify import Identified, identify, more_unknowns
-from validation.parts.meshes import COARSE, FINEST, part_file, part_key, part_mesh
-from validation.run.cache import Arrays, kept, require_shape
+from validation.parts import identify
+from validation.parts.identify import Identified, more_unknowns
+from validation.parts.meshes import COARSE, FINEST, mesh_entries, part_file, part_key, part_mesh
+from validation.run.cache import Arrays, CacheEntry, require_shape
 
 # Unknowns of the finest of the three meshes on which a robot's part is identified and reduced, if
 # no others are wanted.
@@ -166,8 +167,18 @@ def with_finer_parts(mechanism: Mechanism, factor: float) -> Mechanism:
 
 def identified(body: Body, unknowns: int | None = None, modes: int = _MODES) -> Identified:
     """The part by its interfaces, in body axes, with its uncertainties."""
+    return identified_entry(body, unknowns, modes).value()
+
+
+def identified_entry(
+    body: Body, unknowns: int | None = None, modes: int = _MODES
+) -> CacheEntry[Identified]:
+    """Cache entry of what `identified` returns."""
     file, interfaces = found_in(body)
-    return identify(file, interfaces, shape_of(body).material, unknowns or unknowns_of(body), modes)
+    material = shape_of(body).material
+    return identify.identified_entry(
+        file, interfaces, material, unknowns or unknowns_of(body), modes
+    )
 
 
 def coarsest_mesh(body: Body) -> PartMesh:
@@ -196,6 +207,24 @@ def reduced(
     `hold`: how interfaces are held of which the robot file does not say it; `by` its modes with
     interfaces fixed or free. Raises ComputationError where it has not the modes that were counted.
     """
+    part = reduced_entry(body, highest, cutoff, level, hold, by).value()
+    if part.kept != part.counted:
+        raise ComputationError(
+            f"{body.name}, reduced: {counted(part.counted, 'mode was', 'modes were')} counted "
+            f"below {part.cutoff:.6g} Hz, its reduction has {part.kept}"
+        )
+    return part
+
+
+def reduced_entry(
+    body: Body,
+    highest: float,
+    cutoff: float,
+    level: int = FINEST,
+    hold: Hold = "rigid",
+    by: ReductionBy = "fixed",
+) -> CacheEntry[ReducedPart]:
+    """Cache entry of what `reduced` returns."""
     file, known = found_in(body)
     shape, unknowns = shape_of(body), unknowns_of(body)
     if file.mesh is not None:
@@ -251,13 +280,7 @@ def reduced(
             free=free,
         )
 
-    part = kept(key, compute, read)
-    if part.kept != part.counted:
-        raise ComputationError(
-            f"{body.name}, reduced: {counted(part.counted, 'mode was', 'modes were')} counted "
-            f"below {part.cutoff:.6g} Hz, its reduction has {part.kept}"
-        )
-    return part
+    return CacheEntry(key, compute, read, mesh_entries(file, known, unknowns, [level]))
 
 
 def interpolated(nodes: Array, recovery: Array) -> Callable[[Array], SparseMatrix]:

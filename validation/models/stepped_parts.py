@@ -19,8 +19,8 @@ from meshes.part.slices import NotPrismaticError, slice_meshes, slices_of
 from meshes.part.spread import cell_volumes
 from meshes.section.section_mesh import SectionMesh
 from validation.models import parts
-from validation.parts.meshes import MIDDLE, part_key, part_mesh
-from validation.run.cache import Arrays, kept, require_shape
+from validation.parts.meshes import MIDDLE, mesh_entries, part_key, part_mesh
+from validation.run.cache import Arrays, CacheEntry, require_shape
 
 PIECES = 10
 # Each round cuts across the line through the centroids of the round before.
@@ -43,6 +43,11 @@ def stepped(body: Body, pieces: int = PIECES) -> SteppedLeg:
     Raises NotPrismaticError if the interfaces leave nothing between them, a plane misses the part,
     or a section is none of a prism.
     """
+    return stepped_entry(body, pieces).value()
+
+
+def stepped_entry(body: Body, pieces: int = PIECES) -> CacheEntry[SteppedLeg]:
+    """Cache entry of what `stepped` returns."""
     file, interfaces = parts.found_in(body)
     material = parts.shape_of(body).material
     frame = parts.leg_axes(body)
@@ -89,7 +94,7 @@ def stepped(body: Body, pieces: int = PIECES) -> SteppedLeg:
             tip_mass=_moved(found["tip_mass"], length),
         )
 
-    return kept(key, compute, read)
+    return CacheEntry(key, compute, read, mesh_entries(file, interfaces, unknowns, [MIDDLE]))
 
 
 def why_not_stepped(mechanism: Mechanism) -> str:

@@ -26,9 +26,9 @@ from lumped.legs import Material
 from meshes.part.interfaces import Interface
 from meshes.part.reading.read import PartFile
 from meshes.part.spread import spread_over
-from validation.parts.meshes import FINEST, LEVELS, gradings, part_key, part_mesh
+from validation.parts.meshes import FINEST, LEVELS, gradings, mesh_entries, part_key, part_mesh
 from validation.parts.refinement import compliance_uncertainty, refinement_uncertainty
-from validation.run.cache import kept, require_shape
+from validation.run.cache import CacheEntry, require_shape
 
 DEFAULT_UNKNOWNS = 100_000
 DEFAULT_MODES = 6
@@ -111,6 +111,17 @@ def identify(
 
     Raises InputError where no mesh can be made, ComputationError where memory or a solver fails.
     """
+    return identified_entry(part, interfaces, material, unknowns, modes).value()
+
+
+def identified_entry(
+    part: PartFile,
+    interfaces: Sequence[Interface],
+    material: Material,
+    unknowns: int,
+    modes: int,
+) -> CacheEntry[Identified]:
+    """Cache entry of what `identify` returns."""
     key = part_key(part, interfaces, material, "identify", unknowns, modes)
     m = 6 * len(interfaces)
 
@@ -126,7 +137,12 @@ def identify(
         values["unknowns"] = tuple(int(count) for count in found["unknowns"])
         return Identified(part=part, interfaces=tuple(interfaces), **values)
 
-    return kept(key, lambda: _computed(part, interfaces, material, unknowns, modes), read)
+    return CacheEntry(
+        key,
+        lambda: _computed(part, interfaces, material, unknowns, modes),
+        read,
+        mesh_entries(part, interfaces, unknowns, LEVELS),
+    )
 
 
 def left_open(found: Identified) -> float:

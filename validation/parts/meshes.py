@@ -20,7 +20,7 @@ from meshes.part.interfaces import Interface
 from meshes.part.reading.given_mesh import MESHES
 from meshes.part.reading.read import PartFile, read_part, require_file
 from meshes.part.volume import Grading, ladder, volume_mesh
-from validation.run.cache import kept, key_of, require_shape
+from validation.run.cache import CacheEntry, key_of, require_shape
 
 # Raised where the same input gives other numbers than before: meshes, elements, reduction.
 _EDITION = 14
@@ -48,7 +48,9 @@ def part_file(path: Path, unit: str | None = None) -> PartFile:
     if path.suffix.lower() in MESHES:
         return read_part(path, unit)
     key = key_of("file", _program(), _content(path), unit)
-    return kept(key, lambda: _file_packed(read_part(path, unit)), partial(_file_unpacked, path))
+    return CacheEntry(
+        key, lambda: _file_packed(read_part(path, unit)), partial(_file_unpacked, path)
+    ).value()
 
 
 def _program() -> tuple[int, str]:
@@ -77,15 +79,37 @@ def part_mesh(
     """
     if part.mesh is not None:
         return part.mesh
-    key = _mesh_key(part, interfaces, "mesh", unknowns, level)
-    return kept(key, lambda: _packed(_made(part, interfaces, unknowns, level)), _unpacked)
+    (entry,) = mesh_entries(part, interfaces, unknowns, [level])
+    return entry.value()
+
+
+def mesh_entries(
+    part: PartFile, interfaces: Sequence[Interface], unknowns: int, levels: Sequence[int]
+) -> tuple[CacheEntry[PartMesh], ...]:
+    """Cache entries of the meshes of these levels; empty for a part that is a mesh itself."""
+    if part.mesh is not None:
+        return ()
+    return tuple(
+        CacheEntry(
+            _mesh_key(part, interfaces, "mesh", unknowns, level),
+            partial(_made, part, interfaces, unknowns, level),
+            _unpacked,
+            (_gradings_entry(part, interfaces, unknowns),),
+        )
+        for level in levels
+    )
 
 
 def gradings(part: PartFile, interfaces: Sequence[Interface], unknowns: int) -> tuple[Grading, ...]:
-    """Those of the three meshes, by level; raises InputError as `part_mesh` does."""
-    key = _mesh_key(part, interfaces, "ladder", unknowns)
-    return kept(
-        key,
+    """Gradings of the three meshes, by level; raises InputError as `part_mesh` does."""
+    return _gradings_entry(part, interfaces, unknowns).value()
+
+
+def _gradings_entry(
+    part: PartFile, interfaces: Sequence[Interface], unknowns: int
+) -> CacheEntry[tuple[Grading, ...]]:
+    return CacheEntry(
+        _mesh_key(part, interfaces, "ladder", unknowns),
         lambda: {"steps": [(g.size, g.sides, g.cut) for g in ladder(part, interfaces, unknowns)]},
         _gradings,
     )
@@ -96,8 +120,10 @@ def _gradings(found: dict[str, Array]) -> tuple[Grading, ...]:
     return tuple(Grading(size, sides, bool(cut)) for size, sides, cut in (coarse, middle, fine))
 
 
-def _made(part: PartFile, interfaces: Sequence[Interface], unknowns: int, level: int) -> PartMesh:
-    return volume_mesh(part, interfaces, gradings(part, interfaces, unknowns)[level])
+def _made(
+    part: PartFile, interfaces: Sequence[Interface], unknowns: int, level: int
+) -> dict[str, Any]:
+    return _packed(volume_mesh(part, interfaces, gradings(part, interfaces, unknowns)[level]))
 
 
 def _packed(mesh: PartMesh) -> dict[str, Any]:

@@ -11,10 +11,11 @@ import fcntl
 import os
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
+from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, TypeAlias, TypeVar
+from typing import Any, Generic, TypeAlias, TypeVar
 from zipfile import BadZipFile
 
 import numpy as np
@@ -33,14 +34,42 @@ _DAY = 86_400.0
 # What this process computed or read last stays in its memory.
 _IN_MEMORY = 64
 _SEAL = b"\nflexproof "
-# Who collects what is asked for, the innermost last.
-_collecting: list[dict[str, Arrays]] = []
-# Not empty while it is only looked at what is there.
-_looking: list[bool] = []
 
 
-class _NotKept(Exception):  # noqa: N818  ends a look at what is kept, never leaves this module
-    pass
+@dataclass(frozen=True)
+class CacheEntry(Generic[T]):
+    """A result that is kept: its key, how its arrays are computed, and the value read from them.
+
+    Arrays without one that `read` needs, or with another shape, count as absent, even if sealed.
+    `needs` are entries that computing asks for.
+    """
+
+    key: str
+    compute: Callable[[], Mapping[str, Any]]
+    read: Callable[[Arrays], T]
+    needs: "tuple[CacheEntry[Any], ...]" = ()
+
+    @property
+    def is_kept(self) -> bool:
+        """Whether nothing would be computed for the value."""
+        return _read(self.key, self.read) is not None
+
+    @property
+    def kept(self) -> dict[str, Arrays]:
+        """Arrays by key that are kept of this entry and of those that it needs."""
+        own = find(self.key)
+        needed = {key: arrays for entry in self.needs for key, arrays in entry.kept.items()}
+        return needed if own is None else needed | {self.key: own}
+
+    def value(self) -> T:
+        """The value: of the arrays that are kept, else of those computed now, which are kept."""
+        found = _read(self.key, self.read)
+        if found is None:
+            with _alone(self.key):
+                found = _read(self.key, self.read)
+                if found is None:
+                    found = self.read(keep(self.key, self.compute()))
+        return found
 
 
 def cache_folder() -> Path | None:
@@ -103,24 +132,6 @@ def keep(key: str, arrays: Mapping[str, Any]) -> Arrays:
     return remembered
 
 
-def kept(key: str, compute: Callable[[], Mapping[str, Any]], read: Callable[[Arrays], T]) -> T:
-    """What `read` makes of the arrays of that `key`, else of those computed, which are kept.
-
-    Arrays that lack one, or have one of another shape, are none, whoever sealed them.
-    """
-    found = _read(key, read)
-    if found is None:
-        with _alone(key):
-            found = _read(key, read)
-            if found is None:
-                if _looking:
-                    raise _NotKept
-                found = read(keep(key, compute()))
-    for collected_here in _collecting:
-        collected_here[key] = _remembered(key)
-    return found
-
-
 def require_shape(arrays: Arrays, **shapes: tuple[int | None, ...]) -> None:
     """Raise ValueError where an array has another shape, or none of what any number there is of."""
     for name, shape in shapes.items():
@@ -139,29 +150,6 @@ def _read(key: str, read: Callable[[Arrays], T]) -> T | None:
     except (LookupError, TypeError, ValueError):
         _remembered(key).clear()
         return None
-
-
-@contextmanager
-def collected() -> Iterator[dict[str, Arrays]]:
-    """All arrays, by key, that are asked for in this context, computed or read."""
-    entries: dict[str, Arrays] = {}
-    _collecting.append(entries)
-    try:
-        yield entries
-    finally:
-        _collecting.pop()
-
-
-def is_kept(ask: Callable[[], object]) -> bool:
-    """Whether what `ask` asks for is all kept, so that nothing is computed for it."""
-    _looking.append(True)
-    try:
-        ask()
-    except _NotKept:
-        return False
-    finally:
-        _looking.pop()
-    return True
 
 
 @memo(_IN_MEMORY)

@@ -20,6 +20,8 @@ from meshes.processes import Crashed, Process
 
 # A call without arguments that can be pickled.
 Work: TypeAlias = Callable[[], Any]
+# The same, but for one argument if processes begin with a value.
+Call: TypeAlias = Callable[..., Any]
 # Number of a call and its result, one after the other as they are finished.
 Finished: TypeAlias = Generator[tuple[int, Any], None, None]
 # Computes calls in any order.
@@ -45,7 +47,8 @@ def on_cores(
 ) -> Iterator["Cores"]:
     """An executor with `jobs` processes, one thread each, which last as long as the context.
 
-    What they print is added to the `log`; `begin` is what each of them computes first.
+    What they print is added to the `log`. The value of `begin`, if given, is computed first in each
+    of them, stays there, and is the argument of all calls.
     """
     cores = Cores(jobs, log, begin)
     try:
@@ -60,7 +63,7 @@ class _Worker:
     """A process, the calls that it has to do, the first of which it does, if it is busy."""
 
     process: Process
-    todo: deque[tuple[Any, Work]]
+    todo: deque[tuple[Any, Call]]
     begun: bool = False
     # Where the log ended when the current call began.
     log_from: int = 0
@@ -95,7 +98,7 @@ class Cores:
 
     def answers(
         self,
-        groups: Sequence[Sequence[tuple[K, Work]]],
+        groups: Sequence[Sequence[tuple[K, Call]]],
         started: Callable[[K], object] = lambda _name: None,
         stopped: Callable[[], bool] = lambda: False,
     ) -> Generator[tuple[K, Any], None, None]:
@@ -135,14 +138,17 @@ class Cores:
             for worker in busy.values():
                 worker.process.end()
 
-    def _worker(self, todo: deque[tuple[Any, Work]]) -> _Worker:
+    def _worker(self, todo: deque[tuple[Any, Call]]) -> _Worker:
         """A process that has been given the first of these calls."""
         if self.idle:
             worker = self.idle.pop()
             worker.todo = todo
         else:
             worker = _Worker(Process(self.log, _SINGLE_THREADED), todo, log_from=self._logged())
-            worker.process.ask(self.begin or int)
+            if self.begin is None:
+                worker.process.ask(int)
+            else:
+                worker.process.begin(self.begin)
         self._ask(worker)
         return worker
 

@@ -9,7 +9,7 @@ for a factorisation. Whatever the computations print goes to the run's log, neve
 import signal
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from functools import partial
 from pathlib import Path
@@ -34,8 +34,6 @@ if TYPE_CHECKING:
 # A function at the top of a module that lists the cases and figures for a robot file; it must be
 # quick and give the same list in every process.
 Catalogue: TypeAlias = Callable[..., Sequence[Task]]
-# The tasks and the context that this process has been given.
-_AT_WORK: list[tuple[Mapping[str, Task], Context]] = []
 
 
 def select(
@@ -143,14 +141,20 @@ def _interruptible() -> Iterator[Callable[[], bool]]:
             signal.signal(number, handler)
 
 
-def _begin(catalogue: Catalogue, context: Context) -> None:
-    """Get ready, as a process of a run, to compute its tasks."""
-    _AT_WORK.append(({task.id: task for task in catalogue(context.robot_file)}, context))
+@dataclass(frozen=True)
+class _Assigned:
+    """Tasks of a run by id, and their context: computed once in each process of the run."""
+
+    tasks: Mapping[str, Task]
+    context: Context
 
 
-def _compute(identifier: str) -> Record:
-    tasks, context = _AT_WORK[-1]
-    return plain(execute(tasks[identifier], context))
+def _begin(catalogue: Catalogue, context: Context) -> _Assigned:
+    return _Assigned({task.id: task for task in catalogue(context.robot_file)}, context)
+
+
+def _compute(identifier: str, assigned: _Assigned) -> Record:
+    return plain(execute(assigned.tasks[identifier], assigned.context))
 
 
 def execute(task: Task, context: Context) -> AnyResult:

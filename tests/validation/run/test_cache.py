@@ -13,7 +13,7 @@ from numpy.testing import assert_array_equal
 
 from lumped.memo import forget
 from validation.run import cache
-from validation.run.cache import find, keep, kept, require_shape, some_cache
+from validation.run.cache import CacheEntry, find, keep, require_shape, some_cache
 
 ROOT = Path(__file__).resolve().parents[3]
 ARRAYS = {"powers": np.arange(4.0), "total": np.array(6.0)}
@@ -49,7 +49,7 @@ def test_arrays_outlive_the_process_and_what_does_not_hold_is_nothing(folder):
     file.rmdir()
     # Filed under another name it is not what was asked for.
     assert find("b") is None
-    assert kept("b", lambda: {"anew": 1.0}, dict)["anew"] == 1.0
+    assert CacheEntry("b", lambda: {"anew": 1.0}, dict).value()["anew"] == 1.0
     forget()
     assert find("b")["anew"] == 1.0
 
@@ -66,7 +66,23 @@ def test_what_was_sealed_with_other_arrays_is_nothing(wrong):
     keep("a", wrong)
     for computed in (lambda: ARRAYS, pytest.fail):
         forget()
-        assert kept("a", computed, read_powers) == 6.0
+        assert CacheEntry("a", computed, read_powers).value() == 6.0
+
+
+def test_entry_is_kept_once_its_arrays_hold():
+    needed = CacheEntry("needed", lambda: {"half": 3.0}, lambda arrays: float(arrays["half"]))
+    entry = CacheEntry("a", lambda: ARRAYS | {"half": needed.value()}, read_powers, (needed,))
+    # Nothing is computed for the answer.
+    assert not CacheEntry("a", pytest.fail, read_powers, (needed,)).is_kept
+    assert (entry.is_kept, entry.kept) == (False, {})
+    assert entry.value() == 6.0
+    forget()
+    assert entry.is_kept
+    assert entry.kept.keys() == {"needed", "a"}
+    assert_array_equal(entry.kept["needed"]["half"], 3.0)
+    # Sealed arrays of another shape are none.
+    keep("a", {"powers": np.zeros(0)})
+    assert not entry.is_kept
 
 
 def test_nothing_that_is_read_is_unpickled(folder):
@@ -88,7 +104,7 @@ class Bomb:
 
 def test_where_nothing_can_be_kept_all_is_computed(folder, monkeypatch, tmp_path):
     folder.write_text("a file")
-    assert kept("a", lambda: ARRAYS, dict)["total"] == 6.0
+    assert CacheEntry("a", lambda: ARRAYS, dict).value()["total"] == 6.0
     monkeypatch.setenv("FLEXPROOF_CACHE", "off")
     forget()
     assert find("a") is None
@@ -122,14 +138,14 @@ def test_there_is_a_limit_and_what_was_not_asked_for_the_longest_goes_first(fold
 COMPUTING = """
 import sys, time
 import numpy as np
-from validation.run.cache import kept
+from validation.run.cache import CacheEntry
 
 def compute():
     print("computing", flush=True)
     time.sleep(float(sys.argv[1]))
     return {"large": np.arange(1e6)}
 
-assert kept("a", compute, dict)["large"].sum() == np.arange(1e6).sum()
+assert CacheEntry("a", compute, dict).value()["large"].sum() == np.arange(1e6).sum()
 """
 
 

@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 from functools import partial
 from itertools import product
 from pathlib import Path
+from typing import Any
 
-from lumped.arrays import Array
 from lumped.errors import ComputationError, InputError
 from lumped.mechanism.body import Body
 from lumped.robot_file.included import part_content
@@ -21,12 +21,13 @@ from validation.adequacy.mechanism.parts import highest_of_parts, hold_of
 from validation.adequacy.mechanism.path import RobotOnPath, robot_on_path
 from validation.context import Context
 from validation.models import parts
-from validation.models.stepped_parts import stepped
+from validation.models.stepped_parts import stepped_entry
 from validation.parts.meshes import COARSE, FINEST, MIDDLE, part_key
-from validation.run.cache import collected, find, is_kept, keep
+from validation.run.cache import Arrays, CacheEntry, find, keep
 from validation.run.executor import Executor
 
-Question = Callable[[Body], object]
+# Entries of the cache that are asked for of a part.
+Question = Callable[[Body], Sequence[CacheEntry[Any]]]
 
 
 @dataclass(frozen=True)
@@ -41,11 +42,19 @@ class PartWork:
     ask: Question
     carried: bool
 
-    def __call__(self) -> dict[str, dict[str, Array]]:
-        """Arrays by key, as they are kept; what is impossible is left to who asks for it again."""
-        with self._at_hand() as body, collected() as entries:
-            _try(self.ask, body)
-            return dict(entries) if self.carried else {}
+    def __call__(self) -> dict[str, Arrays]:
+        """Compute the entries; their arrays by key, and of those that they need, if `carried`.
+
+        An entry that cannot be computed is left to the comparison that asks for it again.
+        """
+        with self._at_hand() as body:
+            entries = _entries(self.ask, body)
+            for entry in entries:
+                with suppress(InputError, ComputationError):
+                    entry.value()
+            if not self.carried:
+                return {}
+            return {key: arrays for entry in entries for key, arrays in entry.kept.items()}
 
     @contextmanager
     def _at_hand(self) -> Iterator[Body]:
@@ -75,10 +84,13 @@ def prepare_parts(context: Context, executor: Executor, *, carried: bool) -> Non
     _finish(asked, executor, carried=carried)
 
 
-def _as_it_is(body: Body) -> None:
-    parts.identified(body)
-    if parts.is_leg(body):
-        stepped(body)
+def _as_it_is(body: Body) -> list[CacheEntry[Any]]:
+    stepped = [stepped_entry(body)] if parts.is_leg(body) else []
+    return [parts.identified_entry(body), *stepped]
+
+
+def _reduction(body: Body, **options: Any) -> list[CacheEntry[Any]]:
+    return [parts.reduced_entry(body, **options)]
 
 
 def _reductions(robot: RobotOnPath, bodies: Collection[Body]) -> Iterator[tuple[Body, Question]]:
@@ -86,7 +98,7 @@ def _reductions(robot: RobotOnPath, bodies: Collection[Body]) -> Iterator[tuple[
     alternatives = tuple(robot.holding.alternatives.values())
     first = alternatives[:1]
     highest, cutoff = highest_of_parts(robot.postures, robot.offered)
-    ask = partial(parts.reduced, highest=highest, cutoff=cutoff)
+    ask = partial(_reduction, highest=highest, cutoff=cutoff)
     # Coarser meshes are those of the uncertainty, and the coarsest that of the other reduction: of
     # the first way of holding.
     for question, several in (
@@ -99,9 +111,12 @@ def _reductions(robot: RobotOnPath, bodies: Collection[Body]) -> Iterator[tuple[
             yield body, partial(question, hold=hold_of(ends[body.name]))
 
 
-def _try(ask: Question, body: Body) -> None:
-    with suppress(InputError, ComputationError):
-        ask(body)
+def _entries(ask: Question, body: Body) -> Sequence[CacheEntry[Any]]:
+    """Entries of a part; none if its file cannot be read or does not fit the robot."""
+    try:
+        return ask(body)
+    except (InputError, ComputationError):
+        return ()
 
 
 def _finish(asked: Sequence[tuple[Body, Question]], executor: Executor, *, carried: bool) -> None:
@@ -109,7 +124,7 @@ def _finish(asked: Sequence[tuple[Body, Question]], executor: Executor, *, carri
     work = [
         PartWork(body, part_content(parts.shape_of(body).file) if carried else b"", ask, carried)
         for body, ask in asked
-        if not is_kept(partial(_try, ask, body))
+        if not all(entry.is_kept for entry in _entries(ask, body))
     ]
     if work:
         for _, entries in executor(work):
