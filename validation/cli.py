@@ -200,7 +200,7 @@ def run(
         A model that you rely on: the exit code is 1 where it is inadequate. May be repeated.
     accuracy
         Refine the references' meshes until no number is open by more than this share of it, for
-        example 0.002, as far as memory, the finest preset and ten minutes allow.
+        example 0.002, as far as memory, the finest preset and 800 000 unknowns of a part allow.
     inputs
         Say how probable each verdict is if moduli, lengths and stiffnesses are known to this
         relative standard uncertainty, for example 0.05; for a file without [[input_uncertainty]].
@@ -363,7 +363,7 @@ def solve(
         (MacNeal, Rubin).
     accuracy
         solid: refine the meshes until no number is open by more than this share of it, for example
-        0.002, as far as memory and ten minutes a mesh allow.
+        0.002, as far as memory and an estimated ten minutes a mesh allow.
     against
         Another model of the mechanism, whose modes are paired with these by shape (MAC).
     vary

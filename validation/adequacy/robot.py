@@ -12,7 +12,7 @@ import numpy as np
 
 from lumped.acceptance.quantities import load_quantities, response_quantities
 from lumped.errors import InputError
-from lumped.legs import Leg
+from lumped.legs import ConstantLeg, Leg
 from lumped.mechanism.joint import Joint, Side
 from lumped.mechanism.kinematics.mobility import mobility
 from lumped.mechanism.kinematics.postures import reference_posture
@@ -32,10 +32,12 @@ from validation.adequacy.mechanism.path import (
     RobotOnPath,
     coordinates,
     distinct_legs,
+    known_legs,
     robot_at,
     robot_on_path,
 )
 from validation.adequacy.mechanism.statics import static_ladders, static_reference
+from validation.adequacy.mechanism.vibration import solid_meshes
 from validation.adequacy.models import (
     JUDGED,
     LEGS_AS_GIVEN,
@@ -54,20 +56,20 @@ from validation.adequacy.response import (
     Subject,
     no_reference,
 )
-from validation.agreement.accuracy import PATIENCE, refined
+from validation.agreement.accuracy import refined
 from validation.agreement.responses import PathModes, Unsolved
 from validation.case import failure_reason
 from validation.context import PRESETS, Context, Preset
 from validation.models.loads.stability import stabilities, stability_notes
 from validation.models.options import STATIC
-from validation.models.parts import with_finer_parts
+from validation.models.parts import unknowns_of, with_finer_parts
+from validation.solids.size import LARGEST, solid_unknowns
 from validation.verdicts import Matrix
 
 _ROOT, _TIP = "root", "tip"
-# Seconds that a run of the preset waits for finer meshes that nobody has asked for; those of CAD
-# parts take minutes that the first ones do not show, since these are often kept.
-_PATIENCE: Mapping[Preset, float] = {"quick": 0.0, "standard": 300.0, "fine": 600.0}
-_PATIENCE_WITH_PARTS = {**_PATIENCE, "standard": 0.0}
+# Presets that refine meshes without --accuracy, of robots without and with CAD parts: a quick run
+# has one mesh of each kind, and finer meshes of parts take minutes.
+_REFINING: Mapping[bool, tuple[Preset, ...]] = {False: ("standard", "fine"), True: ("fine",)}
 # Rigid legs say nothing of a leg alone, and links are virtual joints there.
 _NOT_OF_A_LEG = ("simplified", "links", "segments-stepped", "segments-condensed")
 _STATIC = "a static model: without masses it has no frequencies"
@@ -83,14 +85,13 @@ def robot_adequacy(context: Context) -> Matrix:
 
 
 def judged_robot(context: Context) -> tuple[Subject, Matrix]:
-    """The run's robot and its matrix, by references whose meshes leave little enough open.
+    """The run's robot and its matrix, by references whose meshes are fine enough.
 
-    As little as is asked; where nothing is, a fifth of the limit of each error that they leave
-    undecided; as far as the presets' meshes of prisms go, memory allows those of parts, and a run
-    of the preset may wait. Raises InputError as `robot_subject` does.
+    Their half-widths are at most the requested accuracy. Without a request they are at most a
+    fifth of the limit of each error that they leave undecided, as far as `finer_context` goes.
+    Raises InputError as `robot_subject` does.
     """
     requirement = context.robot_file.requirement
-    waits = _PATIENCE_WITH_PARTS if context.robot_file.mechanism.parts else _PATIENCE
 
     def judge(context: Context) -> tuple[Subject, Matrix]:
         subject = robot_subject(context)
@@ -100,9 +101,8 @@ def judged_robot(context: Context) -> tuple[Subject, Matrix]:
         context,
         judge,
         lambda found: _left_by_meshes(found[1], requirement.accuracy),
-        _with_finer_meshes,
+        finer_context,
         requirement.accuracy or 1.0,
-        PATIENCE if requirement.accuracy else waits[context.preset],
     )
     said = (reached.text,) if requirement.accuracy else ()
     return subject, replace(matrix, notes=(*matrix.notes, *said))
@@ -118,21 +118,39 @@ def _left_by_meshes(matrix: Matrix, accuracy: float | None) -> float:
     return max(shares, default=0.0)
 
 
-def _with_finer_meshes(context: Context, factor: float) -> Context:
-    """The same with the next preset's meshes of prisms, and parts on so much finer ones.
+def finer_context(context: Context, factor: float) -> Context:
+    """The run with the next preset's meshes of prisms, and meshes of parts finer by `factor`.
 
-    Raises InputError where there are neither, ComputationError where memory does not allow it.
+    Raises InputError if there are neither, and unless --accuracy is given if the preset refines
+    nothing or does not take as many unknowns. Raises ComputationError for lack of memory.
     """
     robot_file = context.robot_file
+    requested = robot_file.requirement.accuracy is not None
+    if not requested and context.preset not in _REFINING[bool(robot_file.mechanism.parts)]:
+        raise InputError(f"preset {context.preset} refines meshes with --accuracy alone")
     larger = PRESETS[PRESETS.index(context.meshes) + 1 :]
     if not robot_file.mechanism.parts and not larger:
         raise InputError("no preset has finer meshes of its bodies")
-    finer = with_finer_parts(robot_file.mechanism, factor)
-    return replace(
+    mechanism = with_finer_parts(robot_file.mechanism, factor)
+    finer = replace(
         context,
-        robot_file=replace(robot_file, mechanism=finer),
+        robot_file=replace(robot_file, mechanism=mechanism),
         finer=larger[0] if larger else context.finer,
     )
+    unknowns, most = _solid_unknowns(finer), LARGEST[context.preset]
+    if not requested and unknowns > most:
+        raise InputError(
+            f"finer solids have {unknowns:.2g} unknowns, {context.preset} takes {most}"
+        )
+    return finer
+
+
+def _solid_unknowns(context: Context) -> float:
+    """Unknowns of the fine solids of all distinct legs and of all CAD parts together."""
+    mechanism, mesh = context.robot_file.mechanism, solid_meshes(context.meshes).fine
+    legs = {leg for leg in known_legs(mechanism).values() if isinstance(leg, ConstantLeg)}
+    solids = sum(solid_unknowns(leg, mesh.divisions(leg)) for leg in legs)
+    return solids + sum(unknowns_of(body) for body in mechanism.parts.values())
 
 
 def robot_subject(context: Context) -> Subject:

@@ -1,22 +1,17 @@
-"""Accuracy on demand: finer and finer meshes, until what they leave open is little enough.
+"""Refinement on demand: finer meshes until the half-widths of all numbers are small enough.
 
-What is stated is never more than was shown: an accuracy that memory or time do not allow is
-reported as missed, with what was reached and why it ended there.
+The result states the accuracy that was reached. If a finer mesh is too large, the requested
+accuracy is reported as missed, with the reason. The size of the meshes decides, never the time
+that they took: results do not depend on how busy a machine is.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from time import perf_counter
 from typing import TypeVar
 
 from lumped.errors import ComputationError, InputError
 
-# Seconds after which nothing finer is begun that would take as long again.
-PATIENCE = 600.0
-# Between two meshes a solid has some eight times as many elements.
-_GROWTH = 8.0
-
-# Beyond these nothing is refined, or nothing could be.
+# Finest and coarsest accuracy that can be requested: round-off, and no accuracy at all.
 _FINEST, _COARSEST = 1e-6, 0.5
 
 M = TypeVar("M")
@@ -25,9 +20,9 @@ A = TypeVar("A")
 
 @dataclass(frozen=True)
 class Accuracy:
-    """What was asked for and reached, relative half-widths of 95 % intervals.
+    """Requested and reached accuracy, relative half-widths of 95 % intervals.
 
-    `missed` says why it ended before, "" where it did not.
+    `missed`: the reason why no finer mesh was computed. "" if the request is met.
     """
 
     asked: float
@@ -47,23 +42,17 @@ def refined(
     left_open: Callable[[A], float],
     finer: Callable[[M, float], M],
     asked: float,
-    patience: float = PATIENCE,
 ) -> tuple[A, Accuracy]:
-    """What `compute` gives on the first mesh whose answer leaves at most `asked` open.
+    """Answer on the first mesh whose largest half-width is at most `asked`.
 
-    `left_open` is the largest relative half-width in an answer, `finer` the next mesh where that is
-    so many times what was asked; it raises InputError, as `compute` may, where there is none or not
-    memory enough: the last answer then stands.
+    `left_open` returns the largest relative half-width in an answer, `finer` the next mesh if that
+    half-width is a given multiple of `asked`. If `finer` or `compute` raises InputError or
+    ComputationError, because there is no finer mesh or it is too large, the last answer stands.
     """
-    begun = perf_counter()
     answer = compute(mesh)
     while (reached := left_open(answer)) > asked:
-        took = perf_counter() - begun
-        if took * _GROWTH > patience:
-            return answer, Accuracy(asked, reached, f"a finer mesh would take over {patience:g} s")
         try:
             mesh = finer(mesh, reached / asked)
-            begun = perf_counter()
             answer = compute(mesh)
         except (ComputationError, InputError) as error:
             return answer, Accuracy(asked, reached, str(error))

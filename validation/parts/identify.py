@@ -32,6 +32,8 @@ from validation.run.cache import CacheEntry, require_shape
 
 DEFAULT_UNKNOWNS = 100_000
 DEFAULT_MODES = 6
+# Unknowns up to which --accuracy refines a part: some ten minutes and 30 GB of one factorisation.
+MOST_REFINED = 800_000
 _BOUNDS: tuple[Kind, Kind] = ("rigid", "average")
 
 
@@ -153,14 +155,18 @@ def left_open(found: Identified) -> float:
 
 
 def more_unknowns(unknowns: int, factor: float) -> int:
-    """Unknowns of a finest mesh that leaves so many times less open, at most eight times as many.
+    """Unknowns of a finest mesh with half-widths smaller by `factor`, at most eight times as many.
 
     Parts converge with orders from one to two of the mesh size, which is the cube root of them.
-    Raises InputError where nobody knows what a mesh leaves open: it is given.
+    Raises InputError if the factor is unknown, since the mesh is given, and for more unknowns than
+    `MOST_REFINED`.
     """
     if not np.isfinite(factor):
         raise InputError("a mesh that is given has no finer one")
-    return int(unknowns * min(max(factor**2, 2.0), 8.0))
+    more = int(min(unknowns * min(max(factor**2, 2.0), 8.0), max(MOST_REFINED, unknowns)))
+    if more <= unknowns:
+        raise InputError(f"a finer mesh has more than {MOST_REFINED} unknowns: ask with --unknowns")
+    return more
 
 
 def _computed(

@@ -23,7 +23,9 @@ _FLOPS_PER_SECOND = 5e9
 _SOLVES, _SOLVES_PER_MODE = 100, 10
 # Dense models: matrices alive at once, and flops of all eigenvalues in n³.
 _DENSE_COPIES, _DENSE_FLOPS = 6.0, 12.0
-_LONGEST = 3600.0
+# Estimated seconds of one answer, and of one more mesh that --accuracy makes.
+LONGEST, LONGEST_REFINEMENT = 3600.0, 600.0
+_HOUR = 3600.0
 # Seconds of a CAD part that nothing is kept of.
 PER_PART = 15.0
 
@@ -43,8 +45,8 @@ class Cost:
 
     def __str__(self) -> str:
         """About 22 000 unknowns, 0.3 GB and 12 s."""
-        hours = self.seconds / 3600.0
-        time = f"{self.seconds:.2g} s" if self.seconds < _LONGEST else f"{hours:.3g} h"
+        hours = self.seconds / _HOUR
+        time = f"{self.seconds:.2g} s" if self.seconds < _HOUR else f"{hours:.3g} h"
         return f"{self.size} and {time}"
 
 
@@ -69,12 +71,13 @@ def dense_cost(unknowns: int, postures: int) -> Cost:
     return Cost(n, 8.0 * _DENSE_COPIES * n**2, seconds)
 
 
-def require_affordable(cost: Cost, what: str) -> None:
-    """Raise InputError, with the estimate, where there is not as much memory or time."""
+def require_affordable(cost: Cost, what: str, longest: float = LONGEST) -> None:
+    """Raise InputError, with the estimate, beyond the available memory or `longest` (s)."""
     available = available_memory() or inf
     if cost.memory > available:
         raise InputError(
             f"{what}: {cost}, more than the {available / 1e9:.2g} GB of memory available"
         )
-    if cost.seconds > _LONGEST:
-        raise InputError(f"{what}: {cost}, more than the hour that one answer may take")
+    if cost.seconds > longest:
+        minutes = longest / 60.0
+        raise InputError(f"{what}: {cost}, more than the {minutes:g} minutes that it may take")

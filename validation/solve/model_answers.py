@@ -30,7 +30,15 @@ from validation.models.parts import with_finer_parts
 from validation.models.roundings import roundings_of, share_by_digits
 from validation.solids.legs import formal_order
 from validation.solve.answer import Answer, LeftOpen, Place, Solution
-from validation.solve.cost import PER_PART, Cost, dense_cost, require_affordable, solid_cost
+from validation.solve.cost import (
+    LONGEST,
+    LONGEST_REFINEMENT,
+    PER_PART,
+    Cost,
+    dense_cost,
+    require_affordable,
+    solid_cost,
+)
 from validation.solve.question import OF_ELEMENTS, Question
 from validation.solve.uncertainty import beside, extrapolated, with_uncertainty
 
@@ -135,11 +143,11 @@ def _finer(question: Question, factor: float) -> Question:
 
 
 def _affordable(questions: Sequence[Question]) -> Question:
-    """The first question that does not cost too much; raises InputError as the first of none."""
+    """First question that one more mesh may cost. Raises the first InputError if there is none."""
     refused = []
     for question in questions:
         try:
-            _cost(question)
+            _cost(question, LONGEST_REFINEMENT)
         except InputError as error:
             refused.append(error)
         else:
@@ -290,7 +298,7 @@ def _shown(question: Question, compliance: Array) -> Array:
     return compliance[:2, :2] if planar else compliance
 
 
-def _cost(question: Question) -> Cost:
+def _cost(question: Question, longest: float = LONGEST) -> Cost:
     """Of the legs that differ, each made once, and of the parts."""
     model, options = question.model, question.options
     seconds = PER_PART * len(question.mechanism.parts)
@@ -302,7 +310,7 @@ def _cost(question: Question) -> Cost:
         cost, what = dense_cost(6 * (options.elements + 1), len(shapes)), "elements"
     else:
         return Cost(0.0, 0.0, seconds)
-    require_affordable(cost, f"--{what} {getattr(options, what)}")
+    require_affordable(cost, f"--{what} {getattr(options, what)}", longest)
     return replace(cost, seconds=cost.seconds + seconds)
 
 

@@ -13,7 +13,7 @@ from written_robot import robot_of
 
 from fem.sections.section_constants import section_constants
 from lumped.acceptance.requirement import Requirement
-from lumped.errors import ComputationError
+from lumped.errors import ComputationError, InputError
 from lumped.legs import ConstantLeg, Material
 from lumped.mechanism import biglide
 from lumped.robot_file import load_robot
@@ -37,7 +37,7 @@ from validation.adequacy.response import (
     Subject,
     finer_by,
 )
-from validation.adequacy.robot import leg_subject, robot_adequacy
+from validation.adequacy.robot import finer_context, leg_subject, robot_adequacy
 from validation.agreement.responses import Statics
 from validation.context import Context
 from validation.solids.legs import COARSEST_WALLS
@@ -189,6 +189,26 @@ def test_a_verdict_that_hangs_on_meshes_is_decided_by_the_finest(arm):
     decided = by(arm, "standard", **{name: limit}).entry(entry.model, name)
     assert decided.verdict == "adequate"
     assert decided.uncertainty == pytest.approx(best.uncertainty, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("preset", "length", "refused"),
+    [
+        ("quick", 0.2, "preset quick refines meshes with --accuracy alone"),
+        ("standard", 0.2, ""),
+        # 800 slices of 4 × 6 quadratic elements, (2·800 + 1)(2·4 + 1)(2·6 + 1) nodes.
+        ("standard", 8.0, "finer solids have 5.6e+05 unknowns, standard takes 200000"),
+        ("fine", 0.2, "no preset has finer meshes of its bodies"),
+    ],
+)
+def test_references_are_refined_by_their_size(tmp_path, preset, length, refused):
+    text = f"{ONE_ARM}[path]\nposes = [[0.0]]\n".replace("P = [0.0, 0.5", f"P = [0.0, {length}")
+    context = Context(robot_of(text, tmp_path), preset)
+    if refused:
+        with pytest.raises(InputError, match=re.escape(refused)):
+            finer_context(context, 2.0)
+    else:
+        assert finer_context(context, 2.0).meshes == "fine"
 
 
 STEPS = (*STATIC_STEPS.values(), *DYNAMIC_STEPS.values())

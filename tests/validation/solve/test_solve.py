@@ -408,7 +408,7 @@ def test_the_estimate_of_a_solid_is_near_to_its_mesh_and_factor(section):
 
 def test_an_hour_is_the_most_that_an_answer_may_take():
     require_affordable(Cost(9.0, 1.0, 3599.0), "--elements 9")
-    with pytest.raises(InputError, match="and 1 h, more than the hour that one answer may take"):
+    with pytest.raises(InputError, match="and 1 h, more than the 60 minutes that it may take"):
         require_affordable(Cost(9.0, 1.0, 3601.0), "--elements 9")
 
 
