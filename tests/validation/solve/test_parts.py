@@ -13,10 +13,13 @@ from lumped.mechanism.kinematics.postures import reference_posture
 from lumped.robot_file import load_robot
 from lumped.system.assembly import assembly
 from lumped.system.solution import modes, solved
+from meshes.part.volume import RATIO
+from validation.adequacy.mechanism import dynamics
 from validation.adequacy.mechanism.parts import reduction_note, solid_parts
-from validation.adequacy.mechanism.path import holding, path_postures
+from validation.adequacy.mechanism.path import holding, path_postures, robot_on_path
 from validation.adequacy.models import JUDGED, judged_models, why_unable
 from validation.adequacy.robot import robot_adequacy
+from validation.agreement.responses import PathModes
 from validation.cases import part_reductions
 from validation.context import Context
 from validation.models import parts
@@ -66,6 +69,24 @@ def test_the_meshes_leave_open_what_a_far_finer_one_changes(own, crane, coarse_p
     assert (apart <= 1.5 * half_widths).all()
     # Worth something: percents of a mesh this coarse, not more.
     assert (half_widths <= 0.1 * values(own)).all()
+
+
+def test_half_width_of_f1_does_not_depend_on_judged_modes(crane, monkeypatch):
+    """Errors of 1 % fall from mesh to mesh, of the lowest mode with order 1, of others faster."""
+    shapes, falls = np.eye(12), RATIO ** np.linspace(1.0, 2.0, 12)
+
+    def modes_on(robot, reading):
+        frequencies = 100.0 * np.arange(1, 13) * (1.0 + 0.01 / falls**reading.part_mesh)
+        repeated = (np.array([one] * len(robot.postures)) for one in (frequencies, shapes))
+        return PathModes(*repeated, np.ones(12), np.ones((len(robot.postures), 12)))
+
+    monkeypatch.setattr(dynamics, "modes_of_solids", modes_on)
+    half_widths = []
+    for count in (2, 3, 4, 6):
+        requirement = replace(crane.requirement, modes=count)
+        robot = robot_on_path(Context(replace(crane, requirement=requirement), "quick"))
+        half_widths.append(dynamics.part_uncertainty(robot)[:, :2])
+    assert half_widths[1:] == [pytest.approx(half_widths[0], rel=1e-9)] * 3
 
 
 @pytest.mark.exhaustive

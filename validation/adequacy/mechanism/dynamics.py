@@ -7,6 +7,7 @@ from itertools import product
 
 import numpy as np
 
+from lumped.acceptance.quantities import MOST_MODES
 from lumped.arrays import Array
 from lumped.legs import ConstantLeg
 from lumped.models.bodies import links, tip_compliances
@@ -65,7 +66,7 @@ def dynamic_reference(robot: RobotOnPath) -> Reference:
     if reason := _why_unmeshed(robot.prisms, preset):
         return Reference("none", (), decides=reason)
     insides = plausible_insides(robot.given.values())
-    left_by_parts = _part_uncertainty(robot)
+    left_by_parts = part_uncertainty(robot)
     alternatives = []
     for (name, hold), inside in product(holding.alternatives.items(), insides):
         reading = RobotReading(hold, inside)
@@ -239,24 +240,26 @@ def _digit_uncertainty(robot: RobotOnPath, fine: PathModes, masses: Masses) -> A
     return np.where(np.isnan(by_shape), most, by_shape)
 
 
-def _part_uncertainty(robot: RobotOnPath) -> Array | float:
-    """What the meshes of CAD parts leave open of frequencies (p×K, relative).
+def part_uncertainty(robot: RobotOnPath) -> Array:
+    """Relative half-widths of the judged frequencies (p×K) due to the meshes of CAD parts.
 
-    NaN for a mode that a coarser mesh does not have.
+    The order of convergence is that of the first `MOST_MODES` frequencies together, however many
+    are judged. NaN for a mode that a coarser mesh does not have.
     """
 
     def frequencies(level: int) -> Array:
-        finest, found = (
-            modes_of_solids(robot, replace(robot.first_reading, part_mesh=one))
-            for one in (FINEST, level)
+        finest, modes = (
+            modes_of_solids(robot, replace(robot.first_reading, part_mesh=mesh))
+            for mesh in (FINEST, level)
         )
-        own = finest.frequencies[:, : robot.judged]
+        reference = finest.frequencies[:, :MOST_MODES]
         if level == FINEST:
-            return own
-        changes = frequency_changes(finest, found, robot.judged)
-        return np.asarray(own * (1.0 + changes))
+            return reference
+        return np.asarray(reference * (1.0 + frequency_changes(finest, modes, MOST_MODES)))
 
-    return refinement_share(robot.mechanism, frequencies, number_by_number)
+    share = refinement_share(robot.mechanism, frequencies, number_by_number)
+    shape = len(robot.postures), MOST_MODES
+    return np.asarray(np.broadcast_to(share, shape)[:, : robot.judged])
 
 
 def mass_notes(robot: RobotOnPath, reference: Reference) -> tuple[str, ...]:
