@@ -31,8 +31,8 @@ from validation.context import Context, Preset
 from validation.cross_validation import CrossValidation, cross_validation
 from validation.drawing.text import error_with_spread, percent
 from validation.models.options import ModelName, ModelOptions
-from validation.report.table import pose_text, table_of
-from validation.report.words import force_text, sentence
+from validation.report.table import table_of
+from validation.report.words import force_text, pose_text, sentence
 from validation.solve.answer import Solution
 from validation.solve.model_answers import solve as answered
 from validation.solve.question import Question
@@ -180,7 +180,8 @@ class Adequacy:
         said = [f"{entry.model}, {entry.quantity}: {entry.verdict}"]
         if entry.error is not None:
             said.append(
-                f"error {error_with_spread(entry)} at {pose_text(self.matrix, entry.pose)}, "
+                f"error {error_with_spread(entry)} at "
+                f"{pose_text(self.matrix.coordinates, entry.pose)}, "
                 f"accepted {percent(entry.limit, signed=False)}"
             )
         if entry.along is not None:
@@ -258,7 +259,7 @@ def _row(matrix: Matrix, entry: Entry) -> tuple[Cell, ...]:
         entry.verdict,
         *(None if share is None else 100.0 * share for share in errors),
         100.0 * entry.limit,
-        pose_text(matrix, entry.pose) if entry.pose else None,
+        pose_text(matrix.coordinates, entry.pose) if entry.pose else None,
         entry.causes[0].cause if entry.causes else None,
         entry.remedy or None,
     )

@@ -1,6 +1,6 @@
 """The convergence study of a leg or of a robot: its series, assertions, tables and figure."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from html import escape
 from json import dumps
@@ -11,6 +11,7 @@ import numpy as np
 from lumped.acceptance.requirement import DEFAULT_LIMITS, AgreementLimits
 from lumped.errors import InputError
 from lumped.legs import Theory
+from lumped.mechanism.mechanism import UNITS_OF_MOVES
 from lumped.models.segments import Layout
 from validation.agreement.convergence import COARSE_COUNT
 from validation.comparisons.convergence_chart import ErrorCurve, ErrorPanel, convergence_chart
@@ -42,7 +43,8 @@ _NEARLY_EXACT = 1e-7
 class ConvergenceStudy:
     """Convergence of a leg or of a robot with element count, or with the mesh of solids.
 
-    `subject`: the body's name, empty for the whole robot, which stands in `pose` (m, rad).
+    `subject`: the body's name, empty for the whole robot, which stands in `pose`: its coordinates
+    (m, rad) by name.
     `quantities` (q) are f1, f2, … (Hz) and x, y, z: the deflection of the tip or tool under a unit
     force along that axis (m/N). `reference` names the source of the limits. `agreement`: the
     element count whose error is stated, and the limit on it.
@@ -50,7 +52,7 @@ class ConvergenceStudy:
 
     robot: str
     subject: str
-    pose: tuple[float, ...]
+    pose: Mapping[str, float]
     quantities: tuple[str, ...]
     units: tuple[str, ...]
     reference: str
@@ -63,8 +65,10 @@ class ConvergenceStudy:
         """The subject and its boundary conditions."""
         if self.subject:
             return f"{self.subject}, clamped–free"
-        pose = ", ".join(f"{coordinate:.4g}" for coordinate in self.pose)
-        return f"whole robot at ({pose})" if pose else "whole robot"
+        pose = ", ".join(
+            f"{name} = {value:.4g} {UNITS_OF_MOVES[name]}" for name, value in self.pose.items()
+        )
+        return f"whole robot at {pose}" if pose else "whole robot"
 
     def of(
         self, model: RefinedModel, layout: Layout = "half", theory: Theory = "timoshenko"
@@ -166,7 +170,7 @@ class ConvergenceStudy:
             "kind": "convergence",
             "robot": self.robot,
             "body": self.subject or None,
-            "pose": list(self.pose),
+            "pose": list(self.pose.values()),
             "reference": self.reference,
             "quantities": list(self.quantities),
             "units": dict(zip(self.quantities, self.units, strict=True)),

@@ -5,7 +5,7 @@ A leg, root clamped, is compared with the exact cantilever of the same theory: H
 is that of the beam elements, f = f80 + (f80 − f40)/15 for their fourth order in 1/n.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from math import ceil
 
@@ -69,7 +69,7 @@ def leg_convergence(
         reference = "exact cantilever of the same theory (Huang 1961)"
     else:
         limits, reference = partial(_beam_limit, evaluate), _EXTRAPOLATED
-    return _study(robot, name, (), evaluate, limits, reference, readings, counts)
+    return _study(robot, name, {}, evaluate, limits, reference, readings, counts)
 
 
 def robot_convergence(
@@ -87,7 +87,7 @@ def robot_convergence(
         raise InputError(f"{mechanism.name}: has no legs that could be divided into elements")
     evaluate = partial(_robot_values, posture, highest_frequency([posture], MODES))
     limits = partial(_beam_limit, evaluate)
-    pose = tuple(float(coordinate) for coordinate in posture.pose)
+    pose = dict(zip(mechanism.tool.moves, posture.pose.tolist(), strict=True))
     return _study(mechanism.name, "", pose, evaluate, limits, _EXTRAPOLATED, readings, counts)
 
 
@@ -97,7 +97,7 @@ _EXTRAPOLATED = "limit of the beam elements, extrapolated from 40 and 80"
 def _study(
     robot: str,
     subject: str,
-    pose: tuple[float, ...],
+    pose: Mapping[str, float],
     evaluate: Evaluate,
     limits: Callable[[Theory], tuple[Array, Array]],
     reference: str,

@@ -46,7 +46,7 @@ def leg_mesh_convergence(
     return ConvergenceStudy(
         robot=robot,
         subject=name,
-        pose=(),
+        pose={},
         quantities=QUANTITIES,
         units=UNITS,
         reference="limit extrapolated from the finest meshes",

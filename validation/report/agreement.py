@@ -5,7 +5,9 @@ from dataclasses import dataclass
 
 from validation.case import UnjudgedValue
 from validation.drawing.text import number, percent
+from validation.report.words import pose_text
 from validation.run.outcome import Outcome, Verdict
+from validation.verdicts import Coordinate
 
 # Of verdicts on comparisons, wherever the page shows one.
 MARKS: Mapping[Verdict, str] = {
@@ -70,11 +72,19 @@ class AgreementTable:
         return any(self.solid)
 
 
-def agreement_tables(outcomes: Sequence[Outcome]) -> tuple[AgreementTable, ...]:
-    """A table for the robot and for each leg that has agreement cases, then for each CAD part."""
+def agreement_tables(
+    outcomes: Sequence[Outcome], coordinates: Sequence[Coordinate] = ()
+) -> tuple[AgreementTable, ...]:
+    """A table for the robot and for each leg that has agreement cases, then for each CAD part.
+
+    `coordinates` of the poses name the robot's pose; without them its table is headed "robot".
+    """
     found = [one for one in outcomes if one.case.kind == "agreement"]
-    subjects = dict.fromkeys(one.case.body for one in found)
-    judged = [_table([one for one in found if one.case.body == subject]) for subject in subjects]
+    by_body = {
+        body: [one for one in found if one.case.body == body]
+        for body in dict.fromkeys(one.case.body for one in found)
+    }
+    judged = [_table(body or _robot(of, coordinates), of) for body, of in by_body.items()]
     return (*judged, *(_part_table(one) for one in outcomes if _shown(one)))
 
 
@@ -150,16 +160,15 @@ def _unexplained(outcome: Outcome) -> float:
     return abs(measurement.unexplained / measurement.reference)
 
 
-def _subject(outcomes: Sequence[Outcome]) -> str:
-    """The leg, or the robot and its pose (m, rad) as the measurements have it."""
-    if body := outcomes[0].case.body:
-        return body
+def _robot(outcomes: Sequence[Outcome], coordinates: Sequence[Coordinate]) -> str:
+    """The robot and the pose of its comparisons: "robot at x = 0.4975 m"."""
     poses = {one.measurement.pose for one in outcomes if one.measurement}
-    pose = ", ".join(f"{coordinate:.4g}" for coordinate in next(iter(poses), ())).replace("-", "−")
-    return f"robot at ({pose})" if pose else "robot"
+    pose = next(iter(poses), ())
+    known = pose and len(pose) == len(coordinates)
+    return f"robot at {pose_text(coordinates, pose)}" if known else "robot"
 
 
-def _table(outcomes: Sequence[Outcome]) -> AgreementTable:
+def _table(subject: str, outcomes: Sequence[Outcome]) -> AgreementTable:
     quantities = tuple(dict.fromkeys(one.case.label for one in outcomes))
     models = {one.case.model: _row_name(one.case.model, one.case.elements) for one in outcomes}
     by_place = {(one.case.model, one.case.label): one for one in outcomes}
@@ -169,7 +178,7 @@ def _table(outcomes: Sequence[Outcome]) -> AgreementTable:
         rows.append((name, tuple(_cell(one) if one else None for one in cells)))
     solid = tuple(_solid(quantity, outcomes) for quantity in quantities)
     return AgreementTable(
-        _subject(outcomes),
+        subject,
         quantities,
         solid,
         tuple(rows),

@@ -106,7 +106,13 @@ class Report:
         """
         drawn = {study.id for study in studies_of(self.outcomes)} | {PORTRAIT}
         figures = [figure for figure in self.results.figures if figure.id not in drawn]
-        return chapters_of(self.outcomes, figures, plotted=not self.results.unfinished)
+        matrix = self.results.matrix or self.results.measured
+        return chapters_of(
+            self.outcomes,
+            figures,
+            plotted=not self.results.unfinished,
+            coordinates=matrix.coordinates if matrix else (),
+        )
 
     @property
     def shown(self) -> tuple[Figure, ...]:

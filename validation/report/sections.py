@@ -30,6 +30,7 @@ from validation.report.figures.studies import Family, families, study_figure
 from validation.report.said import SaidTable
 from validation.run.outcome import Outcome, Verdict
 from validation.run.records import claims_of
+from validation.verdicts import Coordinate
 
 # Chapters in their order, with their sections as they follow each other; sections that stand in no
 # list go by the subject of their cases.
@@ -52,18 +53,19 @@ class PageSection:
     """A group of cases with the figures that belong to it.
 
     `plotted`: whether the studies behind the comparisons, and the error budget of those that allow
-    for named causes, are to be drawn; one that fails costs itself alone.
+    for named causes, are to be drawn; one that fails costs itself alone. `coordinates` of poses.
     """
 
     title: str
     outcomes: tuple[Outcome, ...]
     figures: tuple[Figure, ...]
     plotted: bool
+    coordinates: tuple[Coordinate, ...] = ()
 
     @cached_property
     def agreement(self) -> tuple[AgreementTable, ...]:
         """A table of all formulations for each leg, of cases that compare these."""
-        return agreement_tables(self.outcomes)
+        return agreement_tables(self.outcomes, self.coordinates)
 
     @cached_property
     def agreement_csv(self) -> str:
@@ -159,9 +161,13 @@ class Chapter:
 
 
 def chapters_of(
-    outcomes: Sequence[Outcome], figures: Sequence[Figure], *, plotted: bool
+    outcomes: Sequence[Outcome],
+    figures: Sequence[Figure],
+    *,
+    plotted: bool,
+    coordinates: tuple[Coordinate, ...] = (),
 ) -> tuple[Chapter, ...]:
-    """The chapters that have anything to show; `plotted` as of `PageSection`."""
+    """The chapters that have anything to show; `plotted` and `coordinates` as of `PageSection`."""
     names = [outcome.case.section for outcome in outcomes] + [figure.section for figure in figures]
     gathered: dict[str, list[PageSection]] = {chapter: [] for chapter in CHAPTERS}
     for name in dict.fromkeys(names):
@@ -170,6 +176,7 @@ def chapters_of(
             outcomes=tuple(o for o in outcomes if o.case.section == name),
             figures=tuple(figure for figure in figures if figure.section == name),
             plotted=plotted,
+            coordinates=coordinates,
         )
         gathered[_home(section)].append(section)
     return tuple(

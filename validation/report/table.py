@@ -6,7 +6,6 @@ from typing import TypeAlias
 
 from lumped.acceptance.quantities import (
     ANY_FORCE,
-    AXIS_LABELS,
     ORDER,
     Quantity,
     QuantityKind,
@@ -25,6 +24,7 @@ from validation.report.words import (
     capital,
     force_text,
     model_name,
+    pose_text,
 )
 from validation.verdicts import Adequacy, Entry, Matrix, ModelNote
 
@@ -209,7 +209,7 @@ def _text(entry: Entry) -> tuple[str, str]:
 def _hint(matrix: Matrix, entry: Entry) -> str:
     parts = [f"{entry.verdict} (limit {percent(entry.limit, signed=False)})"]
     worst = f" under a force along {force_text(entry)}" if entry.force else ""
-    parts.append(f"worst at {pose_text(matrix, entry.pose)}{worst}")
+    parts.append(f"worst at {pose_text(matrix.coordinates, entry.pose)}{worst}")
     if entry.along is not None:
         parts.append(f"along the load {error_text(entry.along)}")
     if entry.causes:
@@ -225,20 +225,10 @@ def sheet_of(matrix: Matrix, note: ModelNote, entry: Entry) -> tuple[str, tuple[
     return entry.quantity.meaning, lines
 
 
-def pose_text(matrix: Matrix, pose: tuple[float, ...]) -> str:
-    """A pose by its coordinates: "x = 0.4975 m"."""
-    if not pose:
-        return "the root clamped"
-    return ", ".join(
-        f"{AXIS_LABELS[one.name]} = {number(value, 4)} {one.unit}"
-        for one, value in zip(matrix.coordinates, pose, strict=True)
-    )
-
-
 def _numbers(matrix: Matrix, entry: Entry) -> list[Line]:
     unit = entry.quantity.unit
     along = "" if entry.signed else ", along the load"
-    lines = [("Worst at", pose_text(matrix, entry.pose))]
+    lines = [("Worst at", pose_text(matrix.coordinates, entry.pose))]
     if entry.force:
         lines.append(("Worst force", f"along {force_text(entry)}"))
     if entry.value is not None:

@@ -6,9 +6,9 @@ What verdicts suppose is a sentence of its own.
 
 from collections.abc import Collection, Mapping, Sequence
 
-from lumped.acceptance.quantities import ORDER, Quantity, QuantityKind
+from lumped.acceptance.quantities import AXIS_LABELS, ORDER, Quantity, QuantityKind
 from validation.drawing.text import bound, error_text, number, percent
-from validation.verdicts import VERDICTS, Adequacy, Entry, Matrix
+from validation.verdicts import VERDICTS, Adequacy, Coordinate, Entry, Matrix
 
 _MODELS: Mapping[str, str] = {
     "simplified": "the simplified model",
@@ -160,3 +160,13 @@ def _to_use(matrix: Matrix) -> str:
     parts += [f"no model is adequate for {quantities_text(matrix, refused)}"] if refused else []
     parts += [f"undecided: {quantities_text(matrix, undecided)}"] if undecided else []
     return capital("; ".join(parts))
+
+
+def pose_text(coordinates: Sequence[Coordinate], pose: Sequence[float]) -> str:
+    """Coordinates of a pose with their units: "x = 0.4975 m"; "the root clamped" if it has none."""
+    if not pose:
+        return "the root clamped"
+    return ", ".join(
+        f"{AXIS_LABELS[coordinate.name]} = {number(value, 4)} {coordinate.unit}"
+        for coordinate, value in zip(coordinates, pose, strict=True)
+    )

@@ -146,7 +146,8 @@ def test_leg_orders_are_the_formal_ones(leg1, model, layout, order, tolerance):
 
 def test_robot_lands_on_independent_values(whole_robot):
     """At x = 0.4975 m: f1 = 112.396 Hz, f4 = 353.2 Hz, errors at 20 elements."""
-    assert whole_robot.pose == pytest.approx((0.4975,))
+    assert whole_robot.pose == {"x": pytest.approx(0.4975)}
+    assert whole_robot.title == "whole robot at x = 0.4975 m"
     half, literal, beam = (
         whole_robot.of(*names) for names in (("segments",), ("segments", "literal"), ("beam",))
     )

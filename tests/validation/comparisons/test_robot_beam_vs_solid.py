@@ -19,7 +19,9 @@ from validation.comparisons.robot_beam_vs_solid import (
 )
 from validation.context import Context
 from validation.models.options import ModelOptions
+from validation.report.agreement import agreement_tables
 from validation.run.outcome import judge
+from validation.verdicts import Coordinate
 
 BY_ID = {case.id: case for case in cases(limits=DEFAULT_LIMITS)}
 
@@ -55,6 +57,9 @@ def test_first_frequency_of_the_biglide_agrees(model):
     measurement = outcome.measurement
     assert outcome.verdict == "agree"
     assert measurement.pose == pytest.approx((0.4975,))
+    (table,) = agreement_tables([outcome], [Coordinate("x", "m")])
+    assert table.subject == "robot at x = 0.4975 m"
+    assert agreement_tables([outcome])[0].subject == "robot"
     assert measurement.value == pytest.approx(112.396, abs=2e-3)
     assert measurement.difference / measurement.reference == pytest.approx(-0.0053, abs=5e-4)
     assert abs(measurement.unexplained) < 1e-4 * measurement.reference
