@@ -4,7 +4,11 @@ What is kept under a key that has not all that its numbers depend on is believed
 another robot, preset, option, library or source.
 """
 
+import ast
 import hashlib
+import os
+import runpy
+import shutil
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
@@ -32,14 +36,15 @@ from validation.context import PRESETS, memo_key
 from validation.models import parts, stepped_parts
 from validation.models.options import ModelOptions
 from validation.parts import identify, meshes
-from validation.run import provenance
+from validation.run import provenance, sources
 from validation.run.cache import CacheEntry, key_of
 from validation.run.folder import mark_of
 from validation.validate import Request
 from validation.variations import curves as CURVES  # noqa: N812
 from validation.variations.curves import VariedRobot, computed
 
-EXAMPLES = Path(__file__).parents[2] / "examples"
+ROOT = Path(__file__).parents[2]
+EXAMPLES = ROOT / "examples"
 ROCKER = EXAMPLES / "rocker" / "robot.toml"
 BODIES = {ROCKER: "rocker", EXAMPLES / "tapered-biglide" / "robot.toml": "leg1"}
 STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
@@ -82,8 +87,8 @@ def test_every_field_of_every_input_is_in_its_key(inputs):
 
 def test_sources_are_in_the_key_of_a_unit(monkeypatch):
     keys = set()
-    for sources in "ab":
-        monkeypatch.setattr(CURVES, "suite_digest", lambda sources=sources: sources)
+    for one in "ab":
+        monkeypatch.setattr(CURVES, "program", lambda one=one: one)
         monkeypatch.setattr(CURVES, "find", lambda key: keys.add(key) or {"number": np.ones(())})
         forget()
         computed([varied("five-bar")], lambda number: number, pytest.fail, "asking")
@@ -93,19 +98,83 @@ def test_sources_are_in_the_key_of_a_unit(monkeypatch):
 
 def test_every_source_is_in_the_digest_of_the_sources(tmp_path, monkeypatch):
     """One byte of one file, its name, its folder, a file more: each is another program."""
-    monkeypatch.setattr(provenance, "__file__", str(tmp_path / "a" / "b" / "provenance.py"))
+    monkeypatch.setattr(sources, "__file__", str(tmp_path / "a" / "b" / "sources.py"))
     packages, kinds = ("lumped", "meshes", "fem", "validation"), ("py", "toml", "j2", "css", "js")
     files = [tmp_path / name / "x" / f"one.{kind}" for name in packages for kind in kinds]
     for file in files:
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text("0")
-    digests = [provenance.suite_digest()]
+    digests = [digest_now()]
     for file in files:
         file.write_text("1")
-        digests.append(provenance.suite_digest())
+        digests.append(digest_now())
         file.rename(file.with_stem("other"))
-        digests.append(provenance.suite_digest())
+        digests.append(digest_now())
     assert len(set(digests)) == 1 + 2 * len(files)
+    forget()
+
+
+def digest_now() -> str:
+    forget()
+    return sources.source_digest()
+
+
+def part_keys(folder: Path) -> list[str]:
+    """Keys of a mesh and of what is computed on it."""
+    file, interfaces = given(folder)
+    (mesh,) = meshes.mesh_entries(file, interfaces, 1000, [0])
+    return [mesh.key, identify.identified_entry(file, interfaces, STEEL, 1000, 6).key]
+
+
+def test_changed_source_line_changes_keys_of_its_results(tmp_path, monkeypatch):
+    """In a copy elsewhere, as an installed wheel is beside a checkout, keys are the same."""
+    for package in sources.PACKAGES:
+        shutil.copytree(ROOT / package, tmp_path / package)
+
+    def keys() -> list[str]:
+        forget()
+        return [*part_keys(tmp_path), sources.program()]
+
+    before = keys()
+    monkeypatch.setattr(sources, "__file__", str(tmp_path / "validation" / "run" / "sources.py"))
+    os.utime(tmp_path / "lumped" / "screws.py", (0, 0))
+    (tmp_path / "lumped" / "__pycache__").mkdir(exist_ok=True)
+    (tmp_path / "lumped" / "__pycache__" / "more.py").write_text("1")
+    assert keys() == before
+    # Which keys are others: of a mesh, of what is computed on it, and of the whole program.
+    changes = {
+        "lumped/screws.py": [True, True, True],
+        "meshes/part/volume.py": [True, True, True],
+        "fem/elasticity.py": [False, True, True],
+        "validation/models/parts.py": [False, True, True],
+        "validation/report/page.py": [False, False, True],
+    }
+    for name, changed in changes.items():
+        with (tmp_path / name).open("a", encoding="utf-8") as file:
+            file.write("MORE = 1\n")
+        after = keys()
+        assert [a != b for a, b in zip(before, after, strict=True)] == changed, name
+        before = after
+    forget()
+
+
+def test_sources_in_keys_of_parts_are_all_that_compute_them():
+    """Whatever the modules that make entries import, but for packages without code."""
+    drawn = runpy.run_path(str(ROOT / "docs" / "pictures" / "architecture.py"))
+    files = drawn["modules"]()
+    for start, places in (
+        ({"validation.parts.meshes"}, meshes.MESHING),
+        ({one.__name__ for one in (identify, parts, stepped_parts)}, meshes.COMPUTING),
+    ):
+        found, waiting = set(), list(start)
+        while waiting:
+            found.add(name := waiting.pop())
+            waiting += drawn["imports"](files[name], files) - found
+        digested = {path for place in places for path in sources._files(str(ROOT / place))}
+        for name in found:
+            if str(files[name]) not in digested:
+                body = ast.parse(files[name].read_text(encoding="utf-8")).body
+                assert all(isinstance(one, ast.Expr) for one in body), name
 
 
 def test_the_memo_tells_functions_and_how_they_are_called():
@@ -136,10 +205,12 @@ def test_everything_said_of_a_part_is_in_its_key(tmp_path, monkeypatch):
     keys = [meshes.part_key(file, *one) for one in said]
     keys.append(meshes.part_key(replace(file, unit="m"), *said[0]))
     keys += [meshes.part_key(file, *said[0], *more) for more in ((1,), (2,), ("1",), (1, 2))]
-    for name, other in (("_EDITION", "another"), ("version", lambda _library: "another")):
-        with monkeypatch.context() as patch:
-            patch.setattr(meshes, name, other)
-            keys.append(meshes.part_key(file, *said[0]))
+    keys.append(meshes.part_key(file, *said[0], sources=meshes.MESHING))
+    with monkeypatch.context() as patch:
+        patch.setattr(sources, "version", lambda _library: "another")
+        forget()
+        keys.append(meshes.part_key(file, *said[0]))
+    forget()
     file.path.write_bytes(b"Solid")
     keys.append(meshes.part_key(file, *said[0]))
     assert len(set(keys)) == len(keys) >= 30

@@ -4,7 +4,6 @@ import hashlib
 from collections.abc import Sequence
 from dataclasses import fields, replace
 from functools import partial
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -21,9 +20,12 @@ from meshes.part.reading.given_mesh import MESHES
 from meshes.part.reading.read import PartFile, read_part, require_file
 from meshes.part.volume import Grading, ladder, volume_mesh
 from validation.run.cache import CacheEntry, key_of, require_shape
+from validation.run.sources import program
 
-# Raised where the same input gives other numbers than before: meshes, elements, reduction.
-_EDITION = 14
+# Sources that decide what is read and meshed of a part, and what is computed on its meshes.
+_CACHE = ("validation/run/cache.py", "validation/run/sources.py")
+MESHING = ("lumped", "meshes", "validation/parts/meshes.py", *_CACHE)
+COMPUTING = ("lumped", "meshes", "fem", "validation/parts", "validation/models", *_CACHE)
 COARSE, MIDDLE, FINEST = 0, 1, 2
 LEVELS = (COARSE, MIDDLE, FINEST)
 # What is kept of each face beside its facets.
@@ -32,11 +34,18 @@ _ANY = Material.isotropic(1.0, 0.0, 1.0)
 
 
 def part_key(
-    part: PartFile, interfaces: Sequence[Interface], material: Material, *more: object
+    part: PartFile,
+    interfaces: Sequence[Interface],
+    material: Material,
+    *more: object,
+    sources: tuple[str, ...] = COMPUTING,
 ) -> str:
-    """The key of what depends on a part's content, unit, interfaces, material, and `more`."""
+    """The key of what depends on a part's content, unit, interfaces, material, and `more`.
+
+    And on the program: the libraries and these `sources` of it.
+    """
     inputs = part.unit, tuple(interfaces), material
-    return key_of("part", _program(), _content(part.path), *inputs, *more)
+    return key_of("part", program(*sources), _content(part.path), *inputs, *more)
 
 
 def part_file(path: Path, unit: str | None = None) -> PartFile:
@@ -47,14 +56,10 @@ def part_file(path: Path, unit: str | None = None) -> PartFile:
     require_file(path)
     if path.suffix.lower() in MESHES:
         return read_part(path, unit)
-    key = key_of("file", _program(), _content(path), unit)
+    key = key_of("file", program(*MESHING), _content(path), unit)
     return CacheEntry(
         key, lambda: _file_packed(read_part(path, unit)), partial(_file_unpacked, path)
     ).value()
-
-
-def _program() -> tuple[int, str]:
-    return _EDITION, version("gmsh")
 
 
 def _content(path: Path) -> str:
@@ -67,7 +72,7 @@ def _mesh_key(part: PartFile, interfaces: Sequence[Interface], *more: object) ->
     What is held in two ways is then held on one mesh: gmsh may make another one of the same input.
     """
     faces = [replace(one, coupling="rigid", because="") for one in interfaces]
-    return part_key(part, faces, _ANY, *more)
+    return part_key(part, faces, _ANY, *more, sources=MESHING)
 
 
 def part_mesh(

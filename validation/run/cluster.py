@@ -21,7 +21,8 @@ from fem.extras import require_extra
 from lumped.errors import ComputationError, InputError
 from lumped.memo import memo
 from validation.run.executor import Executor, Finished, Work
-from validation.run.provenance import suite_digest, versions
+from validation.run.provenance import versions
+from validation.run.sources import source_digest
 
 # Seconds: how long to wait for the scheduler's answer, and without workers before that is said.
 _ANSWER = 10.0
@@ -213,7 +214,7 @@ def _alone(call: Work, own: Mapping[str, str]) -> Any:
 @memo(1)
 def _program() -> dict[str, str]:
     """What must be equal for numbers to be equal: the sources of this program, and libraries."""
-    return {"another flexproof": suite_digest()} | versions()
+    return {"another flexproof": source_digest()} | versions()
 
 
 def _differences(found: Mapping[str, str], own: Mapping[str, str]) -> str:

@@ -9,7 +9,6 @@ import platform
 from collections.abc import Mapping
 from contextlib import suppress
 from datetime import UTC, datetime
-from hashlib import sha256
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
@@ -22,6 +21,7 @@ from lumped.robot_file import RobotFile
 from lumped.text import counted
 from validation.context import Preset
 from validation.run.cache import cache_folder
+from validation.run.sources import source_digest
 
 _LIBRARIES = (
     "flexproof",
@@ -34,8 +34,6 @@ _LIBRARIES = (
     "vtk",
     "matplotlib",
 )
-_PACKAGES = ("lumped", "meshes", "fem", "validation")
-_SOURCES = frozenset({".py", ".toml", ".j2", ".css", ".js"})
 
 
 def header(robot_file: RobotFile, preset: Preset, options: Mapping[str, str]) -> dict[str, Any]:
@@ -49,7 +47,7 @@ def header(robot_file: RobotFile, preset: Preset, options: Mapping[str, str]) ->
         "preset": preset,
         "options": dict(options),
         "versions": versions(),
-        "suite_sha256": suite_digest(),
+        "suite_sha256": source_digest(),
         "machine": machine(),
     }
 
@@ -72,18 +70,6 @@ def machine() -> str:
     return f"{platform.system()} {platform.machine()}, {cores}, {processor()}"
 
 
-def suite_digest() -> str:
-    """Digest of this program's own sources: results of different sources are not to be mixed."""
-    root = Path(__file__).resolve().parents[2]
-    digest = sha256()
-    for package in _PACKAGES:
-        for path in sorted((root / package).rglob("*")):
-            if path.suffix in _SOURCES:
-                digest.update(str(path.relative_to(root)).encode())
-                digest.update(path.read_bytes())
-    return digest.hexdigest()
-
-
 def processor() -> str:
     """The processor's name."""
     try:
@@ -100,7 +86,7 @@ def keep_selftest(*, passed: bool) -> None:
     if path is None:
         return
     said = f"{'passed' if passed else 'FAILED'} on {datetime.now(UTC).date().isoformat()}"
-    record = {"said": said, **_installation(versions(), suite_digest())}
+    record = {"said": said, **_installation(versions(), source_digest())}
     with suppress(OSError):
         path.parent.mkdir(parents=True, exist_ok=True)
         write_whole(path, f"{json.dumps(record)}\n".encode())

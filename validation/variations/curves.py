@@ -27,7 +27,7 @@ from validation.adequacy.mechanism.path import RobotOnPath, path_postures, robot
 from validation.context import BUILT_IN, Context, Preset
 from validation.run.cache import find, keep, key_of
 from validation.run.executor import Executor, in_turn
-from validation.run.provenance import suite_digest
+from validation.run.sources import program
 from validation.variations.decision import OBJECTIVES, Decision, Objective
 
 T = TypeVar("T")
@@ -168,7 +168,7 @@ def computed(
     interrupted goes on where it stopped; equal units are computed once. `what` is being done, for
     the progress on stderr if that is a terminal. Raises what the first failing unit raises.
     """
-    keys = [key_of(_sources(), unit) for unit in units]
+    keys = [key_of(program(), unit) for unit in units]
     work = dict(zip(keys, units, strict=True))
     names = set(signature(kind).parameters)
     known = {key: arrays for key in work if (arrays := find(key)) and set(arrays) == names}
@@ -191,11 +191,6 @@ def computed(
                 known[missing[number]] = keep(missing[number], arrays)
     # Numbers are kept as arrays of no dimension.
     return [kind(**{name: array[()] for name, array in known[key].items()}) for key in keys]
-
-
-@memo(1)
-def _sources() -> str:
-    return suite_digest()
 
 
 @dataclass(frozen=True, eq=False)

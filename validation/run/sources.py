@@ -1,0 +1,60 @@
+"""Digest of the code that computes: keys and runs of other sources or libraries are others.
+
+A digest is of names and contents of files, relative to the folder that holds the packages, so that
+a wheel and a checkout of the same sources have the same one. Times and compiled files do not count.
+It is taken once per process, at its first use.
+"""
+
+import os
+from collections.abc import Iterator
+from hashlib import sha256
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+
+from lumped.memo import fingerprint, memo
+
+PACKAGES = ("lumped", "meshes", "fem", "validation")
+# Libraries that numbers and meshes come from.
+_LIBRARIES = ("gmsh", "numpy", "rslab", "scikit-fem", "scipy")
+_SOURCES = (".py", ".toml", ".j2", ".css", ".js")
+
+
+@memo(8)
+def program(*places: str) -> str:
+    """Fingerprint of the sources in these folders and files, and of libraries that compute.
+
+    All sources if no place is named.
+    """
+    return fingerprint([source_digest(places or PACKAGES), [_version(one) for one in _LIBRARIES]])
+
+
+@memo(8)
+def source_digest(places: tuple[str, ...] = PACKAGES) -> str:
+    """Digest of the sources in these folders and files, named from the folder of the packages."""
+    # Paths as text: those of pathlib take twice as long as reading the files.
+    root = str(Path(__file__).resolve().parents[2])
+    digest = sha256()
+    for place in places:
+        for path in _files(os.path.join(root, place)):  # noqa: PTH118
+            with open(path, "rb") as file:  # noqa: PTH123
+                content = file.read()
+            name = path[len(root) :].replace(os.sep, "/")
+            digest.update(f"{name} {len(content)} ".encode())
+            digest.update(content)
+    return digest.hexdigest()
+
+
+def _files(place: str) -> Iterator[str]:
+    """A source, or the sources in a folder, in alphabetical order."""
+    if place.endswith(_SOURCES):
+        yield place
+    for folder, folders, names in os.walk(place):
+        folders[:] = sorted(set(folders) - {"__pycache__"})
+        yield from (f"{folder}{os.sep}{name}" for name in sorted(names) if name.endswith(_SOURCES))
+
+
+def _version(library: str) -> str:
+    try:
+        return version(library)
+    except PackageNotFoundError:
+        return ""
