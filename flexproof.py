@@ -10,14 +10,23 @@ from validation.api import (
     Adequacy,
     Run,
     adequacy,
+    compare_measured,
     converge,
     cross_validate,
+    export,
+    identify,
     load,
     run,
     solve,
+    vary,
+    workspace,
 )
 from validation.comparisons.convergence_study import ConvergenceStudy
 from validation.cross_validation import CrossValidation
+from validation.maps.figure import WorkspaceMaps
+from validation.parts.identify import Identified
+from validation.python.designs import Designs
+from validation.python.measured import MeasuredComparison
 from validation.solve.answer import Solution
 from validation.tables import ResultTable
 
@@ -26,14 +35,23 @@ __all__ = [
     "ComputationError",
     "ConvergenceStudy",
     "CrossValidation",
+    "Designs",
+    "Identified",
     "InputError",
+    "MeasuredComparison",
     "ResultTable",
     "Run",
     "Solution",
+    "WorkspaceMaps",
     "adequacy",
+    "compare_measured",
     "converge",
     "cross_validate",
+    "export",
+    "identify",
     "load",
     "run",
     "solve",
+    "vary",
+    "workspace",
 ]

@@ -1,7 +1,7 @@
 """flexproof from Python: load a robot, solve a model, judge the models, run everything.
 
-Results are frozen dataclasses that show themselves in a notebook. Errors of input are
-`lumped.errors.InputError` with a line per fault, failures of a computation `ComputationError`.
+Results are frozen records with tables and plots, displayed by notebooks. Wrong input raises
+`lumped.errors.InputError` with a line per fault, a failed computation `ComputationError`.
 """
 
 import re
@@ -17,41 +17,89 @@ from fem.machine import usable_cores
 from lumped.acceptance.requirement import Requirement
 from lumped.errors import InputError
 from lumped.legs import Theory
-from lumped.robot_file import RobotFile, load_robot
+from lumped.robot_file import RobotFile, load_robot, robot_of
 from lumped.robot_file.evidence import with_options
+from lumped.robot_file.places import unit_of
+from lumped.robot_file.written import toml_of, toml_value
+from meshes.part.interfaces import find_interfaces
 from validation.adequacy.judgement import judged
 from validation.adequacy.response import Subject
 from validation.adequacy.robot import judged_robot
+from validation.case import Skip
 from validation.comparisons.convergence_study import ConvergenceStudy
 from validation.comparisons.readings import RefinedModel
 from validation.comparisons.requested import convergence
 from validation.console.arguments import checked, faults_of
-from validation.console.typed import MOST_PROCESSES
+from validation.console.typed import MOST_PROCESSES, LengthUnit
 from validation.context import Context, Preset
 from validation.cross_validation import CrossValidation, cross_validation
 from validation.drawing.text import error_with_spread, percent
+from validation.export.command import Kind, write_export
+from validation.maps.figure import WorkspaceMaps, workspace_maps
+from validation.maps.workspace import directions
+from validation.measured.matrix import measured_matrix
+from validation.measured.modes import with_measured_file
 from validation.models.options import ModelName, ModelOptions
+from validation.models.parts import identified
+from validation.parts.identify import DEFAULT_MODES, DEFAULT_UNKNOWNS, Identified
+from validation.parts.identify import identify as identified_between
+from validation.parts.meshes import part_file
+from validation.parts.request import (
+    faults_of_numbers,
+    interfaces_of,
+    material_of,
+    part_of,
+)
+from validation.python.designs import Designs
+from validation.python.matrix_table import matrix_table
+from validation.python.measured import MeasuredComparison
 from validation.report.table import table_of
 from validation.report.words import force_text, pose_text, sentence
 from validation.solve.answer import Solution
 from validation.solve.model_answers import solve as answered
 from validation.solve.question import Question
-from validation.tables import Cell, ResultTable, html_paragraph, html_table
+from validation.tables import ResultTable, html_paragraph, html_table
+from validation.variations.curves import checked_variations, variation_study
 from validation.verdicts import Entry, Matrix
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-Robot = RobotFile | str | Path
+Robot = RobotFile | str | Path | Mapping[str, Any]
 
 
 @checked
-def load(robot: str | Path, *, accept: Mapping[str, float] | None = None) -> RobotFile:
-    """A built-in robot by name, or that of a file; `accept` as in `--accept` overrides its limits.
+def load(
+    robot: str | Path | Mapping[str, Any], *, accept: Mapping[str, float] | None = None
+) -> RobotFile:
+    """Read and check a robot.
 
-    Raises InputError with every fault of the file.
+    Parameters
+    ----------
+    robot
+        Name of a built-in robot, path of a robot file, or a dictionary with the keys of a robot
+        file (SI units). Files that a dictionary names are sought in the working folder.
+    accept
+        Limits that replace those of the file, such as ``{"deflection": 0.1}``: relative errors by
+        the names of ``--accept``.
+
+    Returns
+    -------
+    RobotFile
+        The robot, for all functions of this module.
+
+    Raises
+    ------
+    InputError
+        With a line for every fault of the robot.
+
+    Examples
+    --------
+    >>> robot = load("ifw", accept={"deflection": 0.1})
+    >>> robot.name
+    'IFW demonstrator'
     """
-    loaded = load_robot(robot)
+    loaded = _loaded(robot)
     return replace(loaded, requirement=_accepting(loaded.requirement, accept or {}))
 
 
@@ -66,11 +114,42 @@ def solve(
     modes: int | None = None,
     **options: Any,
 ) -> Solution:
-    """What one model answers, where and with the options that `flexproof solve` takes.
+    """Compliance and natural frequencies of one model.
 
-    `poses` (m, rad) in the order of what the tool's pose prescribes, a number alone where that is
-    one coordinate; the middle of the path if none is given. `leg` or `body` ask
-    for one alone. Raises InputError, ComputationError.
+    Parameters
+    ----------
+    robot
+        As of `load`, or its result.
+    model
+        ``"simplified"``, ``"vjm"``, ``"links"``, ``"segments"``, ``"beam"`` or ``"solid"``.
+    poses
+        Poses of the tool (m, rad), each in the order of its moves; a number if it has one move.
+        The middle of the path if empty.
+    leg, body
+        One leg of a biglide (1 or 2) or one body alone, its root clamped.
+    modes
+        Number of natural frequencies. Six if None.
+    **options
+        Options of the model, as of ``flexproof solve``: ``elements``, ``theory``, ``divisions``, …
+
+    Returns
+    -------
+    Solution
+        An answer for each pose: ``compliance`` (6×6 at the loaded point, base axes, m/N, rad/N,
+        rad/(N m)) and ``frequencies`` (Hz, ascending).
+
+    Raises
+    ------
+    InputError
+        With a line for each wrong argument.
+    ComputationError
+        If the model cannot be solved.
+
+    Examples
+    --------
+    >>> answer = solve("ifw", "beam", poses=[0.4975], modes=2).answers[0]
+    >>> print(f"{answer.frequencies[0]:.1f} Hz, {1e9 * answer.compliance[2, 2]:.1f} µm/kN")
+    112.4 Hz, 27.3 µm/kN
     """
     types = get_type_hints(ModelOptions)
     if faults := [
@@ -96,12 +175,39 @@ def converge(
     divisions: Sequence[int] | None = None,
     theory: Theory | None = None,
 ) -> ConvergenceStudy:
-    """Convergence with element count, of a `body` that is a leg or of the whole robot.
+    """Convergence with element count or mesh, of one leg or of the whole robot.
 
-    `model`: "segments", "beam" or "solid" (with `divisions` across the section, for a body);
-    segments and beam elements if None. `theory` of both: "timoshenko" if None, or
-    "euler-bernoulli". The robot stands in the middle of its path.
-    Raises InputError, ComputationError.
+    Parameters
+    ----------
+    robot
+        As of `load`, or its result. It stands in the middle of its path.
+    model
+        ``"segments"``, ``"beam"`` or ``"solid"``. Segments and beam elements if None.
+    body
+        A leg, clamped at its root. The whole robot if None.
+    elements
+        Elements per leg, each count at least 1. The usual counts from 1 to 80 if None.
+    divisions
+        For solids of a leg: quadratic elements across the smaller side of the section.
+    theory
+        ``"timoshenko"`` or ``"euler-bernoulli"``. Timoshenko's if None.
+
+    Returns
+    -------
+    ConvergenceStudy
+        Values, errors from the limit, orders, and the smallest counts below 1 % and 0.1 %.
+
+    Raises
+    ------
+    InputError
+        With a line for each wrong argument.
+    ComputationError
+        If the model cannot be solved.
+
+    Examples
+    --------
+    >>> study = converge("ifw", "segments", body="leg1", elements=[5, 10, 20, 40])
+    >>> study.assert_converged("f1", elements=20, within=0.01)
     """
     loaded = _loaded(robot)
     with _arguments_named():
@@ -120,8 +226,29 @@ def converge(
 def cross_validate(robot: Robot, *, preset: Preset = "standard") -> CrossValidation:
     """Compare all formulations of the robot's legs with solids, and study their convergence.
 
-    The numbers are those of the chapter "Cross-validation" of a report with this preset.
-    Raises InputError, and ComputationError if a convergence study fails.
+    Parameters
+    ----------
+    robot
+        As of `load`, or its result.
+    preset
+        ``"quick"``, ``"standard"`` or ``"fine"``: how fine the solids are.
+
+    Returns
+    -------
+    CrossValidation
+        The numbers of the chapter "Cross-validation" of a report with this preset.
+
+    Raises
+    ------
+    InputError
+        With a line for each fault of the robot.
+    ComputationError
+        If a convergence study fails.
+
+    Examples
+    --------
+    >>> crossed = cross_validate("ifw", preset="quick")  # doctest: +SKIP
+    >>> crossed.assert_agrees("beam", with_="solid", quantity="f1", within=0.01)  # doctest: +SKIP
     """
     return cross_validation(Context(_loaded(robot), preset))
 
@@ -211,9 +338,7 @@ class Adequacy:
 
     def table(self) -> ResultTable:
         """A row for each model and quantity, errors and limits in per cent."""
-        return ResultTable(
-            _HEADINGS, tuple(_row(self.matrix, entry) for entry in self.matrix.entries)
-        )
+        return matrix_table(self.matrix)
 
     def plot(self) -> "Figure":
         """Errors of the deflections and of the first frequencies over the path, by model.
@@ -245,34 +370,37 @@ class Adequacy:
         return html_paragraph(self.sentence) + html_table(headings, rows, verdicts)
 
 
-_HEADINGS = (
-    *("model", "quantity", "verdict", "error (%)", "half-width (%)", "low (%)", "high (%)"),
-    *("limit (%)", "pose", "cause", "remedy"),
-)
-
-
-def _row(matrix: Matrix, entry: Entry) -> tuple[Cell, ...]:
-    errors = entry.error, entry.uncertainty, entry.low, entry.high
-    return (
-        entry.model,
-        str(entry.quantity),
-        entry.verdict,
-        *(None if share is None else 100.0 * share for share in errors),
-        100.0 * entry.limit,
-        pose_text(matrix.coordinates, entry.pose) if entry.pose else None,
-        entry.causes[0].cause if entry.causes else None,
-        entry.remedy or None,
-    )
-
-
 @checked
 def adequacy(
     robot: Robot, *, preset: Preset = "standard", accept: Mapping[str, float] | None = None
 ) -> Adequacy:
-    """Judge every model of a robot by every quantity, within `accept` or what its file accepts.
+    """Judge every model of a robot by every quantity.
 
-    What has no reference is undecided. Raises InputError, and ComputationError where a posture of
-    the path cannot be computed.
+    Parameters
+    ----------
+    robot
+        As of `load`, or its result.
+    preset
+        ``"quick"``, ``"standard"`` or ``"fine"``: how fine the references are.
+    accept
+        Limits that replace those of the file, as of `load`.
+
+    Returns
+    -------
+    Adequacy
+        Errors, verdicts, causes and remedies. A quantity without a reference is undecided.
+
+    Raises
+    ------
+    InputError
+        With a line for each fault of the robot.
+    ComputationError
+        If a posture of the path cannot be computed.
+
+    Examples
+    --------
+    >>> judged = adequacy("ifw", preset="quick")  # doctest: +SKIP
+    >>> judged.assert_adequate("vjm", "x", within=0.02)  # doctest: +SKIP
     """
     loaded = _loaded(robot)
     requirement = _accepting(loaded.requirement, accept or {})
@@ -311,10 +439,41 @@ def run(
     jobs: int | None = None,
     vary: Sequence[str] = (),
 ) -> Run:
-    """Everything that `flexproof run` does, into the folder `out`.
+    """Validate a robot and write a report, as ``flexproof run`` does.
 
-    `vary`: numbers of the robot file with their values, as `--vary` has them.
-    Raises InputError before anything is written, ComputationError where the run cannot go on.
+    Parameters
+    ----------
+    robot
+        As of `load`, or its result.
+    out
+        Folder for ``report.html``, ``results.json``, ``junit.xml`` and ``figures/``.
+    preset
+        ``"quick"``, ``"standard"`` or ``"fine"``.
+    only
+        Compute only the comparisons whose id matches, with * and ? as in a shell.
+    jobs
+        Number of processes. As many as there are cores if None.
+    vary
+        Numbers of the robot file over ranges, ``"KEY=FROM:TO:COUNT"`` each, as of ``--vary``.
+
+    Returns
+    -------
+    Run
+        Folder, exit code, number of comparisons by verdict, and the matrix of adequacy.
+
+    Raises
+    ------
+    InputError
+        Before anything is written.
+    ComputationError
+        If the run cannot go on.
+
+    Examples
+    --------
+    Computed in processes that import the script: call it below ``if __name__ == "__main__"``.
+
+    >>> finished = run("ifw", out="report", preset="quick")  # doctest: +SKIP
+    >>> finished.exit_code, finished.report  # doctest: +SKIP
     """
     # The session loads every case; solving a model needs none of them.
     from validation.catalogue import catalogue  # noqa: PLC0415
@@ -336,6 +495,247 @@ def run(
     )
 
 
+@checked
+def identify(
+    part: Robot,
+    *,
+    body: str | None = None,
+    interfaces: Mapping[str, Any] | None = None,
+    material: Mapping[str, Any] | None = None,
+    unit: LengthUnit | None = None,
+    unknowns: int = DEFAULT_UNKNOWNS,
+    modes: int = DEFAULT_MODES,
+) -> Identified:
+    """Identify a CAD part: stiffness, mass and frequencies between its interfaces.
+
+    Parameters
+    ----------
+    part
+        A STEP or BREP file, a volume mesh, or with `body` a robot as of `load`.
+    body
+        A body of the robot that is a part from a file.
+    interfaces
+        For a file: tables of a robot file by name (m), the first one is clamped:
+        ``{"A": {"cylinder": {"radius": 0.04}}, "B": {"cylinder": {"radius": 0.028}}}``.
+    material
+        For a file: ``{"E": 2.1e11, "nu": 0.3, "rho": 7850.0}`` (Pa, –, kg/m³).
+    unit
+        Unit of length of a file that names none: ``"m"``, ``"mm"``, ``"cm"`` or ``"inch"``.
+    unknowns
+        Unknowns of the finest of the three meshes.
+    modes
+        Number of frequencies with the first interface clamped.
+
+    Returns
+    -------
+    Identified
+        Stiffness and mass (6m×6m for m interfaces), compliance (SI, axes of the file) and
+        frequencies (Hz), with the uncertainty of the meshes and of the interfaces.
+
+    Raises
+    ------
+    InputError
+        For wrong arguments, or if the part cannot be meshed.
+    ComputationError
+        If memory or a solver fails.
+
+    Examples
+    --------
+    >>> found = identify("robot.toml", body="leg1", unknowns=30_000)  # doctest: +SKIP
+    >>> print(found.table())  # doctest: +SKIP
+    """
+    faults = faults_of_numbers(unknowns, modes)
+    if body is not None and (interfaces or material or unit):
+        faults.append("body: its interfaces, material and unit stand in the robot file")
+    if body is None and not isinstance(part, str | Path):
+        faults.append("body: missing; must name a part of the robot")
+    if body is None and not material:
+        faults.append("material: missing; must be given, {'E': 2.1e11, 'nu': 0.3, 'rho': 7850.0}")
+    with _arguments_named():
+        if faults:
+            raise InputError(faults)
+        if body is not None:
+            return identified(part_of(_loaded(part), body), unknowns, modes)
+        texts = [toml_of({name: table}) for name, table in (interfaces or {}).items()]
+        wanted, points = interfaces_of(texts)
+        chosen = material_of(toml_value(material))
+        file = part_file(Path(str(part)), unit)
+        held = find_interfaces(file, wanted, points)
+        return identified_between(file, held, chosen, unknowns, modes)
+
+
+@checked
+def workspace(robot: Robot, *, preset: Preset = "standard") -> WorkspaceMaps:
+    """Map lowest stiffness, first frequency and error over the workspace of a robot.
+
+    Parameters
+    ----------
+    robot
+        As of `load`, or its result. Its path is a grid (``counts``) in two or three directions.
+    preset
+        ``"quick"``, ``"standard"`` or ``"fine"``: at most 81, 400 or 2500 poses of the grid.
+
+    Returns
+    -------
+    WorkspaceMaps
+        Lowest stiffness (N/µm), first frequency (Hz) and error (%) of the chosen model over the
+        grid, each with its worst posture, searched between the grid's points, too.
+
+    Raises
+    ------
+    InputError
+        If the path is no grid, or fewer than four of its poses can be reached or solved.
+
+    Examples
+    --------
+    >>> workspace("bipod.toml", preset="quick").plot()  # doctest: +SKIP
+    """
+    loaded = _loaded(robot)
+    if not directions(loaded.mechanism):
+        raise InputError(
+            f"{loaded.source}: path: no grid of the tool's moves; must have counts = […], two or "
+            "three of them above 1"
+        )
+    try:
+        return workspace_maps(Context(loaded, preset))
+    except Skip as error:
+        raise InputError(f"{loaded.source}: path: {error}") from error
+
+
+@checked
+def vary(robot: Robot, number: str, *, preset: Preset = "standard") -> Designs:
+    """Compare designs that differ in one number by all models, and what each would choose.
+
+    Parameters
+    ----------
+    robot
+        As of `load`, or its result.
+    number
+        ``"KEY=FROM:TO:COUNT"``, as of ``--vary``: ``"leg1.section.thickness=0.004:0.012:5"``.
+    preset
+        ``"quick"``, ``"standard"`` or ``"fine"``: how fine the references are.
+
+    Returns
+    -------
+    Designs
+        Largest deflection and smallest first frequency over the path of each design, by all models
+        and by the reference.
+
+    Raises
+    ------
+    InputError
+        For a number that the file does not have, or values for which there is no robot.
+    ComputationError
+        If a design cannot be solved.
+
+    Examples
+    --------
+    >>> designs = vary("robot.toml", "leg1.length=0.6:0.9:4", preset="quick")  # doctest: +SKIP
+    >>> designs.best("deflection"), designs.loss("vjm")  # doctest: +SKIP
+    """
+    loaded = _loaded(robot)
+    with _arguments_named():
+        (variation,) = checked_variations(loaded, [number], preset)
+        curves = variation_study(loaded, variation, preset)
+    unit = unit_of(loaded.tables, variation.keys[0])
+    return Designs(loaded.name, variation, unit, curves)
+
+
+@checked
+def compare_measured(robot: Robot, file: str | Path | None = None) -> MeasuredComparison:
+    """Compare every model of a robot with measured values.
+
+    Parameters
+    ----------
+    robot
+        As of `load`, or its result. Values in its ``[[measured]]`` are compared, too.
+    file
+        Measured values (CSV), or a modal test (``.uff``, ``.unv``; needs the extra ``hammer``, and
+        ``[hammer]`` in the robot file). None if all values stand in the robot file.
+
+    Returns
+    -------
+    MeasuredComparison
+        Comparison error and validation uncertainty of each model and value, with a verdict.
+
+    Raises
+    ------
+    InputError
+        With a line per fault, and if nothing was measured.
+
+    Examples
+    --------
+    >>> compared = compare_measured("biglide.toml", "hammer.uff")  # doctest: +SKIP
+    >>> print(compared.table())  # doctest: +SKIP
+    """
+    loaded = _loaded(robot)
+    if file is not None:
+        loaded = with_measured_file(loaded, Path(file))
+    if not loaded.measured:
+        raise InputError(f"{loaded.source}: has no [[measured]] values; name a file of them")
+    return MeasuredComparison(measured_matrix(Context(loaded)))
+
+
+@checked
+def export(
+    robot: Robot,
+    to: Kind,
+    *,
+    out: str | Path | None = None,
+    pose: Sequence[float] | None = None,
+    body: str | None = None,
+    modes: int = 20,
+    force: bool = False,
+) -> Path:
+    """Write a reduced model of a robot or of one body for another program.
+
+    Parameters
+    ----------
+    robot
+        As of `load`, or its result.
+    to
+        ``"npz"``, ``"exudyn"``, ``"statespace"``, ``"simscape"`` or ``"nastran"``; the last two
+        take one `body`.
+    out
+        The file. Named by robot and body in the working folder if None.
+    pose
+        Pose of the tool (m, rad) about which the robot is linear. The reference posture if None.
+    body
+        One body, free. The whole robot if None.
+    modes
+        Number of frequencies for which the model is good.
+    force
+        Replace a file that flexproof did not write.
+
+    Returns
+    -------
+    Path
+        The file that was written.
+
+    Raises
+    ------
+    InputError
+        With a line for each wrong argument.
+    ComputationError
+        If the model cannot be computed.
+
+    Examples
+    --------
+    >>> export("five-bar", "exudyn", out="five_bar.py", pose=[0.05, 0.5])  # doctest: +SKIP
+    """
+    typed = None if pose is None else ",".join(repr(float(number)) for number in pose)
+    with _arguments_named():
+        return write_export(
+            _loaded(robot),
+            to,
+            pose=typed,
+            body=body,
+            modes=modes,
+            out=None if out is None else Path(out),
+            force=force,
+        )
+
+
 _OPTION = re.compile(r"(?<!\S)--([a-z]+)")
 # Arguments that are called otherwise than the options of the command line.
 _ARGUMENTS = {"pose": "poses", "x": "poses"}
@@ -355,7 +755,9 @@ def _arguments_named() -> Iterator[None]:
 
 
 def _loaded(robot: Robot) -> RobotFile:
-    return robot if isinstance(robot, RobotFile) else load_robot(robot)
+    if isinstance(robot, RobotFile):
+        return robot
+    return robot_of(robot) if isinstance(robot, Mapping) else load_robot(robot)
 
 
 def _accepting(requirement: Requirement, accept: Mapping[str, float]) -> Requirement:

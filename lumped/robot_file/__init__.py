@@ -8,6 +8,7 @@ from lumped.robot_file.load import (
     as_printed,
     built_in_robots,
     load_robot,
+    robot_of,
     write_template,
 )
 
@@ -16,5 +17,6 @@ __all__ = [
     "as_printed",
     "built_in_robots",
     "load_robot",
+    "robot_of",
     "write_template",
 ]

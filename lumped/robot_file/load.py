@@ -35,6 +35,7 @@ from lumped.robot_file.places import keys_named, value_at, with_value
 from lumped.robot_file.reading import decoded, parsed
 from lumped.robot_file.rules.published import key_comments
 from lumped.robot_file.rules.tables import MECHANISM, rules_of
+from lumped.robot_file.written import toml_of
 from lumped.robots import FIRST_TYPE, RobotType
 from lumped.text import did_you_mean, visible
 
@@ -43,6 +44,8 @@ _SUFFIX = ".toml"
 _RARELY_KNOWN = ("E", "length", "stiffness", "compliance")
 # Bytes: ten thousand poses, or the matrices of a thousand legs. tomllib takes half a second.
 _LARGEST = 1_000_000
+# Source of a robot that comes from no file, as messages name it.
+DICTIONARY = "dictionary"
 
 
 class UncertainInput(NamedTuple):
@@ -183,6 +186,18 @@ def load_robot(name_or_path: str | Path) -> RobotFile:
     source = str(name_or_path)
     known = source in built_in_robots()
     return _of_built_in(source) if known else _described(source, _read(source))
+
+
+def robot_of(tables: Mapping[str, Any]) -> RobotFile:
+    """The robot of a dictionary that has the keys of a robot file.
+
+    Files that it names are sought in the working folder. Raises InputError as `load_robot` does.
+    """
+    try:
+        text = toml_of(tables)
+    except InputError as error:
+        raise InputError(visible(f"{DICTIONARY}: {fault}") for fault in error.faults) from None
+    return _described(DICTIONARY, text.encode())
 
 
 @memo(16)

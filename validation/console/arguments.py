@@ -60,6 +60,8 @@ def faults_of(name: str, value: object, hint: Any) -> list[str]:
 
 def _fits(value: object, hint: Any) -> bool:
     origin, parts = get_origin(hint), get_args(hint)
+    if hint is Any:
+        return True
     if origin in {Union, UnionType}:
         return any(_fits(value, part) for part in parts)
     if origin is Literal:
@@ -91,6 +93,8 @@ def _allowed(hint: Any) -> str:
         return f"one of {', '.join(parts)}"
     if origin is Sequence:
         return f"a list, each entry {_allowed(parts[0])}"
+    if origin is Mapping and parts[1] is Any:
+        return "a dictionary"
     if origin is Mapping:
         return f"a dictionary, each value {_allowed(parts[1])}"
     return _WORDS.get(hint) or f"a {hint.__name__}"

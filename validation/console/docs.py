@@ -1,5 +1,6 @@
 """The command `docs`: the documentation site, built by Sphinx from docs/."""
 
+import os
 import sys
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -29,6 +30,8 @@ def docs(*, out: Annotated[Path, Parameter(show_default=True)] = Path("site")) -
     require_extra("docs", "docs")
     if out.exists() and not (out.is_dir() and (not any(out.iterdir()) or (out / MARK).is_file())):
         raise InputError(f"docs: {out} exists and is no earlier site; choose another --out")
+    # Examples of the gallery solve small matrices, on which more threads of BLAS lose time.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     # Sphinx takes half a second to import.
     from sphinx.cmd.build import build_main  # noqa: PLC0415
 

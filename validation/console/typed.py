@@ -10,7 +10,7 @@ import re
 from collections.abc import Sequence
 from errno import ENAMETOOLONG
 from pathlib import Path
-from typing import Annotated, TypeAlias
+from typing import Annotated, Literal, TypeAlias
 
 from cyclopts import Parameter, Token
 
@@ -51,6 +51,7 @@ def _place(_type: object, tokens: Sequence[Token]) -> Path:
     return path
 
 
+LengthUnit: TypeAlias = Literal["m", "mm", "cm", "inch"]
 Place: TypeAlias = Annotated[Path, Parameter(converter=_place)]
 WholeNumber: TypeAlias = Annotated[int, Parameter(converter=_whole_number)]
 ProcessCount: TypeAlias = Annotated[int | None, Parameter(converter=_process_count)]

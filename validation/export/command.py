@@ -1,7 +1,7 @@
 """The command `export`, as the command line takes it up."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
 
 from cyclopts import Parameter
 
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from lumped.mechanism.mechanism import Mechanism
     from lumped.robot_file import RobotFile
 
+Kind: TypeAlias = Literal["exudyn", "simscape", "nastran", "statespace", "npz"]
 _ENDINGS = {"exudyn": ".py", "nastran": ".bdf", "simscape": ".mat"}
 # More than any reduction keeps.
 _MOST_MODES = 200
@@ -27,7 +28,7 @@ _MOST_MODES = 200
 def export(
     robot: RobotName,
     *,
-    to: Literal["exudyn", "simscape", "nastran", "statespace", "npz"],
+    to: Kind,
     pose: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     body: str | None = None,
     modes: WholeNumber = 20,
@@ -54,6 +55,24 @@ def export(
         The file; if left out named by robot and body, with the ending of its kind, in this folder.
         The state space takes .npz and .mat.
     """
+    write_export(robot, to, pose=pose, body=body, modes=modes, out=out, force=force)
+    return 0
+
+
+def write_export(
+    robot: "RobotFile | str",
+    to: Kind,
+    *,
+    pose: str | None,
+    body: str | None,
+    modes: int,
+    out: Path | None,
+    force: bool,
+) -> Path:
+    """Write the reduced model of a robot or of its `body`, and return the file's path.
+
+    Arguments as of `export`. Raises InputError, ComputationError.
+    """
     from fem.extras import require_extra  # noqa: PLC0415
     from lumped.robot_file import load_robot  # noqa: PLC0415
     from meshes.processes import in_own_process  # noqa: PLC0415
@@ -68,13 +87,13 @@ def export(
         raise InputError(f"--body: must be left out with {whole}, which is of the whole robot")
     if to == "nastran":
         require_extra("nastran", "--to nastran")
-    robot_file = load_robot(robot)
+    robot_file = load_robot(robot) if isinstance(robot, str) else robot
     mechanism = robot_file.mechanism
     if body is not None and body not in mechanism.bodies:
         raise InputError(f"--body {body}: must be one of {', '.join(mechanism.bodies)}")
     ending = _ENDINGS.get(to, ".npz")
     what = [
-        Path(robot).stem,
+        Path(robot_file.source).stem,
         *([body] if body else []),
         *(["statespace"] if to == "statespace" else []),
     ]
@@ -87,7 +106,7 @@ def export(
     with stage("meshing and reducing", _seconds(mechanism, body, modes)):
         content = in_own_process(_content, robot_file, to, pose, body, modes, ending)
     write(place, content, ending)
-    return 0
+    return place
 
 
 def _seconds(mechanism: "Mechanism", body: str | None, modes: int) -> float:

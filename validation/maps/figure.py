@@ -1,19 +1,21 @@
 """Maps over the workspace: contours of each quantity, three directions in slices, worst marked."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from math import prod
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
 from lumped.arrays import Array
+from lumped.errors import InputError
 from lumped.mechanism.kinematics.postures import shown_pose
 from validation.adequacy.mechanism.path import coordinates
 from validation.case import Skip
 from validation.context import Context, Preset
 from validation.drawing.chart import Chart, Column, Contours, Panel, few_ticks
+from validation.drawing.style import plot_style
 from validation.drawing.text import number
 from validation.exhibits import PATH
 from validation.maps.quantities import Mapped, mapped
@@ -29,6 +31,10 @@ from validation.maps.workspace import (
 from validation.report.declared import FigureGroup, Shown
 from validation.report.words import capital
 from validation.solids.legs import SHARED_SOLIDS
+from validation.tables import ResultTable
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 # Postures of a large grid that are looked at.
 _MOST: Mapping[Preset, int] = {"quick": 81, "standard": 400, "fine": 2500}
@@ -38,9 +44,62 @@ Map: TypeAlias = tuple[Mapped, Array, WorstPosture]
 figures = FigureGroup(PATH, SHARED_SOLIDS)
 
 
-@figures.figure("mechanism.maps", "Maps over the workspace", effort=3.0)
-def maps(context: Context) -> Shown:
-    """A column for each quantity, a row for each slice."""
+@dataclass(frozen=True, eq=False)
+class WorkspaceMaps:
+    """Maps over the workspace of a robot: quantities with their values and worst postures."""
+
+    space: Workspace
+    maps: tuple[Map, ...]
+
+    def chart(self) -> Chart:
+        """The figure declared: a column for each quantity, a row for each slice."""
+        space, found = self.space, self.maps
+        names = [str(coordinates(space.mechanism)[move]) for move in space.moves]
+        return Chart(
+            _panels(space, names, found),
+            names[0],
+            len(found),
+            _HIGH,
+            _table(space, names, found),
+            partial(few_ticks, count=2),
+        )
+
+    def values(self, quantity: str) -> Array:
+        """Values of a quantity over the grid, in the unit of the table; NaN for blank poses.
+
+        Raises InputError for a quantity that is not mapped.
+        """
+        for one, values, _ in self.maps:
+            if one.title == quantity:
+                return values
+        titles = ", ".join(one.title for one, *_ in self.maps)
+        raise InputError(f'quantity "{quantity}": is not mapped; must be one of {titles}')
+
+    def table(self) -> ResultTable:
+        """A row for each quantity: its model, its value in the worst posture, and that posture."""
+        names = [str(one) for one in coordinates(self.space.mechanism)]
+        return ResultTable(
+            ("quantity", "unit", "model", "worst value", *names),
+            tuple(
+                (one.title, one.unit, one.model, worst.value, *worst.pose.tolist())
+                for one, _, worst in self.maps
+            ),
+        )
+
+    def plot(self) -> "Figure":
+        """Contours of each quantity; dots are the poses of the grid, stars the worst postures."""
+        # Only a picture needs the library that draws it.
+        from validation.drawing.plot import drawn_chart  # noqa: PLC0415
+
+        with plot_style():
+            return drawn_chart(self.chart())
+
+    def _repr_html_(self) -> str:
+        return self.table().html()
+
+
+def workspace_maps(context: Context) -> WorkspaceMaps:
+    """The maps of the run's robot; raises Skip if too few postures can be reached or solved."""
     mechanism = replace(context.robot_file.mechanism, loads=())
     space = workspace(mechanism, _MOST[context.preset])
     if len(space.postures) < _FEWEST:
@@ -52,16 +111,15 @@ def maps(context: Context) -> Shown:
             found.append((one, values, worst))
     if not found:
         raise Skip("no posture of the grid can be solved")
-    names = [str(coordinates(mechanism)[move]) for move in space.moves]
-    chart = Chart(
-        _panels(space, names, found),
-        names[0],
-        len(found),
-        _HIGH,
-        _table(space, names, found),
-        partial(few_ticks, count=2),
-    )
-    return Shown(_caption(space, found), chart, studies=[_study(space, *one) for one in found])
+    return WorkspaceMaps(space, tuple(found))
+
+
+@figures.figure("mechanism.maps", "Maps over the workspace", effort=3.0)
+def maps(context: Context) -> Shown:
+    """A column for each quantity, a row for each slice."""
+    found = workspace_maps(context)
+    studies = [_study(found.space, *one) for one in found.maps]
+    return Shown(_caption(found.space, found.maps), found.chart(), studies=studies)
 
 
 def _panels(space: Workspace, names: Sequence[str], found: Sequence[Map]) -> list[Panel]:

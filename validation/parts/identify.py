@@ -8,7 +8,7 @@ between rigid, the bound from above, and averaged, the bound from below.
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, fields
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -29,11 +29,19 @@ from meshes.part.spread import spread_over
 from validation.parts.meshes import FINEST, LEVELS, gradings, mesh_entries, part_key, part_mesh
 from validation.parts.refinement import compliance_uncertainty, refinement_uncertainty
 from validation.run.cache import CacheEntry, require_shape
+from validation.tables import Cell, ResultTable
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 DEFAULT_UNKNOWNS = 100_000
 DEFAULT_MODES = 6
 # Unknowns up to which --accuracy refines a part: some ten minutes and 30 GB of one factorisation.
 MOST_REFINED = 800_000
+_AXES = (
+    *(("x", "m/N"), ("y", "m/N"), ("z", "m/N")),
+    *(("phi_x", "rad/(N m)"), ("phi_y", "rad/(N m)"), ("phi_z", "rad/(N m)")),
+)
 _BOUNDS: tuple[Kind, Kind] = ("rigid", "average")
 
 
@@ -100,6 +108,65 @@ class Identified:
         """Relative difference of the mesh's volume to the CAD kernel's; None for a given mesh."""
         exact = self.part.exact
         return None if exact is None else self.total / self.density / exact.volume - 1.0
+
+    def table(self) -> ResultTable:
+        """A row for each diagonal compliance (SI) and frequency (Hz), with its uncertainties."""
+        rows: list[tuple[Cell, ...]] = [
+            (name, unit, value, *parts)
+            for (name, unit), value, parts in zip(
+                self._components,
+                np.diag(self.compliance).tolist(),
+                self._compliance_parts.tolist(),
+                strict=True,
+            )
+        ]
+        rows += [
+            (f"f{mode}", "Hz", value, *parts)
+            for mode, (value, parts) in enumerate(
+                zip(self.frequencies.tolist(), self._frequency_parts.tolist(), strict=True), 1
+            )
+        ]
+        headings = "quantity", "unit", "value", "± meshes (%)", "averaged less rigid (%)"
+        return ResultTable(headings, tuple(rows))
+
+    def plot(self) -> "Figure":
+        """Uncertainty of each compliance and frequency: of the meshes, and of the interfaces."""
+        # Only a picture needs the library that draws it.
+        from validation.parts.identified_plot import identified_plot  # noqa: PLC0415
+
+        modes = [f"f{mode}" for mode in range(1, len(self.frequencies) + 1)]
+        names = [name for name, _ in self._components]
+        return identified_plot(names, self._compliance_parts, modes, self._frequency_parts)
+
+    @property
+    def _components(self) -> list[tuple[str, str]]:
+        """Names of the diagonal compliances with their units."""
+        several = len(self.interfaces) > 2
+        return [
+            (f"{one.name} {axis}" if several else axis, unit)
+            for one in self.interfaces[1:]
+            for axis, unit in _AXES
+        ]
+
+    @property
+    def _compliance_parts(self) -> Array:
+        return _in_percent(
+            np.diag(self.compliance),
+            np.diag(self.compliance_refinement),
+            np.diag(self.compliance_bracket),
+        )
+
+    @property
+    def _frequency_parts(self) -> Array:
+        return _in_percent(self.frequencies, self.frequency_refinement, self.frequency_bracket)
+
+    def _repr_html_(self) -> str:
+        return self.table().html()
+
+
+def _in_percent(values: Array, *parts: Array) -> Array:
+    """Parts of values, relative, a column for each (n×k)."""
+    return 100.0 * np.column_stack([part / values for part in parts])
 
 
 def identify(

@@ -9,12 +9,38 @@ import numpy as np
 from lumped.arrays import Array
 from lumped.errors import InputError
 from lumped.legs import Material
-from lumped.mechanism.body import PartInterface
+from lumped.mechanism.body import Body, PartInterface
+from lumped.robot_file import RobotFile
 from lumped.robot_file.mechanism.build import interface_of, isotropic_of
 from lumped.robot_file.rules.relations import interface_faults, material_faults
 from lumped.robot_file.rules.tables import INTERFACE, MATERIAL
 
+FEWEST_UNKNOWNS, MOST_UNKNOWNS = 1000, 10_000_000
+# More than any mesh of three that fits into memory resolves.
+MOST_MODES = 100
 _EXAMPLE = "A = { cylinder = { radius = 0.04 } }"
+
+
+def faults_of_numbers(unknowns: int | None, modes: int | None) -> list[str]:
+    """A line for each number out of its range; None is the default."""
+    faults = []
+    if unknowns is not None and not FEWEST_UNKNOWNS <= unknowns <= MOST_UNKNOWNS:
+        allowed = f"from {FEWEST_UNKNOWNS} to {MOST_UNKNOWNS}"
+        faults.append(f"--unknowns = {unknowns}: must be {allowed}")
+    if modes is not None and not 0 <= modes <= MOST_MODES:
+        faults.append(f"--modes = {modes}: must be from 0 to {MOST_MODES}")
+    return faults
+
+
+def part_of(robot_file: RobotFile, body: str) -> Body:
+    """The part that a body of the robot is; raises InputError if it is none."""
+    parts = robot_file.mechanism.parts
+    if body not in parts:
+        known = ", ".join(parts) or "none"
+        raise InputError(
+            f"--body {body}: is not a part from a file; the parts of {robot_file.source}: {known}"
+        )
+    return parts[body]
 
 
 def interfaces_of(texts: Sequence[str]) -> tuple[dict[str, PartInterface], dict[str, Array]]:

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 
 from lumped.arrays import Array
-from lumped.errors import ComputationError
+from lumped.errors import ComputationError, InputError
 from lumped.system.joint_motion import Portion
 from lumped.system.response import ToolResponse
 from lumped.system.stability import Stability
 from validation.agreement.accuracy import Accuracy
 from validation.models.options import ModelName, ReductionBy
-from validation.tables import ResultTable, html_paragraph, html_table
+from validation.tables import Cell, ResultTable, html_paragraph, html_table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -135,13 +135,17 @@ class Answer:
 
 @dataclass(frozen=True)
 class Solution:
-    """The answers of one model, the options that had a say in them, and the `accuracy` reached."""
+    """The answers of one model, the options that had a say in them, and the `accuracy` reached.
+
+    `moves` are the coordinates of a pose with their units, such as "x (m)".
+    """
 
     robot: str
     model: ModelName
     options: dict[str, Any]
     answers: tuple[Answer, ...]
     accuracy: Accuracy | None = None
+    moves: tuple[str, ...] = ()
 
     def table(self) -> ResultTable:
         """A row for each pose: compliances along and about the axes (SI), frequencies (Hz)."""
@@ -163,7 +167,8 @@ class Solution:
     def plot(self) -> "Figure":
         """Deflections under their own load of 1000 N, and frequencies.
 
-        Bars for a single pose, curves over the number of the pose for several.
+        Bars for a single pose. Curves for several, over the coordinate that differs between them,
+        or over the number of the pose if more than one differs.
         """
         # Only a picture needs the library that draws it.
         from validation.solve.solution_plot import solution_plot  # noqa: PLC0415
@@ -172,7 +177,79 @@ class Solution:
         deflections = np.array([np.diag(one.compliance)[:3] * 1e9 for one in self.answers])
         count = max(len(answer.frequencies) for answer in self.answers)
         frequencies = [_numbers_or_none(answer.frequencies, count) for answer in self.answers]
-        return solution_plot(places, deflections, np.array(frequencies, dtype=float))
+        return solution_plot(
+            places, self._abscissa(), deflections, np.array(frequencies, dtype=float)
+        )
+
+    def load_table(self) -> ResultTable:
+        """A row for each pose and load of the file: displacement of the tool, buckling factor.
+
+        Raises InputError if the robot file has no loads.
+        """
+        rows: list[tuple[Cell, ...]] = []
+        for answer in self.answers:
+            for name, moved in answer.loads.items():
+                stable = answer.stability.get(name)
+                factor = stable.factor if stable else None
+                rows.append((_head(answer.place)[0], name, *_numbers_or_none(moved, 6), factor))
+        if not rows:
+            raise InputError("load_table: the robot file has no [[loads]]")
+        axes = [f"{axis} ({unit.split('/')[0]})" for axis, unit in _AXES]
+        return ResultTable(("at", "load", *axes, "buckling factor"), tuple(rows))
+
+    def plot_loads(self) -> "Figure":
+        """Displacements of the tool under the loads of the file, and buckling factors.
+
+        A mark for each load in a single pose, curves over the poses for several. Raises InputError
+        if the robot file has no loads.
+        """
+        # Only a picture needs the library that draws it.
+        from validation.solve.solution_plot import loads_plot  # noqa: PLC0415
+
+        if not (names := list(dict.fromkeys(name for one in self.answers for name in one.loads))):
+            raise InputError("plot_loads: the robot file has no [[loads]]")
+        moved = {
+            name: np.array([1e6 * np.linalg.norm(one.loads[name][:3]) for one in self.answers])
+            for name in names
+        }
+        factors = {
+            name: np.array([_factor(one.stability.get(name)) for one in self.answers])
+            for name in names
+        }
+        return loads_plot(self._abscissa(), moved, factors)
+
+    def _abscissa(self) -> tuple[Array, str]:
+        """The only coordinate that differs between the poses, or their number, with its label."""
+        poses = [
+            np.atleast_1d(one.place.get("pose", one.place.get("x", []))) for one in self.answers
+        ]
+        alike = len({len(pose) for pose in poses}) == 1
+        changing = np.flatnonzero(np.ptp(poses, axis=0) > 0.0) if alike else np.zeros(0)
+        if len(changing) == 1 and len(self.moves) == len(poses[0]):
+            column = int(changing[0])
+            return np.array([float(pose[column]) for pose in poses]), self.moves[column]
+        return np.arange(1.0, len(poses) + 1.0), "pose"
+
+    def plot_responses(self) -> "Figure":
+        """Magnitude and phase of the tool's responses to the harmonic forces of the file.
+
+        Raises InputError if the robot file has no responses.
+        """
+        # Only a picture needs the library that draws it.
+        from validation.solve.solution_plot import responses_plot  # noqa: PLC0415
+
+        several = len(self.answers) > 1
+        curves = {
+            f"{one.excitation.name}{f', {_head(answer.place)[0]}' if several else ''}": (
+                one.excitation.frequencies,
+                one.receptance,
+            )
+            for answer in self.answers
+            for one in answer.responses
+        }
+        if not curves:
+            raise InputError("plot_responses: the robot file has no [[responses]]")
+        return responses_plot(curves)
 
     def _repr_html_(self) -> str:
         """Deflections under their own load of 1000 N, and frequencies, as a notebook shows them."""
@@ -189,9 +266,14 @@ class Solution:
         return html_paragraph(f"{self.robot}, {self.model}") + html_table(headings, rows)
 
 
-def _numbers_or_none(frequencies: Array, count: int) -> list[float | None]:
-    """Finite frequencies (Hz), None for infinite ones and for modes that are missing."""
-    finite = [value if np.isfinite(value) else None for value in frequencies.tolist()]
+def _factor(stable: Stability | None) -> float:
+    """Buckling factor; NaN if there is none."""
+    return np.nan if stable is None or stable.factor is None else stable.factor
+
+
+def _numbers_or_none(values: Array, count: int) -> list[float | None]:
+    """Finite numbers, None for others and for those that are missing."""
+    finite = [value if np.isfinite(value) else None for value in values.tolist()]
     return finite + [None] * (count - len(finite))
 
 

@@ -12,7 +12,7 @@ from lumped.arrays import Array
 from lumped.dense.modes import FewerModesError
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg
-from lumped.mechanism.mechanism import Mechanism, Posture
+from lumped.mechanism.mechanism import UNITS_OF_MOVES, Mechanism, Posture
 from lumped.models.bodies import leg_of
 from validation.agreement.accuracy import refined
 from validation.models.legs import leg_compliance, leg_frequencies
@@ -89,7 +89,9 @@ def _solved(question: Question) -> Solution:
     heard = {name: value for name, value in options.items() if name in question.listens}
     if question.digits and question.model != "simplified":
         found = _with_digits(question, question.postures(), found)
-    return Solution(question.mechanism.name, question.model, heard, tuple(found), reached)
+    tool = question.mechanism.tool
+    moves = tuple(f"{move} ({UNITS_OF_MOVES[move]})" for move in tool.moves)
+    return Solution(question.mechanism.name, question.model, heard, tuple(found), reached, moves)
 
 
 def _on_its_mesh(

@@ -2,16 +2,20 @@
 
 from io import BytesIO
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 from lumped.errors import InputError
 from validation.console.streams import complain, say
-from validation.console.typed import AsJson, Force, Place, WholeNumber, require_place, write
+from validation.console.typed import (
+    AsJson,
+    Force,
+    LengthUnit,
+    Place,
+    WholeNumber,
+    require_place,
+    write,
+)
 
-Unit = Literal["m", "mm", "cm", "inch"]
-_FEWEST_UNKNOWNS, _MOST_UNKNOWNS = 1000, 10_000_000
-# More than any mesh of three that fits into memory resolves.
-_MOST_MODES = 100
 # Seconds of an idle core: reading a byte, identifying a part, and an unknown of its finest mesh.
 _READING_A_BYTE, _IDENTIFYING, _EACH_UNKNOWN = 1e-5, 5.0, 2e-4
 
@@ -19,7 +23,7 @@ _READING_A_BYTE, _IDENTIFYING, _EACH_UNKNOWN = 1e-5, 5.0, 2e-4
 def faces(
     part: Place,
     *,
-    unit: Unit | None = None,
+    unit: LengthUnit | None = None,
     out: Place | None = None,
     force: Force = False,
     json: bool = False,
@@ -70,7 +74,7 @@ def identify(
     *,
     interface: tuple[str, ...] = (),
     material: str | None = None,
-    unit: Unit | None = None,
+    unit: LengthUnit | None = None,
     body: str | None = None,
     unknowns: WholeNumber | None = None,
     modes: WholeNumber | None = None,
@@ -118,11 +122,7 @@ def identify(
 
     require_place(out, ".npz", force=force)
     faults = [] if accuracy is None else accuracy_faults(accuracy)
-    if unknowns is not None and not _FEWEST_UNKNOWNS <= unknowns <= _MOST_UNKNOWNS:
-        allowed = f"from {_FEWEST_UNKNOWNS} to {_MOST_UNKNOWNS}"
-        faults.append(f"--unknowns = {unknowns}: must be {allowed}")
-    if modes is not None and not 0 <= modes <= _MOST_MODES:
-        faults.append(f"--modes = {modes}: must be from 0 to {_MOST_MODES}")
+    faults += request.faults_of_numbers(unknowns, modes)
     if body is None and material is None:
         faults.append("--material: missing; must be given, { E = 2.1e11, nu = 0.3, rho = 7850.0 }")
     if body is not None and (interface or material or unit):
@@ -140,15 +140,10 @@ def identify(
         def at(size: int) -> Identified:
             return identifying.identify(file, held, chosen, size, count)
     else:
-        bodies = load_robot(part).mechanism.parts
-        if body not in bodies:
-            known = ", ".join(bodies) or "none"
-            raise InputError(
-                f"--body {body}: is not a part from a file; the parts of {part}: {known}"
-            )
+        shape = request.part_of(load_robot(part), body)
 
         def at(size: int) -> Identified:
-            return identified(bodies[body], size, count)
+            return identified(shape, size, count)
 
     more = identifying.more_unknowns
     with stage(f"identifying {body or part}", _IDENTIFYING + _EACH_UNKNOWN * size):

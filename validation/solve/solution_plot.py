@@ -1,22 +1,38 @@
 """Plot of one model's deflections and natural frequencies, over the poses if there are several."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from lumped.arrays import Array
-from validation.drawing.chart import Bars, Chart, Panel, Series, few_ticks, from_zero
+from lumped.arrays import Array, ComplexArray
+from validation.drawing.chart import (
+    Bars,
+    Chart,
+    Panel,
+    Scale,
+    Series,
+    degrees,
+    few_ticks,
+    from_zero,
+    octaves,
+    power_ticks,
+    powers,
+)
 from validation.drawing.plot import drawn_chart
-from validation.drawing.style import plot_style
+from validation.drawing.style import BLUE, WIDTH, plot_style
 
 DEFLECTION = "deflection along a force of 1000 N (µm)"
 FREQUENCY = "natural frequency (Hz)"
+DISPLACEMENT = "displacement (µm)"
+FACTOR = "buckling factor"
 
 
-def solution_plot(places: Sequence[str], deflections: Array, frequencies: Array) -> Figure:
-    """Bars for a single place, curves over the number of the pose for several.
+def solution_plot(
+    places: Sequence[str], abscissa: tuple[Array, str], deflections: Array, frequencies: Array
+) -> Figure:
+    """Bars for a single place, curves over the `abscissa` (p values and their label) for several.
 
     `deflections` (p×3, or p×2 in the plane; µm) and `frequencies` (p×m, Hz, NaN for a missing
     mode) belong to `places` (p). Without modes there is no panel of frequencies.
@@ -32,17 +48,82 @@ def solution_plot(places: Sequence[str], deflections: Array, frequencies: Array)
         ]
         chart = Chart(panels, "", columns=len(panels), high=2.2)
     else:
-        poses = np.arange(1.0, len(places) + 1.0)
+        x, label = abscissa
         panels = [
             Panel(
-                [Series(name, poses, values[:, k]) for k, name in enumerate(names)],
+                [Series(name, x, values[:, k]) for k, name in enumerate(names)],
                 title,
                 scale=from_zero,
                 staggered=False,
             )
             for title, names, values in quantities
         ]
-        whole = partial(few_ticks, count=6, whole=True)
-        chart = Chart(panels, "pose", columns=len(panels), high=2.2, x_scale=whole)
+        chart = Chart(panels, label, columns=len(panels), high=2.2, x_scale=_ticks(label))
     with plot_style():
         return drawn_chart(chart)
+
+
+def _ticks(label: str) -> Scale:
+    return partial(few_ticks, count=6, whole=label == "pose")
+
+
+def loads_plot(
+    abscissa: tuple[Array, str], displacements: Mapping[str, Array], factors: Mapping[str, Array]
+) -> Figure:
+    """Size of the displacement (µm) under each load, and the factor at which it buckles.
+
+    Both map the load's name to a number for each of p poses (NaN if there is none). Curves over
+    the `abscissa` (p values and their label); for a single pose a mark for each load.
+    """
+    x, label = abscissa
+    quantities = ((DISPLACEMENT, displacements, from_zero), (FACTOR, factors, powers))
+    if len(x) == 1:
+        return _marks_of_loads(quantities)
+    panels = [
+        Panel(
+            [Series(name, x, one) for name, one in values.items()],
+            title,
+            scale=scale,
+            staggered=False,
+        )
+        for title, values, scale in quantities
+    ]
+    with plot_style():
+        return drawn_chart(Chart(panels, label, columns=2, high=2.4, x_scale=_ticks(label)))
+
+
+def _marks_of_loads(quantities: Sequence[tuple[str, Mapping[str, Array], Scale]]) -> Figure:
+    """A row for each load, a logarithmic axis for each quantity; zero and NaN have no mark."""
+    names = list(quantities[0][1])
+    rows = np.arange(len(names), 0, -1)
+    with plot_style():
+        figure = Figure(figsize=(WIDTH, 0.7 + 0.3 * len(names)), layout="constrained")
+        panels = figure.subplots(1, len(quantities), sharey=True)
+        for axes, (title, values, _) in zip(panels, quantities, strict=True):
+            sizes = np.array([values[name][0] for name in names])
+            known = np.isfinite(sizes) & (sizes > 0.0)
+            axes.plot(sizes[known], rows[known], "o", color=BLUE)
+            for size, row in zip(sizes[known], rows[known], strict=True):
+                axes.annotate(
+                    f"{size:.4g}", (size, row), (0.0, 5.0), textcoords="offset points", ha="center"
+                )
+            axes.set(title=title, xscale="log", ylim=(0.4, len(names) + 0.8))
+            axes.margins(x=0.25)
+            axes.set_yticks(rows, names)
+            power_ticks(axes.xaxis)
+    return figure
+
+
+def responses_plot(curves: Mapping[str, tuple[Array, ComplexArray]]) -> Figure:
+    """Magnitude (µm/N) and phase of receptances (m/N) over their frequencies (Hz), by name."""
+    sizes = [Series(name, x, 1e6 * np.abs(values)) for name, (x, values) in curves.items()]
+    phases = [
+        Series(name, x, np.degrees(np.angle(1j * values)) - 90.0)
+        for name, (x, values) in curves.items()
+    ]
+    panels = [
+        Panel(sizes, "magnitude (µm/N)", scale=powers),
+        Panel(phases, "phase (°)", scale=degrees),
+    ]
+    with plot_style():
+        return drawn_chart(Chart(panels, "frequency (Hz)", 2, 3.0, x_scale=octaves))

@@ -188,7 +188,7 @@ LIST = "must be a list, each entry a number or a list, each entry a number"
         (lambda: api.solve("five-bar", "beam", poses=[["a", 1.0]]), f"^poses = .*: {LIST}$"),
         (lambda: api.solve("five-bar", "beam", poses=[[1j, 1.0]]), f"^poses = .*: {LIST}$"),
         (lambda: api.solve("five-bar", "beam", body=["crank1"]), "^body = .*: must be a text or"),
-        (lambda: api.solve(3, "beam"), "^robot = 3: must be a RobotFile or a text or a path$"),
+        (lambda: api.solve(3, "beam"), "^robot = 3: .* or a text or a path or a dictionary$"),
         (lambda: api.load("ifw", accept=3), "^accept = 3: must be a dictionary, each value a numb"),
         (lambda: api.adequacy("five-bar", preset="x"), "^preset = .*: must be one of quick, stand"),
         (lambda: api.run("five-bar", preset="fin"), 'standard, fine; did you mean "fine"'),

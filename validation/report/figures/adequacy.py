@@ -82,7 +82,7 @@ def _chart(panels: Sequence[Panel], matrix: Matrix, table: Mapping[str, Column])
 
 def _abscissa(matrix: Matrix) -> tuple[Array, str]:
     """The poses' only coordinate, or their number along the path; entries of legs have no pose."""
-    poses = np.reshape(matrix.poses, (-1, len(matrix.coordinates)))
+    poses = np.reshape(matrix.poses, (len(matrix.poses), len(matrix.coordinates)))
     if len(matrix.coordinates) == 1:
         return poses[:, 0], matrix.coordinates[0].axis
     return np.arange(1.0, len(poses) + 1.0), _POSE

@@ -159,7 +159,7 @@ def _decisions(context: Context, variation: Variation) -> Shown:
     """A panel for each objective: all models over the values, what each finds best with a star."""
     found = varied_curves(context, variation)
     x, label, abscissa = _over(context, variation)
-    panels = [_objective(one.decision, x) for one in found.values()]
+    panels = [objective_panel(one.decision, x) for one in found.values()]
     return curves(
         Chart(panels, label, 2, 3.2, abscissa, few_ticks),
         *(_verdict(one, variation) for one in found.values()),
@@ -168,7 +168,8 @@ def _decisions(context: Context, variation: Variation) -> Shown:
     )
 
 
-def _objective(decision: Decision, x: Array) -> Panel:
+def objective_panel(decision: Decision, x: Array) -> Panel:
+    """An objective of n designs over their values x, by models and references, the best starred."""
     objective = decision.objective
     series = []
     for name, values in {**decision.models, **decision.references}.items():

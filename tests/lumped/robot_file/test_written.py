@@ -1,0 +1,52 @@
+"""Robots from dictionaries: their TOML is read back as it was."""
+
+import tomllib
+from decimal import Decimal
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from lumped.errors import InputError
+from lumped.robot_file import built_in_robots, load_robot, robot_of
+from lumped.robot_file.written import toml_of
+
+ODD = {
+    "text": 'quote " backslash \\ tab \t line\nend \x7f ü',
+    "key with blank": {"a.b": [1, 2.5, True, [], {}]},
+    "numbers": [1e-300, -0.0, 3, 123456789.125],
+}
+
+
+def test_odd_texts_and_keys_are_read_back():
+    assert tomllib.loads(toml_of(ODD)) == ODD
+
+
+def test_arrays_paths_and_tuples_become_lists_and_texts():
+    written = toml_of({"c": np.eye(2), "n": np.int64(3), "t": (1.0, 2.0), "p": Path("a/b.step")})
+    expected = {"c": [[1.0, 0.0], [0.0, 1.0]], "n": 3, "t": [1.0, 2.0], "p": "a/b.step"}
+    assert tomllib.loads(written) == expected
+
+
+@pytest.mark.parametrize("name", built_in_robots())
+def test_robot_of_its_tables_is_the_robot_of_its_file(name):
+    robot = load_robot(name)
+    again = robot_of(robot.tables)
+    assert again.tables == robot.tables
+    assert again.requirement == robot.requirement
+    assert again.mechanism.bodies.keys() == robot.mechanism.bodies.keys()
+    assert np.array_equal(again.mechanism.poses, robot.mechanism.poses)
+
+
+def test_every_value_that_toml_cannot_hold_is_named():
+    with pytest.raises(InputError) as error:
+        robot_of({"a": None, "b": {"c": [1.0, Decimal(1)]}})
+    assert [fault.partition(" = ")[0] for fault in error.value.faults] == [
+        "dictionary: a",
+        "dictionary: b.c[2]",
+    ]
+
+
+def test_faults_of_a_dictionary_are_those_of_a_file():
+    with pytest.raises(InputError, match=r"dictionary: tool\.moves"):
+        robot_of({**load_robot("five-bar").tables, "tool": {"body": "rod1", "point": "P"}})

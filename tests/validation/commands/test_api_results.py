@@ -1,0 +1,106 @@
+"""Results in Python beside those of commands: maps, designs, measured values, parts, exports."""
+
+import numpy as np
+import pytest
+
+from lumped.errors import InputError
+from validation import api
+
+STEEL = {"E": 2.1e11, "nu": 0.3, "rho": 7850.0}
+LENGTH, SIDE = 0.5, 0.02
+BAR = {
+    "schema": 2,
+    "name": "bar",
+    "points": {"A": [0.0, 0.0, 0.0], "P": [LENGTH, 0.0, 0.0]},
+    "bodies": {
+        "bar": {
+            "from": "A",
+            "to": "P",
+            "section": {"shape": "rectangle", "width": SIDE, "height": SIDE},
+            "material": STEEL,
+        }
+    },
+    "joints": {"clamp": {"type": "fixed", "between": ["ground", "bar"], "at": "A"}},
+    "tool": {"body": "bar", "point": "P", "moves": []},
+}
+STIFFNESS = 3.0 * STEEL["E"] * SIDE**4 / 12.0 / LENGTH**3
+
+
+def test_measured_deflection_of_a_fixed_robot_is_compared_and_plotted():
+    """Euler–Bernoulli's L³/3EI is what was measured; the pose of a structure has no coordinate."""
+    value = {"quantity": "z", "pose": [], "load": 100.0, "value": 100.0 / STIFFNESS}
+    measured = {**value, "uncertainty": 1e-6, "source": "dial gauge"}
+    compared = api.compare_measured({**BAR, "measured": [measured]})
+    assert compared.entry("beam-euler-bernoulli", "z").error == pytest.approx(0.0, abs=1e-9)
+    rows = {row[0]: row[3] for row in compared.table().rows}
+    assert rows["beam-euler-bernoulli"] == pytest.approx(0.0, abs=1e-7)
+    assert len(compared.plot().axes) == 1
+    with pytest.raises(InputError, match="beam, x: is not compared"):
+        compared.entry("beam", "x")
+
+
+def test_robot_without_measured_values_is_refused():
+    with pytest.raises(InputError, match=r"has no \[\[measured\]\] values"):
+        api.compare_measured(BAR)
+
+
+def test_displacement_under_load_is_in_table_and_plot():
+    load = {"name": "push", "wrench": [0.0, 0.0, 10.0, 0.0, 0.0, 0.0]}
+    solution = api.solve({**BAR, "loads": [load]}, "beam", modes=0, theory="euler-bernoulli")
+    ((place, name, *numbers),) = solution.load_table().rows
+    assert (place, name) == ("reference posture", "push")
+    assert numbers[2] == pytest.approx(10.0 / STIFFNESS, rel=1e-9)
+    assert [axes.get_title(loc="left") for axes in solution.plot_loads().axes] == [
+        "displacement (µm)",
+        "buckling factor",
+    ]
+
+
+def test_robots_without_loads_and_responses_have_no_such_plots():
+    solution = api.solve(BAR, "beam", modes=0)
+    for plot in (solution.load_table, solution.plot_loads, solution.plot_responses):
+        with pytest.raises(InputError, match=r"has no \[\["):
+            plot()
+
+
+def test_abscissa_of_a_plot_is_the_coordinate_that_changes():
+    solution = api.solve("ifw", "vjm", poses=[0.2, 0.3])
+    (axes,) = solution.plot().axes
+    assert axes.get_xlabel() == "x (m)"
+    assert np.array_equal(axes.get_lines()[0].get_xdata(), [0.2, 0.3])
+    both = api.solve("five-bar", "vjm", poses=[[0.0, 0.5], [0.1, 0.55]])
+    assert both.plot().axes[0].get_xlabel() == "pose"
+
+
+def test_workspace_without_a_grid_is_refused():
+    with pytest.raises(InputError, match=r"path: no grid.*must have counts"):
+        api.workspace("five-bar")
+
+
+def test_exported_matrices_have_closed_form_stiffness(tmp_path):
+    """A clamped bar's tip: Euler's stiffness, less 3EI/(κGA L²) = 0.4 % for shear."""
+    place = api.export(BAR, "npz", out=tmp_path / "bar.npz", modes=2)
+    with np.load(place) as found:
+        frequency = found["frequencies"][0]
+    beam = 1.875104069**2 * SIDE * np.sqrt(STEEL["E"] / STEEL["rho"] / 12.0) / LENGTH**2
+    assert frequency == pytest.approx(beam / (2.0 * np.pi), rel=0.005)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "fault"),
+    [
+        ({"part": "leg.step"}, "material: missing"),
+        ({"part": "leg.step", "material": STEEL, "unknowns": 10}, "unknowns = 10: must be from"),
+        ({"part": BAR}, "body: missing; must name a part of the robot"),
+        ({"part": BAR, "body": "bar"}, "body bar: is not a part from a file"),
+        ({"part": BAR, "body": "bar", "material": STEEL}, "stand in the robot file"),
+    ],
+)
+def test_wrong_arguments_of_identify_are_named(arguments, fault):
+    with pytest.raises(InputError, match=fault):
+        api.identify(**arguments)
+
+
+def test_number_that_a_robot_lacks_cannot_be_varied():
+    with pytest.raises(InputError, match="has no such number"):
+        api.vary(BAR, "bodies.bar.section.depth=0.01:0.02:3", preset="quick")

@@ -1,0 +1,45 @@
+"""Plot of an identified part: how surely each compliance and each frequency is known."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from lumped.arrays import Array
+from validation.drawing.style import BLUE, ORANGE, WIDTH, plot_style
+
+MESHES, BRACKET = "half-width of the meshes", "averaged less rigid interfaces"
+# Width of a bar; names are 1 apart.
+_BAR = 0.36
+
+
+def identified_plot(
+    components: Sequence[str], compliances: Array, modes: Sequence[str], frequencies: Array
+) -> Figure:
+    """Relative uncertainties in per cent, compliances to the left, frequencies to the right.
+
+    `compliances` (c×2) and `frequencies` (k×2) are per cent of the value: half-width of the
+    meshes, and the change from rigid to averaged interfaces; NaN if it is not known.
+    """
+    quantities = [
+        (title, names, values)
+        for title, names, values in (
+            ("compliance (%)", components, compliances),
+            ("natural frequency (%)", modes, frequencies),
+        )
+        if len(names)
+    ]
+    with plot_style():
+        figure = Figure(figsize=(WIDTH, 2.9), layout="constrained")
+        panels = figure.subplots(1, len(quantities), squeeze=False).ravel()
+        for axes, (title, names, values) in zip(panels, quantities, strict=True):
+            places = np.arange(len(names))
+            for side, label, colour in ((0, MESHES, BLUE), (1, BRACKET, ORANGE)):
+                off = (side - 0.5) * _BAR
+                axes.bar(places + off, values[:, side], _BAR, label=label, color=colour)
+            axes.axhline(0.0, color="black", linewidth=0.8)
+            axes.set_xticks(places, names)
+            axes.grid(visible=False, axis="x")
+            axes.set_title(title)
+        figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper left", ncols=2)
+    return figure

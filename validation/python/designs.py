@@ -1,0 +1,92 @@
+"""Designs compared by all models over a number of the robot file, with what each would choose."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lumped.errors import InputError
+from lumped.robot_file.variation import Variation
+from validation.drawing.chart import Chart, few_ticks
+from validation.drawing.style import plot_style
+from validation.report.figures.curves import objective_panel
+from validation.tables import ResultTable
+from validation.variations.curves import VariedCurves
+from validation.variations.decision import MEANING, UNITS, Decision, Objective
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+@dataclass(frozen=True, eq=False)
+class Designs:
+    """Robots that differ in one number, by all models and by the reference.
+
+    `variation` names the number and its n values, `unit` is that of the number ("" if it has
+    none). `decisions` have the largest deflection (µm, under 1000 N) and the smallest first
+    frequency (Hz) over the path, each for n designs.
+    """
+
+    robot: str
+    variation: Variation
+    unit: str
+    curves: Mapping[Objective, VariedCurves]
+
+    @property
+    def decisions(self) -> Mapping[Objective, Decision]:
+        """What each model and the reference find, by objective."""
+        return {objective: found.decision for objective, found in self.curves.items()}
+
+    def best(self, objective: Objective = "deflection", model: str | None = None) -> float:
+        """The value that a model chooses, or the reference if None.
+
+        Raises InputError for a model that does not solve every design.
+        """
+        decision = self.decisions[objective]
+        if model is None:
+            return self.variation.values[decision.best]
+        return self.variation.values[self._choice(objective, model)]
+
+    def loss(self, model: str, objective: Objective = "deflection") -> float:
+        """How much worse the reference finds the design that a model chooses than the best one.
+
+        Relative: 0.02 is a deflection 2 % larger, or a frequency 2 % lower. Raises InputError as
+        `best` does.
+        """
+        self._choice(objective, model)
+        return self.decisions[objective].choice(model).loss
+
+    def table(self) -> ResultTable:
+        """A row for each design: its value, then each objective by the reference and the models."""
+        columns = {self._label: list(self.variation.values)}
+        for objective, decision in self.decisions.items():
+            for name, values in {**decision.references, **decision.models}.items():
+                columns[f"{objective} by {name} ({UNITS[objective]})"] = np.ravel(values).tolist()
+        return ResultTable(tuple(columns), tuple(zip(*columns.values(), strict=True)))
+
+    def plot(self) -> "Figure":
+        """Largest deflection and smallest first frequency over the number; stars mark the best."""
+        # Only a picture needs the library that draws it.
+        from validation.drawing.plot import drawn_chart  # noqa: PLC0415
+
+        x = np.array(self.variation.values)
+        panels = [objective_panel(decision, x) for decision in self.decisions.values()]
+        with plot_style():
+            return drawn_chart(Chart(panels, self._label, 2, 3.2, {}, few_ticks))
+
+    @property
+    def _label(self) -> str:
+        return f"{self.variation.key} ({self.unit})" if self.unit else self.variation.key
+
+    def _choice(self, objective: Objective, model: str) -> int:
+        decision = self.decisions[objective]
+        if model not in decision.models:
+            known = ", ".join(decision.models)
+            raise InputError(
+                f'model "{model}": has no {MEANING[objective]}; must be one of {known}'
+            )
+        return decision.choice(model).design
+
+    def _repr_html_(self) -> str:
+        return self.table().html()

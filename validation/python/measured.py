@@ -1,0 +1,60 @@
+"""Models compared with measured values, in the terms of ASME V&V 20."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from lumped.errors import InputError
+from validation.drawing.style import plot_style
+from validation.python.matrix_table import matrix_table
+from validation.report.figures.adequacy import measured_curves
+from validation.tables import ResultTable
+from validation.verdicts import Entry, Matrix
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+@dataclass(frozen=True)
+class MeasuredComparison:
+    """Every model compared with every measured quantity of a robot.
+
+    An entry of `matrix` has the comparison error E = S − D relative to the measured value D, and
+    the half-width of its 95 % interval from numerics, uncertain inputs and measurement.
+    """
+
+    matrix: Matrix
+
+    def entry(self, model: str, quantity: str) -> Entry:
+        """Comparison of a model with a measured quantity, such as "f1" or "z".
+
+        Raises InputError if the quantity was not measured, or the model does not define it.
+        """
+        found = self.matrix.entry(model, quantity)
+        if found is None:
+            models = ", ".join(note.model for note in self.matrix.models)
+            quantities = ", ".join(one.name for one in self.matrix.quantities)
+            raise InputError(
+                f"{model}, {quantity}: is not compared; models: {models}; quantities: {quantities}"
+            )
+        return found
+
+    def table(self) -> ResultTable:
+        """A row for each model and quantity, errors and limits in per cent."""
+        return matrix_table(self.matrix)
+
+    def plot(self) -> "Figure":
+        """Values of all models divided by the measured one, each with its 95 % interval.
+
+        Raises InputError if nothing was measured.
+        """
+        # Only a picture needs the library that draws it.
+        from validation.drawing.plot import drawn_chart  # noqa: PLC0415
+
+        shown = measured_curves(self.matrix)
+        if shown is None or shown.chart is None:
+            raise InputError("plot: the robot has no measured value")
+        with plot_style():
+            return drawn_chart(shown.chart)
+
+    def _repr_html_(self) -> str:
+        return self.table().html()
