@@ -93,7 +93,17 @@ _OTHER_FILLS = (
     *(BLUE, ORANGE, GREEN, PURPLE, SKY, "#666666", YELLOW),
     *("#8c6d46", "#b9a7d6", "#7f9f3f", "#444444", "#a8c7c9", "#c98ca7", "#5b5ea6"),
 )
-_REFERENCE = re.compile(r"^(solid|ends|interfaces|mass)\b")
+# End conditions in names of references, which look as references with rigid ends or free ones.
+_HELD: Mapping[str, str] = {
+    f"{bodies} {ends}": free
+    for bodies in ("ends", "interfaces", "ends and interfaces")
+    for ends, free in {"as given": "", "rigid": "", "free": ", free", "averaged": ", free"}.items()
+}
+_MASS = "mass along the legs"
+_REFERENCES: Mapping[str, str] = {
+    **{f"solid, {held}": f"solid{free}" for held, free in _HELD.items()},
+    **{f"{held}, {_MASS}": f"{_MASS}{free}" for held, free in _HELD.items()},
+}
 # For curves that are no models (modes, components), unlike any of these; yellow is too pale.
 OTHERS: tuple[Look, ...] = (
     Look(BLUE, "o"),
@@ -108,11 +118,7 @@ OTHERS: tuple[Look, ...] = (
 
 def known_as(name: str) -> str:
     """The entry in `LOOKS` of a model or of an alternative of the reference, else the name."""
-    name = _AS_WELL.get(name, name)
-    if name in LOOKS or not _REFERENCE.search(name):
-        return name
-    mass = next((key for key in LOOKS if key.startswith("mass") and name.endswith(key)), "solid")
-    return f"{mass}, free" if re.search("free|averaged", name) else mass
+    return _AS_WELL.get(name) or _REFERENCES.get(name, name)
 
 
 def looks_of(names: Iterable[str]) -> Mapping[str, Look]:

@@ -10,6 +10,7 @@ from lumped.acceptance.quantities import (
     Quantity,
     QuantityKind,
 )
+from validation.adequacy.models import JUDGED
 from validation.drawing.style import csv_of
 from validation.drawing.text import (
     anchor,
@@ -39,6 +40,9 @@ _CERTAIN = 0.995
 _HEADINGS = {"along": "error along the load", "expected": "reference value"}
 # A model without a motion is off by all of it.
 _ALL = 1.0 - 1e-9
+_EULER_BERNOULLI = frozenset(
+    name for name, model in JUDGED.items() if model.options.theory == "euler-bernoulli"
+)
 
 
 @dataclass(frozen=True)
@@ -137,7 +141,7 @@ def _folded(matrix: Matrix, model: str) -> bool:
     # Whoever puts the modes in order has not said where they are.
     useless = all(one.verdict != "adequate" for one in entries if one.quantity != ORDER)
     lacking = any(entry.along is not None and entry.along <= -_ALL for entry in entries)
-    return model.endswith("euler-bernoulli") or (useless and lacking)
+    return model in _EULER_BERNOULLI or (useless and lacking)
 
 
 def _own(matrix: Matrix, quantity: Quantity) -> tuple[str, str]:

@@ -84,8 +84,8 @@ class Question:
     @property
     def listens(self) -> tuple[str, ...]:
         """Names of the options that have something to act on."""
-        unheard = self._unheard()
-        return tuple(name for name in self._allowed() if name not in unheard)
+        ignored = self._ignored()
+        return tuple(name for name in self._allowed() if name not in ignored)
 
     def postures(self) -> list[Posture]:
         """The postures that are asked about."""
@@ -134,7 +134,7 @@ class Question:
 
         What is typed and would change nothing is refused: whoever typed it expects that it does.
         """
-        allowed, unheard = self._allowed(), self._unheard()
+        allowed, ignored = self._allowed(), self._ignored()
         listed = ", ".join(f"--{name}" for name in allowed) or "none"
         faults = [
             f"--{name}: not an option of the {self.model} model here; it takes {listed}"
@@ -147,28 +147,28 @@ class Question:
             if self.given.get(name, 1) < 1
         ]
         return faults + [
-            f"--{name}: {unheard[name]}, so nothing would change; leave it out"
+            f"--{name}: {ignored[name]}, so nothing would change; leave it out"
             for name in self.given
-            if name in allowed and name in unheard
+            if name in allowed and name in ignored
         ]
 
-    def _unheard(self) -> dict[str, str]:
+    def _ignored(self) -> dict[str, str]:
         """Options that have nothing to act on here, and why."""
-        unheard: dict[str, str] = {}
+        ignored: dict[str, str] = {}
         legs = {n: leg for n, leg in legs_of(self.mechanism).items() if self.alone in (None, n)}
         given = [isinstance(leg, GivenLeg) for leg in legs.values()]
         if not self.mechanism.parts:
-            unheard |= dict.fromkeys(_OF_PARTS, "no body of the robot is a part from a file")
+            ignored |= dict.fromkeys(_OF_PARTS, "no body of the robot is a part from a file")
             if not any(given):
                 what = "no leg that is asked about is given by a 6×6"
-                unheard |= dict.fromkeys(_OF_GIVEN_LEGS, what)
+                ignored |= dict.fromkeys(_OF_GIVEN_LEGS, what)
             elif self.model in STATIC and self.options.legs == "given":
                 what = f"the {self.model} model takes the legs as they are given"
                 names = ("theory", "equivalent") if all(given) else ("equivalent",)
-                unheard |= dict.fromkeys(names, what)
+                ignored |= dict.fromkeys(names, what)
         if self.alone is not None:
-            unheard["release"] = "a leg alone has no joint to release"
-        return unheard
+            ignored["release"] = "a leg alone has no joint to release"
+        return ignored
 
     def _mode_faults(self) -> list[str]:
         faults = []

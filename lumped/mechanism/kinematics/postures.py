@@ -53,12 +53,20 @@ def reference_posture(mechanism: Mechanism) -> Posture:
     )
 
 
+class PoseError(InputError):
+    """A `pose`, in words, that a robot cannot take for a `reason`."""
+
+    def __init__(self, robot: str, pose: str, reason: str) -> None:
+        super().__init__(f"{robot}, pose {pose}: {reason}")
+        self.pose, self.reason = pose, reason
+
+
 def posture(mechanism: Mechanism, pose: Array, start: Posture | None = None) -> Posture:
     """The posture of a `pose` (in the order of the tool's moves), reached from `start`.
 
     `start` is the reference posture unless given; poses between the two are taken on the straight
-    line. Raises InputError where the joints do not close in the reference posture, where the pose
-    cannot be reached (naming the joint that stays open and how far the way went), and where the
+    line. Raises InputError if the joints do not close in the reference posture. Raises PoseError if
+    the pose cannot be reached (naming the joint that stays open and how far the way went), or the
     tool is not held by the drives or not determined by its moves.
     """
     target = _checked(mechanism, pose)
@@ -75,7 +83,6 @@ def _from_reference(mechanism: Mechanism, pose: tuple[float, ...]) -> Posture:
 
 def _reached(mechanism: Mechanism, start: Posture, target: Array) -> Posture:
     closure = closure_of(mechanism)
-    place = f"{mechanism.name}, pose {shown_pose(mechanism, target)}"
     if mechanism.inverse_kinematics is None:
         placement, coordinates = _walked(closure, start, target)
     else:
@@ -93,7 +100,7 @@ def _reached(mechanism: Mechanism, start: Posture, target: Array) -> Posture:
     found = mobility(reached)
     if fault := undetermined(found, closure.size):
         said = "" if len(found.loose) else f"tool.moves = {list(mechanism.tool.moves)}: "
-        raise InputError(f"{place}: {said}{fault}")
+        raise PoseError(mechanism.name, shown_pose(mechanism, target), f"{said}{fault}")
     return reached
 
 
@@ -119,7 +126,6 @@ def _walked(closure: Closure, begin: Posture, target: Array) -> tuple[Placement,
     Raises InputError as `posture` does.
     """
     mechanism = closure.mechanism
-    place = f"{mechanism.name}, pose {shown_pose(mechanism, target)}"
     placement = closure.placement(begin)
     _refuse_open_reference(closure)
     coordinates = [begin.coordinates[joint.name] for joint in mechanism.joints]
@@ -134,7 +140,11 @@ def _walked(closure: Closure, begin: Posture, target: Array) -> tuple[Placement,
         elif part > _SMALLEST_PART:
             part *= 0.5
         else:
-            raise InputError(f"{place}: {_out_of_reach(closure, placement, target, done)}")
+            raise PoseError(
+                mechanism.name,
+                shown_pose(mechanism, target),
+                _out_of_reach(closure, placement, target, done),
+            )
     return placement, coordinates
 
 

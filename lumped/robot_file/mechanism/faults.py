@@ -15,7 +15,7 @@ from lumped.mechanism.kinematics.mobility import (
     mobility_nearby,
     undetermined,
 )
-from lumped.mechanism.kinematics.postures import posture, reference_posture
+from lumped.mechanism.kinematics.postures import PoseError, posture, reference_posture
 from lumped.mechanism.mechanism import GROUND, Mechanism
 from lumped.robot_file.mechanism.draft import Draft, draft
 from lumped.robot_file.rules.relations import body_faults, joint_faults, path_faults, tool_faults
@@ -167,9 +167,10 @@ def _path_faults(mechanism: Mechanism) -> Iterator[str]:
     for i in tried:
         try:
             posture(mechanism, mechanism.poses[i])
+        except PoseError as error:
+            faults[i] = [f"path, pose {i + 1}, {error.pose}: {error.reason}"]
         except InputError as error:
-            own = (fault.removeprefix(f"{mechanism.name}, pose ") for fault in error.faults)
-            faults[i] = [f"path, pose {i + 1}, {fault}" for fault in own]
+            faults[i] = [f"path, pose {i + 1}, {fault}" for fault in error.faults]
     # Of a grid what is out of reach is left out, as long as something is not.
     if len(faults) == len(tried) or not mechanism.grid:
         yield from (fault for own in faults.values() for fault in own)

@@ -168,18 +168,13 @@ def test_its_modes_have_partners_among_those_of_another_model(crane):
 @pytest.mark.parametrize("by", ["fixed", "free"])
 def test_a_reduction_that_lacks_a_mode_is_refused(crane, monkeypatch, by):
     arm = crane.mechanism.bodies["arm"]
-    sound = parts.kept
-
-    def without_a_mode(key, compute, read):
-        found = dict(sound(key, compute, dict))
-        if "counted" in found:
-            rest = np.delete(np.arange(len(found["stiffness"])), 12)
-            found |= {name: found[name][np.ix_(rest, rest)] for name in ("stiffness", "mass")}
-            found["recovery"] = found["recovery"][:, rest]
-        return read(found)
-
     whole = parts.reduced(arm, 1000.0, 2500.0, by=by)
-    monkeypatch.setattr(parts, "kept", without_a_mode)
+    entry = parts.reduced_entry(arm, 1000.0, 2500.0, by=by)
+    found = dict(entry.kept[entry.key])
+    rest = np.delete(np.arange(len(found["stiffness"])), 12)
+    found |= {name: found[name][np.ix_(rest, rest)] for name in ("stiffness", "mass")}
+    found["recovery"] = found["recovery"][:, rest]
+    monkeypatch.setattr(parts.CacheEntry, "value", lambda _: entry.read(found))
     message = f"arm, reduced: {whole.counted} modes were counted below 2500 Hz"
     with pytest.raises(parts.ComputationError, match=message):
         parts.reduced(arm, 1000.0, 2500.0, by=by)

@@ -25,6 +25,8 @@ from validation.kinematics.solids import in_one_plane
 from validation.models.parts import identified
 
 IN_THE_PLANE = "in the plane"
+# Kinds of deformation of a leg about its axes y and z (lumped.models.segments).
+_BENDING = ("bending y", "bending z")
 DRIVES, JOINTS, PARTS = "drives", "give of joints", "parts"
 # Stations along a leg, and corners about its centreline that have a section's second moments.
 _STATIONS = 12
@@ -68,8 +70,8 @@ class ModeNames:
 
     def _without_axes(self) -> Mapping[str, Array]:
         """Bending about either axis together: axes are those of single legs."""
-        bending = [share for kind, share in self.strain.items() if kind.startswith("bending")]
-        others = {k: share for k, share in self.strain.items() if not k.startswith("bending")}
+        bending = [self.strain[kind] for kind in _BENDING if kind in self.strain]
+        others = {kind: share for kind, share in self.strain.items() if kind not in _BENDING}
         return others | ({"bending": np.sum(bending, axis=0)} if bending else {})
 
 
