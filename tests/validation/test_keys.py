@@ -158,6 +158,10 @@ def test_changed_source_line_changes_keys_of_its_results(tmp_path, monkeypatch):
     forget()
 
 
+# What shows numbers and computes none.
+VIEWS = {"validation.tables", "validation.parts.identified_plot"}
+
+
 def test_sources_in_keys_of_parts_are_all_that_compute_them():
     """Whatever the modules that make entries import, but for packages without code."""
     drawn = runpy.run_path(str(ROOT / "docs" / "pictures" / "architecture.py"))
@@ -169,7 +173,7 @@ def test_sources_in_keys_of_parts_are_all_that_compute_them():
         found, waiting = set(), list(start)
         while waiting:
             found.add(name := waiting.pop())
-            waiting += drawn["imports"](files[name], files) - found
+            waiting += drawn["imports"](files[name], files) - found - VIEWS
         digested = {path for place in places for path in sources._files(str(ROOT / place))}
         for name in found:
             if str(files[name]) not in digested:
