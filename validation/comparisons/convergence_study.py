@@ -186,6 +186,8 @@ class ConvergenceStudy:
             {
                 "id": f"convergence.{self.subject or 'robot'}.{quantity}",
                 "kind": "convergence",
+                "body": self.subject or None,
+                "quantity": quantity,
                 "title": f"{self.title}: {quantity}, convergence with {REFINED[self.refined]}",
                 "x_label": X_LABELS[self.refined],
                 "y_label": quantity,
@@ -311,7 +313,7 @@ class ConvergenceStudy:
         )
         return ErrorPanel(
             f"{self.subject or 'robot'}: {quantity}",
-            f"{self.subject or 'robot'}: {quantity} = {shown}",
+            f"{self.subject or 'robot'}: {quantity}, limit {shown}",
             tuple(
                 ErrorCurve(
                     series.reading.label,

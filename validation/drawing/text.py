@@ -44,6 +44,14 @@ def power_of_ten(exponent: int) -> str:
     return f"10{str(exponent).translate(_SUPERSCRIPTS)}"
 
 
+def engineering(value: float) -> tuple[float, str]:
+    """The number with its SI prefix, "n" to "": 1 to 1000 if a prefix reaches it."""
+    for prefix, factor in (("", 1.0), ("m", 1e3), ("µ", 1e6)):
+        if abs(value) * factor >= 1.0:
+            return value * factor, prefix
+    return value * 1e9, "n"
+
+
 def percent(fraction: float, *, signed: bool = True) -> str:
     """A ratio as percentage with two significant digits: "+1.3 %", "−2 × 10⁻⁷ %", "120 %"."""
     if not isfinite(fraction):

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from validation.case import UnjudgedValue
-from validation.drawing.text import number, percent
+from validation.drawing.text import engineering, number, percent
 from validation.report.words import pose_text
 from validation.run.outcome import Outcome, Verdict
 from validation.verdicts import Coordinate
@@ -19,7 +19,7 @@ MARKS: Mapping[Verdict, str] = {
 }
 # Shares of a value below this are not shown among the explained ones.
 _NOTHING = 5e-5
-_MODELS = {
+MODELS: Mapping[str, str] = {
     "vjm": "VJM",
     "links": "Links",
     "segments": "Segments",
@@ -28,20 +28,23 @@ _MODELS = {
     "beam-stepped": "Beam FE, stepped",
     "condensed": "Condensed",
 }
-# Factor and unit of what is shown of each unit of a case.
-_SHOWN = {"m/N": (1e9, "µm"), "rad/(N m)": (1e8, "µrad"), "Hz": (1.0, "Hz")}
+# Names of formulations within a sentence.
+_IN_TEXT: Mapping[str, str] = dict(MODELS) | {"links": "links", "segments": "segments"}
 
 
 @dataclass(frozen=True)
 class AgreementCell:
-    """Difference of a formulation from the solid: `text`; under it what no cause explains.
+    """Difference of a formulation from the solid.
 
-    `case` is the id of the comparison. A skipped one has its reason as text. `verdict` is None and
-    `mark` empty for a difference that is shown and not judged.
+    `text` is the difference that is judged; the whole difference is `raw` if a part of it has named
+    causes, else `raw` is empty. `spread` is the half-width, empty if it would read as zero. `case`
+    is the id of the comparison. A skipped one has its reason as text. `verdict` is None and `mark`
+    empty for a difference that is shown and not judged.
     """
 
     text: str
-    under: str
+    raw: str
+    spread: str
     mark: str
     verdict: Verdict | None
     case: str
@@ -52,15 +55,17 @@ class AgreementTable:
     """A leg or the robot: a row for each formulation with a cell per quantity, None without one.
 
     `subject` names the leg, or the robot and its pose. `solid` are the values of the solid with
-    their units, "" if it has none. `explanations` name the differences that are allowed for, with
-    their amounts, by quantity; `missing` name the comparisons that were skipped or failed, with the
-    reason. `judged`: False if the differences are shown without verdicts, with `notes` below them.
+    their units. Quantities without any value are left out. `causes` are rows of the amounts that
+    are allowed for, by cause, "" where none is; `explanations` have the same amounts in words, by
+    quantity. `missing` name the comparisons that were skipped or failed, with the reason. `judged`:
+    False if the differences are shown without verdicts, with `notes` below them.
     """
 
     subject: str
     quantities: tuple[str, ...]
     solid: tuple[str, ...]
     rows: tuple[tuple[str, tuple[AgreementCell | None, ...]], ...]
+    causes: tuple[tuple[str, tuple[str, ...]], ...]
     explanations: tuple[str, ...]
     missing: tuple[str, ...]
     judged: bool = True
@@ -69,7 +74,7 @@ class AgreementTable:
     @property
     def compared(self) -> bool:
         """Whether any formulation was compared: otherwise only the reasons are shown."""
-        return any(self.solid)
+        return bool(self.quantities)
 
 
 def agreement_tables(
@@ -97,19 +102,30 @@ def agreement_sentence(outcomes: Sequence[Outcome]) -> str:
 
 
 def _parts_sentence(outcomes: Sequence[Outcome]) -> str:
-    """Largest differences of stepped CAD parts from their solids, or of condensed ones alone."""
+    """Largest differences of stepped and condensed CAD parts from their solids."""
     shown = [one for outcome in outcomes for one in _shown(outcome)]
-    if not shown:
+    forms = {
+        "Stepped beams": [one for one in shown if one.elements],
+        "condensed parts (one end clamped, six modes)": [one for one in shown if not one.elements],
+    }
+    texts = [
+        f"{form} by at most {_largest(of, frequencies=False)} in tip motions and "
+        f"{_largest(of, frequencies=True)} in f1 to f4"
+        for form, of in forms.items()
+        if of
+    ]
+    if not texts:
         return ""
-    form = "as stepped beams" if any(one.elements for one in shown) else "condensed"
-    compared = [one for one in shown if one.elements] or shown
-    motions = max(abs(one.share) for one in compared if one.unit != "Hz")
-    frequencies = max(abs(one.share) for one in compared if one.unit == "Hz")
+    listed = ", ".join(texts)
     return (
-        f"CAD parts {form} differ from their own solids by at most "
-        f"{percent(motions, signed=False)} in tip motions and "
-        f"{percent(frequencies, signed=False)} in f1 to f4 (judged by [accept] for the robot)."
+        f"{listed[0].upper()}{listed[1:]} differ from solid FE of the same CAD part. The robot "
+        "with these parts is judged in the table of models below."
     )
+
+
+def _largest(values: Iterable[UnjudgedValue], *, frequencies: bool) -> str:
+    shares = [abs(one.share) for one in values if (one.unit == "Hz") is frequencies]
+    return _percent(max(shares)).lstrip("+")
 
 
 def _judged_sentence(outcomes: Sequence[Outcome]) -> str:
@@ -130,18 +146,75 @@ def _judged_sentence(outcomes: Sequence[Outcome]) -> str:
         return f"No formulation could be compared with solids of the same legs{reason}."
     rest = f"; of the other comparisons {unsettled}" if unsettled else ""
     agreeing = [one for one in found if one.verdict == "agree"]
-    largest = max((_unexplained(one) for one in agreeing), default=0.0)
-    within = percent(largest, signed=False) if largest else "rounding"
-    named = "once held end faces, section constants and distortion are allowed for"
+    within = _within(agreeing) + _allowed_for(agreeing) if agreeing else ""
+    decided = [one for one in found if one.verdict in {"agree", "disagree"}]
+    compared = {one.case.model for one in decided}
+    who = _listed(name for model, name in _IN_TEXT.items() if model in compared)
     if counts["disagree"]:
-        decided = counts["agree"] + counts["disagree"]
-        others = f"; the others agree within {within} {named}" if agreeing else ""
-        return (
-            f"On the same legs {counts['disagree']} of {decided} comparisons of the formulations "
-            f"with the solid disagree{others}{rest}."
+        others = f"; the others agree {within}" if agreeing else ""
+        judged = (
+            f"{counts['disagree']} of {len(decided)} comparisons of {who} with solid FE of the "
+            f"same legs disagree{others}{rest}."
         )
-    who = "the formulations" if rest else "all formulations"
-    return f"On the same legs {who} agree within {within} {named}{rest}."
+    else:
+        judged = f"{who[0].upper()}{who[1:]} agree with solid FE of the same legs {within}{rest}."
+    return " ".join(filter(None, (judged, _gaps(found))))
+
+
+def _within(agreeing: Sequence[Outcome]) -> str:
+    """The largest unexplained difference and its quantity: "within 0.19 % (f3 of leg1)"."""
+    worst = max(agreeing, key=_unexplained)
+    largest = _unexplained(worst)
+    if largest < _NOTHING:
+        return f"within {_percent(2.0 * _NOTHING).lstrip('+')}"
+    return f"within {_percent(largest).lstrip('+')} ({_place(worst)})"
+
+
+def _allowed_for(agreeing: Iterable[Outcome]) -> str:
+    """Named causes and their largest amounts: ", after allowing for held end faces (21.25 %)"."""
+    amounts: dict[str, float] = {}
+    for outcome in agreeing:
+        for cause, share in _shares(outcome).items():
+            amounts[cause] = max(amounts.get(cause, 0.0), abs(share))
+    causes = sorted(amounts, key=lambda cause: -amounts[cause])
+    texts = [f"{cause} ({_percent(amounts[cause]).lstrip('+')})" for cause in causes]
+    return f", after allowing for at most {_listed(texts)}" if texts else ""
+
+
+def _gaps(found: Sequence[Outcome]) -> str:
+    """Skipped comparisons: "Not compared: f1, f2 of arm1 and rod1l; VJM of the robot.".
+
+    Quantities in which no formulation of a subject is compared, then formulations.
+    """
+    quantities: dict[tuple[str, ...], list[str]] = {}
+    models: dict[tuple[str, ...], list[str]] = {}
+    for body in dict.fromkeys(one.case.body for one in found):
+        own = [one for one in found if one.case.body == body]
+        compared = [one for one in own if one.verdict != "skipped"]
+        labels = {one.case.label for one in compared}
+        missing = dict.fromkeys(one.case.label for one in own if one.case.label not in labels)
+        if missing:
+            quantities.setdefault(tuple(missing), []).append(body or "the robot")
+        present = {one.case.model for one in compared}
+        absent = dict.fromkeys(
+            _IN_TEXT[one.case.model] for one in own if one.case.model not in present
+        )
+        if absent and compared:
+            models.setdefault(tuple(absent), []).append(body or "the robot")
+    gaps = [
+        f"{_listed(names)} of {_listed(of)}" for names, of in (*quantities.items(), *models.items())
+    ]
+    return f"Not compared: {'; '.join(gaps)}." if gaps else ""
+
+
+def _place(outcome: Outcome) -> str:
+    return f"{outcome.case.label} of {outcome.case.body or 'the robot'}"
+
+
+def _listed(names: Iterable[str]) -> str:
+    """Names as a list in a sentence: "a, b and c"."""
+    *first, last = names
+    return f"{', '.join(first)} and {last}" if first else last
 
 
 def convergence_sentence(outcomes: Sequence[Outcome]) -> str:
@@ -169,7 +242,12 @@ def _robot(outcomes: Sequence[Outcome], coordinates: Sequence[Coordinate]) -> st
 
 
 def _table(subject: str, outcomes: Sequence[Outcome]) -> AgreementTable:
-    quantities = tuple(dict.fromkeys(one.case.label for one in outcomes))
+    compared = [one for one in outcomes if one.measurement is not None]
+    quantities = tuple(
+        label
+        for label in dict.fromkeys(one.case.label for one in outcomes)
+        if any(one.case.label == label for one in compared)
+    )
     models = {one.case.model: _row_name(one.case.model, one.case.elements) for one in outcomes}
     by_place = {(one.case.model, one.case.label): one for one in outcomes}
     rows = []
@@ -182,6 +260,7 @@ def _table(subject: str, outcomes: Sequence[Outcome]) -> AgreementTable:
         quantities,
         solid,
         tuple(rows),
+        _cause_rows(outcomes, quantities),
         _explanations(outcomes),
         _missing(outcomes),
     )
@@ -189,7 +268,7 @@ def _table(subject: str, outcomes: Sequence[Outcome]) -> AgreementTable:
 
 def _row_name(model: str, elements: int) -> str:
     """The model, and its elements per leg in brackets if it has any: "Beam FE (20)"."""
-    return f"{_MODELS[model]} ({elements})" if elements else _MODELS[model]
+    return f"{MODELS[model]} ({elements})" if elements else MODELS[model]
 
 
 def _shown(outcome: Outcome) -> tuple[UnjudgedValue, ...]:
@@ -203,7 +282,8 @@ def _part_table(outcome: Outcome) -> AgreementTable:
     rows: dict[str, tuple[AgreementCell, ...]] = {}
     for one in shown:
         half_width = abs((one.half_width or 0.0) / one.reference)
-        cell = AgreementCell(_percent(one.share), _spread(half_width), "", None, outcome.case.id)
+        spread = _spread(half_width)
+        cell = AgreementCell(_percent(one.share), "", spread, "", None, outcome.case.id)
         name = _row_name(one.model, one.elements)
         rows[name] = (*rows.get(name, ()), cell)
     return AgreementTable(
@@ -213,13 +293,14 @@ def _part_table(outcome: Outcome) -> AgreementTable:
         tuple(rows.items()),
         (),
         (),
+        (),
         judged=False,
         notes=outcome.measurement.notes if outcome.measurement else (),
     )
 
 
 def _solid(quantity: str, outcomes: Sequence[Outcome]) -> str:
-    """Value of the solid: µm under 1000 N, µrad under 100 N m, or Hz."""
+    """Compliance (SI with a prefix) or frequency (Hz) of the solid."""
     for one in outcomes:
         if one.case.label == quantity and one.measurement is not None:
             return _value(one.measurement.reference, one.case.unit)
@@ -227,8 +308,10 @@ def _solid(quantity: str, outcomes: Sequence[Outcome]) -> str:
 
 
 def _value(reference: float, unit: str) -> str:
-    scale, shown = _SHOWN[unit]
-    return f"{number(scale * reference, 4)}\N{NO-BREAK SPACE}{shown}"
+    if unit == "Hz":
+        return f"{number(reference, 4)} Hz"
+    scaled, prefix = engineering(reference)
+    return f"{number(scaled, 4)} {prefix}{unit}".replace("N m", "N\N{NO-BREAK SPACE}m")
 
 
 def _spread(half_width: float) -> str:
@@ -239,25 +322,48 @@ def _spread(half_width: float) -> str:
 def _cell(outcome: Outcome) -> AgreementCell:
     measurement, mark = outcome.measurement, MARKS[outcome.verdict]
     if measurement is None:
-        return AgreementCell(outcome.message, "", mark, outcome.verdict, outcome.case.id)
+        return AgreementCell(outcome.message, "", "", mark, outcome.verdict, outcome.case.id)
     scale = abs(measurement.reference)
-    left = f"{_percent(measurement.unexplained / scale)} left" if _explained(outcome) else ""
-    spread = _spread((measurement.numerical_uncertainty or 0.0) / scale)
-    text = _percent(measurement.difference / scale)
-    under = " ".join(filter(None, (left, spread)))
-    return AgreementCell(text, under, mark, outcome.verdict, outcome.case.id)
+    return AgreementCell(
+        text=_percent(measurement.unexplained / scale),
+        raw=_percent(measurement.difference / scale) if _shares(outcome) else "",
+        spread=_spread((measurement.numerical_uncertainty or 0.0) / scale),
+        mark=mark,
+        verdict=outcome.verdict,
+        case=outcome.case.id,
+    )
+
+
+def _shares(outcome: Outcome) -> dict[str, float]:
+    """Relative amounts of the named differences that count, by cause."""
+    measurement = outcome.measurement
+    if measurement is None:
+        return {}
+    scale = abs(measurement.reference)
+    return {
+        one.cause: one.amount / scale
+        for one in measurement.allowances
+        if abs(one.amount) >= _NOTHING * scale
+    }
 
 
 def _explained(outcome: Outcome) -> str:
     """Amounts of the named differences that count: "held end faces +1.46 %"."""
-    measurement = outcome.measurement
-    if measurement is None:
-        return ""
-    scale = abs(measurement.reference)
-    return ", ".join(
-        f"{one.cause} {_percent(one.amount / scale)}"
-        for one in measurement.allowances
-        if abs(one.amount) >= _NOTHING * scale
+    return ", ".join(f"{cause} {_percent(share)}" for cause, share in _shares(outcome).items())
+
+
+def _cause_rows(
+    outcomes: Sequence[Outcome], quantities: Sequence[str]
+) -> tuple[tuple[str, tuple[str, ...]], ...]:
+    """Amounts by cause and quantity; several if they differ between formulations."""
+    amounts: dict[str, dict[str, dict[str, None]]] = {}
+    for outcome in outcomes:
+        for cause, share in _shares(outcome).items():
+            of_quantity = amounts.setdefault(cause, {}).setdefault(outcome.case.label, {})
+            of_quantity[_percent(share)] = None
+    return tuple(
+        (cause, tuple(", ".join(by_quantity.get(quantity, {})) for quantity in quantities))
+        for cause, by_quantity in amounts.items()
     )
 
 

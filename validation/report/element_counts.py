@@ -1,19 +1,43 @@
-"""Elements per leg that an error takes, from the studies of convergence with element count."""
+"""Elements per leg for an error of 1 %, from the studies of convergence with element count."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from validation.drawing.text import percent
 from validation.exhibits import Figure
 
 _TARGET = "0.01"
+# Smaller errors are of no use to a reader.
+_SMALLEST = 1e-5
 
 
-def element_count_sentence(figures: Sequence[Figure]) -> str:
-    """Elements that 1 % takes and the error with the stated count; "" without such a study.
+@dataclass(frozen=True)
+class ElementCount:
+    """Elements per leg of one formulation, for the worst frequency or deflection.
 
-    Of each formulation by Timoshenko's theory, for the worst of all frequencies and deflections of
-    legs and robot.
+    `needed` for 1 %; `error` with the stated count and the quantity `worst` that has it, both empty
+    if that count was not computed.
+    """
+
+    formulation: str
+    needed: str
+    error: str
+    worst: str
+
+
+@dataclass(frozen=True)
+class ElementCounts:
+    """Formulations by Timoshenko's theory; `stated` is the element count of their errors."""
+
+    rows: tuple[ElementCount, ...]
+    stated: int
+
+
+def element_counts(figures: Sequence[Figure]) -> ElementCounts | None:
+    """Element counts of each formulation over f1 to f4 and the deflections of legs and robot.
+
+    None without a study of convergence with element count.
     """
     studies = [study for figure in figures for study in figure.studies if "needed" in study]
     labels = dict.fromkeys(
@@ -22,27 +46,40 @@ def element_count_sentence(figures: Sequence[Figure]) -> str:
         for label, theory in study["theory"].items()
         if theory == "timoshenko"
     )
-    parts = [
-        _formulation(label, [study for study in studies if label in study["series"]])
-        for label in labels
+    rows = [
+        _row(label, [study for study in studies if label in study["series"]]) for label in labels
     ]
-    if not parts:
-        return ""
-    return (
-        "Elements per leg that an error of 1 % takes, for f1 to f4 and the deflections of legs and "
-        f"robot: {'; '.join(parts)}."
-    )
+    return ElementCounts(tuple(rows), studies[0]["stated"]) if rows else None
 
 
-def _formulation(label: str, studies: Sequence[Mapping[str, Any]]) -> str:
-    needed = [study["needed"][label][_TARGET] for study in studies]
-    finest = max(max(study["x"]) for study in studies)
-    count = f"more than {finest}" if None in needed else str(max(needed))
-    errors = [abs(error) for study in studies if (error := _stated_error(label, study)) is not None]
+def _row(label: str, studies: Sequence[Mapping[str, Any]]) -> ElementCount:
+    errors = {
+        f"{study['quantity']} of {study['body'] or 'the robot'}": abs(error)
+        for study in studies
+        if (error := _stated_error(label, study)) is not None
+    }
+    needed = _needed(label, studies)
     if not errors:
-        return f"{count} by {label}"
-    stated = studies[0]["stated"]
-    return f"{count} by {label} (with {stated}: {percent(max(errors), signed=False)})"
+        return ElementCount(label, needed, "", "")
+    worst = max(errors, key=lambda place: errors[place])
+    if errors[worst] < _SMALLEST:
+        return ElementCount(label, needed, f"below {percent(_SMALLEST, signed=False)}", "")
+    return ElementCount(label, needed, percent(errors[worst], signed=False), worst)
+
+
+def _needed(label: str, studies: Sequence[Mapping[str, Any]]) -> str:
+    """Elements for 1 %; a bound if it is beyond the counts that were computed."""
+    needed = [study["needed"][label][_TARGET] for study in studies]
+    computed = [
+        count
+        for study in studies
+        for count, value in zip(study["x"], study["series"][label], strict=True)
+        if value is not None
+    ]
+    if None in needed:
+        return f"more than {max(computed)}"
+    most = max(needed)
+    return f"at most {most}" if most == min(computed) > 1 else str(most)
 
 
 def _stated_error(label: str, study: Mapping[str, Any]) -> float | None:

@@ -24,7 +24,7 @@ from validation.exhibits import (
 from validation.report.agreement import AgreementTable, agreement_sentence, agreement_tables
 from validation.report.agreement_parts import agreement_rows
 from validation.report.declared import attempted
-from validation.report.element_counts import element_count_sentence
+from validation.report.element_counts import ElementCounts, element_counts
 from validation.report.figures.budgets import budget_figure
 from validation.report.figures.studies import Family, families, study_figure
 from validation.report.said import SaidTable
@@ -74,8 +74,13 @@ class PageSection:
 
     @property
     def statement(self) -> str:
-        """Agreement of all formulations, or element counts, in one sentence; "" without such."""
-        return agreement_sentence(self.outcomes) or element_count_sentence(self.figures)
+        """Agreement of all formulations in words; "" if they are not compared here."""
+        return agreement_sentence(self.outcomes)
+
+    @cached_property
+    def element_counts(self) -> ElementCounts | None:
+        """Elements per leg for 1 %; None without studies of element counts."""
+        return element_counts(self.figures)
 
     @property
     def worst_first(self) -> list[Outcome]:

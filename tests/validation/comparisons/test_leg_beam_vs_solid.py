@@ -210,7 +210,7 @@ def agreeing(model, label, value, reference, *allowances, body="leg1", **more):
 
 
 def test_table_shows_values_differences_and_what_is_left():
-    """Solid 2 µm and 4 µm at 1000 N; VJM 1.5 % off, 1.45 % of it by held faces."""
+    """Solid 2 and 4 nm/N; VJM 1.5 % off, 1.45 % of it by held faces."""
     outcomes = [
         agreeing("vjm", "x", 2.0e-9, 2.0e-9),
         agreeing("vjm", "z", 4.06e-9, 4.0e-9, Allowance(HELD_FACES, 0.058e-9)),
@@ -220,16 +220,17 @@ def test_table_shows_values_differences_and_what_is_left():
     first, second = agreement_tables(outcomes)
     assert (first.subject, second.subject) == ("leg1", "leg2")
     assert first.quantities == ("x", "z")
-    assert [text.replace("\N{NO-BREAK SPACE}", " ") for text in first.solid] == ["2 µm", "4 µm"]
+    assert first.solid == ("2 nm/N", "4 nm/N")
     (vjm, cells), (beam, other) = first.rows
     assert (vjm, beam) == ("VJM", "Beam FE (20)")
     texts = [cell.text.replace("\N{NO-BREAK SPACE}", " ") for cell in cells]
-    assert texts == ["0.00 %", "+1.50 %"]
-    assert cells[1].under.replace("\N{NO-BREAK SPACE}", " ") == "+0.05 % left"
+    assert texts == ["0.00 %", "+0.05 %"]
+    assert [cell.raw.replace("\N{NO-BREAK SPACE}", " ") for cell in cells] == ["", "+1.50 %"]
     assert [cell.mark for cell in cells] == ["✓", "✓"]
     assert other[0].mark == "✗"
     assert other[1] is None
     assert first.explanations == ("z: held end faces +1.45\N{NO-BREAK SPACE}%",)
+    assert first.causes == (("held end faces", ("", "+1.45\N{NO-BREAK SPACE}%")),)
 
 
 def test_sentence_states_the_largest_unexplained_and_disagreements():
@@ -237,9 +238,12 @@ def test_sentence_states_the_largest_unexplained_and_disagreements():
         agreeing("vjm", "x", 2.001e-9, 2.0e-9),
         agreeing("vjm", "z", 4.06e-9, 4.0e-9, Allowance(HELD_FACES, 0.0599e-9)),
     ]
-    assert "agree within 0.05\N{NO-BREAK SPACE}%" in agreement_sentence(good)
+    assert agreement_sentence(good).replace("\N{NO-BREAK SPACE}", " ") == (
+        "VJM agree with solid FE of the same legs within 0.05 % (x of leg1), after allowing for at "
+        "most held end faces (1.50 %)."
+    )
     wrong = [*good, agreeing("beam", "x", 2.1e-9, 2.0e-9)]
-    assert "1 of 3 comparisons" in agreement_sentence(wrong)
+    assert "1 of 3 comparisons of VJM and Beam FE" in agreement_sentence(wrong)
     assert agreement_sentence([]) == ""
 
 

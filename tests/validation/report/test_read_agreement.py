@@ -27,12 +27,10 @@ from validation.report.page import render
 from validation.run.outcome import judge
 
 MODELS = {"vjm": "VJM", "links": "Links", "segments": "Segments (20)", "beam": "Beam FE (20)"}
-# Unit of the case, load of the table and its unit.
-QUANTITIES = {
-    "x": ("m/N", 1000.0, 1e-6, "µm"),
-    "φz": ("rad/(N m)", 100.0, 1e-6, "µrad"),
-    "f2": ("Hz", 1.0, 1.0, "Hz"),
-}
+# Names of the formulations in a sentence.
+IN_TEXT = {"vjm": "VJM", "links": "links", "segments": "segments", "beam": "Beam FE"}
+QUANTITIES = {"x": "m/N", "φz": "rad/(N m)", "f2": "Hz"}
+PREFIXES = {"": 1.0, "m": 1e-3, "µ": 1e-6, "n": 1e-9}
 MARKS = {"agree": "✓", "disagree": "✗", "undecided": "?", "failed": "!", "skipped": "–"}
 CAUSES = ("held end faces", "distortion of the section")
 TOLERANCE = 0.01
@@ -47,7 +45,7 @@ def drawn_outcomes(seed):
     draw = np.random.default_rng(seed)
     outcomes = []
     for body in ("leg1", "leg2"):
-        for label, (unit, *_) in QUANTITIES.items():
+        for label, unit in QUANTITIES.items():
             reference = float(10.0 ** draw.uniform(-8.0, -5.0) if unit != "Hz" else 120.0)
             for model in MODELS:
                 own = {"kind": "agreement", "model": model, "label": label, "body": body}
@@ -115,36 +113,65 @@ def test_every_cell_is_that_of_its_outcome(outcomes):
 def assert_cell(cell, outcome):
     measurement = outcome.measurement
     if measurement is None:
-        assert (cell.text, cell.under) == (outcome.message, "")
+        assert (cell.text, cell.raw, cell.spread) == (outcome.message, "", "")
         return
     value, reference = measurement.value, measurement.reference
-    assert shares(cell.text) == [read((value - reference) / reference)]
     explained = [one.amount / reference for one in measurement.allowances]
-    left = re.search(rf"({NUMBER})\N{{NO-BREAK SPACE}}% left", cell.under)
-    assert bool(left) is any(abs(share) >= SHOWN for share in explained)
-    if left:
-        assert shares(left[0]) == [read((value - reference) / reference - sum(explained))]
+    assert shares(cell.text) == [read((value - reference) / reference - sum(explained))]
+    named = any(abs(share) >= SHOWN for share in explained)
+    assert shares(cell.raw) == ([read((value - reference) / reference)] if named else [])
     half = measurement.value_uncertainty / reference
-    spread = re.search(rf"± {NUMBER}\N{{NO-BREAK SPACE}}%", cell.under)
-    assert (shares(spread[0]) if spread else []) == ([read(half)] if half >= SHOWN else [])
+    assert cell.spread.startswith("± ") is bool(cell.spread)
+    assert shares(cell.spread) == ([read(half)] if half >= SHOWN else [])
 
 
 @pytest.mark.parametrize("outcomes", DRAWN)
-def test_values_of_the_solid_are_under_the_loads_of_the_table(outcomes):
+def test_values_of_the_solid_have_unit_and_prefix(outcomes):
     for table in agreement_tables(outcomes):
         for label, text in zip(table.quantities, table.solid, strict=True):
-            _, load, unit, name = QUANTITIES[label]
-            known = [
+            (known, *_) = [
                 one.measurement.reference
                 for one in outcomes
                 if one.case.body == table.subject and one.case.label == label and one.measurement
             ]
-            if not known:
-                assert text == ""
-                continue
-            digits, printed = text.split("\N{NO-BREAK SPACE}")
-            assert printed == name
-            assert float(digits) * unit / load == pytest.approx(known[0], rel=6e-4)
+            digits, printed = text.split(" ")
+            unit = QUANTITIES[label].replace(" ", "\N{NO-BREAK SPACE}")
+            assert printed.endswith(unit)
+            factor = PREFIXES[printed.removesuffix(unit)]
+            assert 1.0 <= float(digits) < 1000.0
+            assert float(digits) * factor == pytest.approx(known, rel=6e-4)
+
+
+def test_quantity_without_any_value_has_no_column():
+    outcomes = [one for one in DRAWN[0] if one.case.label != "f2" or not one.measurement]
+    for table in agreement_tables(outcomes):
+        assert "f2" not in table.quantities
+        assert all(len(cells) == len(table.quantities) for _, cells in table.rows)
+
+
+@pytest.mark.parametrize("outcomes", DRAWN)
+def test_cause_rows_have_every_amount(outcomes):
+    for table in agreement_tables(outcomes):
+        assert {cause for cause, _ in table.causes} <= set(CAUSES)
+        printed = {
+            (cause, label): sorted(shares(text))
+            for cause, texts in table.causes
+            for label, text in zip(table.quantities, texts, strict=True)
+        }
+        for label in table.quantities:
+            own = [
+                one for one in outcomes if (one.case.body, one.case.label) == (table.subject, label)
+            ]
+            for cause in CAUSES:
+                amounts = {
+                    round(allowance.amount / one.measurement.reference, 4)
+                    for one in own
+                    if one.measurement
+                    for allowance in one.measurement.allowances
+                    if allowance.cause == cause
+                    and abs(allowance.amount) >= SHOWN * one.measurement.reference
+                }
+                assert printed.get((cause, label), []) == pytest.approx(sorted(amounts), abs=1e-9)
 
 
 @pytest.mark.parametrize("outcomes", DRAWN)
@@ -229,10 +256,30 @@ def test_sentence_counts_decided_comparisons(outcomes):
     sentence = agreement_sentence(outcomes)
     wrong = len(decided) - len(agreeing)
     assert wrong
-    assert f"{wrong} of {len(decided)} comparisons" in sentence
-    within = re.search(r"within ([\d.]+)\N{NO-BREAK SPACE}%", sentence)
-    # Two digits.
-    assert float(within[1]) / 100.0 == pytest.approx(largest, rel=0.051)
+    models = [name for model, name in IN_TEXT.items() if model in {o.case.model for o in decided}]
+    who = f"{', '.join(models[:-1])} and {models[-1]}"
+    assert f"{wrong} of {len(decided)} comparisons of {who} with solid FE" in sentence
+    within, place = re.search(
+        r"agree within ([\d.]+)\N{NO-BREAK SPACE}% \((\w+ of \w+)\)", sentence
+    ).groups()
+    assert float(within) / 100.0 == read(largest)
+    worst = max(
+        (one for one in decided if one.verdict == "agree"),
+        key=lambda one: abs(one.measurement.unexplained / one.measurement.reference),
+    )
+    assert place == f"{worst.case.label} of {worst.case.body}"
+    for cause in CAUSES:
+        amount = max(
+            (
+                abs(part.amount) / one.reference
+                for one in agreeing
+                for part in one.allowances
+                if part.cause == cause
+            ),
+            default=0.0,
+        )
+        printed = re.search(rf"{cause} \(([\d.]+)\N{{NO-BREAK SPACE}}%\)", sentence)
+        assert (float(printed[1]) / 100.0 if printed else 0.0) == read(amount)
     for verdict in ("undecided", "failed"):
         count = sum(one.verdict == verdict for one in outcomes)
         assert re.findall(rf"(\d+) {verdict}", sentence) == [str(count)] * bool(count)
@@ -241,12 +288,12 @@ def test_sentence_counts_decided_comparisons(outcomes):
 @pytest.mark.parametrize("verdict", ["undecided", "failed"])
 def test_all_agree_only_if_all_are_decided(verdict):
     good = measured("good", 1.0001, 1.0)
-    case = replace(good.case, kind="agreement", tolerance=Relative(TOLERANCE))
+    case = replace(good.case, kind="agreement", model="beam", tolerance=Relative(TOLERANCE))
     good = judge(case, good.measurement, 0.0)
-    assert agreement_sentence([good]).startswith("On the same legs all formulations agree within")
+    start = "Beam FE agree with solid FE of the same legs within 0.01"
+    assert agreement_sentence([good]).startswith(start)
     other = replace(good, result=msgspec.structs.replace(good.result, verdict=verdict))
     sentence = agreement_sentence([good, other])
-    assert "all formulations" not in sentence
     assert sentence.endswith(f"; of the other comparisons 1 {verdict}.")
     assert agreement_sentence([other]) == (
         "No formulation could be compared with solids of the same legs; of the other comparisons "

@@ -14,8 +14,10 @@ from one_arm import ONE_ARM
 from validation.cli import main
 
 ROWS = {"VJM": "vjm", "Links": "links", "Segments (20)": "segments", "Beam FE (20)": "beam"}
-# Load of the table and size of its unit, by the unit's name.
-UNITS = {"µm": (1000.0, 1e-6), "µrad": (100.0, 1e-6), "Hz": (1.0, 1.0)}
+CAUSES = ("held end faces", "section constants by formula", "distortion of the section")
+# Sizes of prefixed units, by the unit of the case.
+PREFIXES = {"": 1.0, "m": 1e-3, "µ": 1e-6, "n": 1e-9}
+UNITS = {"m/N": "m/N", "rad/(N m)": "rad/(N\N{NO-BREAK SPACE}m)", "Hz": "Hz"}
 MARKS = {"✓": "agree", "✗": "disagree", "?": "undecided", "!": "failed"}
 NUMBER = r"[+−]?\d+\.\d\d"
 
@@ -56,44 +58,52 @@ def misread(page, document):
     wrong, read = [], set()
     for (head, *columns), (_, *solid), *rows in reader.tables:
         subject = head.split(" ")[0]
+        causes = [dict(zip(columns, cells, strict=True)) for name, *cells in rows if name in CAUSES]
         for name, *cells in rows:
+            if name in CAUSES:
+                continue
             for column, value, cell in zip(columns, solid, cells, strict=True):
                 identifier = f"{subject}.agrees[{ROWS[name]}-solid-{column}]"
                 case = cases.get(identifier)
                 read.add(identifier)
-                if not agrees(case, value, cell):
+                if not agrees(case, value, cell, [amounts[column] for amounts in causes]):
                     wrong.append((identifier, value, cell))
     missed = {name for name, case in cases.items() if case["verdict"] != "skipped"} - read
     return wrong, missed
 
 
-def agrees(case, solid, cell):
-    """Whether value of the solid, difference, rest, half-width and mark are those of the case."""
+def agrees(case, solid, cell, amounts):
+    """Whether value of the solid, difference, rest, half-width, mark and causes are the case's."""
     if case is None or case["verdict"] == "skipped":
         return cell.strip() == "–"
     value, reference = case["value"], case["reference"]
-    number, unit = solid.split("\N{NO-BREAK SPACE}")
-    load, size = UNITS[unit]
-    percents = re.search(
-        rf"^\s*({NUMBER})\N{{NO-BREAK SPACE}}%\N{{NO-BREAK SPACE}}([✓✗?!])"
-        rf"(?:({NUMBER})\N{{NO-BREAK SPACE}}% left)?\s*(?:± ({NUMBER})\N{{NO-BREAK SPACE}}%)?\s*$",
+    number, unit = solid.split(" ")
+    size = PREFIXES[unit.removesuffix(UNITS[case["unit"]])]
+    percent = rf"({NUMBER})\N{{NO-BREAK SPACE}}%"
+    found = re.search(
+        rf"^\s*(?:{percent}→\N{{NO-BREAK SPACE}})?{percent}\N{{NO-BREAK SPACE}}([✓✗?!])"
+        rf"\s*(?:± {percent})?\s*$",
         cell,
     )
-    if percents is None:
+    if found is None:
         return False
-    difference, mark, left, half = percents.groups()
-    allowed = sum(one["amount"] for one in case["allowances"])
-    expected = {
-        difference: (value - reference) / reference,
-        left: (value - reference - allowed) / reference,
-        half: (case["numerical_uncertainty"] or 0.0) / reference,
-    }
-    shown = [
-        abs(float(text.replace("−", "-")) / 100.0 - share) < 5.1e-5
-        for text, share in ((t, s) for t, s in expected.items() if t is not None)
+    whole, rest, mark, half = found.groups()
+    allowed = sum(one["amount"] for one in case["allowances"]) / reference
+    expected = [
+        (whole, (value - reference) / reference),
+        (rest, (value - reference) / reference - allowed),
+        (half, (case["numerical_uncertainty"] or 0.0) / reference),
     ]
-    right_solid = abs(float(number) * size / load / reference - 1.0) < 6e-4
-    return all(shown) and right_solid and MARKS[mark] == case["verdict"]
+    shown = [abs(share(text) - number) < 5.1e-5 for text, number in expected if text is not None]
+    # Amounts are rounded; those below half of the last digit are left out.
+    listed = sum(share(text) for text in re.findall(percent, " ".join(amounts)))
+    right_causes = (whole is None and not listed) or abs(listed - allowed) < 5.1e-5 * len(CAUSES)
+    right_solid = abs(float(number) * size / reference - 1.0) < 6e-4
+    return all(shown) and right_causes and right_solid and MARKS[mark] == case["verdict"]
+
+
+def share(text):
+    return float(text.replace("−", "-")) / 100.0
 
 
 @pytest.fixture(scope="module")
