@@ -105,21 +105,20 @@ def _parts_sentence(outcomes: Sequence[Outcome]) -> str:
     """Largest differences of stepped and condensed CAD parts from their solids."""
     shown = [one for outcome in outcomes for one in _shown(outcome)]
     forms = {
-        "Stepped beams": [one for one in shown if one.elements],
+        "stepped beams": [one for one in shown if one.elements],
         "condensed parts (one end clamped, six modes)": [one for one in shown if not one.elements],
     }
     texts = [
-        f"{form} by at most {_largest(of, frequencies=False)} in tip motions and "
+        f"{form}: at most {_largest(of, frequencies=False)} in tip motions and "
         f"{_largest(of, frequencies=True)} in f1 to f4"
         for form, of in forms.items()
         if of
     ]
     if not texts:
         return ""
-    listed = ", ".join(texts)
     return (
-        f"{listed[0].upper()}{listed[1:]} differ from solid FE of the same CAD part. The robot "
-        "with these parts is judged in the table of models below."
+        f"Differences of CAD parts from their solid FE: {'; '.join(texts)}. The robot with these "
+        "parts is judged in the table of models below."
     )
 
 
