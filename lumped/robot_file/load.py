@@ -1,7 +1,6 @@
 """Robot files: TOML with SI units, read into a robot or refused with every fault named."""
 
 import hashlib
-import tomllib
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
@@ -30,9 +29,10 @@ from lumped.robot_file.hammer import Hammer, hammer_of
 from lumped.robot_file.included import part_content
 from lumped.robot_file.loads import excitations_of, load_faults, loads_of, response_faults
 from lumped.robot_file.mechanism.build import mechanism_of
+from lumped.robot_file.mechanism.draft import draft
 from lumped.robot_file.mechanism.faults import description_faults, motion_faults
 from lumped.robot_file.places import keys_named, value_at, with_value
-from lumped.robot_file.reading import decoded, parsed
+from lumped.robot_file.reading import decoded, parsed, tables_of
 from lumped.robot_file.rules.published import key_comments
 from lumped.robot_file.rules.tables import MECHANISM, rules_of
 from lumped.robot_file.written import toml_of
@@ -142,10 +142,9 @@ class RobotFile:
 
         Raises InputError where there is no such robot, LookupError where there is no such key.
         """
-        tables = self.tables
         # What was measured and what was misprinted is as the file says.
-        for said in ("measured", "hammer", "corrections"):
-            tables.pop(said, None)
+        said = ("measured", "hammer", "corrections")
+        tables = {name: table for name, table in self.tables.items() if name not in said}
         for key, value in values.items():
             tables = with_value(tables, key, value)
         return replace(self, mechanism=described_by(tables, self.folder)[0])
@@ -156,9 +155,12 @@ class RobotFile:
         return Path() if self.built_in else Path(self.source).parent
 
     @property
-    def tables(self) -> dict[str, Any]:
-        """The file's tables as written, with the data that only the audit reads."""
-        return tomllib.loads(self.text)
+    def tables(self) -> Mapping[str, Any]:
+        """The file's tables as written, with the data that only the audit reads; not to be changed.
+
+        The text is parsed once per process.
+        """
+        return tables_of(self.text)
 
 
 def _digest(content: bytes, files: Iterable[Path]) -> str:
@@ -230,7 +232,7 @@ def _described(source: str, content: bytes, *, built_in: bool = False) -> RobotF
     )
 
 
-def as_printed(robot_file: RobotFile) -> dict[str, Any]:
+def as_printed(robot_file: RobotFile) -> Mapping[str, Any]:
     """The file's tables with every correction undone: the data as their source prints them."""
     tables = robot_file.tables
     for correction in robot_file.corrections:
@@ -246,7 +248,7 @@ def write_template(path: str | Path, kind: RobotType = FIRST_TYPE) -> None:
     """
     target = Path(path)
     text = decoded(_built_in(kind), kind)
-    content = f"{text}\n{key_comments(tomllib.loads(text))}".encode()
+    content = f"{text}\n{key_comments(tables_of(text))}".encode()
     try:
         file = target.open("xb")
     except FileExistsError as error:
@@ -269,10 +271,15 @@ def described_by(tables: Mapping[str, Any], folder: Path) -> tuple[Mechanism, di
     """
     rules = rules_of(tables)
     any_robot = rules is MECHANISM
-    if faults := description_faults(tables) if any_robot else biglide_faults(tables):
+    described = draft(tables) if any_robot else None
+    faults = biglide_faults(tables) if described is None else description_faults(tables, described)
+    if faults:
         raise InputError(faults)
     read = rules.read(tables)
-    mechanism = mechanism_of(tables, folder) if any_robot else biglide_of(read)
+    if described is None:
+        mechanism = biglide_of(read)
+    else:
+        mechanism = mechanism_of(described, read["name"], folder)
     damping = read["damping"]["ratio"] if read["damping"] else 0.0
     whole = replace(mechanism, damping=damping)
     faults = [

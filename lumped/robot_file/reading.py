@@ -20,6 +20,7 @@ import numpy as np
 from lumped.arrays import Array
 from lumped.errors import InputError
 from lumped.files import read_ordinary
+from lumped.memo import memo
 from lumped.robot_file.rules.matrices import symmetric
 from lumped.robot_file.rules.rule import too_many
 from lumped.text import cut, shown
@@ -93,22 +94,30 @@ def decoded(content: bytes, source: str) -> str:
         ) from error
 
 
-def parsed(text: str, source: str) -> dict[str, Any]:
+def parsed(text: str, source: str) -> Mapping[str, Any]:
     """The tables of a TOML text; raises InputError."""
     keys = _BETWEEN_KEYS.split(re.sub("#.*", "", text))
     if max(key.count(".") for key in keys) > _MOST_PARTS:
         raise InputError(f"{source}: a key of more than {_MOST_PARTS} parts; not a robot file")
     try:
-        return tomllib.loads(text)
+        return tables_of(text)
     except RecursionError:
         raise InputError(f"{source}: tables or lists nested too deeply; not a robot file") from None
     except ValueError as error:  # tomllib's own, or an integer of too many digits
         raise InputError(f"{source}: not TOML: {cut(str(error), 200)}") from error
 
 
-def printed_compliances(text: str) -> list[Printed]:
+@memo(16)
+def tables_of(text: str) -> Mapping[str, Any]:
+    """The tables of a sound TOML text, parsed once per process: nobody may change them."""
+    return tomllib.loads(text)
+
+
+@memo(16)
+def printed_compliances(text: str) -> tuple[Printed, ...]:
     """Every 6×6 `compliance` in the text of a sound robot file of either schema."""
-    return list(_printed(tomllib.loads(text, parse_float=Decimal)))
+    # Digits are no longer known of numbers.
+    return tuple(_printed(tomllib.loads(text, parse_float=Decimal)))
 
 
 def _printed(tables: Mapping[str, Any]) -> Iterator[Printed]:

@@ -3,7 +3,6 @@
 A table is as it is read: a value for every key, None where left out.
 """
 
-from collections.abc import Mapping
 from dataclasses import replace
 from itertools import product
 from pathlib import Path
@@ -28,13 +27,12 @@ from lumped.mechanism.body import (
 from lumped.mechanism.joint import Drive, Joint, Side
 from lumped.mechanism.mechanism import GROUND, Mechanism, Tool
 from lumped.mechanism.placing import axes_along, leg_on, rigid_on
-from lumped.robot_file.mechanism.draft import Draft, draft
+from lumped.robot_file.mechanism.draft import Draft
 from lumped.robot_file.rules.relations import Entry
 
 
-def mechanism_of(tables: Mapping[str, Any], folder: Path) -> Mechanism:
-    """The mechanism that tables without faults describe; files of parts lie in `folder`."""
-    given = draft(tables)
+def mechanism_of(given: Draft, name: str, folder: Path) -> Mechanism:
+    """The mechanism of a draft without faults; files of parts lie in `folder`."""
     tool: Entry = given.tool or {}
     joints = tuple(_joint(given, name) for name in given.joints)
     sides = [side for joint in joints for side in (joint.first, joint.second)]
@@ -44,7 +42,7 @@ def mechanism_of(tables: Mapping[str, Any], folder: Path) -> Mechanism:
         *(_body(given, name, folder) for name in given.bodies),
     ]
     mechanism = Mechanism(
-        name=str(tables["name"]),
+        name=name,
         bodies={body.name: body for body, _ in placed},
         joints=joints,
         tool=Tool(**tool),

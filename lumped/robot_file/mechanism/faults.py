@@ -17,7 +17,7 @@ from lumped.mechanism.kinematics.mobility import (
 )
 from lumped.mechanism.kinematics.postures import PoseError, posture, reference_posture
 from lumped.mechanism.mechanism import GROUND, Mechanism
-from lumped.robot_file.mechanism.draft import Draft, draft
+from lumped.robot_file.mechanism.draft import Draft
 from lumped.robot_file.rules.relations import body_faults, joint_faults, path_faults, tool_faults
 from lumped.robot_file.rules.rule import Text
 from lumped.robot_file.rules.tables import MECHANISM
@@ -27,9 +27,11 @@ from lumped.text import counted, did_you_mean, shown
 _TRIED = 32
 
 
-def description_faults(tables: Mapping[str, Any]) -> list[str]:
-    """Faults of keys, of what they say together, and of names; without any, those of the whole."""
-    given = draft(tables)
+def description_faults(tables: Mapping[str, Any], given: Draft) -> list[str]:
+    """Faults of keys, of what they say together, and of names; without any, those of the whole.
+
+    `given` is the draft of the tables.
+    """
     faults = MECHANISM.faults_within(tables)
     for relations, entries in (
         (body_faults, given.bodies.values()),

@@ -4,6 +4,7 @@ import re
 import runpy
 import shutil
 import tomllib
+from dataclasses import replace
 from functools import reduce
 from hashlib import sha256
 from math import inf
@@ -23,7 +24,7 @@ from lumped.errors import InputError
 from lumped.legs import ConstantLeg, GivenLeg
 from lumped.mechanism.body import ByCylinder, ByFaces, ByName, ByPlane, PartInterface, Rigid
 from lumped.models.bodies import legs_of
-from lumped.robot_file import built_in_robots, load_robot, write_template
+from lumped.robot_file import built_in_robots, load, load_robot, reading, write_template
 from lumped.robot_file.load import described_by
 from lumped.robot_file.mechanism.build import interface_of
 from lumped.robot_file.reading import printed_compliances
@@ -442,3 +443,24 @@ def test_drive_softer_than_any_hinge_is_refused(stiffness, tmp_path):
     soft = GANTRY.replace(f"stiffness = {STIFFNESSES[0]}", f"stiffness = {stiffness}")
     with pytest.raises(InputError, match=r"drive\.stiffness = .*: must be at least 1e-12 N/m"):
         robot_of(soft, tmp_path)
+
+
+def test_text_of_a_robot_file_is_parsed_and_drafted_once(tmp_path, monkeypatch):
+    calls = []
+    (tmp_path / "robot.toml").write_text(
+        f"{load_robot('five-bar').text}\n# a text of its own\n", encoding="utf-8"
+    )
+    parse, draft = reading.tomllib.loads, load.draft
+    monkeypatch.setattr(reading.tomllib, "loads", lambda text: calls.append("parse") or parse(text))
+    monkeypatch.setattr(load, "draft", lambda tables: calls.append("draft") or draft(tables))
+    robot = load_robot(tmp_path / "robot.toml")
+    assert calls == ["parse", "draft"]
+    assert robot.schema == 2
+    assert robot.uncertain_inputs == {}
+    heavier = robot.with_values({"tool.mass": 7.0})
+    robot.with_factors({"tool.mass": 0.1})
+    assert replace(robot, supposed=0.05).uncertain_inputs
+    assert calls == ["parse", *3 * ["draft"]]
+    # What is shared is as it was parsed.
+    assert heavier.tables is robot.tables
+    assert robot.tables == parse(robot.text)
