@@ -31,6 +31,8 @@ exclude_patterns = ["_build", "examples", "pictures"]
 sphinx_gallery_conf = {
     "examples_dirs": str(DOCS.parent / "examples" / "gallery"),
     "gallery_dirs": "gallery",
+    # EXUDYN has no wheels for some machines.
+    "ignore_pattern": "__init__" if find_spec("exudyn") else "__init__|exudyn",
     "within_subsection_order": "FileNameSortKey",
     "image_scrapers": ("matplotlib", "gallery_figures.save_returned_figure"),
     "capture_repr": ("_repr_html_",),

@@ -24,7 +24,7 @@ class Extra:
 EXTRAS: Mapping[str, Extra] = {
     "cluster": Extra(("dask", "distributed"), "--cluster"),
     "docs": Extra(
-        ("sphinx", "myst_parser", "pydata_sphinx_theme", "sphinx_gallery"), "the command docs"
+        ("sphinx", "myst_parser", "sphinx_gallery", "pyuff", "pytest"), "the command docs"
     ),
     "exudyn": Extra(("exudyn",), "comparisons with EXUDYN, scripts of export --to exudyn"),
     "hammer": Extra(("pyuff", "sdypy"), "--measured with a universal file (.uff, .unv)"),

@@ -1,10 +1,10 @@
 """What this machine leaves to a computation: memory, cores, threads."""
 
 import os
-import resource
 from pathlib import Path
 
 from lumped.errors import ComputationError
+from lumped.posix import resource
 
 # Stacks, heaps and buffers that libraries set aside for each of their threads.
 _ADDRESSES_PER_CORE = 150_000_000
@@ -30,7 +30,7 @@ def available_memory() -> int | None:
             limits.append(int(limit) - int((group / "memory.current").read_text()))
     if (left := _address_space()) is not None:
         limits.append(left)
-    if not limits and "SC_PHYS_PAGES" in os.sysconf_names:
+    if not limits and "SC_PHYS_PAGES" in getattr(os, "sysconf_names", {}):
         limits.append(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
     return min(limits) if limits else None
 
@@ -40,6 +40,8 @@ def require_room(needed: int) -> None:
 
     Libraries that are refused these while they start do not say so: they end the process.
     """
+    if resource is None:
+        return
     files, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
     if files != resource.RLIM_INFINITY and files < _OPEN_FILES:
         raise ComputationError(
@@ -56,12 +58,14 @@ def require_room(needed: int) -> None:
 
 def _address_space() -> int | None:
     """Bytes that a limit leaves to this process beside what it has; None where there is none."""
+    if resource is None:
+        return None
     limit, _ = resource.getrlimit(resource.RLIMIT_AS)
     if limit == resource.RLIM_INFINITY:
         return None
     statm = Path("/proc/self/statm")
     taken = int(statm.read_text().split()[0]) * resource.getpagesize() if statm.exists() else 0
-    return max(0, limit - taken)
+    return max(0, int(limit) - taken)
 
 
 def usable_cores() -> int:

@@ -52,7 +52,13 @@ def gmsh_model(part: str) -> Iterator[ModuleType]:
     Works in any thread, one model at a time, and may be nested: the inner model is removed and the
     outer one current again at the end. Raises ComputationError naming `part` where gmsh fails.
     """
-    import gmsh  # noqa: PLC0415  slow to load, and most answers need no mesh
+    try:
+        import gmsh  # noqa: PLC0415  slow to load, and most answers need no mesh
+    except (ImportError, OSError) as error:
+        raise ComputationError(
+            f"{part}: needs gmsh, which cannot be loaded ({error}); install its Python module from "
+            "pip or from your distribution, and the libraries that it links to"
+        ) from error
 
     with _LOCK:
         outermost = not gmsh.isInitialized()
@@ -83,8 +89,9 @@ def _ignore_again() -> None:
     # gmsh gives these signals back their default action. Writing to another process that has just
     # ended then ends this one without a word, and so does a hang-up that nohup had it ignore.
     # Python's own setter works in the main thread alone.
-    for number in (signal.SIGPIPE, signal.SIGHUP):
-        if signal.getsignal(number) is signal.SIG_IGN:
+    for name in ("SIGPIPE", "SIGHUP"):
+        number = getattr(signal, name, None)
+        if number is not None and signal.getsignal(number) is signal.SIG_IGN:
             ctypes.CDLL(None).signal(number, ctypes.c_void_p(int(signal.SIG_IGN)))
 
 

@@ -9,7 +9,7 @@ be done, and takes it along when it ends itself, however that comes about.
 import faulthandler
 import os
 import pickle
-import resource
+import signal
 import subprocess
 import sys
 import traceback
@@ -21,12 +21,13 @@ from multiprocessing import Pipe
 from multiprocessing.connection import Connection
 from pathlib import Path
 from queue import SimpleQueue
-from signal import SIGKILL, SIGXCPU, Signals
 from threading import Thread
 from time import monotonic, process_time
+from types import ModuleType
 from typing import Any, NamedTuple, TypeVar
 
 from lumped.errors import ComputationError, InputError
+from lumped.posix import resource
 
 T = TypeVar("T")
 # How long (s) a wait may last: a Ctrl-C that comes just before it begins does not end it.
@@ -35,7 +36,9 @@ _HEARTBEAT = 0.5
 # meshed in it.
 _MEMORY = 8_000_000_000
 # What a signal tells that ends a process which did nothing forbidden.
-_WHY = {SIGKILL: ", probably for want of memory", SIGXCPU: ", its time was up"}
+_WHY = {"SIGKILL": ", probably for want of memory", "SIGXCPU": ", its time was up"}
+# The other process inherits one end of a pipe, which Windows does in another way.
+_POSIX = os.name == "posix"
 
 
 class Crashed(ComputationError):  # noqa: N818  says what happened to the process
@@ -66,6 +69,11 @@ class Process:
     def __init__(
         self, output: Path = Path(os.devnull), environment: Mapping[str, str] | None = None
     ) -> None:
+        if not _POSIX:
+            raise ComputationError(
+                "computing in processes of its own works on Linux and macOS alone; on Windows run "
+                "flexproof in the Windows Subsystem for Linux"
+            )
         self.connection, theirs = Pipe()
         serving = f"from meshes.processes import serve; serve({theirs.fileno()})"
         paths = os.pathsep.join(path or str(Path.cwd()) for path in sys.path)
@@ -126,8 +134,8 @@ class Process:
         code = self._process.wait()
         if code >= 0:
             return f"ended with code {code}"
-        signal = Signals(-code)
-        return f"was ended by {signal.name}{_WHY.get(signal, '')}"
+        name = signal.Signals(-code).name
+        return f"was ended by {name}{_WHY.get(name, '')}"
 
 
 def in_own_process(function: Callable[..., T], *arguments: object, patience: float = inf) -> T:
@@ -154,20 +162,25 @@ def within_limits(seconds: float, function: Callable[..., T], *arguments: object
 
 
 def _limited(seconds: float, function: Callable[..., T], *arguments: object) -> T:
-    # The libraries have taken theirs before: it grows with the cores.
-    statm = Path("/proc/self/statm")
-    taken = int(statm.read_text().split()[0]) * resource.getpagesize() if statm.exists() else 0
-    _limit(resource.RLIMIT_AS, taken + _MEMORY)
-    _limit(resource.RLIMIT_CPU, ceil(process_time() + seconds))
-    # What a crash leaves is of no use to who sent the file.
-    _limit(resource.RLIMIT_CORE, 0)
+    if resource is not None:
+        _limit_resources(resource, seconds)
     try:
         return function(*arguments)
     except MemoryError:
         raise Crashed(f"more than {_MEMORY / 1e9:g} GB of memory would be needed") from None
 
 
-def _limit(kind: int, most: int) -> None:
+def _limit_resources(resource: ModuleType, seconds: float) -> None:
+    # The libraries have taken theirs before: it grows with the cores.
+    statm = Path("/proc/self/statm")
+    taken = int(statm.read_text().split()[0]) * resource.getpagesize() if statm.exists() else 0
+    _limit(resource, resource.RLIMIT_AS, taken + _MEMORY)
+    _limit(resource, resource.RLIMIT_CPU, ceil(process_time() + seconds))
+    # What a crash leaves is of no use to who sent the file.
+    _limit(resource, resource.RLIMIT_CORE, 0)
+
+
+def _limit(resource: ModuleType, kind: int, most: int) -> None:
     soft, hard = resource.getrlimit(kind)
     if soft == resource.RLIM_INFINITY or soft > most:
         # Not every system has every limit.

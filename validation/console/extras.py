@@ -4,7 +4,6 @@ They are those of requirements-dev.lock, pinned by hash, with all that they depe
 environment notes their names, and the launcher adds them again after a later set-up.
 """
 
-import fcntl
 import sys
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
@@ -12,6 +11,7 @@ from pathlib import Path
 
 from fem.extras import EXTRAS
 from lumped.errors import InputError
+from lumped.posix import fcntl
 from lumped.text import did_you_mean
 from validation.console.streams import mention, say
 
@@ -65,6 +65,8 @@ def _note(names: Iterable[str]) -> None:
 @contextmanager
 def _alone() -> Iterator[None]:
     """The lock of set-ups of this clone, which the launcher takes, too."""
+    if fcntl is None:
+        raise InputError("extras: belongs to the launcher, for Linux; type pip install '.[NAME]'")
     with (ROOT / "pyproject.toml").open("rb") as file:
         fcntl.flock(file, fcntl.LOCK_EX)
         yield

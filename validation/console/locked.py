@@ -30,7 +30,8 @@ def add(root: Path, names: Iterable[str]) -> list[str]:
     Raises ComputationError if the lock or pip fails.
     """
     optional = loads((root / PROJECT).read_text("utf-8"))["project"]["optional-dependencies"]
-    wanted = [Requirement(one) for name in dict.fromkeys(names) for one in optional.get(name, ())]
+    texts = [text for name in dict.fromkeys(names) for text in optional.get(name, ())]
+    wanted = [one for one in map(Requirement, texts) if _applies(one, ("",))]
     locked = locked_packages((root / LOCK).read_text("utf-8"))
     added: list[str] = []
     # What a package depends on is known when it is installed.

@@ -7,7 +7,6 @@ is nothing, and is computed again. Any number of processes share it: of those th
 the same time one computes, and the others wait. Nothing that is read is ever unpickled.
 """
 
-import fcntl
 import os
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
@@ -23,6 +22,7 @@ import numpy as np
 from lumped.arrays import Array
 from lumped.files import digest, read_regular, write_whole
 from lumped.memo import fingerprint, memo
+from lumped.posix import fcntl
 
 Arrays: TypeAlias = dict[str, Array]
 T = TypeVar("T")
@@ -192,7 +192,8 @@ def _alone(key: str) -> Iterator[None]:
                 path.parent.mkdir(parents=True, exist_ok=True)
                 lock = path.with_suffix(".lock")
                 file = stack.enter_context(lock.open("a"))
-                fcntl.flock(file, fcntl.LOCK_EX)
+                if fcntl is not None:
+                    fcntl.flock(file, fcntl.LOCK_EX)
                 stack.callback(lock.unlink, missing_ok=True)
         yield
 

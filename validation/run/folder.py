@@ -14,7 +14,6 @@ and its files are removed. A kill between these steps leaves both, and whoever o
 finishes them. What a run did not write, or somebody changed in a finished run, is carried over.
 """
 
-import fcntl
 import json
 import os
 import shutil
@@ -24,12 +23,14 @@ from dataclasses import dataclass, field
 from itertools import count
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from types import ModuleType
 from typing import Any, Literal, TypeAlias
 
 import msgspec
 
 from lumped.errors import InputError
-from lumped.files import digest, read_regular, refusals, write_whole
+from lumped.files import NO_FOLLOW, digest, read_regular, refusals, write_whole
+from lumped.posix import fcntl
 
 MARK, RECORDS, RESULTS, LOG = "run.json", "results.jsonl", "results.json", "log.txt"
 # The earlier run until it is removed, and files that are written before they get their names.
@@ -238,6 +239,7 @@ def open_folder(path: Path, header: Header, start: Start) -> Iterator[RunFolder]
     the folder cannot be used: not writable, something else's, in use, or of a different run; what
     can be refused is refused before anything is touched.
     """
+    _file_locks()
     named = path.name not in {"", ".."} and not path.is_symlink()
     place = path if named else Path(os.path.realpath(path))
     here = Path.cwd()
@@ -321,18 +323,28 @@ def _require_space(path: Path, place: Path) -> None:
         )
 
 
+def _file_locks() -> ModuleType:
+    """The module of file locks; raises InputError on a system without them."""
+    if fcntl is None:
+        raise InputError(
+            "run: needs locks of files as Linux and macOS have them; on Windows run flexproof in "
+            "the Windows Subsystem for Linux"
+        )
+    return fcntl
+
+
 @contextmanager
 def _locked(path: Path, folder: Path) -> Iterator[None]:
     """Hold the lock of a folder, which moves with it; it goes when the folder is a finished run."""
-    place = folder / LOCK
+    place, locks = folder / LOCK, _file_locks()
     with _refused(path), ExitStack() as stack:
         own = place.is_file() and not place.is_symlink() and place.stat().st_nlink == 1
         if os.path.lexists(place) and not own:
             place.rename(free(place))
-        flags = os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_CLOEXEC
+        flags = os.O_RDWR | os.O_CREAT | NO_FOLLOW
         lock = stack.enter_context(os.fdopen(os.open(place, flags, 0o666), "rb+", buffering=0))
         try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            locks.flock(lock, locks.LOCK_EX | locks.LOCK_NB)
             if not place.exists() or not os.path.samestat(place.stat(), os.fstat(lock.fileno())):
                 # Whoever held it has finished meanwhile.
                 raise BlockingIOError

@@ -131,8 +131,9 @@ def _interruptible() -> Iterator[Callable[[], bool]]:
         received.append(number)
 
     heeded = [signal.SIGINT, signal.SIGTERM]
-    if signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN:
-        heeded.append(signal.SIGHUP)
+    hang_up = getattr(signal, "SIGHUP", None)
+    if hang_up is not None and signal.getsignal(hang_up) is not signal.SIG_IGN:
+        heeded.append(hang_up)
     former = {number: signal.signal(number, note) for number in heeded}
     try:
         yield lambda: bool(received)

@@ -1,0 +1,83 @@
+"""Systems without POSIX's modules: what is imported there, what runs, and what is refused."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from lumped.errors import ComputationError, InputError
+from meshes import gmsh_session, processes
+from validation.run import folder
+
+ROOT = Path(__file__).resolve().parents[1]
+# Libraries are imported before: they have ways of their own on each system.
+WITHOUT_POSIX = """
+import os, signal, sys
+import matplotlib.figure, numpy, scipy.linalg, scipy.sparse, skfem, multiprocessing.connection
+import subprocess
+missing = {"fcntl", "resource"}
+class Hidden:
+    def find_spec(self, name, path=None, target=None):
+        if name in missing:
+            raise ImportError(name)
+sys.meta_path.insert(0, Hidden())
+for name in missing:
+    sys.modules.pop(name, None)
+for name in ("O_NOFOLLOW", "O_NONBLOCK", "O_CLOEXEC", "sysconf_names", "sched_getaffinity"):
+    delattr(os, name)
+for name in ("SIGKILL", "SIGXCPU", "SIGHUP", "SIGPIPE"):
+    delattr(signal, name)
+"""
+USE = """
+import flexproof as fp
+from lumped.posix import fcntl, resource
+assert (fcntl, resource) == (None, None)
+import validation.cli
+fp.solve("ifw", "beam", modes=1)
+fp.converge("ifw", "segments", body="leg1", elements=[5, 10, 20])
+assert validation.cli.main(["check", "five-bar"]) == 0
+sys.exit(validation.cli.main(["run", "ifw", "--preset", "quick", "--out", "report"]))
+"""
+
+
+def test_without_posix_models_are_solved_and_runs_refused(tmp_path):
+    done = subprocess.run(
+        [sys.executable, "-c", WITHOUT_POSIX + USE],
+        cwd=tmp_path,
+        env={"PYTHONPATH": str(ROOT), "XDG_CACHE_HOME": str(tmp_path / "cache"), "HOME": "/"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 2, done.stderr
+    (line,) = [line for line in done.stderr.splitlines() if "run:" in line]
+    assert "Windows Subsystem for Linux" in line
+    assert "Traceback" not in done.stderr
+    assert not list(tmp_path.glob("report*"))
+
+
+def test_processes_are_refused_where_pipes_are_not_inherited(monkeypatch):
+    monkeypatch.setattr(processes, "_POSIX", False)
+    with pytest.raises(ComputationError, match="works on Linux and macOS alone"):
+        processes.in_own_process(len, "abc")
+
+
+def test_run_folder_is_refused_without_locks(monkeypatch, tmp_path):
+    monkeypatch.setattr(folder, "fcntl", None)
+    with (
+        pytest.raises(InputError, match="needs locks of files"),
+        folder.open_folder(tmp_path / "run", {}, "afresh"),
+    ):
+        pass
+    assert not list(tmp_path.iterdir())
+
+
+def test_missing_gmsh_is_said_in_one_line(monkeypatch):
+    """It has no wheels for Linux on ARM."""
+    monkeypatch.setitem(sys.modules, "gmsh", None)
+    with (
+        pytest.raises(ComputationError, match=r"leg\.step: needs gmsh, which cannot be loaded"),
+        gmsh_session.gmsh_model("leg.step"),
+    ):
+        pass
