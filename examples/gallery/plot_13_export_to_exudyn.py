@@ -42,8 +42,9 @@ figure, axes = plt.subplots(figsize=(7.4, 2.8), dpi=150, layout="constrained")
 modes = np.arange(1, 7)
 axes.bar(modes - 0.2, exudyn, 0.38, label="EXUDYN, exported solids")
 axes.bar(modes + 0.2, beam, 0.38, label="flexproof, beam elements")
+label = {"textcoords": "offset points", "ha": "center"}
 for mode, one, other in zip(modes, exudyn, beam, strict=True):
-    axes.annotate(f"{100.0 * (other / one - 1.0):+.2f} %", (mode, max(one, other)), ha="center")
+    axes.annotate(f"{100.0 * (other / one - 1.0):+.2f} %", (mode, max(one, other)), (0, 3), **label)
 axes.set(xlabel="mode", ylabel="natural frequency (Hz)", ylim=(0.0, 1.1 * max(exudyn)))
 axes.legend(frameon=False)
 plt.show()
