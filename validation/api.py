@@ -23,7 +23,7 @@ from lumped.robot_file.places import unit_of
 from lumped.robot_file.written import toml_of, toml_value
 from meshes.part.interfaces import find_interfaces
 from validation.adequacy.judgement import judged
-from validation.adequacy.response import Subject
+from validation.adequacy.references import Subject
 from validation.adequacy.robot import judged_robot
 from validation.case import Skip
 from validation.comparisons.convergence_study import ConvergenceStudy
@@ -323,9 +323,9 @@ class Adequacy:
         return "; ".join(said).replace("\N{NO-BREAK SPACE}", " ")
 
     def _within(self, model: str, quantity: str, limit: float) -> Matrix:
-        candidates = [one for one in self.subject.candidates if one.model == model]
+        models = [one for one in self.subject.models if one.name == model]
         asked = _accepting(self.requirement, {quantity: limit})
-        return judged(replace(self.subject, candidates=candidates, parts=()), asked)
+        return judged(replace(self.subject, models=models, parts=()), asked)
 
     def _nothing_said(self, model: str, quantity: str) -> str:
         models = [note.model for note in self.matrix.models]

@@ -9,14 +9,14 @@ from lumped.arrays import Array
 from lumped.errors import InputError
 from lumped.mechanism.mechanism import Mechanism
 from validation.adequacy.mechanism.dynamics import dynamic_reference
-from validation.adequacy.mechanism.path import RobotOnPath
-from validation.adequacy.mechanism.statics import model_statics, static_reference
-from validation.adequacy.mechanism.vibration import modes_by_model
-from validation.adequacy.models import JudgedModel, judged_models, why_unable
+from validation.adequacy.mechanism.path import NOMINAL, Reading, RobotOnPath
+from validation.adequacy.mechanism.solids import SOLID
+from validation.adequacy.mechanism.statics import static_reference
+from validation.adequacy.models import judged_model, judged_models
 from validation.adequacy.partners import frequency_changes, partners
-from validation.adequacy.response import Alternative, Reference
+from validation.adequacy.references import Interpretation, Reference, Source
+from validation.adequacy.responses import Model, Responses
 from validation.agreement.responses import PathModes, Statics
-from validation.models.loads.leg_masses import MASSES
 
 # From the bottom of a stack of curves to its top.
 _DYNAMIC = ("segments", "segments-stepped", "segments-condensed", "beam", "beam-euler-bernoulli")
@@ -26,11 +26,11 @@ _DYNAMIC_STACK = ("simplified", *_DYNAMIC)
 
 @dataclass(frozen=True, eq=False)
 class Compared:
-    """One quantity or several in p postures by all models and, last, by the alternatives.
+    """One quantity or several in p postures by all models and, last, by the interpretations.
 
-    `values` maps their names to p×k numbers, `differences` all but `against`, the first
-    alternative, to what they differ from it (p×k, relative, NaN where there is nothing to compare).
-    `uncertainties` (p×k or more, relative) are those of the alternatives; of frequencies of legs
+    `values` maps their names to p×k numbers, `differences` all names but `against`, the first
+    interpretation, to the relative differences from it (p×k, NaN if there is nothing to compare).
+    `uncertainties` (p×k or more, relative) are those of the interpretations; of frequencies of legs
     known by their 6×6 they cover every plausible inside.
     """
 
@@ -42,27 +42,33 @@ class Compared:
 
 def compared_models(mechanism: Mechanism) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """The models that are compared in statics, and those that are in frequencies."""
-    return tuple(_stacked(mechanism, _STATIC_STACK)), tuple(_stacked(mechanism, _DYNAMIC_STACK))
+    judged = judged_models(mechanism)
+    static, dynamic = (
+        tuple(name for name in stack if name in judged) for stack in (_STATIC_STACK, _DYNAMIC_STACK)
+    )
+    return static, dynamic
 
 
 def compared_statics(robot: RobotOnPath) -> tuple[dict[str, Statics], dict[str, Array]]:
-    """Statics by all models and, last, by the alternatives of the reference.
+    """Statics by all models and, last, by the interpretations of the reference.
 
-    Then the uncertainties of the alternatives (p×7, relative), of meshes and of the file's digits.
+    Then the half-widths of the interpretations (p×7, relative), of meshes and of the file's digits.
     Raises InputError or ComputationError without reference.
     """
+    responses = Responses(robot)
     found = {
-        name: model_statics(robot.postures, model, options)
-        for name, (model, _, options) in _answering(robot, _STATIC_STACK).items()
+        name: responses.required_statics(model, NOMINAL)
+        for name, model in _stacked(robot, _STATIC_STACK).items()
+        if model.statics
     }
     uncertainties = {}
-    for one in static_reference(robot).alternatives:
+    for one in static_reference(responses).interpretations:
         solid = robot.prisms or robot.mechanism.parts
         name = f"solid, {one.name}" if solid else "legs' own 6×6"
-        statics = one.response.solved_statics
-        if statics is not None and one.static is not None:
-            open_digits = 0.0 if one.digits is None else one.digits
-            found[name], uncertainties[name] = statics, one.static + open_digits
+        known = (one.budget.get(source) for source in (Source.MESHES, Source.DIGITS))
+        half_widths = [of.displacements for of in known if of and of.displacements is not None]
+        found[name] = responses.required_statics(SOLID, one.reading)
+        uncertainties[name] = np.asarray(np.sum(half_widths, axis=0))
     return found, uncertainties
 
 
@@ -81,43 +87,48 @@ def compared_compliances(
     return Compared(found, differences, against)
 
 
-def _by_hold(reference: Reference) -> dict[str, list[Alternative]]:
-    """The alternatives that differ in the legs' insides alone, by the name of the first of them."""
-    alike: dict[str, list[Alternative]] = {}
-    for one in reference.alternatives:
-        name = f"solid, {one.name}"
-        if reference.supposed:
-            name = ", ".join(filter(None, (one.ends, MASSES[0])))
-        alike.setdefault(name, []).append(one)
-    return alike
+def _by_ends(reference: Reference) -> dict[str, list[Interpretation]]:
+    """Interpretations that differ in the legs' insides alone, by the name of the first of them."""
+    alike: dict[Reading, list[Interpretation]] = {}
+    for one in reference.interpretations:
+        alike.setdefault(one.reading.restricted(("ends",)), []).append(one)
+    return {
+        first.name if reference.supposed else f"solid, {first.name}": [first, *others]
+        for first, *others in alike.values()
+    }
 
 
 def compared_frequencies(robot: RobotOnPath) -> Compared:
     """The first frequencies (p×k, Hz), ascending; differences of modes of one shape.
 
-    Raises InputError or ComputationError where there is no reference.
+    Raises InputError or ComputationError without reference.
     """
-    found = answering_modes(robot)
-    reference = dynamic_reference(robot)
+    responses = Responses(robot)
+    found = solved_modes(responses)
+    reference = dynamic_reference(responses)
     uncertainties = {}
     judged = robot.judged
-    for name, likewise in _by_hold(reference).items():
-        shown, left_open = likewise[0].response.solved_modes, likewise[0].dynamic
-        if shown is None or left_open is None:
-            continue
-        others = (other.response.solved_modes for other in likewise[1:])
-        changes = [frequency_changes(shown, one, judged) for one in others if one]
+    for name, (first, *others) in _by_ends(reference).items():
+        shown = responses.required_modes(SOLID, first.reading)
+        half_widths = first.budget[Source.MESHES].frequencies
+        changes = [
+            frequency_changes(shown, modes, judged)
+            for other in others
+            if (modes := responses.known_modes(SOLID, other.reading))
+        ]
         found[name] = shown
-        uncertainties[name] = left_open + np.nanmax([np.zeros_like(left_open), *changes], axis=0)
+        uncertainties[name] = half_widths + np.nanmax(
+            [np.zeros_like(half_widths), *changes], axis=0
+        )
     if not uncertainties:
         raise InputError(reference.decides)
     against = next(iter(uncertainties))
-    first = found[against]
-    own = first.frequencies[:, :judged]
+    reference_modes = found[against]
+    own = reference_modes.frequencies[:, :judged]
     return Compared(
         {name: one.frequencies[:, :judged] for name, one in found.items()},
         {
-            name: partners(first, one, judged).frequency / own - 1.0
+            name: partners(reference_modes, one, judged).frequency / own - 1.0
             for name, one in found.items()
             if name != against
         },
@@ -126,20 +137,16 @@ def compared_frequencies(robot: RobotOnPath) -> Compared:
     )
 
 
-def answering_modes(robot: RobotOnPath) -> dict[str, PathModes]:
-    """The modes of all models that have any."""
+def solved_modes(responses: Responses) -> dict[str, PathModes]:
+    """Modes of all models that have any. Raises ComputationError if one is not solved."""
+    models = _stacked(responses.robot, _DYNAMIC_STACK)
     return {
-        name: modes
-        for name, (model, _, options) in _answering(robot, _DYNAMIC_STACK).items()
-        if (modes := modes_by_model(robot, model, options))
+        name: responses.required_modes(model, NOMINAL)
+        for name, model in models.items()
+        if responses.modes(model, NOMINAL)
     }
 
 
-def _answering(robot: RobotOnPath, stack: tuple[str, ...]) -> dict[str, JudgedModel]:
-    models = _stacked(robot.mechanism, stack).items()
-    return {name: model for name, model in models if not why_unable(robot.postures, model)}
-
-
-def _stacked(mechanism: Mechanism, stack: tuple[str, ...]) -> dict[str, JudgedModel]:
-    judged = judged_models(mechanism)
-    return {name: judged[name] for name in stack if name in judged}
+def _stacked(robot: RobotOnPath, stack: tuple[str, ...]) -> dict[str, Model]:
+    recipes = judged_models(robot.mechanism)
+    return {name: judged_model(robot, name, recipes[name]) for name in stack if name in recipes}

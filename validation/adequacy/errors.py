@@ -1,6 +1,6 @@
-"""Total relative errors of a model against every alternative of the reference, pose by pose."""
+"""Total relative errors of a model against each interpretation of the reference, by pose."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from typing import Any, NamedTuple
 
@@ -10,43 +10,34 @@ from numpy.typing import NDArray
 from lumped.acceptance.quantities import ANY_FORCE, ORDER, Quantity, QuantityKind
 from lumped.arrays import Array, IntArray
 from validation.adequacy.partners import Partners, partners, shape_ranges
-from validation.adequacy.response import (
-    Alternative,
-    Reference,
-    Response,
-    Subject,
-    by_interior,
-)
+from validation.adequacy.references import Interpretation, Source, Subject
+from validation.adequacy.responses import Model
 from validation.agreement.displacement import difference_under, nearest_between, relative
 from validation.agreement.mode_pairing import one_frequency
-from validation.agreement.responses import PathModes
+from validation.agreement.responses import PathModes, Statics
 
 
 @dataclass(frozen=True, eq=False)
-class Loaded:
-    """What belongs to errors of deflections: a alternatives of the reference by p poses.
+class Displaced:
+    """Displacements behind errors of deflections: R interpretations of the reference by P poses.
 
-    `wrench` (a×p×6) is the unit wrench, of any force the worst one, zero for loads of the file;
-    `along` (a×p) the signed error of the displacement along it. `off` (a×p×3) is the difference of
-    displacements, relative to `length` (a×p, m/N or rad/(N m), of the reference's). `masses` (a×p):
-    what the places of the legs' masses leave open of the error, and `linear` (a×p) that loads
-    change the stiffness. `between` (a×p, one number per pose): error
-    against the reading between two alternatives that is nearest to the model, infinite if there is
-    one alternative.
+    `wrench` (R×P×6) is the unit wrench, of any force the worst one, zero for loads of the file;
+    `along` (R×P) the signed error of the displacement along it. `off` (R×P×3) is the difference of
+    displacements, relative to `length` (R×P, m/N or rad/(N m), of the reference's). `between`
+    (R×P, one number per pose): error against the reading between two interpretations that is
+    nearest to the model, infinite if there is one interpretation.
     """
 
     wrench: Array
     along: Array
     off: Array
     length: Array
-    masses: Array
-    linear: Array
     between: Array
 
 
 @dataclass(frozen=True, eq=False)
 class Paired:
-    """Pairing by shape behind errors of frequencies: a alternatives of the reference by p poses.
+    """Pairing by shape behind errors of frequencies: R interpretations of the reference by P poses.
 
     `below` and `above` the error lie those of other partners that shapes leave open; of the order
     those of other places. `undecided`: shapes do not decide whether the model has the mode.
@@ -54,7 +45,7 @@ class Paired:
     sections and bodies that move as wholes. `likeness` with the partner, or the largest with any
     mode of the model. `beyond_below` and `beyond_above`: distance from the error and what else is
     left open of it to those of modes that have this number with a stiffness inside the legs between
-    those of the alternatives.
+    those of the interpretations.
     """
 
     below: Array
@@ -69,31 +60,30 @@ class Paired:
 
 @dataclass(frozen=True, eq=False)
 class Errors:
-    """Errors of one quantity: a alternatives of the reference, by their `names`, by p poses.
+    """Errors of one quantity: R interpretations of the reference, by their `names`, by P poses.
 
     Frequencies: `value` and `expected` in Hz, `error` = value/expected − 1; sizes of responses
     likewise, in m/N. Deflections: `value` and `expected` along the load, `error` of the whole
-    displacement, never negative, and what belongs to it in `loaded`. NaN where model and reference
-    have nothing that could be compared; `unknown` where the reference has fewer modes than are
-    asked for, or none that is damped, and where shapes do not decide whether the model has the
-    mode. `numerical` is what meshes leave open of the error, `digits` what the printed digits of
-    the robot's 6×6 do, `paired` what belongs to modes. `numbers` (a×p×m, of the order alone): which
-    mode of the model, from 0, has the shape of each of the reference's; −1: none has.
+    displacement, never negative, and what belongs to it in `displaced`. NaN where model and
+    reference have nothing that could be compared; `unknown` where the reference has fewer modes
+    than are asked for, or none that is damped, and where shapes do not decide whether the model has
+    the mode. `budget` (R×P each): half-widths of the error by source, meshes always among them.
+    `paired` belongs to modes. `numbers` (R×P×m, of the order alone): which mode of the model, from
+    0, has the shape of each of the reference's; −1: none has.
     """
 
     names: tuple[str, ...]
     value: Array
     expected: Array
     error: Array
-    numerical: Array
-    digits: Array
     unknown: NDArray[np.bool_]
-    loaded: Loaded | None = None
+    budget: Mapping[Source, Array]
+    displaced: Displaced | None = None
     paired: Paired | None = None
     numbers: IntArray | None = None
 
     def rows(self, rows: Sequence[int]) -> "Errors":
-        """Errors against some of the alternatives."""
+        """Errors against some of the interpretations."""
 
         def chosen(record: Any) -> dict[str, Any]:
             return {name: values[rows] for name, values in _arrays(record).items()}
@@ -101,7 +91,8 @@ class Errors:
         return replace(
             self,
             names=tuple(self.names[row] for row in rows),
-            loaded=self.loaded and Loaded(**chosen(self.loaded)),
+            budget={source: half_widths[rows] for source, half_widths in self.budget.items()},
+            displaced=self.displaced and Displaced(**chosen(self.displaced)),
             paired=self.paired and Paired(**chosen(self.paired)),
             **chosen(self),
         )
@@ -113,9 +104,8 @@ class Errors:
 
     @property
     def spread(self) -> Array:
-        """Half-width of each error (a×p) that meshes, digits and the rest leave open."""
-        spread = self.numerical + self.digits
-        return spread if self.loaded is None else spread + self.loaded.masses + self.loaded.linear
+        """Half-width of each error (R×P): the linear sum over its sources."""
+        return np.asarray(sum(self.budget.values()))
 
     @property
     def farthest(self) -> Array:
@@ -136,19 +126,19 @@ class Errors:
 
     @property
     def interval(self) -> tuple[Array, Array]:
-        """Lowest and highest error (p each) of all alternatives with their half-widths.
+        """Lowest and highest error (p each) of all interpretations with their half-widths.
 
         The error of a whole displacement is never below zero, and zero if the model lies between
-        two alternatives. Of the order the interval is that of the alternative by which it misleads
-        most: between a mode in its place and one in another there is nothing.
+        two interpretations. Of the order the interval is that of the interpretation by which it
+        misleads most: between a mode in its place and one in another there is nothing.
         """
         low, high = self.bounds
         if self.numbers is not None:
             at = self.largest, np.arange(self.error.shape[1])
             return low[at], high[at]
         low, high = low.min(axis=0), high.max(axis=0)
-        if self.loaded is not None:
-            between = self.loaded.between.min(axis=0) - self.spread.max(axis=0)
+        if self.displaced is not None:
+            between = self.displaced.between.min(axis=0) - self.spread.max(axis=0)
             low = np.maximum(np.minimum(low, between), 0.0)
         return low, high
 
@@ -161,90 +151,92 @@ class Errors:
 
     @property
     def worst(self) -> Array:
-        """The largest error (p) by size of all alternatives; NaN if one of them has none."""
+        """The largest error (p) by size of all interpretations; NaN if one of them has none."""
         worst = self.error[self.largest, np.arange(self.error.shape[1])]
         return np.where(self.missing.any(axis=0), np.nan, worst)
 
     @property
     def largest(self) -> IntArray:
-        """The alternative (p) of the largest error, of those with which there is something."""
+        """The interpretation (p) of the largest error, of those with which there is something."""
         sizes = np.where(self.missing, -1.0, np.abs(self.error))
         return np.asarray(np.argmax(sizes, axis=0))
 
 
 @dataclass(frozen=True, eq=False)
-class Scale:
-    """A robot's references, against which any response is measured, pairings kept.
+class Comparison:
+    """Errors of any model of a subject against its references, pairings of modes kept.
 
     `modes` is the number of frequencies that are judged.
     """
 
     subject: Subject
     modes: int
-    _pairs: dict[tuple[int, str], Partners] = field(default_factory=dict, repr=False)
+    _pairs: dict[tuple[Model, str], Partners] = field(default_factory=dict, repr=False)
     _ranges: dict[tuple[int, ...], list[tuple[Array, Array]]] = field(
         default_factory=dict, repr=False
     )
 
-    def reference(self, quantity: Quantity) -> Reference:
-        """The reference of a quantity."""
-        return self.subject.statics if quantity.static else self.subject.dynamics
-
-    def errors(self, responses: Sequence[Response], quantity: Quantity) -> Errors | None:
-        """Errors of a quantity; `responses` one per alternative of its reference.
-
-        None where a response says nothing of it.
-        """
-        alternatives = self.reference(quantity).alternatives
+    def errors(self, model: Model, quantity: Quantity) -> Errors | None:
+        """Errors of a quantity. None if model or reference is not solved under some reading."""
+        interpretations = self.subject.reference(quantity).interpretations
         errors_of = self._deflection if quantity.static else self._peak
         if quantity.modal:
             errors_of = self._frequency
-        found = [
-            errors
-            for one, response in zip(alternatives, responses, strict=True)
-            if (errors := errors_of(one, response, quantity))
-        ]
-        if not found or len(found) < len(alternatives):
+        found = [errors for one in interpretations if (errors := errors_of(one, model, quantity))]
+        if not found or len(found) < len(interpretations):
             return None
         all_errors = stacked(found)
-        if all_errors.loaded is not None:
-            between = self._between(all_errors.loaded.wrench, responses, quantity)
+        if all_errors.displaced is not None:
+            between = self._between(all_errors.displaced.wrench, model, quantity)
             between = np.broadcast_to(between, all_errors.error.shape)
-            return replace(all_errors, loaded=replace(all_errors.loaded, between=between))
+            return replace(all_errors, displaced=replace(all_errors.displaced, between=between))
         if quantity.kind is not QuantityKind.FREQUENCY or not self.subject.dynamics.interior:
             return all_errors
-        return self._with_exchanges(all_errors, responses, quantity.column)
+        return self._with_exchanges(all_errors, model, quantity.column)
 
-    def _between(self, wrenches: Array, responses: Sequence[Response], quantity: Quantity) -> Array:
-        """Relative size (p) of the difference from the nearest reading between two alternatives.
+    def statics(self, model: Model) -> list[tuple[Statics, Statics]]:
+        """Statics of the reference and of a model, for each interpretation that has both."""
+        pairs = (self.statics_of(model, one) for one in self.subject.statics.interpretations)
+        return [pair for pair in pairs if pair]
 
-        `wrenches` (a×p×6) by alternative. Under any force the one under which it is largest counts.
+    def statics_of(self, model: Model, one: Interpretation) -> tuple[Statics, Statics] | None:
+        """Statics of the reference and of a model. None if one of them has none."""
+        reference, responses = self.subject.statics.model, self.subject.responses
+        truth = responses.known_statics(reference, one.reading) if reference else None
+        own = responses.known_statics(model, one.reading)
+        return (truth, own) if truth and own else None
+
+    def modes_of(self, model: Model, one: Interpretation) -> tuple[PathModes, PathModes] | None:
+        """Modes of the reference and of a model. None if one of them has none."""
+        reference, responses = self.subject.dynamics.model, self.subject.responses
+        truth = responses.known_modes(reference, one.reading) if reference else None
+        own = responses.known_modes(model, one.reading)
+        return (truth, own) if truth and own else None
+
+    def _between(self, wrenches: Array, model: Model, quantity: Quantity) -> Array:
+        """Relative size (P) of the difference from the nearest reading between two interpretations.
+
+        `wrenches` (R×P×6) by interpretation. Under any force the largest one counts.
         """
-        known = [
-            (reference, model)
-            for one, response in zip(self.subject.statics.alternatives, responses, strict=True)
-            if (reference := one.response.solved_statics) and (model := response.solved_statics)
-        ]
+        known = self.statics(model)
         nearest = []
         for wrench in wrenches:
-            found = [
-                difference_under(model, reference, quantity, wrench) for reference, model in known
-            ]
+            found = [difference_under(own, truth, quantity, wrench) for truth, own in known]
             nearest.append(nearest_between(*(np.array(one) for one in zip(*found, strict=True))))
         return np.asarray(np.max(nearest, axis=0))
 
-    def _with_exchanges(self, errors: Errors, responses: Sequence[Response], place: int) -> Errors:
+    def _with_exchanges(self, errors: Errors, model: Model, place: int) -> Errors:
         """Add the errors of modes that stand at a `place` with another stiffness inside the legs.
 
-        Alternatives that differ in that stiffness alone are ends of a range. Within it a mode has a
-        frequency between those of its shape at the ends, and the mode at `place` one between those
-        at this place, whatever its shape: modes pass each other there.
+        Interpretations that differ in that stiffness alone are ends of a range. Within it a mode
+        has a frequency between those of its shape at the ends, and the mode at `place` one between
+        those at this place, whatever its shape: modes pass each other there.
         """
         (low, high), spread, paired = errors.bounds, errors.spread, errors.paired
         poses = np.arange(low.shape[1])
         below, above = np.zeros_like(low), np.zeros_like(high)
-        for rows in by_interior(self.subject.dynamics):
-            lowest, highest = self._exchanged(responses, rows, place)
+        for rows in self.subject.dynamics.by_interior:
+            lowest, highest = self._exchanged(model, rows, place)
             first, last = (np.array(rows)[of[rows].argmin(axis=0)] for of in (low, -high))
             down, up = (first, poses), (last, poses)
             below[down] = np.maximum(low[down] - (lowest - spread[down]), 0.0)
@@ -252,28 +244,25 @@ class Scale:
         widened = paired and replace(paired, beyond_below=below, beyond_above=above)
         return replace(errors, paired=widened)
 
-    def _exchanged(
-        self, responses: Sequence[Response], rows: Sequence[int], place: int
-    ) -> tuple[Array, Array]:
-        """Lowest and highest error (p each) of modes that stand at `place` between alternatives.
+    def _exchanged(self, model: Model, rows: Sequence[int], place: int) -> tuple[Array, Array]:
+        """Lowest and highest error (P each) of modes that stand at `place` between interpretations.
 
         Infinite if none of them has a partner among the modes of the model.
         """
+        interpretations = self.subject.dynamics.interpretations
         known = [
-            (one, truth, response, model)
-            for one, response in (
-                (self.subject.dynamics.alternatives[k], responses[k]) for k in rows
-            )
-            if (truth := one.response.solved_modes) and (model := response.solved_modes)
+            (one, *both)
+            for one in (interpretations[row] for row in rows)
+            if (both := self.modes_of(model, one))
         ]
-        truths = [truth for _, truth, *_ in known]
+        truths = [truth for _, truth, _ in known]
         there = np.array([truth.frequencies[:, place] for truth in truths])
         first, last = there.min(axis=0)[:, None], there.max(axis=0)[:, None]
         lowest, highest = [], []
-        for (one, truth, response, model), (low, high) in zip(
+        for (one, truth, own), (low, high) in zip(
             known, self._shape_ranges(tuple(rows), truths), strict=True
         ):
-            found = self._partners(one, truth, response, model)
+            found = self._partners(model, one, truth, own)
             spaces = np.array([one_frequency(row) for row in truth.frequencies])
             # Repeated modes are one space, in which none passes another.
             may = (spaces != spaces[:, [place]]) | (np.arange(low.shape[1]) == place)
@@ -292,16 +281,16 @@ class Scale:
             self._ranges[rows] = shape_ranges(truths)
         return self._ranges[rows]
 
-    def _frequency(self, one: Alternative, response: Response, quantity: Quantity) -> Errors | None:
-        """Errors of a frequency, or of the order, against one alternative.
+    def _frequency(self, one: Interpretation, model: Model, quantity: Quantity) -> Errors | None:
+        """Errors of a frequency, or of the order, against one interpretation.
 
         Those of the order belong to the mode, among all in another place, whose number misleads
         most.
         """
-        truth, model = one.response.solved_modes, response.solved_modes
-        if truth is None or model is None:
+        if (both := self.modes_of(model, one)) is None:
             return None
-        found = self._partners(one, truth, response, model).first(self.modes)
+        truth = both[0]
+        found = self._partners(model, one, *both).first(self.modes)
         own = truth.frequencies[:, : self.modes]
         poses, known = np.arange(len(own)), np.isfinite(own)
         if quantity == ORDER:
@@ -318,18 +307,18 @@ class Scale:
             moved = np.ones(len(own), bool)
         expected = own[poses, place]
         ratio = value / expected
-        numerical, digits = (
-            np.zeros(len(own)) if left is None else np.where(moved, left[poses, place], 0.0)
-            for left in (one.dynamic, one.dynamic_digits)
-        )
         sizes = np.abs(ratio)
+        budget = {Source.MESHES: np.zeros(len(own))} | {
+            source: np.where(moved, half_widths.frequencies[poses, place], 0.0) * sizes
+            for source, half_widths in one.budget.items()
+            if half_widths.frequencies is not None
+        }
         return Errors(
             names=(one.name,),
             value=value,
             expected=expected,
             error=ratio - 1.0,
-            numerical=numerical * sizes,
-            digits=digits * sizes,
+            budget=budget,
             unknown=np.asarray(unknown),
             paired=Paired(
                 below=np.nan_to_num(below / expected),
@@ -344,52 +333,46 @@ class Scale:
             numbers=order and order.numbers,
         )
 
-    def _peak(self, one: Alternative, response: Response, quantity: Quantity) -> Errors | None:
-        """Errors of a judged number of a response against one alternative."""
-        truth, model, left = one.response.solved_modes, response.solved_modes, one.responses
-        if truth is None or model is None or left is None:
+    def _peak(self, one: Interpretation, model: Model, quantity: Quantity) -> Errors | None:
+        """Errors of a judged number of a response against one interpretation."""
+        if (both := self.modes_of(model, one)) is None:
             return None
-        column = quantity.column
-        value, own = (
-            np.where(np.isfinite(of.peaks[:, column]), of.peaks[:, column], np.nan)
-            for of in (model, truth)
+        expected, value = (
+            np.where(np.isfinite(peaks), peaks, np.nan)
+            for peaks in (modes.peaks[:, quantity.column] for modes in both)
         )
-        reach = np.nan_to_num(value / own)
+        reach = np.nan_to_num(value / expected)
+        budget = {
+            source: relative_half_widths * reach
+            for source, half_widths in one.budget.items()
+            if (relative_half_widths := half_widths.of(quantity)) is not None
+        }
         return Errors(
             names=(one.name,),
             value=value,
-            expected=own,
-            error=value / own - 1.0,
-            numerical=left.meshes[:, column] * reach,
-            digits=left.digits[:, column] * reach,
-            unknown=np.isnan(own),
+            expected=expected,
+            error=value / expected - 1.0,
+            budget={Source.MESHES: np.zeros_like(reach)} | budget,
+            unknown=np.isnan(expected),
         )
 
     def _partners(
-        self, one: Alternative, truth: PathModes, response: Response, model: PathModes
+        self, model: Model, one: Interpretation, truth: PathModes, own: PathModes
     ) -> Partners:
-        key = id(response), one.name
+        key = model, one.name
         if key not in self._pairs:
-            left = [
-                of[:, : self.modes] for of in (one.dynamic, one.dynamic_digits) if of is not None
-            ]
-            unsure = np.sum(left, axis=0) if left else None
             count = truth.frequencies.shape[1]
-            self._pairs[key] = partners(truth, model, count, unsure)
+            self._pairs[key] = partners(truth, own, count, one.frequency_half_widths(self.modes))
         return self._pairs[key]
 
-    def _deflection(
-        self, one: Alternative, response: Response, quantity: Quantity
-    ) -> Errors | None:
-        """Errors of a displacement against one alternative."""
-        reference, model = one.response.solved_statics, response.solved_statics
-        if reference is None or model is None:
+    def _deflection(self, one: Interpretation, model: Model, quantity: Quantity) -> Errors | None:
+        """Errors of a displacement against one interpretation."""
+        if (both := self.statics_of(model, one)) is None:
             return None
-        found = relative(model - reference, reference, quantity)
+        reference, own = both
+        found = relative(own - reference, reference, quantity)
         size, length = found.size, found.length
-        moved, due = (
-            statics.displacements(quantity, found.wrench) for statics in (model, reference)
-        )
+        moved, due = (statics.displacements(quantity, found.wrench) for statics in (own, reference))
         yields = length > 0
         off = np.divide(moved - due, length[:, None], out=np.zeros_like(due), where=yields[:, None])
         # What changes the reference by a part of its length changes the error by no more than that
@@ -399,34 +382,30 @@ class Scale:
             along = due / np.where(yields, length, np.inf)[:, None]
             reach = np.linalg.norm(off + along, axis=1)
 
-        def half_width(left: Array | None) -> Array:
-            found = np.zeros_like(size)
-            if left is None:
-                return found
-            return np.multiply(left[:, quantity.static_column], reach, out=found, where=yields)
-
+        budget = {
+            source: np.multiply(half_width, reach, out=np.zeros_like(size), where=yields)
+            for source, half_widths in one.budget.items()
+            if (half_width := half_widths.of(quantity)) is not None
+        }
         return Errors(
             names=(one.name,),
             value=np.einsum("pi,pi->p", found.direction, moved),
             expected=np.einsum("pi,pi->p", found.direction, due),
             error=np.where(np.isinf(size), np.nan, size),
-            numerical=half_width(one.static),
-            digits=half_width(one.digits),
+            budget={Source.MESHES: np.zeros_like(size)} | budget,
             unknown=np.zeros(len(size), bool),
-            loaded=Loaded(
+            displaced=Displaced(
                 wrench=found.wrench,
                 along=found.along,
                 off=off,
                 length=length,
-                masses=half_width(one.masses),
-                linear=half_width(one.linear),
                 between=np.full(len(size), np.inf),
             ),
         )
 
 
 def stacked(errors: Sequence[Errors]) -> Errors:
-    """Errors against several alternatives (a×p…) from those against each of them (p…)."""
+    """Errors against several interpretations (R×P…) from those against each of them (P…)."""
     first = errors[0]
 
     def columns(records: Sequence[Any]) -> dict[str, Any]:
@@ -434,10 +413,15 @@ def stacked(errors: Sequence[Errors]) -> Errors:
         arrays = [_arrays(record) for record in records]
         return {name: np.array([one[name] for one in arrays]) for name in arrays[0]}
 
+    none = np.zeros_like(first.error)
+    sources = dict.fromkeys(source for one in errors for source in one.budget)
     return replace(
         first,
         names=tuple(name for one in errors for name in one.names),
-        loaded=first.loaded and Loaded(**columns([one.loaded for one in errors])),
+        budget={
+            source: np.array([one.budget.get(source, none) for one in errors]) for source in sources
+        },
+        displaced=first.displaced and Displaced(**columns([one.displaced for one in errors])),
         paired=first.paired and Paired(**columns([one.paired for one in errors])),
         **columns(errors),
     )

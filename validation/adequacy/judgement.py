@@ -4,7 +4,7 @@ Every step of a model's ladder removes one named cause by a computation of its o
 knows the reference; what the ladder does not reach is the rest, and is shown as such.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import compress
 from typing import TypeAlias
 
@@ -14,30 +14,20 @@ from numpy.typing import NDArray
 from lumped.acceptance.quantities import ANY_FORCE, ORDER, Quantity, QuantityKind
 from lumped.acceptance.requirement import Requirement
 from lumped.arrays import Array, IntArray
-from validation.adequacy.errors import Errors, Scale
+from validation.adequacy.errors import Comparison, Errors
+from validation.adequacy.mechanism.path import NOMINAL
 from validation.adequacy.probability import Probability, UncertainInputs, probability
-from validation.adequacy.response import (
-    NOT_FINER,
-    OPEN_INTERIOR,
-    OPEN_LINEAR,
-    OPEN_MASSES,
-    SAY_LINEAR,
-    Candidate,
-    Reference,
-    Response,
-    Step,
-    Subject,
-    by_interior,
-)
+from validation.adequacy.references import NOT_FINER, SAY_LINEAR, Reference, Source, Subject
+from validation.adequacy.responses import Model
+from validation.agreement.responses import Unsolved
 from validation.verdicts import Adequacy, Cause, Entry, Matrix, ModelNote, worst_of
 
-DIGITS = "digits of the file"
-PAIRING = "modes whose shapes mix"
 REST = "rest, not attributed"
-_DECIDED_BY = {
-    DIGITS: "give the 6×6 in the robot file with more digits",
-    OPEN_LINEAR: SAY_LINEAR,
-    PAIRING: "shapes of close modes mix and do not decide which mode of the model is which",
+_NO_MASS = "neither its rigid bodies nor its tool have mass: it has no frequencies"
+_DECIDED_BY: Mapping[str, str] = {
+    Source.DIGITS: "give the 6×6 in the robot file with more digits",
+    Source.LINEARITY: SAY_LINEAR,
+    Source.PAIRING: "shapes of close modes mix and do not decide which mode of the model is which",
 }
 _UNDECIDED_SHAPES = "several modes of the reference have the shape of one mode"
 # Causes below this share of an error are not named, steps below this part of a limit not taken.
@@ -45,19 +35,19 @@ _WORTH_NAMING, _WORTH_TAKING = 0.005, 0.1
 _NEARLY = 0.5
 # Relative difference up to which errors of two poses are one, far above rounding.
 _SAME = 1e-9
-# The alternative of the reference and the pose, by number, of which an entry has its numbers.
-Told: TypeAlias = tuple[int, int]
+# Interpretation of the reference and pose, by number, that an entry has its numbers of.
+Place: TypeAlias = tuple[int, int]
 
 
 def judged(subject: Subject, requirement: Requirement) -> Matrix:
-    """The matrix of a robot: every candidate by every quantity that it says anything of.
+    """The matrix of a robot: every model by every quantity that it defines.
 
     Its parts are judged with it, what beams get wrong of one alone is noted. Where inputs of the
     robot are uncertain, a verdict that they leave less than 95 % probable is none.
     """
-    scale = Scale(subject, requirement.modes)
-    inputs = UncertainInputs(scale, subject.inputs) if subject.inputs else None
-    named = {*subject.loads, *subject.responses}
+    comparison = Comparison(subject, requirement.modes)
+    inputs = UncertainInputs(comparison, subject.inputs) if subject.inputs else None
+    named = {*subject.loads, *subject.harmonics}
     quantities = tuple(
         quantity
         for quantity in requirement.quantities
@@ -65,37 +55,45 @@ def judged(subject: Subject, requirement: Requirement) -> Matrix:
     )
     entries = [
         entry
-        for candidate in subject.candidates
+        for model in subject.models
         for quantity in quantities
-        if (entry := _entry(scale, candidate, quantity, requirement, inputs))
+        if (entry := _entry(comparison, model, quantity, requirement, inputs))
     ]
     return Matrix(
         robot=subject.robot,
         coordinates=subject.coordinates,
         poses=tuple(_pose(subject, p) for p in range(len(subject.poses))),
-        models=tuple(ModelNote(one.model, one.title, one.silent) for one in subject.candidates),
+        models=tuple(
+            ModelNote(one.name, one.title, _silent(subject, one)) for one in subject.models
+        ),
         quantities=quantities,
         entries=tuple(entries),
         notes=subject.notes,
         supposed=subject.dynamics.supposed,
         parts=tuple(judged(part, requirement) for part in subject.parts),
         formulation=judged(subject.formulation, requirement) if subject.formulation else None,
-        faults=(*(one.model for one in subject.candidates if one.response.fault), *subject.faults),
+        faults=(*subject.responses.faults, *subject.faults),
     )
 
 
+def _silent(subject: Subject, model: Model) -> str:
+    """Reason why a model does not define a half. "" if there is none."""
+    massless = model.modes is not None and subject.responses.modes(model, NOMINAL) is None
+    return model.silent or (_NO_MASS if massless else "")
+
+
 def _entry(
-    scale: Scale,
-    candidate: Candidate,
+    comparison: Comparison,
+    model: Model,
     quantity: Quantity,
     requirement: Requirement,
     inputs: UncertainInputs | None,
 ) -> Entry | None:
-    reference = scale.reference(quantity)
-    same = [candidate.response] * len(reference.alternatives)
-    errors = scale.errors(same, quantity)
+    subject = comparison.subject
+    reference = subject.reference(quantity)
+    errors = comparison.errors(model, quantity)
     if errors is None:
-        return _unknown(scale, candidate, quantity, requirement.limit(quantity))
+        return _unknown(subject, model, quantity, requirement.limit(quantity))
     limits = _limits(errors, quantity, requirement)
     verdicts = verdicts_of(errors, limits)
     verdict = worst_of(verdicts)
@@ -103,22 +101,22 @@ def _entry(
     limit = float(limits[pose])
     path = np.arange(len(limits))
     chosen = _chosen(errors, pose)
-    told = int(chosen[pose]), pose
+    place = int(chosen[pose]), pose
     missing = np.asarray(errors.missing.any(axis=0))
     error, spread, low, high = (
         _optional(np.where(missing, np.nan, one))
         for one in (errors.error[chosen, path], errors.spread[chosen, path], *errors.interval)
     )
     alongs = _alongs(errors, chosen)
-    causes = explained(scale, candidate, quantity, errors, told) if verdict != "adequate" else ()
+    causes = explained(comparison, model, quantity, errors, place) if verdict != "adequate" else ()
     remedy, left = "", None
     if verdict == "inadequate":
-        remedy, left = remedied(scale, candidate, quantity, errors, limit, pose)
-    off = inputs.error(candidate.model, quantity, errors) if inputs else None
+        remedy, left = remedied(comparison, model, quantity, errors, limit, pose)
+    off = inputs.error(model, quantity, errors) if inputs else None
     known = probability(off, verdict, limits, pose) if off else None
     there = not missing[pose]
     return Entry(
-        model=candidate.model,
+        model=model.name,
         quantity=quantity,
         error=error[pose],
         uncertainty=spread[pose],
@@ -127,19 +125,19 @@ def _entry(
         readings=_readings(errors, pose),
         limit=limit,
         verdict=known.settled(verdict) if known else verdict,
-        pose=_pose(scale.subject, pose),
+        pose=_pose(subject, pose),
         reference=reference.title,
         causes=causes,
         remedy=remedy,
         error_with_remedy=left,
         reason=(known.decides if known else "")
-        or _reason(errors, candidate, quantity, verdict, reference, told, limits),
-        value=float(errors.value[told]) if there else None,
-        expected=float(errors.expected[told]) if there else None,
+        or _reason(errors, model, quantity, verdict, reference, place, limits),
+        value=float(errors.value[place]) if there else None,
+        expected=float(errors.expected[place]) if there else None,
         expected_range=_expected_range(errors, pose) if there else (),
         along=alongs[pose] if alongs else None,
-        force=_force(errors, quantity, told),
-        uncertainties=_parts(errors, reference, told) | _of_inputs(known) if there else {},
+        force=_force(errors, quantity, place),
+        uncertainties=_parts(errors, reference, place) | _of_inputs(known) if there else {},
         errors=error,
         spreads=spread,
         lows=low,
@@ -147,7 +145,7 @@ def _entry(
         # Of another force, or another mode, at every pose numbers make no series.
         values=() if quantity in (ANY_FORCE, ORDER) else _optional(errors.value[0]),
         alongs=alongs,
-        computed_by=(*candidate.computed_by, *reference.computed_by),
+        computed_by=(*model.computed_by, *reference.computed_by),
         probability=known.within if known else None,
         probability_beyond=known.beyond if known else None,
         input_shares=known.shares if known else {},
@@ -159,9 +157,9 @@ def _entry(
 def _limits(errors: Errors, quantity: Quantity, requirement: Requirement) -> Array:
     """Largest relative errors (p) that are accepted of a quantity."""
     absolute = requirement.absolute(quantity)
-    if absolute is None or errors.loaded is None:
+    if absolute is None or errors.displaced is None:
         return np.full(errors.error.shape[1], requirement.limit(quantity))
-    length = errors.loaded.length.max(axis=0)
+    length = errors.displaced.length.max(axis=0)
     limits = np.divide(absolute, length, out=np.full(len(length), np.inf), where=length > 0.0)
     return np.asarray(limits)
 
@@ -170,23 +168,23 @@ def _of_inputs(known: Probability | None) -> dict[str, float]:
     return {"inputs": known.half_width} if known else {}
 
 
-def _unknown(scale: Scale, candidate: Candidate, quantity: Quantity, limit: float) -> Entry | None:
-    """The entry of what has no reference or is not solved; None where the candidate is silent."""
-    response, reference = candidate.response, scale.reference(quantity)
-    unsolved = response.unsolved(quantity)
-    if response.half(quantity) is None:
+def _unknown(subject: Subject, model: Model, quantity: Quantity, limit: float) -> Entry | None:
+    """Entry for a quantity without a reference or a solution. None if the model is silent on it."""
+    half, reference = subject.responses.half(model, NOMINAL, quantity), subject.reference(quantity)
+    if half is None:
         return None
+    unsolved = half.reason if isinstance(half, Unsolved) else ""
     return Entry(
-        model=candidate.model,
+        model=model.name,
         quantity=quantity,
         error=None,
         uncertainty=None,
         limit=limit,
         verdict="undecided",
-        pose=_pose(scale.subject, 0),
+        pose=_pose(subject, 0),
         reference=reference.title,
-        reason=f"{candidate.model}: {unsolved}" if unsolved else reference.decides,
-        computed_by=candidate.computed_by,
+        reason=f"{model.name}: {unsolved}" if unsolved else reference.decides,
+        computed_by=model.computed_by,
     )
 
 
@@ -194,7 +192,7 @@ def verdicts_of(errors: Errors, limits: Array) -> list[Adequacy]:
     """The verdict at every pose, by its limit (p).
 
     Adequate where no error that is left open exceeds the limit, inadequate where all do, on one
-    side. The order of modes is judged by each alternative alone: undecided where they disagree.
+    side. The order of modes is judged by each interpretation alone: undecided where they disagree.
     """
     poses = range(errors.error.shape[1])
     if errors.numbers is None:
@@ -241,37 +239,37 @@ def _deciding(verdicts: Sequence[Adequacy], verdict: Adequacy, shares: Array) ->
 
 def _reason(
     errors: Errors,
-    candidate: Candidate,
+    model: Model,
     quantity: Quantity,
     verdict: Adequacy,
     reference: Reference,
-    told: Told,
+    place: Place,
     limits: Array,
 ) -> str:
     if verdict == "adequate":
         return ""
-    pose = told[1]
+    pose = place[1]
     unknown, of_response = errors.unknown[:, pose], quantity.harmonic
     if errors.missing[:, pose].all() and not unknown.any():
-        return f"{candidate.model} {_lacking(errors, quantity, pose)}"
+        return f"{model.name} {_lacking(errors, quantity, pose)}"
     if verdict == "inadequate":
-        rigid = errors.loaded is not None and not errors.value[:, pose].any()
-        return candidate.rigid if rigid else ""
+        rigid = errors.displaced is not None and not errors.value[:, pose].any()
+        return model.rigid if rigid else ""
     places = _places(errors, reference, pose)
     if errors.paired is not None and errors.paired.undecided[:, pose].any():
-        places.append(f"{_UNDECIDED_SHAPES} of {candidate.model}")
+        places.append(f"{_UNDECIDED_SHAPES} of {model.name}")
         unknown = unknown & ~errors.paired.undecided[:, pose]
     if unknown.any():
-        without = [one.name for one in compress(reference.alternatives, unknown)]
+        without = [one.name for one in compress(reference.interpretations, unknown)]
         lacking = "nothing damps it" if of_response else "there are fewer modes than are judged"
         places.append(f"with {', '.join(without)} {lacking}")
     decides = _decides(errors, reference, pose, limits)
     if places or errors.missing[:, pose].any():
         return "; ".join(filter(None, (*places, decides or reference.finer)))
-    parts = _parts(errors, reference, told)
-    decided = {"meshes": reference.finer, **_DECIDED_BY, reference.open: decides}
-    decided[OPEN_INTERIOR] = reference.interior
-    decided[OPEN_MASSES] = reference.masses or reference.decides
+    parts = _parts(errors, reference, place)
+    decided = {Source.MESHES: reference.finer, **_DECIDED_BY, reference.open: decides}
+    decided[Source.INTERIOR] = reference.interior
+    decided[Source.MASSES] = reference.masses or reference.decides
     widest = max(parts.values())
     ranked = sorted(parts, key=lambda name: -parts[name])
     # Where nothing helps against what leaves most open, what helps against nearly as much does.
@@ -300,19 +298,19 @@ def _lacking(errors: Errors, quantity: Quantity, pose: int) -> str:
 
 
 def _decides(errors: Errors, reference: Reference, pose: int, limits: Array) -> str:
-    """What settles the alternatives: the legs' interior if none of the others is enough."""
+    """What settles the interpretations: the legs' interior if none of the others is enough."""
     if not reference.interior:
         return reference.decides
-    alone = [verdicts_of(errors.rows(rows), limits)[pose] for rows in by_interior(reference)]
+    alone = [verdicts_of(errors.rows(rows), limits)[pose] for rows in reference.by_interior]
     return reference.interior if set(alone) == {"undecided"} else reference.decides
 
 
 def _places(errors: Errors, reference: Reference, pose: int) -> list[str]:
-    """Which modes stand elsewhere by each alternative of the order; [] where all say the same."""
+    """Modes in other places by interpretation of the order. [] if all interpretations agree."""
     if errors.numbers is None:
         return []
     said: dict[str, list[str]] = {}
-    for one, numbers in zip(reference.alternatives, errors.numbers[:, pose], strict=True):
+    for one, numbers in zip(reference.interpretations, errors.numbers[:, pose], strict=True):
         moved = [
             f"f{k + 1} is " + (f"the model's f{number + 1}" if number >= 0 else "missing")
             for k, number in enumerate(numbers)
@@ -326,9 +324,9 @@ def _places(errors: Errors, reference: Reference, pose: int) -> list[str]:
 
 
 def _chosen(errors: Errors, pose: int) -> IntArray:
-    """The alternative (p) whose numbers an entry has: at `pose` the one of the largest error.
+    """The interpretation (p) whose numbers an entry has: at `pose` the one of the largest error.
 
-    The others follow it, so that a curve over the poses is of one alternative. The order, which
+    The others follow it, so that a curve over the poses is of one interpretation. The order, which
     jumps anyway, has the largest at every pose.
     """
     largest = errors.largest
@@ -336,9 +334,9 @@ def _chosen(errors: Errors, pose: int) -> IntArray:
 
 
 def _readings(errors: Errors, pose: int) -> dict[str, float]:
-    """The error by each alternative at a pose; {} if there is one alternative or an error lacks.
+    """The error by each interpretation at a pose; {} if there is one or an error lacks.
 
-    Alternatives that compare modes of different numbers are no readings of one error.
+    Interpretations that compare modes of different numbers are no readings of one error.
     """
     if len(errors.names) == 1 or errors.numbers is not None or errors.missing[:, pose].any():
         return {}
@@ -346,7 +344,7 @@ def _readings(errors: Errors, pose: int) -> dict[str, float]:
 
 
 def _expected_range(errors: Errors, pose: int) -> tuple[float, float]:
-    """Lowest and highest number of the reference that alternatives and uncertainties leave open."""
+    """Lowest and highest number of the reference by all interpretations, with half-widths."""
     expected, spread = errors.expected[:, pose], errors.spread[:, pose]
     # Half-widths of an error are those of the reference times this.
     reach = np.ones_like(expected)
@@ -357,42 +355,41 @@ def _expected_range(errors: Errors, pose: int) -> tuple[float, float]:
 
 def _alongs(errors: Errors, chosen: IntArray) -> tuple[float | None, ...]:
     """Signed errors along the load at every pose; () for frequencies."""
-    if errors.loaded is None:
+    if errors.displaced is None:
         return ()
-    along = errors.loaded.along[chosen, np.arange(len(chosen))]
+    along = errors.displaced.along[chosen, np.arange(len(chosen))]
     return _optional(np.where(errors.missing.any(axis=0), np.nan, along))
 
 
-def _force(errors: Errors, quantity: Quantity, told: Told) -> tuple[float, ...]:
+def _force(errors: Errors, quantity: Quantity, place: Place) -> tuple[float, ...]:
     """The worst direction of force; () of any other quantity."""
-    if errors.loaded is None or quantity != ANY_FORCE:
+    if errors.displaced is None or quantity != ANY_FORCE:
         return ()
-    return tuple(float(number) for number in errors.loaded.wrench[told][:3])
+    return tuple(float(number) for number in errors.displaced.wrench[place][:3])
 
 
-def _parts(errors: Errors, reference: Reference, told: Told) -> dict[str, float]:
-    """Parts of the half-width, and half of what lies between the alternatives."""
-    parts = {"meshes": float(errors.numerical[told])}
-    if (errors.digits > 0.0).any():
-        parts[DIGITS] = float(errors.digits[told])
+def _parts(errors: Errors, reference: Reference, place: Place) -> dict[str, float]:
+    """Parts of the half-width, and half of the distance between the interpretations."""
+    parts: dict[str, float] = {
+        source: float(half_widths[place])
+        for source, half_widths in errors.budget.items()
+        if source is Source.MESHES or half_widths.any()
+    }
     if errors.paired is not None:
-        mixed = 0.5 * float(errors.paired.below[told] + errors.paired.above[told])
-        parts |= {PAIRING: mixed} if mixed else {}
-    if errors.loaded is not None:
-        loaded = {OPEN_MASSES: errors.loaded.masses, OPEN_LINEAR: errors.loaded.linear}
-        parts |= {name: float(of[told]) for name, of in loaded.items() if of.any()}
+        mixed = 0.5 * float(errors.paired.below[place] + errors.paired.above[place])
+        parts |= {Source.PAIRING: mixed} if mixed else {}
     if reference.open and errors.numbers is None:
-        low = high = errors.error[:, told[1]]
+        low = high = errors.error[:, place[1]]
         if errors.paired is not None:
-            low = low - errors.paired.beyond_below[:, told[1]]
-            high = high + errors.paired.beyond_above[:, told[1]]
+            low = low - errors.paired.beyond_below[:, place[1]]
+            high = high + errors.paired.beyond_above[:, place[1]]
         interior = 0.0
         if reference.interior:
-            alike = by_interior(reference)
+            alike = reference.by_interior
             interior = max(0.5 * float(high[rows].max() - low[rows].min()) for rows in alike)
-            parts[OPEN_INTERIOR] = interior
+            parts[Source.INTERIOR] = interior
         parts[reference.open] = 0.5 * float(high.max() - low.min()) - interior
-    return parts
+    return {str(name): half_width for name, half_width in parts.items()}
 
 
 def _pose(subject: Subject, index: int) -> tuple[float, ...]:
@@ -404,75 +401,85 @@ def _optional(numbers: Array) -> tuple[float | None, ...]:
 
 
 def explained(
-    scale: Scale, candidate: Candidate, quantity: Quantity, errors: Errors, told: Told
+    comparison: Comparison, model: Model, quantity: Quantity, errors: Errors, place: Place
 ) -> tuple[Cause, ...]:
-    """Causes of the error `told`, the largest first; shares sum to one.
+    """Causes of the error at a place, the largest first; shares sum to one.
 
     The error of a deflection is the length of a vector; a step takes off it what it does along that
     vector, under the load that the error is of.
     """
-    if errors.missing[:, told[1]].any():
+    if errors.missing[:, place[1]].any():
         return ()
-    total = float(errors.error[told])
+    total = float(errors.error[place])
     if total == 0.0:
         return ()
+    subject = comparison.subject
+    readings = [one.reading for one in subject.reference(quantity).interpretations]
     amounts: dict[str, float] = {}
     sources: dict[str, str] = {REST: "the error minus the named causes"}
-    before = [candidate.response] * len(errors.names)
-    for step in steps_of(candidate, quantity):
-        after = [step.responses[name] for name in errors.names]
-        amount = _amount(scale, quantity, errors, before, after, told)
+    before = model
+    for step in subject.steps(model, quantity):
+        amount = _amount(comparison, quantity, errors, (before, step.model), place)
         if amount is None:
-            if unsolved := next(filter(None, (one.unsolved(quantity) for one in after)), ""):
+            reasons = (subject.responses.unsolved(step.model, r, quantity) for r in readings)
+            if unsolved := next(filter(None, reasons), ""):
                 sources[REST] += f"; {step.cause} cannot be computed: {unsolved}"
             break
         amounts[step.cause] = amounts.get(step.cause, 0.0) + amount
         sources.setdefault(step.cause, step.source)
-        before = after
+        before = step.model
     amounts[REST] = total - sum(amounts.values())
-    found = [Cause(name, amount / total, sources[name]) for name, amount in amounts.items()]
-    named = [cause for cause in found if abs(cause.share) >= _WORTH_NAMING]
+    causes = [Cause(name, amount / total, sources[name]) for name, amount in amounts.items()]
+    named = [cause for cause in causes if abs(cause.share) >= _WORTH_NAMING]
     return tuple(sorted(named, key=lambda cause: -abs(cause.share)))
 
 
 def _amount(
-    scale: Scale,
+    comparison: Comparison,
     quantity: Quantity,
     errors: Errors,
-    before: Sequence[Response],
-    after: Sequence[Response],
-    told: Told,
+    models: tuple[Model, Model],
+    place: Place,
 ) -> float | None:
-    """What the step from `before` to `after` takes off an error; None where it has no answer."""
-    k, pose = told
-    if errors.loaded is None:
-        first, second = scale.errors(before, quantity), scale.errors(after, quantity)
-        if first is None or second is None or second.missing[:, pose].any():
+    """Amount that the step between two models takes off an error. None if one is not solved."""
+    row, pose = place
+    displaced = errors.displaced
+    if displaced is None:
+        before, after = (comparison.errors(model, quantity) for model in models)
+        if before is None or after is None or after.missing[:, pose].any():
             return None
-        return float(first.error[told] - second.error[told])
-    loaded, one, other = errors.loaded, before[k].solved_statics, after[k].solved_statics
-    if one is None or other is None:
+        return float(before.error[place] - after.error[place])
+    subject = comparison.subject
+    reading = subject.reference(quantity).interpretations[row].reading
+    first, second = (subject.responses.known_statics(model, reading) for model in models)
+    if first is None or second is None:
         return None
-    step = (one - other).displacements(quantity, loaded.wrench[k])[pose]
-    size = float(errors.error[k, pose])
-    amount = step @ loaded.off[k, pose]
-    return float(amount / (loaded.length[k, pose] * size)) if size > 0.0 else 0.0
+    step = (first - second).displacements(quantity, displaced.wrench[row])[pose]
+    size = float(errors.error[row, pose])
+    amount = step @ displaced.off[row, pose]
+    return float(amount / (displaced.length[row, pose] * size)) if size > 0.0 else 0.0
 
 
 def remedied(
-    scale: Scale, candidate: Candidate, quantity: Quantity, errors: Errors, limit: float, pose: int
+    comparison: Comparison,
+    model: Model,
+    quantity: Quantity,
+    errors: Errors,
+    limit: float,
+    pose: int,
 ) -> tuple[str, float | None]:
     """The shortest way up the ladder that brings the error within its limit, with what it leaves.
 
-    Where all leave it inadequate, the model that answers as the reference; without one the way that
-    comes nearest to the limit. What is left is the largest error over all poses and alternatives.
-    Only those steps are named that change anything worth the name. ("", None) where none helps.
+    If all leave it inadequate, the model that answers as the reference; without one the way that
+    comes nearest to the limit. The error left is the largest over all poses and interpretations.
+    Only those steps are named that change anything worth the name. ("", None) if none helps.
     """
+    subject = comparison.subject
     tried: list[tuple[float, float, str, bool]] = []
     remedies: dict[str, str] = {}
     start = before = float(errors.worst[pose])
-    for step in steps_of(candidate, quantity):
-        after = scale.errors([step.responses[name] for name in errors.names], quantity)
+    for step in subject.steps(model, quantity):
+        after = comparison.errors(step.model, quantity)
         if after is None:
             break
         errors_after = after.worst
@@ -487,17 +494,12 @@ def remedied(
         # A step without a remedy of its own is taken together with the next one.
         before = float(errors_after[pose]) if step.remedy else before
     enough = [one for one in tried if one[0] <= limit]
-    model = scale.reference(quantity).remedy
-    if model and not enough and all(beyond for *_, beyond in tried):
-        return model.text, 0.0
+    replacement = subject.reference(quantity).remedy
+    if replacement and not enough and all(beyond for *_, beyond in tried):
+        return replacement.text, 0.0
     if not tried:
         return "", None
     size, error, remedy, _ = enough[0] if enough else min(tried)
     if np.isfinite(start) and size >= abs(start):
         return "", None
     return remedy, error
-
-
-def steps_of(candidate: Candidate, quantity: Quantity) -> Sequence[Step]:
-    """The candidate's ladder for a quantity."""
-    return candidate.static_steps if quantity.static else candidate.dynamic_steps

@@ -6,18 +6,18 @@ from typing import NamedTuple
 
 from lumped.legs import GivenLeg
 from lumped.mechanism.mechanism import Mechanism, Posture
-from validation.adequacy.mechanism.path import RobotOnPath, why_not_serial
+from validation.adequacy.mechanism.path import Reading, RobotOnPath, why_not_serial
 from validation.adequacy.mechanism.statics import model_statics
 from validation.adequacy.mechanism.vibration import modes_by_model
-from validation.adequacy.response import modes_of, statics_of
-from validation.agreement.responses import PathModes, Statics, Unsolved
+from validation.adequacy.responses import Model
+from validation.agreement.responses import PathModes, Statics
 from validation.models.options import STATIC, ModelName, ModelOptions
 from validation.models.parts import is_leg
 from validation.models.stepped_parts import why_not_stepped
 
 
 class JudgedModel(NamedTuple):
-    """Which model it is, what it is in words, and with which options it is asked."""
+    """Kind and options of a judged model, with its title."""
 
     kind: ModelName
     title: str
@@ -48,6 +48,8 @@ JUDGED: Mapping[str, JudgedModel] = {
 }
 # Those whose legs are rigid or the robot's own; all others stand on equivalent legs.
 LEGS_AS_GIVEN = ("simplified", "vjm", "links")
+_STATIC = "a static model: without masses it has no frequencies"
+_RIGID = "its bodies and joints are rigid, and no drive lets the tool move this way"
 
 
 def judged_models(mechanism: Mechanism) -> dict[str, JudgedModel]:
@@ -71,15 +73,32 @@ def why_unable(postures: Sequence[Posture], model: JudgedModel) -> str:
     return why_not_serial(postures) if model.kind == "vjm" else ""
 
 
-def statics_by(robot: RobotOnPath, model: JudgedModel) -> Statics | Unsolved | None:
-    """Statics of a model. None if the model cannot represent the mechanism."""
-    if why_unable(robot.postures, model):
-        return None
-    return statics_of(partial(model_statics, robot.postures, model.kind, model.options))
+def judged_models_of(
+    robot: RobotOnPath, recipes: Mapping[str, JudgedModel] | None = None
+) -> dict[str, Model]:
+    """Models of a robot by name: those of the `recipes`, or all that are judged."""
+    chosen = judged_models(robot.mechanism) if recipes is None else recipes
+    return {name: judged_model(robot, name, recipe) for name, recipe in chosen.items()}
 
 
-def modes_by(robot: RobotOnPath, model: JudgedModel) -> PathModes | Unsolved | None:
-    """Modes of a model. None for a static one, without mass, and as `statics_by`."""
-    if model.kind in STATIC or why_unable(robot.postures, model):
-        return None
-    return modes_of(partial(modes_by_model, robot, model.kind, model.options))
+def judged_model(robot: RobotOnPath, name: str, recipe: JudgedModel) -> Model:
+    """Model by its name in the matrix; its halves are None if it cannot represent the robot."""
+    unable = why_unable(robot.postures, recipe)
+    static = recipe.kind in STATIC
+    return Model(
+        name,
+        recipe.title,
+        statics=None if unable else partial(_statics, recipe),
+        modes=None if unable or static else partial(_modes, recipe),
+        silent=unable or (_STATIC if static else ""),
+        rigid=_RIGID if name == "simplified" else "",
+        computed_by=(f"validation.models.mechanism.answers({recipe.kind!r})",),
+    )
+
+
+def _statics(recipe: JudgedModel, robot: RobotOnPath, _: Reading) -> Statics:
+    return model_statics(robot.postures, recipe.kind, recipe.options)
+
+
+def _modes(recipe: JudgedModel, robot: RobotOnPath, _: Reading) -> PathModes | None:
+    return modes_by_model(robot, recipe.kind, recipe.options)

@@ -30,8 +30,9 @@ from numpy.typing import NDArray
 from lumped.acceptance.quantities import ANY_FORCE, Quantity
 from lumped.arrays import Array
 from lumped.memo import memo
-from validation.adequacy.errors import Errors, Scale
-from validation.adequacy.response import InputsOff
+from validation.adequacy.errors import Comparison, Errors
+from validation.adequacy.references import PerturbedInputs
+from validation.adequacy.responses import Model
 from validation.agreement.displacement import FLOOR, nearest_between
 from validation.agreement.responses import Statics
 from validation.verdicts import Adequacy
@@ -77,10 +78,10 @@ class Slope:
 class ErrorOfInputs:
     """Errors as they are with the inputs of the file, and how these change them.
 
-    `own` (a×p×f×k): what errors are made of, by a alternatives of the reference in p poses under f
-    forces. If `signed`, k is two, the error and its half-width; else eight: displacements of the
-    model (3) and of the reference (3), the least length that the error is relative to, and its
-    half-width. `lost`: share of robots with all inputs off that have no such error although the
+    `own` (a×p×f×k): what errors are made of, by a interpretations of the reference in p poses
+    under f forces. If `signed`, k is two, the error and its half-width; else eight: displacements
+    of the model (3) and of the reference (3), the least length that the error is relative to, and
+    its half-width. `lost`: share of robots with all inputs off that have no such error although the
     slopes do.
     """
 
@@ -181,7 +182,7 @@ class ErrorOfInputs:
     def _of_largest(self, pose: int) -> tuple[Array, Array, Array]:
         """What the largest error of a pose is made of (k), and each input off (m×k, below, above).
 
-        The largest with the inputs of the file, of all alternatives and forces.
+        The largest with the inputs of the file, of all interpretations and forces.
         """
         sizes = np.linalg.norm(self._vectors(self.own[:, pose]), axis=-1)
         alternative, force = np.unravel_index(np.argmax(sizes), sizes.shape)
@@ -276,40 +277,43 @@ def probability(
 
 @dataclass(frozen=True, eq=False)
 class UncertainInputs:
-    """The errors of a robot's models with its inputs off, by the same rules as with these as given.
+    """Errors of a robot's models with its inputs perturbed, by the same rules as the nominal ones.
 
-    `nominal` the robot of the file, `off` those with its inputs off.
+    `nominal` compares the robot of the file, `perturbed` are those with other inputs.
     """
 
-    nominal: Scale
-    off: InputsOff
+    nominal: Comparison
+    perturbed: PerturbedInputs
 
-    def error(self, model: str, quantity: Quantity, own: Errors) -> ErrorOfInputs | None:
-        """How inputs change a model's error of a quantity; None where there is none to change.
+    def error(self, model: Model, quantity: Quantity, own: Errors) -> ErrorOfInputs | None:
+        """Change of a model's error of a quantity by inputs. None if there is no such error.
 
         The order of modes has none: it jumps.
         """
         if own.numbers is not None or own.missing.any():
             return None
         below, above, together = (
-            [_of_robot(scale, model, quantity) for scale in scales] for scales in self._scales
+            [_of_robot(one, model, quantity) for one in comparisons]
+            for comparisons in self._comparisons
         )
         forces = None
         if quantity == ANY_FORCE:
             forces = _worst_forces([own, *(one.errors for one in (*below, *above))])
         slopes = [
             Slope(
-                one.key,
-                one.relative,
+                key,
+                relative,
                 low.components(own, forces),
                 high.components(own, forces),
                 np.stack([low.value(own), high.value(own)]),
             )
-            for one, low, high in zip(self.off.alone, below, above, strict=True)
+            for (key, relative), low, high in zip(
+                self.perturbed.relative.items(), below, above, strict=True
+            )
         ]
         nominal = replace(_of_robot(self.nominal, model, quantity), errors=own)
-        found = ErrorOfInputs(nominal.components(own, forces), slopes, own.loaded is None)
-        foreseen = found.at(self.off.draws)
+        found = ErrorOfInputs(nominal.components(own, forces), slopes, own.displaced is None)
+        foreseen = found.at(self.perturbed.draws)
         missed = np.array([one.interval(own) for one in together]) - foreseen
         lost = np.isnan(missed) & ~np.isnan(foreseen)
         squared = np.ma.masked_invalid(missed**2).mean(axis=0).filled(0.0)
@@ -320,44 +324,39 @@ class UncertainInputs:
         )
 
     @cached_property
-    def _scales(self) -> tuple[list[Scale], ...]:
-        alone = self.off.alone
-        robots = [one.below for one in alone], [one.above for one in alone], self.off.together
-        return tuple([Scale(one, self.nominal.modes) for one in kind] for kind in robots)
+    def _comparisons(self) -> tuple[list[Comparison], ...]:
+        robots = self.perturbed.below, self.perturbed.above, self.perturbed.together
+        return tuple([Comparison(one, self.nominal.modes) for one in kind] for kind in robots)
 
 
 @dataclass(frozen=True, eq=False)
 class _OfRobot:
-    """The errors of a model's quantity for one robot, None if it has none.
+    """Errors of a model's quantity for one robot. None if it has none.
 
-    `statics` of the model and of each alternative of the reference are what they come from. None if
-    there are none.
+    `statics` of the reference and of the model, for each interpretation, are what they come from.
     """
 
     quantity: Quantity
     errors: Errors | None
-    statics: Statics | None
-    references: Sequence[Statics | None]
+    statics: Sequence[tuple[Statics, Statics]] = ()
 
     def components(self, own: Errors, forces: Array | None) -> Array:
         """As `ErrorOfInputs.own`; under fixed `forces` (p×f×6) if the quantity is any force."""
-        errors, of_displacement = self.errors, own.loaded is not None
+        errors, of_displacement = self.errors, own.displaced is not None
         count = 1 if forces is None else forces.shape[1]
         shape = (*own.error.shape, count, 8 if of_displacement else 2)
         if errors is None:
             return np.full(shape, np.nan)
         found = np.empty(shape)
         found[..., -1] = errors.farthest[..., None]
-        if errors.loaded is None or self.statics is None:
+        if errors.displaced is None:
             found[..., 0] = errors.error[..., None]
             return found
-        loaded = errors.loaded
-        references = [one for one in self.references if one is not None]
-        for k, one in enumerate(references):
-            wrenches = loaded.wrench[k, :, None] if forces is None else forces
-            found[k, ..., :3] = self.statics.displacements(self.quantity, wrenches)
-            found[k, ..., 3:6] = one.displacements(self.quantity, wrenches)
-            least = FLOOR * np.linalg.norm(one.compliances[:, :3, :3], 2, axis=(1, 2))
+        for k, (reference, model) in enumerate(self.statics):
+            wrenches = errors.displaced.wrench[k, :, None] if forces is None else forces
+            found[k, ..., :3] = model.displacements(self.quantity, wrenches)
+            found[k, ..., 3:6] = reference.displacements(self.quantity, wrenches)
+            least = FLOOR * np.linalg.norm(reference.compliances[:, :3, :3], 2, axis=(1, 2))
             found[k, ..., 6] = least[:, None] if forces is not None else 0.0
         return np.where(errors.missing[..., None, None], np.nan, found)
 
@@ -374,12 +373,9 @@ class _OfRobot:
         return np.asarray(self.errors.value[0])
 
 
-def _of_robot(scale: Scale, model: str, quantity: Quantity) -> _OfRobot:
-    (response,) = (one.response for one in scale.subject.candidates if one.model == model)
-    alternatives = scale.reference(quantity).alternatives
-    errors = scale.errors([response] * len(alternatives), quantity)
-    references = [one.response.solved_statics for one in alternatives]
-    return _OfRobot(quantity, errors, response.solved_statics, references)
+def _of_robot(comparison: Comparison, model: Model, quantity: Quantity) -> _OfRobot:
+    errors = comparison.errors(model, quantity)
+    return _OfRobot(quantity, errors, comparison.statics(model) if quantity.static else ())
 
 
 def _worst_forces(found: Sequence[Errors | None]) -> Array:
@@ -388,7 +384,7 @@ def _worst_forces(found: Sequence[Errors | None]) -> Array:
     The first is that of the first robot's largest error, then those that differ most from it.
     """
     first = found[0]
-    loads = [one.loaded.wrench for one in found if one is not None and one.loaded]
+    loads = [one.displaced.wrench for one in found if one is not None and one.displaced]
     all_forces = np.concatenate(loads).transpose(1, 0, 2)
     chosen = []
     for pose, forces in enumerate(all_forces):

@@ -3,10 +3,9 @@
 What feet, joints and other legs hide, the leg alone shows: torsion of open sections, say.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
-from typing import TypeAlias
 
 import numpy as np
 
@@ -21,12 +20,8 @@ from lumped.mechanism.placing import leg_on, rigid_on
 from lumped.models.bodies import leg_of, on_equivalent_legs
 from lumped.text import counted
 from validation.adequacy.judgement import judged
-from validation.adequacy.mechanism.dynamics import (
-    dynamic_ladders,
-    dynamic_reference,
-    mass_notes,
-)
-from validation.adequacy.mechanism.inputs import inputs_off
+from validation.adequacy.mechanism.dynamics import dynamic_reference, mass_notes, modal_steps
+from validation.adequacy.mechanism.inputs import perturbed_inputs
 from validation.adequacy.mechanism.parts import reduction_note
 from validation.adequacy.mechanism.path import (
     RobotOnPath,
@@ -36,32 +31,15 @@ from validation.adequacy.mechanism.path import (
     robot_at,
     robot_on_path,
 )
-from validation.adequacy.mechanism.statics import static_ladders, static_reference
+from validation.adequacy.mechanism.statics import static_reference, static_steps
 from validation.adequacy.mechanism.vibration import solid_meshes
-from validation.adequacy.models import (
-    JUDGED,
-    LEGS_AS_GIVEN,
-    JudgedModel,
-    judged_models,
-    modes_by,
-    statics_by,
-    why_unable,
-)
-from validation.adequacy.response import (
-    UNSOLVED,
-    Candidate,
-    Reference,
-    Response,
-    Step,
-    Subject,
-    no_reference,
-)
+from validation.adequacy.models import JUDGED, LEGS_AS_GIVEN, judged_models_of
+from validation.adequacy.references import Reference, Steps, Subject, no_reference
+from validation.adequacy.responses import UNSOLVED, Model, Responses
 from validation.agreement.accuracy import refined
-from validation.agreement.responses import PathModes, Unsolved
 from validation.case import failure_reason
 from validation.context import PRESETS, Context, Preset
 from validation.models.loads.stability import stabilities, stability_notes
-from validation.models.options import STATIC
 from validation.models.parts import unknowns_of, with_finer_parts
 from validation.solids.size import LARGEST, solid_unknowns
 from validation.verdicts import Matrix
@@ -72,11 +50,6 @@ _ROOT, _TIP = "root", "tip"
 _REFINING: Mapping[bool, tuple[Preset, ...]] = {False: ("standard", "fine"), True: ("fine",)}
 # Rigid legs say nothing of a leg alone, and links are virtual joints there.
 _NOT_OF_A_LEG = ("simplified", "links", "segments-stepped", "segments-condensed")
-_STATIC = "a static model: without masses it has no frequencies"
-_NO_MASS = "neither its rigid bodies nor its tool have mass: it has no frequencies"
-_RIGID = "its bodies and joints are rigid, and no drive lets the tool move this way"
-# By their names in the matrix.
-Models: TypeAlias = Mapping[str, JudgedModel]
 
 
 def robot_adequacy(context: Context) -> Matrix:
@@ -154,85 +127,63 @@ def _solid_unknowns(context: Context) -> float:
 
 
 def robot_subject(context: Context) -> Subject:
-    """The run's robot with its models and what they are held against.
+    """The run's robot with its models and its references.
 
-    Raises InputError where an uncertain input leads to no robot.
+    Raises InputError if an uncertain input leads to no robot.
     """
     robot = robot_on_path(context)
-    models = judged_models(robot.mechanism)
-    statics = static_subject(robot, models)
-    modes = {name: modes_by(robot, model) for name, model in models.items()}
+    models = judged_models_of(robot)
+    statics = static_subject(robot, models.values())
+    responses = statics.responses
     try:
-        reference = dynamic_reference(robot)
+        reference = dynamic_reference(responses)
     except UNSOLVED as error:
         reference = no_reference(error)
-    ladders = dynamic_ladders(robot, modes, reference)
+    stable, faults = _stability(robot)
     subject = replace(
         statics,
-        candidates=[
-            replace(
-                one,
-                response=replace(one.response, modes=modes[one.model]),
-                dynamic_steps=ladders.get(one.model, ()),
-                silent=one.silent or _silent(models[one.model], modes[one.model]),
-            )
-            for one in statics.candidates
-        ],
         dynamics=reference,
-    )
-    stable, faults = _stability(robot)
-    return replace(
-        subject,
-        notes=(*_notes(robot), *stable, *_suppositions(robot, reference)),
+        modal_steps=modal_steps(robot, models),
+        notes=(*_notes(robot), *stable, *_suppositions(responses, reference)),
         faults=faults,
         parts=tuple(
             leg_subject(context, name, leg_of(robot.mechanism.bodies[name]))
             for name in distinct_legs(robot.mechanism)
         ),
         formulation=_on_legs_of_constant_section(robot, models),
-        inputs=inputs_off(robot, subject, models),
     )
+    return replace(subject, inputs=perturbed_inputs(subject))
 
 
-def static_subject(robot: RobotOnPath, models: Models) -> Subject:
-    """A robot with models of its statics; no reference where solids cannot be made of its legs."""
-    ladders: Mapping[str, tuple[Step, ...]] = {}
+def static_subject(robot: RobotOnPath, models: Iterable[Model]) -> Subject:
+    """A robot with models of its statics; no reference if solids cannot be made of its legs."""
+    responses, steps = Responses(robot), Steps()
     try:
-        reference, ladders = static_reference(robot), static_ladders(robot)
+        reference, steps = static_reference(responses), static_steps(robot)
     except UNSOLVED as error:
         reference = no_reference(error)
-    candidates = []
-    for name, model in models.items():
-        candidates.append(
-            Candidate(
-                model=name,
-                title=model.title,
-                response=Response(statics_by(robot, model)),
-                static_steps=ladders.get(name, ()),
-                rigid=_RIGID if name == "simplified" else "",
-                silent=why_unable(robot.postures, model),
-                computed_by=(f"validation.models.mechanism.answers({model.kind!r})",),
-            )
-        )
     return Subject(
         robot=robot.mechanism.name,
         coordinates=coordinates(robot.mechanism),
         poses=np.array([posture.pose for posture in robot.postures]),
-        candidates=candidates,
+        responses=responses,
+        models=tuple(models),
         statics=reference,
-        dynamics=Reference("none", ()),
+        dynamics=Reference("none"),
+        static_steps=steps,
         loads=load_quantities([load.name for load in robot.mechanism.loads]),
-        responses=response_quantities(robot.mechanism.judged_responses),
+        harmonics=response_quantities(robot.mechanism.judged_responses),
     )
 
 
-def _silent(model: JudgedModel, modes: PathModes | Unsolved | None) -> str:
-    if model.kind in STATIC:
-        return _STATIC
-    return _NO_MASS if modes is None else ""
+def _static(models: Iterable[Model]) -> list[Model]:
+    """The models without their modes, and without the reason for those that have none."""
+    return [
+        replace(one, modes=None, silent=one.silent if one.statics is None else "") for one in models
+    ]
 
 
-def _on_legs_of_constant_section(robot: RobotOnPath, models: Models) -> Subject | None:
+def _on_legs_of_constant_section(robot: RobotOnPath, models: Mapping[str, Model]) -> Subject | None:
     """Statics of the models that put such legs for given ones, against solids of those.
 
     None where no leg is given; nor beside parts, whose own idealisation would be in it.
@@ -243,16 +194,17 @@ def _on_legs_of_constant_section(robot: RobotOnPath, models: Models) -> Subject 
     postures = [replace(posture, mechanism=mechanism) for posture in robot.postures]
     # Both sides have these legs, feet and tool, whatever the robot's are: no digit is uncertain.
     on_solids = replace(robot_at(robot.context, postures), text="")
-    on_such_legs = {name: one for name, one in models.items() if name not in LEGS_AS_GIVEN}
-    return replace(static_subject(on_solids, on_such_legs), robot="equivalent legs")
+    on_such_legs = [one for name, one in models.items() if name not in LEGS_AS_GIVEN]
+    return replace(static_subject(on_solids, _static(on_such_legs)), robot="equivalent legs")
 
 
 def leg_subject(context: Context, name: str, shape: Leg) -> Subject:
     """One leg alone and its models, statics alone."""
     leg = robot_at(context, [reference_posture(leg_alone(name, shape))])
     left_out = _NOT_OF_A_LEG if leg.given else (*_NOT_OF_A_LEG, "vjm-equivalent")
-    subject = static_subject(leg, {n: one for n, one in JUDGED.items() if n not in left_out})
-    if not subject.statics.alternatives:
+    recipes = {name: one for name, one in JUDGED.items() if name not in left_out}
+    subject = static_subject(leg, _static(judged_models_of(leg, recipes).values()))
+    if subject.statics.model is None:
         return subject
     title = "the leg's own 6×6" if leg.given else "solid leg, root clamped"
     return replace(subject, statics=replace(subject.statics, title=title))
@@ -303,12 +255,12 @@ def _stability(robot: RobotOnPath) -> tuple[Sequence[str], tuple[str, ...]]:
         return [f"Stability under the robot's loads cannot be computed: {reason}"], faults
 
 
-def _suppositions(robot: RobotOnPath, dynamics: Reference) -> list[str]:
+def _suppositions(responses: Responses, dynamics: Reference) -> list[str]:
     """What probabilities and verdicts on frequencies suppose."""
     notes = []
-    if supposed := robot.context.robot_file.supposed:
+    if supposed := responses.robot.context.robot_file.supposed:
         notes.append(
             f"Probabilities suppose that every modulus, length and stiffness of the file has a "
             f"standard uncertainty of {100.0 * supposed:g} %"
         )
-    return [*notes, *mass_notes(robot, dynamics)]
+    return [*notes, *mass_notes(responses, dynamics)]

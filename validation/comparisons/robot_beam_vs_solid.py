@@ -39,7 +39,7 @@ from validation.adequacy.mechanism.legs import (
 )
 from validation.adequacy.mechanism.path import (
     Holds,
-    RobotReading,
+    Reading,
     known_legs,
     offered,
     path_postures,
@@ -337,7 +337,7 @@ def robot_modes(
     free: Holds = dict.fromkeys(legs, "free")
 
     def solids(hold: Holds) -> list[PathModes]:
-        return [solid_vibration((posture,), RobotReading(hold), mesh, count) for mesh in meshes]
+        return [solid_vibration((posture,), Reading(hold), mesh, count) for mesh in meshes]
 
     relaxed = solids(free)
     held = relaxed if ends == free else solids(ends)

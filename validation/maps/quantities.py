@@ -22,7 +22,7 @@ from validation.adequacy.mechanism.parts import solid_parts
 from validation.adequacy.mechanism.path import RobotOnPath, path_postures, robot_at
 from validation.adequacy.mechanism.statics import model_statics
 from validation.adequacy.models import JudgedModel, judged_models, why_unable
-from validation.adequacy.response import UNSOLVED
+from validation.adequacy.responses import UNSOLVED
 from validation.agreement.displacement import relative
 from validation.agreement.responses import Statics
 from validation.context import Context

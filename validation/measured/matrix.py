@@ -22,7 +22,7 @@ from lumped.robot_file.load import UncertainInput
 from validation.adequacy.mechanism.path import coordinates, why_not_serial
 from validation.adequacy.models import judged_models
 from validation.adequacy.probability import COVERAGE, propagated
-from validation.adequacy.response import UNSOLVED
+from validation.adequacy.responses import UNSOLVED
 from validation.case import failure_reason
 from validation.context import Context
 from validation.measured.modes import Partner, modal_answer

@@ -5,16 +5,18 @@ lacks one or the other; ladders of causes lead from the model to the reference.
 """
 
 import numpy as np
+from toy_responses import model, model_by_reading, reading
 
-from validation.adequacy.response import (
-    Alternative,
-    Candidate,
+from validation.adequacy.references import (
+    HalfWidths,
+    Interpretation,
     Reference,
     Remedy,
-    Response,
+    Source,
     Step,
     Subject,
 )
+from validation.adequacy.responses import Responses
 from validation.agreement.responses import PathModes, Statics
 from validation.verdicts import Coordinate
 
@@ -69,47 +71,61 @@ def subject(seed):
     basis = np.linalg.qr(rng.normal(size=(POSES, SAMPLES, SAMPLES)))[0][:, :, : MODES + 2]
     frequencies = 40.0 * np.cumprod(rng.uniform(1.3, 1.8, size=(POSES, MODES + 2)), axis=1)
     seen = np.ones_like(frequencies)
-    truth = Response(statics(rng), PathModes(frequencies, basis, WEIGHTS, seen))
-    alternatives = []
+    truth = statics(rng), PathModes(frequencies, basis, WEIGHTS, seen)
+    truths, interpretations = [], []
     for number, name in enumerate(names):
         own = truth
         if number:
             off = rng.uniform(0.99, 1.01, frequencies.shape)
-            own = Response(
-                near(rng, truth.statics, 0.01),
-                PathModes(frequencies * off, basis, WEIGHTS, seen),
-            )
+            own = near(rng, truth[0], 0.01), PathModes(frequencies * off, basis, WEIGHTS, seen)
         unsure = 0.02 * rng.random((POSES, 7)), 0.01 * rng.random(frequencies.shape)
-        meshes, digits = ([share * one for one in unsure] for share in (0.7, 0.3))
-        alternatives.append(Alternative(name, own, *meshes, *digits))
+        budget = {
+            source: HalfWidths(*(share * one for one in unsure))
+            for source, share in ((Source.MESHES, 0.7), (Source.DIGITS, 0.3))
+        }
+        truths.append(own)
+        interpretations.append(Interpretation(name, reading(name), budget))
+
+    def by_reading(title, halves):
+        columns = (dict(zip(names, column, strict=True)) for column in zip(*halves, strict=True))
+        return model_by_reading(title, *columns)
 
     def answer(size, *, still=False):
-        modes = None if still else modes_near(rng, truth.modes, size)
-        return Response(near(rng, truth.statics, size), modes)
+        modes = None if still else modes_near(rng, truth[1], size)
+        return near(rng, truth[0], size), modes
 
     def ladder(start):
         steps = zip(
             ("shear", "warping", "shear"), (0.6, 0.2, 0.05), REMEDIES[rng.integers(3)], strict=True
         )
         return tuple(
-            Step(cause, f"from {cause}", {name: answer(size * start) for name in names}, remedy)
+            Step(
+                cause,
+                f"from {cause}",
+                by_reading(cause, [answer(size * start) for _ in names]),
+                remedy,
+            )
             for cause, size, remedy in steps
         )
 
-    def candidate(model, **kind):
+    models, static_steps, modal_steps = [], {}, {}
+    for name, silent in (("segments", ""), ("beam", ""), ("vjm", "static")):
         size = 10.0 ** rng.uniform(-2.5, -0.5)
-        still = "silent" in kind
-        ladders = ladder(size), () if still else ladder(size)
-        return Candidate(model, f"{model} of a toy", answer(size, still=still), *ladders, **kind)
-
+        static_steps[name] = ladder(size)
+        modal_steps[name] = () if silent else ladder(size)
+        models.append(model(name, *answer(size, still=bool(silent)), silent=silent))
     what = "ends" if len(names) > 1 else ""
     decides = "say how ends are held" if what else ""
     remedy = Remedy("use the solid", model="solid") if seed % 2 else None
+    known = by_reading("solid", truths), interpretations, what, decides
     return Subject(
         robot="random",
         coordinates=(Coordinate("x", "m"), Coordinate("phi_z", "rad")),
         poses=rng.uniform(-1.0, 1.0, size=(POSES, 2)),
-        candidates=[candidate("segments"), candidate("beam"), candidate("vjm", silent="static")],
-        statics=Reference("solids", alternatives, what, decides),
-        dynamics=Reference("solid modes", alternatives, what, decides, remedy=remedy),
+        responses=Responses(None),
+        models=models,
+        statics=Reference("solids", *known),
+        dynamics=Reference("solid modes", *known, remedy=remedy),
+        static_steps=static_steps,
+        modal_steps=modal_steps,
     )

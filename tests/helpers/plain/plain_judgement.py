@@ -16,8 +16,8 @@ import numpy as np
 from validation.agreement.displacement import worst_force
 
 AXES = ("x", "y", "z", "phi_x", "phi_y", "phi_z")
-# What leaves something open, of statics and of frequencies.
-LEFT_OPEN = {"meshes": ("static", "dynamic"), "digits of the file": ("digits", "dynamic_digits")}
+# Sources of uncertainty.
+SOURCES = ("meshes", "digits of the file")
 
 
 class Plain(NamedTuple):
@@ -134,36 +134,40 @@ def order(truth, model, modes, pose):
 class Rule:
     """One quantity of one model of a subject, looked at pose by pose."""
 
-    def __init__(self, subject, candidate, quantity, modes):
+    def __init__(self, subject, model, quantity, modes):
         self.quantity, self.modes, self.poses = quantity, modes, subject.poses
         self.static = quantity in (*AXES, "any_force")
         self.reference = subject.statics if self.static else subject.dynamics
-        self.model = [candidate.response] * len(self.reference.alternatives)
-        ladder = candidate.static_steps if self.static else candidate.dynamic_steps
-        names = [one.name for one in self.reference.alternatives]
-        self.steps = [(step, [step.responses[name] for name in names]) for step in ladder]
+        responses = subject.responses
+        self.solve = responses.statics if self.static else responses.modes
+        self.truths, self.model = self.halves(self.reference.model), self.halves(model)
+        ladder = (subject.static_steps if self.static else subject.modal_steps)[model.name]
+        self.steps = [(step, self.halves(step.model)) for step in ladder]
 
-    def numbers(self, response, place, pose):
-        truth = self.reference.alternatives[place].response
+    def halves(self, model):
+        """Statics or modes of a model by interpretation."""
+        return [self.solve(model, one.reading) for one in self.reference.interpretations]
+
+    def numbers(self, half, place, pose):
+        truth = self.truths[place]
         if self.static:
-            return deflection(
-                response.statics.compliances[pose], truth.statics.compliances[pose], self.quantity
-            )
+            return deflection(half.compliances[pose], truth.compliances[pose], self.quantity)
         if self.quantity == "order":
-            return order(truth.modes, response.modes, self.modes, pose)
-        return frequency(truth.modes, response.modes, int(self.quantity[1:]) - 1, pose)
+            return order(truth, half, self.modes, pose)
+        return frequency(truth, half, int(self.quantity[1:]) - 1, pose)
 
     def each(self, responses, pose):
         return [self.numbers(one, place, pose) for place, one in enumerate(responses)]
 
     def spread(self, found, place, pose, *kinds):
         """What the alternative of that place leaves open of its own numbers, of this error."""
-        one = self.reference.alternatives[place]
+        budget = self.reference.interpretations[place].budget
         column = (*AXES, "any_force").index(self.quantity) if self.static else found["mode"]
         if column is None:
             return 0.0
-        names = (LEFT_OPEN[kind][not self.static] for kind in kinds or LEFT_OPEN)
-        return float(sum(getattr(one, name)[pose, column] for name in names) * found["grown"])
+        half = "displacements" if self.static else "frequencies"
+        widths = (getattr(budget[kind], half)[pose, column] for kind in kinds or SOURCES)
+        return float(sum(widths) * found["grown"])
 
     def at(self, responses, pose):
         alone, errors, halves = [], [], []
@@ -189,13 +193,12 @@ class Rule:
 
         Under any force that of the load, of all worst ones, under which it is largest.
         """
-        references = [one.response.statics.compliances[pose] for one in self.reference.alternatives]
+        references = [one.compliances[pose] for one in self.truths]
         return max(
             min(
-                nearest(response.statics.compliances[pose], pair, found)
-                for pair in combinations(references, 2)
+                nearest(half.compliances[pose], pair, found) for pair in combinations(references, 2)
             )
-            for response, found in zip(responses, self.each(responses, pose), strict=True)
+            for half, found in zip(responses, self.each(responses, pose), strict=True)
         )
 
     def along(self, responses):
@@ -216,7 +219,7 @@ class Rule:
         k = at.place
         # The same alternative at every pose, of the order the worst.
         places = [one.place if self.quantity == "order" else k for one in path if one.errors]
-        kinds = LEFT_OPEN
+        kinds = SOURCES
         if self.quantity == "order" and not any(any(one.halves) for one in path):
             kinds = ("meshes",)
         left = {kind: self.spread(alone[k], k, pose, kind) for kind in kinds}
@@ -237,7 +240,7 @@ class Rule:
 
     def readings(self, at):
         """Errors by the names of the alternatives, where there are several of one quantity."""
-        names = [one.name for one in self.reference.alternatives]
+        names = [one.name for one in self.reference.interpretations]
         several = len(names) > 1 and self.quantity != "order"
         return dict(zip(names, at.errors, strict=True)) if several else {}
 
@@ -261,7 +264,7 @@ class Rule:
         amounts, before = {}, self.model
         for step, after in self.steps:
             if self.static:
-                change = (before[k].statics - after[k].statics).compliances[pose]
+                change = (before[k] - after[k]).compliances[pose]
                 along = (change[of["part"]] @ of["load"]) @ of["off"]
                 taken = along / of["length"] / of["error"]
             else:

@@ -4,17 +4,11 @@
 reference is known to ± 2 % alone; `vjm` is right, and says nothing of frequencies.
 """
 
-from dataclasses import replace
-
 import numpy as np
+from toy_responses import meshes, model, reference
 
-from validation.adequacy.response import (
-    Alternative,
-    Candidate,
-    Reference,
-    Response,
-    Subject,
-)
+from validation.adequacy.references import Subject
+from validation.adequacy.responses import Responses
 from validation.agreement.responses import PathModes, Statics
 from validation.verdicts import Coordinate
 
@@ -24,28 +18,23 @@ F2 = (ERROR - (1.0 + ERROR) * OPEN, ERROR + (1.0 + ERROR) * OPEN)
 POSES = np.array([[0.3], [0.7]])
 
 
-def toy_subject(modes):
+def toy_subject(count):
     """The subject with so many modes, at two poses."""
     compliances = np.array([np.diag([1.0, 2.0, 3.0, 40.0, 50.0, 60.0])] * len(POSES)) * 1e-8
     statics = Statics(compliances, np.zeros((len(POSES), 0, 6)))
-    frequencies = np.array([100.0 * np.arange(1, modes + 1)] * len(POSES))
-    shapes = np.array([np.eye(modes)] * len(POSES))
-    weights, seen = np.ones(modes), np.ones_like(frequencies)
-    truth = Response(statics, PathModes(frequencies, shapes, weights, seen))
+    frequencies = np.array([100.0 * np.arange(1, count + 1)] * len(POSES))
+    shapes = np.array([np.eye(count)] * len(POSES))
+    weights, seen = np.ones(count), np.ones_like(frequencies)
+    modes = PathModes(frequencies, shapes, weights, seen)
     unsure = np.zeros_like(frequencies)
     unsure[:, 1:2] = OPEN
-    beam = Response(
-        (1.0 + ERROR) * statics,
-        PathModes((1.0 + ERROR) * frequencies, shapes, weights, seen),
-    )
+    higher = PathModes((1.0 + ERROR) * frequencies, shapes, weights, seen)
     return Subject(
         robot="toy",
         coordinates=(Coordinate("x", "m"),),
         poses=POSES,
-        candidates=(
-            Candidate("vjm", "virtual joints", replace(truth, modes=None)),
-            Candidate("beam", "beams", beam),
-        ),
-        statics=Reference("exact", (Alternative("", truth),)),
-        dynamics=Reference("exact", (Alternative("", truth, dynamic=unsure),)),
+        responses=Responses(None),
+        models=(model("vjm", statics), model("beam", (1.0 + ERROR) * statics, higher)),
+        statics=reference("exact", {"": statics}),
+        dynamics=reference("exact", {"": modes}, meshes(frequencies=unsure)),
     )

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from like_ifw import LEG1, LEG2, file_of, like_ifw, placed_at, stations
+from toy_responses import reference
 
 from fem.beams.beam import beam_leg
 from fem.bodies import doubling
@@ -22,6 +23,7 @@ from meshes.section.section_mesh import section_mesh
 from validation.adequacy.judgement import judged
 from validation.adequacy.mechanism.dynamics import dynamic_reference, mass_notes
 from validation.adequacy.mechanism.path import robot_at, robot_on_path
+from validation.adequacy.mechanism.solids import SOLID
 from validation.adequacy.mechanism.statics import static_reference
 from validation.adequacy.mechanism.vibration import (
     LegMesh,
@@ -31,15 +33,10 @@ from validation.adequacy.mechanism.vibration import (
     solid_meshes,
     solid_vibration,
 )
+from validation.adequacy.models import JUDGED, judged_model
 from validation.adequacy.partners import frequency_changes
-from validation.adequacy.response import (
-    Alternative,
-    Candidate,
-    Reference,
-    Response,
-    Subject,
-    modes_of,
-)
+from validation.adequacy.references import Reference, Source, Subject
+from validation.adequacy.responses import Responses
 from validation.adequacy.robot import leg_subject, robot_adequacy
 from validation.context import Context
 from validation.models.legs import leg_matrices
@@ -114,8 +111,9 @@ def test_beams_of_i_section_have_modes_that_solids_do_not_have(flanged, model):
 
 def test_bending_is_known_better_than_torsion_of_an_open_section():
     """The section mesh leaves torsion open, and bending of 100 × 100 mm next to nothing."""
-    (solids,) = dynamic_reference(robot_on_path(at_the_centre(**OF_FLANGED))).alternatives
-    first, *others = solids.dynamic[0, :4]
+    robot = robot_on_path(at_the_centre(**OF_FLANGED))
+    (solids,) = dynamic_reference(Responses(robot)).interpretations
+    first, *others = solids.budget[Source.MESHES].frequencies[0, :4]
     # A twentieth of it is what the section mesh leaves open of the beams of the same shape.
     assert 0.0052 < first < 0.0056
     assert max(others) < 0.0025
@@ -174,13 +172,15 @@ def test_stated_uncertainties_of_frequencies_hold_shorter_slices_and_finer_secti
         robot_at(Context(file_of(robot), preset), placed_at(robot, *stations(robot, 2)))
         for preset in ("quick", "standard")
     )
-    (own,) = dynamic_reference(quick).alternatives
+    responses = Responses(quick)
+    (own,) = dynamic_reference(responses).interpretations
+    modes = responses.modes(SOLID, own.reading)
     hold = finer.first_reading
     mesh = LegMesh(2, 2, 2 * COARSEST_WALLS)
     of_sections = solid_vibration(quick.postures, hold, mesh, quick.offered)
     for truth in (modes_of_solids(finer, hold), of_sections):
-        changes = frequency_changes(own.response.modes, truth, 4)
-        assert (changes <= own.dynamic).all()
+        changes = frequency_changes(modes, truth, 4)
+        assert (changes <= own.budget[Source.MESHES].frequencies).all()
 
 
 def test_lumps_of_mass_decide_on_the_nine_modes_that_they_have_and_leave_the_tenth_open():
@@ -188,10 +188,11 @@ def test_lumps_of_mass_decide_on_the_nine_modes_that_they_have_and_leave_the_ten
     leg1, leg2 = (replace(leg, inertia=None, mass_centre=None) for leg in (LEG1, LEG2))
     asked = Requirement(modes=10)
     robot = robot_on_path(at_the_centre(asked, leg1=leg1, leg2=leg2))
-    reference = dynamic_reference(robot)
-    modes = modes_of(lambda: modes_by_model(robot, "beam", DEFAULT_OPTIONS))
-    beams, none = Candidate("beam", "", Response(modes=modes)), Reference("none", ())
-    matrix = judged(Subject("", (), np.zeros((1, 0)), [beams], none, reference), asked)
+    responses = Responses(robot)
+    truth = dynamic_reference(responses)
+    beams, none = judged_model(robot, "beam", JUDGED["beam"]), Reference("none")
+    subject = Subject("", (), np.zeros((1, 0)), responses, [beams], none, truth)
+    matrix = judged(subject, asked)
     known = [matrix.entry("beam", f"f{number}") for number in range(1, 10)]
     # With half of the mass at the ends of stiff legs f4 has a MAC of 0.498 with its beams' mode,
     # and f6, f7 and f9 have no partner among the beams with some insides of the legs either.
@@ -204,7 +205,7 @@ def test_lumps_of_mass_decide_on_the_nine_modes_that_they_have_and_leave_the_ten
     lumps = "with mass in lumps, soft inside, mass in lumps, stiff inside"
     assert tenth.reason.startswith(f"{lumps} there are fewer modes than are judged; give the")
     assert matrix.entry("beam", "order").verdict != "adequate"
-    (note,) = mass_notes(robot, reference)
+    (note,) = mass_notes(responses, truth)
     assert ", f10 " in note
 
 
@@ -293,14 +294,14 @@ def test_legs_without_mass_bound_robots_whose_legs_are_all_given(*, mixed):
     legs = {"leg2": prism} if mixed else {}
     light = {"leg1": replace(LEG1, mass=1e-6), "leg2": replace(LEG2, mass=1e-6)}
     robot, massless = (robot_on_path(at_the_centre(Requirement(), **one)) for one in (legs, light))
-    known = Response(modes=modes_by_model(robot, "beam", DEFAULT_OPTIONS))
-    (note,) = mass_notes(robot, Reference("", [Alternative("", known)], supposed="plausible"))
+    known = {"": modes_by_model(robot, "beam", DEFAULT_OPTIONS)}
+    (note,) = mass_notes(Responses(robot), reference("", known, supposed="plausible"))
     assert note.startswith("Plausible distributions of the legs' mass and stiffness give f1 ")
     assert ("than massless legs" in note) is not mixed
     if mixed:
         # The mesh of the one leg that is a solid leaves something open of the robot.
-        (statics,) = static_reference(robot).alternatives
-        assert (statics.static[:, :6] > 1e-6).all()
+        (statics,) = static_reference(Responses(robot)).interpretations
+        assert (statics.budget[Source.MESHES].displacements[:, :6] > 1e-6).all()
     else:
         own, above = (modes_of_solids(one, one.first_reading) for one in (robot, massless))
         assert (own.frequencies[0, :3] < above.frequencies[0, :3]).all()

@@ -6,6 +6,7 @@ from functools import cache
 import numpy as np
 import pytest
 from like_ifw import FOOT, file_of, like_ifw, placed_at
+from toy_responses import reference
 from written_robot import described
 
 from fem.reduction.craig_bampton import craig_bampton
@@ -17,19 +18,14 @@ from lumped.legs import ConstantLeg, GivenLeg, Material
 from lumped.mechanism.mechanism import Mechanism
 from lumped.models.bodies import legs_of, tip_compliance_of
 from lumped.sections import HollowRectangle, ISection, Rectangle, Tube
-from validation.adequacy.errors import Scale
+from validation.adequacy.errors import Comparison
 from validation.adequacy.judgement import judged
 from validation.adequacy.mechanism.dynamics import dynamic_reference
 from validation.adequacy.mechanism.path import robot_at
-from validation.adequacy.mechanism.vibration import built_vibration, modes_by_model
-from validation.adequacy.response import (
-    Alternative,
-    Candidate,
-    Reference,
-    Response,
-    Subject,
-    modes_of,
-)
+from validation.adequacy.mechanism.vibration import built_vibration
+from validation.adequacy.models import JudgedModel, judged_model
+from validation.adequacy.references import Reference, Subject
+from validation.adequacy.responses import Responses
 from validation.context import Context
 from validation.models.options import DEFAULT_OPTIONS, ModelOptions
 from validation.solids.legs import COARSEST_WALLS, divisions_across, held_solid
@@ -121,35 +117,22 @@ def judgements(twins, truth, limit=0.05):
     """Matrix of the models, and by model and number interval and true error of each frequency."""
     robot = twins.robot(limit)
     requirement = robot.context.robot_file.requirement
-    reference = dynamic_reference(robot)
-    known = Alternative(
-        "solids", Response(modes=modes_of(lambda: truth)), dynamic=np.zeros((1, MODES))
-    )
-    candidates = [
-        Candidate(
-            name,
-            "",
-            Response(modes=modes_of(lambda o=options: modes_by_model(robot, "beam", o))),
-        )
+    responses = Responses(robot)
+    models = [
+        judged_model(robot, name, JudgedModel("beam", "", options))
         for name, options in MODELS.items()
     ]
-    none = Reference("none", ())
     subjects = [
-        Subject("", (), np.zeros((1, 0)), candidates, none, dynamics)
-        for dynamics in (reference, Reference("solids", [known]))
+        Subject("", (), np.zeros((1, 0)), responses, models, Reference("none"), dynamics)
+        for dynamics in (dynamic_reference(responses), reference("solids", {"solids": truth}))
     ]
-    own, true = (Scale(subject, MODES) for subject in subjects)
+    comparisons = [Comparison(subject, MODES) for subject in subjects]
     found = {}
-    for candidate in candidates:
+    for model in models:
         for number in range(1, MODES + 1):
-            errors, truly = (
-                scale.errors(
-                    [candidate.response] * len(one.dynamics.alternatives), FREQUENCIES[number - 1]
-                )
-                for scale, one in zip((own, true), subjects, strict=True)
-            )
+            errors, truly = (one.errors(model, FREQUENCIES[number - 1]) for one in comparisons)
             low, high = (side[0] for side in errors.interval)
-            found[candidate.model, number] = low, high, truly.error[0, 0]
+            found[model.name, number] = low, high, truly.error[0, 0]
     return judged(subjects[0], requirement), found
 
 

@@ -7,18 +7,13 @@ import numpy as np
 import pytest
 from plain_judgement import Rule
 from random_subjects import MODES, subject
+from toy_responses import meshes, model, reading, reference
 from toy_subject import toy_subject
 
 from lumped.acceptance.quantities import load_quantities
 from lumped.acceptance.requirement import Requirement
 from validation.adequacy.judgement import REST, judged
 from validation.adequacy.partners import frequency_changes, partners
-from validation.adequacy.response import (
-    Alternative,
-    Candidate,
-    Reference,
-    Response,
-)
 from validation.agreement.responses import PathModes, Statics
 from validation.drawing.text import error_with_spread
 
@@ -38,24 +33,22 @@ def vibration(frequencies, *shapes, seen=1.0):
 TRUTH = vibration([100.0, 150.0, 200.0, 300.0], *AXES)
 
 
-def subject_of(truth, model, *others, unsure=0.0):
-    """A model against a reference of one or more alternatives."""
-    left = np.full((1, 4), unsure)
-    alternatives = [
-        Alternative(f"ends {k}", Response(modes=one), dynamic=left)
-        for k, one in enumerate((truth, *others))
-    ]
-    said = ("how the ends are held", "say how the ends are held") if others else ()
+def subject_of(truth, modes, *others, unsure=0.0, **more):
+    """A model against a reference of one or more interpretations."""
+    if others:
+        more |= {"open": "how the ends are held", "decides": "say how the ends are held"}
+    known = {f"ends {k}": one for k, one in enumerate((truth, *others))}
+    half_widths = meshes(frequencies=np.full((1, 4), unsure))
     return replace(
         toy_subject(4),
-        candidates=[Candidate("model", "a model", Response(modes=model))],
-        dynamics=Reference("truth", alternatives, *said),
+        models=[model("model", modes=modes)],
+        dynamics=reference("truth", known, half_widths, **more),
     )
 
 
-def entry(model, quantity, *others, unsure=0.0):
-    """What is said of a model against the truth above and other alternatives, limits 5 %."""
-    subject = subject_of(TRUTH, model, *others, unsure=unsure)
+def entry(modes, quantity, *others, unsure=0.0):
+    """Entry of a model against the truth above and other interpretations, limits 5 %."""
+    subject = subject_of(TRUTH, modes, *others, unsure=unsure)
     return judged(subject, Requirement(modes=3)).entry("model", quantity)
 
 
@@ -222,9 +215,9 @@ def test_interval_covers_modes_that_pass_between_readings(interior):
     soft = vibration([100.0, 110.0, 200.0, 300.0], A, B, C, D)
     stiff = vibration([115.0, 130.0, 200.0, 300.0], B, A, C, D)
     model = vibration([112.0, 120.0, 200.0, 300.0], B, A, C, D)
-    subject = subject_of(soft, model, stiff, unsure=0.01)
-    dynamics = replace(subject.dynamics, interior=interior)
-    matrix = judged(replace(subject, dynamics=dynamics), Requirement(modes=3))
+    inside = {"interior": interior, "insides": ("soft", "stiff")}
+    subject = subject_of(soft, model, stiff, unsure=0.01, **inside)
+    matrix = judged(subject, Requirement(modes=3))
     first, second = (matrix.entry("model", name) for name in ("f1", "f2"))
     assert first.readings == pytest.approx({"ends 0": 0.2, "ends 1": 112.0 / 115.0 - 1.0})
     assert second.readings == pytest.approx({"ends 0": 112.0 / 110.0 - 1.0, "ends 1": -1.0 / 13.0})
@@ -238,25 +231,23 @@ def test_interval_covers_modes_that_pass_between_readings(interior):
     assert (second.low, second.high) == pytest.approx((0.99 * 120.0 / 130.0 - 1.0, highest))
 
 
-def static_entry(*factors, meshes=0.0, limit=0.05):
+def static_entry(*factors, unsure=0.0, limit=0.05):
     """Deflection along x by a model, against readings of the reference stiffer by factors."""
     toy = toy_subject(3)
-    truth = toy.statics.alternatives[0].response.statics
+    truth = toy.responses.statics(toy.models[0], reading(""))
     names = ("rigid pins", "averaged ones")
-    alternatives = [
-        Alternative(name, Response((1.0 / factor) * truth), static=np.full((2, 7), meshes))
-        for name, factor in zip(names, factors, strict=False)
-    ]
+    known = {name: (1.0 / factor) * truth for name, factor in zip(names, factors, strict=False)}
+    half_widths = meshes(displacements=np.full((2, 7), unsure))
     subject = replace(
         toy,
-        candidates=[Candidate("model", "a model", Response(truth))],
-        statics=Reference("solids", alternatives, "how pins are held"),
+        models=[model("model", truth)],
+        statics=reference("solids", known, half_widths, open="how pins are held"),
     )
     return judged(subject, Requirement(deflection=limit, modes=3)).entry("model", "x")
 
 
 def test_model_equal_to_its_reference_has_no_error():
-    told = static_entry(1.0, meshes=0.044)
+    told = static_entry(1.0, unsure=0.044)
     assert (told.error, told.uncertainty) == (0.0, pytest.approx(0.044, rel=1e-12))
     assert (told.low, told.high) == (0.0, pytest.approx(0.044, rel=1e-12))
     assert (told.verdict, told.readings) == ("adequate", {})
@@ -265,7 +256,7 @@ def test_model_equal_to_its_reference_has_no_error():
 
 def test_error_beyond_its_half_width_is_shown_with_it():
     # |u − u*|/|u*| is 0.2; 1 % of the reference moves it by 1 % of |u|/|u*|.
-    told = static_entry(1.2, meshes=0.01)
+    told = static_entry(1.2, unsure=0.01)
     assert (told.error, told.uncertainty) == pytest.approx((0.2, 0.012), rel=1e-12)
     assert (told.low, told.high) == pytest.approx((0.188, 0.212), rel=1e-12)
     assert plain(error_with_spread(told)) == "20 % ± 1.2 %"
@@ -281,7 +272,7 @@ def test_readings_apart_are_shown_as_such():
     assert (told.low, told.high) == (0.0, told.error)
     assert plain(error_with_spread(told)) == "0 % with rigid pins, 33 % with averaged ones"
     # Closer together than each is known they say no more than the bound does.
-    told = static_entry(1.0, 1.01, meshes=0.03)
+    told = static_entry(1.0, 1.01, unsure=0.03)
     assert plain(error_with_spread(told)) == "below 4 %"
 
 
@@ -306,7 +297,7 @@ def test_frequency_error_keeps_its_sign_beyond_zero(value, text):
 
 
 def test_interval_wider_than_the_half_width_is_shown_by_its_ends():
-    told = static_entry(1.2, meshes=0.01)
+    told = static_entry(1.2, unsure=0.01)
     assert plain(error_with_spread(replace(told, high=0.35))) == "19 to 35 %"
     signed = entry(vibration([90.0, 150.0, 200.0, 300.0], *AXES), "f1", unsure=0.01)
     wider = replace(signed, low=-0.2)
@@ -326,8 +317,8 @@ def test_limit_in_metres_decides_by_the_way_of_each_pose():
     )
     subject = replace(
         toy_subject(3),
-        candidates=[Candidate("model", "a model", Response(moved))],
-        statics=Reference("exact", [Alternative("", Response(due))]),
+        models=[model("model", moved)],
+        statics=reference("exact", {"": due}),
         loads=load_quantities(["press"]),
     )
     wanted = Requirement(modes=3, loads=("press",), displacement=1e-4)
@@ -347,7 +338,7 @@ SEEDS = range(3)
 def entries(seed):
     """Entries of the matrices of a random subject, each with the plain rule for it."""
     found, pairs = subject(seed), []
-    models = {one.model: one for one in found.candidates}
+    models = {one.name: one for one in found.models}
     for limit in LIMITS:
         matrix = judged(found, Requirement(deflection=limit, frequency=limit, modes=MODES))
         pairs += [(e, Rule(found, models[e.model], e.quantity.name, MODES)) for e in matrix.entries]

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from one_arm import LOADS, ONE_ARM
+from toy_responses import reference
 from written_robot import robot_of
 
 from lumped.acceptance.requirement import Requirement
@@ -12,8 +13,10 @@ from lumped.errors import InputError
 from lumped.robot_file import load_robot
 from validation.adequacy.judgement import judged
 from validation.adequacy.mechanism.path import robot_on_path
-from validation.adequacy.models import judged_models
-from validation.adequacy.response import OPEN_LINEAR, OPEN_MASSES, SAY_LINEAR, Response
+from validation.adequacy.mechanism.solids import SOLID
+from validation.adequacy.models import judged_model, judged_models, judged_models_of
+from validation.adequacy.references import SAY_LINEAR, Source
+from validation.adequacy.responses import Responses
 from validation.adequacy.robot import robot_subject, static_subject
 from validation.context import Context
 from validation.kinematics.poses import postures_of
@@ -114,17 +117,18 @@ def test_limits_in_metres_take_the_place_of_shares_and_responses_have_their_own(
         assert found.limit == pytest.approx(limit / found.expected, rel=0.02)
         assert matrix.entry("simplified", "x").limit == 1e-6
     # Of two references the one that yields most has the smallest share in so many metres.
-    (one,) = subject.statics.alternatives
-    softer = replace(one, name="softer", response=Response(2.0 * one.response.statics))
+    (one,) = subject.statics.interpretations
+    due = subject.responses.statics(SOLID, one.reading)
     both = replace(
         subject,
-        statics=replace(subject.statics, alternatives=[one, softer]),
-        candidates=[replace(own, static_steps=()) for own in subject.candidates],
+        responses=Responses(subject.responses.robot),
+        statics=reference("solids", {"stiffer": due, "softer": 2.0 * due}),
+        static_steps={},
     )
     matrix = judged(both, replace(wanted, displacement=100.0 * missed))
     found = matrix.entry("simplified", "load:cutting")
     place = matrix.poses.index(found.pose), OF_LOADS.index("load:cutting")
-    moved = one.response.statics.load_displacements[place][:3]
+    moved = due.load_displacements[place][:3]
     assert found.limit == pytest.approx(50.0 * missed / np.linalg.norm(moved))
 
 
@@ -174,14 +178,14 @@ def test_where_masses_of_given_legs_lie_is_an_interval_of_weight_alone(tmp_path)
     file = replace(file, text="", mechanism=mechanism)
     robot = robot_on_path(Context(file, "quick"))
     wanted = Requirement(deflection=0.005, loads=file.requirement.loads)
-    links = {"links": judged_models(mechanism)["links"]}
-    matrix = judged(static_subject(robot, links), wanted)
+    links = judged_model(robot, "links", judged_models(mechanism)["links"])
+    matrix = judged(static_subject(robot, [links]), wanted)
     weight, push, stop = (matrix.entry("links", name) for name in OF_LOADS)
     # Links are the reference: from nothing to what other places of the mass make of it.
     assert weight.error == pytest.approx(0.0, abs=1e-9)
     assert (weight.low, weight.high) == (0.0, pytest.approx(weight.uncertainty, rel=1e-6))
-    assert weight.uncertainties[OPEN_MASSES] > 0.01 > 10.0 * push.uncertainty
-    assert OPEN_MASSES not in push.uncertainties
+    assert weight.uncertainties[Source.MASSES] > 0.01 > 10.0 * push.uncertainty
+    assert Source.MASSES not in push.uncertainties
     assert weight.verdict == "undecided"
     assert weight.reason == robot.say_masses
     # At both ends of its stroke nothing can stop: there is nothing to be wrong about.
@@ -216,15 +220,15 @@ def test_a_load_that_softens_what_it_meets_is_judged_by_no_linear_model(tmp_path
     # What takes less than a thousandth of the stiffness is not worth a line.
     small = replace(at, lost=at.lost * 1e-3, farther=at.farther * 1e-3)
     assert stability_notes(robot.postures, [[small, None]], arm.requirement) == ()
-    matrix = judged(static_subject(robot, judged_models(robot.mechanism)), arm.requirement)
+    matrix = judged(static_subject(robot, judged_models_of(robot).values()), arm.requirement)
     pressed, free = (matrix.entry("vjm", one) for one in ("load:press", "x"))
     assert (pressed.verdict, free.verdict) == ("undecided", "adequate")
     assert pressed.reason == SAY_LINEAR
-    assert pressed.uncertainties[OPEN_LINEAR] == pytest.approx(at.farther, rel=0.1)
-    assert OPEN_LINEAR not in free.uncertainties
+    assert pressed.uncertainties[Source.LINEARITY] == pytest.approx(at.farther, rel=0.1)
+    assert Source.LINEARITY not in free.uncertainties
     # Where it has buckled nothing is known.
     crushed = matrix.entry("vjm", "load:crush")
-    assert crushed.uncertainties[OPEN_LINEAR] == pytest.approx(1.0, rel=0.1)
+    assert crushed.uncertainties[Source.LINEARITY] == pytest.approx(1.0, rel=0.1)
 
 
 MEASURED = """

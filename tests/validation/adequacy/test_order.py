@@ -4,12 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from toy_responses import model as toy_model
+from toy_responses import reference
 from toy_subject import toy_subject
 
 from lumped.acceptance.requirement import Requirement
 from validation.adequacy.judgement import judged
 from validation.adequacy.partners import partners
-from validation.adequacy.response import Alternative, Candidate, Reference, Response
 from validation.agreement.responses import PathModes
 
 SAMPLES, JUDGED, LIMIT = 24, 7, 0.05
@@ -50,10 +51,8 @@ def test_order_of_modes_is_that_of_their_families(seed):
     count = min(JUDGED, sizes.sum())
     subject = replace(
         toy_subject(SAMPLES),
-        candidates=[Candidate("model", "a model", Response(modes=model))],
-        dynamics=Reference(
-            "truth", [Alternative("", Response(modes=truth), dynamic=np.zeros((1, count)))]
-        ),
+        models=[toy_model("model", modes=model)],
+        dynamics=reference("truth", {"": truth}),
     )
     matrix = judged(subject, Requirement(frequency=LIMIT, modes=count))
     for mode in range(count):

@@ -20,7 +20,10 @@ from validation.adequacy.mechanism import digits
 from validation.adequacy.mechanism.digits import left_by_digits
 from validation.adequacy.mechanism.dynamics import dynamic_reference
 from validation.adequacy.mechanism.path import robot_on_path
-from validation.adequacy.models import judged_models
+from validation.adequacy.mechanism.solids import SOLID
+from validation.adequacy.models import judged_models, judged_models_of
+from validation.adequacy.references import Source
+from validation.adequacy.responses import Responses
 from validation.adequacy.robot import static_subject
 from validation.context import Context
 from validation.kinematics.poses import postures_of
@@ -119,11 +122,12 @@ def test_digits_leave_sizes_of_peaks_twice_as_open_as_their_frequencies(tmp_path
     text = f"{load_robot('ifw').text}\n[damping]\nratio = 0.02\n{asked}count = 20\n"
     file = robot_of(text, tmp_path)
     file = replace(file, mechanism=replace(file.mechanism, poses=file.mechanism.poses[4:5]))
-    for one in dynamic_reference(robot_on_path(Context(file, "quick"))).alternatives:
-        modes = one.response.modes
+    responses = Responses(robot_on_path(Context(file, "quick")))
+    for one in dynamic_reference(responses).interpretations:
+        modes, half_widths = responses.modes(SOLID, one.reading), one.budget[Source.DIGITS]
         nearest = np.argmin(np.abs(modes.frequencies[0, :4] - modes.peaks[0, 1]))
-        due = one.dynamic_digits[0, nearest] * np.array([2.0, 1.0])
-        assert one.responses.digits[0] == pytest.approx(due)
+        due = half_widths.frequencies[0, nearest] * np.array([2.0, 1.0])
+        assert half_widths.peaks[0] == pytest.approx(due)
 
 
 def coupled(leg):
@@ -138,10 +142,13 @@ def coupled(leg):
 def test_a_coupling_that_is_left_out_is_not_adequate_however_good_the_diagonals_are():
     robot = like_ifw(leg1=coupled(LEG1), leg2=coupled(LEG2), foot_compliance=None)
     robot = robot_on_path(Context(file_of(robot), "quick"))
-    subject = static_subject(robot, judged_models(robot.mechanism))
+    subject = static_subject(robot, judged_models_of(robot).values())
     matrix = judged(subject, robot.context.robot_file.requirement)
-    (due,) = (one.response.statics.compliances for one in subject.statics.alternatives)
-    compliances = {one.model: one.response.statics.compliances for one in subject.candidates}
+    compliances = {
+        one.name: subject.responses.statics(one, robot.first_reading).compliances
+        for one in (SOLID, *subject.models)
+    }
+    due = compliances[SOLID.name]
     for model in ("vjm-equivalent", "segments", "beam", "beam-euler-bernoulli"):
         # The rule that there was: all six are right within 3.5 %.
         diagonals = np.diagonal(compliances[model] / due, axis1=1, axis2=2) - 1.0

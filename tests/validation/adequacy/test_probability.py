@@ -8,6 +8,7 @@ import pytest
 import scipy
 from one_arm import ONE_ARM
 from scipy.special import ndtr, ndtri
+from toy_responses import reading
 from toy_subject import toy_subject
 from written_robot import robot_of
 
@@ -15,7 +16,8 @@ from lumped.acceptance.requirement import Requirement
 from lumped.robot_file import load_robot
 from validation.adequacy.judgement import judged
 from validation.adequacy.probability import ErrorOfInputs, Slope, probability
-from validation.adequacy.response import InputOff, InputsOff, Response
+from validation.adequacy.references import PerturbedInputs, Reference
+from validation.adequacy.responses import Model, Responses
 from validation.adequacy.robot import robot_subject
 from validation.context import Context
 
@@ -107,19 +109,19 @@ def test_three_inputs_agree_with_monte_carlo():
 
 
 def scaled(robot, factor):
-    """The toy robot with beams whose compliance is that of the reference times a factor."""
-    truth = robot.statics.alternatives[0].response
-    beam = Response(factor * truth.statics)
-    candidates = [replace(one, response=beam) for one in robot.candidates if one.model == "beam"]
-    return replace(robot, candidates=candidates)
+    """The toy robot whose beams have the compliance of the reference times a factor."""
+    return replace(robot, responses=Responses(factor))
 
 
 @pytest.mark.parametrize("quantity", ["x", "phi_z", "any_force"])
 def test_error_zero_of_a_robot_is_probable_as_its_slope(quantity):
     """Beams that are right in the file's robot and off by 5 % for each standard uncertainty."""
     toy = toy_subject(1)
-    alone = InputOff("drive", 0.1, scaled(toy, 0.95), scaled(toy, 1.05))
-    inputs = InputsOff([alone], np.array([[0.7]]), [scaled(toy, 1.0 + 0.7 * 0.05)])
+    truth = toy.responses.statics(toy.statics.model, reading(""))
+    toy = replace(toy, models=[Model("beam", statics=lambda factor, _: factor * truth)])
+    alone = [scaled(toy, 0.95)], [scaled(toy, 1.05)]
+    together = np.array([[0.7]]), [scaled(toy, 1.0 + 0.7 * 0.05)]
+    inputs = PerturbedInputs({"drive": 0.1}, *alone, *together)
     robot = replace(scaled(toy, 1.0), inputs=inputs)
     entry = judged(robot, Requirement(deflection=0.08, modes=1)).entry("beam", quantity)
     assert (entry.error, entry.verdict) == (0.0, "undecided")
@@ -288,16 +290,15 @@ def test_rigid_bodies_on_a_drive_are_judged_as_by_hand(of_arm):
 
 
 def without_modes(robot):
-    found = [(one, replace(one.response, modes=None)) for one in robot.candidates]
-    return replace(robot, candidates=[replace(one, response=silent) for one, silent in found])
+    return replace(robot, dynamics=Reference("none"))
 
 
 def test_robots_whose_mode_is_lost_count_against_the_verdict(of_arm):
-    first, *others = of_arm.inputs.alone
-    alone = [replace(first, below=without_modes(first.below)), *others]
+    first, *others = of_arm.inputs.below
+    below = [without_modes(first), *others]
     together = [without_modes(of_arm.inputs.together[0]), *of_arm.inputs.together[1:]]
     for changed, within, reason in (
-        ({"alone": alone}, ndtr(0.5), f"{first.key} known to"),
+        ({"below": below}, ndtr(0.5), f"{DRIVE} known to"),
         ({"together": together}, 1.0 - 1.0 / len(together), ""),
     ):
         robot = replace(of_arm, inputs=replace(of_arm.inputs, **changed))

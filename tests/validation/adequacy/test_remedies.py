@@ -9,6 +9,8 @@ import pytest
 from crane import write_crane
 from like_ifw import file_of, like_ifw
 from one_arm import ONE_ARM
+from toy_responses import meshes, reference
+from toy_responses import model as toy_model
 from written_robot import robot_of
 
 from fem.sections.section_constants import section_constants
@@ -22,21 +24,19 @@ from lumped.sections import HollowRectangle, Rectangle, Tube
 from meshes.section.section_mesh import section_mesh
 from validation import cli
 from validation.adequacy.judgement import REST, judged
-from validation.adequacy.mechanism import statics, vibration
+from validation.adequacy.mechanism import solids, statics, vibration
 from validation.adequacy.mechanism.dynamics import DYNAMIC_STEPS
 from validation.adequacy.mechanism.parts import FINER_PARTS
 from validation.adequacy.mechanism.path import holding, known_legs, say_masses
 from validation.adequacy.mechanism.statics import STATIC_STEPS
-from validation.adequacy.response import (
+from validation.adequacy.references import (
     NOT_FINER,
     USE_SOLID,
-    Alternative,
-    Candidate,
     Reference,
-    Response,
     Subject,
     finer_by,
 )
+from validation.adequacy.responses import Responses
 from validation.adequacy.robot import finer_context, leg_subject, robot_adequacy
 from validation.agreement.responses import Statics
 from validation.context import Context
@@ -88,7 +88,7 @@ def test_a_mechanism_is_judged_without_the_model_that_refuses(monkeypatch, arm, 
 
 
 def test_a_step_that_is_not_solved_ends_the_causes_and_says_why(monkeypatch, arm, sound):
-    refusing(monkeypatch, statics, "own_spring")
+    refusing(monkeypatch, solids, "own_spring")
     matrix = robot_adequacy(Context(arm, "quick"))
     for now, before in zip(matrix.entries, sound.entries, strict=True):
         assert (now.verdict, now.error) == (before.verdict, before.error)
@@ -291,14 +291,14 @@ def test_ends_and_interfaces_are_said_by_lines_that_can_be_pasted(tmp_path):
 @pytest.mark.parametrize("ends", [0.3, 0.8])
 def test_where_no_mesh_is_finer_what_leaves_nearly_as_much_open_is_said(ends):
     """A five-bar's meshes left 0.234 % open, its ends 0.222 %: it was told that nothing helps."""
-    exact, axes = Statics(np.eye(6)[None], np.zeros((1, 0, 6))), np.full((1, 7), 0.02)
-    held = (("rigid", exact), ("free", (1.0 - 0.04 * ends) * exact))
-    answers = [Alternative(name, Response(found), static=axes) for name, found in held]
-    beam = Candidate("beam", "beam", Response(1.05 * exact))
+    exact = Statics(np.eye(6)[None], np.zeros((1, 0, 6)))
+    held = {"rigid": exact, "free": (1.0 - 0.04 * ends) * exact}
+    half_widths, beam = meshes(displacements=np.full((1, 7), 0.02)), toy_model("beam", 1.05 * exact)
     for finer, told in ((NOT_FINER, NOT_FINER if ends < 0.5 else "say ends"), ("mesh", "mesh")):
-        statics = Reference("solids", answers, open="ends", decides="say ends", finer=finer)
+        said = {"open": "ends", "decides": "say ends", "finer": finer}
+        statics = reference("solids", held, half_widths, **said)
         pose = (Coordinate("x", "m"),), np.zeros((1, 1))
-        robot = Subject("toy", *pose, [beam], statics, Reference("none", ()))
+        robot = Subject("toy", *pose, Responses(None), [beam], statics, Reference("none"))
         entry = judged(robot, Requirement()).entry("beam", "x")
         assert entry.uncertainties["meshes"] > entry.uncertainties["ends"]
         assert (entry.verdict, entry.reason) == ("undecided", told)

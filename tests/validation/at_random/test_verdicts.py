@@ -23,7 +23,7 @@ from validation.adequacy.mechanism.path import robot_at
 from validation.adequacy.mechanism.samples import samples_of
 from validation.adequacy.mechanism.statics import model_statics
 from validation.adequacy.mechanism.vibration import vibration_of
-from validation.adequacy.models import JUDGED
+from validation.adequacy.models import JUDGED, judged_models_of
 from validation.adequacy.partners import partners
 from validation.adequacy.robot import robot_subject, static_subject
 from validation.context import Context
@@ -122,7 +122,9 @@ def test_no_verdict_in_statics_is_contradicted(chunk, tmp_path):
     for robot, ends in robots(chunk, 2, tmp_path):
         context = Context(file_of(robot), "quick")
         places = placed_at(context.robot_file.mechanism, *stations(robot, POSTURES))
-        subject = static_subject(robot_at(context, places), {name: JUDGED[name] for name in MODELS})
+        at = robot_at(context, places)
+        models = judged_models_of(at, {name: JUDGED[name] for name in MODELS})
+        subject = static_subject(at, models.values())
         assert not contradictions(subject, static_errors(robot, ends))
 
 

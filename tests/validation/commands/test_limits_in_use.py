@@ -24,7 +24,7 @@ from validation import api, catalogue, cli, pytest_plugin
 from validation import validate as session
 from validation.adequacy import robot as adequacy_of_robot
 from validation.adequacy.judgement import judged
-from validation.adequacy.response import Response
+from validation.adequacy.responses import Model
 from validation.case import Measurement
 from validation.run import runner
 from validation.verdicts import Assessment
@@ -230,9 +230,7 @@ def test_model_that_ends_with_an_error_is_a_failed_item(in_folder, monkeypatch):
 
     def faulty(context):
         toy = toy_subject(context.robot_file.requirement.modes)
-        (beam,) = (one for one in toy.candidates if one.model == "beam")
-        response = Response(unsolved_statics="ZeroDivisionError", fault=True)
-        return replace(toy, candidates=(replace(beam, response=response),))
+        return replace(toy, models=(Model("beam", statics=lambda *_: 1 / 0),))
 
     monkeypatch.setattr(adequacy_of_robot, "robot_subject", faulty)
     chosen = ("--flexproof", "mine.toml", "-k", "beam.x and not euler")

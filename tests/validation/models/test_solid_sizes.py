@@ -12,6 +12,7 @@ from lumped.sections import Circle, Rectangle, Tube
 from validation.adequacy.mechanism import dynamics as of_mechanisms
 from validation.adequacy.mechanism.legs import finer_statics, solid_leg
 from validation.adequacy.mechanism.path import robot_at
+from validation.adequacy.responses import Responses
 from validation.case import Skip
 from validation.catalogue import catalogue
 from validation.context import Context
@@ -61,8 +62,8 @@ def test_what_a_run_takes_is_said_leg_by_leg():
 def test_frequencies_have_no_such_reference_with_the_reason(context):
     """Without alternatives all verdicts are undecided."""
     robot = robot_at(context, placed_at(SLENDER.mechanism))
-    found = of_mechanisms.dynamic_reference(robot)
-    assert not found.alternatives
+    found = of_mechanisms.dynamic_reference(Responses(robot))
+    assert not found.interpretations
     assert re.match(REASON, found.decides)
 
 

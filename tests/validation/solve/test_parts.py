@@ -18,6 +18,7 @@ from validation.adequacy.mechanism import dynamics
 from validation.adequacy.mechanism.parts import reduction_note, solid_parts
 from validation.adequacy.mechanism.path import holding, path_postures, robot_on_path
 from validation.adequacy.models import JUDGED, judged_models, why_unable
+from validation.adequacy.responses import Model, Responses
 from validation.adequacy.robot import robot_adequacy
 from validation.agreement.responses import PathModes
 from validation.cases import part_reductions
@@ -80,12 +81,13 @@ def test_half_width_of_f1_does_not_depend_on_judged_modes(crane, monkeypatch):
         repeated = (np.array([one] * len(robot.postures)) for one in (frequencies, shapes))
         return PathModes(*repeated, np.ones(12), np.ones((len(robot.postures), 12)))
 
-    monkeypatch.setattr(dynamics, "modes_of_solids", modes_on)
+    solids = Model("solid", modes=modes_on, modal_fields=("part_mesh",))
+    monkeypatch.setattr(dynamics, "SOLID", solids)
     half_widths = []
     for count in (2, 3, 4, 6):
         requirement = replace(crane.requirement, modes=count)
         robot = robot_on_path(Context(replace(crane, requirement=requirement), "quick"))
-        half_widths.append(dynamics.part_uncertainty(robot)[:, :2])
+        half_widths.append(dynamics.part_uncertainty(Responses(robot))[:, :2])
     assert half_widths[1:] == [pytest.approx(half_widths[0], rel=1e-9)] * 3
 
 

@@ -19,40 +19,36 @@ from validation.adequacy.mechanism.parts import (
     PART_STEPS,
     UNKNOWN,
     number_by_number,
-    part_answers,
+    part_kinds,
     refinement_share,
 )
-from validation.adequacy.mechanism.path import Holds, RobotOnPath, RobotReading
-from validation.adequacy.mechanism.vibration import (
-    modes_by_model,
-    modes_of_own_beams,
-    modes_of_solids,
-    solid_meshes,
-)
+from validation.adequacy.mechanism.path import Reading, RobotOnPath
+from validation.adequacy.mechanism.solids import HELD, OWN, SOLID
+from validation.adequacy.mechanism.vibration import modes_by_model, modes_of_solids, solid_meshes
 from validation.adequacy.partners import amounts_by_shape, frequency_changes
-from validation.adequacy.response import (
-    OPEN_MASSES,
+from validation.adequacy.references import (
     TIMOSHENKO,
     USE_SOLID,
-    Alternative,
+    Budget,
+    HalfWidths,
+    Interpretation,
     Reference,
     Remedy,
-    Response,
-    ResponsesLeftOpen,
-    Step,
+    Source,
+    Steps,
     StepTexts,
     finer_by,
     ladders,
-    modes_of,
     use,
 )
-from validation.agreement.responses import PathModes, Unsolved
+from validation.adequacy.responses import Model, Responses
+from validation.agreement.responses import PathModes
 from validation.context import Preset
 from validation.models.loads.leg_masses import Masses, plausible_insides
 from validation.models.mechanism import modes_along
 from validation.models.options import ModelName, ModelOptions
 from validation.parts.meshes import FINEST, MIDDLE
-from validation.solids.legs import COARSEST_WALLS, ELEMENTS
+from validation.solids.legs import ELEMENTS
 from validation.solids.size import larger_preset, too_large
 
 # m/N: a logarithm has no zero.
@@ -60,39 +56,31 @@ _NO_SIZE = 1e-30
 _SUPPOSED = "for every plausible distribution of the legs' mass and stiffness"
 
 
-def dynamic_reference(robot: RobotOnPath) -> Reference:
-    """Solid legs reduced to their ends, given ones with every plausible inside."""
+def dynamic_reference(responses: Responses) -> Reference:
+    """Solid legs reduced to their ends, legs known by their 6×6 with every plausible inside."""
+    robot = responses.robot
     preset, holding, parts = robot.context.meshes, robot.holding, robot.mechanism.parts
     if reason := _why_unmeshed(robot.prisms, preset):
-        return Reference("none", (), decides=reason)
-    insides = plausible_insides(robot.given.values())
-    left_by_parts = part_uncertainty(robot)
-    alternatives = []
-    for (name, hold), inside in product(holding.alternatives.items(), insides):
-        reading = RobotReading(hold, inside)
-        fine = modes_of_solids(robot, reading)
-        uncertainty = np.zeros((len(robot.postures), robot.judged)) + left_by_parts
-        # Where no section is meshed there is one solution.
-        if robot.prisms:
-            uncertainty += _mesh_uncertainty(robot, reading, fine)
-        said = name if robot.prisms or parts or not robot.given else ""
-        dynamic = np.where(np.isnan(uncertainty), UNKNOWN, uncertainty)
-        digits = _digit_uncertainty(robot, fine, reading.masses)
-        alternatives.append(
-            Alternative(
-                ", ".join(filter(None, (said, str(inside or "")))),
-                Response(modes=fine),
-                dynamic=dynamic,
-                dynamic_digits=digits,
-                responses=_left_of_responses(robot, reading, fine, digits),
-                ends=said,
-                others=", ".join((said, reading.masses)),
+        return Reference("none", decides=reason)
+    part_half_widths = part_uncertainty(responses)
+    interpretations = []
+    for (name, ends), inside in product(
+        holding.alternatives.items(), plausible_insides(robot.given.values())
+    ):
+        reading = Reading(ends, *(inside or ()))
+        stated = name if robot.prisms or parts or not robot.given else ""
+        interpretations.append(
+            Interpretation(
+                ", ".join(filter(None, (stated, str(inside or "")))),
+                reading,
+                _budget(responses, reading, part_half_widths),
             )
         )
-    mass_unsaid = OPEN_MASSES if robot.given else ""
+    mass_unsaid = Source.MASSES if robot.given else ""
     return Reference(
         title=_title(robot),
-        alternatives=alternatives,
+        model=SOLID,
+        interpretations=interpretations,
         open=" and ".join(filter(None, (holding.unsaid, mass_unsaid))),
         decides="; ".join(filter(None, (holding.decides, robot.say_masses))),
         interior=robot.say_interior,
@@ -101,6 +89,36 @@ def dynamic_reference(robot: RobotOnPath) -> Reference:
         supposed=_SUPPOSED if robot.given else "",
         computed_by=("validation.adequacy.mechanism.vibration.solid_vibration",),
     )
+
+
+def _budget(responses: Responses, reading: Reading, part_half_widths: Array) -> Budget:
+    """Half-widths of modes and of responses to harmonic forces by source."""
+    robot = responses.robot
+    fine = responses.required_modes(SOLID, reading)
+    meshes = part_half_widths.copy()
+    # If no section is meshed there is one solution.
+    if robot.prisms:
+        meshes += _mesh_uncertainty(responses, reading, fine)
+    meshes = np.where(np.isnan(meshes), UNKNOWN, meshes)
+    budget = {Source.MESHES: HalfWidths(frequencies=meshes)}
+    digits = _digit_uncertainty(robot, fine, reading.masses)
+    if digits is not None:
+        budget[Source.DIGITS] = HalfWidths(frequencies=digits)
+    if not robot.mechanism.excitations:
+        return budget
+    no_digits = np.zeros((len(robot.postures), robot.judged))
+    peaks, receptances = _digits_of_responses(robot, fine, no_digits if digits is None else digits)
+    return {
+        Source.MESHES: HalfWidths(
+            frequencies=meshes,
+            peaks=_meshes_of_responses(responses, reading, fine, _peaks),
+            receptances=[
+                _meshes_of_responses(responses, reading, fine, partial(_sizes, number))
+                for number in range(len(robot.mechanism.excitations))
+            ],
+        ),
+        Source.DIGITS: HalfWidths(frequencies=digits, peaks=peaks, receptances=receptances),
+    }
 
 
 def _title(robot: RobotOnPath) -> str:
@@ -124,17 +142,18 @@ def _finer_preset(prisms: Sequence[ConstantLeg], preset: Preset) -> str:
     return finer_by(larger_preset(preset, lambda one: not _why_unmeshed(prisms, one)))
 
 
-def _mesh_uncertainty(robot: RobotOnPath, reading: RobotReading, fine: PathModes) -> Array:
-    """What the meshes of prisms leave open of the judged frequencies of `fine` (p×K, relative).
+def _mesh_uncertainty(responses: Responses, reading: Reading, fine: PathModes) -> Array:
+    """Half-widths of the judged frequencies of `fine` (P×K, relative) due to meshes of prisms.
 
     From the step between two solids, whose elements become shorter along walls and legs while walls
-    keep one across, and from what that leaves open of the beams' modes of the same shape. NaN for a
-    mode that the coarser solid does not have, or the beams: it is known to no digit.
+    keep one across, and from the step of the beams' modes of the same shape between two section
+    meshes. NaN for a mode that the coarser solid, or the beams, do not have.
     """
-    judged, coarse = robot.judged, modes_of_solids(robot, replace(reading, mesh=0))
+    robot, judged = responses.robot, responses.robot.judged
+    coarse = responses.required_modes(SOLID, replace(reading, mesh=0))
     step = frequency_changes(fine, coarse, judged)
     ratio = solid_meshes(robot.context.meshes).ratio(robot.prisms)
-    rough, beams = _beams_on_section_meshes(robot, reading.ends)
+    rough, beams = _beams_on_section_meshes(responses, reading)
     count = beams.frequencies.shape[1]
     changes = frequency_changes(beams, rough, count)
     of_beams = np.broadcast_to(changes[:, None, :], (*fine.frequencies.shape, count))
@@ -142,43 +161,36 @@ def _mesh_uncertainty(robot: RobotOnPath, reading: RobotReading, fine: PathModes
     return step_uncertainty(step, ratio) + step_uncertainty(section, SECTION_RATIO)
 
 
-def _beams_on_section_meshes(robot: RobotOnPath, ends: Holds) -> tuple[PathModes, PathModes]:
-    """Beams by the section meshes of the solids, and by their own finer ones."""
-    fine = solid_meshes(robot.context.meshes).fine
+def _beams_on_section_meshes(responses: Responses, reading: Reading) -> tuple[PathModes, PathModes]:
+    """Modes of beams by the section meshes of the solids, and by their own finer ones."""
     # Beams free to warp lean on Saint-Venant's constant less than such solids do.
-    warping = None if "free" in ends.values() else ends
-    mesh = fine._replace(walls=max(fine.walls, COARSEST_WALLS))
-    rough = modes_of_own_beams(robot, warping, mesh)
-    return rough, modes_of_own_beams(robot, warping)
+    model = OWN if "free" in reading.ends.values() else HELD
+    rough = responses.required_modes(model, replace(reading, section_mesh=0))
+    return rough, responses.required_modes(model, replace(reading, section_mesh=1))
 
 
-def _left_of_responses(
-    robot: RobotOnPath, reading: RobotReading, fine: PathModes, digits: Array | None
-) -> ResponsesLeftOpen | None:
-    """What meshes and printed digits (`digits` of frequencies, p×K) leave open of responses."""
-    excitations = robot.mechanism.excitations
-    if not excitations:
-        return None
+def _peaks(modes: PathModes) -> Array:
+    return modes.peaks
 
-    def meshes(numbers: Callable[[PathModes], Array]) -> Array:
-        return _left_by_meshes(robot, reading, fine, numbers)
 
-    known = np.zeros((len(robot.postures), robot.judged)) if digits is None else digits
+def _sizes(excitation: int, modes: PathModes) -> Array:
+    return np.abs(modes.receptances[excitation])
+
+
+def _digits_of_responses(
+    robot: RobotOnPath, fine: PathModes, digits: Array
+) -> tuple[Array, list[Array]]:
+    """Half-widths of peaks (P×q) and receptances (P×n each) by `digits` of frequencies (P×K)."""
     of_peaks: list[Array] = []
     receptances = []
-    for number, one in enumerate(excitations):
-
-        def sizes(of: PathModes, number: int = number) -> Array:
-            return np.abs(of.receptances[number])
-
+    for number, one in enumerate(robot.mechanism.excitations):
         peak = fine.peaks[:, [len(of_peaks) + 1]]
-        nearest, left = _left_by_digits(fine, known, one.frequencies, sizes(fine), peak)
+        nearest, left = _left_by_digits(fine, digits, one.frequencies, _sizes(number, fine), peak)
         of_peaks += [2.0 * nearest, nearest]
         if one.at is not None:
             of_peaks.append(np.array([np.interp(one.at, one.frequencies, row) for row in left]))
-        receptances.append(left + meshes(sizes))
-    left_by_meshes = meshes(lambda of: of.peaks)
-    return ResponsesLeftOpen(left_by_meshes, np.stack(of_peaks, axis=1), receptances)
+        receptances.append(left)
+    return np.stack(of_peaks, axis=1), receptances
 
 
 def _left_by_digits(
@@ -197,19 +209,21 @@ def _left_by_digits(
     return shares[:, 0], shares[:, 1:] * (2.0 + np.abs(slopes))
 
 
-def _left_by_meshes(
-    robot: RobotOnPath,
-    reading: RobotReading,
+def _meshes_of_responses(
+    responses: Responses,
+    reading: Reading,
     fine: PathModes,
     numbers: Callable[[PathModes], Array],
 ) -> Array:
-    """What meshes leave open of `numbers` of the responses of `fine`, relative; all if unknown."""
+    """Relative half-widths of `numbers` of the responses due to meshes. All of them if unknown."""
+    robot = responses.robot
 
     def step(rough: PathModes, own: PathModes, ratio: float) -> Array:
         return step_uncertainty(np.abs(numbers(rough) / numbers(own) - 1.0), ratio)
 
     def of_parts(level: int) -> Array:
-        return numbers(modes_of_solids(robot, replace(robot.first_reading, part_mesh=level)))
+        on_level = replace(robot.first_reading, part_mesh=level)
+        return numbers(responses.required_modes(SOLID, on_level))
 
     # A peak that nothing damps has no size.
     with np.errstate(invalid="ignore"):
@@ -217,10 +231,10 @@ def _left_by_meshes(
             robot.mechanism, of_parts, number_by_number
         )
         if robot.prisms:
-            coarse = modes_of_solids(robot, replace(reading, mesh=0))
+            coarse = responses.required_modes(SOLID, replace(reading, mesh=0))
             ratio = solid_meshes(robot.context.meshes).ratio(robot.prisms)
             left += step(coarse, fine, ratio)
-            left += step(*_beams_on_section_meshes(robot, reading.ends), SECTION_RATIO)
+            left += step(*_beams_on_section_meshes(responses, reading), SECTION_RATIO)
     return np.where(np.isnan(left), UNKNOWN, left)
 
 
@@ -240,16 +254,17 @@ def _digit_uncertainty(robot: RobotOnPath, fine: PathModes, masses: Masses) -> A
     return np.where(np.isnan(by_shape), most, by_shape)
 
 
-def part_uncertainty(robot: RobotOnPath) -> Array:
+def part_uncertainty(responses: Responses) -> Array:
     """Relative half-widths of the judged frequencies (p×K) due to the meshes of CAD parts.
 
     The order of convergence is that of the first `MOST_MODES` frequencies together, however many
     are judged. NaN for a mode that a coarser mesh does not have.
     """
+    robot = responses.robot
 
     def frequencies(level: int) -> Array:
         finest, modes = (
-            modes_of_solids(robot, replace(robot.first_reading, part_mesh=mesh))
+            responses.required_modes(SOLID, replace(robot.first_reading, part_mesh=mesh))
             for mesh in (FINEST, level)
         )
         reference = finest.frequencies[:, :MOST_MODES]
@@ -262,16 +277,20 @@ def part_uncertainty(robot: RobotOnPath) -> Array:
     return np.asarray(np.broadcast_to(share, shape)[:, : robot.judged])
 
 
-def mass_notes(robot: RobotOnPath, reference: Reference) -> tuple[str, ...]:
+def mass_notes(responses: Responses, reference: Reference) -> tuple[str, ...]:
     """Ranges of frequencies of plausible insides in the middle of the path, and bounds of all.
 
     Mass lowers frequencies, wherever it lies (Rayleigh): legs without mass bound them from above.
     Nothing bounds them from below, since the 6×6 says nothing of what is between a leg's ends.
     """
-    if not reference.supposed:
+    if not reference.supposed or reference.model is None:
         return ()
-    answers = [one.response.solved_modes for one in reference.alternatives]
-    known = [one.frequencies for one in answers if one]
+    robot = responses.robot
+    known = [
+        modes.frequencies
+        for one in reference.interpretations
+        if (modes := responses.known_modes(reference.model, one.reading))
+    ]
     found = np.array([one[len(one) // 2, : robot.judged] for one in known])
     lows, highs = np.nanmin(found, axis=0), np.nanmax(found, axis=0)
     spans = [
@@ -292,46 +311,39 @@ def mass_notes(robot: RobotOnPath, reference: Reference) -> tuple[str, ...]:
     return (f"{said}; no distribution gives more than massless legs: {', '.join(bounds)}",)
 
 
-def dynamic_ladders(
-    robot: RobotOnPath,
-    found: Mapping[str, PathModes | Unsolved | None],
-    reference: Reference,
-) -> dict[str, tuple[Step, ...]]:
-    """Steps by name of the model, each ladder from the model upwards; `found` are their modes."""
-    names = [one.name for one in reference.alternatives]
-    if not names:
-        return {}
-
-    def answered(model: ModelName, options: ModelOptions) -> Response:
-        return Response(modes=modes_of(partial(modes_by_model, robot, model, options)))
-
-    def own(ends: Holds | None) -> Response:
-        return Response(modes=modes_of(partial(modes_of_own_beams, robot, ends)))
-
-    beam, segments = (Response(modes=found[name]) for name in ("beam", "segments"))
-
-    alike = {
+def modal_steps(robot: RobotOnPath, judged: Mapping[str, Model]) -> Steps:
+    """Steps by name of the model, each ladder from the model upwards; `judged` are all models."""
+    beam, parts = judged["beam"], robot.mechanism.parts
+    models = {
         "drives": beam,
-        "shear of segments": segments,
+        "shear of segments": judged["segments"],
         "shear of beams": beam,
         # Second order in 1/n: a quarter of the error is left.
-        "twice as many": answered("segments", ModelOptions(elements=2 * ELEMENTS)),
+        "twice as many": _modal("segments", ModelOptions(elements=2 * ELEMENTS)),
         "beams": beam,
-        **part_answers(robot.mechanism, lambda kind: answered("beam", ModelOptions(parts=kind))),
     }
-    if robot.mechanism.parts:
-        # On a coarser mesh than the reference's.
-        solids = partial(
-            modes_of_solids, robot, RobotReading(robot.holding.first, part_mesh=MIDDLE)
-        )
-        alike["modes inside"] = Response(modes=modes_of(solids))
+    for kind in part_kinds(robot.mechanism):
+        models[kind] = _modal("beam", ModelOptions(parts=kind))
+    if parts:
+        models["modes inside"] = Model("solids on a coarser mesh", modes=_on_middle_mesh)
     if robot.prisms and not robot.given:
-        alike["own"] = own(None)
-    by_step = {step: dict.fromkeys(names, modes) for step, modes in alike.items()}
-    if "own" in by_step:
-        holds = robot.holding.alternatives
-        by_step["warping"] = {name: own(ends) for name, ends in holds.items()}
-    return ladders(_LADDERS, DYNAMIC_STEPS, by_step)
+        models |= {"own": OWN, "warping": HELD}
+    return ladders(_LADDERS, DYNAMIC_STEPS, models)
+
+
+def _modal(model: ModelName, options: ModelOptions) -> Model:
+    return Model(f"{model} of a step", modes=partial(_model_modes, model, options))
+
+
+def _model_modes(
+    model: ModelName, options: ModelOptions, robot: RobotOnPath, _: Reading
+) -> PathModes | None:
+    return modes_by_model(robot, model, options)
+
+
+def _on_middle_mesh(robot: RobotOnPath, _: Reading) -> PathModes:
+    """Modes of solids on a coarser mesh than the reference's, in its first interpretation."""
+    return modes_of_solids(robot, replace(robot.first_reading, part_mesh=MIDDLE))
 
 
 _SHEAR = "shear deformation and rotary inertia neglected"

@@ -6,133 +6,98 @@ congruence C = T C_beams Tᵀ with T from both Cholesky factors, of every freque
 the reference has no solids it is the same computation and nothing is carried.
 """
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import replace
 from functools import partial
-from itertools import product
 
 import numpy as np
 import scipy
 
 from lumped.mechanism.mechanism import Mechanism
-from validation.adequacy.mechanism.legs import held_spring
-from validation.adequacy.mechanism.parts import assembled
-from validation.adequacy.mechanism.path import Holds, RobotOnPath, RobotReading, robot_at
-from validation.adequacy.mechanism.vibration import (
-    modes_of_own_beams,
-    modes_of_solids,
-)
-from validation.adequacy.models import JudgedModel, modes_by, statics_by
+from validation.adequacy.mechanism.path import Reading, RobotOnPath, robot_at
+from validation.adequacy.mechanism.solids import HELD, SOLID
 from validation.adequacy.partners import partners
-from validation.adequacy.response import (
-    InputOff,
-    InputsOff,
-    Response,
-    Subject,
-    modes_of,
-)
+from validation.adequacy.references import PerturbedInputs, Subject
+from validation.adequacy.responses import Model, Responses
 from validation.agreement.responses import PathModes, Statics
 from validation.context import Preset
 from validation.kinematics.poses import postures_of
-from validation.models.loads.leg_masses import plausible_insides
 from validation.models.parts import unknowns_of, with_unknowns
 
 # Robots with all inputs off at once, by which one at a time are checked.
 _CHECKS: Mapping[Preset, int] = {"quick": 4, "standard": 8, "fine": 32}
 
 
-def inputs_off(
-    robot: RobotOnPath, subject: Subject, models: Mapping[str, JudgedModel]
-) -> InputsOff | None:
-    """The robot with its uncertain inputs off; None where the file names none.
+def perturbed_inputs(subject: Subject) -> PerturbedInputs | None:
+    """The robot with its uncertain inputs perturbed. None if the file names none.
 
-    Raises InputError where there is no such robot.
+    Raises InputError if there is no such robot.
     """
+    robot = subject.responses.robot
     robot_file = robot.context.robot_file
     inputs = robot_file.uncertain_inputs
-    if not inputs or not subject.statics.alternatives:
+    if not inputs or subject.statics.model is None:
         return None
-    own = _beams(robot)
     unknowns = {name: unknowns_of(body) for name, body in robot.mechanism.parts.items()}
 
     def at(mechanism: Mechanism) -> Subject:
         mechanism = with_unknowns(mechanism, unknowns)
         postures = postures_of(mechanism, [posture.pose for posture in robot.postures])
-        off = robot_at(robot.context, postures)
-        return _carried(subject, off, models, own, _beams(off))
+        return _carried(subject, Responses(robot_at(robot.context, postures)))
 
-    alone = [
-        InputOff(one.key, one.relative, at(one.below), at(one.above))
-        for one in robot_file.with_inputs_off()
-    ]
+    alone = robot_file.with_inputs_off()
     count = _CHECKS[robot.context.preset]
     draws = scipy.special.ndtri(scipy.stats.qmc.Sobol(len(inputs), seed=1).random(count))
     relative = np.array(list(inputs.values()))
     together = [
         at(robot_file.with_factors(dict(zip(inputs, row, strict=True)))) for row in draws * relative
     ]
-    return InputsOff(alone, draws, together)
-
-
-@dataclass(frozen=True, eq=False)
-class _Beams:
-    """What stands for the references: one for every alternative, in their order."""
-
-    statics: Sequence[Statics]
-    modes: Sequence[PathModes | None]
-
-
-def _beams(robot: RobotOnPath) -> _Beams:
-    holds = tuple(robot.holding.alternatives.values())
-    insides = plausible_insides(robot.given.values())
-    return _Beams(
-        [_statics(robot, ends) for ends in holds],
-        [
-            Response(
-                modes=modes_of(
-                    partial(modes_of_solids, robot, RobotReading(ends, inside))
-                    if not robot.prisms and not robot.mechanism.parts
-                    else partial(modes_of_own_beams, robot, ends)
-                )
-            ).solved_modes
-            for ends, inside in product(holds, insides)
-        ],
+    return PerturbedInputs(
+        {one.key: one.relative for one in alone},
+        [at(one.below) for one in alone],
+        [at(one.above) for one in alone],
+        draws,
+        together,
     )
 
 
-def _statics(robot: RobotOnPath, ends: Holds) -> Statics:
-    springs = {
-        name: held_spring(robot.context, leg, ends[name]) for name, leg in robot.legs.items()
-    }
-    return assembled(robot.postures, springs)
-
-
-def _carried(
-    subject: Subject,
-    robot: RobotOnPath,
-    models: Mapping[str, JudgedModel],
-    own: _Beams,
-    off: _Beams,
-) -> Subject:
-    statics = [
-        replace(one, response=Response(_congruent(statics, *beams)))
-        for one, *beams in zip(subject.statics.alternatives, own.statics, off.statics, strict=True)
-        if (statics := one.response.solved_statics) is not None
-    ]
-    dynamics = [
-        replace(one, response=Response(modes=_scaled(one.response.solved_modes, *beams)))
-        for one, *beams in zip(subject.dynamics.alternatives, own.modes, off.modes, strict=False)
-    ]
-    candidates = [
-        replace(one, response=Response(statics_by(robot, of), modes_by(robot, of)))
-        for one in subject.candidates
-        for of in [models[one.model]]
-    ]
+def _carried(subject: Subject, perturbed: Responses) -> Subject:
+    """The subject with perturbed inputs: models are solved anew, references are carried along."""
+    robot = perturbed.robot
+    stand_in = HELD if robot.prisms or robot.mechanism.parts else SOLID
+    carry = subject.responses, perturbed, stand_in
+    carried = replace(
+        SOLID,
+        name="reference carried along",
+        statics=partial(_carried_statics, *carry),
+        modes=partial(_carried_modes, *carry),
+    )
+    statics, dynamics = (
+        replace(reference, model=reference.model and carried)
+        for reference in (subject.statics, subject.dynamics)
+    )
     return replace(
-        subject,
-        candidates=candidates,
-        statics=replace(subject.statics, alternatives=statics),
-        dynamics=replace(subject.dynamics, alternatives=dynamics),
+        subject, responses=perturbed, statics=statics, dynamics=dynamics, parts=(), inputs=None
+    )
+
+
+def _carried_statics(
+    nominal: Responses, perturbed: Responses, stand_in: Model, _: RobotOnPath, reading: Reading
+) -> Statics:
+    return _congruent(
+        nominal.required_statics(SOLID, reading),
+        nominal.required_statics(stand_in, reading),
+        perturbed.required_statics(stand_in, reading),
+    )
+
+
+def _carried_modes(
+    nominal: Responses, perturbed: Responses, stand_in: Model, _: RobotOnPath, reading: Reading
+) -> PathModes:
+    return _scaled(
+        nominal.required_modes(SOLID, reading),
+        nominal.required_modes(stand_in, reading),
+        perturbed.required_modes(stand_in, reading),
     )
 
 
@@ -158,15 +123,11 @@ def _congruent(reference: Statics, own: Statics, off: Statics) -> Statics:
     )
 
 
-def _scaled(
-    reference: PathModes | None, own: PathModes | None, off: PathModes | None
-) -> PathModes | None:
+def _scaled(reference: PathModes, own: PathModes, off: PathModes) -> PathModes:
     """Modes of the reference, each as much higher as the beams' mode of its shape has become.
 
     The peaks of responses likewise.
     """
-    if reference is None or own is None or off is None:
-        return None
     count = min(one.frequencies.shape[1] for one in (reference, own, off))
     number = partners(reference, own, count).number
     number = np.where(number >= 0, number, np.arange(count))

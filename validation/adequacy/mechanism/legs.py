@@ -13,7 +13,7 @@ from lumped.equivalent_leg import equivalent_leg
 from lumped.errors import InputError, naming
 from lumped.legs import ConstantLeg, Ends, GivenLeg, Leg, given_compliance, tip_compliance
 from lumped.mechanism.body_model import LegMatrices
-from validation.adequacy.response import finer_by
+from validation.adequacy.references import finer_by
 from validation.agreement.convergence import step_factor
 from validation.context import Context, Preset
 from validation.solids.legs import (

@@ -16,7 +16,7 @@ from lumped.system.loads import tool_displacements
 from lumped.system.solution import compliance, solved
 from lumped.text import counted
 from validation.adequacy.mechanism.path import Springs
-from validation.adequacy.response import Remedy, Response, StepTexts
+from validation.adequacy.references import Remedy, StepTexts
 from validation.agreement.responses import Statics
 from validation.drawing.text import percent
 from validation.models.loads.displacements import displacements_by, masses_of
@@ -154,19 +154,14 @@ def assembled(
     return Statics.of(np.array([compliance(one) for one in solutions.values()]), moved)
 
 
-def part_answers(
-    mechanism: Mechanism, idealised: Callable[[PartLegs], Response]
-) -> dict[str, Response]:
-    """Responses after each of the `PART_STEPS`; none without parts.
+def part_kinds(mechanism: Mechanism) -> tuple[PartLegs, ...]:
+    """Idealisations of parts by the `PART_STEPS`, in their order; none without parts.
 
-    The last one is all that stepped legs lack, and the only one where parts cannot be stepped.
-    `idealised` gives the response with parts idealised otherwise, all else as in the model.
+    The last one is all that stepped legs lack, and the only one if parts cannot be stepped.
     """
     if not mechanism.parts:
-        return {}
-    all_kinds: tuple[PartLegs, PartLegs] = ("stepped", "condensed")
-    kinds = all_kinds[1:] if why_not_stepped(mechanism) else all_kinds
-    return {kind: idealised(kind) for kind in kinds}
+        return ()
+    return ("condensed",) if why_not_stepped(mechanism) else ("stepped", "condensed")
 
 
 def number_by_number(one: Array, other: Array, values: Array) -> Array:

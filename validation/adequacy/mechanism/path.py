@@ -1,12 +1,13 @@
 """A mechanism in the postures in which it is judged, and what its robot file leaves unsaid."""
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal, TypeAlias
 
 import numpy as np
 
+from fem.beams.interior import Interior
 from lumped.arrays import Array
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, Ends, GivenLeg, Leg
@@ -16,7 +17,7 @@ from lumped.models.bodies import legs_of, tip_compliances
 from validation.adequacy.mechanism.samples import Samples, samples_of
 from validation.context import Context, Preset
 from validation.kinematics.poses import postures_on_path
-from validation.models.loads.leg_masses import MASSES, Inside, Masses, plausible_insides
+from validation.models.loads.leg_masses import MASSES, Inside, Masses
 from validation.models.mechanism import constant_legs
 from validation.models.options import DEFAULT_OPTIONS
 from validation.models.part_legs import part_springs, require_legs
@@ -36,22 +37,37 @@ _SAY_ENDS = 'how end faces are held: ends = "rigid" (bolted flat) or ends = "fre
 
 
 @dataclass(frozen=True)
-class RobotReading:
+class Reading:
     """Reading of a robot file where it leaves something open, on one mesh of each kind.
 
-    `ends` of every leg and part; `inside` of the legs known by their 6×6, None without such legs.
-    `mesh` of solid legs: 1 is the fine one, 0 the coarse one. `part_mesh`: level of CAD parts.
+    `ends` of every leg and part. `masses` and `interior` of the legs known by their 6×6. `mesh` of
+    solid legs, and `section_mesh` of the constants of their sections: 1 is the fine one, 0 the
+    coarse one. `part_mesh`: level of CAD parts.
     """
 
     ends: Holds
-    inside: Inside | None = None
+    masses: Masses = MASSES[0]
+    interior: Interior = "uniform"
     mesh: Literal[0, 1] = 1
+    section_mesh: Literal[0, 1] = 1
     part_mesh: int = FINEST
 
+    def __hash__(self) -> int:
+        meshes = self.mesh, self.section_mesh, self.part_mesh
+        return hash((frozenset(self.ends.items()), self.masses, self.interior, *meshes))
+
     @property
-    def masses(self) -> Masses:
-        """Distribution of the mass of legs known by their 6×6: along the legs if nothing is set."""
-        return self.inside.masses if self.inside else MASSES[0]
+    def inside(self) -> Inside:
+        """Inside of the legs known by their 6×6."""
+        return Inside(self.masses, self.interior)
+
+    def restricted(self, names: Collection[str]) -> "Reading":
+        """Reading with the default in all fields but those named."""
+        return replace(NOMINAL, **{name: getattr(self, name) for name in names})
+
+
+# Reading of models that depend on nothing that a robot file leaves open.
+NOMINAL = Reading({})
 
 
 @dataclass(frozen=True)
@@ -113,9 +129,9 @@ class RobotOnPath:
         return say_interior(self.given, self.context.robot_file.schema)
 
     @property
-    def first_reading(self) -> RobotReading:
+    def first_reading(self) -> Reading:
         """The reading by which the meshes of CAD parts are studied."""
-        return RobotReading(self.holding.first, plausible_insides(self.given.values())[0])
+        return Reading(self.holding.first)
 
     @property
     def judged(self) -> int:

@@ -1,76 +1,65 @@
-"""Compliances of a robot over its path: what models are held against, and why they are off.
+"""Statics of a robot over its path: the reference, its uncertainty, and causes of errors.
 
-The reference assembles the robot from what its legs are: solids where they are prisms, the 6×6 of
-the file where they are given. Causes are told apart by the virtual joint method where legs are
-serial chains; it shares no code with the assembler.
+The reference assembles the robot from its legs: solids if they are prisms, the 6×6 of the file if
+they are given.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import TypeAlias
 
 import numpy as np
 
 from lumped.acceptance.quantities import UNIT_LOADS
 from lumped.arrays import Array
-from lumped.equivalent_leg import equivalent_leg
-from lumped.legs import Ends, Leg, given_compliance
 from lumped.mechanism.mechanism import Posture
-from lumped.models import serial_chains
 from validation.adequacy.mechanism.digits import left_by_digits
 from validation.adequacy.mechanism.legs import (
     ROUNDING,
-    SECTION_DIVISIONS,
     SECTION_RATIO,
     finer_statics,
-    held_spring,
-    own_spring,
-    restrained_spring,
     shares_section,
     solid_leg,
-    solid_tip,
     step_uncertainty,
-    straight_spring,
 )
 from validation.adequacy.mechanism.parts import (
     FINER_PARTS,
     PART_STEPS,
-    assembled,
-    part_answers,
+    part_kinds,
     refinement_share,
-    solid_parts,
 )
-from validation.adequacy.mechanism.path import Holds, RobotOnPath, RobotReading, Springs
-from validation.adequacy.response import (
+from validation.adequacy.mechanism.path import NOMINAL, Reading, RobotOnPath
+from validation.adequacy.mechanism.solids import (
+    EQUIVALENT,
+    GIVEN,
+    HELD,
+    OWN,
+    RESTRAINED,
+    SOLID,
+    STRAIGHT,
+)
+from validation.adequacy.references import (
     TIMOSHENKO,
     USE_SOLID,
-    Alternative,
+    Budget,
+    HalfWidths,
+    Interpretation,
     Reference,
-    Response,
-    Step,
+    Source,
+    Steps,
     StepTexts,
     ladders,
-    statics_of,
     use,
 )
+from validation.adequacy.responses import Model, Responses
 from validation.agreement.displacement import sizes
 from validation.agreement.responses import Statics
 from validation.case import failure_reason
-from validation.models.loads.displacements import (
-    by_chains,
-    displacements,
-    displacements_by,
-    masses_of,
-)
-from validation.models.loads.leg_masses import Inside, plausible_masses
+from validation.models.loads.displacements import displacements
+from validation.models.loads.leg_masses import plausible_masses
 from validation.models.loads.stability import stabilities
 from validation.models.mechanism import answers
 from validation.models.options import ModelName, ModelOptions, PartLegs
-from validation.solids.legs import COARSEST_WALLS
-
-# Compliance (6×6, SI, leg axes) of the tip of a leg with such ends.
-Spring: TypeAlias = Callable[[Leg, Ends], Array]
 
 # By how much the weight of solid legs moves the tool otherwise than that of beams of the same mass:
 # 0.3 % of legs five times as long as high with held ends (ν = 0.3), a tenth of it with free ones.
@@ -86,54 +75,24 @@ def model_statics(postures: Sequence[Posture], model: ModelName, options: ModelO
     return Statics.of(found, displacements(model, postures, options))
 
 
-def summed(postures: Sequence[Posture], springs: Springs) -> Statics:
-    """Statics by virtual joints along serial chains, every leg by its tip's."""
-    found = np.array([serial_chains.compliance(posture, springs) for posture in postures])
-    masses = masses_of(postures[0].mechanism)
-    return Statics.of(found, displacements_by(by_chains(springs), postures, masses))
-
-
-def static_reference(robot: RobotOnPath) -> Reference:
-    """Solid or given legs, assembled; raises InputError where sections are too fine to mesh."""
+def static_reference(responses: Responses) -> Reference:
+    """Solid or given legs, assembled. Raises InputError if sections are too fine to mesh."""
+    robot = responses.robot
     context, parts = robot.context, robot.mechanism.parts
-    ratio = min((solid_leg(context, leg).ratio for leg in robot.prisms), default=1.0)
-    further = _section_uncertainty(robot) + refinement_share(
-        robot.mechanism,
-        lambda level: _of_solids(robot, replace(robot.first_reading, part_mesh=level)),
-        lambda one, other, fine: sizes(one - other, fine),
-    )
-    digits = None
-    if robot.text:
-        digits = context.get(left_by_digits, robot.text, robot.postures)
-    linear = _left_by_linearity(robot)
-    alternatives = []
-    for name, ends in robot.holding.alternatives.items():
-        reading = RobotReading(ends)
-        fine = _of_solids(robot, reading)
-        # Every axis, any force, every load.
-        poses, loads, _ = fine.load_displacements.shape
-        step = np.full((poses, len(UNIT_LOADS) + loads), ROUNDING)
-        if robot.prisms:
-            coarse = _of_solids(robot, replace(reading, mesh=0))
-            step = step_uncertainty(sizes(coarse - fine, fine), ratio)
-            on_mass = [load.acts_on_mass for load in robot.mechanism.loads]
-            step[:, len(UNIT_LOADS) :] += _MASS_OF_BEAMS * np.array(on_mass)
-        response = Response(fine)
-        masses = _left_by_masses(robot, reading, fine)
-        alternatives.append(
-            Alternative(
-                name,
-                response,
-                static=step + further,
-                digits=digits,
-                masses=masses,
-                linear=linear,
-            )
-        )
+    # The reason for solids that cannot be meshed names a preset that takes them.
+    for leg in robot.prisms:
+        solid_leg(context, leg)
+    shared = _shared_budget(responses)
+    interpretations = [
+        Interpretation(name, reading, _budget(responses, reading, shared))
+        for name, ends in robot.holding.alternatives.items()
+        for reading in [Reading(ends)]
+    ]
     own = "fem.bodies.doubling.condensed_leg" if robot.prisms else "lumped.legs.given_compliance"
     return Reference(
         title=_title(robot),
-        alternatives=alternatives,
+        model=SOLID,
+        interpretations=interpretations,
         open=robot.holding.unsaid,
         decides=robot.holding.decides,
         masses=robot.say_masses,
@@ -147,35 +106,78 @@ def static_reference(robot: RobotOnPath) -> Reference:
     )
 
 
-def _of_solids(robot: RobotOnPath, reading: RobotReading) -> Statics:
-    """Statics with solid legs and parts."""
-    tips = {
-        body: solid_tip(robot.context, leg, reading.ends[body], mesh=reading.mesh)
-        for body, leg in robot.legs.items()
-    }
-    parts = solid_parts(robot.postures, robot.offered, reading.ends, reading.part_mesh)
-    return assembled(robot.postures, tips, parts, reading.masses)
+def _shared_budget(responses: Responses) -> Mapping[Source, Array]:
+    """Half-widths (P×(7+L)) that all interpretations share."""
+    robot = responses.robot
+    meshes = _section_half_widths(responses) + _part_half_widths(responses)
+    budget = {Source.MESHES: np.asarray(meshes)}
+    if robot.text:
+        budget[Source.DIGITS] = robot.context.get(left_by_digits, robot.text, robot.postures)
+    if robot.mechanism.loads:
+        budget[Source.LINEARITY] = _linearity_half_widths(robot)
+    return budget
 
 
-def _left_by_masses(robot: RobotOnPath, reading: RobotReading, own: Statics) -> Array | None:
-    """What plausible places of the mass of legs known by their 6×6 leave open (p×(7+l), relative).
+def _budget(responses: Responses, reading: Reading, shared: Mapping[Source, Array]) -> Budget:
+    robot = responses.robot
+    fine = responses.required_statics(SOLID, reading)
+    budget = {**shared, Source.MESHES: _mesh_half_widths(responses, reading, fine)}
+    budget[Source.MESHES] += shared[Source.MESHES]
+    if robot.given and any(load.acts_on_mass for load in robot.mechanism.loads):
+        # The displacement under a load is linear in the places of mass: between these it is any.
+        others = (
+            responses.required_statics(SOLID, replace(reading, masses=masses))
+            for masses in plausible_masses(robot.given.values())
+        )
+        budget[Source.MASSES] = np.max([sizes(one - fine, fine) for one in others], axis=0)
+    return {source: HalfWidths(half_widths) for source, half_widths in budget.items()}
 
-    The displacement under a load is linear in where the mass is: between these it is any.
+
+def _mesh_half_widths(responses: Responses, reading: Reading, fine: Statics) -> Array:
+    """Half-widths (P×(7+L)) due to the meshes of solid legs, of round-off without any."""
+    robot = responses.robot
+    loads = robot.mechanism.loads
+    if not robot.prisms:
+        return np.full((len(robot.postures), len(UNIT_LOADS) + len(loads)), ROUNDING)
+    coarse = responses.required_statics(SOLID, replace(reading, mesh=0))
+    ratio = min(solid_leg(robot.context, leg).ratio for leg in robot.prisms)
+    half_widths = step_uncertainty(sizes(coarse - fine, fine), ratio)
+    on_mass = [load.acts_on_mass for load in loads]
+    half_widths[:, len(UNIT_LOADS) :] += _MASS_OF_BEAMS * np.array(on_mass)
+    return half_widths
+
+
+def _section_half_widths(responses: Responses) -> Array | float:
+    """Half-widths due to section meshes if both solids of a leg share one; else zero.
+
+    By constants of that mesh and of one twice as fine.
     """
-    if not robot.given or not any(load.acts_on_mass for load in robot.mechanism.loads):
-        return None
-    others = plausible_masses(robot.given.values())
-    found = (_of_solids(robot, replace(reading, inside=Inside(masses))) for masses in others)
-    return np.asarray(np.max([sizes(one - own, own) for one in found], axis=0))
+    robot = responses.robot
+    if not any(shares_section(robot.context, leg) for leg in robot.legs.values()):
+        return 0.0
+    coarse, fine = (
+        responses.required_statics(OWN, replace(NOMINAL, section_mesh=mesh)) for mesh in (0, 1)
+    )
+    return step_uncertainty(sizes(coarse - fine, fine), SECTION_RATIO)
 
 
-def _left_by_linearity(robot: RobotOnPath) -> Array | None:
-    """What loads change of the stiffness that they meet (p×(7+l), relative), where that counts.
+def _part_half_widths(responses: Responses) -> Array | float:
+    """Half-widths due to the meshes of CAD parts, by their first interpretation; else zero."""
+    robot = responses.robot
+    return refinement_share(
+        robot.mechanism,
+        lambda level: responses.required_statics(
+            SOLID, replace(robot.first_reading, part_mesh=level)
+        ),
+        lambda one, other, fine: sizes(one - other, fine),
+    )
 
-    All of it where the robot has buckled, and if the stability cannot be computed.
+
+def _linearity_half_widths(robot: RobotOnPath) -> Array:
+    """Change of the stiffness by the loads that act on it (P×(7+L)), if it is not negligible.
+
+    All of it if the robot has buckled, and if the stability cannot be computed.
     """
-    if not robot.mechanism.loads:
-        return None
     try:
         found = robot.context.get(stabilities, "links", robot.postures)
     except Exception as error:  # noqa: BLE001  loses no model: it leaves their errors open
@@ -186,31 +188,6 @@ def _left_by_linearity(robot: RobotOnPath) -> Array | None:
         left = np.nan_to_num(farther, nan=1.0)
     left[left < _LINEAR] = 0.0
     return np.pad(left, ((0, 0), (len(UNIT_LOADS), 0)))
-
-
-def _section_uncertainty(robot: RobotOnPath) -> Array | float:
-    """What section meshes leave open (p×7, relative) where both solids of a leg share one.
-
-    By constants of that mesh and of one twice as fine; else zero.
-    """
-    shared = {name for name, leg in robot.legs.items() if shares_section(robot.context, leg)}
-    if not shared:
-        return 0.0
-
-    def own(divisions: int) -> Statics:
-        springs = {
-            name: own_spring(robot.context, leg, divisions if name in shared else SECTION_DIVISIONS)
-            for name, leg in robot.legs.items()
-        }
-        return _climbed(robot, springs)
-
-    fine = own(SECTION_DIVISIONS)
-    return step_uncertainty(sizes(own(COARSEST_WALLS) - fine, fine), SECTION_RATIO)
-
-
-def _climbed(robot: RobotOnPath, springs: Springs) -> Statics:
-    """Statics of legs as springs, by virtual joints where legs are serial chains."""
-    return (summed if robot.climbs == "vjm" else assembled)(robot.postures, springs)
 
 
 def _title(robot: RobotOnPath) -> str:
@@ -228,44 +205,24 @@ def _title(robot: RobotOnPath) -> str:
     return f"mechanism assembled from solid legs{own}"
 
 
-def static_ladders(robot: RobotOnPath) -> dict[str, tuple[Step, ...]]:
+def static_steps(robot: RobotOnPath) -> Steps:
     """Steps by name of the model, each ladder from the model upwards, one cause each."""
-    context, mechanism = robot.context, robot.mechanism
-
-    def climbed(spring: Spring) -> dict[str, Response]:
-        def solve(ends: Holds) -> Statics:
-            return _climbed(robot, {body: spring(leg, ends[body]) for body, leg in legs})
-
-        return {
-            name: Response(statics_of(partial(solve, ends)))
-            for name, ends in robot.holding.alternatives.items()
-        }
-
-    def idealised(parts: PartLegs) -> Response:
-        options = ModelOptions(parts=parts)
-        return Response(statics_of(partial(model_statics, robot.postures, "beam", options)))
-
-    def alike(found: Response) -> dict[str, Response]:
-        return dict.fromkeys(robot.holding.alternatives, found)
-
-    legs = robot.legs.items()
-    as_given = climbed(lambda leg, _: given_compliance(leg))
-    answered = {"drives": as_given}
-    answered["shear"] = (
-        alike(idealised("equivalent"))
-        if mechanism.parts
-        else climbed(lambda leg, _: given_compliance(equivalent_leg(leg)))
-    )
+    parts = robot.mechanism.parts
+    models = {"drives": GIVEN, "shear": _idealised("equivalent") if parts else EQUIVALENT}
     if robot.given:
-        answered["diagonal"] = climbed(lambda leg, _: straight_spring(leg))
-        answered["couplings"] = as_given
-    for kind, found in part_answers(mechanism, idealised).items():
-        answered[kind] = alike(found)
+        models |= {"diagonal": STRAIGHT, "couplings": GIVEN}
+    models |= {kind: _idealised(kind) for kind in part_kinds(robot.mechanism)}
     if robot.prisms:
-        answered["own"] = climbed(lambda leg, _: own_spring(context, leg))
-        answered["warping"] = climbed(partial(held_spring, context))
-        answered["contraction"] = climbed(partial(restrained_spring, context))
-    return ladders(_LADDERS, STATIC_STEPS, answered, by=_BY[robot.climbs], climbs=robot.climbs)
+        models |= {"own": OWN, "warping": HELD, "contraction": RESTRAINED}
+    return ladders(_LADDERS, STATIC_STEPS, models, by=_BY[robot.climbs], climbs=robot.climbs)
+
+
+def _idealised(parts: PartLegs) -> Model:
+    return Model(f"beam, parts {parts}", statics=partial(_beam_statics, ModelOptions(parts=parts)))
+
+
+def _beam_statics(options: ModelOptions, robot: RobotOnPath, _: Reading) -> Statics:
+    return model_statics(robot.postures, "beam", options)
 
 
 STATIC_STEPS: Mapping[str, StepTexts] = {

@@ -22,12 +22,12 @@ from lumped.memo import memo
 from lumped.system.assembly import assembly
 from validation.adequacy.mechanism.legs import SECTION_DIVISIONS, own_elements
 from validation.adequacy.mechanism.parts import Bodies, condensed_parts, solid_parts
-from validation.adequacy.mechanism.path import Holds, RobotOnPath, RobotReading, known_legs
+from validation.adequacy.mechanism.path import Holds, Reading, RobotOnPath, known_legs
 from validation.adequacy.mechanism.samples import Samples, samples_of
 from validation.agreement.responses import PathModes
 from validation.context import Preset
 from validation.models.legs import filled
-from validation.models.loads.leg_masses import MASSES, Inside, leg_with_inside
+from validation.models.loads.leg_masses import leg_with_inside
 from validation.models.mechanism import (
     CUTOFF,
     PostureModes,
@@ -97,7 +97,7 @@ def solid_meshes(preset: Preset) -> SolidMeshes:
     return SolidMeshes(LegMesh(across - 1, walls // 2), LegMesh(across, walls))
 
 
-def modes_of_solids(robot: RobotOnPath, reading: RobotReading) -> PathModes:
+def modes_of_solids(robot: RobotOnPath, reading: Reading) -> PathModes:
     """Modes with solid legs, legs known by their 6×6 with an inside, and CAD parts.
 
     Sections of thin walls are one mesh with one and with two divisions: shorter slices would not
@@ -187,13 +187,13 @@ def _known(found: PathModes) -> Array:
 
 
 def solid_vibration(
-    postures: tuple[Posture, ...], reading: RobotReading, mesh: LegMesh, count: int
+    postures: tuple[Posture, ...], reading: Reading, mesh: LegMesh, count: int
 ) -> PathModes:
     """Modes with prisms as solids on `mesh` reduced to their ends; all else as the reading."""
 
     def build(leg: Leg, ends: Ends, highest: float) -> LegMatrices:
         if isinstance(leg, GivenLeg):
-            return leg_with_inside(leg, reading.inside or Inside(MASSES[0]), highest)
+            return leg_with_inside(leg, reading.inside, highest)
         divisions = mesh.divisions(leg), mesh.section_divisions(leg)
         return _reduced_solid(leg, *divisions, ends, highest)
 

@@ -17,7 +17,7 @@ from validation.adequacy.compared import (
     compared_statics,
 )
 from validation.adequacy.mechanism.path import coordinates, path_postures, robot_on_path
-from validation.adequacy.response import UNSOLVED
+from validation.adequacy.responses import UNSOLVED
 from validation.case import Skip
 from validation.context import Context
 from validation.drawing.chart import Chart, Column, Panel, Series, few_ticks, from_zero

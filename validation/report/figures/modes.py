@@ -26,6 +26,7 @@ from validation.adequacy.mechanism.path import (
 )
 from validation.adequacy.mechanism.vibration import modes_by_model
 from validation.adequacy.partners import partners
+from validation.adequacy.responses import Responses
 from validation.agreement.mode_pairing import likeness_matrix
 from validation.agreement.responses import PathModes
 from validation.case import Skip
@@ -101,11 +102,12 @@ def _with_condensed_parts(at: Posture, count: int) -> PostureModes:
 def pairs(context: Context) -> Shown:
     """MAC of beams and segments with the reference, and by how much paired frequencies differ."""
     robot = robot_on_path(context)
-    reference = dynamic_reference(robot)
-    held = next(iter(reference.alternatives), None)
-    truth = held.response.solved_modes if held else None
-    if held is None or truth is None:
+    responses = Responses(robot)
+    reference = dynamic_reference(responses)
+    if reference.model is None:
         raise Skip(f"there is no reference of the frequencies: {reference.decides}")
+    held = reference.interpretations[0]
+    truth = responses.required_modes(reference.model, held.reading)
     first = _in_the_middle(truth)
     shown = first.frequencies.shape[1]
     models = {

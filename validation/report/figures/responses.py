@@ -9,11 +9,11 @@ from lumped.arrays import Array, ComplexArray
 from lumped.mechanism.kinematics.postures import shown_pose
 from lumped.mechanism.mechanism import Mechanism
 from lumped.robot_file import RobotFile
-from validation.adequacy.compared import answering_modes
+from validation.adequacy.compared import solved_modes
 from validation.adequacy.mechanism.dynamics import dynamic_reference
 from validation.adequacy.mechanism.path import robot_on_path
 from validation.adequacy.models import judged_models
-from validation.adequacy.response import UNSOLVED
+from validation.adequacy.responses import UNSOLVED, Responses
 from validation.case import Skip
 from validation.context import Context
 from validation.drawing.chart import (
@@ -101,23 +101,25 @@ def _chart(
 def _response(context: Context, number: int) -> Shown:
     """Size and phase over the frequency, in the middle of the path; the reference with its band."""
     robot = robot_on_path(context)
+    responses = Responses(robot)
     asked, at = robot.mechanism.excitations[number], len(robot.postures) // 2
     try:
         found = {
             name: own
-            for name, one in answering_modes(robot).items()
+            for name, one in solved_modes(responses).items()
             # Models that are rigid along the force have neither size nor phase.
             if (own := one.receptances[number][at]).any()
         }
-        reference = dynamic_reference(robot)
+        reference = dynamic_reference(responses)
     except UNSOLVED as error:
         raise Skip(str(error)) from error
     bands = []
-    for one in reference.alternatives:
-        modes = one.response.solved_modes
-        if modes is not None and one.responses is not None:
+    for one in reference.interpretations:
+        modes = reference.model and responses.known_modes(reference.model, one.reading)
+        if modes:
             known = modes.receptances[number][at]
-            left_open = np.outer([-1.0, 1.0], one.responses.receptances[number][at])
+            half_widths = sum(of.receptances[number][at] for of in one.budget.values())
+            left_open = np.outer([-1.0, 1.0], half_widths)
             bands.append(1e6 * np.abs(known) * np.maximum(1.0 + left_open, _LEAST))
             found.setdefault(_REFERENCE, known)
     band = np.array([np.min(bands, axis=0)[0], np.max(bands, axis=0)[1]]) if bands else None

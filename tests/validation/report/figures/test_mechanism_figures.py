@@ -8,6 +8,7 @@ from functools import cache
 import numpy as np
 import pytest
 from crane import write_crane
+from toy_responses import reference
 from written_robot import described
 
 from lumped.mechanism.free_twists import interface_position
@@ -16,7 +17,6 @@ from lumped.mechanism.kinematics.postures import reference_posture
 from lumped.robot_file import load_robot
 from lumped.sections import Rectangle
 from validation.adequacy.compared import Compared
-from validation.adequacy.response import Alternative, Reference, Response
 from validation.agreement.responses import PathModes
 from validation.context import Context
 from validation.drawing import opengl
@@ -149,9 +149,9 @@ def test_modes_are_paired_by_shape_in_the_middle_of_the_path(five_bar, monkeypat
     weights, seen = np.full(12, 1.0 / 12.0), np.ones((3, 4))
     model = PathModes(1.1 * frequencies, shapes[:, :, [1, 0, 2, 3]], weights, seen)
     own = PathModes(frequencies, shapes, weights, seen)
-    truth = Alternative("", Response(modes=own))
+    truth = reference("solid", {"": own})
     monkeypatch.setattr(modes, "robot_on_path", lambda _: None)
-    monkeypatch.setattr(modes, "dynamic_reference", lambda _: Reference("solid", [truth]))
+    monkeypatch.setattr(modes, "dynamic_reference", lambda _: truth)
     monkeypatch.setattr(modes, "modes_by_model", lambda *_: model)
     rows = table(modes.pairs(five_bar))
     for name, expected in {

@@ -5,17 +5,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from report_sample import quantity_of, sample_matrix
+from toy_responses import meshes, reference
 
 from lumped.mechanism.load import Excitation
 from lumped.robot_file import load_robot
 from validation.adequacy.compared import Compared
 from validation.adequacy.mechanism.dynamics import mass_notes
-from validation.adequacy.response import (
-    Alternative,
-    Reference,
-    Response,
-    ResponsesLeftOpen,
-)
+from validation.adequacy.responses import Responses
 from validation.agreement.responses import PathModes
 from validation.context import Context
 from validation.kinematics.poses import postures_of
@@ -49,17 +45,12 @@ def vibration(scale=1.0):
 
 
 def test_band_of_a_response_is_that_of_the_middle_pose(robot, monkeypatch):
-    alternatives = [
-        Alternative(
-            name,
-            Response(modes=vibration(scale)),
-            responses=ResponsesLeftOpen(np.zeros((3, 1)), np.zeros((3, 1)), [LEFT_OPEN * wide]),
-        )
-        for name, scale, wide in (("rigid", 1.0, 1.0), ("free", 1.5, 2.0))
-    ]
+    known = {"rigid": vibration(1.0), "free": vibration(1.5)}
+    budgets = [meshes(receptances=[wide * LEFT_OPEN]) for wide in (1.0, 2.0)]
+    truth = reference("s", known, budgets)
     monkeypatch.setattr(responses, "robot_on_path", lambda _: robot)
-    monkeypatch.setattr(responses, "answering_modes", lambda _: {"beam": vibration(2.0)})
-    monkeypatch.setattr(responses, "dynamic_reference", lambda _: Reference("s", alternatives))
+    monkeypatch.setattr(responses, "solved_modes", lambda _: {"beam": vibration(2.0)})
+    monkeypatch.setattr(responses, "dynamic_reference", lambda _: truth)
     shown = responses._response(Context(load_robot("five-bar"), "quick"), 0)
     sizes = {one.label: one for one in shown.chart.panels[0].series}
     # In µm/N, of the second pose.
@@ -74,26 +65,20 @@ def test_band_of_a_response_is_that_of_the_middle_pose(robot, monkeypatch):
 
 
 def test_band_below_reaches_down_to_the_reading_that_is_least(robot, monkeypatch):
-    left_open = ResponsesLeftOpen(np.zeros((3, 1)), np.zeros((3, 1)), [np.full((3, 2), 0.4)])
-    alternatives = [
-        Alternative(name, Response(modes=vibration(scale)), responses=left_open)
-        for name, scale in (("rigid", 1.0), ("free", 3.0))
-    ]
+    known = {"rigid": vibration(1.0), "free": vibration(3.0)}
+    truth = reference("s", known, [meshes(receptances=[np.full((3, 2), 0.4)])] * 2)
     monkeypatch.setattr(responses, "robot_on_path", lambda _: robot)
-    monkeypatch.setattr(responses, "answering_modes", lambda _: {})
-    monkeypatch.setattr(responses, "dynamic_reference", lambda _: Reference("s", alternatives))
+    monkeypatch.setattr(responses, "solved_modes", lambda _: {})
+    monkeypatch.setattr(responses, "dynamic_reference", lambda _: truth)
     shown = responses._response(Context(load_robot("five-bar"), "quick"), 0)
-    (reference,) = shown.chart.panels[0].series
-    assert reference.left_open == pytest.approx(np.array([[6.0, 12.0], [42.0, 84.0]]))
+    (solid,) = shown.chart.panels[0].series
+    assert solid.left_open == pytest.approx(np.array([[6.0, 12.0], [42.0, 84.0]]))
 
 
 def test_note_on_masses_has_numbers_of_the_middle_pose(robot):
     robot.prisms = [None]
-    alternatives = [
-        Alternative(name, Response(modes=vibration(scale)))
-        for name, scale in (("wedge", 1.0), ("lump", 0.9))
-    ]
-    (note,) = mass_notes(robot, Reference("", alternatives, supposed="plausible"))
+    truth = reference("", {"wedge": vibration(1.0), "lump": vibration(0.9)}, supposed="plausible")
+    (note,) = mass_notes(Responses(robot), truth)
     assert "give f1 9 to 10 Hz, f2 18 to 20 Hz in the middle of the path" in note
 
 

@@ -1,0 +1,156 @@
+"""Models between beams and the reference: legs as springs of ever more of their solids, solids.
+
+Statics are solved by virtual joints if legs are serial chains, which share no code with the
+assembler of the reference, and by links otherwise.
+"""
+
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import TypeAlias
+
+import numpy as np
+
+from lumped.arrays import Array
+from lumped.equivalent_leg import equivalent_leg
+from lumped.legs import Ends, Leg, given_compliance
+from lumped.mechanism.mechanism import Posture
+from lumped.models import serial_chains
+from validation.adequacy.mechanism.legs import (
+    SECTION_DIVISIONS,
+    held_spring,
+    own_spring,
+    restrained_spring,
+    shares_section,
+    solid_tip,
+    straight_spring,
+)
+from validation.adequacy.mechanism.parts import assembled, solid_parts
+from validation.adequacy.mechanism.path import Reading, RobotOnPath, Springs
+from validation.adequacy.mechanism.vibration import (
+    OWN_SECTIONS,
+    LegMesh,
+    modes_of_own_beams,
+    modes_of_solids,
+    solid_meshes,
+)
+from validation.adequacy.responses import Model
+from validation.agreement.responses import PathModes, Statics
+from validation.models.loads.displacements import by_chains, displacements_by, masses_of
+from validation.solids.legs import COARSEST_WALLS
+
+# Compliance (6×6, SI, leg axes) of the tip of a leg of the robot with such ends.
+Spring: TypeAlias = Callable[[RobotOnPath, Leg, Ends], Array]
+
+
+def solid_statics(robot: RobotOnPath, reading: Reading) -> Statics:
+    """Statics with solid legs and parts, legs known by their 6×6 as they are."""
+    tips = {
+        body: solid_tip(robot.context, leg, reading.ends[body], mesh=reading.mesh)
+        for body, leg in robot.legs.items()
+    }
+    parts = solid_parts(robot.postures, robot.offered, reading.ends, reading.part_mesh)
+    return assembled(robot.postures, tips, parts, reading.masses)
+
+
+def own_statics(robot: RobotOnPath, reading: Reading) -> Statics:
+    """Statics with legs of their sections' own constants.
+
+    On the coarse section mesh legs whose solids share one section mesh have the constants of that.
+    """
+
+    def divisions(leg: Leg) -> int:
+        coarse = not reading.section_mesh and shares_section(robot.context, leg)
+        return COARSEST_WALLS if coarse else SECTION_DIVISIONS
+
+    springs = {
+        body: own_spring(robot.context, leg, divisions(leg)) for body, leg in robot.legs.items()
+    }
+    return _by_springs(robot, springs)
+
+
+def _spring_statics(spring: Spring, robot: RobotOnPath, reading: Reading) -> Statics:
+    """Statics with each leg as a spring at its tip."""
+    # Models that do not depend on ends have springs that do not.
+    ends = reading.ends or dict.fromkeys(robot.legs, "rigid")
+    springs = {body: spring(robot, leg, ends[body]) for body, leg in robot.legs.items()}
+    return _by_springs(robot, springs)
+
+
+def _by_springs(robot: RobotOnPath, springs: Springs) -> Statics:
+    return (_summed if robot.climbs == "vjm" else assembled)(robot.postures, springs)
+
+
+def _summed(postures: Sequence[Posture], springs: Springs) -> Statics:
+    """Statics by virtual joints along serial chains, every leg by its tip's compliance."""
+    compliances = np.array([serial_chains.compliance(posture, springs) for posture in postures])
+    masses = masses_of(postures[0].mechanism)
+    return Statics.of(compliances, displacements_by(by_chains(springs), postures, masses))
+
+
+def _given(_robot: RobotOnPath, leg: Leg, _ends: Ends) -> Array:
+    return given_compliance(leg)
+
+
+def _equivalent(_robot: RobotOnPath, leg: Leg, _ends: Ends) -> Array:
+    return given_compliance(equivalent_leg(leg))
+
+
+def _straight(_robot: RobotOnPath, leg: Leg, _ends: Ends) -> Array:
+    return straight_spring(leg)
+
+
+def _held(robot: RobotOnPath, leg: Leg, ends: Ends) -> Array:
+    return held_spring(robot.context, leg, ends)
+
+
+def _restrained(robot: RobotOnPath, leg: Leg, ends: Ends) -> Array:
+    return restrained_spring(robot.context, leg, ends)
+
+
+def _own_modes(robot: RobotOnPath, reading: Reading) -> PathModes:
+    return modes_of_own_beams(robot, None, _section_mesh(robot, reading))
+
+
+def _held_modes(robot: RobotOnPath, reading: Reading) -> PathModes:
+    return modes_of_own_beams(robot, reading.ends, _section_mesh(robot, reading))
+
+
+def _section_mesh(robot: RobotOnPath, reading: Reading) -> LegMesh:
+    """Mesh of the sections: their own fine one, or that of the solids."""
+    if reading.section_mesh:
+        return OWN_SECTIONS
+    fine = solid_meshes(robot.context.meshes).fine
+    return fine._replace(walls=max(fine.walls, COARSEST_WALLS))
+
+
+# The reference of both halves.
+SOLID = Model(
+    "solid",
+    statics=solid_statics,
+    modes=modes_of_solids,
+    static_fields=("ends", "masses", "mesh", "part_mesh"),
+    modal_fields=("ends", "masses", "interior", "mesh", "part_mesh"),
+)
+# Legs of their sections' own constants, without and with warping held at the ends.
+OWN = Model(
+    "own constants",
+    statics=own_statics,
+    modes=_own_modes,
+    static_fields=("section_mesh",),
+    modal_fields=("section_mesh",),
+)
+HELD = Model(
+    "warping held",
+    statics=partial(_spring_statics, _held),
+    modes=_held_modes,
+    static_fields=("ends",),
+    modal_fields=("ends", "section_mesh"),
+)
+# Less all that rigid end faces take.
+RESTRAINED = Model(
+    "contraction held", statics=partial(_spring_statics, _restrained), static_fields=("ends",)
+)
+# Legs by the 6×6 of the file, by its entries that a straight leg has, and by their equivalent legs.
+GIVEN = Model("legs as given", statics=partial(_spring_statics, _given))
+STRAIGHT = Model("straight legs", statics=partial(_spring_statics, _straight))
+EQUIVALENT = Model("equivalent legs", statics=partial(_spring_statics, _equivalent))
