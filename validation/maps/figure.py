@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from math import prod
+from textwrap import fill
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
@@ -39,6 +40,8 @@ if TYPE_CHECKING:
 # Postures of a large grid that are looked at.
 _MOST: Mapping[Preset, int] = {"quick": 81, "standard": 400, "fine": 2500}
 _SLICES, _FEWEST, _HIGH = 4, 4, 2.1
+# Letters that fit above one of three columns.
+_LETTERS = 26
 # A quantity with its values over the grid and its worst posture.
 Map: TypeAlias = tuple[Mapped, Array, WorstPosture]
 figures = FigureGroup(PATH, SHARED_SOLIDS)
@@ -143,12 +146,17 @@ def _panels(space: Workspace, names: Sequence[str], found: Sequence[Map]) -> lis
             )
             panels.append(
                 Panel(
-                    title=f"{one.title} ({one.unit})" if place == slices[0] else "",
+                    title=_title(one) if place == slices[0] else "",
                     y_label="".join((*level, names[1])) if one is found[0][0] else "",
                     contours=contours,
                 )
             )
     return panels
+
+
+def _title(one: Mapped) -> str:
+    """Title of a column; long names of models take a second line."""
+    return fill(f"{one.title} ({one.unit})", _LETTERS, break_on_hyphens=False)
 
 
 def _caption(space: Workspace, found: Sequence[Map]) -> str:

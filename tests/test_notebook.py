@@ -1,0 +1,43 @@
+"""The notebook of first steps is that of its scripts, without outputs, and its cells run."""
+
+import json
+import runpy
+from pathlib import Path
+
+import pytest
+from matplotlib.figure import Figure
+
+MAKER = Path(__file__).resolve().parents[1] / "examples" / "make_notebook.py"
+
+
+@pytest.fixture(scope="module")
+def maker():
+    return runpy.run_path(str(MAKER))
+
+
+def test_notebook_is_made_from_its_scripts(maker):
+    assert len(maker["SCRIPTS"]) == 3
+    assert maker["NOTEBOOK"].read_text("utf-8") == maker["text_of"](maker["notebook"]())
+
+
+@pytest.mark.exhaustive
+def test_cells_of_the_notebook_run_and_return_figures(maker, monkeypatch, tmp_path):
+    """IPython runs them as a kernel does; figures are the values of cells."""
+    shell_of = pytest.importorskip("IPython.core.interactiveshell").InteractiveShell
+    monkeypatch.setenv("IPYTHONDIR", str(tmp_path))
+    monkeypatch.chdir(tmp_path)
+
+    class Shell(shell_of):
+        def enable_gui(self, gui=None):
+            """A kernel without windows has none to enable."""
+
+    shell = Shell()
+    cells = json.loads(maker["NOTEBOOK"].read_text("utf-8"))["cells"]
+    values = []
+    for cell in cells:
+        if cell["cell_type"] == "code":
+            assert cell["outputs"] == []
+            done = shell.run_cell("".join(cell["source"]))
+            done.raise_error()
+            values.append(done.result)
+    assert sum(isinstance(value, Figure) for value in values) == 3
