@@ -99,7 +99,8 @@ def test_table_of_a_part_has_differences_without_verdicts(tmp_path):
     assert row[-2:] == (None, "not judged")
     sentence = agreement_sentence([outcome])
     assert "agree" not in sentence
-    assert sentence.startswith("Differences of CAD parts from their solid FE: stepped beams: at most")
+    start = "Differences of CAD parts from their solid FE: stepped beams: at most"
+    assert sentence.startswith(start)
 
 
 def test_condensed_frequency_below_the_solid_disagrees(tmp_path, monkeypatch):
