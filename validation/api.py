@@ -40,7 +40,7 @@ from validation.adequacy.references import Subject
 from validation.adequacy.robot import judged_robot
 from validation.case import Skip
 from validation.comparisons.convergence_study import ConvergenceStudy
-from validation.comparisons.readings import RefinedModel
+from validation.comparisons.discretisations import RefinedModel
 from validation.comparisons.requested import convergence
 from validation.console.arguments import checked, faults_of
 from validation.console.typed import MOST_PROCESSES, LengthUnit

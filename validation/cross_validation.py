@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from lumped.errors import InputError
 from validation.case import Case, Skip
 from validation.comparisons.convergence_study import ConvergenceStudy
-from validation.comparisons.readings import RefinedModel
+from validation.comparisons.discretisations import RefinedModel
 from validation.context import Context
 from validation.report.agreement import agreement_sentence
 from validation.report.agreement_parts import (

@@ -163,7 +163,7 @@ class Errors:
 
 
 @dataclass(frozen=True, eq=False)
-class Comparison:
+class ModelErrors:
     """Errors of any model of a subject against its references, pairings of modes kept.
 
     `modes` is the number of frequencies that are judged.

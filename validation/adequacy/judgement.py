@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from lumped.acceptance.quantities import ANY_FORCE, ORDER, Quantity, QuantityKind
 from lumped.acceptance.requirement import Requirement
 from lumped.arrays import Array, IntArray
-from validation.adequacy.errors import Comparison, Errors
+from validation.adequacy.errors import Errors, ModelErrors
 from validation.adequacy.mechanism.path import NOMINAL
 from validation.adequacy.probability import Probability, UncertainInputs, probability
 from validation.adequacy.references import NOT_FINER, SAY_LINEAR, Reference, Source, Subject
@@ -45,8 +45,8 @@ def judged(subject: Subject, requirement: Requirement) -> Matrix:
     Its parts are judged with it, what beams get wrong of one alone is noted. Where inputs of the
     robot are uncertain, a verdict that they leave less than 95 % probable is none.
     """
-    comparison = Comparison(subject, requirement.modes)
-    inputs = UncertainInputs(comparison, subject.inputs) if subject.inputs else None
+    model_errors = ModelErrors(subject, requirement.modes)
+    inputs = UncertainInputs(model_errors, subject.inputs) if subject.inputs else None
     named = {*subject.loads, *subject.harmonics}
     quantities = tuple(
         quantity
@@ -57,7 +57,7 @@ def judged(subject: Subject, requirement: Requirement) -> Matrix:
         entry
         for model in subject.models
         for quantity in quantities
-        if (entry := _entry(comparison, model, quantity, requirement, inputs))
+        if (entry := _entry(model_errors, model, quantity, requirement, inputs))
     ]
     return Matrix(
         robot=subject.robot,
@@ -83,15 +83,15 @@ def _silent(subject: Subject, model: Model) -> str:
 
 
 def _entry(
-    comparison: Comparison,
+    model_errors: ModelErrors,
     model: Model,
     quantity: Quantity,
     requirement: Requirement,
     inputs: UncertainInputs | None,
 ) -> Entry | None:
-    subject = comparison.subject
+    subject = model_errors.subject
     reference = subject.reference(quantity)
-    errors = comparison.errors(model, quantity)
+    errors = model_errors.errors(model, quantity)
     if errors is None:
         return _unknown(subject, model, quantity, requirement.limit(quantity))
     limits = _limits(errors, quantity, requirement)
@@ -108,10 +108,12 @@ def _entry(
         for one in (errors.error[chosen, path], errors.spread[chosen, path], *errors.interval)
     )
     alongs = _alongs(errors, chosen)
-    causes = explained(comparison, model, quantity, errors, place) if verdict != "adequate" else ()
+    causes = (
+        explained(model_errors, model, quantity, errors, place) if verdict != "adequate" else ()
+    )
     remedy, left = "", None
     if verdict == "inadequate":
-        remedy, left = remedied(comparison, model, quantity, errors, limit, pose)
+        remedy, left = remedied(model_errors, model, quantity, errors, limit, pose)
     off = inputs.error(model, quantity, errors) if inputs else None
     known = probability(off, verdict, limits, pose) if off else None
     there = not missing[pose]
@@ -401,7 +403,7 @@ def _optional(numbers: Array) -> tuple[float | None, ...]:
 
 
 def explained(
-    comparison: Comparison, model: Model, quantity: Quantity, errors: Errors, place: Place
+    model_errors: ModelErrors, model: Model, quantity: Quantity, errors: Errors, place: Place
 ) -> tuple[Cause, ...]:
     """Causes of the error at a place, the largest first; shares sum to one.
 
@@ -413,13 +415,13 @@ def explained(
     total = float(errors.error[place])
     if total == 0.0:
         return ()
-    subject = comparison.subject
+    subject = model_errors.subject
     readings = [one.reading for one in subject.reference(quantity).interpretations]
     amounts: dict[str, float] = {}
     sources: dict[str, str] = {REST: "the error minus the named causes"}
     before = model
     for step in subject.steps(model, quantity):
-        amount = _amount(comparison, quantity, errors, (before, step.model), place)
+        amount = _amount(model_errors, quantity, errors, (before, step.model), place)
         if amount is None:
             reasons = (subject.responses.unsolved(step.model, r, quantity) for r in readings)
             if unsolved := next(filter(None, reasons), ""):
@@ -435,7 +437,7 @@ def explained(
 
 
 def _amount(
-    comparison: Comparison,
+    model_errors: ModelErrors,
     quantity: Quantity,
     errors: Errors,
     models: tuple[Model, Model],
@@ -445,11 +447,11 @@ def _amount(
     row, pose = place
     displaced = errors.displaced
     if displaced is None:
-        before, after = (comparison.errors(model, quantity) for model in models)
+        before, after = (model_errors.errors(model, quantity) for model in models)
         if before is None or after is None or after.missing[:, pose].any():
             return None
         return float(before.error[place] - after.error[place])
-    subject = comparison.subject
+    subject = model_errors.subject
     reading = subject.reference(quantity).interpretations[row].reading
     first, second = (subject.responses.known_statics(model, reading) for model in models)
     if first is None or second is None:
@@ -461,7 +463,7 @@ def _amount(
 
 
 def remedied(
-    comparison: Comparison,
+    model_errors: ModelErrors,
     model: Model,
     quantity: Quantity,
     errors: Errors,
@@ -474,12 +476,12 @@ def remedied(
     comes nearest to the limit. The error left is the largest over all poses and interpretations.
     Only those steps are named that change anything worth the name. ("", None) if none helps.
     """
-    subject = comparison.subject
+    subject = model_errors.subject
     tried: list[tuple[float, float, str, bool]] = []
     remedies: dict[str, str] = {}
     start = before = float(errors.worst[pose])
     for step in subject.steps(model, quantity):
-        after = comparison.errors(step.model, quantity)
+        after = model_errors.errors(step.model, quantity)
         if after is None:
             break
         errors_after = after.worst

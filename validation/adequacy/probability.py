@@ -30,7 +30,7 @@ from numpy.typing import NDArray
 from lumped.acceptance.quantities import ANY_FORCE, Quantity
 from lumped.arrays import Array
 from lumped.memo import memo
-from validation.adequacy.errors import Comparison, Errors
+from validation.adequacy.errors import Errors, ModelErrors
 from validation.adequacy.references import PerturbedInputs
 from validation.adequacy.responses import Model
 from validation.agreement.displacement import FLOOR, nearest_between
@@ -282,7 +282,7 @@ class UncertainInputs:
     `nominal` compares the robot of the file, `perturbed` are those with other inputs.
     """
 
-    nominal: Comparison
+    nominal: ModelErrors
     perturbed: PerturbedInputs
 
     def error(self, model: Model, quantity: Quantity, own: Errors) -> ErrorOfInputs | None:
@@ -293,8 +293,8 @@ class UncertainInputs:
         if own.numbers is not None or own.missing.any():
             return None
         below, above, together = (
-            [_of_robot(one, model, quantity) for one in comparisons]
-            for comparisons in self._comparisons
+            [_of_robot(one, model, quantity) for one in all_errors]
+            for all_errors in self._model_errors
         )
         forces = None
         if quantity == ANY_FORCE:
@@ -324,9 +324,9 @@ class UncertainInputs:
         )
 
     @cached_property
-    def _comparisons(self) -> tuple[list[Comparison], ...]:
+    def _model_errors(self) -> tuple[list[ModelErrors], ...]:
         robots = self.perturbed.below, self.perturbed.above, self.perturbed.together
-        return tuple([Comparison(one, self.nominal.modes) for one in kind] for kind in robots)
+        return tuple([ModelErrors(one, self.nominal.modes) for one in kind] for kind in robots)
 
 
 @dataclass(frozen=True, eq=False)
@@ -373,9 +373,9 @@ class _OfRobot:
         return np.asarray(self.errors.value[0])
 
 
-def _of_robot(comparison: Comparison, model: Model, quantity: Quantity) -> _OfRobot:
-    errors = comparison.errors(model, quantity)
-    return _OfRobot(quantity, errors, comparison.statics(model) if quantity.static else ())
+def _of_robot(model_errors: ModelErrors, model: Model, quantity: Quantity) -> _OfRobot:
+    errors = model_errors.errors(model, quantity)
+    return _OfRobot(quantity, errors, model_errors.statics(model) if quantity.static else ())
 
 
 def _worst_forces(found: Sequence[Errors | None]) -> Array:

@@ -18,8 +18,8 @@ from validation.case import Case, Skip
 from validation.comparisons import leg_beam_vs_solid, robot_beam_vs_solid
 from validation.comparisons.convergence_cases import JUDGED, study_of, subjects
 from validation.comparisons.convergence_study import ConvergenceStudy
+from validation.comparisons.discretisations import RefinedModel
 from validation.comparisons.element_convergence import QUANTITIES
-from validation.comparisons.readings import RefinedModel
 from validation.comparisons.requested import leg_names
 from validation.context import Context
 from validation.drawing.text import percent

@@ -19,8 +19,8 @@ from validation.case import Absolute, Elsewhere, Measurement, Relation, Skip
 from validation.case_group import CaseGroup
 from validation.comparisons.convergence_series import ConvergenceSeries
 from validation.comparisons.convergence_study import ConvergenceStudy
+from validation.comparisons.discretisations import RefinedModel
 from validation.comparisons.element_convergence import QUANTITIES
-from validation.comparisons.readings import RefinedModel
 from validation.comparisons.requested import convergence, leg_names
 from validation.context import Context
 from validation.exhibits import CONVERGENCE

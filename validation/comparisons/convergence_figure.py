@@ -56,7 +56,9 @@ def _caption(studies: Sequence[ConvergenceStudy], left_out: int) -> list[str]:
         f"At the end of each curve its observed order, at {elements} elements its error; "
         "deflections that are exact for every count are not drawn.",
     ]
-    if any(one.reading.theory == "euler-bernoulli" for study in studies for one in study.series):
+    if any(
+        one.discretisation.theory == "euler-bernoulli" for study in studies for one in study.series
+    ):
         sentences.append(
             "Euler–Bernoulli elements are drawn if their errors differ visibly from those by "
             "Timoshenko's theory."
@@ -66,12 +68,12 @@ def _caption(studies: Sequence[ConvergenceStudy], left_out: int) -> list[str]:
         "0.1 % and 0.01 %:"
     )
     for study in studies:
-        by_label = {one.reading.label: study.short_summary(one, 0) for one in study.series}
+        by_label = {one.discretisation.label: study.short_summary(one, 0) for one in study.series}
         known = [
-            f"{one.reading.label} {by_label[one.reading.label]}"
+            f"{one.discretisation.label} {by_label[one.discretisation.label]}"
             for one in study.series
-            if one.reading.theory == "timoshenko"
-            or by_label[one.reading.label] != by_label.get(one.reading.formulation)
+            if one.discretisation.theory == "timoshenko"
+            or by_label[one.discretisation.label] != by_label.get(one.discretisation.formulation)
         ]
         sentences.append(f"{study.subject or 'robot'}: {'; '.join(known)}.")
     if left_out:

@@ -28,7 +28,7 @@ from validation.agreement.convergence import (
     orders_to_limits,
     pairwise_orders,
 )
-from validation.comparisons.readings import Reading
+from validation.comparisons.discretisations import Discretisation
 
 # Relative errors whose smallest element counts are reported.
 TARGETS = (0.01, 0.001, 0.0001)
@@ -56,7 +56,7 @@ class ConvergenceSeries:
     `TARGETS`; 0 if the finest count of the series misses it.
     """
 
-    reading: Reading
+    discretisation: Discretisation
     formal_order: float
     counts: tuple[int, ...]
     values: Array
@@ -72,7 +72,7 @@ class ConvergenceSeries:
 
     @property
     def _round_off(self) -> float:
-        return ROUND_OFF[self.reading.theory]
+        return ROUND_OFF[self.discretisation.theory]
 
     @cached_property
     def exact(self) -> Array:

@@ -23,7 +23,7 @@ from validation.comparisons.convergence_text import (
     size_text,
     summary,
 )
-from validation.comparisons.readings import RefinedModel
+from validation.comparisons.discretisations import RefinedModel
 from validation.drawing.chart import Chart
 from validation.drawing.style import csv_of, plot_style
 from validation.drawing.text import number
@@ -75,10 +75,14 @@ class ConvergenceStudy:
     ) -> ConvergenceSeries:
         """The series of a formulation; raises InputError if it was not computed."""
         for series in self.series:
-            reading = series.reading
-            if (reading.model, reading.layout, reading.theory) == (model, layout, theory):
+            discretisation = series.discretisation
+            if (discretisation.model, discretisation.layout, discretisation.theory) == (
+                model,
+                layout,
+                theory,
+            ):
                 return series
-        labels = "; ".join(series.reading.label for series in self.series)
+        labels = "; ".join(series.discretisation.label for series in self.series)
         raise InputError(f"{model}, {layout}, {theory}: was not computed; there are: {labels}")
 
     def column(self, quantity: str) -> int:
@@ -133,7 +137,7 @@ class ConvergenceStudy:
         bound = series.largest_errors[place, column] + series.limit_half_widths[column]
         if not bound <= within:
             raise AssertionError(
-                f"{series.reading.label}, {self.title}, {quantity}: the error with {count} "
+                f"{series.discretisation.label}, {self.title}, {quantity}: the error with {count} "
                 f"{self.refined} or more reaches {size_text(bound)}, allowed {size_text(within)}; "
                 f"{series.behaviour(column)}; {summary(series, column, self._stated)}".replace(
                     "\N{NO-BREAK SPACE}", " "
@@ -153,7 +157,7 @@ class ConvergenceStudy:
         for series in self.series:
             lines += [
                 "",
-                f"{series.reading.label}: {quantity}",
+                f"{series.discretisation.label}: {quantity}",
                 series_rows(series, column, self.refined, self.units[column]),
             ]
             others = [k for k in range(len(self.quantities)) if k != column]
@@ -194,7 +198,7 @@ class ConvergenceStudy:
                 "unit": self.units[k],
                 "x": counts,
                 "series": {
-                    one.reading.label: [
+                    one.discretisation.label: [
                         float(one.values[one.counts.index(count), k])
                         if count in one.counts
                         else None
@@ -202,20 +206,22 @@ class ConvergenceStudy:
                     ]
                     for one in self.series
                 },
-                "formal_order": {one.reading.label: one.formal_order for one in self.series},
+                "formal_order": {one.discretisation.label: one.formal_order for one in self.series},
                 "order": {
-                    one.reading.label: float(one.orders[k])
+                    one.discretisation.label: float(one.orders[k])
                     for one in self.series
                     if not np.isnan(one.orders[k])
                 },
                 "uncertainty": {
-                    one.reading.label: float(one.half_widths[-1, k] * abs(one.values[-1, k]))
+                    one.discretisation.label: float(one.half_widths[-1, k] * abs(one.values[-1, k]))
                     for one in self.series
                 },
-                "limit": {one.reading.label: float(one.limits[k]) for one in self.series},
-                "theory": {one.reading.label: one.reading.theory for one in self.series},
+                "limit": {one.discretisation.label: float(one.limits[k]) for one in self.series},
+                "theory": {
+                    one.discretisation.label: one.discretisation.theory for one in self.series
+                },
                 "needed": {
-                    one.reading.label: {
+                    one.discretisation.label: {
                         f"{target:g}": int(row[k]) or None
                         for target, row in zip(TARGETS, one.needed, strict=True)
                     }
@@ -245,8 +251,8 @@ class ConvergenceStudy:
             return lines
         allowed = self.agreement.convergence if within is None else within
         for series in self.series:
-            reading = series.reading
-            if reading.layout == "literal":
+            discretisation = series.discretisation
+            if discretisation.layout == "literal":
                 continue
             count = self.stated_count(series)
             if within is None and count not in series.counts:
@@ -265,9 +271,9 @@ class ConvergenceStudy:
             for place, count in enumerate(series.counts)
         ]
         columns: dict[str, list[float | str | None]] = {
-            "model": [series.reading.model for series, _, _ in rows],
-            "layout": [series.reading.layout for series, _, _ in rows],
-            "theory": [series.reading.theory for series, _, _ in rows],
+            "model": [series.discretisation.model for series, _, _ in rows],
+            "layout": [series.discretisation.layout for series, _, _ in rows],
+            "theory": [series.discretisation.theory for series, _, _ in rows],
             "body": [self.subject or "robot" for _ in rows],
             self.refined: [count for _, _, count in rows],
         }
@@ -316,14 +322,14 @@ class ConvergenceStudy:
             f"{self.subject or 'robot'}: {quantity}, limit {shown}",
             tuple(
                 ErrorCurve(
-                    series.reading.label,
-                    f"{series.reading.legend} (formal order {series.formal_order:g})",
+                    series.discretisation.label,
+                    f"{series.discretisation.legend} (formal order {series.formal_order:g})",
                     np.array(series.counts, dtype=float),
                     series.errors[:, column],
                     series.behaviour(column),
-                    series.reading.look,
+                    series.discretisation.look,
                     self._visible(series, column),
-                    series.reading.theory == "timoshenko",
+                    series.discretisation.theory == "timoshenko",
                 )
                 for series in self.series
             ),
@@ -331,9 +337,13 @@ class ConvergenceStudy:
 
     def _visible(self, series: ConvergenceSeries, column: int) -> bool:
         """True unless the same formulation by Timoshenko's theory has nearly equal errors."""
-        twin = replace(series.reading, theory="timoshenko")
+        twin = replace(series.discretisation, theory="timoshenko")
         for other in self.series:
-            if other is not series and other.reading == twin and other.counts == series.counts:
+            if (
+                other is not series
+                and other.discretisation == twin
+                and other.counts == series.counts
+            ):
                 pairs = np.abs([series.errors[:, column], other.errors[:, column]]) + _NEARLY_EXACT
                 fine = np.array(series.counts) >= min(COARSE_COUNT, series.counts[-1])
                 ratios = np.log(pairs[0] / pairs[1])[fine]

@@ -63,9 +63,9 @@ def series_record(
     """The series as plain data by quantity; null for what it does not have."""
     by_quantity = dict(enumerate(quantities))
     return {
-        "model": series.reading.model,
-        "layout": series.reading.layout,
-        "theory": series.reading.theory,
+        "model": series.discretisation.model,
+        "layout": series.discretisation.layout,
+        "theory": series.discretisation.theory,
         "formal_order": series.formal_order,
         refined: list(series.counts),
         "values": {q: series.values[:, k].tolist() for k, q in by_quantity.items()},

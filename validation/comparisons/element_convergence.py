@@ -29,7 +29,7 @@ from validation.comparisons.convergence_series import (
     relative_errors,
 )
 from validation.comparisons.convergence_study import ConvergenceStudy
-from validation.comparisons.readings import FORMULATIONS, Reading
+from validation.comparisons.discretisations import FORMULATIONS, Discretisation
 from validation.models.legs import leg_matrices, reduced_leg
 from validation.models.mechanism import bodies_of, highest_frequency
 from validation.models.options import BEAM_ORDER, ModelOptions
@@ -49,14 +49,14 @@ _STILL = 1e-13
 # Counts from which the limit of a robot is extrapolated.
 _LIMIT_COUNTS = (40, 80)
 
-Evaluate = Callable[[Reading], Array]
+Evaluate = Callable[[Discretisation], Array]
 
 
 def leg_convergence(
     robot: str,
     name: str,
     leg: ConstantLeg | SteppedLeg,
-    readings: Sequence[Reading] = FORMULATIONS,
+    discretisations: Sequence[Discretisation] = FORMULATIONS,
     counts: Sequence[int] = COUNTS,
 ) -> ConvergenceStudy:
     """Convergence of one leg, root clamped, by formulation; raises as `_checked_counts` does.
@@ -69,12 +69,12 @@ def leg_convergence(
         reference = "exact cantilever of the same theory (Huang 1961)"
     else:
         limits, reference = partial(_beam_limit, evaluate), _EXTRAPOLATED
-    return _study(robot, name, {}, evaluate, limits, reference, readings, counts)
+    return _study(robot, name, {}, evaluate, limits, reference, discretisations, counts)
 
 
 def robot_convergence(
     posture: Posture,
-    readings: Sequence[Reading] = FORMULATIONS,
+    discretisations: Sequence[Discretisation] = FORMULATIONS,
     counts: Sequence[int] = COUNTS,
 ) -> ConvergenceStudy:
     """Convergence of a robot in one posture, equal element counts in all legs.
@@ -88,7 +88,9 @@ def robot_convergence(
     evaluate = partial(_robot_values, posture, highest_frequency([posture], MODES))
     limits = partial(_beam_limit, evaluate)
     pose = dict(zip(mechanism.tool.moves, posture.pose.tolist(), strict=True))
-    return _study(mechanism.name, "", pose, evaluate, limits, _EXTRAPOLATED, readings, counts)
+    return _study(
+        mechanism.name, "", pose, evaluate, limits, _EXTRAPOLATED, discretisations, counts
+    )
 
 
 _EXTRAPOLATED = "limit of the beam elements, extrapolated from 40 and 80"
@@ -101,7 +103,7 @@ def _study(
     evaluate: Evaluate,
     limits: Callable[[Theory], tuple[Array, Array]],
     reference: str,
-    readings: Sequence[Reading],
+    discretisations: Sequence[Discretisation],
     counts: Sequence[int],
 ) -> ConvergenceStudy:
     return ConvergenceStudy(
@@ -112,42 +114,48 @@ def _study(
         units=UNITS,
         reference=reference,
         series=tuple(
-            _series(reading, evaluate, *limits(reading.theory), _checked_counts(reading, counts))
-            for reading in readings
+            _series(
+                discretisation,
+                evaluate,
+                *limits(discretisation.theory),
+                _checked_counts(discretisation, counts),
+            )
+            for discretisation in discretisations
         ),
     )
 
 
-def _checked_counts(reading: Reading, counts: Sequence[int]) -> tuple[int, ...]:
+def _checked_counts(discretisation: Discretisation, counts: Sequence[int]) -> tuple[int, ...]:
     """Counts that the formulation allows, ascending; raises InputError if none is left."""
-    kept = tuple(sorted({count for count in counts if count >= reading.fewest_elements}))
+    kept = tuple(sorted({count for count in counts if count >= discretisation.fewest_elements}))
     if not kept:
         raise InputError(
-            f"elements: {reading.label} needs a count of {reading.fewest_elements} or more"
+            f"elements: {discretisation.label} needs a count of "
+            f"{discretisation.fewest_elements} or more"
         )
     return kept
 
 
 def _series(
-    reading: Reading,
+    discretisation: Discretisation,
     evaluate: Evaluate,
     limits: Array,
     limit_half_widths: Array,
     counts: tuple[int, ...],
 ) -> ConvergenceSeries:
-    known = {count: evaluate(reading.with_count(count)) for count in counts}
+    known = {count: evaluate(discretisation.with_count(count)) for count in counts}
 
     def errors(count: int) -> Array:
         if count not in known:
-            known[count] = evaluate(reading.with_count(count))
+            known[count] = evaluate(discretisation.with_count(count))
         return np.abs(relative_errors(known[count], limits))
 
     values = np.array([known[count] for count in counts])
     columns = range(len(limits))
     needed = [[_smallest_count(counts, errors, k, target) for k in columns] for target in TARGETS]
     return ConvergenceSeries(
-        reading=reading,
-        formal_order=reading.element_order,
+        discretisation=discretisation,
+        formal_order=discretisation.element_order,
         counts=counts,
         values=values,
         limits=limits,
@@ -184,9 +192,9 @@ def _smallest_count(
     return below
 
 
-def leg_values(leg: ConstantLeg | SteppedLeg, reading: Reading) -> Array:
+def leg_values(leg: ConstantLeg | SteppedLeg, discretisation: Discretisation) -> Array:
     """Frequencies (Hz) and tip compliances (m/N) of one leg of elements, root clamped."""
-    matrices = leg_matrices(reading.model, leg, reading.options)
+    matrices = leg_matrices(discretisation.model, leg, discretisation.options)
     return _values(clamped_modes(matrices, MODES).frequencies, tip_compliance_of(matrices))
 
 
@@ -199,14 +207,14 @@ def _cantilever(leg: ConstantLeg, theory: Theory) -> tuple[Array, Array]:
     return values, np.zeros(len(values))
 
 
-def _robot_values(posture: Posture, highest: float, reading: Reading) -> Array:
+def _robot_values(posture: Posture, highest: float, discretisation: Discretisation) -> Array:
     def matrices(leg: ConstantLeg | SteppedLeg, options: ModelOptions) -> LegMatrices:
-        if reading.elements <= _WHOLE:
-            return leg_matrices(reading.model, leg, options)
-        return reduced_leg(reading.model, leg, options, highest, _CUTOFF * highest)
+        if discretisation.elements <= _WHOLE:
+            return leg_matrices(discretisation.model, leg, options)
+        return reduced_leg(discretisation.model, leg, options, highest, _CUTOFF * highest)
 
     mechanism = posture.mechanism
-    bodies = bodies_of(mechanism, reading.options, matrices)
+    bodies = bodies_of(mechanism, discretisation.options, matrices)
     solution = solved(assembly(mechanism, bodies).at(posture))
     values = _values(modes(solution, MODES).frequencies, compliance(solution))
     deflections = values[MODES:]
@@ -216,7 +224,7 @@ def _robot_values(posture: Posture, highest: float, reading: Reading) -> Array:
 
 def _beam_limit(evaluate: Evaluate, theory: Theory) -> tuple[Array, Array]:
     """Richardson's limit of the beam elements, and half-widths of three times its last step."""
-    beams = Reading("beam", theory=theory)
+    beams = Discretisation("beam", theory=theory)
     coarse, fine = (evaluate(beams.with_count(count)) for count in _LIMIT_COUNTS)
     step = (fine - coarse) / ((_LIMIT_COUNTS[1] / _LIMIT_COUNTS[0]) ** BEAM_ORDER - 1.0)
     limits = fine + step

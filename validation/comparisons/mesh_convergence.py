@@ -15,13 +15,13 @@ from lumped.legs import ConstantLeg
 from validation.agreement.convergence import UNPROVEN, analyse
 from validation.comparisons.convergence_series import TARGETS, ConvergenceSeries
 from validation.comparisons.convergence_study import ConvergenceStudy
+from validation.comparisons.discretisations import Discretisation
 from validation.comparisons.element_convergence import DEFLECTIONS, MODES, QUANTITIES, UNITS
-from validation.comparisons.readings import Reading
 from validation.models.legs import clamped_solid
 from validation.solids.legs import ROUND_OFF, formal_order
 
 DIVISIONS = (1, 2, 3, 4)
-SOLIDS = (Reading("solid", ends="rigid"), Reading("solid", ends="free"))
+SOLIDS = (Discretisation("solid", ends="rigid"), Discretisation("solid", ends="free"))
 # An order can be observed from so many meshes on.
 _OBSERVED = 4
 
@@ -30,7 +30,7 @@ def leg_mesh_convergence(
     robot: str,
     name: str,
     leg: ConstantLeg,
-    readings: Sequence[Reading] = SOLIDS,
+    discretisations: Sequence[Discretisation] = SOLIDS,
     divisions: Sequence[int] = DIVISIONS,
 ) -> ConvergenceStudy:
     """Convergence of one leg as a solid, root clamped.
@@ -50,18 +50,20 @@ def leg_mesh_convergence(
         quantities=QUANTITIES,
         units=UNITS,
         reference="limit extrapolated from the finest meshes",
-        series=tuple(_series(leg, reading, counts) for reading in readings),
+        series=tuple(_series(leg, discretisation, counts) for discretisation in discretisations),
         refined="divisions",
     )
 
 
-def _series(leg: ConstantLeg, reading: Reading, counts: tuple[int, ...]) -> ConvergenceSeries:
-    values = np.array([_values(leg, reading.with_count(count)) for count in counts])
-    order = formal_order(leg, reading.ends)
+def _series(
+    leg: ConstantLeg, discretisation: Discretisation, counts: tuple[int, ...]
+) -> ConvergenceSeries:
+    values = np.array([_values(leg, discretisation.with_count(count)) for count in counts])
+    order = formal_order(leg, discretisation.ends)
     limits, half_widths, orders = _limits(counts, values, order)
     errors = np.abs(values / limits - 1.0)
     return ConvergenceSeries(
-        reading=reading,
+        discretisation=discretisation,
         formal_order=order,
         counts=counts,
         values=values,
@@ -72,8 +74,8 @@ def _series(leg: ConstantLeg, reading: Reading, counts: tuple[int, ...]) -> Conv
     )
 
 
-def _values(leg: ConstantLeg, reading: Reading) -> Array:
-    body = clamped_solid(leg, reading.divisions, reading.ends)
+def _values(leg: ConstantLeg, discretisation: Discretisation) -> Array:
+    body = clamped_solid(leg, discretisation.divisions, discretisation.ends)
     deflections = np.diag(body.compliance)[: len(DEFLECTIONS)]
     return np.concatenate([body.modes(MODES).frequencies, deflections])
 

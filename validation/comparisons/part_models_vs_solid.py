@@ -25,9 +25,9 @@ from lumped.models.bodies import clamped_modes, tip_compliance_of
 from lumped.screws import turn, turn_matrix
 from validation.case import Elsewhere, Measurement, Relation, Relative, UnjudgedValue
 from validation.case_group import CaseGroup
+from validation.comparisons.discretisations import Discretisation, RefinedModel
 from validation.comparisons.element_convergence import MODES
 from validation.comparisons.leg_beam_vs_solid import MOTIONS
-from validation.comparisons.readings import Reading, RefinedModel
 from validation.context import Context
 from validation.exhibits import AGREEMENT
 from validation.models.legs import leg_matrices
@@ -76,9 +76,9 @@ def condensed_values(body: Body) -> Array:
     return _values(turn_matrix(compliance, leg_axes(body).rotation.T), frequencies)
 
 
-def stepped_values(body: Body, reading: Reading) -> Array:
+def stepped_values(body: Body, discretisation: Discretisation) -> Array:
     """Tip compliances and frequencies of the part as prismatic pieces; raises as `stepped`."""
-    matrices = leg_matrices(reading.model, stepped(body), reading.options)
+    matrices = leg_matrices(discretisation.model, stepped(body), discretisation.options)
     return _values(tip_compliance_of(matrices), clamped_modes(matrices, MODES).frequencies)
 
 
@@ -134,7 +134,7 @@ def _stepped(body: Body, limits: AgreementLimits, solid: PartValues) -> Iterator
     """Values of the stepped forms; elements are those of [agree], a whole number in each piece."""
     elements = PIECES * max(1, round(limits.elements / PIECES))
     for model in _STEPPED:
-        values = stepped_values(body, Reading(model, elements=elements))
+        values = stepped_values(body, Discretisation(model, elements=elements))
         yield from _shown(f"{model}-stepped", elements, values, solid)
 
 

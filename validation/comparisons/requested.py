@@ -12,9 +12,9 @@ from lumped.mechanism.kinematics.postures import posture, reference_posture
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.models.bodies import legs_of
 from validation.comparisons.convergence_study import ConvergenceStudy
+from validation.comparisons.discretisations import EULER_BERNOULLI, FORMULATIONS, RefinedModel
 from validation.comparisons.element_convergence import COUNTS, leg_convergence, robot_convergence
 from validation.comparisons.mesh_convergence import DIVISIONS, leg_mesh_convergence
-from validation.comparisons.readings import EULER_BERNOULLI, FORMULATIONS, RefinedModel
 from validation.models.parts import is_leg
 from validation.models.stepped_parts import PIECES, stepped
 

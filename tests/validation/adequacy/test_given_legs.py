@@ -18,7 +18,7 @@ from lumped.legs import ConstantLeg, GivenLeg, Material
 from lumped.mechanism.mechanism import Mechanism
 from lumped.models.bodies import legs_of, tip_compliance_of
 from lumped.sections import HollowRectangle, ISection, Rectangle, Tube
-from validation.adequacy.errors import Comparison
+from validation.adequacy.errors import ModelErrors
 from validation.adequacy.judgement import judged
 from validation.adequacy.mechanism.dynamics import dynamic_reference
 from validation.adequacy.mechanism.path import robot_at
@@ -126,7 +126,7 @@ def judgements(twins, truth, limit=0.05):
         Subject("", (), np.zeros((1, 0)), responses, models, Reference("none"), dynamics)
         for dynamics in (dynamic_reference(responses), reference("solids", {"solids": truth}))
     ]
-    comparisons = [Comparison(subject, MODES) for subject in subjects]
+    comparisons = [ModelErrors(subject, MODES) for subject in subjects]
     found = {}
     for model in models:
         for number in range(1, MODES + 1):

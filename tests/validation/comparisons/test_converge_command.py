@@ -98,7 +98,7 @@ def test_figure_shows_the_errors_in_percent(leg1):
     for axes, column in zip(figure.axes, (0, 1), strict=True):
         lines = {line.get_label(): line for line in axes.get_lines()}
         for series in leg1.series:
-            line = next(v for k, v in lines.items() if k.startswith(series.reading.legend))
+            line = next(v for k, v in lines.items() if k.startswith(series.discretisation.legend))
             np.testing.assert_allclose(line.get_xdata(), series.counts)
             np.testing.assert_allclose(line.get_ydata(), 100.0 * np.abs(series.errors[:, column]))
         assert axes.get_xscale() == axes.get_yscale() == "log"

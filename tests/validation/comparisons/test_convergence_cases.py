@@ -22,7 +22,7 @@ from validation.comparisons import convergence_cases, element_convergence
 from validation.comparisons.convergence_cases import cases, study_of, subjects
 from validation.comparisons.convergence_figure import element_convergence as figure_of
 from validation.comparisons.convergence_series import fitted_orders
-from validation.comparisons.readings import EULER_BERNOULLI, FORMULATIONS
+from validation.comparisons.discretisations import EULER_BERNOULLI, FORMULATIONS
 from validation.context import Context, memo_key
 from validation.run.outcome import judge
 
@@ -74,7 +74,7 @@ def test_literal_layout_in_place_of_the_other_disagrees(what):
     """Order 1.0 for 2.0, and 5.1 % at 20 elements."""
     study = leg1_study()
     literal = study.of("segments", "literal")
-    wrong = replace(literal, reading=FORMULATIONS[0], formal_order=2.0)
+    wrong = replace(literal, discretisation=FORMULATIONS[0], formal_order=2.0)
     mixed = replace(study, series=(wrong, *study.series[1:]))
     assert verdict_with(mixed, f"leg1.converged[segments-{what}]") == "disagree"
 
@@ -213,7 +213,7 @@ def test_figure_and_studies_show_every_subject():
             for series in own.series:
                 # Of the finest value, in the unit of the study.
                 width, value = series.half_widths[-1, k], series.values[-1, k]
-                label = series.reading.label
+                label = series.discretisation.label
                 assert study["uncertainty"][label] == pytest.approx(width * value, rel=1e-12)
                 assert study["limit"][label] == series.limits[k]
                 assert (label in study["order"]) is bool(np.isfinite(series.orders[k]))

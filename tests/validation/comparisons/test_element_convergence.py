@@ -26,8 +26,8 @@ from validation.comparisons.convergence_series import (
     fitted_orders,
     relative_errors,
 )
+from validation.comparisons.discretisations import FORMULATIONS, Discretisation
 from validation.comparisons.element_convergence import leg_convergence, robot_convergence
-from validation.comparisons.readings import FORMULATIONS, Reading
 from validation.comparisons.requested import convergence, middle_posture
 from validation.models.legs import leg_matrices
 from validation.models.mechanism import bodies_of
@@ -99,8 +99,8 @@ def test_leg_errors_land_on_known_values(leg1, model, layout, quantity, count, e
 def test_literal_layout_is_5_2_percent_off_without_shear():
     """5.2 % at 20 elements against Euler–Bernoulli's cantilever (physics of §3.2 as printed)."""
     leg = equivalent_leg(legs_of(BIGLIDE.mechanism)["leg1"])
-    reading = replace(LITERAL, theory="euler-bernoulli")
-    study = leg_convergence("ifw", "leg1", leg, [reading], [20])
+    discretisation = replace(LITERAL, theory="euler-bernoulli")
+    study = leg_convergence("ifw", "leg1", leg, [discretisation], [20])
     assert study.series[0].errors[0, 1] == pytest.approx(5.2e-2, abs=5e-4)
     # L² √(EI/μ) 1.875104²/2π: f2 is 186.8 Hz without rotary inertia.
     assert study.series[0].limits[1] == pytest.approx(186.8, abs=0.05)
@@ -112,10 +112,10 @@ def test_euler_bernoulli_elements_have_formal_orders(index):
     study = convergence(BIGLIDE.mechanism, body="leg1", theory="euler-bernoulli")
     series = study.series[index]
     np.testing.assert_allclose(series.orders[:4], series.formal_order, atol=0.1)
-    assert series.exact[4:].all() == (series.reading.layout == "half")
+    assert series.exact[4:].all() == (series.discretisation.layout == "half")
     # Half-widths without the limit contain it, from five elements on.
     fine = np.array(series.counts) >= 5
-    judged = slice(2) if series.reading.layout == "literal" else slice(None)
+    judged = slice(2) if series.discretisation.layout == "literal" else slice(None)
     shares = np.abs(series.errors[fine, judged]) / series.half_widths[fine, judged]
     assert shares.max() <= 1.0
 
@@ -177,10 +177,12 @@ def test_dense_whole_robot_equals_reduced_one(whole_robot):
     """The obvious path: all elements of both legs assembled, no leg reduced."""
     mechanism = BIGLIDE.mechanism
     posture = middle_posture(mechanism)
-    for reading in (HALF, BEAM):
-        bodies = bodies_of(mechanism, reading.options, partial(leg_matrices, reading.model))
+    for discretisation in (HALF, BEAM):
+        bodies = bodies_of(
+            mechanism, discretisation.options, partial(leg_matrices, discretisation.model)
+        )
         solution = solved(assembly(mechanism, bodies).at(posture))
-        series = whole_robot.of(reading.model, reading.layout)
+        series = whole_robot.of(discretisation.model, discretisation.layout)
         values = series.values[series.counts.index(20)]
         # Reduction 1e-11, round-off of the dense modes 1e-11.
         np.testing.assert_allclose(values[:4], modes(solution, 4).frequencies, rtol=1e-9)
@@ -198,7 +200,9 @@ def test_needed_counts_are_the_smallest(leg1, layout, quantity):
         if not needed:
             assert abs(series.errors[-1, column]) > target
             continue
-        study = leg_convergence("", "", leg, [series.reading], [int(needed) - 1, int(needed)])
+        study = leg_convergence(
+            "", "", leg, [series.discretisation], [int(needed) - 1, int(needed)]
+        )
         sizes = np.abs(study.series[0].errors[:, column])
         assert sizes[0] > target >= sizes[-1]
 
@@ -231,7 +235,7 @@ def require_true_half_widths(series):
 
     Of the literal layout the first two frequencies: its higher modes change places on the way.
     """
-    judged = slice(2) if series.reading.layout == "literal" else slice(None)
+    judged = slice(2) if series.discretisation.layout == "literal" else slice(None)
     for coarse, count in enumerate(series.counts):
         if count < 5:
             continue
@@ -273,7 +277,7 @@ def test_legs_of_cad_parts_converge_in_prismatic_pieces(body):
     series = study.of("segments")
     assert series.counts == (10, 20, 30, 40, 80)
     np.testing.assert_allclose(series.orders[:4], 2.0, atol=0.05)
-    assert [one.reading.layout for one in study.series] == ["half", "half"]
+    assert [one.discretisation.layout for one in study.series] == ["half", "half"]
 
 
 def test_fitted_order_is_the_slope_of_a_power_law():
@@ -298,7 +302,7 @@ def test_order_by_regression_over_three_finest_counts():
 
 def test_half_width_without_order_is_three_times_the_largest_finer_error():
     series = ConvergenceSeries(
-        reading=Reading("segments"),
+        discretisation=Discretisation("segments"),
         formal_order=2.0,
         counts=(5, 10, 20),
         values=np.array([[1.01], [0.9999], [1.002]]),
@@ -315,7 +319,7 @@ def test_half_width_with_order_follows_from_two_counts():
     counts = (10, 20, 40, 80)
     errors = np.array(counts, dtype=float)[:, None] ** -2.0
     series = ConvergenceSeries(
-        reading=Reading("segments"),
+        discretisation=Discretisation("segments"),
         formal_order=2.0,
         counts=counts,
         values=1.0 + errors,

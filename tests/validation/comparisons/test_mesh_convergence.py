@@ -6,11 +6,11 @@ import pytest
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, Material, tip_compliance
 from lumped.sections import Rectangle
+from validation.comparisons.discretisations import Discretisation
 from validation.comparisons.mesh_convergence import leg_mesh_convergence
-from validation.comparisons.readings import Reading
 
 LEG = ConstantLeg(0.25, Rectangle(0.05, 0.05), Material(E=2.1e11, G=8.0e10, nu=0.0, rho=7850.0))
-FREE = Reading("solid", ends="free")
+FREE = Discretisation("solid", ends="free")
 
 
 @pytest.fixture(scope="module")
@@ -20,7 +20,7 @@ def study():
 
 def test_solid_limit_is_the_timoshenko_cantilever(study):
     """ν = 0 and ends free to warp: beam theory is exact in bending and tension."""
-    series = next(one for one in study.series if one.reading.ends == "free")
+    series = next(one for one in study.series if one.discretisation.ends == "free")
     expected = np.diag(tip_compliance(LEG.timoshenko, LEG.length))[:3]
     errors = np.abs(series.limits[4:] / expected - 1.0)
     # Shear of a rectangle with ν = 0: κ = 5/6 is exact.

@@ -22,7 +22,7 @@ from validation.comparisons.part_models_vs_solid import (
     solid_values,
     stepped_values,
 )
-from validation.comparisons.readings import Reading
+from validation.comparisons.discretisations import Discretisation
 from validation.context import Context
 from validation.report.agreement import agreement_sentence, agreement_tables
 from validation.report.agreement_parts import agreement_rows
@@ -46,7 +46,7 @@ def bar(tmp_path_factory):
 
 
 def test_bar_has_the_values_of_the_cantilever(bar):
-    solid, stepped = solid_values(bar).values, stepped_values(bar, Reading("beam"))
+    solid, stepped = solid_values(bar).values, stepped_values(bar, Discretisation("beam"))
     speed = np.sqrt(E * SECOND_MOMENT / (RHO * AREA)) / LENGTH**2 / (2.0 * np.pi)
     for values in (solid, stepped):
         assert values[AT["x"]] == pytest.approx(LENGTH / (E * AREA), rel=2e-3)

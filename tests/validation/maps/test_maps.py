@@ -17,7 +17,7 @@ from lumped.errors import ComputationError, InputError
 from lumped.models.bodies import links, tip_compliances
 from lumped.robot_file import load_robot
 from lumped.system.assembly import assembly
-from validation.adequacy.errors import Comparison
+from validation.adequacy.errors import ModelErrors
 from validation.adequacy.mechanism.path import robot_on_path
 from validation.adequacy.models import judged_models, judged_models_of
 from validation.adequacy.robot import static_subject
@@ -175,7 +175,7 @@ def test_errors_on_the_grid_are_those_of_the_verdicts(five_bar):
     assert study["model"] == "vjm"
     models = judged_models_of(robot)
     subject = static_subject(robot, models.values())
-    errors = Comparison(subject, 4).errors(models["vjm"], ANY_FORCE).error[0]
+    errors = ModelErrors(subject, 4).errors(models["vjm"], ANY_FORCE).error[0]
     assert errors.max() < context.robot_file.requirement.deflection
     known = dict(zip(product(*study["x"]), np.ravel(study["values"]), strict=True))
     due = [known[tuple(pose)] for pose in subject.poses]

@@ -1,4 +1,4 @@
-"""One choice of model, element count or mesh, layout and beam theory for the legs of a robot."""
+"""Discretisations of the legs of a robot: model, element count or mesh, layout and theory."""
 
 from dataclasses import dataclass, replace
 from typing import Literal, TypeAlias
@@ -18,7 +18,7 @@ RefinedModel: TypeAlias = Literal["segments", "beam", "solid"]
 
 
 @dataclass(frozen=True)
-class Reading:
+class Discretisation:
     """Discretisation and theory of the legs.
 
     `elements` per leg, for segments and beam. `layout`, for segments: "half" has springs of half
@@ -35,7 +35,7 @@ class Reading:
 
     @property
     def options(self) -> ModelOptions:
-        """The reading as options of a model; CAD parts become legs of ten prismatic pieces."""
+        """Options of a model; CAD parts become legs of ten prismatic pieces."""
         return replace(
             DEFAULT_OPTIONS,
             elements=self.elements,
@@ -46,8 +46,8 @@ class Reading:
             parts="stepped",
         )
 
-    def with_count(self, count: int) -> "Reading":
-        """The reading with another element count, or other divisions for a solid."""
+    def with_count(self, count: int) -> "Discretisation":
+        """The discretisation with another element count, or other divisions for a solid."""
         if self.model == "solid":
             return replace(self, divisions=count)
         return replace(self, elements=count)
@@ -104,9 +104,11 @@ class Reading:
 
 
 FORMULATIONS = (
-    Reading("segments", "half"),
-    Reading("segments", "literal"),
-    Reading("beam"),
+    Discretisation("segments", "half"),
+    Discretisation("segments", "literal"),
+    Discretisation("beam"),
 )
 # The same without shear and rotary inertia.
-EULER_BERNOULLI = tuple(replace(reading, theory="euler-bernoulli") for reading in FORMULATIONS)
+EULER_BERNOULLI = tuple(
+    replace(discretisation, theory="euler-bernoulli") for discretisation in FORMULATIONS
+)
