@@ -37,6 +37,7 @@ sphinx_gallery_conf = {
     "image_scrapers": ("matplotlib", "gallery_figures.save_returned_figure"),
     "capture_repr": ("_repr_html_",),
     "abort_on_example_error": True,
+    "remove_config_comments": True,
     # An example is unchanged, and what it runs may have changed.
     "run_stale_examples": True,
     "download_all_examples": False,

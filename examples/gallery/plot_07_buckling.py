@@ -11,6 +11,8 @@ import numpy as np
 
 import flexproof as fp
 
+# sphinx_gallery_thumbnail_number = 2
+
 length, width, height = 1.0, 0.030, 0.020
 E, rho = 2.1e11, 7850.0
 strut = {

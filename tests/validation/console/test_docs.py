@@ -6,11 +6,15 @@ import subprocess
 import sys
 from html.parser import HTMLParser
 from pathlib import Path
+from urllib.parse import urlsplit
 
 import pytest
 
+import flexproof as fp
 from validation.console import docs
 from validation.console.docs import MARK
+
+ROOT = Path(__file__).resolve().parents[3]
 
 
 class Addresses(HTMLParser):
@@ -81,6 +85,37 @@ def test_links_of_the_site_lead_to_files_and_anchors(site):
 
 
 @pytest.mark.exhaustive
+def test_links_out_of_the_site_are_whole_addresses(site):
+    """They are not followed: a test does not need the network."""
+    _, pages = site
+    addresses = {one for page in pages.values() for one in page.linked if "://" in one}
+    for address in addresses:
+        parts = urlsplit(address)
+        assert parts.scheme == "https", address
+        assert re.fullmatch(r"[a-z0-9-]+(\.[a-z0-9-]+)+", parts.netloc), address
+        assert not re.search(r"\s", address), address
+    assert len(addresses) >= 3
+
+
+@pytest.mark.exhaustive
+def test_gallery_shows_a_picture_of_each_example(site):
+    folder, pages = site
+    scripts = {path.stem for path in (ROOT / "examples/gallery").glob("plot_*.py")}
+    shown = pages[folder / "gallery" / "index.html"].loaded
+    assert {name for name in scripts if any(f"{name}_thumb" in one for one in shown)} == scripts
+    for name in scripts:
+        loaded = pages[folder / "gallery" / f"{name}.html"].loaded
+        assert any(f"sphx_glr_{name}_001" in one for one in loaded), name
+
+
+@pytest.mark.exhaustive
+def test_api_reference_has_every_public_name(site):
+    folder, pages = site
+    anchors = {one.rpartition(".")[2] for one in pages[folder / "api.html"].anchors}
+    assert set(fp.__all__) <= anchors
+
+
+@pytest.mark.exhaustive
 @pytest.mark.parametrize(
     ("terms", "page"),
     [
@@ -89,6 +124,13 @@ def test_links_of_the_site_lead_to_files_and_anchors(site):
         ("buckling", "guide/loads"),
         ("torsion warp", "guide/theory"),
         ("nastran", "guide/export"),
+        # Five questions of a newcomer: how do I install it, on which system, what does exit code 1
+        # mean, how do I describe my robot, and how do I assert it in a test.
+        ("install", "guide/start"),
+        ("windows", "guide/platforms"),
+        ("exit code", "guide/commands"),
+        ("dictionary robot", "gallery/plot_04_five_bar"),
+        ("pytest assert", "guide/programs"),
     ],
 )
 def test_search_finds_the_page_of_a_question(site, terms, page):
