@@ -14,6 +14,7 @@ from lumped.legs import Material
 from lumped.mechanism.body import Body, Frame, Part
 from lumped.robot_file import load_robot
 from validation.comparisons import part_models_vs_solid
+from validation.comparisons.discretisations import Discretisation
 from validation.comparisons.part_models_vs_solid import (
     QUANTITIES,
     cases,
@@ -22,7 +23,6 @@ from validation.comparisons.part_models_vs_solid import (
     solid_values,
     stepped_values,
 )
-from validation.comparisons.discretisations import Discretisation
 from validation.context import Context
 from validation.report.agreement import agreement_sentence, agreement_tables
 from validation.report.agreement_parts import agreement_rows
