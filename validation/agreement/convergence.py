@@ -80,14 +80,6 @@ def richardson(middle: float, fine: float, ratio: float, order: float) -> float:
     return fine + (fine - middle) / float(ratio**order - 1.0)
 
 
-def step_factor(ratio: float, formal_order: float) -> float:
-    """Uncertainty of a grid over the step from another one: F/|rᵖ − 1|, F = 3 (Roache).
-
-    `ratio` r: size of the other one over its own; p the formal order: two grids show none.
-    """
-    return UNPROVEN / abs(float(ratio**formal_order - 1.0))
-
-
 def pairwise_orders(sizes: Array, values: Array) -> Array:
     """Observed order of every three neighbouring grids (n − 2 values, NaN where there is none)."""
     ratios = sizes[:-1] / sizes[1:]

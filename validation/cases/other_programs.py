@@ -23,7 +23,7 @@ from lumped.models.bodies import legs_of
 from lumped.system.assembly import assembly
 from lumped.system.solution import compliance, modes, solved
 from validation.adequacy.mechanism.path import known_legs, path_postures
-from validation.agreement.convergence import step_factor
+from validation.agreement.mesh_half_widths import MeshPolicy, mesh_half_widths
 from validation.case import Absolute, Elsewhere, Measurement, Relative, Skip
 from validation.case_group import CaseGroup
 from validation.context import Context
@@ -155,7 +155,7 @@ def by_both(at: Posture) -> tuple[PostureAnswer, Array, Array]:
     extrapolated, before = (
         finer + (finer - coarser) / 3.0 for coarser, finer in ((middle, fine), (coarse, middle))
     )
-    uncertain = step_factor(2.0, 4.0) * np.abs(extrapolated - before)
+    uncertain = mesh_half_widths([np.abs(extrapolated - before)], MeshPolicy.of_order(2.0, 4.0))
     return own, extrapolated[own.idle :], uncertain[own.idle :]
 
 

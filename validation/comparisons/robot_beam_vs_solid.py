@@ -35,7 +35,7 @@ from meshes.section.section_mesh import section_mesh
 from validation.adequacy.mechanism.legs import (
     SECTION_DIVISIONS,
     most_unknowns,
-    step_uncertainty,
+    slowest,
 )
 from validation.adequacy.mechanism.path import (
     Holds,
@@ -55,7 +55,7 @@ from validation.adequacy.mechanism.vibration import (
     vibration_of,
 )
 from validation.adequacy.partners import partners
-from validation.agreement.convergence import step_factor
+from validation.agreement.mesh_half_widths import MeshPolicy, mesh_half_widths
 from validation.agreement.responses import PathModes
 from validation.case import Allowance, Measurement, Relative, Skip
 from validation.case_group import CaseGroup, numbered
@@ -326,7 +326,7 @@ def _options(limits: AgreementLimits) -> ModelOptions:
 
 
 def _step(change: float, ratio: float) -> float:
-    return float(step_uncertainty(np.abs(np.array(change)), ratio))
+    return float(mesh_half_widths([np.abs(np.array(change))], slowest(ratio)))
 
 
 def robot_modes(
@@ -470,12 +470,16 @@ def _frequency(
         raise Skip(NO_WAVES)
     reference, free = float(found.held[_FINE, index]), found.free[:, index]
     own = float(found.own[_FINE, index])
-    factor = step_factor(meshes.ratio(legs), FORMAL_ORDER)
+    policy = MeshPolicy.of_order(meshes.ratio(legs), FORMAL_ORDER)
+
+    def half_width(*steps: float) -> float:
+        return float(mesh_half_widths([np.sum(np.abs(steps))], policy))
+
     left = distorted - free
     formula = limited(
         float(found.theory[index]) - own,
         (float(found.soft[index]) - own, float(found.stiff[index]) - own),
-        factor * abs(own - float(found.own[_COARSE, index])),
+        half_width(own - float(found.own[_COARSE, index])),
     )
     shares = [
         context.get(held_share, leg, meshes.fine.section_divisions(leg), kind)
@@ -483,21 +487,19 @@ def _frequency(
         if limits.ends_of(leg.ends) == "rigid"
         for kind in ("tension", "bending y", "bending z")
     ]
-    steps = (reference - float(found.held[_COARSE, index]), free[_FINE] - free[_COARSE])
+    steps = reference - float(found.held[_COARSE, index]), float(free[_FINE] - free[_COARSE])
     difference = float(free[_FINE]) - reference
     share = _REISSNER * float(found.raised[index]) + max(shares, default=0.0)
-    faces = limited(
-        difference, (-share * reference, 0.0), factor * sum(abs(float(step)) for step in steps)
-    )
+    faces = limited(difference, (-share * reference, 0.0), half_width(*steps))
     # Static fields underestimate held faces in vibration, of short waves by less than a factor of
     # two: up to there the comparison is undecided, beyond it the solid is wrong.
     beyond = abs(difference - faces) if abs(difference) <= 2.0 * abs(faces) else 0.0
     return Measurement(
         value,
         reference,
-        reference_uncertainty=factor * abs(reference - float(found.held[_COARSE, index])),
+        reference_uncertainty=half_width(steps[0]),
         # Constants, waves and solids have the errors of one section mesh in common.
-        judged_uncertainty=float(factor * abs(left[_FINE] - left[_COARSE])) + beyond,
+        judged_uncertainty=half_width(float(left[_FINE] - left[_COARSE])) + beyond,
         allowances=(
             Allowance(HELD_FACES, faces, HELD_SOURCE),
             Allowance(DISTORTION, own - float(distorted[_FINE]), WAVES_SOURCE),

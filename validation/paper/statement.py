@@ -15,7 +15,7 @@ from typing import Any, TypeVar, Unpack
 
 import numpy as np
 
-from validation.agreement.convergence import step_factor
+from validation.agreement.mesh_half_widths import MeshPolicy, mesh_half_widths
 from validation.case import Case, Measurement
 from validation.case_group import CaseFields, CaseGroup, Over
 from validation.claims import Claim, ClaimedCurve
@@ -117,7 +117,8 @@ class _Said:
             return found
         half = replace(self.judged, elements=self.judged.elements // 2)
         change = abs(found.value - _read(context, case, half).value)
-        uncertain = step_factor(2.0, self.order) * change
+        policy = MeshPolicy.of_order(2.0, self.order)
+        uncertain = float(mesh_half_widths([np.asarray(change)], policy))
         return replace(found, value_uncertainty=uncertain, exact=False)
 
     def _curve(self, context: Context, case: Case, name: str) -> ClaimedCurve:

@@ -13,11 +13,12 @@ import numpy as np
 
 from lumped.arrays import Array
 from meshes.part.volume import RATIO
+from validation.agreement.mesh_half_widths import MeshPolicy, mesh_half_widths
 
-_LOWEST, _HIGHEST = 1.0, 2.0
-_SAFETY = 1.5
 # Relative rounding of compliances and frequencies: below it a refinement shows nothing.
 _ROUND_OFF = 1e-9
+# Between similar meshes of tetrahedra.
+TETRAHEDRA = MeshPolicy(RATIO, orders=(1.0, 2.0), safety=1.5, round_off=_ROUND_OFF)
 
 
 def refinement_uncertainty(
@@ -25,30 +26,15 @@ def refinement_uncertainty(
 ) -> Array:
     """Uncertainty (in the unit of the values, their shape) of the values on the finest mesh.
 
-    `scale` is what changes are relative to (the values' shape), the values themselves where None.
-    Where the scale is 0, nothing is left open. NaN stays NaN.
+    `scale` is what changes are relative to (the values' shape), the values themselves if None.
+    A number whose scale is 0 has no uncertainty. NaN stays NaN.
     """
     size = np.abs(fine) if scale is None else scale
-    first, last = (
+    changes = [
         np.divide(np.abs(change), size, out=np.zeros_like(size), where=size != 0.0)
         for change in (middle - coarse, fine - middle)
-    )
-    return np.asarray(left_by_changes(first, last) * size)
-
-
-def left_by_changes(first: Array, last: Array) -> Array:
-    """Relative uncertainty on the finest of three meshes from both relative changes (any shape).
-
-    The last change counts as at least what the order leaves of the one before. NaN stays NaN.
-    """
-    before, after = float(np.nansum(first)), float(np.nansum(last))
-    order = _LOWEST
-    if before > after > 0.0:
-        order = float(np.clip(np.log(before / after) / np.log(RATIO), _LOWEST, _HIGHEST))
-    elif after == 0.0:
-        order = _HIGHEST
-    falls = RATIO**order
-    return np.asarray(_SAFETY * np.maximum(last, first / falls) / (falls - 1.0) + _ROUND_OFF)
+    ]
+    return np.asarray(mesh_half_widths(changes, TETRAHEDRA) * size)
 
 
 def compliance_uncertainty(coarse: Array, middle: Array, fine: Array) -> Array:

@@ -28,10 +28,10 @@ from meshes.section.section_mesh import SectionMesh, section_mesh
 from validation.agreement.convergence import (
     Convergence,
     analyse,
-    step_factor,
     uncertainty_of,
     uncertainty_of_known_orders,
 )
+from validation.agreement.mesh_half_widths import MeshPolicy, mesh_half_widths
 from validation.agreement.mode_pairing import (
     assigned,
     centreline_samples,
@@ -107,7 +107,8 @@ class Refinement:
                 )
                 return self.free.uncertainty(*index) + edges.uncertainty(*index)
             ratio = self.divisions[-1] / self.divisions[-2]
-            return float(abs(values[-1] - values[-2])) * step_factor(ratio, self.formal_order)
+            policy = MeshPolicy.of_order(ratio, self.formal_order)
+            return float(mesh_half_widths([np.abs(values[-1] - values[-2])], policy))
         if self.formal_order < FORMAL_ORDER:
             sizes = 1.0 / np.array(self.divisions, dtype=float)
             return uncertainty_of_known_orders(sizes, values, (self.formal_order, FORMAL_ORDER))

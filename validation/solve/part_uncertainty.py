@@ -12,12 +12,13 @@ from lumped.mechanism.body_model import BodyModel
 from lumped.mechanism.mechanism import Posture
 from lumped.system.assembly import System, assembly
 from lumped.system.sweep import swept
-from validation.adequacy.mechanism.parts import UNKNOWN, number_by_number, refinement_share
+from validation.adequacy.mechanism.parts import UNKNOWN, number_by_number, part_policy
+from validation.agreement.mesh_half_widths import half_widths_on
 from validation.models.loads.displacements import displacements_of
 from validation.models.mechanism import CUTOFF
 from validation.models.options import ReductionBy
 from validation.models.parts import Hold, ReducedPart, is_held_as_said, reduced
-from validation.parts.meshes import FINEST
+from validation.parts.meshes import FINEST, LEVELS
 from validation.solve.answer import LeftOpen, PartUncertainty
 
 # Parts are reduced for statics alone by modes up to here (Hz), where they have none.
@@ -58,8 +59,9 @@ def of_parts(
     scale = np.hstack([np.abs(fine[:, : 6 + count]), _lengths(fine[:, 6 + count :])])
 
     def left_by_meshes(own: slice) -> Array:
-        share = refinement_share(
-            mechanism,
+        share = half_widths_on(
+            LEVELS,
+            part_policy(mechanism),
             lambda level: again(level)[:, own],
             lambda one, other, _: number_by_number(one, other, scale[:, own]),
         )

@@ -12,7 +12,8 @@ from lumped.errors import InputError
 from lumped.legs import Leg
 from lumped.sections import Rectangle, Section
 from meshes.section.section_blocks import element_count
-from validation.agreement.convergence import richardson_limits, step_factor
+from validation.agreement.convergence import richardson_limits
+from validation.agreement.mesh_half_widths import MeshPolicy, mesh_half_widths
 from validation.models.options import ModelOptions
 from validation.solids.legs import GRIDS_FOR_ORDER, ROUND_OFF, formal_order
 from validation.solve.answer import Answer, MeshUncertainty
@@ -72,16 +73,18 @@ def with_uncertainty(
     order = min(formal_order(leg, options.ends) for leg in solid)
     along = max(own, divisions) / min(own, divisions)
     ratio = min(cbrt(along * _ratio(leg.section, own, divisions) ** 2) for leg in solid)
-    factor = step_factor(ratio if own > divisions else 1.0 / ratio, order)
+    policy = MeshPolicy.of_order(ratio if own > divisions else 1.0 / ratio, order)
+
+    def half_widths(first: Array, second: Array) -> Array:
+        return mesh_half_widths([np.abs(first - second)], policy)
+
     found = []
     for one, other in zip(answers, others, strict=True):
         left_open = MeshUncertainty(
-            factor * np.abs(np.diag(one.compliance - other.compliance)),
-            factor * np.abs(one.frequencies - other.frequencies),
+            half_widths(np.diag(one.compliance), np.diag(other.compliance)),
+            half_widths(one.frequencies, other.frequencies),
             divisions,
-            loads={
-                name: factor * np.abs(one.loads[name] - other.loads[name]) for name in one.loads
-            },
+            loads={name: half_widths(one.loads[name], other.loads[name]) for name in one.loads},
         )
         found.append(replace(one, uncertainty=left_open))
     return found

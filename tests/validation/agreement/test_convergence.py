@@ -20,10 +20,10 @@ from validation.agreement.convergence import (
     fit_order,
     pairwise_orders,
     richardson,
-    step_factor,
     three_grid_order,
     uncertainty_of_known_orders,
 )
+from validation.agreement.mesh_half_widths import MeshPolicy, mesh_half_widths
 from validation.solids.legs import Refinement
 
 HALVING = 0.4 / 2.0 ** np.arange(10)
@@ -142,8 +142,28 @@ def test_a_published_study_has_its_printed_order_and_limit():
 
 
 def test_two_grids_state_three_times_what_their_formal_order_leaves():
-    assert (step_factor(2.0, 2.0), step_factor(2.0, 4.0)) == pytest.approx((1.0, 0.2))
+    for order, half_width in ((2.0, 1.0), (4.0, 0.2)):
+        policy = MeshPolicy.of_order(2.0, order)
+        assert mesh_half_widths([1.0], policy) == pytest.approx(half_width)
     assert Refinement((1, 2), np.array([3.5, 3.125]), 2.0).uncertainty() == pytest.approx(0.375)
+
+
+@pytest.mark.parametrize(
+    ("changes", "half_width"),
+    [
+        # Order 2: falls by 4, 1.5 · 1/3, whether the last change or the one before leaves it.
+        ((4.0, 1.0), 0.5),
+        # No order is shown: the lowest, by which changes fall by 2.
+        ((1.0, 1.0), 1.5),
+        # Faster than the highest order: a quarter of the change before counts, not a tenth.
+        ((10.0, 1.0), 1.25),
+        ((1.0, 0.0), 0.125),
+    ],
+)
+def test_half_width_on_three_meshes_is_by_hand(changes, half_width) -> None:
+    policy = MeshPolicy(2.0, orders=(1.0, 2.0), safety=1.5)
+    found = mesh_half_widths([np.array([one]) for one in changes], policy)
+    assert found == pytest.approx([half_width], rel=1e-12)
 
 
 def test_every_number_of_a_refinement_has_its_own_uncertainty_and_is_held_by_it():

@@ -14,7 +14,7 @@ from lumped.robot_file import load_robot
 from lumped.system.assembly import assembly
 from lumped.system.solution import modes, solved
 from meshes.part.volume import RATIO
-from validation.adequacy.mechanism import dynamics
+from validation.adequacy.mechanism import meshes
 from validation.adequacy.mechanism.parts import reduction_note, solid_parts
 from validation.adequacy.mechanism.path import holding, path_postures, robot_on_path
 from validation.adequacy.models import JUDGED, judged_models, why_unable
@@ -82,12 +82,13 @@ def test_half_width_of_f1_does_not_depend_on_judged_modes(crane, monkeypatch):
         return PathModes(*repeated, np.ones(12), np.ones((len(robot.postures), 12)))
 
     solids = Model("solid", modes=modes_on, modal_fields=("part_mesh",))
-    monkeypatch.setattr(dynamics, "SOLID", solids)
+    monkeypatch.setattr(meshes, "SOLID", solids)
     half_widths = []
     for count in (2, 3, 4, 6):
         requirement = replace(crane.requirement, modes=count)
         robot = robot_on_path(Context(replace(crane, requirement=requirement), "quick"))
-        half_widths.append(dynamics.part_uncertainty(Responses(robot))[:, :2])
+        found = meshes.frequency_half_widths(Responses(robot), robot.first_reading)
+        half_widths.append(found[:, :2])
     assert half_widths[1:] == [pytest.approx(half_widths[0], rel=1e-9)] * 3
 
 

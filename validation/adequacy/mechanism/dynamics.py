@@ -1,31 +1,23 @@
 """Natural modes of a robot: what models are held against, and why they are off."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import product
 
 import numpy as np
 
-from lumped.acceptance.quantities import MOST_MODES
 from lumped.arrays import Array
 from lumped.legs import ConstantLeg
 from lumped.models.bodies import links, tip_compliances
 from lumped.system.assembly import assembly
 from validation.adequacy.mechanism.digits import modes_by_digits
-from validation.adequacy.mechanism.legs import SECTION_RATIO, step_uncertainty
-from validation.adequacy.mechanism.parts import (
-    FINER_PARTS,
-    PART_STEPS,
-    UNKNOWN,
-    number_by_number,
-    part_kinds,
-    refinement_share,
-)
+from validation.adequacy.mechanism.meshes import frequency_half_widths, response_half_widths
+from validation.adequacy.mechanism.parts import FINER_PARTS, PART_STEPS, part_kinds
 from validation.adequacy.mechanism.path import Reading, RobotOnPath
 from validation.adequacy.mechanism.solids import HELD, OWN, SOLID
 from validation.adequacy.mechanism.vibration import modes_by_model, modes_of_solids, solid_meshes
-from validation.adequacy.partners import amounts_by_shape, frequency_changes
+from validation.adequacy.partners import amounts_by_shape
 from validation.adequacy.references import (
     TIMOSHENKO,
     USE_SOLID,
@@ -47,7 +39,7 @@ from validation.context import Preset
 from validation.models.loads.leg_masses import Masses, plausible_insides
 from validation.models.mechanism import modes_along
 from validation.models.options import ModelName, ModelOptions
-from validation.parts.meshes import FINEST, MIDDLE
+from validation.parts.meshes import MIDDLE
 from validation.solids.legs import ELEMENTS
 from validation.solids.size import larger_preset, too_large
 
@@ -62,7 +54,6 @@ def dynamic_reference(responses: Responses) -> Reference:
     preset, holding, parts = robot.context.meshes, robot.holding, robot.mechanism.parts
     if reason := _why_unmeshed(robot.prisms, preset):
         return Reference("none", decides=reason)
-    part_half_widths = part_uncertainty(responses)
     interpretations = []
     for (name, ends), inside in product(
         holding.alternatives.items(), plausible_insides(robot.given.values())
@@ -73,7 +64,7 @@ def dynamic_reference(responses: Responses) -> Reference:
             Interpretation(
                 ", ".join(filter(None, (stated, str(inside or "")))),
                 reading,
-                _budget(responses, reading, part_half_widths),
+                _budget(responses, reading),
             )
         )
     mass_unsaid = Source.MASSES if robot.given else ""
@@ -91,15 +82,11 @@ def dynamic_reference(responses: Responses) -> Reference:
     )
 
 
-def _budget(responses: Responses, reading: Reading, part_half_widths: Array) -> Budget:
+def _budget(responses: Responses, reading: Reading) -> Budget:
     """Half-widths of modes and of responses to harmonic forces by source."""
     robot = responses.robot
     fine = responses.required_modes(SOLID, reading)
-    meshes = part_half_widths.copy()
-    # If no section is meshed there is one solution.
-    if robot.prisms:
-        meshes += _mesh_uncertainty(responses, reading, fine)
-    meshes = np.where(np.isnan(meshes), UNKNOWN, meshes)
+    meshes = frequency_half_widths(responses, reading)
     budget = {Source.MESHES: HalfWidths(frequencies=meshes)}
     digits = _digit_uncertainty(robot, fine, reading.masses)
     if digits is not None:
@@ -111,9 +98,9 @@ def _budget(responses: Responses, reading: Reading, part_half_widths: Array) -> 
     return {
         Source.MESHES: HalfWidths(
             frequencies=meshes,
-            peaks=_meshes_of_responses(responses, reading, fine, _peaks),
+            peaks=response_half_widths(responses, reading, _peaks),
             receptances=[
-                _meshes_of_responses(responses, reading, fine, partial(_sizes, number))
+                response_half_widths(responses, reading, partial(_sizes, number))
                 for number in range(len(robot.mechanism.excitations))
             ],
         ),
@@ -140,33 +127,6 @@ def _why_unmeshed(prisms: Sequence[ConstantLeg], preset: Preset) -> str:
 def _finer_preset(prisms: Sequence[ConstantLeg], preset: Preset) -> str:
     """What would leave less of the meshes of these legs: a larger preset, if one meshes them."""
     return finer_by(larger_preset(preset, lambda one: not _why_unmeshed(prisms, one)))
-
-
-def _mesh_uncertainty(responses: Responses, reading: Reading, fine: PathModes) -> Array:
-    """Half-widths of the judged frequencies of `fine` (P×K, relative) due to meshes of prisms.
-
-    From the step between two solids, whose elements become shorter along walls and legs while walls
-    keep one across, and from the step of the beams' modes of the same shape between two section
-    meshes. NaN for a mode that the coarser solid, or the beams, do not have.
-    """
-    robot, judged = responses.robot, responses.robot.judged
-    coarse = responses.required_modes(SOLID, replace(reading, mesh=0))
-    step = frequency_changes(fine, coarse, judged)
-    ratio = solid_meshes(robot.context.meshes).ratio(robot.prisms)
-    rough, beams = _beams_on_section_meshes(responses, reading)
-    count = beams.frequencies.shape[1]
-    changes = frequency_changes(beams, rough, count)
-    of_beams = np.broadcast_to(changes[:, None, :], (*fine.frequencies.shape, count))
-    section = amounts_by_shape(fine, beams, of_beams, judged)
-    return step_uncertainty(step, ratio) + step_uncertainty(section, SECTION_RATIO)
-
-
-def _beams_on_section_meshes(responses: Responses, reading: Reading) -> tuple[PathModes, PathModes]:
-    """Modes of beams by the section meshes of the solids, and by their own finer ones."""
-    # Beams free to warp lean on Saint-Venant's constant less than such solids do.
-    model = OWN if "free" in reading.ends.values() else HELD
-    rough = responses.required_modes(model, replace(reading, section_mesh=0))
-    return rough, responses.required_modes(model, replace(reading, section_mesh=1))
 
 
 def _peaks(modes: PathModes) -> Array:
@@ -209,35 +169,6 @@ def _left_by_digits(
     return shares[:, 0], shares[:, 1:] * (2.0 + np.abs(slopes))
 
 
-def _meshes_of_responses(
-    responses: Responses,
-    reading: Reading,
-    fine: PathModes,
-    numbers: Callable[[PathModes], Array],
-) -> Array:
-    """Relative half-widths of `numbers` of the responses due to meshes. All of them if unknown."""
-    robot = responses.robot
-
-    def step(rough: PathModes, own: PathModes, ratio: float) -> Array:
-        return step_uncertainty(np.abs(numbers(rough) / numbers(own) - 1.0), ratio)
-
-    def of_parts(level: int) -> Array:
-        on_level = replace(robot.first_reading, part_mesh=level)
-        return numbers(responses.required_modes(SOLID, on_level))
-
-    # A peak that nothing damps has no size.
-    with np.errstate(invalid="ignore"):
-        left = np.zeros_like(numbers(fine)) + refinement_share(
-            robot.mechanism, of_parts, number_by_number
-        )
-        if robot.prisms:
-            coarse = responses.required_modes(SOLID, replace(reading, mesh=0))
-            ratio = solid_meshes(robot.context.meshes).ratio(robot.prisms)
-            left += step(coarse, fine, ratio)
-            left += step(*_beams_on_section_meshes(responses, reading), SECTION_RATIO)
-    return np.where(np.isnan(left), UNKNOWN, left)
-
-
 def _digit_uncertainty(robot: RobotOnPath, fine: PathModes, masses: Masses) -> Array | None:
     """What printed digits leave open of the judged frequencies of `fine` (p×K, relative).
 
@@ -252,29 +183,6 @@ def _digit_uncertainty(robot: RobotOnPath, fine: PathModes, masses: Masses) -> A
     by_shape = amounts_by_shape(fine, beams, amounts, robot.judged)
     most = share[:, : robot.judged].max(axis=1, keepdims=True)
     return np.where(np.isnan(by_shape), most, by_shape)
-
-
-def part_uncertainty(responses: Responses) -> Array:
-    """Relative half-widths of the judged frequencies (p×K) due to the meshes of CAD parts.
-
-    The order of convergence is that of the first `MOST_MODES` frequencies together, however many
-    are judged. NaN for a mode that a coarser mesh does not have.
-    """
-    robot = responses.robot
-
-    def frequencies(level: int) -> Array:
-        finest, modes = (
-            responses.required_modes(SOLID, replace(robot.first_reading, part_mesh=mesh))
-            for mesh in (FINEST, level)
-        )
-        reference = finest.frequencies[:, :MOST_MODES]
-        if level == FINEST:
-            return reference
-        return np.asarray(reference * (1.0 + frequency_changes(finest, modes, MOST_MODES)))
-
-    share = refinement_share(robot.mechanism, frequencies, number_by_number)
-    shape = len(robot.postures), MOST_MODES
-    return np.asarray(np.broadcast_to(share, shape)[:, : robot.judged])
 
 
 def mass_notes(responses: Responses, reference: Reference) -> tuple[str, ...]:

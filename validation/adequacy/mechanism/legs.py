@@ -14,7 +14,7 @@ from lumped.errors import InputError, naming
 from lumped.legs import ConstantLeg, Ends, GivenLeg, Leg, given_compliance, tip_compliance
 from lumped.mechanism.body_model import LegMatrices
 from validation.adequacy.references import finer_by
-from validation.agreement.convergence import step_factor
+from validation.agreement.mesh_half_widths import MeshPolicy
 from validation.context import Context, Preset
 from validation.solids.legs import (
     COARSEST_WALLS,
@@ -41,16 +41,11 @@ SLOWEST_ORDER = 4.0 / 3.0
 SECTION_DIVISIONS = 8
 # How much finer those are than the one mesh that both solids of a leg share.
 SECTION_RATIO = SECTION_DIVISIONS / COARSEST_WALLS
-# What the legs' own 6×6 is solved to.
-ROUNDING = 1e-9
 
 
-def step_uncertainty(change: Array, ratio: float) -> Array:
-    """Relative numerical uncertainty from the relative `change` in one refinement by `ratio`.
-
-    Roache's estimate for two meshes, safety factor three, with the lowest order there can be.
-    """
-    return np.asarray(step_factor(ratio, SLOWEST_ORDER) * change)
+def slowest(ratio: float) -> MeshPolicy:
+    """Policy for two meshes of legs or sections: the lowest order that there can be."""
+    return MeshPolicy.of_order(ratio, SLOWEST_ORDER)
 
 
 def solid_leg(context: Context, leg: ConstantLeg) -> TwoMeshes:

@@ -1,7 +1,6 @@
 """CAD parts of a mechanism as their solids, and what their meshes leave open."""
 
-from collections.abc import Callable, Mapping, Sequence
-from typing import TypeVar
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -17,6 +16,7 @@ from lumped.system.solution import compliance, solved
 from lumped.text import counted
 from validation.adequacy.mechanism.path import Springs
 from validation.adequacy.references import Remedy, StepTexts
+from validation.agreement.mesh_half_widths import MeshPolicy
 from validation.agreement.responses import Statics
 from validation.drawing.text import percent
 from validation.models.loads.displacements import displacements_by, masses_of
@@ -25,10 +25,9 @@ from validation.models.mechanism import CUTOFF, highest_frequency, static_bodies
 from validation.models.options import PartLegs, ReductionBy
 from validation.models.parts import Hold, ReducedPart, condensed, found_in, reduced
 from validation.models.stepped_parts import why_not_stepped
-from validation.parts.meshes import FINEST, LEVELS
-from validation.parts.refinement import left_by_changes
+from validation.parts.meshes import FINEST
+from validation.parts.refinement import TETRAHEDRA
 
-T = TypeVar("T")
 Bodies = Mapping[str, BodyModel]
 _FEWEST = 8
 # Share of an answer that is left open where nothing tells it: all of it.
@@ -170,20 +169,12 @@ def number_by_number(one: Array, other: Array, values: Array) -> Array:
     return np.divide(np.abs(one - other), np.abs(values), out=share, where=values != 0.0)
 
 
-def refinement_share(
-    mechanism: Mechanism,
-    solve: Callable[[int], T],
-    sizes: Callable[[T, T, T], Array],
-) -> Array | float:
-    """Relative half-width that the meshes of the parts leave open of a response on the finest.
+def part_policy(mechanism: Mechanism) -> MeshPolicy | float:
+    """Policy for the meshes of the parts; 0 without any. A part that is a mesh cannot be refined.
 
-    `solve` returns the response on a level of the ladder, `sizes` the sizes of the difference of
-    two of them relative to that on the finest. A part that is a mesh cannot be refined: its
-    half-width is unknown, and taken as the whole.
+    Its half-width is unknown, and taken as the whole.
     """
     if not mechanism.parts:
         return 0.0
-    if any(found_in(body)[0].mesh is not None for body in mechanism.parts.values()):
-        return UNKNOWN
-    coarse, middle, fine = (solve(level) for level in LEVELS)
-    return left_by_changes(sizes(middle, coarse, fine), sizes(fine, middle, fine))
+    given = any(found_in(body)[0].mesh is not None for body in mechanism.parts.values())
+    return UNKNOWN if given else TETRAHEDRA

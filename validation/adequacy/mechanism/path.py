@@ -3,7 +3,7 @@
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Literal, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
@@ -28,6 +28,8 @@ from validation.verdicts import Coordinate
 # How ends are held, and tip compliances (6×6, SI, leg axes), by body.
 Holds: TypeAlias = Mapping[str, Ends]
 Springs: TypeAlias = Mapping[str, Array]
+# Fields of a reading that choose a mesh.
+MeshKind: TypeAlias = Literal["mesh", "section_mesh", "part_mesh"]
 
 # Poses of a long path, of a grid say, are looked at in even steps.
 MOST_POSES: Mapping[Preset, int] = {"quick": 9, "standard": 25, "fine": 81}
@@ -60,6 +62,11 @@ class Reading:
     def inside(self) -> Inside:
         """Inside of the legs known by their 6×6."""
         return Inside(self.masses, self.interior)
+
+    def on_mesh(self, kind: MeshKind, level: int) -> "Reading":
+        """Reading with another mesh of one kind."""
+        mesh: dict[str, Any] = {kind: level}
+        return replace(self, **mesh)
 
     def restricted(self, names: Collection[str]) -> "Reading":
         """Reading with the default in all fields but those named."""

@@ -14,21 +14,10 @@ from lumped.acceptance.quantities import UNIT_LOADS
 from lumped.arrays import Array
 from lumped.mechanism.mechanism import Posture
 from validation.adequacy.mechanism.digits import left_by_digits
-from validation.adequacy.mechanism.legs import (
-    ROUNDING,
-    SECTION_RATIO,
-    finer_statics,
-    shares_section,
-    solid_leg,
-    step_uncertainty,
-)
-from validation.adequacy.mechanism.parts import (
-    FINER_PARTS,
-    PART_STEPS,
-    part_kinds,
-    refinement_share,
-)
-from validation.adequacy.mechanism.path import NOMINAL, Reading, RobotOnPath
+from validation.adequacy.mechanism.legs import finer_statics, solid_leg
+from validation.adequacy.mechanism.meshes import displacement_half_widths
+from validation.adequacy.mechanism.parts import FINER_PARTS, PART_STEPS, part_kinds
+from validation.adequacy.mechanism.path import Reading, RobotOnPath
 from validation.adequacy.mechanism.solids import (
     EQUIVALENT,
     GIVEN,
@@ -61,9 +50,6 @@ from validation.models.loads.stability import stabilities
 from validation.models.mechanism import answers
 from validation.models.options import ModelName, ModelOptions, PartLegs
 
-# By how much the weight of solid legs moves the tool otherwise than that of beams of the same mass:
-# 0.3 % of legs five times as long as high with held ends (ν = 0.3), a tenth of it with free ones.
-_MASS_OF_BEAMS = 5e-3
 # A displacement that a load's own softening changes by less is a linear one.
 _LINEAR = 1e-3
 _BY = {"vjm": "virtual joints with ", "links": "links with "}
@@ -82,7 +68,7 @@ def static_reference(responses: Responses) -> Reference:
     # The reason for solids that cannot be meshed names a preset that takes them.
     for leg in robot.prisms:
         solid_leg(context, leg)
-    shared = _shared_budget(responses)
+    shared = _shared_budget(robot)
     interpretations = [
         Interpretation(name, reading, _budget(responses, reading, shared))
         for name, ends in robot.holding.alternatives.items()
@@ -106,11 +92,9 @@ def static_reference(responses: Responses) -> Reference:
     )
 
 
-def _shared_budget(responses: Responses) -> Mapping[Source, Array]:
-    """Half-widths (P×(7+L)) that all interpretations share."""
-    robot = responses.robot
-    meshes = _section_half_widths(responses) + _part_half_widths(responses)
-    budget = {Source.MESHES: np.asarray(meshes)}
+def _shared_budget(robot: RobotOnPath) -> Mapping[Source, Array]:
+    """Half-widths (P×(7+L)) by sources that are alike under all interpretations."""
+    budget = {}
     if robot.text:
         budget[Source.DIGITS] = robot.context.get(left_by_digits, robot.text, robot.postures)
     if robot.mechanism.loads:
@@ -120,57 +104,16 @@ def _shared_budget(responses: Responses) -> Mapping[Source, Array]:
 
 def _budget(responses: Responses, reading: Reading, shared: Mapping[Source, Array]) -> Budget:
     robot = responses.robot
-    fine = responses.required_statics(SOLID, reading)
-    budget = {**shared, Source.MESHES: _mesh_half_widths(responses, reading, fine)}
-    budget[Source.MESHES] += shared[Source.MESHES]
+    budget = {Source.MESHES: displacement_half_widths(responses, reading), **shared}
     if robot.given and any(load.acts_on_mass for load in robot.mechanism.loads):
         # The displacement under a load is linear in the places of mass: between these it is any.
+        fine = responses.required_statics(SOLID, reading)
         others = (
             responses.required_statics(SOLID, replace(reading, masses=masses))
             for masses in plausible_masses(robot.given.values())
         )
         budget[Source.MASSES] = np.max([sizes(one - fine, fine) for one in others], axis=0)
     return {source: HalfWidths(half_widths) for source, half_widths in budget.items()}
-
-
-def _mesh_half_widths(responses: Responses, reading: Reading, fine: Statics) -> Array:
-    """Half-widths (P×(7+L)) due to the meshes of solid legs, of round-off without any."""
-    robot = responses.robot
-    loads = robot.mechanism.loads
-    if not robot.prisms:
-        return np.full((len(robot.postures), len(UNIT_LOADS) + len(loads)), ROUNDING)
-    coarse = responses.required_statics(SOLID, replace(reading, mesh=0))
-    ratio = min(solid_leg(robot.context, leg).ratio for leg in robot.prisms)
-    half_widths = step_uncertainty(sizes(coarse - fine, fine), ratio)
-    on_mass = [load.acts_on_mass for load in loads]
-    half_widths[:, len(UNIT_LOADS) :] += _MASS_OF_BEAMS * np.array(on_mass)
-    return half_widths
-
-
-def _section_half_widths(responses: Responses) -> Array | float:
-    """Half-widths due to section meshes if both solids of a leg share one; else zero.
-
-    By constants of that mesh and of one twice as fine.
-    """
-    robot = responses.robot
-    if not any(shares_section(robot.context, leg) for leg in robot.legs.values()):
-        return 0.0
-    coarse, fine = (
-        responses.required_statics(OWN, replace(NOMINAL, section_mesh=mesh)) for mesh in (0, 1)
-    )
-    return step_uncertainty(sizes(coarse - fine, fine), SECTION_RATIO)
-
-
-def _part_half_widths(responses: Responses) -> Array | float:
-    """Half-widths due to the meshes of CAD parts, by their first interpretation; else zero."""
-    robot = responses.robot
-    return refinement_share(
-        robot.mechanism,
-        lambda level: responses.required_statics(
-            SOLID, replace(robot.first_reading, part_mesh=level)
-        ),
-        lambda one, other, fine: sizes(one - other, fine),
-    )
 
 
 def _linearity_half_widths(robot: RobotOnPath) -> Array:
