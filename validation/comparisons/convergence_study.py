@@ -323,7 +323,7 @@ class ConvergenceStudy:
             tuple(
                 ErrorCurve(
                     series.discretisation.label,
-                    f"{series.discretisation.legend} (formal order {series.formal_order:g})",
+                    f"{series.discretisation.label} (formal order {series.formal_order:g})",
                     np.array(series.counts, dtype=float),
                     series.errors[:, column],
                     series.behaviour(column),

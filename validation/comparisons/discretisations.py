@@ -66,28 +66,18 @@ class Discretisation:
 
     @property
     def formulation(self) -> str:
-        """The formulation without its theory, as tables name it."""
-        rigid = "rigid " if self.model == "segments" else ""
-        return f"{rigid}{self._short}"
-
-    @property
-    def _short(self) -> str:
+        """The formulation without its theory, as tables and legends name it."""
         if self.model == "solid":
             return f"solid, {self.ends} ends"
         if self.model == "beam":
-            return "beam elements"
-        layouts = {"half": "half-length end springs", "literal": "the paper's literal layout"}
+            return "beam FE"
+        layouts = {"half": "half-length end springs", "literal": "springs between elements only"}
         return f"segments, {layouts[self.layout]}"
 
     @property
     def label(self) -> str:
         """The formulation, with its theory if that is not Timoshenko's."""
         return f"{self.formulation}{self._theory}"
-
-    @property
-    def legend(self) -> str:
-        """The label, as short as a legend of two columns needs it."""
-        return f"{self._short}{self._theory}"
 
     @property
     def _theory(self) -> str:

@@ -183,8 +183,8 @@ def _require_prisms(mechanism: Mechanism) -> None:
     """Raise Skip for a robot with CAD parts in place of legs of constant section."""
     if parts := ", ".join(mechanism.parts):
         raise Skip(
-            f"{parts} of CAD files: no robot on legs of constant section; the matrix of the "
-            "models holds them against their own solids"
+            f"{parts}: CAD parts, not legs of constant section; the table of models below "
+            "compares the robot with one of solid parts"
         )
 
 

@@ -106,11 +106,11 @@ def _parts_sentence(outcomes: Sequence[Outcome]) -> str:
     shown = [one for outcome in outcomes for one in _shown(outcome)]
     forms = {
         "stepped beams": [one for one in shown if one.elements],
-        "condensed parts (one end clamped, six modes)": [one for one in shown if not one.elements],
+        "condensed parts": [one for one in shown if not one.elements],
     }
     texts = [
-        f"{form}: at most {_largest(of, frequencies=False)} in tip motions and "
-        f"{_largest(of, frequencies=True)} in f1 to f4"
+        f"{form} up to {_largest(of, frequencies=False)} in compliances and "
+        f"{_largest(of, frequencies=True)} in f1 to f4 with a free end"
         for form, of in forms.items()
         if of
     ]
@@ -145,39 +145,64 @@ def _judged_sentence(outcomes: Sequence[Outcome]) -> str:
         return f"No formulation could be compared with solids of the same legs{reason}."
     rest = f"; of the other comparisons {unsettled}" if unsettled else ""
     agreeing = [one for one in found if one.verdict == "agree"]
-    within = _within(agreeing) + _allowed_for(agreeing) if agreeing else ""
     decided = [one for one in found if one.verdict in {"agree", "disagree"}]
-    compared = {one.case.model for one in decided}
-    who = _listed(name for model, name in _IN_TEXT.items() if model in compared)
     if counts["disagree"]:
-        others = f"; the others agree {within}" if agreeing else ""
+        others = f"; the others agree {_within(agreeing)}" if agreeing else ""
         judged = (
-            f"{counts['disagree']} of {len(decided)} comparisons of {who} with solid FE of the "
-            f"same legs disagree{others}{rest}."
+            f"{counts['disagree']} of {len(decided)} comparisons of {_models(decided)} with solid "
+            f"FE of the same legs disagree{others}{rest}."
         )
     else:
-        judged = f"{who[0].upper()}{who[1:]} agree with solid FE of the same legs {within}{rest}."
-    return " ".join(filter(None, (judged, _gaps(found))))
+        judged = f"{_agreement(agreeing)}{rest}."
+    return " ".join(filter(None, (judged, _allowed_for(agreeing), _gaps(found))))
+
+
+def _agreement(agreeing: Sequence[Outcome]) -> str:
+    """Models that agree with the solid, and the largest differences in statics and dynamics."""
+    kinds = {
+        "compliances": [one for one in agreeing if one.case.unit != "Hz"],
+        "frequencies": [one for one in agreeing if one.case.unit == "Hz"],
+    }
+    (models, within), *others = [
+        (_models(of), f"{_within(of)} in {kind}") for kind, of in kinds.items() if of
+    ]
+    first = f"{models[0].upper()}{models[1:]} agree with solid FE of the same legs {within}"
+    return ", ".join([first, *(" ".join(other) for other in others)])
+
+
+def _models(outcomes: Sequence[Outcome]) -> str:
+    compared = {one.case.model for one in outcomes}
+    return _listed(name for model, name in _IN_TEXT.items() if model in compared)
 
 
 def _within(agreeing: Sequence[Outcome]) -> str:
-    """The largest unexplained difference and its quantity: "within 0.19 % (f3 of leg1)"."""
+    """The largest unexplained difference, its half-width: "within 0.19 % ± 0.17 % (f3 of leg1)"."""
     worst = max(agreeing, key=_unexplained)
     largest = _unexplained(worst)
-    if largest < _NOTHING:
+    if largest < _NOTHING or worst.measurement is None:
         return f"within {_percent(2.0 * _NOTHING).lstrip('+')}"
-    return f"within {_percent(largest).lstrip('+')} ({_place(worst)})"
+    half_width = worst.measurement.numerical_uncertainty or 0.0
+    spread = _spread(half_width / abs(worst.measurement.reference))
+    texts = (_percent(largest).lstrip("+"), spread, f"({_place(worst)})")
+    return f"within {' '.join(filter(None, texts))}"
 
 
 def _allowed_for(agreeing: Iterable[Outcome]) -> str:
-    """Named causes and their largest amounts: ", after allowing for held end faces (21.25 %)"."""
-    amounts: dict[str, float] = {}
+    """Named causes with their largest amounts, taken off before; "" without any.
+
+    "Allowed for beforehand: held end faces (up to 21.25 % in φx of leg2)."
+    """
+    amounts: dict[str, tuple[float, str]] = {}
     for outcome in agreeing:
         for cause, share in _shares(outcome).items():
-            amounts[cause] = max(amounts.get(cause, 0.0), abs(share))
-    causes = sorted(amounts, key=lambda cause: -amounts[cause])
-    texts = [f"{cause} ({_percent(amounts[cause]).lstrip('+')})" for cause in causes]
-    return f", after allowing for at most {_listed(texts)}" if texts else ""
+            largest = amounts.get(cause, (0.0, ""))
+            amounts[cause] = max(largest, (abs(share), _place(outcome)))
+    causes = sorted(amounts, key=lambda cause: -amounts[cause][0])
+    texts = [
+        f"{cause} (up to {_percent(amounts[cause][0]).lstrip('+')} in {amounts[cause][1]})"
+        for cause in causes
+    ]
+    return f"Allowed for beforehand: {'; '.join(texts)}." if texts else ""
 
 
 def _gaps(found: Sequence[Outcome]) -> str:

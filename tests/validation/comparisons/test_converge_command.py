@@ -137,7 +137,7 @@ def test_exit_code_states_whether_the_limit_is_met(capsys, within, code):
     arguments = ("ifw", "--body", "leg1", "--elements", "20,40", "--quantity", "f2")
     found, _, err = run(capsys, *arguments, "--within", within)
     assert found == code
-    assert ("rigid segments" in err) == (code == 1)
+    assert ("segments, half-length" in err) == (code == 1)
     assert "beam" not in err
 
 

@@ -218,12 +218,12 @@ def test_figure_and_studies_show_every_subject():
                 assert study["limit"][label] == series.limits[k]
                 assert (label in study["order"]) is bool(np.isfinite(series.orders[k]))
     study = next(one for one in figure.studies if one["id"] == "convergence.leg1.f2")
-    values = study["series"]["rigid segments, half-length end springs"]
+    values = study["series"]["segments, half-length end springs"]
     at = study["x"].index(20)
     assert values[at] == pytest.approx(181.822, abs=6e-4)
-    assert study["series"]["rigid segments, the paper's literal layout"][0] is None
+    assert study["series"]["segments, springs between elements only"][0] is None
     # The paper's layout without shear is 5.2 % above its own limit in the second plane.
-    without_shear = "rigid segments, the paper's literal layout, Euler–Bernoulli"
+    without_shear = "segments, springs between elements only, Euler–Bernoulli"
     ratio = study["series"][without_shear][at] / study["limit"][without_shear]
     assert ratio == pytest.approx(1.052, abs=5e-4)
     assert study["theory"][without_shear] == "euler-bernoulli"

@@ -99,7 +99,7 @@ def test_table_of_a_part_has_differences_without_verdicts(tmp_path):
     assert row[-2:] == (None, "not judged")
     sentence = agreement_sentence([outcome])
     assert "agree" not in sentence
-    start = "Differences of CAD parts from their solid FE: stepped beams: at most"
+    start = "Differences of CAD parts from their solid FE: stepped beams up to"
     assert sentence.startswith(start)
 
 
@@ -119,4 +119,4 @@ def test_part_that_cannot_be_stepped_shows_its_condensed_form(tmp_path):
     (table,) = agreement_tables([outcome])
     assert [name for name, _ in table.rows] == ["Condensed"]
     assert "interfaces overlap" in " ".join(table.notes)
-    assert "solid FE: condensed parts (one end clamped" in agreement_sentence([outcome])
+    assert "solid FE: condensed parts up to" in agreement_sentence([outcome])

@@ -245,41 +245,75 @@ def test_page_and_run_folder_have_csv_of_comparisons():
     assert sample_report().tables == {}
 
 
+def relative(outcome):
+    return abs(outcome.measurement.unexplained / outcome.measurement.reference)
+
+
+def assert_worst(sentence, agreed, kind=""):
+    """Largest unexplained difference, its half-width and place, of a kind of quantity."""
+    percent = r"([\d.]+)\N{NO-BREAK SPACE}%"
+    pattern = rf"within {percent}(?: ± {percent})? \((\w+ of \w+)\){kind}"
+    within, spread, place = re.search(pattern, sentence).groups()
+    worst = max(agreed, key=relative)
+    assert float(within) / 100.0 == read(relative(worst))
+    half = worst.measurement.value_uncertainty / worst.measurement.reference
+    assert (float(spread) / 100.0 if spread else 0.0) == read(half if half >= SHOWN else 0.0)
+    assert place == f"{worst.case.label} of {worst.case.body}"
+
+
+def assert_causes(sentence, agreed):
+    """Largest amount of each cause, and its place."""
+    for cause in CAUSES:
+        amounts = {
+            f"{one.case.label} of {one.case.body}": abs(part.amount) / one.measurement.reference
+            for one in sorted(
+                agreed,
+                key=lambda one: (
+                    abs(one.measurement.allowances[CAUSES.index(cause)].amount)
+                    / one.measurement.reference
+                ),
+            )
+            for part in one.measurement.allowances
+            if part.cause == cause
+        }
+        largest = max(amounts, key=amounts.get)
+        pattern = rf"{cause} \(up to ([\d.]+)\N{{NO-BREAK SPACE}}% in (\w+ of \w+)\)"
+        printed = re.search(pattern, sentence)
+        assert (float(printed[1]) / 100.0, printed[2]) == (read(amounts[largest]), largest)
+
+
+@pytest.mark.parametrize("outcomes", DRAWN)
+def test_sentence_of_agreement_separates_kinds(outcomes):
+    agreed = [one for one in outcomes if one.verdict == "agree"]
+    sentence = agreement_sentence(agreed)
+    for kind, own in (
+        ("compliances", [one for one in agreed if one.case.unit != "Hz"]),
+        ("frequencies", [one for one in agreed if one.case.unit == "Hz"]),
+    ):
+        assert (kind in sentence) is bool(own)
+        if own:
+            assert_worst(sentence, own, f" in {kind}")
+            models = [
+                name for model, name in IN_TEXT.items() if model in {o.case.model for o in own}
+            ]
+            who = " and ".join(filter(None, (", ".join(models[:-1]), models[-1])))
+            assert f"{who} within" in sentence or sentence.startswith(
+                f"{who[0].upper()}{who[1:]} agree with solid FE of the same legs within"
+            )
+
+
 @pytest.mark.parametrize("outcomes", DRAWN)
 def test_sentence_counts_decided_comparisons(outcomes):
     decided = [one for one in outcomes if one.verdict in {"agree", "disagree"}]
-    agreeing = [one.measurement for one in decided if one.verdict == "agree"]
-    largest = max(
-        abs(one.value - one.reference - sum(part.amount for part in one.allowances)) / one.reference
-        for one in agreeing
-    )
     sentence = agreement_sentence(outcomes)
-    wrong = len(decided) - len(agreeing)
+    wrong = sum(one.verdict == "disagree" for one in decided)
     assert wrong
     models = [name for model, name in IN_TEXT.items() if model in {o.case.model for o in decided}]
     who = f"{', '.join(models[:-1])} and {models[-1]}"
     assert f"{wrong} of {len(decided)} comparisons of {who} with solid FE" in sentence
-    within, place = re.search(
-        r"agree within ([\d.]+)\N{NO-BREAK SPACE}% \((\w+ of \w+)\)", sentence
-    ).groups()
-    assert float(within) / 100.0 == read(largest)
-    worst = max(
-        (one for one in decided if one.verdict == "agree"),
-        key=lambda one: abs(one.measurement.unexplained / one.measurement.reference),
-    )
-    assert place == f"{worst.case.label} of {worst.case.body}"
-    for cause in CAUSES:
-        amount = max(
-            (
-                abs(part.amount) / one.reference
-                for one in agreeing
-                for part in one.allowances
-                if part.cause == cause
-            ),
-            default=0.0,
-        )
-        printed = re.search(rf"{cause} \(([\d.]+)\N{{NO-BREAK SPACE}}%\)", sentence)
-        assert (float(printed[1]) / 100.0 if printed else 0.0) == read(amount)
+    agreed = [one for one in decided if one.verdict == "agree"]
+    assert_worst(sentence, agreed)
+    assert_causes(sentence, agreed)
     for verdict in ("undecided", "failed"):
         count = sum(one.verdict == verdict for one in outcomes)
         assert re.findall(rf"(\d+) {verdict}", sentence) == [str(count)] * bool(count)
