@@ -5,8 +5,8 @@ from typing import Any
 from matplotlib.figure import Figure
 from sphinx_gallery.scrapers import figure_rst
 
-# Dots per inch of pictures on a page.
-DOTS = 150
+# Dots per inch of pictures on a page, at least.
+DOTS = 150.0
 # Name under which sphinx-gallery keeps the value of the last expression of a cell.
 LAST = "___"
 
@@ -21,5 +21,5 @@ def save_returned_figure(
     # A later cell without a value of its own must not show it again.
     values[LAST] = None
     path = next(block_vars["image_path_iterator"])
-    figure.savefig(path, dpi=DOTS)
+    figure.savefig(path, dpi=max(DOTS, figure.dpi))
     return str(figure_rst([path], gallery_conf["src_dir"]))

@@ -40,4 +40,4 @@ def test_cells_of_the_notebook_run_and_return_figures(maker, monkeypatch, tmp_pa
             done = shell.run_cell("".join(cell["source"]))
             done.raise_error()
             values.append(done.result)
-    assert sum(isinstance(value, Figure) for value in values) == 3
+    assert sum(isinstance(value, Figure) for value in values) == 4

@@ -48,6 +48,7 @@ from validation.context import Context, Preset
 from validation.cross_validation import CrossValidation, cross_validation
 from validation.drawing.text import error_with_spread, percent
 from validation.export.command import Kind, write_export
+from validation.kinematics.poses import parsed_poses, postures_of, postures_on_path
 from validation.maps.figure import WorkspaceMaps, workspace_maps
 from validation.maps.workspace import directions
 from validation.measured.matrix import measured_matrix
@@ -172,8 +173,8 @@ def solve(
         for fault in faults_of(name, value, types[name])
     ]:
         raise InputError(faults)
-    typed = tuple(",".join(repr(float(number)) for number in np.atleast_1d(one)) for one in poses)
     with _arguments_named():
+        typed = _typed(poses)
         asked = Question(_loaded(robot), model, options, modes, poses=typed, leg=leg, body=body)
         return answered(asked)
 
@@ -589,6 +590,45 @@ def identify(
 
 
 @checked
+def draw(robot: Robot, *, poses: Sequence[float | Sequence[float]] = ()) -> "Figure":
+    """Draw a robot: one posture in full, the others as lines, bodies and joints named.
+
+    Parameters
+    ----------
+    robot
+        As of `load`, or its result.
+    poses
+        Poses of the tool (m, rad), as of `solve`; the middle one is drawn in full. Those of the
+        path if empty.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        The picture. Without OpenGL a figure that states how to get it.
+
+    Raises
+    ------
+    InputError
+        For poses that the robot cannot reach.
+
+    Examples
+    --------
+    >>> draw("five-bar", poses=[[0.0, 0.5]]).savefig("five-bar.png")
+    """
+    # Only a picture needs the libraries that draw it.
+    from validation.drawing.rendering import drawn_scenes  # noqa: PLC0415
+    from validation.kinematics.picture import scene  # noqa: PLC0415
+
+    mechanism = _loaded(robot).mechanism
+    with _arguments_named():
+        if len(poses):
+            postures = postures_of(mechanism, parsed_poses(mechanism, _typed(poses)))
+        else:
+            postures = postures_on_path(mechanism, mechanism.poses)
+        return drawn_scenes([scene(mechanism, postures)])
+
+
+@checked
 def workspace(robot: Robot, *, preset: Preset = "standard") -> WorkspaceMaps:
     """Map lowest stiffness, first frequency and error over the workspace of a robot.
 
@@ -783,6 +823,11 @@ def _arguments_named() -> Iterator[None]:
         yield
     except InputError as error:
         raise InputError([_OPTION.sub(argument, fault) for fault in error.faults]) from error
+
+
+def _typed(poses: Sequence[float | Sequence[float]]) -> tuple[str, ...]:
+    """Poses as they are typed on the command line."""
+    return tuple(",".join(repr(float(number)) for number in np.atleast_1d(one)) for one in poses)
 
 
 def _loaded(robot: Robot) -> RobotFile:

@@ -12,6 +12,11 @@ import numpy as np
 import flexproof as fp
 
 stroke = np.linspace(0.145, 0.85, 9)
+fp.draw("ifw", poses=stroke)
+
+# %%
+# Deflection by the virtual joint method:
+
 vjm = fp.solve("ifw", "vjm", poses=stroke)
 vjm.plot()
 

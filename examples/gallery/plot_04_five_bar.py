@@ -42,6 +42,8 @@ five_bar = fp.load(
     }
 )
 
+fp.draw(five_bar)
+
 # %%
 # Deflections and frequencies over the path, by beam elements:
 

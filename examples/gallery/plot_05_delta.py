@@ -11,6 +11,11 @@ import numpy as np
 import flexproof as fp
 
 poses = [[0.0, 0.0, z] for z in np.linspace(-0.60, -0.44, 9)]
+fp.draw("delta", poses=poses)
+
+# %%
+# Deflections and frequencies on the axis:
+
 beam = fp.solve("delta", "beam", poses=poses, modes=3)
 beam.plot()
 

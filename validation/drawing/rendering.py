@@ -66,6 +66,22 @@ def pictured(
     """
     if not can_draw():
         return Picture(left_out=MESSAGE)
+    with plot_style():
+        return Picture(_png_of(drawn_scenes(scenes, columns, height, width, title)))
+
+
+def drawn_scenes(
+    scenes: Sequence[Scene],
+    columns: int = 1,
+    height: float | None = None,
+    width: float = WIDTH,
+    title: str = "",
+) -> Canvas:
+    """The figure of `pictured`, or one that states why this machine cannot draw it."""
+    if not can_draw():
+        figure = Canvas(figsize=(width, 1.0))
+        figure.text(0.02, 0.5, MESSAGE, va="center", wrap=True)
+        return figure
     rows, high = -(-len(scenes) // columns), height or width * _shape(scenes[0])
     bars = any(scene.bar for scene in scenes)
     size = width, rows * (high + _TITLE + _BAR * bars) + _TITLE * bool(title)
@@ -83,7 +99,8 @@ def pictured(
         if title:
             lines = (fill(line, round(12.0 * width)) for line in title.split("\n"))
             picture.suptitle("\n".join(lines), fontsize=10.0)
-        return Picture(_png_of(picture))
+        picture.set_dpi(DOTS_PER_INCH)
+        return picture
 
 
 def panel_size(columns: int, height: float, width: float = WIDTH) -> tuple[int, int]:

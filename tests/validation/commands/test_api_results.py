@@ -104,3 +104,14 @@ def test_wrong_arguments_of_identify_are_named(arguments, fault):
 def test_number_that_a_robot_lacks_cannot_be_varied():
     with pytest.raises(InputError, match="has no such number"):
         api.vary(BAR, "bodies.bar.section.depth=0.01:0.02:3", preset="quick")
+
+
+def test_drawing_without_opengl_states_how_to_get_it(monkeypatch):
+    monkeypatch.setenv("FLEXPROOF_OPENGL", "off")
+    (text,) = api.draw("five-bar").texts
+    assert "libegl1" in text.get_text()
+
+
+def test_pose_out_of_reach_cannot_be_drawn():
+    with pytest.raises(InputError, match="five-bar"):
+        api.draw("five-bar", poses=[[5.0, 5.0]])
