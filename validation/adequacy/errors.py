@@ -16,6 +16,9 @@ from validation.agreement.displacement import difference_under, nearest_between,
 from validation.agreement.mode_pairing import one_frequency
 from validation.agreement.responses import PathModes, Statics
 
+# Relative difference up to which errors of two poses or interpretations tie, far above rounding.
+_SAME = 1e-9
+
 
 @dataclass(frozen=True, eq=False)
 class Displaced:
@@ -158,8 +161,7 @@ class Errors:
     @property
     def largest(self) -> IntArray:
         """The interpretation (p) of the largest error, of those with which there is something."""
-        sizes = np.where(self.missing, -1.0, np.abs(self.error))
-        return np.asarray(np.argmax(sizes, axis=0))
+        return first_largest(np.where(self.missing, -1.0, np.abs(self.error)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -402,6 +404,13 @@ class ModelErrors:
                 between=np.full(len(size), np.inf),
             ),
         )
+
+
+def first_largest(sizes: Array) -> IntArray:
+    """Number along the first axis of the largest size, the first of those that tie."""
+    largest = sizes.max(axis=0)
+    least = np.where(largest > 0.0, (1.0 - _SAME) * largest, largest)
+    return np.asarray(np.argmax(sizes >= least, axis=0))
 
 
 def stacked(errors: Sequence[Errors]) -> Errors:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from lumped.acceptance.quantities import ANY_FORCE, ORDER, Quantity, QuantityKind
 from lumped.acceptance.requirement import Requirement
 from lumped.arrays import Array, IntArray
-from validation.adequacy.errors import Errors, ModelErrors
+from validation.adequacy.errors import Errors, ModelErrors, first_largest
 from validation.adequacy.mechanism.path import NOMINAL
 from validation.adequacy.probability import Probability, UncertainInputs, probability
 from validation.adequacy.references import NOT_FINER, SAY_LINEAR, Reference, Source, Subject
@@ -33,8 +33,6 @@ _UNDECIDED_SHAPES = "several modes of the reference have the shape of one mode"
 # Causes below this share of an error are not named, steps below this part of a limit not taken.
 _WORTH_NAMING, _WORTH_TAKING = 0.005, 0.1
 _NEARLY = 0.5
-# Relative difference up to which errors of two poses are one, far above rounding.
-_SAME = 1e-9
 # Interpretation of the reference and pose, by number, that an entry has its numbers of.
 Place: TypeAlias = tuple[int, int]
 
@@ -236,7 +234,7 @@ def _deciding(verdicts: Sequence[Adequacy], verdict: Adequacy, shares: Array) ->
     alike = np.array([one == verdict for one in verdicts])
     size = np.where(np.isnan(shares), -0.5, np.abs(shares))
     size = np.where(alike, size, -1.0)
-    return int(np.argmax(size >= size.max() - _SAME * abs(size.max())))
+    return int(first_largest(size))
 
 
 def _reason(

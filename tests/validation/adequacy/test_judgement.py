@@ -12,6 +12,7 @@ from toy_subject import toy_subject
 
 from lumped.acceptance.quantities import load_quantities
 from lumped.acceptance.requirement import Requirement
+from validation.adequacy.errors import first_largest
 from validation.adequacy.judgement import REST, judged
 from validation.adequacy.partners import frequency_changes, partners
 from validation.agreement.responses import PathModes, Statics
@@ -274,6 +275,28 @@ def test_readings_apart_are_shown_as_such():
     # Closer together than each is known they say no more than the bound does.
     told = static_entry(1.0, 1.01, unsure=0.03)
     assert plain(error_with_spread(told)) == "below 4 %"
+
+
+@pytest.mark.parametrize(
+    ("sizes", "number"),
+    [
+        ([2.0, 2.0 + 1e-12], 0),
+        ([2.0, 2.1], 1),
+        ([1.0, np.inf], 1),
+        ([-1.0, -0.5], 1),
+        ([0.0, 0.0], 0),
+    ],
+)
+def test_first_of_tied_sizes_is_the_largest(sizes, number):
+    assert first_largest(np.array(sizes)) == number
+
+
+@pytest.mark.parametrize("rounding", [-1e-12, 0.0, 1e-12])
+def test_entry_of_tied_readings_has_the_first(rounding):
+    """6 % off against both readings but for rounding: 6 % farther, and 6 % less far."""
+    told = static_entry(1.06, 0.94 + rounding)
+    assert told.error == pytest.approx(0.06, rel=1e-9)
+    assert told.along == pytest.approx(0.06, rel=1e-9)
 
 
 @pytest.mark.parametrize(("limit", "verdict"), [(0.05, "undecided"), (0.07, "adequate")])
