@@ -98,7 +98,9 @@ def test_figure_shows_the_errors_in_percent(leg1):
     for axes, column in zip(figure.axes, (0, 1), strict=True):
         lines = {line.get_label(): line for line in axes.get_lines()}
         for series in leg1.series:
-            line = next(v for k, v in lines.items() if k.startswith(series.discretisation.legend))
+            line = next(
+                v for k, v in lines.items() if k.startswith(f"{series.discretisation.label} (")
+            )
             np.testing.assert_allclose(line.get_xdata(), series.counts)
             np.testing.assert_allclose(line.get_ydata(), 100.0 * np.abs(series.errors[:, column]))
         assert axes.get_xscale() == axes.get_yscale() == "log"
@@ -144,7 +146,9 @@ def test_exit_code_states_whether_the_limit_is_met(capsys, within, code):
 def test_assertion_holds_and_fails_as_the_values_do(leg1):
     leg1.assert_converged("f1", elements=20, within=0.01)
     leg1.assert_converged("f2", elements=20, within=6e-8, model="beam")
-    with pytest.raises(AssertionError, match=r"literal layout.*5\.1\s%, allowed 1\s%"):
+    with pytest.raises(
+        AssertionError, match=r"springs between elements only.*5\.1\s%, allowed 1\s%"
+    ):
         leg1.assert_converged("f1", within=0.01, layout="literal")
 
 

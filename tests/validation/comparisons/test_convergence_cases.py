@@ -194,7 +194,9 @@ def test_figure_and_studies_show_every_subject():
     rows = list(csv.DictReader(io.StringIO(figure.data)))
     assert "leg1" in figure.caption
     # Segments without shear against their own cantilever, f1: 5.2 % for 5.1 %.
-    assert "literal layout, Euler–Bernoulli +5.2\N{NO-BREAK SPACE}% (" in figure.caption
+    assert (
+        "springs between elements only, Euler–Bernoulli +5.2\N{NO-BREAK SPACE}% (" in figure.caption
+    )
     assert "+0.0089\N{NO-BREAK SPACE}% (2, 6, 19)" in figure.caption
     # The robot's literal layout: the paper's statement holds at 20 elements and not before.
     assert "+0.97\N{NO-BREAK SPACE}% (20, over 80, over 80)" in figure.caption
