@@ -25,7 +25,8 @@ from validation.run.sources import program
 # Sources that decide what is read and meshed of a part, and what is computed on its meshes.
 _CACHE = ("validation/run/cache.py", "validation/run/sources.py")
 MESHING = ("lumped", "meshes", "validation/parts/meshes.py", *_CACHE)
-COMPUTING = ("lumped", "meshes", "fem", "validation/parts", "validation/models", *_CACHE)
+_ROOMS = ("validation/agreement", "validation/parts", "validation/models")
+COMPUTING = ("lumped", "meshes", "fem", *_ROOMS, *_CACHE)
 COARSE, MIDDLE, FINEST = 0, 1, 2
 LEVELS = (COARSE, MIDDLE, FINEST)
 # What is kept of each face beside its facets.
