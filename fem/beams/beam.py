@@ -28,8 +28,9 @@ from typing import Any
 
 import numpy as np
 from scipy.sparse import block_array, block_diag, coo_matrix, csr_array, csr_matrix, hstack
-from skfem import Basis, BilinearForm, Element, ElementLineP2, MeshLine
+from skfem import Basis, Element, ElementLineP2, MeshLine
 from skfem.element import DiscreteField
+from skfem.quadrature import get_quadrature
 from skfem.refdom import RefLine
 
 from fem.sections.nonuniform_torsion import WarpingRod, line_products, warping_rod
@@ -49,17 +50,29 @@ _NO_WARPING = 1e-4
 
 @dataclass(frozen=True)
 class _Member:
-    """One kind of deformation: its matrices on its own unknowns and its place in the twist.
+    """One kind of deformation in one element, and its place in the twist.
 
-    `components` are the places of its fields (deflection, then rotation) in the twist, `signs`
-    how the twist counts them.
+    `stiffness` and `mass` (k×k) belong to the unknowns of `element`, those of its nodes first;
+    `mesh` is that of one element. `components` are the places of its fields (deflection, then
+    rotation) in the twist, `signs` how the twist counts them.
     """
 
-    basis: Basis
-    stiffness: SparseMatrix
-    mass: SparseMatrix
+    element: Element
+    mesh: MeshLine
+    stiffness: Array
+    mass: Array
     components: tuple[int, ...]
     signs: tuple[float, ...]
+
+    @property
+    def inner(self) -> int:
+        """Unknowns inside the element."""
+        return int(self.element.interior_dofs)
+
+    @property
+    def unknown_signs(self) -> Array:
+        """How the unknowns (k) of the leg count those of the element."""
+        return np.array([*self.signs, *self.signs, *self.inner * (1.0,)])
 
 
 def beam_leg(properties: BeamProperties, length: float, elements: int) -> LegMatrices:
@@ -73,7 +86,8 @@ def beam_leg(properties: BeamProperties, length: float, elements: int) -> LegMat
         raise InputError(f"beam leg: length = {length!r} m: must be above 0 m")
     if elements < 1:
         raise InputError(f"beam leg: elements = {elements!r}: must be 1 or more")
-    mesh = MeshLine(np.linspace(0.0, length, elements + 1))
+    # Equal elements have equal matrices: one is integrated.
+    mesh = MeshLine(np.array([0.0, length / elements]))
     p = properties
     members = {
         "tension": _bar(mesh, p.EA, p.mu, component=0),
@@ -85,22 +99,29 @@ def beam_leg(properties: BeamProperties, length: float, elements: int) -> LegMat
             mesh, EI=p.EIz, GA=p.GAy, mu=p.mu, rho_I=p.rho_Iz, components=(1, 5), signs=(1.0, 1.0)
         ),
     }
-    places = _places(members, elements)
-    parts = {
-        name: csr_matrix(places[name] @ member.stiffness @ places[name].T)
-        for name, member in members.items()
-    }
+    places, size = _places(members, elements)
+
+    def assembled(matrix: Array, name: str) -> SparseMatrix:
+        signs = members[name].unknown_signs
+        values = np.repeat((signs[:, None] * matrix * signs)[None], elements, axis=0)
+        own = places[name]
+        rows, columns = np.broadcast_arrays(own[:, :, None], own[:, None, :])
+        entries = (values.ravel(), (rows.ravel(), columns.ravel()))
+        return csr_matrix(coo_matrix(entries, shape=(size, size)))
+
+    parts = {name: assembled(member.stiffness, name) for name, member in members.items()}
 
     def centreline(stations: Array) -> SparseMatrix:
         return sum(
-            _twists(member, length, stations) @ places[name].T for name, member in members.items()
+            _twists(member, places[name], length, size, stations)
+            for name, member in members.items()
         )
 
     return LegMatrices(
         model="beam",
         length=length,
         stiffness=sum(parts.values()),
-        mass=csr_matrix(sum(places[n] @ m.mass @ places[n].T for n, m in members.items())),
+        mass=csr_matrix(sum(assembled(member.mass, name) for name, member in members.items())),
         centreline=centreline,
         parts=parts,
     )
@@ -115,8 +136,7 @@ def _bar(mesh: MeshLine, stiffness: float, inertia: float, component: int) -> _M
     def inertia_of(u: Any, v: Any, _: Any) -> Any:
         return inertia * u * v
 
-    basis = Basis(mesh, ElementLineP2(), intorder=_INTEGRATION_ORDER)
-    return _member(basis, energy, inertia_of, (component,), (1.0,))
+    return _member(ElementLineP2(), mesh, energy, inertia_of, (component,), (1.0,))
 
 
 def _bending(
@@ -142,61 +162,72 @@ def _bending(
         return mu * w * dw + rho_I * theta * dtheta
 
     element = ElementLineShearBeam(EI / GA) if shears else ElementLineBeam(0.0)
-    basis = Basis(mesh, element, intorder=_INTEGRATION_ORDER)
-    return _member(basis, energy, inertia_of, components, signs)
+    return _member(element, mesh, energy, inertia_of, components, signs)
 
 
 def _member(
-    basis: Basis,
+    element: Element,
+    mesh: MeshLine,
     energy: Callable[..., Any],
     inertia: Callable[..., Any],
     components: tuple[int, ...],
     signs: tuple[float, ...],
 ) -> _Member:
-    stiffness = BilinearForm(energy).assemble(basis)
-    mass = BilinearForm(inertia).assemble(basis)
-    return _Member(basis, stiffness, mass, components, signs)
+    points, weights = get_quadrature(RefLine, _INTEGRATION_ORDER)
+    fields = _fields(element, mesh, points)
+    of_columns = [_field(value[None], gradient[None]) for value, gradient in fields]
+    of_rows = [_field(value[:, None], gradient[:, None]) for value, gradient in fields]
+    stiffness, mass = (
+        form(*of_columns, *of_rows, None) @ weights * mesh.p[0, -1] for form in (energy, inertia)
+    )
+    return _Member(element, mesh, stiffness, mass, components, signs)
 
 
-def _places(members: dict[str, _Member], elements: int) -> dict[str, SparseMatrix]:
-    """Per member the signed selection matrix from its own unknowns to those of the leg."""
+def _fields(element: Element, mesh: MeshLine, points: Array) -> list[tuple[Array, Array]]:
+    """Values and gradients (k×m) of each field at m reference points (1×m), k basis functions."""
+    count = 2 * element.nodal_dofs + element.interior_dofs
+    by_function = [element.gbasis(mesh.mapping(), points, i) for i in range(count)]
+    return [
+        (
+            np.concatenate([np.asarray(field) for field in fields]),
+            np.concatenate([field.grad[0] for field in fields]),
+        )
+        for fields in zip(*by_function, strict=True)
+    ]
+
+
+def _places(members: dict[str, _Member], elements: int) -> tuple[dict[str, IntArray], int]:
+    """Unknowns of the leg (elements×k) that each member's elements have, and their number."""
     ranks: IntArray = np.r_[0, 2 : elements + 1, 1]  # of the nodes from root to tip
-    inner = 6 * (elements + 1)
-    size = inner + sum(member.basis.interior_dofs.size for member in members.values())
+    size = 6 * (elements + 1)
     places = {}
     for name, member in members.items():
-        basis = member.basis
-        rows = np.empty(basis.N, dtype=np.int64)
-        values = np.ones(basis.N)
-        for dofs, component, sign in zip(
-            basis.nodal_dofs, member.components, member.signs, strict=True
-        ):
-            rows[dofs] = 6 * ranks + component
-            values[dofs] = sign
-        rows[basis.interior_dofs.ravel()] = inner + np.arange(basis.interior_dofs.size)
-        inner += basis.interior_dofs.size
-        places[name] = csr_matrix((values, (rows, np.arange(basis.N))), shape=(size, basis.N))
-    return places
+        nodal = 6 * ranks[:, None] + np.array(member.components)
+        inner = size + np.arange(elements * member.inner).reshape(elements, member.inner)
+        places[name] = np.hstack([nodal[:-1], nodal[1:], inner])
+        size += inner.size
+    return places, size
 
 
-def _twists(member: _Member, length: float, stations: Array) -> SparseMatrix:
-    """6m × N: the member's share of the section's twist at `stations` (m from the root)."""
+def _twists(
+    member: _Member, places: IntArray, length: float, size: int, stations: Array
+) -> SparseMatrix:
+    """6m × `size`: the member's share of the section's twist at `stations` (m from the root)."""
     stations = np.atleast_1d(np.asarray(stations, dtype=float))
     slack = _ROUNDING * length
     if not np.all((stations >= -slack) & (stations <= length + slack)):
         raise InputError(f"beam leg: a station lies outside the leg, 0 m to {length:g} m")
-    basis, mesh = member.basis, member.basis.mesh
-    cells = np.clip(np.searchsorted(mesh.p[0], stations) - 1, 0, mesh.nelements - 1)
-    points = basis.mapping.invF(stations[None, :, None], tind=cells)
+    elements = len(places)
+    along = stations * (elements / length)
+    cells = np.clip(np.ceil(along).astype(int) - 1, 0, elements - 1)
+    fields = _fields(member.element, member.mesh, (along - cells)[None])
     rows, columns, values = [], [], []
-    for i in range(basis.Nbfun):
-        fields = basis.elem.gbasis(basis.mapping, points, i, tind=cells)
-        for field, component, sign in zip(fields, member.components, member.signs, strict=True):
-            rows.append(6 * np.arange(len(stations)) + component)
-            columns.append(basis.element_dofs[i, cells])
-            values.append(sign * np.asarray(field)[:, 0])
-    entries = (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns)))
-    return csr_matrix(coo_matrix(entries, shape=(6 * len(stations), basis.N)))
+    for (field, _), component, sign in zip(fields, member.components, member.signs, strict=True):
+        rows.append(np.broadcast_to(6 * np.arange(len(stations)) + component, field.shape))
+        columns.append(places[cells].T)
+        values.append(sign * member.unknown_signs[:, None] * field)
+    entries = (np.ravel(values), (np.ravel(rows), np.ravel(columns)))
+    return csr_matrix(coo_matrix(entries, shape=(6 * len(stations), size)))
 
 
 def warping_beam_leg(

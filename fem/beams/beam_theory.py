@@ -9,8 +9,13 @@ the k-th smallest eigenvalue of K falls steadily with ω and is zero at the k-th
 (Wittrick & Williams, Q. J. Mech. Appl. Math. 24 (1971) 263). No root can be missed.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from heapq import merge
+from itertools import count as naturals
+from itertools import islice
+from math import pi, sqrt
+from typing import Literal, TypeAlias, get_args
 
 import numpy as np
 import scipy
@@ -19,9 +24,11 @@ from scipy.linalg import eigvalsh, expm
 from lumped.arrays import Array
 from lumped.errors import ComputationError
 from lumped.legs import BeamProperties
+from lumped.memo import memo
 
 Plane: TypeAlias = Literal["y", "z"]
 Kind: TypeAlias = Literal["tension", "torsion", "bending y", "bending z"]
+_KINDS: tuple[Kind, ...] = get_args(Kind)
 
 # Roots to a few units in the last place; brentq takes no relative tolerance below 4 eps.
 _ROOT_TOLERANCE = 4.0 * np.finfo(float).eps
@@ -48,32 +55,46 @@ class _Plane:
     rho_I: float
 
 
+@memo(64)
 def cantilever_frequencies(
     properties: BeamProperties, length: float, count: int
 ) -> tuple[CantileverFrequency, ...]:
     """The lowest `count` frequencies of the clamped–free leg of `length` (m), ascending."""
-    by_kind: dict[Kind, Array] = {
-        "tension": tension_frequencies(properties, length, count),
-        "torsion": torsion_frequencies(properties, length, count),
-        "bending y": bending_frequencies(properties, length, "y", count),
-        "bending z": bending_frequencies(properties, length, "z", count),
-    }
-    merged = [
-        CantileverFrequency(float(frequency), kind, order)
-        for kind, frequencies in by_kind.items()
-        for order, frequency in enumerate(frequencies, start=1)
-    ]
-    return tuple(sorted(merged, key=lambda item: item.frequency)[:count])
+    # Of each kind no more than one is computed that is not among the lowest.
+    kinds = (_ascending(properties, length, kind) for kind in _KINDS)
+    return tuple(islice(merge(*kinds, key=lambda item: item.frequency), count))
+
+
+def _ascending(
+    properties: BeamProperties, length: float, kind: Kind
+) -> Iterator[CantileverFrequency]:
+    """All frequencies of one kind."""
+    for order in naturals(1):
+        frequency = frequency_of_kind(properties, length, kind, order)
+        yield CantileverFrequency(frequency, kind, order)
+
+
+def frequency_of_kind(properties: BeamProperties, length: float, kind: Kind, order: int) -> float:
+    """Frequency (Hz) number `order` of one kind; raises as `bending_frequencies` does."""
+    match kind:
+        case "tension":
+            return _quarter_waves(properties.EA / properties.mu, length, order)
+        case "torsion":
+            return _quarter_waves(properties.GJ / properties.rho_J, length, order)
+        case "bending y":
+            return _bending_frequency(_plane(properties, "y"), length, order)
+        case "bending z":
+            return _bending_frequency(_plane(properties, "z"), length, order)
 
 
 def tension_frequencies(properties: BeamProperties, length: float, count: int) -> Array:
     """(2k − 1)/4L √(EA/μ) in Hz, k = 1 … `count`; `length` in m."""
-    return _quarter_waves(properties.EA / properties.mu, length, count)
+    return _of_kind(properties, length, "tension", count)
 
 
 def torsion_frequencies(properties: BeamProperties, length: float, count: int) -> Array:
     """(2k − 1)/4L √(GJ/ρJ) in Hz, k = 1 … `count`; `length` in m; sections free to warp."""
-    return _quarter_waves(properties.GJ / properties.rho_J, length, count)
+    return _of_kind(properties, length, "torsion", count)
 
 
 def bending_frequencies(
@@ -84,7 +105,16 @@ def bending_frequencies(
     Euler–Bernoulli where κGA is infinite and ρI zero, Rayleigh where κGA is infinite, else
     Timoshenko with both spectra. `length` in m. Raises ComputationError where κGA is negative.
     """
-    p = properties
+    return _of_kind(properties, length, "bending y" if plane == "y" else "bending z", count)
+
+
+def _of_kind(properties: BeamProperties, length: float, kind: Kind, count: int) -> Array:
+    orders = range(1, count + 1)
+    return np.array([frequency_of_kind(properties, length, kind, order) for order in orders])
+
+
+def _plane(p: BeamProperties, plane: Plane) -> _Plane:
+    """Bending data of one plane; raises ComputationError if κGA is negative."""
     if plane == "y":
         beam = _Plane(p.EIy, 1.0 / p.GAz, p.mu, p.rho_Iy)
     else:
@@ -95,52 +125,52 @@ def bending_frequencies(
             f"bending {plane}: the shear stiffness κGA = {1.0 / beam.shear_flexibility:.3g} N is "
             "negative; the formula of κ does not hold for this section and ν"
         )
-    explicit: Array = euler_bernoulli_roots(count) ** 2 * np.sqrt(beam.EI / beam.mu) / length**2
+    return beam
+
+
+def _bending_frequency(beam: _Plane, length: float, order: int) -> float:
+    """Frequency (Hz) number `order` of bending."""
+    root = _euler_bernoulli_root(order)
+    explicit = root**2 * sqrt(beam.EI / beam.mu) / length**2
     if beam.shear_flexibility == 0.0 and beam.rho_I == 0.0:
-        return explicit / (2.0 * np.pi)
-    bounds = _upper_bounds(beam, length, explicit)
-    return np.array([_root(beam, length, k, bound) for k, bound in enumerate(bounds)]) / (
-        2.0 * np.pi
-    )
+        return explicit / (2.0 * pi)
+    bound = _upper_bound(beam, length, order, explicit)
+    return _root(beam, length, order - 1, bound) / (2.0 * pi)
 
 
 def euler_bernoulli_roots(count: int) -> Array:
     """The first `count` roots βL of cos x cosh x = −1: 1.875104, 4.694091, 7.854757."""
+    return np.array([_euler_bernoulli_root(order) for order in range(1, count + 1)])
 
+
+@memo(64)
+def _euler_bernoulli_root(order: int) -> float:
     def bounded(x: float) -> float:
         # cos x + 1/cosh x, which unlike cosh x itself never overflows.
         return float(np.cos(x) + 2.0 * np.exp(-x) / (1.0 + np.exp(-2.0 * x)))
 
     # One sign change between consecutive multiples of π, where cos is ±1 and 1/cosh below 1.
-    return np.array(
-        [
-            scipy.optimize.brentq(
-                bounded, k * np.pi, (k + 1) * np.pi, xtol=1e-15, rtol=_ROOT_TOLERANCE
-            )
-            for k in range(count)
-        ]
-    )
+    bracket = (order - 1) * pi, order * pi
+    return float(scipy.optimize.brentq(bounded, *bracket, xtol=1e-15, rtol=_ROOT_TOLERANCE))
 
 
-def _quarter_waves(speed_squared: float, length: float, count: int) -> Array:
-    odd = 2.0 * np.arange(1, count + 1) - 1.0
-    frequencies: Array = odd * np.sqrt(speed_squared) / (4.0 * length)
-    return frequencies
+def _quarter_waves(speed_squared: float, length: float, order: int) -> float:
+    return (2.0 * order - 1.0) * sqrt(speed_squared) / (4.0 * length)
 
 
-def _upper_bounds(beam: _Plane, length: float, euler_bernoulli: Array) -> Array:
-    """Bounds of ω (rad/s) from above, by minimax: each is the beam with a constraint more.
+def _upper_bound(beam: _Plane, length: float, order: int, euler_bernoulli: float) -> float:
+    """Bound of ω (rad/s) from above, by minimax: each is the beam with a constraint more.
 
     Euler–Bernoulli has no shear strain (and less inertia), the shear beam no rotation; the beam
     whose deflection has no inertia, and no shear strain, is a bar of EI and ρI.
     """
-    bounds = euler_bernoulli
-    odd = 0.5 * np.pi * (2.0 * np.arange(1, len(bounds) + 1) - 1.0) / length
+    bound = euler_bernoulli
+    odd = 0.5 * pi * (2.0 * order - 1.0) / length
     if beam.shear_flexibility > 0.0:
-        bounds = np.minimum(bounds, odd / np.sqrt(beam.shear_flexibility * beam.mu))
+        bound = min(bound, odd / sqrt(beam.shear_flexibility * beam.mu))
     if beam.rho_I > 0.0:
-        bounds = np.minimum(bounds, odd * np.sqrt(beam.EI / beam.rho_I))
-    return bounds
+        bound = min(bound, odd * sqrt(beam.EI / beam.rho_I))
+    return bound
 
 
 def _root(beam: _Plane, length: float, index: int, bound: float) -> float:

@@ -24,6 +24,7 @@ from fem.sections.saint_venant import (
 from fem.sections.waveguide import elasticity
 from lumped.arrays import Array
 from lumped.legs import BeamProperties, Material
+from lumped.memo import memo
 from meshes.section.section_mesh import SectionMesh
 
 # Of the strain ν s that is asked for: rounding of interpolation, beneath any error of a mesh.
@@ -71,6 +72,7 @@ def poisson_shear_ratio(nu: float, shear_to_young: float | None = None) -> float
     return nu * ratio
 
 
+@memo(64)
 def section_constants(
     mesh: SectionMesh, nu: float, shear_to_young: float | None = None
 ) -> SectionConstants:

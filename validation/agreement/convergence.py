@@ -102,12 +102,24 @@ def fit_order(sizes: Array, values: Array) -> float:
         return float(np.linalg.norm(deviations / np.sqrt(sizes / sizes[-1])))
 
     candidates = np.linspace(0.05, LARGEST_ORDER, 240)
-    best = int(np.argmin([left(order) for order in candidates]))
+    best = int(np.argmin(_residuals(sizes, values, candidates)))
     bounds = (candidates[max(best - 1, 0)], candidates[min(best + 1, len(candidates) - 1)])
     found = scipy.optimize.minimize_scalar(
         left, bounds=bounds, method="bounded", options={"xatol": 1e-10}
     )
     return float(found.x)
+
+
+def _residuals(sizes: Array, values: Array, orders: Array) -> Array:
+    """The norms (m) that `fit_order` minimises, for m orders at once."""
+    shape, root = sizes / sizes[-1], np.sqrt(sizes[-1] / sizes)
+    weighted = root * values
+    basis = np.stack(
+        [np.broadcast_to(root, (len(orders), len(root))), root * shape ** orders[:, None]], axis=-1
+    )
+    directions = np.linalg.qr(basis)[0]
+    fitted = directions @ (np.swapaxes(directions, 1, 2) @ weighted)[..., None]
+    return np.asarray(np.linalg.norm(weighted - fitted[..., 0], axis=1))
 
 
 def orders_to_limits(counts: Sequence[int], errors: Array, floors: Array) -> Array:

@@ -5,9 +5,13 @@ from typing import TypeAlias
 
 import numpy as np
 
-from fem.beams.beam_theory import CantileverFrequency, cantilever_frequencies
+from fem.beams.beam_theory import (
+    CantileverFrequency,
+    Kind,
+    cantilever_frequencies,
+    frequency_of_kind,
+)
 from fem.bodies.solid import Ends
-from fem.couplings.end_effects import restrained_compliance
 from fem.couplings.wave_cantilever import beam_frequency, cut_off, prism_frequency, wave_frequency
 from fem.couplings.wave_stiffness import PrismWaves, prism_waves
 from fem.sections import nonuniform_torsion
@@ -27,6 +31,7 @@ from validation.solids.legs import (
     SolidModes,
     dynamic_ladder,
     face_mesh,
+    face_restraint,
     formal_order,
     leg_constants,
     own_properties,
@@ -80,7 +85,7 @@ cases = CaseGroup(
     reference_kind="closed-form",
     section="{body}",
     subject="leg",
-    effort=0.5,
+    effort=0.1,
 )
 _compliances = cases.family(
     over={"name, entry, meaning, unit": [(name, *of) for name, of in ENTRIES.items()]},
@@ -127,26 +132,17 @@ def own_compliances(leg: ConstantLeg, divisions: tuple[int, ...]) -> Array:
 
 def restrained(leg: ConstantLeg, divisions: tuple[int, ...]) -> Array:
     """Change (m×6×6, ≤ 0) of the beam's tip compliance by rigid end faces, by theory."""
-    return np.array(
-        [
-            restrained_compliance(face_mesh(leg, number), leg.material, leg.length)
-            for number in divisions
-        ]
-    )
+    return np.array([face_restraint(leg, number) for number in divisions])
 
 
 def own_frequencies(
-    leg: ConstantLeg, divisions: tuple[int, ...], kinds: tuple[tuple[str, int], ...]
+    leg: ConstantLeg, divisions: tuple[int, ...], kinds: tuple[tuple[Kind, int], ...]
 ) -> Array:
     """Frequencies (Hz, m×k) of the beam by kind and order, for each of the solids' meshes."""
-    rows = []
-    for number in divisions:
-        modes = cantilever_frequencies(own_properties(leg, number), leg.length, 2 * MODES)
-        by_kind: dict[tuple[str, int], float] = {
-            (mode.kind, mode.order): float(mode.frequency) for mode in modes
-        }
-        rows.append([by_kind[kind] for kind in kinds])
-    return np.array(rows)
+    beams = [own_properties(leg, number) for number in divisions]
+    return np.array(
+        [[frequency_of_kind(beam, leg.length, *kind) for kind in kinds] for beam in beams]
+    )
 
 
 @_compliances.case(
@@ -331,6 +327,7 @@ def distortion(leg: ConstantLeg, divisions: tuple[int, ...], mode: CantileverFre
         raise Skip(f"{mode.kind}, number {mode.order} of its kind: {error}") from None
 
 
+@memo(64)
 def _distorted(leg: ConstantLeg, divisions: int, mode: CantileverFrequency) -> float:
     kind = _waves(leg, divisions)[mode.kind]
     beam = beam_frequency(kind, leg.length, mode.order)

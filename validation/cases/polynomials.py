@@ -200,7 +200,7 @@ def _yielding(numbers: Array, size: float) -> NDArray[np.bool_]:
     quantity="natural frequency {mode}, middle of the path",
     figure="mechanism.frequencies",
     unit="Hz",
-    effort=0.2,
+    effort=0.05,
 )
 def _frequency(context: Context, model: str, index: int, modes: int) -> Measurement:
     postures = path_postures(context)

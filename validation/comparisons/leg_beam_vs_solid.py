@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from fem.beams.beam_theory import cantilever_frequencies
+from fem.beams.beam_theory import Kind, frequency_of_kind
 from fem.sections.section_constants import beam_properties
 from lumped.acceptance.requirement import AgreementLimits
 from lumped.arrays import Array
@@ -252,16 +252,12 @@ def compliance_band(leg: ConstantLeg, divisions: int) -> tuple[Array, Array]:
     return tip_compliance(stiff, leg.length), tip_compliance(soft, leg.length)
 
 
-def frequency_band(leg: ConstantLeg, divisions: int, kinds: tuple[tuple[str, int], ...]) -> Array:
+def frequency_band(leg: ConstantLeg, divisions: int, kinds: tuple[tuple[Kind, int], ...]) -> Array:
     """Frequencies (2×k, Hz) by kind and order of the softest and the stiffest such beam."""
-    bands = []
-    for beam in _band(leg, divisions):
-        found = cantilever_frequencies(beam, leg.length, 2 * len(kinds))
-        by_kind: dict[tuple[str, int], float] = {
-            (one.kind, one.order): one.frequency for one in found
-        }
-        bands.append([by_kind[kind] for kind in kinds])
-    return np.array(bands)
+    band = _band(leg, divisions)
+    return np.array(
+        [[frequency_of_kind(beam, leg.length, *kind) for kind in kinds] for beam in band]
+    )
 
 
 def _band(leg: ConstantLeg, divisions: int) -> tuple[BeamProperties, BeamProperties]:

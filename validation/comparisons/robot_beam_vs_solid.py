@@ -18,7 +18,6 @@ from typing import TypeAlias
 import numpy as np
 
 from fem.beams.beam import beam_leg
-from fem.couplings.end_effects import restrained_compliance
 from fem.reduction.craig_bampton import CraigBampton, craig_bampton
 from fem.reduction.superelement import held_leg
 from fem.sections.section_constants import beam_properties, section_constants
@@ -86,7 +85,7 @@ from validation.solids.legs import (
     SHARED_SOLIDS,
     decay_of_warping,
     doubled_tips,
-    face_mesh,
+    face_restraint,
     has_meshes,
     leg_constants,
     mesh_pair,
@@ -228,7 +227,7 @@ def robot_statics(
         return _own_tip(leg, meshes[name][mesh][0])
 
     def restrained(name: str, leg: ConstantLeg, mesh: int) -> Array:
-        taken = _taken(leg, meshes[name][mesh][0]) if ends[name] == "rigid" else 0.0
+        taken = face_restraint(leg, meshes[name][mesh][0]) if ends[name] == "rigid" else 0.0
         return own(name, leg, mesh) + taken
 
     def by_formula(side: int) -> Array:
@@ -254,12 +253,6 @@ def robot_statics(
 def _own_tip(leg: ConstantLeg, divisions: int) -> Array:
     """Tip compliance (6×6) of the beam of the section's own constants."""
     return tip_compliance(own_properties(leg, divisions), leg.length)
-
-
-@memo(16)
-def _taken(leg: ConstantLeg, divisions: int) -> Array:
-    """Change (6×6, ≤ 0) of the tip compliance by rigid end faces, on one section mesh."""
-    return restrained_compliance(face_mesh(leg, divisions), leg.material, leg.length)
 
 
 @memo(16)

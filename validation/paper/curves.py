@@ -71,7 +71,9 @@ ONE_FORMULATION = (EQUIVALENT, SEGMENTS, BEAM)
 
 
 @over_stroke.figure(
-    "deflection.stroke", "Deflections over the stroke, all models (as the paper's Figs 3 and 5)"
+    "deflection.stroke",
+    "Deflections over the stroke, all models (as the paper's Figs 3 and 5)",
+    effort=1.5,
 )
 def all_deflections(context: Context) -> Shown:
     """Three panels: planar under a force along x, along y, and out of the plane."""
@@ -102,7 +104,9 @@ def all_deflections(context: Context) -> Shown:
 
 
 @over_family.figure(
-    "deflection.family", "Deflections of robots with longer legs (as the paper's Fig. 6)"
+    "deflection.family",
+    "Deflections of robots with longer legs (as the paper's Fig. 6)",
+    effort=3.0,
 )
 def deflections_of_the_family(context: Context) -> Shown:
     """A column of panels for each point of the stroke, a row for each load."""
@@ -131,7 +135,7 @@ def deflections_of_the_family(context: Context) -> Shown:
 @over_stroke.figure(
     "frequency.stroke",
     "First natural frequencies over the stroke (as the paper's Figs 7 and 10)",
-    effort=2.0,
+    effort=3.0,
 )
 def frequencies_over_the_stroke(context: Context) -> Shown:
     """Two of segments and beams, with the printed eq. (25); the first beside the simplified one."""
@@ -166,6 +170,7 @@ def frequencies_over_the_stroke(context: Context) -> Shown:
 @over_family.figure(
     "frequency.family",
     "First natural frequencies of robots with longer legs (as the paper's Figs 12 and 13)",
+    effort=4.0,
 )
 def frequencies_of_the_family(context: Context) -> Shown:
     """Both frequencies against α at three points, of the simplified model the first."""

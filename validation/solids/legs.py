@@ -241,6 +241,12 @@ def own_properties(leg: ConstantLeg, divisions: int) -> BeamProperties:
     return beam_properties(leg_constants(leg, divisions), leg.material)
 
 
+@memo(32)
+def face_restraint(leg: ConstantLeg, divisions: int) -> Array:
+    """Change (6×6, ≤ 0) of the beam's tip compliance by rigid end faces, on one section mesh."""
+    return restrained_compliance(face_mesh(leg, divisions), leg.material, leg.length)
+
+
 def decay_of_warping(leg: ConstantLeg, divisions: int) -> float:
     """√(EΓ/GJ) (m): how far from an end non-uniform torsion reaches (Vlasov)."""
     constants, material = leg_constants(leg, divisions), leg.material
@@ -343,7 +349,7 @@ def two_meshes(leg: ConstantLeg, most: int) -> TwoMeshes:
         return TwoMeshes(
             doubled_tips(leg, *coarse),
             doubled_tips(leg, *fine),
-            restrained_compliance(face_mesh(leg, fine[0]), leg.material, leg.length),
+            face_restraint(leg, fine[0]),
             fine[1] / coarse[1],
         )
 
