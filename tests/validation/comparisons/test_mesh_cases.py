@@ -107,6 +107,16 @@ def test_half_width_too_narrow_is_noticed():
     assert half_width_shares(Refinement(divisions, values, 1.0)).max() <= 1.0
 
 
+def test_caption_names_the_command_for_missing_orders():
+    """The quick preset has two meshes for f1, from which no order follows."""
+    (family,) = families(outcomes())
+    command = "f1: fewer than 4 meshes in this preset, which show no order; flexproof converge "
+    assert command in mesh_curves(family.studies).caption
+    doubled = [one for one in family.studies if len(one.x) >= 4]
+    assert doubled
+    assert "flexproof converge" not in mesh_curves(doubled).caption
+
+
 def test_figure_shows_errors_orders_and_costs():
     """Panels, curves and data of the figure by a second reading of the cases."""
     (family,) = families(outcomes())

@@ -44,7 +44,23 @@ def mesh_curves(studies: Sequence[Study]) -> Shown:
         "hexahedra, and CPU time of mesh, factor and modes; bars: half-width of the finest value. "
         "Ends held plane, or free to warp and contract. Deflections and torsion by doubling, with "
         f"thin slices, so with more unknowns. Limits with their half-widths: {known}.",
+        *_without_order(studies),
     )
+
+
+def _without_order(studies: Sequence[Study]) -> list[str]:
+    """A sentence on the quantities with too few meshes for an order, and on how to see it."""
+    meshes: dict[str, int] = {}
+    for study in studies:
+        if study.formal_order:
+            meshes[study.panel] = max(meshes.get(study.panel, 0), len(study.x))
+    few = [panel for panel, count in meshes.items() if count < GRIDS]
+    if not few:
+        return []
+    return [
+        f"{', '.join(few)}: fewer than {GRIDS} meshes in this preset, which show no order; "
+        "flexproof converge ROBOT --body LEG --model solid shows the orders of f1 to f4."
+    ]
 
 
 def _panel(studies: Sequence[Study], formal: Mapping[str, float]) -> Panel:
