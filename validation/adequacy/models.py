@@ -1,16 +1,14 @@
 """The models that are judged, by the names that the matrix has them under."""
 
 from collections.abc import Mapping, Sequence
-from functools import partial
+from dataclasses import replace
 from typing import NamedTuple
 
 from lumped.legs import GivenLeg
 from lumped.mechanism.mechanism import Mechanism, Posture
-from validation.adequacy.mechanism.path import Reading, RobotOnPath, why_not_serial
-from validation.adequacy.mechanism.statics import model_statics
-from validation.adequacy.mechanism.vibration import modes_by_model
+from validation.adequacy.mechanism.path import RobotOnPath, why_not_serial
+from validation.adequacy.mechanism.solids import formulation
 from validation.adequacy.responses import Model
-from validation.agreement.responses import PathModes, Statics
 from validation.models.options import STATIC, ModelName, ModelOptions
 from validation.models.parts import is_leg
 from validation.models.stepped_parts import why_not_stepped
@@ -85,20 +83,13 @@ def judged_model(robot: RobotOnPath, name: str, recipe: JudgedModel) -> Model:
     """Model by its name in the matrix; its halves are None if it cannot represent the robot."""
     unable = why_unable(robot.postures, recipe)
     static = recipe.kind in STATIC
-    return Model(
-        name,
-        recipe.title,
-        statics=None if unable else partial(_statics, recipe),
-        modes=None if unable or static else partial(_modes, recipe),
+    model = formulation(name, recipe.kind, recipe.options)
+    return replace(
+        model,
+        title=recipe.title,
+        statics=None if unable else model.statics,
+        modes=None if unable or static else model.modes,
         silent=unable or (_STATIC if static else ""),
         rigid=_RIGID if name == "simplified" else "",
         computed_by=(f"validation.models.mechanism.answers({recipe.kind!r})",),
     )
-
-
-def _statics(recipe: JudgedModel, robot: RobotOnPath, _: Reading) -> Statics:
-    return model_statics(robot.postures, recipe.kind, recipe.options)
-
-
-def _modes(recipe: JudgedModel, robot: RobotOnPath, _: Reading) -> PathModes | None:
-    return modes_by_model(robot, recipe.kind, recipe.options)

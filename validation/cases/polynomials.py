@@ -23,7 +23,7 @@ from lumped.system.assembly import assembly
 from lumped.system.solution import rounding, solved
 from lumped.text import counted
 from validation.adequacy.mechanism.path import path_postures, why_not_serial
-from validation.adequacy.mechanism.statics import model_statics
+from validation.adequacy.mechanism.solids import model_statics
 from validation.adequacy.models import JudgedModel, judged_models
 from validation.case import Measurement, Relative, Skip
 from validation.case_group import CaseGroup, numbered

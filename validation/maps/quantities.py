@@ -20,7 +20,7 @@ from lumped.system.sweep import swept
 from validation.adequacy.mechanism.legs import solid_tip
 from validation.adequacy.mechanism.parts import solid_parts
 from validation.adequacy.mechanism.path import RobotOnPath, path_postures, robot_at
-from validation.adequacy.mechanism.statics import model_statics
+from validation.adequacy.mechanism.solids import model_statics
 from validation.adequacy.models import JudgedModel, judged_models, why_unable
 from validation.adequacy.responses import UNSOLVED
 from validation.agreement.displacement import relative

@@ -5,9 +5,9 @@ from one_arm import LOADS, ONE_ARM
 from written_robot import robot_of
 
 from lumped.errors import ComputationError
-from validation.adequacy import models, robot
+from validation.adequacy import robot
 from validation.adequacy.judgement import judged
-from validation.adequacy.mechanism import statics
+from validation.adequacy.mechanism import solids, statics
 from validation.adequacy.robot import robot_subject
 from validation.context import Context
 from validation.models.options import DEFAULT_OPTIONS
@@ -48,8 +48,8 @@ def failing(function, place, model, options):
 def test_model_that_raises_leaves_the_others_judged(arm, monkeypatch, capsys, model):
     due = verdicts_of(arm)[1]
     for name in ("model_statics", "modes_by_model"):
-        function = failing(getattr(models, name), 1, model, DEFAULT_OPTIONS)
-        monkeypatch.setattr(models, name, function)
+        function = failing(getattr(solids, name), 1, model, DEFAULT_OPTIONS)
+        monkeypatch.setattr(solids, name, function)
     matrix, found = verdicts_of(arm)
     assert {key: one for key, one in found.items() if key[0] != model} == {
         key: one for key, one in due.items() if key[0] != model
@@ -85,7 +85,7 @@ def test_model_that_robot_does_not_allow_is_no_fault(arm, monkeypatch):
     def refusing(*_):
         raise ComputationError("the arm is too thin")
 
-    monkeypatch.setattr(models, "model_statics", refusing)
+    monkeypatch.setattr(solids, "model_statics", refusing)
     matrix, found = verdicts_of(arm)
     assert found["beam", "x"] == "undecided"
     assert "too thin" in matrix.entry("beam", "x").reason

@@ -24,7 +24,7 @@ from lumped.sections import HollowRectangle, Rectangle, Tube
 from meshes.section.section_mesh import section_mesh
 from validation import cli
 from validation.adequacy.judgement import REST, judged
-from validation.adequacy.mechanism import solids, statics, vibration
+from validation.adequacy.mechanism import solids, vibration
 from validation.adequacy.mechanism.dynamics import DYNAMIC_STEPS
 from validation.adequacy.mechanism.parts import FINER_PARTS
 from validation.adequacy.mechanism.path import holding, known_legs, say_masses
@@ -76,7 +76,7 @@ def refusing(monkeypatch, module, function, refused=lambda _: True):
 
 
 def test_a_mechanism_is_judged_without_the_model_that_refuses(monkeypatch, arm, sound):
-    refusing(monkeypatch, statics, "answers", lambda model: model == "segments")
+    refusing(monkeypatch, solids, "answers", lambda model: model == "segments")
     refusing(monkeypatch, vibration, "dynamic_bodies", lambda model: model == "segments")
     matrix = robot_adequacy(Context(arm, "quick"))
     for now, before in zip(matrix.entries, sound.entries, strict=True):

@@ -15,7 +15,7 @@ from lumped.models.bodies import legs_of
 from lumped.system.assembly import assemble
 from lumped.system.solution import modes, solved
 from validation import api
-from validation.adequacy.mechanism.statics import model_statics
+from validation.adequacy.mechanism.solids import model_statics
 from validation.case import Case, Skip
 from validation.cases import ritz
 from validation.cases.polynomials import path_roundings

@@ -21,7 +21,7 @@ from meshes.section.section_mesh import section_mesh
 from validation.adequacy.judgement import judged
 from validation.adequacy.mechanism.path import robot_at
 from validation.adequacy.mechanism.samples import samples_of
-from validation.adequacy.mechanism.statics import model_statics
+from validation.adequacy.mechanism.solids import model_statics
 from validation.adequacy.mechanism.vibration import vibration_of
 from validation.adequacy.models import JUDGED, judged_models_of
 from validation.adequacy.partners import partners

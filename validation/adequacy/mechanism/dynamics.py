@@ -15,8 +15,8 @@ from validation.adequacy.mechanism.digits import modes_by_digits
 from validation.adequacy.mechanism.meshes import frequency_half_widths, response_half_widths
 from validation.adequacy.mechanism.parts import FINER_PARTS, PART_STEPS, part_kinds
 from validation.adequacy.mechanism.path import Reading, RobotOnPath
-from validation.adequacy.mechanism.solids import HELD, OWN, SOLID
-from validation.adequacy.mechanism.vibration import modes_by_model, modes_of_solids, solid_meshes
+from validation.adequacy.mechanism.solids import HELD, OWN, SOLID, formulation, with_parts
+from validation.adequacy.mechanism.vibration import modes_of_solids, solid_meshes
 from validation.adequacy.partners import amounts_by_shape
 from validation.adequacy.references import (
     TIMOSHENKO,
@@ -38,7 +38,7 @@ from validation.agreement.responses import PathModes
 from validation.context import Preset
 from validation.models.loads.leg_masses import Masses, plausible_insides
 from validation.models.mechanism import modes_along
-from validation.models.options import ModelName, ModelOptions
+from validation.models.options import ModelOptions
 from validation.parts.meshes import MIDDLE
 from validation.solids.legs import ELEMENTS
 from validation.solids.size import larger_preset, too_large
@@ -227,26 +227,17 @@ def modal_steps(robot: RobotOnPath, judged: Mapping[str, Model]) -> Steps:
         "shear of segments": judged["segments"],
         "shear of beams": beam,
         # Second order in 1/n: a quarter of the error is left.
-        "twice as many": _modal("segments", ModelOptions(elements=2 * ELEMENTS)),
+        "twice as many": formulation(
+            "twice as many segments", "segments", ModelOptions(elements=2 * ELEMENTS)
+        ),
         "beams": beam,
     }
-    for kind in part_kinds(robot.mechanism):
-        models[kind] = _modal("beam", ModelOptions(parts=kind))
+    models |= {kind: with_parts(kind) for kind in part_kinds(robot.mechanism)}
     if parts:
         models["modes inside"] = Model("solids on a coarser mesh", modes=_on_middle_mesh)
     if robot.prisms and not robot.given:
         models |= {"own": OWN, "warping": HELD}
     return ladders(_LADDERS, DYNAMIC_STEPS, models)
-
-
-def _modal(model: ModelName, options: ModelOptions) -> Model:
-    return Model(f"{model} of a step", modes=partial(_model_modes, model, options))
-
-
-def _model_modes(
-    model: ModelName, options: ModelOptions, robot: RobotOnPath, _: Reading
-) -> PathModes | None:
-    return modes_by_model(robot, model, options)
 
 
 def _on_middle_mesh(robot: RobotOnPath, _: Reading) -> PathModes:

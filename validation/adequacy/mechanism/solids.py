@@ -1,7 +1,7 @@
-"""Models between beams and the reference: legs as springs of ever more of their solids, solids.
+"""Models up to the reference: formulations, legs as springs of ever more of their solids, solids.
 
-Statics are solved by virtual joints if legs are serial chains, which share no code with the
-assembler of the reference, and by links otherwise.
+Statics of springs are solved by virtual joints if legs are serial chains, which share no code with
+the assembler of the reference, and by links otherwise.
 """
 
 from collections.abc import Callable, Sequence
@@ -29,17 +29,57 @@ from validation.adequacy.mechanism.path import Reading, RobotOnPath, Springs
 from validation.adequacy.mechanism.vibration import (
     OWN_SECTIONS,
     LegMesh,
+    modes_by_model,
     modes_of_own_beams,
     modes_of_solids,
     solid_meshes,
 )
 from validation.adequacy.responses import Model
 from validation.agreement.responses import PathModes, Statics
-from validation.models.loads.displacements import by_chains, displacements_by, masses_of
+from validation.models.loads.displacements import (
+    by_chains,
+    displacements,
+    displacements_by,
+    masses_of,
+)
+from validation.models.mechanism import answers
+from validation.models.options import ModelName, ModelOptions, PartLegs
 from validation.solids.legs import COARSEST_WALLS
 
 # Compliance (6×6, SI, leg axes) of the tip of a leg of the robot with such ends.
 Spring: TypeAlias = Callable[[RobotOnPath, Leg, Ends], Array]
+
+
+def model_statics(postures: Sequence[Posture], model: ModelName, options: ModelOptions) -> Statics:
+    """Statics of a model."""
+    found = np.array([answer.compliance for answer in answers(model, postures, 0, options)])
+    return Statics.of(found, displacements(model, postures, options))
+
+
+def formulation(name: str, kind: ModelName, options: ModelOptions) -> Model:
+    """Model of a kind with options, under any reading."""
+    return Model(
+        name,
+        statics=partial(_formulation_statics, kind, options),
+        modes=partial(_formulation_modes, kind, options),
+    )
+
+
+def with_parts(parts: PartLegs) -> Model:
+    """Beams with CAD parts idealised in one of three ways."""
+    return formulation(f"beam, parts {parts}", "beam", ModelOptions(parts=parts))
+
+
+def _formulation_statics(
+    kind: ModelName, options: ModelOptions, robot: RobotOnPath, _: Reading
+) -> Statics:
+    return model_statics(robot.postures, kind, options)
+
+
+def _formulation_modes(
+    kind: ModelName, options: ModelOptions, robot: RobotOnPath, _: Reading
+) -> PathModes | None:
+    return modes_by_model(robot, kind, options)
 
 
 def solid_statics(robot: RobotOnPath, reading: Reading) -> Statics:

@@ -6,13 +6,11 @@ they are given.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 
 from lumped.acceptance.quantities import UNIT_LOADS
 from lumped.arrays import Array
-from lumped.mechanism.mechanism import Posture
 from validation.adequacy.mechanism.digits import left_by_digits
 from validation.adequacy.mechanism.legs import finer_statics, solid_leg
 from validation.adequacy.mechanism.meshes import displacement_half_widths
@@ -26,6 +24,7 @@ from validation.adequacy.mechanism.solids import (
     RESTRAINED,
     SOLID,
     STRAIGHT,
+    with_parts,
 )
 from validation.adequacy.references import (
     TIMOSHENKO,
@@ -40,25 +39,15 @@ from validation.adequacy.references import (
     ladders,
     use,
 )
-from validation.adequacy.responses import Model, Responses
+from validation.adequacy.responses import Responses
 from validation.agreement.displacement import sizes
-from validation.agreement.responses import Statics
 from validation.case import failure_reason
-from validation.models.loads.displacements import displacements
 from validation.models.loads.leg_masses import plausible_masses
 from validation.models.loads.stability import stabilities
-from validation.models.mechanism import answers
-from validation.models.options import ModelName, ModelOptions, PartLegs
 
 # A displacement that a load's own softening changes by less is a linear one.
 _LINEAR = 1e-3
 _BY = {"vjm": "virtual joints with ", "links": "links with "}
-
-
-def model_statics(postures: Sequence[Posture], model: ModelName, options: ModelOptions) -> Statics:
-    """Statics of a model."""
-    found = np.array([answer.compliance for answer in answers(model, postures, 0, options)])
-    return Statics.of(found, displacements(model, postures, options))
 
 
 def static_reference(responses: Responses) -> Reference:
@@ -151,21 +140,14 @@ def _title(robot: RobotOnPath) -> str:
 def static_steps(robot: RobotOnPath) -> Steps:
     """Steps by name of the model, each ladder from the model upwards, one cause each."""
     parts = robot.mechanism.parts
-    models = {"drives": GIVEN, "shear": _idealised("equivalent") if parts else EQUIVALENT}
+    equivalent = with_parts("equivalent") if parts else EQUIVALENT
+    models = {"drives": GIVEN, "shear": equivalent}
     if robot.given:
         models |= {"diagonal": STRAIGHT, "couplings": GIVEN}
-    models |= {kind: _idealised(kind) for kind in part_kinds(robot.mechanism)}
+    models |= {kind: with_parts(kind) for kind in part_kinds(robot.mechanism)}
     if robot.prisms:
         models |= {"own": OWN, "warping": HELD, "contraction": RESTRAINED}
     return ladders(_LADDERS, STATIC_STEPS, models, by=_BY[robot.climbs], climbs=robot.climbs)
-
-
-def _idealised(parts: PartLegs) -> Model:
-    return Model(f"beam, parts {parts}", statics=partial(_beam_statics, ModelOptions(parts=parts)))
-
-
-def _beam_statics(options: ModelOptions, robot: RobotOnPath, _: Reading) -> Statics:
-    return model_statics(robot.postures, "beam", options)
 
 
 STATIC_STEPS: Mapping[str, StepTexts] = {
