@@ -1,6 +1,8 @@
 """What this machine leaves to a computation: memory, cores, threads."""
 
 import os
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 
 from lumped.errors import ComputationError
@@ -11,6 +13,11 @@ _ADDRESSES_PER_CORE = 150_000_000
 # Address space that libraries take before the first computation: those that read and check files,
 # and those that mesh and solve. Short of it they end the process, hang or crash, each in its way.
 TO_READ, TO_COMPUTE = 250_000_000, 1_000_000_000
+# Environment of a process whose BLAS has one thread. Sums of several threads differ by rounding, up
+# to 1e-6 of a result, and small dense matrices are slower by them.
+ONE_BLAS_THREAD: Mapping[str, str] = dict.fromkeys(
+    ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "BLIS_NUM_THREADS"), "1"
+)
 # Files that a command may have open at once: its own, those of libraries, ways to processes.
 _OPEN_FILES = 64
 
@@ -77,3 +84,16 @@ def threads() -> int:
     """Threads that a computation may use: OMP_NUM_THREADS, else one for each usable core."""
     told = os.environ.get("OMP_NUM_THREADS", "")
     return int(told) if told.isdecimal() and int(told) > 0 else usable_cores()
+
+
+@contextmanager
+def one_blas_thread() -> Iterator[None]:
+    """Limit BLAS in this process to one thread, so that numbers are those of a worker process.
+
+    The sparse solver keeps its `threads`: the bits of its factors do not depend on them.
+    """
+    # Of no use to a command, whose environment says it before numpy is loaded.
+    from threadpoolctl import threadpool_limits  # noqa: PLC0415
+
+    with threadpool_limits(limits=1, user_api="blas"):
+        yield

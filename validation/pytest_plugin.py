@@ -142,12 +142,14 @@ class ComparisonItem(pytest.Item):
 
     def runtest(self) -> None:
         """Compute the comparison; solids and studies are computed once per session."""
+        from fem.machine import one_blas_thread  # noqa: PLC0415
         from lumped.errors import ComputationError, InputError  # noqa: PLC0415
         from validation.case import Skip  # noqa: PLC0415
 
         assert isinstance(self.parent, RobotCollector)  # noqa: S101  for the type checker
         try:
-            checked = self.check.compute(_context(self.config, self.parent.robot))
+            with one_blas_thread():
+                checked = self.check.compute(_context(self.config, self.parent.robot))
         except Skip as reason:
             pytest.skip(str(reason))
         except (ComputationError, InputError) as error:

@@ -1,6 +1,5 @@
 """The command `converge`."""
 
-import os
 import re
 from pathlib import Path
 from typing import Literal
@@ -61,9 +60,6 @@ def converge(
     picture
         Also draw the errors of f1 to f4 into this PNG or SVG file, as its name ends.
     """
-    # Small dense matrices: a second thread of BLAS would wait for the first. It reads this once, as
-    # numpy is loaded.
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     from lumped.robot_file import load_robot  # noqa: PLC0415
     from validation.comparisons.element_convergence import QUANTITIES  # noqa: PLC0415
     from validation.comparisons.requested import convergence  # noqa: PLC0415

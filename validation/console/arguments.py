@@ -10,6 +10,7 @@ from typing import Any, Literal, ParamSpec, TypeVar, Union, get_args, get_origin
 
 import numpy as np
 
+from fem.machine import one_blas_thread
 from lumped.errors import InputError
 from lumped.text import did_you_mean, shown
 
@@ -28,7 +29,8 @@ _WORDS: Mapping[Any, str] = {
 def checked(function: Callable[P, T]) -> Callable[P, T]:
     """The function, raising InputError with a line for each argument of a wrong type or name.
 
-    Keyword arguments without a name of their own are left to the function.
+    Keyword arguments without a name of their own are left to the function, which computes with one
+    thread of BLAS, as commands and runs do.
     """
     signature = inspect.signature(function)
 
@@ -45,7 +47,8 @@ def checked(function: Callable[P, T]) -> Callable[P, T]:
         ]
         if faults:
             raise InputError(faults)
-        return function(*args, **kwargs)
+        with one_blas_thread():
+            return function(*args, **kwargs)
 
     return call
 

@@ -18,6 +18,7 @@ from types import ModuleType
 from typing import Any
 
 from fem.extras import require_extra
+from fem.machine import one_blas_thread
 from lumped.errors import ComputationError, InputError
 from lumped.memo import memo
 from validation.run.executor import Executor, Finished, Work
@@ -207,7 +208,7 @@ def _alone(call: Work, own: Mapping[str, str]) -> Any:
     if differing := _differences(_program(), own):
         worker = get_worker()
         raise OtherProgram(_install(f"{worker.name} ({worker.address})", differing))
-    with _ONE_AT_A_TIME:
+    with _ONE_AT_A_TIME, one_blas_thread():
         return call()
 
 

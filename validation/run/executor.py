@@ -14,6 +14,7 @@ from multiprocessing.connection import Connection, wait
 from pathlib import Path
 from typing import Any, TypeAlias, TypeVar
 
+from fem.machine import ONE_BLAS_THREAD
 from lumped.errors import ComputationError, InputError
 from lumped.files import read_regular
 from meshes.processes import Crashed, Process
@@ -27,10 +28,8 @@ Finished: TypeAlias = Generator[tuple[int, Any], None, None]
 # Computes calls in any order.
 Executor: TypeAlias = Callable[[Sequence[Work]], Finished]
 K = TypeVar("K", bound=Hashable)
-# One thread per process: the numbers then do not depend on how many processes there are.
-_SINGLE_THREADED = dict.fromkeys(
-    ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "BLIS_NUM_THREADS"), "1"
-)
+# One thread per process, of the sparse solver too: processes are as many as cores.
+_SINGLE_THREADED = {"OMP_NUM_THREADS": "1", **ONE_BLAS_THREAD}
 # How often (s) to look whether all of it was given up.
 _HEARTBEAT = 0.1
 

@@ -2,6 +2,7 @@
 
 import os
 import signal
+import subprocess
 import sys
 import time
 from contextlib import closing
@@ -15,11 +16,14 @@ from forgetting import forget
 from numpy.testing import assert_array_equal
 from toy_runs import PATIENCE, started, wait_for
 
+from fem.machine import ONE_BLAS_THREAD
 from lumped.errors import ComputationError, InputError
 from lumped.robot_file import load_robot
 from meshes.processes import Crashed
 from validation.run.executor import in_turn, on_cores
 from validation.variations.curves import computed
+
+ROOT = Path(__file__).resolve().parents[3]
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,3 +147,45 @@ def test_what_is_given_up_is_not_waited_for():
             finished.append(number)
     assert finished == [0]
     assert time.monotonic() - begun < 30.0
+
+
+BITS = """
+from validation.api import converge, solve
+from validation.run.executor import on_cores
+
+def bits():
+    (answer,) = solve("five-bar", "segments", modes=6).answers
+    series = converge("five-bar", "segments", body="rod1").series
+    numbers = answer.frequencies, answer.compliance, *(one.values for one in series)
+    return [number.tobytes().hex() for number in numbers]
+"""
+EQUAL = """
+from threadpoolctl import threadpool_info
+from bits import bits, on_cores
+
+def threads():
+    return {one["num_threads"] for one in threadpool_info() if one["user_api"] == "blas"}
+
+assert threads() == {2}, threads()
+here = bits()
+assert threads() == {2}, threads()
+with on_cores(1) as executor:
+    ((_, there),) = executor([bits])
+assert here == there
+"""
+
+
+def test_python_and_worker_give_equal_bits(tmp_path):
+    """Whatever the user's BLAS may use: with two threads these numbers differ by up to 1e-9."""
+    (tmp_path / "bits.py").write_text(BITS, encoding="utf-8")
+    (tmp_path / "equal.py").write_text(EQUAL, encoding="utf-8")
+    blas = dict.fromkeys(ONE_BLAS_THREAD, "2")
+    done = subprocess.run(
+        [sys.executable, "equal.py"],
+        cwd=tmp_path,
+        env={**os.environ, **blas, "OMP_NUM_THREADS": "2", "PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        check=False,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr
