@@ -12,12 +12,12 @@ study = fp.converge("ifw", body="leg1")
 study.plot()
 
 # %%
-# Segments with half-length springs at both ends converge with order 2, beam elements with order 4,
-# the literal layout of the paper with order 1. The last misses 1 % at 20 segments.
+# Segments with half-length end springs converge with order 2, beam elements with order 4, and the
+# literal layout of the paper, springs between elements only, with order 1: 5 % at 20 segments.
 
 series = study.of("segments")
 literal = study.of("segments", "literal")
-for name, one in (("half-length end springs", series), ("literal layout", literal)):
+for name, one in (("half-length end springs", series), ("springs between elements only", literal)):
     error = one.errors[one.counts.index(20), study.column("f2")]
     print(f"{name}: f2 {100.0 * error:+.4f} % with 20 segments")
 
