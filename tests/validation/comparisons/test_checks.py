@@ -96,7 +96,7 @@ def test_missing_comparison_is_skipped_with_its_reason(pytester):
     )
     (report,) = [r for r in done.getreports("pytest_runtest_logreport") if r.when == "call"]
     assert report.outcome == "skipped"
-    assert "arm of CAD files" in str(report.longrepr)
+    assert "arm: CAD parts, not legs of constant section" in str(report.longrepr)
 
 
 def test_agreement_text_has_every_number():

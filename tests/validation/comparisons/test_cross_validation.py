@@ -194,5 +194,6 @@ def test_leg_of_an_arm_is_cross_validated(tmp_path):
         crossed.assert_agrees("beam", quantity=quantity, body="arm")
     crossed.assert_converged("f1", body="arm")
     crossed.assert_converged("f1")
-    with pytest.raises(AssertionError, match=r"unexplained .*; allowed 1e-10 %"):
-        crossed.assert_agrees("beam", quantity="y", within=1e-12, body="arm")
+    # 20 beam elements are above the limit by some 1e-7 in f4 (fourth order); statics are exact.
+    with pytest.raises(AssertionError, match=r"unexplained .*; allowed 1e-07 %"):
+        crossed.assert_agrees("beam", quantity="f4", within=1e-9, body="arm")
