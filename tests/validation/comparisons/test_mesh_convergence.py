@@ -59,6 +59,23 @@ def test_orders_are_near_the_formal_one(study):
         assert series.orders[0] == pytest.approx(4.0, abs=0.6)
 
 
+def random_leg(seed):
+    """Cells of a section with a side ratio of 1 or 2 are refined alike in both directions."""
+    draw = np.random.default_rng(seed)
+    width, nu = draw.uniform(0.03, 0.06), draw.uniform(0.0, 0.35)
+    sides = Rectangle(width, float(draw.integers(1, 3)) * width)
+    material = Material(E=2.1e11, G=2.1e11 / (2.0 * (1.0 + nu)), nu=nu, rho=7850.0)
+    return ConstantLeg(draw.uniform(4.0, 6.0) * sides.height, sides, material)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_random_free_legs_have_fourth_order(seed):
+    """Quadratic elements: eigenvalues and energies as h⁴ (Strang and Fix 1973, chapters 1, 6)."""
+    orders = leg_mesh_convergence("", "leg", random_leg(seed), [FREE]).series[0].orders
+    # f1 and f2 bend; y and z are deflections in bending. Four meshes of up to four divisions.
+    assert orders[[0, 1, 5, 6]] == pytest.approx(4.0, abs=0.15)
+
+
 def test_one_mesh_is_refused():
     with pytest.raises(InputError, match="two or more different"):
         leg_mesh_convergence("", "leg", LEG, divisions=(3, 3))
