@@ -94,11 +94,26 @@ def agreement_tables(
 
 
 def agreement_sentence(outcomes: Sequence[Outcome]) -> str:
-    """All comparisons of formulations in one sentence; "" if there are none.
+    """All comparisons of formulations in words; "" if there are none."""
+    texts = agreement_statement(outcomes), agreement_reservations(outcomes)
+    return " ".join(filter(None, texts))
 
-    Comparisons that are undecided or failed are counted: all formulations agree only without them.
+
+def agreement_statement(outcomes: Sequence[Outcome]) -> str:
+    """Models compared and the largest differences from solid FE; "" without comparisons.
+
+    Comparisons that are undecided or failed are counted.
     """
     return " ".join(filter(None, (_judged_sentence(outcomes), _parts_sentence(outcomes))))
+
+
+def agreement_reservations(outcomes: Sequence[Outcome]) -> str:
+    """Amounts allowed for by cause, and comparisons that were skipped; "" without any."""
+    found = [one for one in outcomes if one.case.kind == "agreement"]
+    if all(one.verdict not in {"agree", "disagree"} for one in found):
+        return ""
+    agreeing = [one for one in found if one.verdict == "agree"]
+    return " ".join(filter(None, (_allowed_for(agreeing), _gaps(found))))
 
 
 def _parts_sentence(outcomes: Sequence[Outcome]) -> str:
@@ -148,13 +163,11 @@ def _judged_sentence(outcomes: Sequence[Outcome]) -> str:
     decided = [one for one in found if one.verdict in {"agree", "disagree"}]
     if counts["disagree"]:
         others = f"; the others agree {_within(agreeing)}" if agreeing else ""
-        judged = (
+        return (
             f"{counts['disagree']} of {len(decided)} comparisons of {_models(decided)} with solid "
             f"FE of the same legs disagree{others}{rest}."
         )
-    else:
-        judged = f"{_agreement(agreeing)}{rest}."
-    return " ".join(filter(None, (judged, _allowed_for(agreeing), _gaps(found))))
+    return f"{_agreement(agreeing)}{rest}."
 
 
 def _agreement(agreeing: Sequence[Outcome]) -> str:

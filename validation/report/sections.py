@@ -21,7 +21,12 @@ from validation.exhibits import (
     STROKE,
     Figure,
 )
-from validation.report.agreement import AgreementTable, agreement_sentence, agreement_tables
+from validation.report.agreement import (
+    AgreementTable,
+    agreement_reservations,
+    agreement_statement,
+    agreement_tables,
+)
 from validation.report.agreement_parts import agreement_rows
 from validation.report.declared import attempted
 from validation.report.element_counts import ElementCounts, element_counts
@@ -75,7 +80,12 @@ class PageSection:
     @property
     def statement(self) -> str:
         """Agreement of all formulations in words; "" if they are not compared here."""
-        return agreement_sentence(self.outcomes)
+        return agreement_statement(self.outcomes)
+
+    @property
+    def reservations(self) -> str:
+        """Amounts allowed for and missing comparisons in words; "" without any."""
+        return agreement_reservations(self.outcomes)
 
     @cached_property
     def element_counts(self) -> ElementCounts | None:
