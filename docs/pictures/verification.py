@@ -1,4 +1,4 @@
-"""Writes docs/guide/verification.md: published numbers beside those of this program.
+"""Write docs/guide/verification.md: published numbers beside those of this program.
 
     python docs/pictures/verification.py
 
@@ -26,15 +26,23 @@ from validation.selftest.benchmarks import (  # noqa: E402
 )
 
 PAGE = ROOT / "docs" / "guide" / "verification.md"
-HEAD = (
-    "Problems whose answers stand in the literature, follow from a formula or come from another "
-    "program, and what flexproof answers, with the libraries that `requirements.lock` names. "
-    "`flexproof selftest` solves the first {own} on your machine, tests solve all. Differences are "
-    "relative; *explained* is what the two theories are known to differ by, computed on its own, "
-    "and the rest must be within what is *allowed*. The page is written by "
-    "docs/pictures/verification.py from the benchmarks' own tables, validation/selftest and "
-    "tests/helpers/plain/further_benchmarks.py."
-)
+HEAD = """After this page you can see how far flexproof is from published values, closed formulas and
+other programs, and repeat these numbers.
+
+`flexproof selftest` solves the first {own} problems on your machine. The tests solve all. The
+numbers below are those with the libraries that `requirements.lock` names.
+
+- **known**: value of the source.
+- **difference**: (flexproof − known)/known. Below 1e-6 it is marked as rounding.
+- **explained**: known difference between the two theories, computed independently.
+- **allowed**: largest accepted rest, which is the difference less its explained part.
+
+The tables are written by `docs/pictures/verification.py` from the benchmarks in
+`validation/selftest` and `tests/helpers/plain/further_benchmarks.py`.
+"""
+FOOT = """**Next:** [What is compared](cases.md) lists the checks of your own robot.
+[Known values](known-values.md) has further numbers for the built-in robot.
+"""
 # Differences below this are left to rounding, which is another on every machine.
 ROUNDING = 1e-6
 # Letters of a line of the page.
@@ -67,13 +75,13 @@ def section(number: int, found: BenchmarkOutcome) -> str:
 
 def head() -> str:
     """The page's first lines."""
-    return f"# Verification\n\n{fill(HEAD.format(own=len(listed()[0])), WIDTH)}\n"
+    return f"# Verification\n\n{HEAD.format(own=len(listed()[0]))}"
 
 
 def page(outcomes: Sequence[BenchmarkOutcome]) -> str:
     """The whole page."""
     sections = [section(number, found) for number, found in enumerate(outcomes, start=1)]
-    return "\n".join([head(), *sections])
+    return "\n".join([head(), *sections, FOOT])
 
 
 def _row(one: KnownNumber) -> str:

@@ -168,28 +168,28 @@ def benchmarks() -> tuple[Benchmark, ...]:
     return (
         Benchmark(
             "MacNeal–Harder's straight cantilever as a solid",
-            "Displacement of the tip of a cantilever of 6 × 0.2 × 0.1 under unit loads: "
-            "E = 10⁷, ν = 0.3, the clamped end free to warp and contract. Quadratic hexahedra, "
+            "Displacement of the tip of a cantilever of 6 × 0.2 × 0.1 under unit loads. "
+            "E = 10⁷, ν = 0.3. The clamped end is free to warp and contract. Quadratic hexahedra, "
             f"{_STRAIGHT_DIVISIONS} across the smaller side.",
             MACNEAL_HARDER,
-            "0.1 % of the theory column, which has four digits; the mesh leaves up to 0.04 %",
+            "0.1 % of the theory column, which has four digits; the mesh error is up to 0.04 %",
             straight_cantilever,
         ),
         Benchmark(
             "NAFEMS FV5, deep simply supported beam, as a solid",
-            "Natural frequencies of a beam of 10 m with a square section of 2 m: E = 200 GPa, "
-            "ν = 0.3, ρ = 8000 kg/m³, deflections held at both ends, displacement along and "
-            "rotation about the axis at one, on average over the faces; number of the modes by "
-            f"Sturm's count. Quadratic hexahedra, {_DEEP_DIVISIONS} across the side. "
-            "Explained is what beam theory neglects in such short waves: the exact wave of the "
-            "prism less the beam's.",
+            "Natural frequencies of a beam of 10 m with a square section of 2 m. E = 200 GPa, "
+            "ν = 0.3, ρ = 8000 kg/m³. Deflections are zero at both ends, displacement along and "
+            "rotation about the axis at one end, on average over the faces. The number of modes "
+            f"is Sturm's count. Quadratic hexahedra, {_DEEP_DIVISIONS} across the side. The "
+            "explained part is the error of beam theory for such short waves: exact wave of the "
+            "prism less wave of the beam.",
             FV5,
-            "0.1 % of the theory column, which has four digits; the mesh leaves up to 0.04 %",
+            "0.1 % of the theory column, which has four digits; the mesh error is up to 0.04 %",
             deep_beam,
         ),
         Benchmark(
             "Torsion constants of rectangles by finite elements",
-            "J/(b h³) of rectangles b × h, Saint-Venant's torsion on meshes of biquadratic "
+            "J/(b h³) of rectangles b × h. Saint-Venant's torsion on meshes of biquadratic "
             f"elements, {_TORSION_DIVISIONS} across the smaller side.",
             TIMOSHENKO,
             "the last of six published digits, and as much again for the mesh",
@@ -197,20 +197,20 @@ def benchmarks() -> tuple[Benchmark, ...]:
         ),
         Benchmark(
             "A hexapod as bars between ball joints",
-            "Deflection of the platform of the built-in hexapod under unit forces, "
-            "off its reference pose, legs as beams: whatever they do in bending, only their "
-            "stretching and the drives count.",
+            "Deflection of the platform of the built-in hexapod under unit forces, away from its "
+            "reference pose. The legs are beams. Between ball joints their bending has no effect: "
+            "only their stretching and the drives matter.",
             "K = Σ k j jᵀ, j = (d, p × d), 1/k = L₁/EA₁ + L₂/EA₂ + 1/k_drive, d along a leg",
-            "exact: rounding, grown by the slenderness of the legs",
+            "exact; round-off, amplified by the slenderness of the legs",
             hexapod,
         ),
         Benchmark(
             "A bar drawn and meshed by gmsh, held on average at its ends",
             "Stretching under a unit force, deflection and rotation under a unit moment of a steel "
-            "bar of 120 × 40 × 24 mm. Even and linear tractions have quadratic displacements, "
-            "which second-order tetrahedra hold on any mesh.",
+            "bar of 120 × 40 × 24 mm. Constant and linear tractions cause quadratic displacements. "
+            "Second-order tetrahedra represent these exactly on any mesh.",
             "L/EA; L²/2EI; L/EI",
-            "exact: rounding",
+            "exact; round-off",
             bar,
         ),
         Benchmark(
@@ -223,11 +223,11 @@ def benchmarks() -> tuple[Benchmark, ...]:
         ),
         Benchmark(
             "A five-bar of beams by EXUDYN",
-            "First frequencies of the built-in five-bar in its reference posture; EXUDYN's "
-            f"frequencies are extrapolated from {_ELEMENTS[0]} and {_ELEMENTS[1]} beams a leg.",
+            "First frequencies of the built-in five-bar in its reference posture. EXUDYN's "
+            f"frequencies are extrapolated from {_ELEMENTS[0]} and {_ELEMENTS[1]} beams per leg.",
             "EXUDYN, J. Gerstmayr, Multibody System Dynamics 60 (2024) 617, "
             "geometrically exact beams, linearised",
-            "what the extrapolation leaves open is a tenth of it",
+            "the error of the extrapolation is a tenth of it",
             by_exudyn,
         ),
     )

@@ -49,7 +49,7 @@ def benchmarks() -> tuple[Benchmark, ...]:
     return (
         Benchmark(
             "NAFEMS FV5, deep simply supported beam, by Timoshenko beams",
-            "The beam of 10 m with a square section of 2 m, its ends held as those of the solid. "
+            "The beam of 10 m with a square section of 2 m, with the end conditions of the solid. "
             "32 elements.",
             own.FV5,
             REASON,
@@ -58,7 +58,7 @@ def benchmarks() -> tuple[Benchmark, ...]:
         Benchmark(
             "NAFEMS Test 71, slender cantilever, by Euler–Bernoulli beams",
             "Bending frequencies in one plane of a cantilever of 10 m with a square section of "
-            "0.125 m: E = 200 GPa, ρ = 8000 kg/m³. 32 elements.",
+            "0.125 m. E = 200 GPa, ρ = 8000 kg/m³. 32 elements.",
             TEST_71,
             REASON,
             slender_cantilever,
@@ -66,9 +66,9 @@ def benchmarks() -> tuple[Benchmark, ...]:
         Benchmark(
             "NAFEMS FV2, pin-ended double cross, as a mechanism of Euler–Bernoulli beams",
             "Natural frequencies in the plane of eight arms of 5 m, 0.125 m wide, pinned at their "
-            "ends and joined in the middle: E = 200 GPa, ρ = 8000 kg/m³. The crossing turns but "
-            "does not move, as in the theory: seven modes are of one frequency. 20 elements an "
-            "arm, which is four times as high as wide: in the plane that changes nothing.",
+            "ends and joined in the middle. E = 200 GPa, ρ = 8000 kg/m³. The crossing turns but "
+            "does not move, as in the theory, so that seven modes have one frequency. 20 elements "
+            "per arm. The arms are four times as high as wide, which has no effect in the plane.",
             FV2,
             REASON,
             pinned_cross,

@@ -113,6 +113,7 @@ def test_the_numbers_agree_and_are_those_of_the_manual(title):
 
 def test_the_manual_has_all_benchmarks_and_no_others_and_the_selftest_is_short():
     assert PAGE.startswith(MANUAL["head"]())
+    assert PAGE.endswith(MANUAL["FOOT"])
     assert re.findall(r"^## \d+\. (.*)$", PAGE, re.MULTILINE) == list(LISTED)
     of_tests = PAGE.index(f". {FURTHER[0].title}")
     assert len(re.findall(r"^\| (?!quantity)", PAGE[:of_tests], re.MULTILINE)) <= 40
