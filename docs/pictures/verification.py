@@ -26,8 +26,8 @@ from validation.selftest.benchmarks import (  # noqa: E402
 )
 
 PAGE = ROOT / "docs" / "guide" / "verification.md"
-HEAD = """After this page you can see how far flexproof is from published values, closed formulas and
-other programs, and repeat these numbers.
+HEAD = """After this page you can see how far flexproof is from published values, closed formulas
+and other programs, and repeat these numbers.
 
 `flexproof selftest` solves the first {own} problems on your machine. The tests solve all. The
 numbers below are those with the libraries that `requirements.lock` names.
