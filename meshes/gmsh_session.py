@@ -31,6 +31,9 @@ _OPTIONS = {
     "Mesh.SecondOrderLinear": 0,
 }
 
+# Debian packages of the libraries that gmsh links to; their dependencies bring the others.
+DEBIAN_PACKAGES = ("libgl1", "libglu1-mesa", "libxcursor1", "libxft2", "libxinerama1", "libgomp1")
+
 _GMSH_TYPE: dict[ElementName, int] = {
     "tri3": 2,
     "tet4": 4,
@@ -54,10 +57,15 @@ def gmsh_model(part: str) -> Iterator[ModuleType]:
     """
     try:
         import gmsh  # noqa: PLC0415  slow to load, and most answers need no mesh
-    except (ImportError, OSError) as error:
+    except ImportError as error:
         raise ComputationError(
             f"{part}: needs gmsh, which cannot be loaded ({error}); install its Python module from "
-            "pip or from your distribution, and the libraries that it links to"
+            "pip or from your distribution"
+        ) from error
+    except OSError as error:
+        raise ComputationError(
+            f"{part}: needs gmsh, which cannot be loaded ({error}); install the system libraries "
+            f"that it links to, on Debian and Ubuntu the packages {' '.join(DEBIAN_PACKAGES)}"
         ) from error
 
     with _LOCK:

@@ -81,3 +81,32 @@ def test_missing_gmsh_is_said_in_one_line(monkeypatch):
         gmsh_session.gmsh_model("leg.step"),
     ):
         pass
+
+
+def test_missing_library_of_gmsh_names_its_packages(monkeypatch):
+    """gmsh raises OSError if a library that it links to is missing."""
+    message = "libGLU.so.1: cannot open shared object file"
+
+    class Unloadable:
+        @staticmethod
+        def find_spec(name, *_):
+            if name == "gmsh":
+                raise OSError(message)
+
+    monkeypatch.delitem(sys.modules, "gmsh", raising=False)
+    monkeypatch.setattr(sys, "meta_path", [Unloadable, *sys.meta_path])
+    with (
+        pytest.raises(ComputationError, match=r"libGLU\.so\.1.*packages libgl1 libglu1-mesa "),
+        gmsh_session.gmsh_model("leg.step"),
+    ):
+        pass
+
+
+def test_guide_names_the_packages_of_gmsh_and_vtk():
+    """The set-up script tests each library; the guide names those that bring all of them."""
+    guide = (ROOT / "docs/guide/start.md").read_text("utf-8")
+    line = next(one for one in guide.splitlines() if "apt-get install" in one)
+    packages = {word for word in line.split() if word.startswith("lib")}
+    assert packages == {*gmsh_session.DEBIAN_PACKAGES, "libegl1"}
+    script = (ROOT / "flexproof").read_text("utf-8")
+    assert all(f'"{package}"' in script for package in packages)

@@ -98,11 +98,15 @@ def _finding_lines(findings: Sequence[Finding]) -> list[str]:
     ]
 
 
-def outcome_line(outcome: Outcome) -> str:
-    """One line on an outcome: verdict, id, numbers or the reason why there are none."""
+def outcome_line(outcome: Outcome, *others: Outcome) -> str:
+    """One line on an outcome: verdict, id, numbers or the reason why there are none.
+
+    `others` are outcomes without numbers of the same verdict and reason; the line counts them.
+    """
     case, measurement = outcome.case, outcome.measurement
     if measurement is None:
-        return f"{outcome.verdict:9} {case.id}: {outcome.message}"
+        more = f" and {len(others)} more" if others else ""
+        return f"{outcome.verdict:9} {case.id}{more}: {outcome.message}"
     unit = "" if case.unit == "1" else f" {case.unit}"
     claim = "" if case.relation.value == "equal" else f"{case.relation.value} "
     numbers = (

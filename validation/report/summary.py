@@ -1,9 +1,12 @@
 """The result of a run as lines of text, shown at its end on the terminal."""
 
+from collections.abc import Sequence
+
 from validation.report.agreement import agreement_sentence, convergence_sentence
 from validation.report.listing import outcome_line
 from validation.report.words import sentence, supposition
 from validation.run import compare
+from validation.run.outcome import Outcome
 from validation.run.results import Results
 
 
@@ -15,7 +18,17 @@ def verdicts(gathered: Results) -> list[str]:
     # A run of models alone makes no comparison that could be summed up.
     nothing = not outcomes and gathered.matrices and not standing.failures
     said = [] if nothing else [standing.sentence]
-    return [*(outcome_line(outcome) for outcome in worst), *said]
+    return [*(outcome_line(*group) for group in _by_reason(worst)), *said]
+
+
+def _by_reason(outcomes: Sequence[Outcome]) -> list[list[Outcome]]:
+    """Outcomes in groups of one verdict and reason, an outcome with a measurement by itself."""
+    groups: dict[tuple[str, ...], list[Outcome]] = {}
+    for outcome in outcomes:
+        unmeasured = outcome.measurement is None
+        key = (outcome.verdict, outcome.message) if unmeasured else (outcome.case.id,)
+        groups.setdefault(key, []).append(outcome)
+    return list(groups.values())
 
 
 def adequacy(gathered: Results) -> list[str]:

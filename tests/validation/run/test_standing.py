@@ -91,6 +91,17 @@ def test_no_run_that_fails_says_that_all_is_well():
         assert any(word in standing.sentence for word in words) is troubled
 
 
+def test_failures_of_one_reason_share_a_line():
+    """A missing library fails the comparisons with solids, all for one reason."""
+    found = results(CASES, "failed", "agree", "failed")
+    lines = [line for line in verdicts(found) if line.startswith("failed")]
+    assert lines == ["failed    toy[0] and 1 more: why"]
+    # Another reason or verdict has a line of its own.
+    other = found.done | {CASES[2].id: Result(CASES[2].id, "failed", 0.1, "another reason")}
+    lines = verdicts(replace(found, done=other))
+    assert lines[:2] == ["failed    toy[0]: why", "failed    toy[2]: another reason"]
+
+
 def by_gauge(size):
     """A matrix against a measured value, of which a model is off by a size."""
     of_gauge = entry("simplified", "z", size, measured=True, reference="measured: gauge")
