@@ -135,6 +135,13 @@ def test_every_block_and_link_of_the_pages_is_understood():
                 assert (page.parent / target).exists(), f"{page.name}: {target} does not exist"
 
 
+@pytest.mark.parametrize("page", PAGES[1:], ids=lambda page: page.stem)
+def test_guide_page_states_its_aim_and_the_next_page(page):
+    paragraphs = page.read_text(encoding="utf-8").strip().split("\n\n")
+    assert paragraphs[1].startswith("After this page you ")
+    assert re.match(r"\*\*Next:\*\* .*\]\([a-z./-]+\.md", paragraphs[-1])
+
+
 def test_the_mechanisms_of_the_guide_are_the_built_in_ones():
     shown = {
         name.removesuffix(".toml"): text
