@@ -102,6 +102,37 @@ def test_missing_library_of_gmsh_names_its_packages(monkeypatch):
         pass
 
 
+WITHOUT_GMSH = """
+import sys
+import flexproof as fp
+import validation.cli
+for model in ("vjm", "links", "segments", "beam"):
+    fp.solve("five-bar", model)
+fp.converge("five-bar", "beam", body="crank1", elements=[5, 10, 20])
+assert validation.cli.main(["check", "five-bar"]) == 0
+sys.exit(validation.cli.main(["solve", "five-bar", "--model", "solid"]))
+"""
+
+
+def test_without_gmsh_all_models_but_solids_are_solved(tmp_path):
+    hidden = tmp_path / "hidden"
+    hidden.mkdir()
+    # Worker processes inherit the path.
+    (hidden / "gmsh.py").write_text('raise ImportError("hidden")\n', "utf-8")
+    path = f"{hidden}:{ROOT}"
+    done = subprocess.run(
+        [sys.executable, "-c", WITHOUT_GMSH],
+        cwd=tmp_path,
+        env={"PYTHONPATH": path, "XDG_CACHE_HOME": str(tmp_path / "cache"), "HOME": "/"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 3, done.stderr
+    (line,) = done.stderr.splitlines()
+    assert "needs gmsh, which cannot be loaded" in line
+
+
 def test_guide_names_the_packages_of_gmsh_and_vtk():
     """The set-up script tests each library; the guide names those that bring all of them."""
     guide = (ROOT / "docs/guide/start.md").read_text("utf-8")
