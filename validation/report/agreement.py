@@ -200,22 +200,31 @@ def _within(agreeing: Sequence[Outcome]) -> str:
     return f"within {' '.join(filter(None, texts))}"
 
 
-def _allowed_for(agreeing: Iterable[Outcome]) -> str:
-    """Named causes with their largest amounts, taken off before; "" without any.
+def _allowed_for(agreeing: Sequence[Outcome]) -> str:
+    """Largest whole difference, and named causes with their largest amounts; "" without causes.
 
-    "Allowed for beforehand: held end faces (up to 21.25 % in φx of leg2)."
+    "Whole differences reach 21.27 % (φx of leg2). Explained by held end faces (up to 21.25 % …)."
     """
     amounts: dict[str, tuple[float, str]] = {}
     for outcome in agreeing:
         for cause, share in _shares(outcome).items():
             largest = amounts.get(cause, (0.0, ""))
             amounts[cause] = max(largest, (abs(share), _place(outcome)))
+    if not amounts:
+        return ""
+    worst = max(agreeing, key=_whole)
     causes = sorted(amounts, key=lambda cause: -amounts[cause][0])
     texts = [
         f"{cause} (up to {_percent(amounts[cause][0]).lstrip('+')} in {amounts[cause][1]})"
         for cause in causes
     ]
-    return f"Allowed for beforehand: {'; '.join(texts)}." if texts else ""
+    whole = f"{_percent(_whole(worst)).lstrip('+')} ({_place(worst)})"
+    return f"Whole differences reach {whole}. Explained by {_listed(texts)}."
+
+
+def _whole(outcome: Outcome) -> float:
+    measurement = outcome.measurement
+    return abs(measurement.difference / measurement.reference) if measurement else 0.0
 
 
 def _gaps(found: Sequence[Outcome]) -> str:

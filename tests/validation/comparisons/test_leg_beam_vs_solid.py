@@ -240,7 +240,8 @@ def test_sentence_states_the_largest_unexplained_and_disagreements():
     ]
     assert agreement_sentence(good).replace("\N{NO-BREAK SPACE}", " ") == (
         "VJM agree with solid FE of the same legs within 0.05 % (x of leg1) in compliances. "
-        "Allowed for beforehand: held end faces (up to 1.50 % in z of leg1)."
+        "Whole differences reach 1.50 % (z of leg1). "
+        "Explained by held end faces (up to 1.50 % in z of leg1)."
     )
     wrong = [*good, agreeing("beam", "x", 2.1e-9, 2.0e-9)]
     assert "1 of 3 comparisons of VJM and Beam FE" in agreement_sentence(wrong)

@@ -200,7 +200,8 @@ def test_a_wrench_over_the_path_is_that_of_its_pose_and_none_beside_it():
     plain = [Load("now", "inner", "M", wrench=row) for row in rows]
     for number, pose in enumerate(arm.poses):
         (found,), due = under(arm, over, pose=pose), under(arm, *plain, pose=pose)
-        np.testing.assert_array_equal(found, due[number])
+        # One right-hand side instead of two rounds the last bit another way on some processors.
+        np.testing.assert_allclose(found, due[number], rtol=1e-12)
     assert np.isnan(under(arm, over, pose=[0.15])).all()
 
 

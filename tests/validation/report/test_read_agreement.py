@@ -262,7 +262,17 @@ def assert_worst(sentence, agreed, kind=""):
 
 
 def assert_causes(sentence, agreed):
-    """Largest amount of each cause, and its place."""
+    """Largest whole difference; largest amount of each cause, and its place."""
+    whole = {
+        f"{one.case.label} of {one.case.body}": abs(one.measurement.difference)
+        / one.measurement.reference
+        for one in sorted(
+            agreed, key=lambda one: abs(one.measurement.difference) / one.measurement.reference
+        )
+    }
+    largest = max(whole, key=whole.get)
+    printed = re.search(r"reach ([\d.]+)\N{NO-BREAK SPACE}% \((\w+ of \w+)\)", sentence)
+    assert (float(printed[1]) / 100.0, printed[2]) == (read(whole[largest]), largest)
     for cause in CAUSES:
         amounts = {
             f"{one.case.label} of {one.case.body}": abs(part.amount) / one.measurement.reference
