@@ -107,7 +107,9 @@ class PageSection:
 
     @cached_property
     def budget(self) -> Figure | None:
-        """The error budget, where anything allows for named causes."""
+        """The error budget if named causes are allowed for; agreement tables have it in rows."""
+        if self.agreement:
+            return None
         named = f"budget.{anchor(self.title)}", f"{self.title}: error budget", "budgets"
         draw = partial(budget_figure, *named, self.outcomes)
         return attempted(draw) if self.plotted else None
