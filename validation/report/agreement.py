@@ -1,11 +1,12 @@
 """Tables of the robot and of each leg by all formulations: values of the solid, and differences."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from validation.case import UnjudgedValue
 from validation.drawing.text import engineering, number, percent
-from validation.report.words import pose_text
+from validation.report.agreement_parts import DifferenceParts, difference_parts
+from validation.report.words import capital, listed, pose_text
 from validation.run.outcome import Outcome, Verdict
 from validation.verdicts import Coordinate
 
@@ -179,25 +180,31 @@ def _agreement(agreeing: Sequence[Outcome]) -> str:
     (models, within), *others = [
         (_models(of), f"{_within(of)} in {kind}") for kind, of in kinds.items() if of
     ]
-    first = f"{models[0].upper()}{models[1:]} agree with solid FE of the same legs {within}"
+    first = f"{capital(models)} agree with solid FE of the same legs {within}"
     return ", ".join([first, *(" ".join(other) for other in others)])
 
 
 def _models(outcomes: Sequence[Outcome]) -> str:
     compared = {one.case.model for one in outcomes}
-    return _listed(name for model, name in _IN_TEXT.items() if model in compared)
+    return listed([name for model, name in _IN_TEXT.items() if model in compared])
 
 
 def _within(agreeing: Sequence[Outcome]) -> str:
     """The largest unexplained difference, its half-width: "within 0.19 % ± 0.17 % (f3 of leg1)"."""
-    worst = max(agreeing, key=_unexplained)
-    largest = _unexplained(worst)
-    if largest < _NOTHING or worst.measurement is None:
+    worst, parts = _largest_part(agreeing, lambda parts: parts.unexplained)
+    if abs(parts.unexplained) < _NOTHING:
         return f"within {_percent(2.0 * _NOTHING).lstrip('+')}"
-    half_width = worst.measurement.numerical_uncertainty or 0.0
-    spread = _spread(half_width / abs(worst.measurement.reference))
-    texts = (_percent(largest).lstrip("+"), spread, f"({_place(worst)})")
+    largest = _percent(abs(parts.unexplained)).lstrip("+")
+    texts = (largest, _spread(parts.half_width), f"({_place(worst)})")
     return f"within {' '.join(filter(None, texts))}"
+
+
+def _largest_part(
+    outcomes: Iterable[Outcome], part: Callable[[DifferenceParts], float]
+) -> tuple[Outcome, DifferenceParts]:
+    """The comparison whose part of the difference is the largest in size."""
+    compared = [(one, parts) for one in outcomes if (parts := difference_parts(one))]
+    return max(compared, key=lambda pair: abs(part(pair[1])))
 
 
 def _allowed_for(agreeing: Sequence[Outcome]) -> str:
@@ -212,19 +219,14 @@ def _allowed_for(agreeing: Sequence[Outcome]) -> str:
             amounts[cause] = max(largest, (abs(share), _place(outcome)))
     if not amounts:
         return ""
-    worst = max(agreeing, key=_whole)
+    worst, parts = _largest_part(agreeing, lambda parts: parts.difference)
     causes = sorted(amounts, key=lambda cause: -amounts[cause][0])
     texts = [
         f"{cause} (up to {_percent(amounts[cause][0]).lstrip('+')} in {amounts[cause][1]})"
         for cause in causes
     ]
-    whole = f"{_percent(_whole(worst)).lstrip('+')} ({_place(worst)})"
-    return f"Whole differences reach {whole}. Explained by {_listed(texts)}."
-
-
-def _whole(outcome: Outcome) -> float:
-    measurement = outcome.measurement
-    return abs(measurement.difference / measurement.reference) if measurement else 0.0
+    whole = f"{_percent(abs(parts.difference)).lstrip('+')} ({_place(worst)})"
+    return f"Whole differences reach {whole}. Explained by {listed(texts)}."
 
 
 def _gaps(found: Sequence[Outcome]) -> str:
@@ -248,19 +250,13 @@ def _gaps(found: Sequence[Outcome]) -> str:
         if absent and compared:
             models.setdefault(tuple(absent), []).append(body or "the robot")
     gaps = [
-        f"{_listed(names)} of {_listed(of)}" for names, of in (*quantities.items(), *models.items())
+        f"{listed(names)} of {listed(of)}" for names, of in (*quantities.items(), *models.items())
     ]
     return f"Not compared: {'; '.join(gaps)}." if gaps else ""
 
 
 def _place(outcome: Outcome) -> str:
     return f"{outcome.case.label} of {outcome.case.body or 'the robot'}"
-
-
-def _listed(names: Iterable[str]) -> str:
-    """Names as a list in a sentence: "a, b and c"."""
-    *first, last = names
-    return f"{', '.join(first)} and {last}" if first else last
 
 
 def convergence_sentence(outcomes: Sequence[Outcome]) -> str:
@@ -270,13 +266,6 @@ def convergence_sentence(outcomes: Sequence[Outcome]) -> str:
     if not errors:
         return ""
     return f"{stated[0].case.elements} elements: at most {percent(max(errors), signed=False)}."
-
-
-def _unexplained(outcome: Outcome) -> float:
-    measurement = outcome.measurement
-    if measurement is None:
-        return 0.0
-    return abs(measurement.unexplained / measurement.reference)
 
 
 def _robot(outcomes: Sequence[Outcome], coordinates: Sequence[Coordinate]) -> str:
@@ -366,14 +355,13 @@ def _spread(half_width: float) -> str:
 
 
 def _cell(outcome: Outcome) -> AgreementCell:
-    measurement, mark = outcome.measurement, MARKS[outcome.verdict]
-    if measurement is None:
+    parts, mark = difference_parts(outcome), MARKS[outcome.verdict]
+    if parts is None:
         return AgreementCell(outcome.message, "", "", mark, outcome.verdict, outcome.case.id)
-    scale = abs(measurement.reference)
     return AgreementCell(
-        text=_percent(measurement.unexplained / scale),
-        raw=_percent(measurement.difference / scale) if _shares(outcome) else "",
-        spread=_spread((measurement.numerical_uncertainty or 0.0) / scale),
+        text=_percent(parts.unexplained),
+        raw=_percent(parts.difference) if _shares(outcome) else "",
+        spread=_spread(parts.half_width),
         mark=mark,
         verdict=outcome.verdict,
         case=outcome.case.id,
@@ -382,15 +370,9 @@ def _cell(outcome: Outcome) -> AgreementCell:
 
 def _shares(outcome: Outcome) -> dict[str, float]:
     """Relative amounts of the named differences that count, by cause."""
-    measurement = outcome.measurement
-    if measurement is None:
-        return {}
-    scale = abs(measurement.reference)
-    return {
-        one.cause: one.amount / scale
-        for one in measurement.allowances
-        if abs(one.amount) >= _NOTHING * scale
-    }
+    parts = difference_parts(outcome)
+    explained = parts.explained if parts else {}
+    return {cause: share for cause, share in explained.items() if abs(share) >= _NOTHING}
 
 
 def _explained(outcome: Outcome) -> str:

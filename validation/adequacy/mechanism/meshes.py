@@ -67,7 +67,7 @@ class MeshRow:
         )
 
 
-def _static_legs(robot: RobotOnPath) -> MeshPolicy | float:
+def _static_leg_policy(robot: RobotOnPath) -> MeshPolicy | float:
     if not robot.prisms:
         return ROUNDING
     ratio = min(solid_leg(robot.context, leg).ratio for leg in robot.prisms)
@@ -97,7 +97,7 @@ def _beams(reading: Reading) -> Model:
 
 
 _PARTS = MeshRow("part_mesh", LEVELS, lambda robot: part_policy(robot.mechanism))
-_STATIC_LEGS = MeshRow("mesh", _TWO, _static_legs)
+_STATIC_LEGS = MeshRow("mesh", _TWO, _static_leg_policy)
 _STATIC_SECTIONS = MeshRow("section_mesh", _TWO, _shared_sections, lambda _: OWN)
 _MODAL_LEGS = MeshRow("mesh", _TWO, _modal_legs)
 _MODAL_SECTIONS = MeshRow("section_mesh", _TWO, _sections, _beams)
