@@ -140,7 +140,7 @@ def _parts_sentence(outcomes: Sequence[Outcome]) -> str:
 
 def _largest(values: Iterable[UnjudgedValue], *, frequencies: bool) -> str:
     shares = [abs(one.share) for one in values if (one.unit == "Hz") is frequencies]
-    return _percent(max(shares)).lstrip("+")
+    return _unsigned(max(shares))
 
 
 def _judged_sentence(outcomes: Sequence[Outcome]) -> str:
@@ -190,21 +190,26 @@ def _models(outcomes: Sequence[Outcome]) -> str:
 
 
 def _within(agreeing: Sequence[Outcome]) -> str:
-    """The largest unexplained difference, its half-width: "within 0.19 % ± 0.17 % (f3 of leg1)"."""
-    worst, parts = _largest_part(agreeing, lambda parts: parts.unexplained)
-    if abs(parts.unexplained) < _NOTHING:
-        return f"within {_percent(2.0 * _NOTHING).lstrip('+')}"
-    largest = _percent(abs(parts.unexplained)).lstrip("+")
-    texts = (largest, _spread(parts.half_width), f"({_place(worst)})")
-    return f"within {' '.join(filter(None, texts))}"
+    """The bound of all unexplained differences: "within 0.36 % (f3 of leg1: 0.19 % ± 0.17 %)".
+
+    It is the largest sum of an unexplained difference and its half-width. A half-width that would
+    read as zero is left out of the brackets, a bound that would read as zero is rounded up.
+    """
+    worst, parts = _largest_part(agreeing, lambda parts: abs(parts.unexplained) + parts.half_width)
+    difference, bound = abs(parts.unexplained), abs(parts.unexplained) + parts.half_width
+    if bound < _NOTHING:
+        return f"within {_unsigned(2.0 * _NOTHING)}"
+    spread = _spread(parts.half_width)
+    split = f": {_unsigned(difference)} {spread}" if spread else ""
+    return f"within {_unsigned(bound)} ({_place(worst)}{split})"
 
 
 def _largest_part(
     outcomes: Iterable[Outcome], part: Callable[[DifferenceParts], float]
 ) -> tuple[Outcome, DifferenceParts]:
-    """The comparison whose part of the difference is the largest in size."""
+    """The comparison in which `part` is the largest."""
     compared = [(one, parts) for one in outcomes if (parts := difference_parts(one))]
-    return max(compared, key=lambda pair: abs(part(pair[1])))
+    return max(compared, key=lambda pair: part(pair[1]))
 
 
 def _allowed_for(agreeing: Sequence[Outcome]) -> str:
@@ -219,13 +224,12 @@ def _allowed_for(agreeing: Sequence[Outcome]) -> str:
             amounts[cause] = max(largest, (abs(share), _place(outcome)))
     if not amounts:
         return ""
-    worst, parts = _largest_part(agreeing, lambda parts: parts.difference)
+    worst, parts = _largest_part(agreeing, lambda parts: abs(parts.difference))
     causes = sorted(amounts, key=lambda cause: -amounts[cause][0])
     texts = [
-        f"{cause} (up to {_percent(amounts[cause][0]).lstrip('+')} in {amounts[cause][1]})"
-        for cause in causes
+        f"{cause} (up to {_unsigned(amounts[cause][0])} in {amounts[cause][1]})" for cause in causes
     ]
-    whole = f"{_percent(abs(parts.difference)).lstrip('+')} ({_place(worst)})"
+    whole = f"{_unsigned(abs(parts.difference))} ({_place(worst)})"
     return f"Whole differences reach {whole}. Explained by {listed(texts)}."
 
 
@@ -351,7 +355,7 @@ def _value(reference: float, unit: str) -> str:
 
 def _spread(half_width: float) -> str:
     """Relative half-width, "" if it would read as zero."""
-    return f"± {_percent(half_width).lstrip('+')}" if half_width >= _NOTHING else ""
+    return f"± {_unsigned(half_width)}" if half_width >= _NOTHING else ""
 
 
 def _cell(outcome: Outcome) -> AgreementCell:
@@ -417,3 +421,8 @@ def _percent(share: float) -> str:
     """A share in percent with two decimals: smaller differences are none here."""
     text = f"{100.0 * share:+.2f}".replace("-", "−")
     return f"{'0.00' if text[1:] == '0.00' else text}\N{NO-BREAK SPACE}%"
+
+
+def _unsigned(share: float) -> str:
+    """A share that is not negative, in percent."""
+    return _percent(share).lstrip("+")

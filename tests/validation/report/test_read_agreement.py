@@ -249,16 +249,25 @@ def relative(outcome):
     return abs(outcome.measurement.unexplained / outcome.measurement.reference)
 
 
+def bound(outcome):
+    """Unexplained difference and half-width of a comparison, added."""
+    measurement = outcome.measurement
+    return relative(outcome) + measurement.value_uncertainty / measurement.reference
+
+
 def assert_worst(sentence, agreed, kind=""):
-    """Largest unexplained difference, its half-width and place, of a kind of quantity."""
+    """Largest bound of an unexplained difference, its parts and place, of a kind of quantity."""
     percent = r"([\d.]+)\N{NO-BREAK SPACE}%"
-    pattern = rf"within {percent}(?: ± {percent})? \((\w+ of \w+)\){kind}"
-    within, spread, place = re.search(pattern, sentence).groups()
-    worst = max(agreed, key=relative)
-    assert float(within) / 100.0 == read(relative(worst))
-    half = worst.measurement.value_uncertainty / worst.measurement.reference
-    assert (float(spread) / 100.0 if spread else 0.0) == read(half if half >= SHOWN else 0.0)
+    parts = rf"(?:: {percent} ± {percent})?"
+    pattern = rf"within {percent} \((\w+ of \w+){parts}\){kind}"
+    within, place, difference, spread = re.search(pattern, sentence).groups()
+    worst = max(agreed, key=bound)
+    assert float(within) / 100.0 == read(bound(worst))
     assert place == f"{worst.case.label} of {worst.case.body}"
+    half = bound(worst) - relative(worst)
+    assert (float(spread) / 100.0 if spread else 0.0) == read(half if half >= SHOWN else 0.0)
+    if spread:
+        assert float(difference) / 100.0 == read(relative(worst))
 
 
 def assert_causes(sentence, agreed):
