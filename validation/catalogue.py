@@ -18,7 +18,7 @@ from validation.comparisons.checks import agreement_cases
 from validation.maps.figure import figures as maps
 from validation.maps.workspace import directions
 from validation.measured.matrix import measured_matrix
-from validation.paper.robot import is_the_papers
+from validation.paper.robot import is_paper_robot
 from validation.report.figures import curves, modes, pictures, responses
 from validation.run.outcome import Task
 from validation.solids.legs import SHARED_SOLIDS
@@ -48,7 +48,7 @@ def catalogue(robot_file: RobotFile, variations: Sequence[Variation] = ()) -> Se
     """
     described, limits = robot_file.mechanism, robot_file.agreement
     return (
-        *(paper.cases() if is_the_papers(robot_file) else ()),
+        *(paper.cases() if is_paper_robot(robot_file) else ()),
         *agreement_cases(robot_file),
         *part_models_vs_solid.cases(
             parts=part_models_vs_solid.parts_as_legs(described), limits=limits
@@ -66,7 +66,7 @@ def catalogue(robot_file: RobotFile, variations: Sequence[Variation] = ()) -> Se
         *modes.figures(),
         *responses.figures(described),
         *responses.measured_figures(robot_file),
-        *(paper.figures() if is_the_papers(robot_file) else ()),
+        *(paper.figures() if is_paper_robot(robot_file) else ()),
         *(cases_over(robot_file, variations) if variations else ()),
         *curves.figures_over(variations),
     )

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TypeVar
+from typing import TypeAlias, TypeVar
 
 import numpy as np
 
@@ -29,7 +29,7 @@ from validation.paper.robot import (
     FIGURE_POINTS,
     LOAD,
     Deflections,
-    Places,
+    RobotOnStroke,
     deflections,
     family,
     frequencies,
@@ -38,151 +38,168 @@ from validation.paper.robot import (
 from validation.report.declared import FigureGroup, Shown, compared_with, curves
 
 T = TypeVar("T")
-_PLACES = {"centre": "centre of the stroke", "left": "left end", "right": "right end"}
+_POINT_TITLES = {"centre": "centre of the stroke", "left": "left end", "right": "right end"}
 _MODES = 2
+# Postures over the stroke.
 _POSTURES: Mapping[Preset, int] = {"quick": 21, "standard": 41, "fine": 81}
+# Axis of the force and direction of the deflection, by field of `Deflections`.
 _LOADS = {
     "planar_x": ("x", "planar"),
     "planar_y": ("y", "planar"),
     "along_z": ("z", "along z"),
 }
 _FIRST, _BOTH = "first natural frequency (Hz)", "natural frequency (Hz)"
-_LONGER = "Legs α times as long, stroke and sections unchanged."
-over_stroke = FigureGroup(STROKE, "paper.figures")
-over_family = FigureGroup(FAMILY, "paper.figures")
+_FAMILY_CAPTION = "Robots with legs α times as long; stroke and sections are unchanged."
+stroke_figures = FigureGroup(STROKE, "paper.figures")
+family_figures = FigureGroup(FAMILY, "paper.figures")
 
 
 @dataclass(frozen=True)
-class Line:
-    """One model in a figure."""
+class PlottedModel:
+    """Model with its options and its label in the figures."""
 
     label: str
     model: ModelName
     options: ModelOptions = DEFAULT_OPTIONS
 
 
-SIMPLIFIED = Line("simplified", "simplified")
-GIVEN = Line("VJM, legs as given", "vjm")
-EQUIVALENT = Line("VJM, equivalent legs", "vjm", ModelOptions(legs="equivalent"))
-SEGMENTS = Line("segments", "segments")
-PRINTED = Line("segments, eq. (25) as printed", "segments", ModelOptions(release="printed"))
-BEAM = Line("beam FE", "beam")
-ONE_FORMULATION = (EQUIVALENT, SEGMENTS, BEAM)
+SIMPLIFIED = PlottedModel("simplified", "simplified")
+VJM = PlottedModel("VJM, legs as given", "vjm")
+VJM_EQUIVALENT = PlottedModel("VJM, equivalent legs", "vjm", ModelOptions(legs="equivalent"))
+SEGMENTS = PlottedModel("segments", "segments")
+SEGMENTS_AS_PRINTED = PlottedModel(
+    "segments, eq. (25) as printed", "segments", ModelOptions(release="printed")
+)
+BEAM = PlottedModel("beam FE", "beam")
+# Models with the same legs of constant section.
+EQUIVALENT_LEGS = (VJM_EQUIVALENT, SEGMENTS, BEAM)
 
 
-@over_stroke.figure(
+@stroke_figures.figure(
     "deflection.stroke",
     "Deflections over the stroke, all models (as the paper's Figs 3 and 5)",
     effort=1.5,
 )
 def all_deflections(context: Context) -> Shown:
-    """Three panels: planar under a force along x, along y, and out of the plane."""
-    x, found = _over_the_stroke(context, (SIMPLIFIED, GIVEN, *ONE_FORMULATION), _deflections)
+    """Plot deflections over the stroke: planar under forces along x and y, and along z."""
+    models = (SIMPLIFIED, VJM, *EQUIVALENT_LEGS)
+    x, deflection = _over_the_stroke(context, models, _deflections)
     panels = [
-        _panel(found, x, name, from_zero, "" if place else "deflection (µm)", GIVEN)
-        for place, name in enumerate(_LOADS)
+        _panel(deflection, x, name, "" if number else "deflection (µm)", VJM)
+        for number, name in enumerate(_LOADS)
     ]
-    simple, given = found[SIMPLIFIED], found[GIVEN]
-    planar = given.largest_planar
-    along_z = float(given.along_z.max())
-    alike = [found[line] for line in ONE_FORMULATION]
-    apart = max(spread([getattr(one, name) for one in alike]) for name in _LOADS)
+    simplified, planar = deflection[SIMPLIFIED], deflection[VJM].largest_planar
+    along_z = float(deflection[VJM].along_z.max())
+    difference = max(
+        spread([getattr(deflection[model], name) for model in EQUIVALENT_LEGS]) for name in _LOADS
+    )
     return curves(
         stroke_chart(x, lettered(panels)),
-        "Deflections of the loaded point. Drives alone elastic (simplified): at most "
-        f"{simple.largest_planar:.2f} µm; under a force along x {simple.planar_x[0]:.1f} and "
-        f"{simple.planar_x[-1]:.1f} µm at the ends of the stroke. "
-        "Virtual joints with the legs as given reach "
-        f"{planar:.1f} µm in the plane, {planar / simple.largest_planar:.1f} times as much, and "
-        f"{along_z:.1f} µm along z, {along_z / planar:.1f} times the planar ones: "
-        "what the simplified model leaves out is the larger part. With the same equivalent "
-        "legs, virtual joints, segments and beam elements lie on one curve (they differ by "
-        f"{percent(apart, signed=False)}). What separates it from the legs as given is the data "
-        "of the legs, not the formulation.",
-        compared_with(GIVEN.label),
+        f"Deflections of the loaded point under {LOAD:g} N over its position on the stroke. With "
+        "elastic drives and rigid legs (simplified) they are at most "
+        f"{simplified.largest_planar:.2f} µm; under a force along x they are "
+        f"{simplified.planar_x[0]:.1f} and {simplified.planar_x[-1]:.1f} µm at the ends of the "
+        "stroke. With virtual joints and the legs as given they reach "
+        f"{planar:.1f} µm in the plane, {planar / simplified.largest_planar:.1f} times as much, "
+        f"and {along_z:.1f} µm along z, {along_z / planar:.1f} times the planar ones. The "
+        "compliance that the simplified model neglects is therefore the larger part. With the "
+        "same equivalent legs, virtual joints, segments and beam elements coincide (largest "
+        f"difference {percent(difference, signed=False)}). Their difference from the legs as given "
+        "is due to the data of the legs, not to the formulation.",
+        compared_with(VJM.label),
     )
 
 
-@over_family.figure(
+@family_figures.figure(
     "deflection.family",
     "Deflections of robots with longer legs (as the paper's Fig. 6)",
     effort=3.0,
 )
 def deflections_of_the_family(context: Context) -> Shown:
-    """A column of panels for each point of the stroke, a row for each load."""
-    found = _over_the_family(context, (SIMPLIFIED, *ONE_FORMULATION), _deflections)
+    """Plot deflections over α: a column for each point of the stroke, a row for each load."""
+    by_point = _over_the_family(context, (SIMPLIFIED, *EQUIVALENT_LEGS), _deflections)
     panels = []
-    for name, (load, meaning) in _LOADS.items():
-        top = largest(getattr(one, name) for at in found.values() for one in at.values())
-        label = f"{meaning}, {LOAD:g} N along {load}\n(µm)"
+    for name, (axis, direction) in _LOADS.items():
+        top = largest(
+            getattr(deflection, name)
+            for by_model in by_point.values()
+            for deflection in by_model.values()
+        )
+        label = f"{direction}, {LOAD:g} N along {axis}\n(µm)"
+        scale = partial(from_zero, top=top)
         panels += [
-            family_panel(
-                point, _deflected(at, np.array(ALPHAS), name), label, partial(from_zero, top=top)
-            )
-            for point, at in found.items()
+            family_panel(point, _deflection_series(by_model, np.array(ALPHAS), name), label, scale)
+            for point, by_model in by_point.items()
         ]
-    planar, along_z = found["centre"][BEAM].planar_x, found["centre"][BEAM].along_z
+    planar, along_z = by_point["centre"][BEAM].planar_x, by_point["centre"][BEAM].along_z
     return curves(
         family_chart(panels, high=1.9),
-        _LONGER,
-        f"At the centre the planar deflection under a force along x goes from {planar[0]:.1f} to "
-        f"{planar[-1]:.1f} µm, the one along z from {along_z[0]:.0f} to {along_z[-1]:.0f} µm. The "
-        "simplified model knows nothing of the deflection along z: an optimum found with it has "
-        "legs that are too long.",
+        _FAMILY_CAPTION,
+        "At the centre of the stroke, by beam elements, the planar deflection under a force along "
+        f"x changes from {planar[0]:.1f} µm at α = 1 to {planar[-1]:.1f} µm at α = 2, and the "
+        f"deflection along z from {along_z[0]:.0f} to {along_z[-1]:.0f} µm. The simplified model "
+        "has no deflection along z. A design that is optimal by this model therefore has legs "
+        "that are too long.",
     )
 
 
-@over_stroke.figure(
+@stroke_figures.figure(
     "frequency.stroke",
     "First natural frequencies over the stroke (as the paper's Figs 7 and 10)",
     effort=3.0,
 )
 def frequencies_over_the_stroke(context: Context) -> Shown:
-    """Two of segments and beams, with the printed eq. (25); the first beside the simplified one."""
-    x, found = _over_the_stroke(context, (SIMPLIFIED, SEGMENTS, PRINTED, BEAM), _frequencies)
-    simple, whole = found[SIMPLIFIED][:, 0], {one: found[one] for one in (SEGMENTS, PRINTED, BEAM)}
-    beam, printed = (found[line][len(x) // 2] for line in (BEAM, PRINTED))
-    apart = spread([found[SEGMENTS], found[BEAM]])
-    first = _of_modes({one: found[one] for one in (SIMPLIFIED, SEGMENTS, BEAM)}, x, 1)
-    both, notes = _of_modes(whole, x, _MODES), list(_numbers(x, whole))
+    """Plot two frequencies of models with elastic legs, and the first by all models."""
+    models = (SIMPLIFIED, SEGMENTS, SEGMENTS_AS_PRINTED, BEAM)
+    x, frequency = _over_the_stroke(context, models, _frequencies)
+    simplified = frequency[SIMPLIFIED][:, 0]
+    elastic_legs = {model: frequency[model] for model in (SEGMENTS, SEGMENTS_AS_PRINTED, BEAM)}
+    beam, printed = (frequency[model][len(x) // 2] for model in (BEAM, SEGMENTS_AS_PRINTED))
+    difference = spread([frequency[SEGMENTS], frequency[BEAM]])
+    exact_release = {model: frequency[model] for model in (SIMPLIFIED, SEGMENTS, BEAM)}
+    first = _frequency_series(exact_release, x, 1)
+    both = _frequency_series(elastic_legs, x, _MODES)
+    notes = list(_mode_numbers(x, elastic_legs))
     panels = [
         compared(panel, BEAM.label)
         for panel in (
-            Panel(both, "the whole robot", _BOTH, from_zero, notes=notes),
-            Panel(first, "the first, all models", _FIRST, hertz(first)),
+            Panel(both, "models with elastic legs", _BOTH, from_zero, notes=notes),
+            Panel(first, "first frequency, all models", _FIRST, frequency_scale(first)),
         )
     ]
     return curves(
         stroke_chart(x, lettered(panels), high=2.8),
-        "First and second natural frequency of the whole robot, 20 elements in each leg. Segments "
-        f"and beam elements agree to {percent(apart, signed=False)}; at "
+        "First and second natural frequency of the robot over the stroke, 20 elements in each leg. "
+        f"Segments and beam elements agree to {percent(difference, signed=False)}; at "
         f"the centre they give {beam[0]:.0f} and {beam[1]:.0f} Hz. Eq. (25) as printed deletes row "
-        "and column of φz from the joint's stiffness, which locks whatever motion is coupled to "
-        f"φz: with it the second frequency is {printed[1]:.0f} Hz. Static condensation is the "
-        "right release of a joint. The platform's mass on the drives alone (simplified): "
-        f"{simple.min():.0f} to {simple.max():.0f} Hz, up to "
-        f"{(simple / found[BEAM][:, 0]).max():.1f} times the first of the whole robot: the mode "
-        "that limits it is not in the simplified model at all.",
+        "and column of φz from the joint's stiffness, which locks every motion that is coupled to "
+        f"φz; the second frequency is then {printed[1]:.0f} Hz. Static condensation is the correct "
+        "release of a joint. With the platform's mass on the drives and rigid legs (simplified) "
+        f"the first frequency is {simplified.min():.0f} to {simplified.max():.0f} Hz, up to "
+        f"{(simplified / frequency[BEAM][:, 0]).max():.1f} times that with elastic legs. The "
+        "simplified model does not contain the mode of the lowest frequency.",
         compared_with(BEAM.label),
     )
 
 
-@over_family.figure(
+@family_figures.figure(
     "frequency.family",
     "First natural frequencies of robots with longer legs (as the paper's Figs 12 and 13)",
     effort=4.0,
 )
 def frequencies_of_the_family(context: Context) -> Shown:
-    """Both frequencies against α at three points, of the simplified model the first."""
-    found = _over_the_family(context, (SIMPLIFIED, SEGMENTS, BEAM), _frequencies)
+    """Plot over α at three points two frequencies of elastic legs and the simplified first."""
+    by_point = _over_the_family(context, (SIMPLIFIED, SEGMENTS, BEAM), _frequencies)
     alphas = np.array(ALPHAS)
-    shown, apart = {}, 0.0
-    for point, at in found.items():
-        whole = {line: at[line] for line in (SEGMENTS, BEAM)}
-        apart = max(apart, spread(list(whole.values())))
-        first = _of_modes({SIMPLIFIED: at[SIMPLIFIED]}, alphas, 1)
-        shown[point] = [*first, *_of_modes(whole, alphas, _MODES)]
-    scale = hertz([one for series in shown.values() for one in series])
+    series_by_point, difference = {}, 0.0
+    for point, by_model in by_point.items():
+        elastic_legs = {model: by_model[model] for model in (SEGMENTS, BEAM)}
+        difference = max(difference, spread(list(elastic_legs.values())))
+        series_by_point[point] = [
+            *_frequency_series({SIMPLIFIED: by_model[SIMPLIFIED]}, alphas, 1),
+            *_frequency_series(elastic_legs, alphas, _MODES),
+        ]
+    scale = frequency_scale([curve for series in series_by_point.values() for curve in series])
     panels = [
         family_panel(
             point,
@@ -191,123 +208,148 @@ def frequencies_of_the_family(context: Context) -> Shown:
             scale,
             [
                 Note(f"mode {mode + 1}", ALPHAS[0], float(height), (0.0, 6.0 if mode else -12.0))
-                for mode, height in enumerate(found[point][BEAM][0])
+                for mode, height in enumerate(by_point[point][BEAM][0])
             ],
         )
-        for point, series in shown.items()
+        for point, series in series_by_point.items()
     ]
-    simple, (first, second) = found["centre"][SIMPLIFIED][:, 0], found["centre"][BEAM].T
+    simplified = by_point["centre"][SIMPLIFIED][:, 0]
+    first, second = by_point["centre"][BEAM].T
     return curves(
         family_chart(panels),
-        _LONGER,
-        f"At the centre the first frequency goes from {first[0]:.0f} to {first[-1]:.0f} Hz, the "
-        f"second from {second[0]:.0f} to {second[-1]:.0f} Hz; segments and beam elements agree to "
-        f"{percent(apart, signed=False)}. The simplified first frequency goes from "
-        f"{simple[0]:.0f} to {simple[-1]:.0f} Hz: the two models ask for opposite changes of the "
-        "design.",
+        _FAMILY_CAPTION,
+        "At the centre of the stroke, by beam elements, the first frequency changes from "
+        f"{first[0]:.0f} Hz at α = 1 to {first[-1]:.0f} Hz at α = 2, the second from "
+        f"{second[0]:.0f} to {second[-1]:.0f} Hz. At all points segments and beam elements agree "
+        f"to {percent(difference, signed=False)}. The simplified first frequency changes from "
+        f"{simplified[0]:.0f} to {simplified[-1]:.0f} Hz. The two models therefore lead to "
+        "opposite changes of the design.",
     )
 
 
-def _deflections(context: Context, line: Line, places: Sequence[Places]) -> Deflections:
-    return context.get(deflections, line.model, places, line.options)
+# Response of a model for robots on the stroke.
+_Compute: TypeAlias = Callable[[Context, PlottedModel, Sequence[RobotOnStroke]], T]
 
 
-def _frequencies(context: Context, line: Line, places: Sequence[Places]) -> Array:
-    return context.get(frequencies, line.model, places, _MODES, line.options)
+def _deflections(
+    context: Context, plotted: PlottedModel, robots: Sequence[RobotOnStroke]
+) -> Deflections:
+    return context.get(deflections, plotted.model, robots, plotted.options)
+
+
+def _frequencies(context: Context, plotted: PlottedModel, robots: Sequence[RobotOnStroke]) -> Array:
+    return context.get(frequencies, plotted.model, robots, _MODES, plotted.options)
 
 
 def _over_the_stroke(
-    context: Context, lines: Sequence[Line], found: Callable[[Context, Line, Sequence[Places]], T]
-) -> tuple[Array, dict[Line, T]]:
-    """Positions x of B (m), and what each line's model says there."""
+    context: Context, models: Sequence[PlottedModel], compute: _Compute[T]
+) -> tuple[Array, dict[PlottedModel, T]]:
+    """Positions x of B (m), and the response of each model there."""
     mechanism = context.robot_file.mechanism
     x = cosine_spaced(*stroke_of(mechanism).ends, _POSTURES[context.preset])
-    return x, {line: found(context, line, (Places(mechanism, x),)) for line in lines}
+    return x, {model: compute(context, model, (RobotOnStroke(mechanism, x),)) for model in models}
 
 
 def _over_the_family(
-    context: Context, lines: Sequence[Line], found: Callable[[Context, Line, Sequence[Places]], T]
-) -> dict[str, dict[Line, T]]:
-    """What each line's model says of the family, by point of the stroke."""
-    told = {}
+    context: Context, models: Sequence[PlottedModel], compute: _Compute[T]
+) -> dict[str, dict[PlottedModel, T]]:
+    """Responses of each model for the members of the family, by point of the stroke."""
+    responses = {}
     for point, fraction in FIGURE_POINTS.items():
         members = context.get(family, context.robot_file, fraction)
-        told[point] = {line: found(context, line, members) for line in lines}
-    return told
+        responses[point] = {model: compute(context, model, members) for model in models}
+    return responses
 
 
-def _deflected(found: Mapping[Line, Deflections], x: Array, name: str) -> list[Series]:
-    load, meaning = _LOADS[name]
-    quantity = f"deflection {meaning} under {LOAD:g} N along {load} (µm)"
-    return [Series(line.label, x, getattr(one, name), quantity) for line, one in found.items()]
-
-
-def _of_modes(found: Mapping[Line, Array], x: Array, modes: int) -> list[Series]:
-    """The curves of the first `modes` frequencies."""
+def _deflection_series(
+    by_model: Mapping[PlottedModel, Deflections], x: Array, name: str
+) -> list[Series]:
+    axis, direction = _LOADS[name]
+    quantity = f"deflection {direction} under {LOAD:g} N along {axis} (µm)"
     return [
-        Series(line.label, x, values[:, mode], f"frequency {mode + 1} (Hz)")
-        for line, values in found.items()
+        Series(model.label, x, getattr(deflection, name), quantity)
+        for model, deflection in by_model.items()
+    ]
+
+
+def _frequency_series(by_model: Mapping[PlottedModel, Array], x: Array, modes: int) -> list[Series]:
+    """Curves of the first `modes` frequencies."""
+    return [
+        Series(model.label, x, values[:, mode], f"frequency {mode + 1} (Hz)")
+        for model, values in by_model.items()
         for mode in range(modes)
     ]
 
 
 def _panel(
-    found: Mapping[Line, Deflections], x: Array, name: str, scale: Scale, y_label: str, to: Line
+    by_model: Mapping[PlottedModel, Deflections],
+    x: Array,
+    name: str,
+    y_label: str,
+    reference: PlottedModel,
 ) -> Panel:
-    load, meaning = _LOADS[name]
-    planar = "" if load == meaning[-1] else f"{meaning}, "
-    panel = Panel(_deflected(found, x, name), f"{planar}{LOAD:g} N along {load}", y_label, scale)
-    return compared(panel, to.label)
+    axis, direction = _LOADS[name]
+    planar = "" if axis == direction[-1] else f"{direction}, "
+    series = _deflection_series(by_model, x, name)
+    panel = Panel(series, f"{planar}{LOAD:g} N along {axis}", y_label, from_zero)
+    return compared(panel, reference.label)
 
 
-def _numbers(x: Array, found: Mapping[Line, Array]) -> Iterator[Note]:
-    """The number of the mode at the right end of its curves, eq. (25)'s where it lies apart."""
-    heights = found[BEAM][-1]
-    least = 0.07 * max(float(values.max()) for values in found.values())
+def _mode_numbers(x: Array, by_model: Mapping[PlottedModel, Array]) -> Iterator[Note]:
+    """Number of each mode at the right end of its curves.
+
+    Curves of eq. (25) as printed have a number of their own if they lie 7 % of the figure's height
+    away from those of the other models, so that the two notes do not overlap.
+    """
+    heights = by_model[BEAM][-1]
+    least_distance = 0.07 * max(float(values.max()) for values in by_model.values())
     for mode, height in enumerate(heights):
         yield Note(f"mode {mode + 1}", float(x[-1]), float(height), (6.0, -3.0))
-    for mode, height in enumerate(found[PRINTED][-1]):
-        if np.min(np.abs(height - heights)) > least:
+    for mode, height in enumerate(by_model[SEGMENTS_AS_PRINTED][-1]):
+        if np.min(np.abs(height - heights)) > least_distance:
             yield Note(f"mode {mode + 1},\neq. (25)", float(x[-1]), float(height), (6.0, -8.0))
 
 
 def cosine_spaced(first: float, last: float, count: int) -> Array:
-    """`count` positions x of B (m) over the stroke, both ends included, cosine-spaced.
+    """Cosine-spaced positions x of B (`count`, m) over the stroke, both ends included.
 
-    Curves go like √(L² − x²) at the ends of the stroke, which is smooth in the angle.
+    At the ends of the stroke curves vary as √(L² − x²), which is smooth in the angle.
     """
     angles = np.linspace(0.0, np.pi, count)
     return np.clip(first + 0.5 * (last - first) * (1.0 - np.cos(angles)), first, last)
 
 
 def stroke_chart(x: Array, panels: Sequence[Panel], *, high: float = 2.0) -> Chart:
-    """Panels over the postures x (m) of B, side by side."""
+    """Panels over the position x (m) of B, side by side."""
     return Chart(panels, "x of B (m)", len(panels), high, {"x (m)": x.tolist()})
 
 
 def family_chart(panels: Sequence[Panel], high: float = 2.5) -> Chart:
-    """Panels over α, a column for each point of the stroke, which the first row names."""
+    """Panels over α, a column for each point of the stroke, with titles in the first row only."""
     columns = len(FIGURE_POINTS)
-    rest = [replace(panel, title="") for panel in panels[columns:]]
-    shown = [*lettered(panels[:columns]), *rest]
-    return Chart(shown, "relative leg length α", columns, high, {"alpha": ALPHAS})
+    lower_rows = [replace(panel, title="") for panel in panels[columns:]]
+    all_panels = [*lettered(panels[:columns]), *lower_rows]
+    return Chart(all_panels, "relative leg length α", columns, high, {"alpha": ALPHAS})
 
 
 def family_panel(
     point: str, series: Sequence[Series], y_label: str, scale: Scale, notes: Sequence[Note] = ()
 ) -> Panel:
-    """A panel of curves over α at a point of the stroke; the leftmost names the axis."""
+    """Panel of curves over α at a point of the stroke. Only the leftmost has a label of its y axis.
+
+    `point` is a key of `FIGURE_POINTS`.
+    """
     label = y_label if point == next(iter(FIGURE_POINTS)) else ""
-    return Panel(series, _PLACES[point], label, scale, notes=notes, place=point)
+    return Panel(series, _POINT_TITLES[point], label, scale, notes=notes, place=point)
 
 
-def hertz(series: Sequence[Series]) -> Scale:
-    """Logarithmic frequencies around the curves."""
-    low = 0.8 * min(float(one.y.min()) for one in series)
-    return partial(plain_log, low=low, high=1.25 * max(float(one.y.max()) for one in series))
+def frequency_scale(series: Sequence[Series]) -> Scale:
+    """Logarithmic scale over the range of the curves with a margin of 20 to 25 %."""
+    low = 0.8 * min(float(curve.y.min()) for curve in series)
+    return partial(plain_log, low=low, high=1.25 * max(float(curve.y.max()) for curve in series))
 
 
-def spread(curves_of_one: Sequence[Array]) -> float:
-    """Largest difference between curves on the same points, relative to the largest value."""
-    stacked = np.array(curves_of_one)
-    return float(np.max(np.ptp(stacked, axis=0)) / np.max(np.abs(stacked)))
+def spread(curves: Sequence[Array]) -> float:
+    """Largest difference between curves at the same points, relative to the largest value."""
+    values = np.array(curves)
+    return float(np.max(np.ptp(values, axis=0)) / np.max(np.abs(values)))

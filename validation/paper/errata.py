@@ -1,19 +1,19 @@
-"""Errata of the paper's text, captions and formulas, each with the number that shows it.
+"""Errata of the paper's text, captions and formulas, each with the number that proves it.
 
 The paper: S. Briot, A. Pashkevich, D. Chablat, "On the optimal design of parallel robots taking
-into account their deformations and natural frequencies". Its data are audited by `lumped.audit`.
-The paper's robot is one, and so are these numbers: tests/validation/paper/test_claims.py has them
-from formulas of its own.
+into account their deformations and natural frequencies". `lumped.audit` checks its data.
+The numbers are constants, because they hold for the paper's robot alone.
+tests/validation/paper/test_claims.py computes them with independent formulas.
 """
 
 from lumped.audit import Finding
 from lumped.robot_file import RobotFile
-from validation.paper.robot import is_the_papers
+from validation.paper.robot import is_paper_robot
 
 
 def paper_findings(robot_file: RobotFile) -> tuple[Finding, ...]:
-    """All errata of the paper, by its robot as used; none for any other robot."""
-    return _ERRATA if is_the_papers(robot_file) else ()
+    """Errata of the paper, computed with its robot as corrected. Empty for any other robot."""
+    return _ERRATA if is_paper_robot(robot_file) else ()
 
 
 _ERRATA = (
@@ -30,7 +30,7 @@ _ERRATA = (
         "foot.compliance",
         "stiffness along y",
         printed="c66 = 3.16e-09 rad/(N m)",
-        wrong="§2.1 says about 1e9 N/m along y; the printed matrix does not have it",
+        wrong="§2.1 states about 1e9 N/m along y; the printed matrix does not have it",
         evidence="(k⁻¹)₂₂ = -1.28e+06 N/m as printed, 1.064e+09 N/m as corrected",
         used="the corrected matrix",
         severity="error",
@@ -50,7 +50,7 @@ _ERRATA = (
         "§1",
         "longitudinal frequencies",
         printed="longitudinal frequencies many times smaller than those of bending",
-        wrong="the other way round",
+        wrong="longitudinal frequencies are higher than those of bending",
         evidence="first longitudinal over first bending frequency, clamped-free: "
         "8.2 (leg 1, bending z), 5.1 (leg 1, bending y), 11 (leg 2, bending z), "
         "2.9 (leg 2, bending y)",
@@ -73,8 +73,8 @@ _ERRATA = (
         "§3.2",
         "literal layout",
         printed="element 0 fixed, springs of length L/m between the elements",
-        wrong="half a piece at each end is rigid, so that the leg is too short where it bends "
-        "most: an error of first order in 1/m, where the paper claims below 1 % with 20 elements",
+        wrong="half an element at each end is rigid, so that the leg is too short where it bends "
+        "most. The error is of first order in 1/m; the paper claims below 1 % with 20 elements",
         evidence="at m = 20 leg 1 bends from 21.2 mm beyond its root and its first frequency is "
         "5.2% too high, at m = 40 2.6% (order 1.03)",
         used="half springs of length L/2n at both ends; the printed layout as a variant",
@@ -87,7 +87,7 @@ _ERRATA = (
         wrong="the arms lie along the leg, but q and K_k of eq. (15) are in base axes",
         evidence="a rigid rotation of leg 1 by 1 mrad about z stores 56.5 J in one spring at the "
         "centre of the stroke, nothing with D C Dᵀ",
-        used="D_k C D_kᵀ: the legs are assembled in their own axes and then turned",
+        used="D_k C D_kᵀ: legs are assembled in leg axes and then rotated",
         severity="error",
     ),
     Finding(
@@ -106,7 +106,7 @@ _ERRATA = (
         printed="second block row C₂,₁ C₁,₃",
         wrong="spring 1 lies between elements 1 and 2: C₁,₂",
         evidence="with element 3 twice as long as element 2, a rigid rotation by 1 mrad stores "
-        "64.6 J as printed, nothing with C₁,₂; equal elements hide the slip",
+        "64.6 J as printed, nothing with C₁,₂; equal elements hide the mistake",
         used="C₁,₂",
         severity="note",
     ),
@@ -126,7 +126,7 @@ _ERRATA = (
             (
                 "appendix",
                 "J_Foot without a mass of the foot",
-                "the foot's inertia is given, its mass and the place of its mass centre are not",
+                "the foot's inertia is given, its mass and the position of its mass centre are not",
                 "feet as massless springs",
             ),
         )

@@ -1,4 +1,4 @@
-"""Statements about robots with longer legs and the same stroke, and which to choose."""
+"""Statements about robots with longer legs and the same stroke, and about the best of them."""
 
 from typing import Literal, TypeAlias
 
@@ -13,32 +13,34 @@ from validation.paper.robot import (
     FIGURE_POINTS,
     Deflections,
     ModeShares,
-    Places,
+    RobotOnStroke,
     compliances,
     deflections,
     family,
     frequencies,
-    modes,
+    mode_shares,
     over_stroke,
 )
 from validation.paper.statement import AS_PRINTED, FORMULAS, PAPER, Statements
 from validation.variations.decision import equally_good, spearman
 
-# Of the loads, or of the directions of displacements.
+# Axes of loads, or directions of displacements: 0, 1, 2 for x, y, z.
 _Axes: TypeAlias = tuple[int, ...]
 _PLANE: _Axes = (0, 1)
 _ALONG_Z: _Axes = (2,)
 _EQUIVALENT = ModelOptions(legs="equivalent")
-# Two values of a curve closer than this (relative) are equal: a curve that rounding alone moves
-# neither rises nor falls.
+# Relative difference below which two values of a curve are equal, so that rounding alone makes no
+# curve rise or fall.
 _EQUAL = 1e-9
 _CONCLUSIONS = "§2.3, §3.3 and conclusions"
-# Members of the family as solids, elements across the smaller side of their sections.
-_SOLIDS = ALPHAS[::2]
+# Relative leg lengths of the members solved with solid legs.
+_SOLID_ALPHAS = ALPHAS[::2]
+# Divisions of the solid legs, by preset, and those of the coarse mesh that gives the uncertainty.
 _DIVISIONS: dict[Preset, int] = {"standard": 2, "fine": 3}
 _COARSE = 1
+# Evenly spaced postures over the stroke of each member.
 _POSTURES = 21
-# A mode is named by its direction if 95 % of its motion goes there.
+# Share of the kinetic energy along a direction from which a mode is attributed to it.
 _DIRECTED = 0.95
 statements = Statements(**PAPER)
 trends = statements.family(
@@ -55,34 +57,40 @@ def _trend(
     note: str = "",
     table: dict[str, tuple[float | str, ...]] | None = None,
 ) -> Measurement:
-    """Spearman's rank correlation with α: +1 rises throughout, −1 falls throughout, 0 constant."""
+    """Spearman's rank correlation of a curve with α.
+
+    +1 if the curve rises throughout, −1 if it falls throughout, 0 if it is constant.
+    """
     steps = np.round(curve / (_EQUAL * np.max(np.abs(curve))))
     value = 0.0 if np.ptp(steps) <= 1.0 else spearman(np.array(ALPHAS), steps)
     notes = (note,) if note else ()
     return Measurement(value, reference, exact=True, notes=notes, table=table or {})
 
 
-def _members(context: Context, point: str) -> tuple[Places, ...]:
+def _members(context: Context, point: str) -> tuple[RobotOnStroke, ...]:
     return context.get(family, context.robot_file, FIGURE_POINTS[point])
 
 
-def _deflected(context: Context, point: str, model: ModelName = "vjm") -> Deflections:
+def _family_deflections(context: Context, point: str, model: ModelName = "vjm") -> Deflections:
     return context.get(deflections, model, _members(context, point), _EQUIVALENT)
 
 
-def _simplified(context: Context, point: str) -> Array:
+def _simplified_frequencies(context: Context, point: str) -> Array:
     return context.get(frequencies, "simplified", _members(context, point), 1)[:, 0]
 
 
-def _modes(context: Context, point: str, reading: ModelOptions) -> list[ModeShares]:
-    return context.get(modes, "segments", _members(context, point), 2, reading)
+def _segment_modes(context: Context, point: str, variant: ModelOptions) -> list[ModeShares]:
+    return context.get(mode_shares, "segments", _members(context, point), 2, variant)
 
 
-def _refined(context: Context, point: str, reading: ModelOptions, mode: int = 0) -> Array:
-    return np.array([one.frequencies[mode] for one in _modes(context, point, reading)])
+def _segment_frequencies(
+    context: Context, point: str, variant: ModelOptions, mode: int = 0
+) -> Array:
+    modes_by_member = _segment_modes(context, point, variant)
+    return np.array([modes.frequencies[mode] for modes in modes_by_member])
 
 
-@trends.says(
+@trends.statement(
     "family.planar-falls",
     "§2.3, Fig. 6",
     "Longer legs: smaller planar deflection under a force along x, at the centre",
@@ -95,19 +103,19 @@ def _refined(context: Context, point: str, reading: ModelOptions, mode: int = 0)
     figure="deflection.family",
 )
 def _planar_falls(context: Context, point: str = "centre", axis: str = "x") -> Measurement:
-    found = {of: _deflected(context, of).planar_x for of in FIGURE_POINTS}
+    curves = {name: _family_deflections(context, name).planar_x for name in FIGURE_POINTS}
+    left, right = curves["left"], curves["right"]
     return _trend(
-        getattr(_deflected(context, point), f"planar_{axis}"),
+        getattr(_family_deflections(context, point), f"planar_{axis}"),
         -1.0,
-        "At the ends of the stroke, where one leg carries the force along its axis, the "
-        f"deflection is small and grows with the leg: {found['left'][0]:.2f} to "
-        f"{found['left'][-1]:.2f} µm on the left, {found['right'][0]:.2f} to "
-        f"{found['right'][-1]:.2f} µm on the right.",
-        {"α": ALPHAS} | {f"{of} (µm)": tuple(curve.tolist()) for of, curve in found.items()},
+        "At the ends of the stroke one leg carries the force along its axis. The deflection there "
+        f"is small and grows with the length of the leg: {left[0]:.2f} to {left[-1]:.2f} µm at the "
+        f"left end, {right[0]:.2f} to {right[-1]:.2f} µm at the right end.",
+        {"α": ALPHAS} | {f"{name} (µm)": tuple(curve.tolist()) for name, curve in curves.items()},
     )
 
 
-@trends.says(
+@trends.statement(
     "family.simplified-rises",
     "§3.3, Fig. 12",
     "Simplified model: longer legs, higher first frequency, at the centre",
@@ -117,14 +125,14 @@ def _planar_falls(context: Context, point: str = "centre", axis: str = "x") -> M
 )
 def _simplified_rises(context: Context, point: str = "centre") -> Measurement:
     return _trend(
-        _simplified(context, point),
+        _simplified_frequencies(context, point),
         1.0,
         "At both ends of the stroke the simplified first frequency does not depend on α: "
-        f"{_simplified(context, 'left')[0]:.1f} Hz throughout.",
+        f"{_simplified_frequencies(context, 'left')[0]:.1f} Hz for every α.",
     )
 
 
-@trends.says(
+@trends.statement(
     "family.z-rises[{point}]",
     "§2.3, Fig. 6",
     "Longer legs: larger deflection along z ({point})",
@@ -134,10 +142,10 @@ def _simplified_rises(context: Context, point: str = "centre") -> Measurement:
     figure="deflection.family",
 )
 def _along_z_rises(context: Context, point: str) -> Measurement:
-    return _trend(_deflected(context, point).along_z, 1.0)
+    return _trend(_family_deflections(context, point).along_z, 1.0)
 
 
-@trends.says(
+@trends.statement(
     "family.refined-falls[{point}]",
     "§3.3, Fig. 13",
     "Rigid segments: longer legs, lower first frequency ({point})",
@@ -145,16 +153,16 @@ def _along_z_rises(context: Context, point: str) -> Measurement:
     sentence="Rigid segments: longer legs, lower frequencies (six curves)",
     curves={"{point}, first": {"mode": 0}, "{point}, second": {"mode": 1}},
     order=SEGMENT_ORDER,
-    differs=FORMULAS,
+    corrections=FORMULAS,
     figure="frequency.family",
 )
 def _refined_falls(
-    context: Context, reading: ModelOptions, point: str, mode: int = 0
+    context: Context, variant: ModelOptions, point: str, mode: int = 0
 ) -> Measurement:
-    return _trend(_refined(context, point, reading, mode), -1.0)
+    return _trend(_segment_frequencies(context, point, variant, mode), -1.0)
 
 
-@statements.says(
+@statements.statement(
     "family.lowest-two[{point}]",
     "§3.3, Fig. 13",
     "Longer legs keep one mode along z and one in the plane below all others ({point})",
@@ -163,101 +171,115 @@ def _refined_falls(
     curves={"{point}": {}},
     quantity="members whose first mode is not along z or whose second is not planar",
     tolerance=Absolute(0.5),
-    tolerance_reason="a count is a whole number; a mode has a direction if 95 % of its motion goes "
-    "there",
+    tolerance_reason="a count is a whole number; a mode has a direction if 95 % of its kinetic "
+    "energy is along it",
     order=LITERAL_ORDER,
     effort=2.0,
-    differs=FORMULAS,
-    judged=AS_PRINTED,
+    corrections=FORMULAS,
+    reported=AS_PRINTED,
     figure="frequency.family",
 )
-def _lowest_two(context: Context, reading: ModelOptions, point: str) -> Measurement:
-    along_z = np.array([one.kinetic["z"] for one in _modes(context, point, reading)])
-    shown = (along_z[:, 0] >= _DIRECTED) & (along_z[:, 1] <= 1.0 - _DIRECTED)
-    return Measurement(float(np.sum(~shown)), reference=0.0, exact=True)
+def _lowest_two(context: Context, variant: ModelOptions, point: str) -> Measurement:
+    along_z = np.array([modes.kinetic["z"] for modes in _segment_modes(context, point, variant)])
+    confirmed = (along_z[:, 0] >= _DIRECTED) & (along_z[:, 1] <= 1.0 - _DIRECTED)
+    return Measurement(float(np.sum(~confirmed)), reference=0.0, exact=True)
 
 
-@statements.says(
+@statements.statement(
     "family.other-directions-null",
     "§2.3, Fig. 6",
-    "Longer legs: planar forces deflect nothing along z, a force along z nothing in the plane",
+    "Longer legs: planar forces cause no deflection along z, a force along z none in the plane",
     sentence="Deformations along the other directions are null",
     curves={
         "along z under planar forces": {},
         "in the plane under a force along z": {"loads": _ALONG_Z, "directions": _PLANE},
     },
-    quantity="largest displacement across the force's plane or axis, of that along it",
+    quantity="largest displacement perpendicular to the loads, in % of the largest along them",
     unit="%",
     tolerance=Absolute(1.0),
-    tolerance_reason="a curve drawn as far above the axis as a line is wide, a hundredth of the "
-    "figure, is null",
+    tolerance_reason="a hundredth of the figure's height is the width of a drawn line: a curve no "
+    "higher above the axis reads as zero",
     figure="deflection.family",
 )
-def _across(context: Context, loads: _Axes = _PLANE, directions: _Axes = _ALONG_Z) -> Measurement:
+def _perpendicular_displacement(
+    context: Context, loads: _Axes = _PLANE, directions: _Axes = _ALONG_Z
+) -> Measurement:
     """Largest displacement along `directions` under unit `loads`, in % of that along the loads."""
-    everywhere = [at for point in FIGURE_POINTS for at in _members(context, point)]
-    found = context.get(compliances, "vjm", everywhere, _EQUIVALENT)[:, :, loads]
-    across, along = (
-        np.max(np.linalg.norm(found[:, rows], axis=1), axis=0) for rows in (directions, loads)
+    robots = [robot for point in FIGURE_POINTS for robot in _members(context, point)]
+    compliance = context.get(compliances, "vjm", robots, _EQUIVALENT)[:, :, loads]
+    perpendicular, along = (
+        np.max(np.linalg.norm(compliance[:, rows], axis=1), axis=0) for rows in (directions, loads)
     )
-    note = "The foot's couplings of planes and z alone make any: constant-section legs have none."
+    note = (
+        "Only the foot's compliance couples motion in the plane with motion along z; legs of "
+        "constant section have no such coupling."
+    )
     return Measurement(
-        100.0 * float(np.max(across / along)), reference=0.0, exact=True, notes=(note,)
+        100.0 * float(np.max(perpendicular / along)), reference=0.0, exact=True, notes=(note,)
     )
 
 
-@statements.says(
+@statements.statement(
     "family.shorter-is-best",
     _CONCLUSIONS,
     "The refined models choose shorter legs than the simplified one, at the centre",
-    curves={"by deflection": {}, "by first frequency": {"by": "frequency"}},
-    quantity="best α by the refined model, a step below that by the simplified one",
+    curves={"by deflection": {}, "by first frequency": {"objective": "frequency"}},
+    quantity="best α by the refined model, compared with one step below that by the simplified one",
     tolerance=Absolute(0.05),
-    tolerance_reason="half a step of the family: shorter by one member at least",
+    tolerance_reason="half a step of α: the refined optimum is shorter by at least one member",
     relation=Relation.AT_MOST,
-    differs=FORMULAS,
+    corrections=FORMULAS,
 )
 def _shorter_is_best(
-    context: Context, reading: ModelOptions, by: Literal["deflection", "frequency"] = "deflection"
+    context: Context,
+    variant: ModelOptions,
+    objective: Literal["deflection", "frequency"] = "deflection",
 ) -> Measurement:
-    """The member that the refined model chooses, against the one before the simplified model's."""
-    if by == "frequency":
-        refined, simplified = _refined(context, "centre", reading), _simplified(context, "centre")
-        best, simply_best = np.argmax(refined), np.argmax(simplified)
+    """Compare the best α by the refined model with one step less than the best by the simplified.
+
+    The best has the highest first frequency, or the smallest of the largest deflections.
+    """
+    if objective == "frequency":
+        best = np.argmax(_segment_frequencies(context, "centre", variant))
+        best_simplified = np.argmax(_simplified_frequencies(context, "centre"))
     else:
-        found, simple = (_deflected(context, "centre", of) for of in ("vjm", "simplified"))
-        best = np.argmin(np.max([found.planar_x, found.planar_y, found.along_z], axis=0))
-        simply_best = np.argmin(np.maximum(simple.planar_x, simple.planar_y))
-    alpha, longer = ALPHAS[best], ALPHAS[simply_best]
-    note = f"α = {alpha:g} by the refined model, {longer:g} by the simplified one."
-    return Measurement(alpha, longer - (ALPHAS[1] - ALPHAS[0]), exact=True, notes=(note,))
+        refined, simplified = (
+            _family_deflections(context, "centre", model) for model in ("vjm", "simplified")
+        )
+        best = np.argmin(np.max([refined.planar_x, refined.planar_y, refined.along_z], axis=0))
+        best_simplified = np.argmin(np.maximum(simplified.planar_x, simplified.planar_y))
+    alpha, alpha_simplified = ALPHAS[best], ALPHAS[best_simplified]
+    note = f"α = {alpha:g} by the refined model, {alpha_simplified:g} by the simplified one."
+    reference = alpha_simplified - (ALPHAS[1] - ALPHAS[0])
+    return Measurement(alpha, reference, exact=True, notes=(note,))
 
 
-@statements.says(
+@statements.statement(
     "decision.longest",
     _CONCLUSIONS,
-    "The simplified model has nothing against the longest legs",
-    quantity="largest α among its best by deflection",
+    "By the simplified model the longest legs are among the best",
+    quantity="largest α among the equally good members by deflection",
     tolerance=Absolute(0.1),
     tolerance_reason="a tenth of the paper's range of α",
 )
 def _longest(context: Context) -> Measurement:
-    strokes = (over_stroke(at.mechanism, _POSTURES) for at in _members(context, "centre"))
-    found = [context.get(deflections, "simplified", places) for places in strokes]
-    worst = np.array([one.largest_planar for one in found])
+    strokes = (over_stroke(robot.mechanism, _POSTURES) for robot in _members(context, "centre"))
+    worst = np.array(
+        [context.get(deflections, "simplified", robots).largest_planar for robots in strokes]
+    )
     best = [ALPHAS[number] for number in equally_good(worst, "deflection")]
-    note = f"Equally good from α = {best[0]:.4g} on."
+    note = f"All members from α = {best[0]:.4g} on are equally good."
     return Measurement(best[-1], reference=ALPHAS[-1], exact=True, notes=(note,))
 
 
-@statements.says(
+@statements.statement(
     "decision.contradiction[{objective}]",
     _CONCLUSIONS,
-    "Solid legs order the family by {objective} against the simplified model",
+    "Solid legs rank the family by {objective} in the order opposite to the simplified model",
     over={"objective": ("deflection", "frequency")},
     quantity="Spearman's ρ of simplified and solid over the family, centre of stroke",
     tolerance=Absolute(0.1),
-    tolerance_reason="the paper's 'in contradiction': opposite order, but for an exchange of "
+    tolerance_reason="the paper's 'in contradiction': opposite order, except for one exchange of "
     "neighbours among five designs or more, 12/n(n² − 1)",
     group="paper.decision",
     effort=3.0,
@@ -267,22 +289,22 @@ def _longest(context: Context) -> Measurement:
 def _contradiction(context: Context, objective: str) -> Measurement:
     def curve(model: ModelName, divisions: int = _COARSE) -> Array:
         options = ModelOptions(divisions=divisions)
-        members = context.get(family, context.robot_file, FIGURE_POINTS["centre"], _SOLIDS)
+        members = context.get(family, context.robot_file, FIGURE_POINTS["centre"], _SOLID_ALPHAS)
         if objective == "frequency":
             return context.get(frequencies, model, members, 1, options)[:, 0]
-        found = context.get(deflections, model, members, options)
-        return found.planar_x if model == "simplified" else found.along_z
+        deflection = context.get(deflections, model, members, options)
+        return deflection.planar_x if model == "simplified" else deflection.along_z
 
-    simple, solid = curve("simplified"), curve("solid", _DIVISIONS[context.preset])
-    found = spearman(simple, solid)
-    what = "deflection (µm)" if objective == "deflection" else "first frequency (Hz)"
+    simplified, solid = curve("simplified"), curve("solid", _DIVISIONS[context.preset])
+    correlation = spearman(simplified, solid)
+    label = "deflection (µm)" if objective == "deflection" else "first frequency (Hz)"
     return Measurement(
-        found,
+        correlation,
         reference=-1.0,
-        value_uncertainty=abs(found - spearman(simple, curve("solid"))),
+        value_uncertainty=abs(correlation - spearman(simplified, curve("solid"))),
         table={
-            "α": _SOLIDS,
-            f"simplified: {what}": tuple(simple.tolist()),
-            f"solid: {what}": tuple(solid.tolist()),
+            "α": _SOLID_ALPHAS,
+            f"simplified: {label}": tuple(simplified.tolist()),
+            f"solid: {label}": tuple(solid.tolist()),
         },
     )

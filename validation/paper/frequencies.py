@@ -21,10 +21,10 @@ from validation.models.options import (
 )
 from validation.paper.robot import (
     ModeShares,
-    Places,
+    RobotOnStroke,
     frequencies,
     legs,
-    modes,
+    mode_shares,
     over_stroke,
     stroke_of,
 )
@@ -38,40 +38,42 @@ from validation.paper.statement import (
 )
 
 _BENDING = Portion("leg 1", "bending z")
-# Postures at which modes are looked at.
-_STATIONS = 9
+# Evenly spaced postures over the stroke at which mode shapes are evaluated.
+_MODE_POSTURES = 9
+# Number of modes in the statement on the actuators (§3.2).
 _SIXTY = 60
-# Share of the strain energy above which a mode is due to a part alone.
-_ALONE = 0.95
+# Share of the strain energy above which a mode counts as due to one part alone.
+_SINGLE_PART = 0.95
 statements = Statements(**PAPER)
 
 
-def _over_the_stroke(context: Context, reading: ModelOptions) -> Sequence[ModeShares]:
-    """The first two modes in segments at nine postures."""
-    places = over_stroke(context.robot_file.mechanism, _STATIONS)
-    return context.get(modes, "segments", places, 2, reading)
+def _stroke_modes(context: Context, variant: ModelOptions) -> Sequence[ModeShares]:
+    """First two modes of the segments model at nine postures."""
+    robots = over_stroke(context.robot_file.mechanism, _MODE_POSTURES)
+    return context.get(mode_shares, "segments", robots, 2, variant)
 
 
-def _at_the_centre(
-    context: Context, reading: ModelOptions, count: int, model: ModelName = "segments"
+def _centre_modes(
+    context: Context, options: ModelOptions, count: int, model: ModelName = "segments"
 ) -> ModeShares:
     mechanism = context.robot_file.mechanism
-    centre = Places(mechanism, np.array([stroke_of(mechanism).centre]))
-    (found,) = context.get(modes, model, (centre,), count, reading)
-    return found
+    robot = RobotOnStroke(mechanism, np.array([stroke_of(mechanism).centre]))
+    (modes,) = context.get(mode_shares, model, (robot,), count, options)
+    return modes
 
 
 def _leg1(context: Context) -> ConstantLeg:
-    """Leg 1 as its equivalent of constant section."""
+    """Leg 1 as its equivalent leg of constant section."""
     return equivalent_leg(legs(context.robot_file.mechanism)[0])
 
 
-def _first_of_leg1(context: Context, plane: Plane = "y") -> float:
+def _leg1_first_frequency(context: Context, plane: Plane = "y") -> float:
+    """First bending frequency (Hz) of the clamped-free Timoshenko beam equivalent to leg 1."""
     leg = _leg1(context)
     return float(bending_frequencies(leg.timoshenko, leg.length, plane, 1)[0])
 
 
-@statements.says(
+@statements.statement(
     "simplified.first-frequency",
     "§3.1, Fig. 7",
     "Simplified model: the first natural frequency stays above 710 Hz",
@@ -84,8 +86,8 @@ def _first_of_leg1(context: Context, plane: Plane = "y") -> float:
 )
 def _simplified_frequency(context: Context) -> Measurement:
     def lowest(postures: int) -> float:
-        places = over_stroke(context.robot_file.mechanism, postures)
-        return float(context.get(frequencies, "simplified", places, 1).min())
+        robots = over_stroke(context.robot_file.mechanism, postures)
+        return float(context.get(frequencies, "simplified", robots, 1).min())
 
     return sampled(lowest, reference=710.0)
 
@@ -98,62 +100,68 @@ direction = statements.family(
 )
 
 
-@direction.says(
+@direction.statement(
     "refined.first-mode-along-z",
     "§3.2, Fig. 11a",
     "Rigid segments: the first mode bends the robot along z, everywhere in the stroke",
     quantity="least share of kinetic energy along z, nine postures",
     order=SEGMENT_ORDER,
     effort=1.0,
-    differs=FORMULAS,
+    corrections=FORMULAS,
 )
-def _first_mode_along_z(context: Context, reading: ModelOptions) -> Measurement:
-    shares = [found.kinetic["z"][0] for found in _over_the_stroke(context, reading)]
+def _first_mode_along_z(context: Context, variant: ModelOptions) -> Measurement:
+    shares = [modes.kinetic["z"][0] for modes in _stroke_modes(context, variant)]
     return Measurement(100.0 * min(shares), reference=100.0, exact=True)
 
 
-@direction.says(
+@direction.statement(
     "refined.second-mode-planar",
     "§3.2, Fig. 11b",
     "Rigid segments: the second mode is planar, everywhere in the stroke",
     quantity="least share of kinetic energy in the plane, nine postures",
     order=SEGMENT_ORDER,
-    differs=FORMULAS,
+    corrections=FORMULAS,
 )
-def _second_mode_planar(context: Context, reading: ModelOptions) -> Measurement:
-    shares = [found.kinetic["z"][1] for found in _over_the_stroke(context, reading)]
+def _second_mode_planar(context: Context, variant: ModelOptions) -> Measurement:
+    shares = [modes.kinetic["z"][1] for modes in _stroke_modes(context, variant)]
     return Measurement(100.0 * (1.0 - max(shares)), reference=100.0, exact=True)
 
 
-@statements.says(
+@statements.statement(
     "refined.second-mode-leg1",
     "§3.2, Fig. 11b",
     "Rigid segments: the second mode is due to the bending of leg 1 (eq. 25 as printed)",
     sentence="Rigid segments: the second mode is due to the bending of leg 1",
-    quantity="rank of that bending among the parts' strain energies",
+    quantity="rank of bending z of leg 1 among the strain energies of all parts",
     tolerance=Absolute(0.5),
     tolerance_reason="a rank is a whole number",
     order=LITERAL_ORDER,
-    judged=AS_PRINTED,
-    differs=FORMULAS,
+    reported=AS_PRINTED,
+    corrections=FORMULAS,
     figure="mechanism.strain-energy",
 )
-def _second_mode_bends_leg1(context: Context, reading: ModelOptions) -> Measurement:
-    both = (replace(of, elements=reading.elements) for of in (AS_PRINTED, AS_CORRECTED))
-    found = [_at_the_centre(context, of, 2) for of in both]
-    printed, exact = ({part: s[1] for part, s in of.strain.items()} for of in found)
-    judged = printed if reading.release == "printed" else exact
-    rank = 1 + sum(share > judged[_BENDING] for share in judged.values())
-    feet = float(found[1].in_the_feet[1])
+def _second_mode_bends_leg1(context: Context, variant: ModelOptions) -> Measurement:
+    modes_as_printed, modes_as_corrected = (
+        _centre_modes(context, replace(options, elements=variant.elements), 2)
+        for options in (AS_PRINTED, AS_CORRECTED)
+    )
+    printed, exact = (
+        {part: shares[1] for part, shares in modes.strain.items()}
+        for modes in (modes_as_printed, modes_as_corrected)
+    )
+    ranked = printed if variant.release == "printed" else exact
+    rank = 1 + sum(share > ranked[_BENDING] for share in ranked.values())
+    feet = float(modes_as_corrected.strain_in_feet[1])
     return Measurement(
         float(rank),
         reference=1.0,
         exact=True,
         notes=(
-            "With eq. (25) as printed bending z of leg 1 holds "
+            "With eq. (25) as printed, bending z of leg 1 has "
             f"{100.0 * printed[_BENDING]:.0f} % of the strain energy. With joints that "
-            f"turn freely it holds {100.0 * exact[_BENDING]:.0f} % and the feet "
-            f"{100.0 * feet:.0f} %: the second mode is then a planar motion on the feet.",
+            f"turn freely it has {100.0 * exact[_BENDING]:.0f} % and the feet have "
+            f"{100.0 * feet:.0f} %. The second mode is then a planar motion of the robot on its "
+            "feet.",
         ),
         table={
             "part": tuple(map(str, exact)),
@@ -163,7 +171,7 @@ def _second_mode_bends_leg1(context: Context, reading: ModelOptions) -> Measurem
     )
 
 
-@statements.says(
+@statements.statement(
     "refined.leg1-beam",
     "§3.2",
     "The equivalent beam of leg 1 has its first natural frequency at about 180 Hz",
@@ -174,13 +182,13 @@ def _second_mode_bends_leg1(context: Context, reading: ModelOptions) -> Measurem
 )
 def _leg1_beam(context: Context) -> Measurement:
     note = (
-        "That is bending y, deflection along z. Bending z of the same beam has its first "
-        f"frequency at {_first_of_leg1(context, 'z'):.1f} Hz."
+        "This is the frequency of bending y, with deflection along z. Bending z of the same beam "
+        f"has its first frequency at {_leg1_first_frequency(context, 'z'):.1f} Hz."
     )
-    return Measurement(_first_of_leg1(context), reference=180.0, exact=True, notes=(note,))
+    return Measurement(_leg1_first_frequency(context), reference=180.0, exact=True, notes=(note,))
 
 
-@statements.says(
+@statements.statement(
     "refined.twenty-elements",
     "§3.2",
     "With 20 elements the segments miss the beam's first frequency by less than 1 %",
@@ -189,43 +197,44 @@ def _leg1_beam(context: Context) -> Measurement:
     tolerance=Relative(0.01),
     tolerance_reason="the statement itself",
     order=SEGMENT_ORDER,
-    differs="layout of the springs (§3.2)",
+    corrections="layout of the springs (§3.2)",
 )
-def _twenty_elements(context: Context, reading: ModelOptions) -> Measurement:
-    exact, found = _first_of_leg1(context), []
-    for layout in (reading.layout, AS_PRINTED.layout):
-        options = ModelOptions(layout=layout, elements=reading.elements)
-        both = leg_frequencies("segments", _leg1(context), 2, options)
-        found.append(float(both[np.argmin(np.abs(both - exact))]))
-    nearest, as_printed = found
+def _twenty_elements(context: Context, variant: ModelOptions) -> Measurement:
+    exact, nearest = _leg1_first_frequency(context), []
+    for layout in (variant.layout, AS_PRINTED.layout):
+        options = ModelOptions(layout=layout, elements=variant.elements)
+        # The first frequencies of both planes: the statement is about the one of bending y.
+        first_two = leg_frequencies("segments", _leg1(context), 2, options)
+        nearest.append(float(first_two[np.argmin(np.abs(first_two - exact))]))
+    value, as_printed = nearest
     note = (
-        "It takes springs of half length at both ends. With springs between the elements alone, as "
-        "the text reads, a length L/20 of the leg stays rigid and the error is "
+        "This requires springs of half length at both ends. With springs between the elements "
+        "only, as printed, a length L/20 of the leg stays rigid and the error is "
         f"{100.0 * (as_printed / exact - 1.0):+.1f} %."
     )
-    return Measurement(nearest, reference=exact, exact=True, notes=(note,))
+    return Measurement(value, reference=exact, exact=True, notes=(note,))
 
 
-@statements.says(
+@statements.statement(
     "refined.order-of-magnitude",
     "§3.2, Fig. 10",
     "The robot's first two frequencies are of the order of that of leg 1 alone",
     curves={"first": {"mode": 0}, "second": {"mode": 1}},
     quantity="log₁₀ of the first frequency over that of leg 1, worst of nine postures",
     tolerance=Absolute(0.5),
-    tolerance_reason="one order of magnitude reaches a factor of √10 to either side",
+    tolerance_reason="one order of magnitude spans a factor of √10 to either side",
     order=SEGMENT_ORDER,
-    differs=FORMULAS,
+    corrections=FORMULAS,
     figure="frequency.stroke",
 )
-def _order_of_magnitude(context: Context, reading: ModelOptions, mode: int = 0) -> Measurement:
-    found = [one.frequencies[mode] for one in _over_the_stroke(context, reading)]
-    apart = np.log10(np.array(found) / _first_of_leg1(context))
-    worst = int(np.argmax(np.abs(apart)))
-    return Measurement(float(apart[worst]), reference=0.0, exact=True)
+def _order_of_magnitude(context: Context, variant: ModelOptions, mode: int = 0) -> Measurement:
+    robot = np.array([modes.frequencies[mode] for modes in _stroke_modes(context, variant)])
+    ratios = np.log10(robot / _leg1_first_frequency(context))
+    worst = int(np.argmax(np.abs(ratios)))
+    return Measurement(float(ratios[worst]), reference=0.0, exact=True)
 
 
-@statements.says(
+@statements.statement(
     "refined.actuators-alone",
     "§3.2",
     "None of the first 60 modes is due to the actuators alone",
@@ -237,17 +246,18 @@ def _order_of_magnitude(context: Context, reading: ModelOptions, mode: int = 0) 
     effort=1.0,
     figure="mechanism.strain-energy",
 )
-def _actuators_alone(context: Context, reading: ModelOptions) -> Measurement:
-    of_beams = ModelOptions(elements=reading.elements)
-    feet = _at_the_centre(context, of_beams, _SIXTY, "beam").in_the_feet
-    largest = int(np.argmax(feet))
-    most = f"{100.0 * feet[largest]:.0f} %"
-    most_printed = 100.0 * float(_at_the_centre(context, AS_PRINTED, _SIXTY).in_the_feet.max())
+def _actuators_alone(context: Context, variant: ModelOptions) -> Measurement:
+    options = ModelOptions(elements=variant.elements)
+    shares = _centre_modes(context, options, _SIXTY, "beam").strain_in_feet
+    mode = int(np.argmax(shares))
+    largest = f"{100.0 * shares[mode]:.0f} %"
+    largest_as_printed = float(_centre_modes(context, AS_PRINTED, _SIXTY).strain_in_feet.max())
     note = (
-        f"The largest share of the feet, which stand for the actuators, is {most} in mode "
-        f"{largest + 1}. The statement thus hangs on 'only': it holds for every share above {most} "
-        f"and fails for every one below, and mode {largest + 1} is the one that §3.2 puts down to "
-        "the bending of leg 1. With eq. (25) as printed no mode has more than "
-        f"{most_printed:.0f} % in the feet."
+        f"The largest share of the feet, which represent the actuators, is {largest} in mode "
+        f"{mode + 1}. Whether the statement holds depends on the share that counts as 'alone': it "
+        f"holds for any threshold above {largest} and fails for any below. §3.2 attributes mode "
+        f"{mode + 1} to the bending of leg 1. With eq. (25) as printed no mode has more than "
+        f"{100.0 * largest_as_printed:.0f} % in the feet."
     )
-    return Measurement(float(np.sum(feet > _ALONE)), reference=0.0, exact=True, notes=(note,))
+    above = float(np.sum(shares > _SINGLE_PART))
+    return Measurement(above, reference=0.0, exact=True, notes=(note,))

@@ -1,9 +1,9 @@
-"""What the paper says, in our words, and how it is measured: as printed and as corrected.
+"""Statements of the paper, paraphrased, each with the computation that checks it in two variants.
 
 As printed: eq. (25) zeroes row and column of a joint's rotation, and springs stand between the
-elements alone (§3.2). As corrected: the rotation is released by condensation, half springs stand at
-both ends. The foot's entry (6,6) is the corrected one in both, for no elastic foot has the printed
-one.
+elements only (§3.2). As corrected: the rotation is released by condensation, and springs of half
+length stand at both ends. The foot's entry (6,6) is the corrected one in both variants, because no
+elastic foot has the printed one.
 """
 
 from collections.abc import Callable, Mapping
@@ -27,12 +27,12 @@ from validation.run.outcome import verdict
 POSTURES = 81
 AS_PRINTED = ModelOptions(release="printed", layout="literal")
 AS_CORRECTED = DEFAULT_OPTIONS
-# What of the printed text changes a number.
+# Printed formulas that are corrected and change a number.
 FORMULAS = "release of joints (eq. 25), layout of the springs (§3.2)"
 Compute = TypeVar("Compute", bound=Callable[..., Measurement])
-# By the name of a curve, the parameters of what computes it.
+# Parameters of a case's computation, by the name of the curve.
 Curves = Mapping[str, Mapping[str, Any]]
-# What statements have in common.
+# Fields that all statements share.
 PAPER: CaseFields = {
     "section": "The paper's statements",
     "reference_kind": "paper-statement",
@@ -45,120 +45,126 @@ PAPER: CaseFields = {
 class Statements(CaseGroup):
     """Sentences and figures of the paper that a computation can check, one case each."""
 
-    def says(
+    def statement(
         self,
         identifier: str,
-        where: str,
+        passage: str,
         title: str,
         *,
         over: Over | None = None,
         sentence: str = "",
         curves: Curves | None = None,
-        judged: ModelOptions = AS_CORRECTED,
-        differs: str = "",
+        reported: ModelOptions = AS_CORRECTED,
+        corrections: str = "",
         circular: str = "",
         order: float = 0.0,
         **fields: Unpack[CaseFields],
     ) -> Callable[[Compute], Compute]:
-        """Declare a statement of the paper (`where`) by what computes its number.
+        """Declare a statement in a `passage` of the paper and the function that computes its value.
 
-        `title` says what the case compares. The parameter `reading`, where that is computed with
-        one, has the options as printed or as corrected; `judged` is the one whose number the case
-        reports. `sentence` is what the paper says where that is more than the title, of all
-        `curves` (the case's own where there are none); sentences of several statements are one.
-        `differs` names what sets the readings apart (empty: nothing does), `circular` why the
-        sentence counts for nothing. `order` is that of the elements in which a number is computed,
-        zero where there are none: what half as many change of it is its uncertainty.
+        `title` names the comparison. `sentence` is the paper's statement if it covers more than
+        the title; statements with equal sentences are counted as one. `curves` are the curves that
+        the sentence covers. If there are none, the case itself is the only curve.
+        A computation with a parameter `variant` receives the options as printed or as corrected;
+        the case reports its value for the options `reported`. `corrections` names the corrected
+        formulas that change the value. It is empty if none does. `circular` is the reason why the
+        sentence is not counted. `order` is the order of convergence in the element count. The
+        uncertainty of the value then follows from its change with half as many elements. Zero if
+        the value does not depend on elements.
         """
-        cited = f"Briot, Pashkevich, Chablat, {where}"
-        common: CaseFields = {**self._common, "citation": cited, **fields}
-        own = CaseGroup(**common)
-        said = _Said(where, sentence, curves or {"": {}}, judged, differs, circular, order)
+        citation = f"Briot, Pashkevich, Chablat, {passage}"
+        common: CaseFields = {**self._common, "citation": citation, **fields}
+        group = CaseGroup(**common)
+        statement = _Statement(
+            passage, sentence, curves or {"": {}}, reported, corrections, circular, order
+        )
 
         def declare(compute: Compute) -> Compute:
             self._declared.append(
-                lambda **given: tuple(map(said.case, own(reading=judged, **given)))
+                lambda **parameters: tuple(
+                    map(statement.case, group(variant=reported, **parameters))
+                )
             )
-            return own.case(f"paper.{identifier}", title, over=over)(compute)
+            return group.case(f"paper.{identifier}", title, over=over)(compute)
 
         return declare
 
 
 @dataclass(frozen=True)
-class _Said:
-    """What `Statements.says` is told of a statement beyond its case."""
+class _Statement:
+    """Arguments of `Statements.statement` that are not fields of a `Case`."""
 
-    where: str
+    passage: str
     sentence: str
     curves: Curves
-    judged: ModelOptions
-    differs: str
+    reported: ModelOptions
+    corrections: str
     circular: str
     order: float
 
     def case(self, declared: Case) -> Case:
-        """The case with the claim in what it measures."""
+        """Copy of the declared case whose measurement contains the `Claim`."""
         compute = declared.compute
         function = compute.func if isinstance(compute, partial) else compute
-        measured = partial(self._measured, case=declared)
-        return replace(declared, compute=update_wrapper(measured, function))
+        compute_with_claim = partial(self._measurement_with_claim, case=declared)
+        return replace(declared, compute=update_wrapper(compute_with_claim, function))
 
-    def _measured(self, context: Context, case: Case) -> Measurement:
+    def _measurement_with_claim(self, context: Context, case: Case) -> Measurement:
         claim = Claim(
             sentence=self.sentence or case.title,
-            where=self.where,
+            where=self.passage,
             quantity=case.quantity,
             curves=tuple(self._curve(context, case, name) for name in self.curves),
-            differs=self.differs,
+            differs=self.corrections,
             circular=self.circular,
         )
-        found = replace(_read(context, case, self.judged), claim=claim)
+        measurement = replace(_measure(context, case, self.reported), claim=claim)
         if not self.order:
-            return found
-        half = replace(self.judged, elements=self.judged.elements // 2)
-        change = abs(found.value - _read(context, case, half).value)
+            return measurement
+        coarse = replace(self.reported, elements=self.reported.elements // 2)
+        change = abs(measurement.value - _measure(context, case, coarse).value)
         policy = MeshPolicy.of_order(2.0, self.order)
-        uncertain = float(mesh_half_widths([np.asarray(change)], policy))
-        return replace(found, value_uncertainty=uncertain, exact=False)
+        half_width = float(mesh_half_widths([np.asarray(change)], policy))
+        return replace(measurement, value_uncertainty=half_width, exact=False)
 
     def _curve(self, context: Context, case: Case, name: str) -> ClaimedCurve:
-        found = corrected = _read(context, case, AS_CORRECTED, self.curves[name])
-        if self.differs:
-            found = _read(context, case, AS_PRINTED, self.curves[name])
-        given = case.compute.keywords if isinstance(case.compute, partial) else {}
+        printed = corrected = _measure(context, case, AS_CORRECTED, self.curves[name])
+        if self.corrections:
+            printed = _measure(context, case, AS_PRINTED, self.curves[name])
+        parameters = case.compute.keywords if isinstance(case.compute, partial) else {}
         return ClaimedCurve(
-            name=name.format(**given),
+            name=name.format(**parameters),
             unit=case.unit,
-            printed=_finite(found.value),
-            printed_holds=_holds(case, found),
-            corrected=_finite(corrected.value),
+            printed=_finite_or_none(printed.value),
+            printed_holds=_holds(case, printed),
+            corrected=_finite_or_none(corrected.value),
             corrected_holds=_holds(case, corrected),
         )
 
 
-def _read(
-    context: Context, case: Case, reading: ModelOptions, curve: Mapping[str, Any] | None = None
+def _measure(
+    context: Context, case: Case, variant: ModelOptions, curve: Mapping[str, Any] | None = None
 ) -> Measurement:
-    """What computes the case, in a reading where it knows several, of one of the curves."""
+    """Compute the case for one of its curves. A computation without variants ignores `variant`."""
     compute: Callable[..., Measurement] = case.compute
-    read = {"reading": reading} if "reading" in signature(compute).parameters else {}
-    return compute(context, **read, **(curve or {}))
+    options = {"variant": variant} if "variant" in signature(compute).parameters else {}
+    return compute(context, **options, **(curve or {}))
 
 
-def _holds(case: Case, found: Measurement) -> bool:
-    tolerance = case.tolerance.at(found.reference)
-    return verdict(found.unexplained, case.relation, tolerance) == "agree"
+def _holds(case: Case, measurement: Measurement) -> bool:
+    tolerance = case.tolerance.at(measurement.reference)
+    return verdict(measurement.unexplained, case.relation, tolerance) == "agree"
 
 
 def sampled(number: Callable[[int], float], reference: float) -> Measurement:
-    """A number read off a curve at `POSTURES` of the stroke.
+    """Measurement of a number read off a curve at `POSTURES` of the stroke.
 
-    Fewer postures, which do not meet these, miss a peak by more or by less: their spread is the
-    uncertainty.
+    `number` computes it for a count of postures. Two smaller counts have other postures between
+    the ends and miss a peak by other amounts. The range of the three numbers is the uncertainty.
     """
-    found = [number(postures) for postures in (POSTURES, POSTURES - 10, POSTURES - 20)]
-    return Measurement(found[0], reference, value_uncertainty=float(np.ptp(found)))
+    numbers = [number(postures) for postures in (POSTURES, POSTURES - 10, POSTURES - 20)]
+    return Measurement(numbers[0], reference, value_uncertainty=float(np.ptp(numbers)))
 
 
-def _finite(value: float) -> float | None:
+def _finite_or_none(value: float) -> float | None:
     return float(value) if isfinite(value) else None

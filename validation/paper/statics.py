@@ -13,48 +13,51 @@ from validation.paper.statement import PAPER, POSTURES, Statements, sampled
 
 # L_Tool of the appendix (m): from B to the tool's point P.
 _TOOL_LENGTH = 0.155
-# One step of the stroke (%): a place on it is known no better.
-_PLACE = 100.0 / (POSTURES - 1)
+# Distance of neighbouring postures, in % of the stroke: uncertainty of a position on the stroke.
+_STEP = 100.0 / (POSTURES - 1)
 _EXTREMA = {"peak": np.argmax, "trough": np.argmin}
 statements = Statements(**PAPER)
 
 
-def _deflected(
-    context: Context, model: ModelName, postures: int = POSTURES, other: RobotFile | None = None
+def _stroke_deflections(
+    context: Context,
+    model: ModelName,
+    postures: int = POSTURES,
+    robot_file: RobotFile | None = None,
 ) -> Deflections:
-    """Over the stroke, of the paper's robot or another."""
-    places = over_stroke((other or context.robot_file).mechanism, postures)
-    return context.get(deflections, model, places)
+    """Deflections over the stroke of the paper's robot, or of another `robot_file`."""
+    robots = over_stroke((robot_file or context.robot_file).mechanism, postures)
+    return context.get(deflections, model, robots)
 
 
-@statements.says(
+@statements.statement(
     "foot-stiffness",
     "§2.1",
     "The feet's stiffness along y is about 1e9 N/m",
     quantity="(k_Foot⁻¹)₂₂",
     unit="GN/m",
     tolerance=Absolute(0.1),
-    tolerance_reason="half a unit in the second digit that 'about' leaves open",
-    differs="k_Foot(6,6)",
-    circular="it chose the correction of k_Foot(6,6)",
+    tolerance_reason="half a unit in the second digit, which 'about' leaves open",
+    corrections="k_Foot(6,6)",
+    circular="it decided the correction of k_Foot(6,6)",
 )
-def _foot_stiffness(context: Context, reading: ModelOptions) -> Measurement:
+def _foot_stiffness(context: Context, variant: ModelOptions) -> Measurement:
     robot_file = context.robot_file
     printed, used = foot_compliances(robot_file)
-    if reading.release == "printed":
+    if variant.release == "printed":
         return Measurement(float(np.linalg.inv(printed)[1, 1]) / 1e9, reference=1.0, exact=True)
-    softer = robot_file.with_values({"foot.compliance[6,6]": 2.0 * float(used[5, 5])})
-    there, here = (_deflected(context, "vjm", other=one) for one in (softer, robot_file))
-    moved = there.largest_planar / here.largest_planar - 1.0
+    softer_foot = robot_file.with_values({"foot.compliance[6,6]": 2.0 * float(used[5, 5])})
+    softer = _stroke_deflections(context, "vjm", robot_file=softer_foot).largest_planar
+    change = softer / _stroke_deflections(context, "vjm").largest_planar - 1.0
     return Measurement(
         float(np.linalg.inv(used)[1, 1]) / 1e9,
         reference=1.0,
         exact=True,
         notes=(
-            "This very number chose the correction of k66, so that it bears nothing out. The "
-            "joint beside the foot lets no moment about z through: with k66 twice as large the "
-            f"largest planar deflection moves by {100.0 * moved:.1g} %, and only eq. (25) as "
-            "printed depends on it.",
+            "This number decided the correction of k66 and therefore proves nothing. The joint "
+            "beside the foot transmits no moment about z: with k66 twice as large the largest "
+            f"planar deflection changes by {100.0 * change:.1g} %. Only eq. (25) as printed "
+            "depends on k66.",
         ),
     )
 
@@ -62,7 +65,7 @@ def _foot_stiffness(context: Context, reading: ModelOptions) -> Measurement:
 simplified = statements.family(figure="deflection.stroke")
 
 
-@simplified.says(
+@simplified.statement(
     "simplified.largest-deflection",
     "§2.1, Fig. 3",
     "Simplified model: planar deflections stay below 1.1 µm at 1000 N",
@@ -74,15 +77,15 @@ simplified = statements.family(figure="deflection.stroke")
 )
 def _largest_simplified(context: Context) -> Measurement:
     def largest(postures: int) -> float:
-        return _deflected(context, "simplified", postures).largest_planar
+        return _stroke_deflections(context, "simplified", postures).largest_planar
 
     return sampled(largest, reference=1.1)
 
 
-@simplified.says(
+@simplified.statement(
     "simplified.x-zero-at-ends",
     "§2.1, Fig. 3",
-    "Simplified model: a force along x deflects nothing at both ends of the stroke",
+    "Simplified model: a force along x causes no deflection at both ends of the stroke",
     quantity="larger of the two deflections",
     unit="µm",
     tolerance=Absolute(1e-6),
@@ -90,31 +93,31 @@ def _largest_simplified(context: Context) -> Measurement:
     "1e-8",
 )
 def _x_at_the_ends(context: Context) -> Measurement:
-    planar = _deflected(context, "simplified").planar_x
+    planar = _stroke_deflections(context, "simplified").planar_x
     return Measurement(max(planar[0], planar[-1]), reference=0.0, exact=True)
 
 
-@simplified.says(
+@simplified.statement(
     "simplified.y-largest-at-ends",
     "§2.1, Fig. 3",
-    "Simplified model: a force along y deflects most at the ends of the stroke",
-    quantity="distance of the maximum of each half from its end, of the stroke",
+    "Simplified model: the deflection under a force along y is largest at the ends of the stroke",
+    quantity="distance of the maximum of each half from its end, in % of the stroke",
     unit="%",
-    tolerance=Absolute(_PLACE),
+    tolerance=Absolute(_STEP),
     tolerance_reason=f"one of the {POSTURES - 1} steps of the stroke",
 )
 def _y_largest_at_the_ends(context: Context) -> Measurement:
-    planar = _deflected(context, "simplified").planar_y
+    planar = _stroke_deflections(context, "simplified").planar_y
     half = POSTURES // 2
     left = int(np.argmax(planar[: half + 1]))
     right = half - int(np.argmax(planar[half:]))
-    return Measurement(_PLACE * max(left, right), reference=0.0, value_uncertainty=_PLACE)
+    return Measurement(_STEP * max(left, right), reference=0.0, value_uncertainty=_STEP)
 
 
 refined = statements.family(figure="deflection.stroke")
 
 
-@refined.says(
+@refined.statement(
     "refined.planar-ratio",
     "§2.2, Figs 3 and 5",
     "Virtual joints: planar deflections are about 10 times those of the simplified model",
@@ -124,14 +127,13 @@ refined = statements.family(figure="deflection.stroke")
 )
 def _refined_over_simplified(context: Context) -> Measurement:
     def ratio(postures: int) -> float:
-        by_both = (_deflected(context, model, postures) for model in ("vjm", "simplified"))
-        by_joints, by_drives = (found.largest_planar for found in by_both)
-        return by_joints / by_drives
+        refined = _stroke_deflections(context, "vjm", postures).largest_planar
+        return refined / _stroke_deflections(context, "simplified", postures).largest_planar
 
     return sampled(ratio, reference=10.0)
 
 
-@refined.says(
+@refined.statement(
     "refined.z-ratio",
     "§2.2, Fig. 5",
     "Virtual joints: deflections along z are 3 times larger than planar ones",
@@ -140,47 +142,53 @@ def _refined_over_simplified(context: Context) -> Measurement:
     tolerance_reason="half a unit in the printed digit",
 )
 def _z_over_planar(context: Context) -> Measurement:
-    at_tool = context.robot_file.with_values({"geometry.tool_offset[3]": _TOOL_LENGTH})
+    loaded_at_tool = context.robot_file.with_values({"geometry.tool_offset[3]": _TOOL_LENGTH})
 
-    def ratio(postures: int, other: RobotFile | None = None) -> float:
-        found = _deflected(context, "vjm", postures, other)
-        return float(found.along_z.max()) / found.largest_planar
+    def ratio(postures: int, robot_file: RobotFile | None = None) -> float:
+        deflection = _stroke_deflections(context, "vjm", postures, robot_file)
+        return float(deflection.along_z.max()) / deflection.largest_planar
 
     return replace(
         sampled(ratio, reference=3.0),
         notes=(
             f"Loads act at B. At the tool's point P, {_TOOL_LENGTH:g} m along z, the ratio is "
-            f"{ratio(POSTURES, at_tool):.2f}: 'the extremity of the robot' of §2.2 is B.",
+            f"{ratio(POSTURES, loaded_at_tool):.2f}. 'The extremity of the robot' in §2.2 is "
+            "therefore B.",
         ),
     )
 
 
-@refined.says(
+@refined.statement(
     "refined.profile-{axis}",
     "§2.2, Figs 3 and 5",
-    "Virtual joints keep the simplified curve's profile: the {what} under a force along {axis}",
+    "Virtual joints keep the simplified curve's profile: the {extremum} under a force along {axis}",
     over={
-        "axis, what, tolerance, tolerance_reason": (
+        "axis, extremum, tolerance, tolerance_reason": (
             (
                 "x",
                 "peak",
                 Absolute(10.0),
-                "a tenth of the stroke: further apart, two curves of one hump look different",
+                "a tenth of the stroke: two curves with one peak look different if their peaks are "
+                "further apart",
             ),
             (
                 "y",
                 "trough",
                 Absolute(15.0),
-                "the trough is flat: its place is softer than a peak's, 15 % of the stroke",
+                "the trough is flat, so that its position is less certain than a peak's: 15 % of "
+                "the stroke",
             ),
         )
     },
-    quantity="place of the {what}, of the stroke",
+    quantity="position of the {extremum}, in % of the stroke",
     unit="%",
     sentence="Virtual joints keep the profile of the simplified model's curves",
-    curves={"{what} under a force along {axis}": {}},
+    curves={"{extremum} under a force along {axis}": {}},
 )
-def _profile(context: Context, axis: str, what: str) -> Measurement:
-    both = (getattr(_deflected(context, by), f"planar_{axis}") for by in ("vjm", "simplified"))
-    refined, simplified = (_PLACE * int(_EXTREMA[what](curve)) for curve in both)
-    return Measurement(refined, simplified, value_uncertainty=_PLACE, reference_uncertainty=_PLACE)
+def _profile(context: Context, axis: str, extremum: str) -> Measurement:
+    def position(model: ModelName) -> float:
+        curve = getattr(_stroke_deflections(context, model), f"planar_{axis}")
+        return _STEP * int(_EXTREMA[extremum](curve))
+
+    refined, simplified = position("vjm"), position("simplified")
+    return Measurement(refined, simplified, value_uncertainty=_STEP, reference_uncertainty=_STEP)

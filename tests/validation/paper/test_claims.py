@@ -1,4 +1,4 @@
-"""The paper's statements as printed and corrected, what they compute from, and its errata."""
+"""Statements of the paper as printed and as corrected, their models, and the errata."""
 
 import csv
 import io
@@ -23,11 +23,11 @@ from validation.models.options import ModelOptions
 from validation.paper.curves import cosine_spaced, frequencies_over_the_stroke
 from validation.paper.errata import paper_findings
 from validation.paper.robot import (
-    Places,
+    RobotOnStroke,
     deflections,
     family,
+    family_member,
     frequencies,
-    member,
     over_stroke,
     stroke_of,
 )
@@ -35,7 +35,7 @@ from validation.report.said import SaidTable
 from validation.run.outcome import judge
 from validation.run.records import claims_of, run_record
 
-# As printed, as corrected.
+# Whether a curve holds as printed, and as corrected.
 YES, NO, PRINTED, CORRECTED = (True, True), (False, False), (True, False), (False, True)
 
 
@@ -50,9 +50,11 @@ YES, NO, PRINTED, CORRECTED = (True, True), (False, False), (True, False), (Fals
         ((NO, NO), "neither"),
     ],
 )
-def test_a_sentence_holds_where_all_its_curves_do(curves, standing):
-    told = tuple(ClaimedCurve("", "1", 1.0, one, 2.0, other) for one, other in curves)
-    assert Claim("it does", "§1", "how far", told).standing == standing
+def test_claim_holds_if_all_its_curves_hold(curves, standing):
+    claimed = tuple(
+        ClaimedCurve("", "1", 1.0, printed, 2.0, corrected) for printed, corrected in curves
+    )
+    assert Claim("it does", "§1", "distance", claimed).standing == standing
 
 
 @pytest.fixture(scope="module")
@@ -63,13 +65,13 @@ def outcomes():
 
 
 @pytest.fixture(scope="module")
-def said(outcomes) -> dict[str, Claim]:
+def claims(outcomes) -> dict[str, Claim]:
     return {claim.sentence: claim for claim in claims_of(outcomes)}
 
 
-def of(said: dict[str, Claim], start: str) -> Claim:
-    (found,) = (claim for sentence, claim in said.items() if sentence.startswith(start))
-    return found
+def claim_starting(claims: dict[str, Claim], start: str) -> Claim:
+    (claim,) = (claim for sentence, claim in claims.items() if sentence.startswith(start))
+    return claim
 
 
 @pytest.mark.parametrize(
@@ -79,36 +81,36 @@ def of(said: dict[str, Claim], start: str) -> Claim:
         ("With 20 elements", "as corrected alone", (0, 1, 1)),
         ("Rigid segments: the second mode is due", "as printed alone", (1, 0, 1)),
         ("The feet's stiffness", "circular", (0, 1, 1)),
-        # At the ends of the stroke one drive alone carries the platform, however long the legs are.
+        # At the ends of the stroke one drive alone carries the platform, for every leg length.
         ("Longer legs: smaller planar", "in part", (1, 1, 6)),
         ("Simplified model: longer legs", "in part", (1, 1, 3)),
         ("Rigid segments: longer legs", "as printed alone", (6, 5, 6)),
     ],
 )
-def test_curves_of_a_sentence_are_counted_one_by_one(said, start, standing, holding):
-    found = of(said, start)
-    assert (found.printed, found.corrected, len(found.curves)) == holding
-    assert found.standing == standing
+def test_claim_counts_its_curves_that_hold(claims, start, standing, holding):
+    claim = claim_starting(claims, start)
+    assert (claim.printed, claim.corrected, len(claim.curves)) == holding
+    assert claim.standing == standing
 
 
-def test_sentences_are_counted_by_where_they_hold_and_circular_ones_are_not(said):
-    assert summary(said.values()) == (
+def test_summary_of_claims_excludes_circular_ones(claims):
+    assert summary(claims.values()) == (
         "Of 22 statements hold: 17 as printed and as corrected, 2 as printed alone, 1 as corrected "
         "alone, 2 for some of their curves alone; 1 circular and not counted."
     )
 
 
-def test_the_layout_of_the_springs_and_equation_25_decide(said):
-    (layout,) = of(said, "With 20 elements").curves
+def test_spring_layout_and_eq_25_change_the_values(claims):
+    (layout,) = claim_starting(claims, "With 20 elements").curves
     assert layout.printed == pytest.approx(1.05 * 181.8, rel=2e-3)
     assert layout.corrected == pytest.approx(181.8, rel=1e-3)
-    # Feet (two), then leg 1 in tension hold more of the energy with joints that turn freely.
-    mode = of(said, "Rigid segments: the second mode is due").curves[0]
-    assert (mode.printed, mode.corrected) == (1.0, 4.0)
+    # With joints that turn freely both feet and tension of leg 1 have more of the strain energy.
+    rank = claim_starting(claims, "Rigid segments: the second mode is due").curves[0]
+    assert (rank.printed, rank.corrected) == (1.0, 4.0)
 
 
-# Value, what the paper prints or claims, and how far they may be apart. Values are this project's
-# own earlier ones, known to the tenth of a tolerance from the physics notes.
+# Value, reference from the paper and tolerance. Values are earlier ones of this project, confirmed
+# to a tenth of the tolerance by independent hand calculations.
 STATED = {
     "foot-stiffness": (1.063611, 1.0, 0.1),
     "simplified.largest-deflection": (1.062934, 1.1, 0.05),
@@ -137,31 +139,32 @@ STATED = {
 }
 
 
-def test_statements_are_judged_by_these_numbers_and_can_turn(outcomes):
+def test_statement_values_match_table_and_can_disagree(outcomes):
     for outcome in outcomes:
         assert_agrees_and_can_turn(outcome)
-    found = {outcome.case.id.removeprefix("paper."): outcome for outcome in outcomes}
-    for name, stated in STATED.items():
-        measured = found[name].measurement
-        numbers = (measured.value, measured.reference, found[name].tolerance)
-        assert numbers == pytest.approx(stated, rel=1e-6, abs=1e-12), name
+    outcome_by_id = {outcome.case.id.removeprefix("paper."): outcome for outcome in outcomes}
+    for name, expected in STATED.items():
+        outcome = outcome_by_id[name]
+        measured = outcome.measurement
+        numbers = (measured.value, measured.reference, outcome.tolerance)
+        assert numbers == pytest.approx(expected, rel=1e-6, abs=1e-12), name
 
 
-def test_every_statement_of_the_run_is_in_its_results_and_on_the_page(outcomes, said):
+def test_results_and_report_have_all_statements(outcomes, claims):
     records = run_record({}, (), outcomes, ()).statements
-    assert [record["statement"] for record in records] == list(said)
+    assert [record["statement"] for record in records] == list(claims)
     assert {"as_printed", "as_corrected"} <= set(records[0]["curves"][0])
-    table = SaidTable(tuple(said.values()))
-    assert len(table.csv.splitlines()) == 1 + sum(len(claim.curves) for claim in said.values())
-    asked = of(said, "Longer legs: smaller planar")
-    (((_, corrected), holds, _),) = (row for claim, *row in table.rows if claim is asked)
+    table = SaidTable(tuple(claims.values()))
+    assert len(table.csv.splitlines()) == 1 + sum(len(claim.curves) for claim in claims.values())
+    planar = claim_starting(claims, "Longer legs: smaller planar")
+    (((_, corrected), holds, _),) = (row for claim, *row in table.rows if claim is planar)
     assert (holds, corrected.text, corrected.verdict) == ("in part", "1 of 6 curves", "inadequate")
 
 
-def on_drives(stroke, x):
-    """Compliance (m/N, 2×2) of B along x and y: legs rigid, drives of 1e9 N/m.
+def drive_compliance(stroke, x):
+    """Compliance (m/N, 2×2) of B along x and y with rigid legs and drives of 1e9 N/m.
 
-    A slide at (p, y_A) with |B − A| = L: (x − p) δx + s (δy − δy_A) = 0, s the leg's height.
+    For a slide at (p, y_A) with |B − A| = L: (x − p) δx + s (δy − δy_A) = 0, s the leg's height.
     """
     heights = np.sqrt([stroke.length1**2 - x**2, stroke.length2**2 - (stroke.a - x) ** 2])
     arms = np.column_stack([[x, x - stroke.a], heights])
@@ -170,108 +173,115 @@ def on_drives(stroke, x):
 
 
 @pytest.mark.parametrize("fraction", [0.1, 0.8])
-def test_the_family_on_drives_is_virtual_power(fraction):
-    """Eqs (1), (2) and, with the work balance, (12): J K⁻¹ Jᵀ carries the 46 kg of the platform."""
+def test_simplified_family_matches_virtual_power(fraction):
+    """Check eqs (1), (2) and, with the work balance, (12): J K⁻¹ Jᵀ and a platform of 46 kg."""
     members = family(IFW, fraction, (1.1, 1.25))
-    found = deflections("simplified", members)
+    deflection = deflections("simplified", members)
     first = frequencies("simplified", members, 1)[:, 0]
-    given = stroke_of(IFW.mechanism)
-    for place, alpha in enumerate((1.1, 1.25)):
-        stroke = stroke_of(member(IFW, alpha).mechanism)
-        assert stroke.length == pytest.approx(given.length)
+    original = stroke_of(IFW.mechanism)
+    for index, alpha in enumerate((1.1, 1.25)):
+        stroke = stroke_of(family_member(IFW, alpha).mechanism)
+        assert stroke.length == pytest.approx(original.length)
         assert [stroke.length1, stroke.length2] == pytest.approx([alpha * 0.85, alpha * 0.775])
         x = stroke.ends[0] + fraction * stroke.length
-        compliance = on_drives(stroke, x)
-        moved = np.linalg.norm(compliance, axis=0) * 1e9
-        assert [found.planar_x[place], found.planar_y[place]] == pytest.approx(moved, rel=1e-9)
-        softest = np.linalg.eigvalsh(compliance)[-1]
-        expected = 1.0 / np.sqrt(46.0 * softest) / (2.0 * np.pi)
-        assert first[place] == pytest.approx(expected, rel=1e-9)
-    assert np.isnan(found.along_z).all()
+        compliance = drive_compliance(stroke, x)
+        planar = np.linalg.norm(compliance, axis=0) * 1e9
+        computed = [deflection.planar_x[index], deflection.planar_y[index]]
+        assert computed == pytest.approx(planar, rel=1e-9)
+        largest = np.linalg.eigvalsh(compliance)[-1]
+        expected = 1.0 / np.sqrt(46.0 * largest) / (2.0 * np.pi)
+        assert first[index] == pytest.approx(expected, rel=1e-9)
+    assert np.isnan(deflection.along_z).all()
 
 
-def test_longer_legs_are_stiffer_in_the_plane_and_softer_along_z():
-    """Known values, α = 1 and 2 at the centre, to half a unit of the last digit (physics notes)."""
+def test_longer_legs_are_stiff_in_plane_and_soft_along_z():
+    """Values of a hand calculation, α = 1 and 2 at the centre, to half a unit of the last digit."""
     slender = ModelOptions(legs="equivalent", theory="euler-bernoulli")
-    found = deflections("vjm", family(IFW, 0.5, (1.0, 2.0)), slender)
-    assert found.planar_x == pytest.approx([7.3, 3.0], abs=0.05)
-    assert found.along_z == pytest.approx([23.0, 85.0], abs=0.5)
+    deflection = deflections("vjm", family(IFW, 0.5, (1.0, 2.0)), slender)
+    assert deflection.planar_x == pytest.approx([7.3, 3.0], abs=0.05)
+    assert deflection.along_z == pytest.approx([23.0, 85.0], abs=0.5)
 
 
-def test_both_ends_of_the_stroke_are_rigid_along_x_on_drives():
+def test_simplified_model_is_rigid_along_x_at_stroke_ends():
     stroke = stroke_of(IFW.mechanism)
     for x in stroke.ends:
-        assert_allclose(on_drives(stroke, x)[0], 0.0, atol=1e-16)
-    found = frequencies("simplified", over_stroke(IFW.mechanism, 2), 2)
-    assert_allclose(found[:, 0], np.sqrt(1.0e9 / 46.0) / (2.0 * np.pi), rtol=1e-7)
-    assert np.isinf(found[:, 1]).all()
+        assert_allclose(drive_compliance(stroke, x)[0], 0.0, atol=1e-16)
+    both = frequencies("simplified", over_stroke(IFW.mechanism, 2), 2)
+    assert_allclose(both[:, 0], np.sqrt(1.0e9 / 46.0) / (2.0 * np.pi), rtol=1e-7)
+    assert np.isinf(both[:, 1]).all()
 
 
-def test_a_member_that_cannot_be_is_refused():
+def test_impossible_family_member_is_refused():
     with pytest.raises(InputError, match=r"geometry\.alpha"):
-        member(IFW, 0.4)
+        family_member(IFW, 0.4)
     with pytest.raises(InputError, match="foot"):
         IFW.with_values({"foot.compliance[6,6]": 3.16e-9})
 
 
-def test_stations_reach_both_ends_and_the_centre():
+def test_cosine_spacing_includes_ends_and_centre():
     x = cosine_spaced(0.145, 0.85, 21)
     assert (x[0], x[10], x[-1]) == pytest.approx((0.145, 0.4975, 0.85), rel=1e-12)
     assert (np.diff(x) > 0.0).all()
-    # Every posture is one of the robot's: none is outside by rounding.
-    assert [at.pose[0] for at in Places(IFW.mechanism, x).postures] == pytest.approx(x)
+    # The robot reaches every position: rounding puts none outside the stroke.
+    postures = RobotOnStroke(IFW.mechanism, x).postures
+    assert [posture.pose[0] for posture in postures] == pytest.approx(x)
 
 
 @pytest.mark.exhaustive
-def test_the_printed_release_has_a_curve_of_its_own():
+def test_stroke_figure_has_a_curve_for_eq_25_as_printed():
     figure = frequencies_over_the_stroke(Context(IFW, "quick"))
     centre = list(csv.DictReader(io.StringIO(figure.data)))[10]
-    # Orientation values of an independent computation: 184 Hz, and about 300 Hz as printed.
-    for column, number, within in (
+    # Values of an independent computation: 184 Hz, and about 300 Hz as printed.
+    for column, number, tolerance in (
         ("x (m)", 0.4975, 1e-6),
         ("beam FE: frequency 2 (Hz)", 184.0, 0.005),
         ("segments, eq. (25) as printed: frequency 2 (Hz)", 300.0, 0.02),
     ):
-        assert float(centre[column]) == pytest.approx(number, rel=within)
+        assert float(centre[column]) == pytest.approx(number, rel=tolerance)
     assert figure.svg.startswith("<svg")
 
 
-def test_the_figures_can_be_sent_to_another_process():
-    found = pickle.loads(pickle.dumps(paper.figures()))  # noqa: S301  our own
-    assert len({figure.id for figure in found}) == len(found) == 4
+def test_planned_figures_can_be_pickled():
+    figures = pickle.loads(pickle.dumps(paper.figures()))  # noqa: S301  our own
+    assert len({figure.id for figure in figures}) == len(figures) == 4
 
 
 LEG_1, LEG_2 = map(equivalent_leg, legs_of(IFW.mechanism).values())
-FOUND = {(one.where, one.check): one for one in paper_findings(IFW) if one.kind == "computed"}
+FINDINGS = {
+    (finding.where, finding.check): finding
+    for finding in paper_findings(IFW)
+    if finding.kind == "computed"
+}
 # A, L1, L2 (m), and B in the centre of the stroke.
 A, L1, L2, CENTRE = 0.92, 0.85, 0.775, 0.4975
-# Length of an element of leg 1 of 20 (m), and 1 mrad.
-PIECE, TURNED = L1 / 20.0, 1e-3
+# Length (m) of an element of leg 1 with 20 elements, and a rotation of 1 mrad.
+ELEMENT_LENGTH, ROTATION = L1 / 20.0, 1e-3
 # β₁L of a clamped-free beam.
 ROOT = 1.8751040687
 
 
 def evidence(where: str, check: str) -> str:
-    return FOUND[where, check].evidence
+    return FINDINGS[where, check].evidence
 
 
-def test_the_captions_put_the_right_end_of_the_stroke_outside_it():
+def test_erratum_of_captions_gives_the_ends_of_the_stroke():
     assert evidence("captions of Figs 6c, 12c, 13c", "caption") == (
         f"L1 − a = {L1 - A:.3g} m, the stroke goes from {A - L2:.3g} to {L1:.3g} m"
     )
 
 
-def test_the_foot_resists_y_as_far_as_its_joint_lets_it():
+def test_erratum_of_the_foot_gives_its_stiffness_along_y():
     printed, used = (
         np.array(tables["foot"]["compliance"]) for tables in (as_printed(IFW), IFW.tables)
     )
-    stiff, corrected = (np.linalg.inv(one) for one in (printed, used))
-    foot = FOUND["foot.compliance", "stiffness along y"]
+    printed_stiffness, corrected = np.linalg.inv(printed), np.linalg.inv(used)
+    foot = FINDINGS["foot.compliance", "stiffness along y"]
     assert foot.printed.startswith(f"c66 = {printed[5, 5]:.3g} ")
     assert foot.evidence == (
-        f"(k⁻¹)₂₂ = {stiff[1, 1]:.3g} N/m as printed, {corrected[1, 1]:.4g} N/m as corrected"
+        f"(k⁻¹)₂₂ = {printed_stiffness[1, 1]:.3g} N/m as printed, "
+        f"{corrected[1, 1]:.4g} N/m as corrected"
     )
-    # A free joint: what no moment about z compresses.
+    # With a free joint no moment about z acts: the inverse without row and column 6.
     free = np.linalg.inv(used[:5, :5])[1, 1]
     assert evidence("eq. (25)", "joint release") == (
         f"the foot resists y with {printed_release(corrected)[1, 1]:.3g} N/m as printed, "
@@ -279,8 +289,8 @@ def test_the_foot_resists_y_as_far_as_its_joint_lets_it():
     )
 
 
-def test_tension_is_higher_than_bending():
-    """π/2L √(EA/μ) over (1.8751/L)² √(EI/μ)."""
+def test_erratum_gives_longitudinal_over_bending_ratios():
+    """Frequency ratio of a clamped-free beam: π/2L √(EA/μ) over (1.8751/L)² √(EI/μ)."""
     ratios = [
         f"{np.pi / 2.0 * leg.length * np.sqrt(beam.EA / stiffness) / ROOT**2:.2g} "
         f"(leg {number}, bending {plane})"
@@ -291,8 +301,8 @@ def test_tension_is_higher_than_bending():
     assert evidence("§1", "longitudinal frequencies").endswith(f": {', '.join(ratios)}")
 
 
-def test_work_balance_of_equation_12():
-    """A t = Bq̇ by hand, drives of 1e9 and 2e9 N/m, 46 kg."""
+def test_erratum_of_eq_12_gives_error_of_its_stiffness():
+    """Solution of A t = B q̇ by hand with drives of 1e9 and 2e9 N/m and 46 kg."""
     s1, s2 = np.sqrt(L1**2 - CENTRE**2), np.sqrt(L2**2 - (A - CENTRE) ** 2)
     J = np.linalg.solve(np.array([[CENTRE, s1], [CENTRE - A, s2]]), np.diag([s1, s2]))
     K, inverse = np.diag([1e9, 2e9]), np.linalg.inv(J)
@@ -300,19 +310,20 @@ def test_work_balance_of_equation_12():
     printed, balanced = inverse @ K @ inverse.T, inverse.T @ K @ inverse
 
     assert balanced == pytest.approx(exact, rel=1e-12)
-    first, due = (
-        np.sqrt(np.linalg.eigvalsh(one)[0] / 46.0) / (2.0 * np.pi) for one in (printed, exact)
+    first, exact_first = (
+        np.sqrt(np.linalg.eigvalsh(stiffness)[0] / 46.0) / (2.0 * np.pi)
+        for stiffness in (printed, exact)
     )
     error = np.linalg.norm(printed - exact) / np.linalg.norm(exact)
     assert evidence("eq. (12)", "work balance") == (
         f"at the centre with drives of {1e9:.0e} and {2e9:.0e} N/m the inverse of eq. (1) is "
         f"missed by {error:.0%} as printed, by rounding alone with J⁻ᵀKJ⁻¹; f1 = "
-        f"{first:.1f} in place of {due:.1f} Hz; equal drives give the "
+        f"{first:.1f} in place of {exact_first:.1f} Hz; equal drives give the "
         "same f1"
     )
 
 
-def test_the_literal_layout_is_of_first_order():
+def test_erratum_of_literal_layout_gives_first_order():
     beam = LEG_1.properties("euler-bernoulli")
     exact = ROOT**2 / (2.0 * np.pi * L1**2) * np.sqrt(beam.EIz / beam.mu)
     coarse, fine = (
@@ -321,35 +332,36 @@ def test_the_literal_layout_is_of_first_order():
         for n in (20, 40)
     )
     assert evidence("§3.2", "literal layout") == (
-        f"at m = 20 leg 1 bends from {1e3 * PIECE / 2.0:.3g} mm beyond its root and its first "
-        f"frequency is {coarse:.1%} too high, at m = 40 {fine:.1%} "
+        f"at m = 20 leg 1 bends from {1e3 * ELEMENT_LENGTH / 2.0:.3g} mm beyond its root and its "
+        f"first frequency is {coarse:.1%} too high, at m = 40 {fine:.1%} "
         f"(order {np.log2(coarse / fine):.2f})"
     )
 
 
-def test_springs_store_energy_in_rigid_rotations():
-    """½ uᵀKu of a spring of EA/l, 12EI/l³, EI/l, whose elements turn as one body, or bend."""
+def test_errata_of_springs_give_energy_of_rotations():
+    """Energy ½ uᵀKu of a spring of EA/l, 12EI/l³, EI/l under a rigid rotation, or in bending."""
     beam = LEG_1.properties("euler-bernoulli")
-    axial, shear = beam.EA / PIECE, 12.0 * beam.EIz / PIECE**3
+    axial, shear = beam.EA / ELEMENT_LENGTH, 12.0 * beam.EIz / ELEMENT_LENGTH**3
     cosine = CENTRE / L1
     # Arms along x in place of the leg: u = lφ ((1 − cos α) n − sin α d).
-    apart = axial * (1.0 - cosine**2) + shear * (1.0 - cosine) ** 2
-    stored = 0.5 * (PIECE * TURNED) ** 2 * apart
-    assert f"stores {stored:.3g} J in one spring" in evidence("eqs (17), (18)", "lever arms")
-    bent = 0.5 * beam.EIz / PIECE * TURNED**2
-    assert evidence("eqs (19), (20)", "small rotations").endswith(f"in truth {bent:.3g} J")
+    stiffness = axial * (1.0 - cosine**2) + shear * (1.0 - cosine) ** 2
+    rigid = 0.5 * (ELEMENT_LENGTH * ROTATION) ** 2 * stiffness
+    assert f"stores {rigid:.3g} J in one spring" in evidence("eqs (17), (18)", "lever arms")
+    bending = 0.5 * beam.EIz / ELEMENT_LENGTH * ROTATION**2
+    assert evidence("eqs (19), (20)", "small rotations").endswith(f"in truth {bending:.3g} J")
     # The arm is l/2 too long: ½ · 12EI/l³ · (φl/2)².
-    assert f"stores {3.0 * bent:.3g} J as printed" in evidence("eq. (23)", "neighbour index")
-    assert len(FOUND) == 9
+    assert f"stores {3.0 * bending:.3g} J as printed" in evidence("eq. (23)", "neighbour index")
+    assert len(FINDINGS) == 9
 
 
-def test_what_only_reading_finds_is_said_to_be_read():
-    read = [f for f in paper_findings(IFW) if f.kind == "read"]
-    assert any("§3.3" in f.where and "eq. (10)" in f.used for f in read)
-    assert {f.severity for f in read} == {"note"}
+def test_errata_of_text_are_notes_of_kind_read():
+    findings = [finding for finding in paper_findings(IFW) if finding.kind == "read"]
+    assert any("§3.3" in finding.where and "eq. (10)" in finding.used for finding in findings)
+    assert {finding.severity for finding in findings} == {"note"}
 
 
-def test_no_other_robot_has_the_papers_errata(tmp_path):
+def test_copy_of_the_robot_has_no_errata(tmp_path):
     path = tmp_path / "copy.toml"
     path.write_text(IFW.text, encoding="utf-8")
-    assert [paper_findings(load_robot(one)) for one in ("biglide", "five-bar", path)] == [()] * 3
+    for robot in ("biglide", "five-bar", path):
+        assert paper_findings(load_robot(robot)) == ()
