@@ -48,13 +48,16 @@ class Section(ABC):
     def shear_coefficients(self, nu: float) -> tuple[float, float]:
         """Cowper's κ for shear along y and along z, Poisson's ratio `nu`."""
 
-    def faults(self) -> list[str]:
-        """What makes the shape impossible, one line each; empty if it is sound."""
-        sizes = {entry.name: getattr(self, entry.name) for entry in fields(self)}
-        wrong = [f"{k} = {size!r}: must be above 0 m" for k, size in sizes.items() if not size > 0]
-        return wrong or self._own_faults()
+    def faults(self, unit: str = "m") -> list[str]:
+        """What makes the shape impossible, one line each; empty if it is sound.
 
-    def _own_faults(self) -> list[str]:
+        `unit` is that of its sizes.
+        """
+        sizes = {entry.name: getattr(self, entry.name) for entry in fields(self)}
+        wrong = [f"{k} = {x!r}: must be above 0 {unit}" for k, x in sizes.items() if not x > 0]
+        return wrong or self._own_faults(unit)
+
+    def _own_faults(self, unit: str) -> list[str]:  # noqa: ARG002
         """What sizes above zero say together."""
         return []
 
@@ -185,13 +188,13 @@ class HollowRectangle(_Boxed):
         b, h = self.width - self.thickness, self.height - self.thickness
         return _box_shear(h, b, nu), _box_shear(b, h, nu)
 
-    def _own_faults(self) -> list[str]:
+    def _own_faults(self, unit: str) -> list[str]:
         smaller = min(self.extent)
         if 2.0 * self.thickness < smaller:
             return []
         return [
             f"thickness = {self.thickness!r}: closes the hollow; must be below half the "
-            f"smaller side, {smaller / 2.0:g} m"
+            f"smaller side, {smaller / 2.0:g} {unit}"
         ]
 
 
@@ -227,12 +230,12 @@ class Tube(_Round):
     def inner_diameter(self) -> float:
         return self.diameter - 2.0 * self.thickness
 
-    def _own_faults(self) -> list[str]:
+    def _own_faults(self, unit: str) -> list[str]:
         if 2.0 * self.thickness < self.diameter:
             return []
         return [
             f"thickness = {self.thickness!r}: closes the bore; must be below half the "
-            f"diameter, {self.diameter / 2.0:g} m"
+            f"diameter, {self.diameter / 2.0:g} {unit}"
         ]
 
 
@@ -282,15 +285,15 @@ class ISection(_Boxed):
         kappa = 10.0 * (1.0 + nu) / (12.0 + 11.0 * nu)
         return kappa * 2.0 * self.width * self.flange / self.area
 
-    def _own_faults(self) -> list[str]:
+    def _own_faults(self, unit: str) -> list[str]:
         faults = []
         if 2.0 * self.flange >= self.height:
             faults.append(
                 f"flange = {self.flange!r}: leaves no web; must be below half the height, "
-                f"{self.height / 2.0:g} m"
+                f"{self.height / 2.0:g} {unit}"
             )
         if self.web >= self.width:
-            faults.append(f"web = {self.web!r}: must be below the width, {self.width:g} m")
+            faults.append(f"web = {self.web!r}: must be below the width, {self.width:g} {unit}")
         return faults
 
 

@@ -30,6 +30,7 @@ from fem.machine import usable_cores
 from lumped.acceptance.requirement import Requirement
 from lumped.errors import InputError
 from lumped.legs import Theory
+from lumped.mechanism.mechanism import Mechanism
 from lumped.robot_file import RobotFile, load_robot, robot_of
 from lumped.robot_file.evidence import with_options
 from lumped.robot_file.places import unit_of
@@ -114,7 +115,9 @@ def load(
     'IFW demonstrator'
     """
     loaded = _loaded(robot)
-    return replace(loaded, requirement=_accepting(loaded.requirement, accept or {}))
+    return replace(
+        loaded, requirement=_accepting(loaded.requirement, accept or {}, loaded.mechanism)
+    )
 
 
 @checked
@@ -309,7 +312,8 @@ class Adequacy:
 
         Raises InputError for names there are not, and for more modes than were computed.
         """
-        requirement = _accepting(self.requirement, accept)
+        robot = self.subject.responses.robot.mechanism
+        requirement = _accepting(self.requirement, accept, robot)
         if requirement.modes > self.requirement.modes:
             raise InputError(
                 f"accept: modes = {requirement.modes}: must be at most {self.requirement.modes}, "
@@ -339,7 +343,8 @@ class Adequacy:
 
     def _within(self, model: str, quantity: str, limit: float) -> Matrix:
         models = [one for one in self.subject.models if one.name == model]
-        asked = _accepting(self.requirement, {quantity: limit})
+        robot = self.subject.responses.robot.mechanism
+        asked = _accepting(self.requirement, {quantity: limit}, robot)
         return judged(replace(self.subject, models=models, parts=()), asked)
 
     def _nothing_said(self, model: str, quantity: str) -> str:
@@ -420,7 +425,7 @@ def adequacy(
     'inadequate'
     """
     loaded = _loaded(robot)
-    requirement = _accepting(loaded.requirement, accept or {})
+    requirement = _accepting(loaded.requirement, accept or {}, loaded.mechanism)
     subject, matrix = judged_robot(Context(replace(loaded, requirement=requirement), preset))
     return Adequacy(matrix, requirement, subject)
 
@@ -836,6 +841,9 @@ def _loaded(robot: Robot) -> RobotFile:
     return robot_of(robot) if isinstance(robot, Mapping) else load_robot(robot)
 
 
-def _accepting(requirement: Requirement, accept: Mapping[str, float]) -> Requirement:
+def _accepting(
+    requirement: Requirement, accept: Mapping[str, float], robot: Mechanism
+) -> Requirement:
+    limits = [f"{name}={limit}" for name, limit in accept.items()]
     with _arguments_named():
-        return with_options(requirement, [f"{name}={limit}" for name, limit in accept.items()], ())
+        return with_options(requirement, limits, (), robot.lengths)

@@ -87,7 +87,7 @@ class Request:
             faults.append("--inputs: the robot file says itself how well its numbers are known")
         if faults:
             raise InputError(faults)
-        requirement = with_options(read.requirement, self.accept, self.rely)
+        requirement = with_options(read.requirement, self.accept, self.rely, read.mechanism.lengths)
         if self.accuracy is not None:
             requirement = replace(requirement, accuracy=self.accuracy)
         supposed = read.supposed if self.inputs is None else self.inputs

@@ -30,7 +30,7 @@ class Cross(Section):
         kappa = 10.0 * (1.0 + nu) / (12.0 + 11.0 * nu) * self.thickness / self.area
         return kappa * self.width, kappa * self.height
 
-    def _own_faults(self) -> list[str]:
+    def _own_faults(self, unit: str) -> list[str]:  # noqa: ARG002
         sound = 0.0 < self.thickness < min(self.width, self.height)
         return [] if sound else [f"thickness = {self.thickness!r}: must be below both sizes"]
 

@@ -8,6 +8,7 @@ import numpy as np
 from lumped.arrays import Array
 from lumped.mechanism.body import Body, Frame, Part
 from lumped.mechanism.joint import Joint
+from lumped.mechanism.length_unit import METRE, UnitOfLength
 from lumped.mechanism.load import Excitation, Load
 
 GROUND = "ground"
@@ -16,6 +17,8 @@ MOVES = ("x", "y", "z", "phi_x", "phi_y", "phi_z")
 # m or rad: what typed digits of a pose leave open.
 _SAME_POSE = 1e-6
 UNITS_OF_MOVES = dict(zip(MOVES, ("m", "m", "m", "rad", "rad", "rad"), strict=True))
+# Moves that are lengths.
+LENGTHS = MOVES[:3]
 
 
 @dataclass(frozen=True)
@@ -47,6 +50,7 @@ class Mechanism:
     Where poses are a grid, `grid` has the values along each move.
     `inverse_kinematics` gives the frames of all bodies in a pose in closed form; where it is None,
     loops are closed by iteration.
+    `lengths` is the unit in which its file gives lengths and messages show them.
     """
 
     name: str
@@ -60,6 +64,7 @@ class Mechanism:
     excitations: Sequence[Excitation] = ()
     grid: Sequence[Array] = ()
     inverse_kinematics: Callable[[Array], Mapping[str, Frame]] | None = None
+    lengths: UnitOfLength = METRE
 
     @property
     def reference_pose(self) -> Array:
@@ -70,6 +75,13 @@ class Mechanism:
         return np.append(place.position - self.tool.datum, np.zeros(3))[
             [MOVES.index(move) for move in self.tool.moves]
         ]
+
+    def in_metres(self, pose: Array) -> Array:
+        """A pose that is typed in the file's unit of length, in m and rad."""
+        per_metre = self.lengths.per_metre
+        divisors = [per_metre if one in LENGTHS else 1.0 for one in self.tool.moves]
+        metres: Array = pose / np.array(divisors)
+        return metres
 
     def number_of(self, pose: Array) -> int | None:
         """Number of a pose along the path, from 0 and of equal ones the first; None: not on it."""

@@ -8,21 +8,24 @@ import numpy as np
 
 from lumped.errors import naming
 from lumped.mechanism.biglide import biglide, lengthened
+from lumped.mechanism.length_unit import LENGTH_UNITS
 from lumped.mechanism.mechanism import Mechanism
 from lumped.robot_file.mechanism.build import leg_of, loss_of
 from lumped.robot_file.rules.relations import leg_faults
-from lumped.robot_file.rules.tables import BIGLIDE
+from lumped.robot_file.rules.tables import length_unit_of, rules_of
 
 _LEGS = ("leg1", "leg2")
 
 
 def biglide_faults(tables: Mapping[str, Any]) -> list[str]:
     """Every fault of a robot file's tables, one line each, starting with its key."""
-    faults = BIGLIDE.faults_within(tables)
+    rules = rules_of(tables)
+    faults = rules.faults_within(tables)
     for name in _LEGS:
-        rule = BIGLIDE.keys[name].kind
+        rule = rules.keys[name].kind
+        own = {"key": name, "lengths": length_unit_of(tables)}
         if name in tables and not rule.faults(tables[name], name):
-            faults += leg_faults(rule.read(tables[name]) | {"key": name})
+            faults += leg_faults(rule.read(tables[name]) | own)
     return faults
 
 
@@ -64,4 +67,5 @@ def _with_losses(robot: Mechanism, read: Mapping[str, Any]) -> Mechanism:
     for joint in robot.joints:
         drive = joint.drive and replace(joint.drive, loss=read["actuators"]["loss"])
         joints.append(replace(joint, drive=drive, loss=gives.get(joint.name, 0.0)))
-    return replace(robot, bodies=bodies, joints=tuple(joints))
+    lengths = LENGTH_UNITS[read["units"]]
+    return replace(robot, bodies=bodies, joints=tuple(joints), lengths=lengths)

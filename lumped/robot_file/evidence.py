@@ -9,6 +9,7 @@ from lumped.acceptance.measured import Measured, measured_value, pose_faults
 from lumped.acceptance.quantities import UNIT_LOADS
 from lumped.acceptance.requirement import MODEL_KINDS, Requirement
 from lumped.errors import InputError
+from lumped.mechanism.length_unit import METRE, UnitOfLength
 from lumped.mechanism.mechanism import Mechanism
 from lumped.robot_file.hammer import hammer_faults
 from lumped.robot_file.places import value_at
@@ -33,23 +34,29 @@ class Correction:
     reason: str
 
 
-def read_measured(path: Path, responses: Sequence[str] = ()) -> tuple[Measured, ...]:
+def read_measured(
+    path: Path,
+    responses: Sequence[str] = (),
+    unit: UnitOfLength = METRE,
+    moves: Sequence[str] = (),
+) -> tuple[Measured, ...]:
     """Measured values of a CSV file with quantity, pose, value, uncertainty, source (and load).
 
-    Spaces separate the coordinates of a pose. `responses` as in `measured_value`. Raises InputError
+    Spaces separate the coordinates of a pose, along such `moves` of the tool and with lengths in
+    `unit`. `responses` as in `measured_value`. Raises InputError
     with one line per fault.
     """
     rows = table_rows(path, "a CSV file of measured values", _COLUMNS, MEASURED_VALUES.most)
-    found, faults = [], []
+    rules, found, faults = MEASURED.in_unit(unit, moves), [], []
     for place, cells in rows:
         table = {name: _value(name, cells[name]) for name in _COLUMNS}
         if cells.get("load"):
             table["load"] = _value("load", cells["load"])
-        if own := MEASURED.faults_within(table, f"{place}."):
+        if own := rules.faults_within(table, f"{place}."):
             faults += own
             continue
         try:
-            found.append(measured_value(MEASURED.read(table), place, responses))
+            found.append(measured_value(rules.read(table), place, responses))
         except InputError as error:
             faults += error.faults
     if faults:
@@ -81,12 +88,15 @@ def requirement_of(accept: Mapping[str, Any] | None, robot: Mechanism) -> Requir
 
 
 def with_options(
-    requirement: Requirement, accept: Sequence[str], rely: Sequence[str]
+    requirement: Requirement,
+    accept: Sequence[str],
+    rely: Sequence[str],
+    unit: UnitOfLength = METRE,
 ) -> Requirement:
     """The requirement as `--accept NAME=NUMBER` and `--rely MODEL` change it.
 
-    NAME is deflection, displacement, frequency, response, modes or a quantity; named models take
-    the place of the file's. Raises InputError with one line per fault.
+    NAME is deflection, displacement (in `unit`), frequency, response, modes or a quantity; named
+    models take the place of the file's. Raises InputError with one line per fault.
     """
     faults = [
         f"--rely {model}: no such model; must be one of {', '.join(MODEL_KINDS)}"
@@ -94,9 +104,10 @@ def with_options(
         if model not in MODEL_KINDS
     ]
     general = ("deflection", "displacement", "frequency", "response", "modes")
+    rules = ACCEPT.in_unit(unit, ())
     for text in accept:
         name, _, given = text.partition("=")
-        rule = ACCEPT.keys[name if name in general else general[0]].kind
+        rule = rules.keys[name if name in general else general[0]].kind
         value = int(given[:9]) if given.isdecimal() else _value("", given)
         if name not in (known := (*general, *(one.name for one in requirement.quantities))):
             faults.append(f"--accept {text}: must be NAME=NUMBER with a name of {', '.join(known)}")

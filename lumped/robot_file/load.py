@@ -34,7 +34,7 @@ from lumped.robot_file.mechanism.faults import description_faults, motion_faults
 from lumped.robot_file.places import keys_named, value_at, with_value
 from lumped.robot_file.reading import decoded, parsed, tables_of
 from lumped.robot_file.rules.published import key_comments
-from lumped.robot_file.rules.tables import MECHANISM, rules_of
+from lumped.robot_file.rules.tables import is_mechanism, rules_of
 from lumped.robot_file.written import toml_of
 from lumped.robots import FIRST_TYPE, RobotType
 from lumped.text import did_you_mean, visible
@@ -270,7 +270,7 @@ def described_by(tables: Mapping[str, Any], folder: Path) -> tuple[Mechanism, di
     Files that they name are sought in `folder`. Raises InputError with one line per fault.
     """
     rules = rules_of(tables)
-    any_robot = rules is MECHANISM
+    any_robot = is_mechanism(tables)
     described = draft(tables) if any_robot else None
     faults = biglide_faults(tables) if described is None else description_faults(tables, described)
     if faults:
@@ -322,7 +322,7 @@ def with_measured(robot_file: RobotFile, path: Path) -> RobotFile:
     Raises InputError with one line per fault, where the robot cannot be at a pose too.
     """
     robot = robot_file.mechanism
-    ones = read_measured(path, robot.judged_responses)
+    ones = read_measured(path, robot.judged_responses, robot.lengths, robot.tool.moves)
     faults = [
         fault
         for number, one in enumerate(ones, start=2)

@@ -138,7 +138,8 @@ def _wrenches_over(path: Path, robot: Mechanism) -> Array:
     rows = table_rows(path, "a CSV file of wrenches", _COMPONENTS, MOST_POSES)
     headings = rows[0].cells
     by_number = {_NUMBER: Number(least=1, most=len(robot.poses), whole=True)}
-    where = by_number if _NUMBER in headings else dict.fromkeys(robot.tool.moves, COORDINATE)
+    coordinate = COORDINATE.in_unit(robot.lengths, robot.tool.moves)
+    where = by_number if _NUMBER in headings else dict.fromkeys(robot.tool.moves, coordinate)
     if lacking := [name for name in where if name not in headings]:
         raise InputError(
             f"{path}: lacks the column {_NUMBER} (numbers of poses), or {', '.join(lacking)}"
@@ -169,9 +170,9 @@ def _take(
         for fault in rule.faults(values[name], f"{row.place}, column {name}")
     ]:
         raise InputError(faults)
-    pose = np.array([values[name] for name in where], dtype=float)
-    if _NUMBER in where:
-        pose = robot.poses[int(values[_NUMBER]) - 1]
+    typed = np.array([values[name] for name in where], dtype=float)
+    numbered = _NUMBER in where
+    pose = robot.poses[int(values[_NUMBER]) - 1] if numbered else robot.in_metres(typed)
     number, said = robot.number_of(pose), shown_pose(robot, pose)
     if number is None:
         raise InputError(f"{row.place}: {said}: must be a pose of the path")

@@ -5,10 +5,10 @@ from collections.abc import Collection, Iterator, Mapping
 from copy import deepcopy
 from typing import Any
 
-from lumped.mechanism.mechanism import UNITS_OF_MOVES
+from lumped.mechanism.mechanism import LENGTHS
 from lumped.robot_file.rules.matrices import SquareMatrix
 from lumped.robot_file.rules.rule import Number, Several, is_finite_number
-from lumped.robot_file.rules.tables import rules_of
+from lumped.robot_file.rules.tables import length_unit_of, rules_of
 
 _KEY = re.compile(
     r"(?P<names>[\w-]+(?:\.[\w-]+)*)(?:\[(?P<indices>[1-9]\d*(?:\s*,\s*[1-9]\d*)?)\])?"
@@ -66,7 +66,7 @@ def unit_of(tables: Mapping[str, Any], key: str) -> str:
     if names[0] == "path" and indices:
         # A list of poses has the coordinate second.
         move: str = tables["tool"]["moves"][indices[-1]]
-        return UNITS_OF_MOVES[move]
+        return length_unit_of(tables).name if move in LENGTHS else "rad"
     if names[0] == "joints":
         first, _, second = unit.partition(" or ")
         return second if tables["joints"][names[1]]["type"] == "revolute" else first

@@ -17,7 +17,10 @@ _FEW, _PATIENCE = 10, 2.0
 
 
 def parsed_pose(mechanism: Mechanism, text: str) -> Array:
-    """A typed pose, numbers separated by commas; raises InputError where it is none."""
+    """A pose as typed, in the file's unit of length, numbers separated by commas.
+
+    Raises InputError for anything else.
+    """
     moves = mechanism.tool.moves
     try:
         values = np.array([float(number) for number in text.split(",")])
@@ -26,7 +29,7 @@ def parsed_pose(mechanism: Mechanism, text: str) -> Array:
     if len(values) != len(moves) or not np.isfinite(values).all():
         wanted = ",".join(moves) or "nothing: the tool has no moves"
         raise InputError(f"--pose {text}: must be {wanted} as finite numbers separated by commas")
-    return values
+    return mechanism.in_metres(values)
 
 
 def parsed_poses(mechanism: Mechanism, texts: Iterable[str]) -> list[Array]:

@@ -45,9 +45,9 @@ def _size_and_mass(mechanism: Mechanism) -> Iterator[Finding]:
             yield Finding(
                 f"bodies.{body.name}",
                 "size and mass",
-                printed=f"{span:.4g} m from end to end, {mass:.3g} kg",
+                printed=f"{mechanism.lengths.shown(span, 4)} from end to end, {mass:.3g} kg",
                 wrong="no body of a machine has this size and this mass; are lengths given in mm? "
-                "they must be in m",
+                'they must be in m, or units = "mm" stand at the top of the file',
                 evidence=f"{mass / span:.3g} kg/m; a robot's legs have 0.1 to 3000 kg/m",
                 severity="warning",
                 numbers={"span": span, "mass": mass},

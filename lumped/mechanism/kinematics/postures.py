@@ -18,7 +18,7 @@ from lumped.mechanism.free_twists import turning
 from lumped.mechanism.joint import FREEDOMS
 from lumped.mechanism.kinematics.closure import Closure, Placement, closure_of
 from lumped.mechanism.kinematics.mobility import mobility, mobility_at, undetermined
-from lumped.mechanism.mechanism import UNITS_OF_MOVES, Mechanism, Posture
+from lumped.mechanism.mechanism import LENGTHS, Mechanism, Posture
 from lumped.memo import memo
 from lumped.text import counted
 
@@ -149,9 +149,9 @@ def _walked(closure: Closure, begin: Posture, target: Array) -> tuple[Placement,
 
 
 def shown_pose(mechanism: Mechanism, pose: Array) -> str:
-    """A pose in words: "x = 0.2 m, phi_z = 0.1 rad"."""
+    """A pose in words, in the file's unit of length: "x = 0.2 m, phi_z = 0.1 rad"."""
     return ", ".join(
-        f"{move} = {value:.6g} {UNITS_OF_MOVES[move]}"
+        f"{move} = {mechanism.lengths.shown(value) if move in LENGTHS else f'{value:.6g} rad'}"
         for move, value in zip(mechanism.tool.moves, pose, strict=True)
     )
 
@@ -162,7 +162,8 @@ def _checked(mechanism: Mechanism, pose: Array) -> Array:
     if target.shape != (len(moves),) or not (np.abs(target) <= _FARTHEST).all():
         raise InputError(
             f"{mechanism.name}: a pose must be {counted(len(moves), 'finite number')} "
-            f"up to {_FARTHEST:g} m or rad ({', '.join(moves) or 'none, the tool has no moves'})"
+            f"up to {mechanism.lengths.shown(_FARTHEST)} or {_FARTHEST:g} rad "
+            f"({', '.join(moves) or 'none, the tool has no moves'})"
         )
     return target
 
@@ -203,8 +204,8 @@ def _refuse_open_reference(closure: Closure) -> None:
     if residual.max(initial=0.0) > CLOSED * closure.size:
         joint = closure.mechanism.joints[closure.joint_of[np.argmax(residual)]]
         raise InputError(
-            f"{closure.mechanism.name}: joint {joint.name} is open by {residual.max():.3g} m in "
-            "the reference posture"
+            f"{closure.mechanism.name}: joint {joint.name} is open by "
+            f"{closure.mechanism.lengths.shown(residual.max(), 3)} in the reference posture"
         )
 
 
@@ -214,8 +215,9 @@ def _out_of_reach(closure: Closure, placement: Placement, pose: Array, done: flo
     reached = closure.pose(placement)[: len(pose)]
     joint = closure.mechanism.joints[int(np.argmax(widths))]
     why = (
-        f'cannot be reached: joint "{joint.name}" stays open by {widths.max():.3g} m; the way from '
-        f"the reference posture ends after {100.0 * done:.0f} %, at "
+        f'cannot be reached: joint "{joint.name}" stays open by '
+        f"{closure.mechanism.lengths.shown(widths.max(), 3)}; the way from the reference posture "
+        f"ends after {100.0 * done:.0f} %, at "
         f"{shown_pose(closure.mechanism, reached)}"
     )
     found = mobility_at(closure, placement)

@@ -48,6 +48,7 @@ def mechanism_of(given: Draft, name: str, folder: Path) -> Mechanism:
         tool=Tool(**tool),
         reference={body.name: frame for body, frame in placed},
         poses=np.zeros((0, len(tool["moves"]))),
+        lengths=given.unit,
     )
     if given.path is None:
         return replace(mechanism, poses=mechanism.reference_pose[None])

@@ -11,9 +11,10 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.mechanism.joint import AXES
+from lumped.mechanism.length_unit import UnitOfLength
 from lumped.robot_file.rules.relations import NO_DIRECTION, Entry
 from lumped.robot_file.rules.rule import Named
-from lumped.robot_file.rules.tables import MECHANISM
+from lumped.robot_file.rules.tables import MECHANISM, length_unit_of, rules_of
 
 _TELLING = {"from": "leg", "to": "leg", "points": "rigid body", "step": "part", "mesh": "part"}
 
@@ -26,9 +27,9 @@ class Draft:
     `kind` (None where it is none or several), its material as a table where that is sound, and
     where a named one stands (`material_key`), the points at which it can be `held` (None where
     they have faults), from a leg's first point to its second the `way` (3, m) and its `length`
-    (m). Of a joint: the `points` of its bodies, whether one is named twice (`one_twice`), which
-    key its kind `wanted`, the `directions` there, and the `way` between points that are apart. Of
-    the path: the tool's `moves`.
+    (m). Of bodies and joints: the unit of `lengths` in messages. Of a joint: the `points` of its
+    bodies, whether one is named twice (`one_twice`), which key its kind `wanted`, the `directions`
+    there, and the `way` between points that are apart. Of the path: the tool's `moves`.
     """
 
     points: Mapping[str, Array]
@@ -37,11 +38,13 @@ class Draft:
     tool: Entry | None
     path: Entry | None
     names: Mapping[str, tuple[str, ...]]
+    unit: UnitOfLength
 
 
 def draft(tables: Mapping[str, Any]) -> Draft:
     """What is sound in the tables of a robot file of schema 2."""
     names = {key: tuple(_group(tables, key)) for key in MECHANISM.keys}
+    unit = length_unit_of(tables)
     places, materials, bodies, joints, tool, path = (
         _sound(tables, key) for key in ("points", "materials", "bodies", "joints", "tool", "path")
     )
@@ -50,14 +53,19 @@ def draft(tables: Mapping[str, Any]) -> Draft:
         points=points,
         bodies={
             name: one
+            | {"lengths": unit}
             | _of_material(one["material"], materials, f"bodies.{name}")
             | _of_points(one, points, names["points"])
             for name, one in bodies.items()
         },
-        joints={name: one | _of_joint(one, points, name) for name, one in joints.items()},
+        joints={
+            name: one | {"lengths": unit} | _of_joint(one, points, name)
+            for name, one in joints.items()
+        },
         tool=tool or None,
         path=path | {"moves": tool["moves"]} if path and tool else None,
         names=names,
+        unit=unit,
     )
 
 
@@ -68,7 +76,7 @@ def _group(tables: Mapping[str, Any], key: str) -> Mapping[str, Any]:
 
 def _sound(tables: Mapping[str, Any], key: str) -> dict[str, Any]:
     """The sound entries of a table of named ones; of [tool] and [path] all or nothing."""
-    group, rule = _group(tables, key), MECHANISM.keys[key].kind
+    group, rule = _group(tables, key), rules_of(tables).keys[key].kind
     if isinstance(rule, Named):
         kind = rule.kind
         if len(group) > rule.most:

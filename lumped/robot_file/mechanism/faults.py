@@ -20,7 +20,7 @@ from lumped.mechanism.mechanism import GROUND, Mechanism
 from lumped.robot_file.mechanism.draft import Draft
 from lumped.robot_file.rules.relations import body_faults, joint_faults, path_faults, tool_faults
 from lumped.robot_file.rules.rule import Text
-from lumped.robot_file.rules.tables import MECHANISM
+from lumped.robot_file.rules.tables import MECHANISM, rules_of
 from lumped.text import counted, did_you_mean, shown
 
 # Poses of a path that are tried before anything is computed; the others are when they come up.
@@ -32,7 +32,7 @@ def description_faults(tables: Mapping[str, Any], given: Draft) -> list[str]:
 
     `given` is the draft of the tables.
     """
-    faults = MECHANISM.faults_within(tables)
+    faults = rules_of(tables).faults_within(tables)
     for relations, entries in (
         (body_faults, given.bodies.values()),
         (joint_faults, given.joints.values()),

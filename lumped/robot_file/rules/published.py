@@ -5,20 +5,30 @@ from collections.abc import Iterator, Mapping
 from textwrap import wrap
 from typing import Any
 
+from lumped.mechanism.length_unit import LENGTH_UNITS, UnitOfLength
 from lumped.robot_file.rules.rule import Either, Named, Rule, Several, TableRule
-from lumped.robot_file.rules.tables import BIGLIDE, MECHANISM
+from lumped.robot_file.rules.tables import BIGLIDE, MECHANISM, rules_of
 
 _WIDTH = 100
 
 
 def json_schema() -> dict[str, Any]:
     """JSON schema (draft 2020-12) of robot files of both schemas, for editors."""
+    in_metres, in_millimetres = map(_of_both_schemas, LENGTH_UNITS.values())
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "robot file of flexproof",
+        "if": {"properties": {"units": {"const": "mm"}}, "required": ["units"]},
+        "then": in_millimetres,
+        "else": in_metres,
+    }
+
+
+def _of_both_schemas(unit: UnitOfLength) -> dict[str, Any]:
+    return {
         "if": {"properties": {"schema": {"const": 1}}, "required": ["schema"]},
-        "then": BIGLIDE.schema,
-        "else": MECHANISM.schema,
+        "then": BIGLIDE.in_unit(unit, ()).schema,
+        "else": MECHANISM.in_unit(unit, ()).schema,
     }
 
 
@@ -30,7 +40,7 @@ def key_table() -> str:
 
 def key_comments(tables: Mapping[str, Any]) -> str:
     """All keys of a file of the schema of `tables`, as comments to stand at its end."""
-    rules = MECHANISM if tables["schema"] == 2 else BIGLIDE
+    rules = rules_of(tables)
     lines = ["# All keys, what each must be, and what it says:"]
     for name, allowed, says in _lines(rules):
         lines += wrap(

@@ -11,6 +11,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from lumped.mechanism.joint import FREEDOMS, SMALLEST_SINE
+from lumped.mechanism.length_unit import METRE, UnitOfLength
 from lumped.mechanism.mechanism import GROUND
 from lumped.robot_file.rules.rule import too_many
 from lumped.robot_file.rules.tables import BODY, MOST_POSES
@@ -37,6 +38,7 @@ def leg_faults(leg: Entry) -> Iterator[str]:
     """Faults of a leg of either schema."""
     key, mass, material = leg["key"], leg["mass"], leg["material"]
     compliance, length = leg["compliance"], leg["length"]
+    unit: UnitOfLength = leg["lengths"]
     given = _given(leg, "compliance", "section", "material")
     if given not in (["compliance"], ["section", "material"]):
         said = f"has {' and '.join(given)}" if given else "neither compliance nor section"
@@ -63,17 +65,23 @@ def leg_faults(leg: Entry) -> Iterator[str]:
     for name in ("width", "height", "diameter"):
         if (size := getattr(leg["section"], name, 0.0)) >= length:
             yield (
-                f"{key}.section.{name} = {size!r}: must be below the leg's length, {length:g} m; "
-                "is this in mm?"
+                f"{key}.section.{name} = {unit.of(size)!r}: must be below the leg's length, "
+                f"{unit.shown(length)}; {_doubt(unit)}"
             )
     for i, j in ((2, 6), (3, 5)) if compliance is not None else ():
         deflection, rotation = float(compliance[i - 1, i - 1]), float(compliance[j - 1, j - 1])
         if deflection > (most := rotation * length**2 / _SMALLEST_BENDING_SHARE):
             yield (
                 f"{key}.compliance[{i},{i}] = {deflection!r}: must be at most {most:.3g} m/N "
-                f"beside [{j},{j}] = {rotation!r} rad/(N m) and a length of {length:g} m; "
+                f"beside [{j},{j}] = {rotation!r} rad/(N m) and a length of "
+                f"{unit.shown(length)}; "
                 "is this in mm/N and rad/(N mm)?"
             )
+
+
+def _doubt(unit: UnitOfLength) -> str:
+    """Question after the unit of a length that is too large."""
+    return "is this in mm?" if unit == METRE else "is this in µm?"
 
 
 def body_faults(body: Entry) -> Iterator[str]:
@@ -102,7 +110,7 @@ def _placed_leg(leg: Entry, key: str) -> Iterator[str]:
     if length is not None and length < _TOGETHER:
         yield (
             f'{key}.to = "{leg["to"]}": must be apart from "{leg["from"]}", where the leg begins '
-            f"(they are {length:.3g} m apart)"
+            f"(they are {leg['lengths'].shown(length, 3)} apart)"
         )
     elif length is not None and up is not None and _parallel(up, leg["way"], _ALONG_LEG):
         yield f"{key}.up = {list(up)}: must be a direction that does not lie along the leg"
@@ -195,9 +203,10 @@ def joint_faults(joint: Entry) -> Iterator[str]:
             "a universal joint turns about two directions"
         )
     if slides and directions and not _parallel(directions[0], way, SMALLEST_SINE):
+        apart = joint["lengths"].shown(float(np.linalg.norm(way)), 3)
         yield (
             f"{key}.axis = {list(directions[0])}: must point from {at[0]} to {at[1]} or back, "
-            f"which are {np.linalg.norm(way):.3g} m apart; or be left out"
+            f"which are {apart} apart; or be left out"
         )
 
 

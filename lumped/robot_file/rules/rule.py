@@ -2,12 +2,14 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import isfinite
 from operator import ge, gt, le, lt
 from re import fullmatch
-from typing import Any, ClassVar, TypeGuard
+from typing import Any, ClassVar, Self, TypeGuard
 
+from lumped.mechanism.length_unit import COORDINATES, METRE, POWERS, UnitOfLength
+from lumped.mechanism.mechanism import LENGTHS
 from lumped.text import cut, did_you_mean, shown
 
 # Further unknown keys of one table are only named: to look for what was meant takes its time.
@@ -62,6 +64,13 @@ class Rule(ABC):
         """A sound value, or one as it is read, and all that stands in it: key, rule and value."""
         yield key, self, value
 
+    def in_unit(self, unit: UnitOfLength, moves: Sequence[str]) -> Self:  # noqa: ARG002
+        """The rule for a file with lengths in `unit` whose poses are of such `moves`.
+
+        Values are read in metres.
+        """
+        return self
+
     def refused(self, value: object, key: str) -> str:
         """The fault of a value that is something else."""
         return f"{key} = {shown(value)}: must be {self.allowed}"
@@ -72,7 +81,7 @@ class Number(Rule):
     """A number in `unit`: `above` or at `least`, `below` or at `most`.
 
     `low` and `high` ask whose number is out of bounds; above 0 but below `slip` is a slip of the
-    exponent. `example` stands behind the unit.
+    exponent. `example` stands behind the unit. A value is divided by `divisor` when it is read.
     """
 
     written = (int, float)
@@ -86,6 +95,7 @@ class Number(Rule):
     slip: float | None = None
     example: str = ""
     whole: bool = False
+    divisor: float = 1.0
 
     @property
     def allowed(self) -> str:
@@ -116,7 +126,17 @@ class Number(Rule):
         return [f"{key} = {shown(value)}: {fault}"] if fault else []
 
     def read(self, value: Any) -> int | float:
-        return int(value) if self.whole else float(value)
+        return int(value) if self.whole else float(value) / self.divisor
+
+    def in_unit(self, unit: UnitOfLength, moves: Sequence[str]) -> Self:  # noqa: ARG002
+        if self.unit not in POWERS or unit == METRE:
+            return self
+        factor = unit.per_metre ** POWERS[self.unit]
+        limits = {name: getattr(self, name) for name in ("above", "least", "below", "most", "slip")}
+        scaled = {name: limit and limit * factor for name, limit in limits.items()}
+        # Questions after a millimetre are for files in metres.
+        own = replace(self, unit=self.unit.replace("m", unit.name), low="", high="", **scaled)
+        return own if self.unit == COORDINATES else replace(own, divisor=factor)
 
     @property
     def _unit(self) -> str:
@@ -234,6 +254,26 @@ class Several(Rule):
         for i, one in enumerate(value, start=1):
             yield from self.kind.within(one, f"{key}[{i}]")
 
+    def in_unit(self, unit: UnitOfLength, moves: Sequence[str]) -> Self:
+        return replace(self, kind=self.kind.in_unit(unit, moves))
+
+
+@dataclass(frozen=True)
+class Pose(Several):
+    """The coordinates of a pose, read as m and rad: each is divided by its one of `divisors`."""
+
+    divisors: tuple[float, ...] = ()
+
+    def read(self, value: Any) -> tuple[Any, ...]:
+        found = super().read(value)
+        if len(found) != len(self.divisors):
+            return found
+        return tuple(one / divisor for one, divisor in zip(found, self.divisors, strict=True))
+
+    def in_unit(self, unit: UnitOfLength, moves: Sequence[str]) -> Self:
+        divisors = tuple(unit.per_metre if move in LENGTHS else 1.0 for move in moves)
+        return replace(super().in_unit(unit, moves), divisors=divisors)
+
 
 @dataclass(frozen=True)
 class Either(Rule):
@@ -261,6 +301,10 @@ class Either(Rule):
     def within(self, value: Any, key: str) -> Iterator[tuple[str, Rule, Any]]:
         if (meant := self._meant(value)) is not None:
             yield from meant.within(value, key)
+
+    def in_unit(self, unit: UnitOfLength, moves: Sequence[str]) -> Self:
+        first, second = (kind.in_unit(unit, moves) for kind in (self.first, self.second))
+        return replace(self, first=first, second=second)
 
     def _meant(self, value: object) -> Rule | None:
         kinds = (self.first, self.second)
@@ -306,6 +350,9 @@ class Named(Rule):
         for name, entry in value.items():
             yield from self.name.within(name, f"{key}.{name}")
             yield from self.kind.within(entry, f"{key}.{name}")
+
+    def in_unit(self, unit: UnitOfLength, moves: Sequence[str]) -> Self:
+        return replace(self, kind=self.kind.in_unit(unit, moves))
 
 
 @dataclass(frozen=True)
@@ -384,3 +431,7 @@ class TableRule(Rule):
         for name, one in self.keys.items():
             if value.get(name) is not None:
                 yield from one.kind.within(value[name], f"{key}.{name}" if key else name)
+
+    def in_unit(self, unit: UnitOfLength, moves: Sequence[str]) -> Self:
+        keys = (replace(key, kind=key.kind.in_unit(unit, moves)) for key in self.keys.values())
+        return type(self)(*keys)

@@ -4,9 +4,9 @@ Bounds that only catch wrong units are wide: nothing that has been built lies ou
 usual mistake (millimetres, gigapascals, a stiffness for a compliance) does.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
-from typing import Any, get_args
+from typing import Any, Self, get_args
 
 from lumped.acceptance.quantities import MOST_MODES, UNIT_LOADS
 from lumped.acceptance.requirement import (
@@ -21,7 +21,9 @@ from lumped.acceptance.requirement import (
 from lumped.legs import Ends
 from lumped.mechanism.body import Coupling, LengthUnit
 from lumped.mechanism.joint import JointKind
+from lumped.mechanism.length_unit import COORDINATES, LENGTH_UNITS, METRE, UnitOfLength
 from lumped.mechanism.mechanism import MOVES
+from lumped.memo import memo
 from lumped.robot_file.rules.matrices import SquareMatrix
 from lumped.robot_file.rules.rule import (
     Either,
@@ -29,6 +31,7 @@ from lumped.robot_file.rules.rule import (
     Named,
     Number,
     OneOf,
+    Pose,
     Rule,
     Several,
     TableRule,
@@ -47,8 +50,8 @@ _LENGTH = Number("m", above=0.0, most=100.0, high=_MM, slip=1e-4)
 _OFFSET = Number("m", least=-10.0, most=10.0, low=_MM, high=_MM)
 _POINT = Several(Number("m", least=-100.0, most=100.0, low=_MM, high=_MM), 3)
 # Metres and radians alike; what is out of reach is found by closing the loops.
-COORDINATE = Number("m or rad", least=-100.0, most=100.0, low=_MM, high=_MM)
-_POSE = Several(COORDINATE)
+COORDINATE = Number(COORDINATES, least=-100.0, most=100.0, low=_MM, high=_MM)
+_POSE = Pose(COORDINATE)
 # Any length: a direction is made a unit vector.
 _DIRECTION = Several(Number(least=-1e6, most=1e6), 3)
 # 1e5 kg: a hundred tonnes in one leg or platform. 1 µg: less than the smallest silicon part.
@@ -99,11 +102,15 @@ class SectionRule(Rule):
     """A shape of lumped.sections with its sizes (m), which also says what is wrong with them."""
 
     written = (dict,)
-    allowed = "a table with a shape and its sizes in m"
+    unit: UnitOfLength = METRE
+
+    @property
+    def allowed(self) -> str:
+        return f"a table with a shape and its sizes in {self.unit.name}"
 
     @property
     def schema(self) -> dict[str, Any]:
-        return {"oneOf": [_shape_table(shape).schema for shape in SHAPES]}
+        return {"oneOf": [_shape_table(shape, self.unit).schema for shape in SHAPES]}
 
     def faults(self, value: object, key: str) -> list[str]:
         if not isinstance(value, dict):
@@ -114,23 +121,29 @@ class SectionRule(Rule):
         if not isinstance(shape, str) or shape not in SHAPES:
             advice = did_you_mean(str(shape), SHAPES)
             return [f"{key}.shape = {shown(shape)}: {shapes}{advice}"]
-        faults = _shape_table(shape).faults(value, key)
-        return faults or [f"{key}.{fault}" for fault in self.read(value).faults()]
+        faults = _shape_table(shape, self.unit).faults(value, key)
+        # Sizes as they are typed: a shape is possible or not in any unit.
+        typed = faults or SectionRule().read(value).faults(self.unit.name)
+        return faults or [f"{key}.{fault}" for fault in typed]
 
     def read(self, value: Any) -> Section:
-        sizes = {name: float(size) for name, size in value.items() if name != "shape"}
-        return SHAPES[value["shape"]](**sizes)
+        sizes = _shape_table(value["shape"], self.unit).read(value)
+        return SHAPES[sizes.pop("shape")](**sizes)
 
     def within(self, value: Any, key: str) -> Iterator[tuple[str, Rule, Any]]:
         if isinstance(value, dict):
-            yield from _shape_table(value["shape"]).within(value, key)
+            yield from _shape_table(value["shape"], self.unit).within(value, key)
+
+    def in_unit(self, unit: UnitOfLength, moves: Sequence[str]) -> Self:  # noqa: ARG002
+        return replace(self, unit=unit)
 
 
-def _shape_table(shape: str) -> TableRule:
-    """Rules of a shape with its sizes, in their usual order."""
+def _shape_table(shape: str, unit: UnitOfLength) -> TableRule:
+    """Rules of a shape with its sizes in a unit, in their usual order."""
     kind: Any = SHAPES[shape]
     sizes = (needed(field.name, _SIZE, "outer dimension or wall") for field in fields(kind))
-    return TableRule(needed("shape", OneOf((shape,)), "kind of section"), *sizes)
+    table = TableRule(needed("shape", OneOf((shape,)), "kind of section"), *sizes)
+    return table.in_unit(unit, ())
 
 
 MATERIAL = TableRule(
@@ -286,7 +299,7 @@ MEASURED = TableRule(
     needed("value", _MEASURED, "m or rad under `load`, Hz, or SI of a compliance or response"),
     needed("uncertainty", _SPREAD, "its standard uncertainty, in the same unit"),
     needed("source", _TEXT, "who measured it"),
-    Key("pose", Several(_NUMBER), "where, in the order of the moves", default=()),
+    Key("pose", _POSE, "where, in the order of the moves", default=()),
     Key("load", _TEST_LOAD, "N or N m", default=1.0),
 )
 MEASURED_VALUES = Several(MEASURED)
@@ -309,9 +322,11 @@ _INPUT_UNCERTAINTY = TableRule(
     needed("key", _TEXT, 'a number or matrix of this file, "leg1.length" say'),
     needed("relative", _SHARE, "its relative standard uncertainty"),
 )
+_UNITS = "of lengths alone: what is listed in m is in mm then, all else as listed"
 _HEAD = (
     needed("schema", OneOf((1, 2)), "version of this format: 2; 1 for the biglide's own"),
     needed("name", _TITLE, "appears in the report"),
+    Key("units", OneOf(tuple(LENGTH_UNITS)), _UNITS, default=METRE.name),
 )
 _ASKED = (
     Key("loads", Several(LOAD), "the designer's own loads, each judged", default=()),
@@ -336,6 +351,8 @@ MECHANISM = TableRule(
     *_ASKED,
 )
 
+# What a pose of the biglide prescribes.
+_BIGLIDE_MOVES = ("x",)
 # Schema 1, the biglide: what schema 2 says under names of its own, and three numbers more.
 # Ten times as long: beyond any family of one design.
 _RATIO = Number(above=0.0, most=10.0, high=_PERCENT)
@@ -395,10 +412,37 @@ BIGLIDE = TableRule(
 
 
 def rules_of(tables: Mapping[str, Any]) -> TableRule:
-    """The rules for a file's tables: those of its schema."""
+    """The rules for a file's tables: those of its schema, in its unit of length."""
+    unit = length_unit_of(tables)
+    rules = MECHANISM if is_mechanism(tables) else BIGLIDE
+    return rules if unit == METRE else _in_unit(rules, unit, _moves_of(tables))
+
+
+def is_mechanism(tables: Mapping[str, Any]) -> bool:
+    """Whether a file's tables are those of schema 2."""
     schema = tables.get("schema")
     # True is 1 to Python, and is no number in the file.
     schema = None if isinstance(schema, bool) else schema
     # Whoever mistypes the number has written one of the two all the same.
     any_robot = not tables.keys().isdisjoint(("points", "bodies", "joints"))
-    return MECHANISM if schema == 2 or (schema != 1 and any_robot) else BIGLIDE
+    return schema == 2 or (schema != 1 and any_robot)
+
+
+def length_unit_of(tables: Mapping[str, Any]) -> UnitOfLength:
+    """The unit of lengths in a file's tables; metres if it has none or a wrong one."""
+    name = tables.get("units")
+    return LENGTH_UNITS.get(name, METRE) if isinstance(name, str) else METRE
+
+
+def _moves_of(tables: Mapping[str, Any]) -> tuple[str, ...]:
+    """Moves of the tool, those of the biglide in its own files; none if they are unsound."""
+    if not is_mechanism(tables):
+        return _BIGLIDE_MOVES
+    tool = tables.get("tool")
+    moves = tool.get("moves") if isinstance(tool, dict) else None
+    return () if TOOL.keys["moves"].kind.faults(moves, "") else tuple(moves or ())
+
+
+@memo(16)
+def _in_unit(rules: TableRule, unit: UnitOfLength, moves: tuple[str, ...]) -> TableRule:
+    return rules.in_unit(unit, moves)

@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import asdict, replace
+from itertools import product
 
 import pytest
 
@@ -99,6 +100,6 @@ def test_new_file_lists_the_limits(tmp_path, kind):
 
 
 def test_schema_has_the_limits_with_their_defaults():
-    for branch in ("then", "else"):
-        properties = json_schema()[branch]["properties"]["agree"]["properties"]
+    for unit, branch in product(("then", "else"), repeat=2):
+        properties = json_schema()[unit][branch]["properties"]["agree"]["properties"]
         assert {key: one["default"] for key, one in properties.items()} == DEFAULTS
