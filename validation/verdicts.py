@@ -1,13 +1,20 @@
 """The adequacy of models as data: entries of a matrix model × quantity."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Literal, TypeAlias
+from dataclasses import dataclass
+from math import inf
+from typing import Annotated, Generic, Literal, TypeAlias, TypeVar, get_args
+
+import msgspec
+from msgspec import UNSET, UnsetType
 
 from lumped.acceptance.quantities import ROTATIONS, Quantity
 from validation.context import PRESETS, Context, Preset
 
 Adequacy: TypeAlias = Literal["adequate", "inadequate", "undecided"]
+# Types of an entry's quantity and causes.
+Q = TypeVar("Q")
+C = TypeVar("C", bound="CauseShare")
 # The two assessments of a run by id: against what is computed, and against what was measured.
 ADEQUACY, MEASURED = "adequacy", "adequacy.measured"
 # The figure that shows a measured response beside those of the models.
@@ -31,86 +38,120 @@ class Coordinate:
         return f"rotation about {about} ({self.unit})" if about else str(self)
 
 
-@dataclass(frozen=True)
-class Cause:
-    """A named cause and its share of an error (1: all of it, negative: it works against it).
-
-    `source` says what the amount was computed from.
-    """
+class CauseShare(msgspec.Struct, frozen=True):
+    """A named cause and its share of an error (1: all of it; negative: it works against it)."""
 
     cause: str
     share: float
+
+
+class Cause(CauseShare, frozen=True):
+    """A cause within a run, with the computation that its amount is from."""
+
     source: str = ""
 
 
-@dataclass(frozen=True)
-class Entry:
-    """What one model says of one quantity, judged over all poses.
+# Marks a field of an entry that is a column of CSV tables, under its title or its name.
+COLUMN = msgspec.Meta(title="")
 
-    `error` is total and relative at `pose`, the one that decides: of frequencies (model −
-    reference)/reference, of deflections |u − u*|/|u*| of the whole displacement, never negative.
-    None where the model does not have the quantity at all or nothing is known. It is against one
-    reading of the reference: where the robot file leaves something open, against the one from which
-    the model is farthest. `uncertainty` is the half-width of that error. From `low` to `high` is
-    every error that the readings with their half-widths leave open, by which the verdict is given;
-    that of a deflection ends at zero. `readings` are the errors by the names of the readings, where
-    there are several. `uncertainties` are parts by name: those of the half-width, and half of what
-    lies between the readings. `value` and `expected` are the model's and the reference's numbers
-    there (Hz, of "order", too; of deflections along their load, m/N or rad/(N m)), `expected_range`
-    (lowest, highest) what is left open of the latter, `along` the signed error that they show,
-    `force` (x, y, z) the worst direction of any force. `errors`, `spreads`, `lows` and `highs` are
-    error, uncertainty, low and high at every pose, `values` the model's numbers there, `alongs` the
-    signed errors along the load. `reason` says why a verdict is not "adequate" where no number
-    does, and what would decide where it is undecided. `measured`: the reference is a measured
-    value, `mac` how like the modes are of which it is the frequency. Where inputs are uncertain:
-    `probability` (0 to 1) of being within the limit, `probability_beyond` it, `input_shares`, the
-    first-order indices of Sobol' of the error by the inputs' keys, and `value_spread`, the half-
-    width (95 %) that they leave open of `value`. `assumed`: what the reference is taken to cover,
-    where nothing that could be computed would tell.
+
+class EntryRecord(msgspec.Struct, Generic[Q, C], frozen=True, kw_only=True):
+    """Verdict on one quantity of one model: an object of "adequacy" in results.json.
+
+    The only place that lists these fields: runs, results.json, CSV tables, `compare`, the API and
+    the page use this class. Fields marked as `COLUMN` are columns of CSV, in this order. Numbers
+    are in SI units; errors, half-widths and shares are ratios. A number that is not finite is null
+    in JSON, and null is read as None. Numbers without an index of poses are those of `pose`.
     """
 
-    model: str
-    quantity: Quantity
-    error: float | None
-    uncertainty: float | None
-    limit: float
-    verdict: Adequacy
-    pose: tuple[float, ...]
-    reference: str
-    low: float | None = None
-    high: float | None = None
-    readings: Mapping[str, float] = field(default_factory=dict)
-    causes: tuple[Cause, ...] = ()
-    remedy: str = ""
-    error_with_remedy: float | None = None
-    reason: str = ""
-    value: float | None = None
-    expected: float | None = None
+    # Name of the model: "vjm".
+    model: Annotated[str, COLUMN]
+    # A `Quantity` within a run, its name in results.json.
+    quantity: Annotated[Q, COLUMN]
+    verdict: Annotated[Adequacy, COLUMN]
+    # Total error. Of frequencies (model − reference)/reference with its sign, of deflections
+    # |u − u*|/|u*| of the whole displacement, never negative. If the robot file allows several
+    # readings, it is the error against the reading from which the model is farthest. None if the
+    # model does not have the quantity, or if it is not known.
+    error: Annotated[float | None, COLUMN] = None
+    # Half-width of `error`.
+    uncertainty: Annotated[float | None, COLUMN] = None
+    # Bounds of the errors by all readings with their half-widths; they decide the verdict. Those of
+    # a deflection end at zero.
+    low: Annotated[float | None, COLUMN] = None
+    high: Annotated[float | None, COLUMN] = None
+    # Largest accepted size of the error. Infinite if every error is accepted.
+    limit: Annotated[float | None, COLUMN] = None
+    # Signed error of the displacement along its load. None for frequencies.
+    along: Annotated[float | None, msgspec.Meta(title="error along the load")] = None
+    # Number of the model (Hz; of deflections along their load, m/N, rad/(N m), or m of loads).
+    value: Annotated[float | None, COLUMN] = None
+    # Number of the reference in the unit of `value`.
+    expected: Annotated[float | None, msgspec.Meta(title="reference value")] = None
+    # Reference in words.
+    reference: Annotated[str, COLUMN] = ""
+    # Likeness of the modes (0 to 1) whose measured and computed frequencies are compared.
+    mac: Annotated[float | None, COLUMN] = None
+    # Change of the model that reduces the error; "" if there is none.
+    remedy: Annotated[str, COLUMN] = ""
+    # Largest error over all poses after the remedy.
+    error_with_remedy: Annotated[float | None, COLUMN] = None
+    # Reason of a verdict that no number gives, or of an undecided one, with what would decide it.
+    reason: Annotated[str, COLUMN] = ""
+    # Probability (0 to 1) of an error within the limit. None unless inputs are uncertain.
+    probability: Annotated[float | None, COLUMN] = None
+    # Worst direction of any force (x, y, z of the base axes); () for other quantities.
+    force: Annotated[tuple[float, ...], msgspec.Meta(title="worst force")] = ()
+    # Deciding pose (m, rad), in the order of the robot's moves.
+    pose: Annotated[tuple[float, ...], COLUMN] = ()
+    # Errors by the names of the readings; {} if there is one reading.
+    readings: Annotated[Mapping[str, float], COLUMN] = {}
+    # Causes of `error`, the largest first.
+    causes: Annotated[tuple[C, ...], COLUMN] = ()
+    # Parts of the half-width by source, and half the distance between the readings.
+    uncertainties: Mapping[str, float | None] = {}
+    # True if the reference is a measured value.
+    measured: bool = False
+    # Probability (0 to 1) of an error beyond the limit.
+    probability_beyond: float | None = None
+    # First-order Sobol' indices of the error by the keys of the uncertain inputs.
+    input_shares: Mapping[str, float] = {}
+    # Half-width (95 %) of `value` due to uncertain inputs.
+    value_spread: float | None = None
+    # Assumption on the reference that no computation can check; "" if there is none.
+    assumed: str = ""
+    # All poses, in results.json only, and the values of the model at each of them.
+    poses: tuple[tuple[float, ...], ...] = ()
+    values: tuple[float | None, ...] = ()
+    # Part of the robot, in results.json only. Not written for the robot itself.
+    part: str | UnsetType = UNSET
+
+    @property
+    def signed(self) -> bool:
+        """True if errors have a sign; the error of a whole displacement has none."""
+        return self.along is None
+
+
+class Entry(EntryRecord[Quantity, Cause], frozen=True, kw_only=True):
+    """An entry within a run, with what the page shows of it and results.json leaves out."""
+
+    # Numbers that are infinite here are None in the class above, as JSON has none.
+    limit: Annotated[float, COLUMN] = inf
+    uncertainties: Mapping[str, float] = {}
+    # Lowest and highest number of the reference by all readings, with half-widths.
     expected_range: tuple[float, ...] = ()
-    uncertainties: Mapping[str, float] = field(default_factory=dict)
+    # Error, half-width, bounds and error along the load at each pose.
     errors: tuple[float | None, ...] = ()
     spreads: tuple[float | None, ...] = ()
     lows: tuple[float | None, ...] = ()
     highs: tuple[float | None, ...] = ()
-    values: tuple[float | None, ...] = ()
-    along: float | None = None
     alongs: tuple[float | None, ...] = ()
-    force: tuple[float, ...] = ()
+    # Functions that computed the numbers.
     computed_by: tuple[str, ...] = ()
-    measured: bool = False
-    probability: float | None = None
-    probability_beyond: float | None = None
-    input_shares: Mapping[str, float] = field(default_factory=dict)
-    value_spread: float | None = None
-    assumed: str = ""
-    mac: float | None = None
 
     @property
     def chance(self) -> float | None:
-        """How probable the verdict is, of one that is undecided the likelier one; None if unknown.
-
-        That is where inputs of the robot are uncertain.
-        """
+        """Probability of the verdict, or of the likelier one if undecided; None if unknown."""
         if self.probability is None or self.probability_beyond is None:
             return None
         both = {"adequate": self.probability, "inadequate": self.probability_beyond}
@@ -120,6 +161,16 @@ class Entry:
     def signed(self) -> bool:
         """True if errors have a sign; the error of a whole displacement has none."""
         return not self.quantity.whole
+
+
+def entry_columns() -> dict[str, str]:
+    """Headings of the columns of CSV tables by the names of the fields, in their order."""
+    return {
+        field.name: mark.title or field.name.replace("_", " ")
+        for field in msgspec.structs.fields(EntryRecord)
+        for mark in get_args(field.type)
+        if isinstance(mark, msgspec.Meta)
+    }
 
 
 @dataclass(frozen=True)

@@ -177,8 +177,6 @@ def _unknown(subject: Subject, model: Model, quantity: Quantity, limit: float) -
     return Entry(
         model=model.name,
         quantity=quantity,
-        error=None,
-        uncertainty=None,
         limit=limit,
         verdict="undecided",
         pose=_pose(subject, 0),

@@ -2,7 +2,7 @@
 
 import re
 from base64 import b64encode
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from functools import partial
 from inspect import unwrap
 from math import isfinite
@@ -12,6 +12,7 @@ from markupsafe import escape
 
 from validation.case import Absolute, Tolerance
 from validation.exhibits import Figure
+from validation.verdicts import EntryRecord
 
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _MINUS = "−"
@@ -74,34 +75,6 @@ def spread_text(uncertainty: float | None) -> str:
     return f"±\u00a0{error_text(uncertainty, signed=False)}"
 
 
-class StatedError(Protocol):
-    """An error with its half-width, the interval that is left open, and its readings by name."""
-
-    @property
-    def error(self) -> float | None:
-        """The error against the reading from which it is farthest."""
-
-    @property
-    def uncertainty(self) -> float | None:
-        """Half-width of that error."""
-
-    @property
-    def low(self) -> float | None:
-        """The lowest error of all readings with their half-widths."""
-
-    @property
-    def high(self) -> float | None:
-        """The largest one."""
-
-    @property
-    def readings(self) -> Mapping[str, float]:
-        """Errors by the names of the readings; empty if there is one."""
-
-    @property
-    def signed(self) -> bool:
-        """Whether the error has a sign."""
-
-
 class ErrorText(Protocol):
     """An error in percent, with its sign if it is `signed`."""
 
@@ -110,7 +83,7 @@ class ErrorText(Protocol):
 
 
 def error_parts(
-    stated: StatedError, *, named: bool = True, written: ErrorText = error_text
+    stated: EntryRecord[Any, Any], *, named: bool = True, written: ErrorText = error_text
 ) -> tuple[str, str]:
     """An error and the half-width beside it as text; ("", "") without an error.
 
@@ -136,18 +109,18 @@ def error_parts(
     return apart or written(error, signed=stated.signed), spread
 
 
-def error_with_spread(stated: StatedError, written: ErrorText = error_text) -> str:
+def error_with_spread(stated: EntryRecord[Any, Any], written: ErrorText = error_text) -> str:
     """An error in one text: "+1.2 % ± 0.3 %", "below 4.4 %"; readings with their names."""
     return " ".join(filter(None, error_parts(stated, written=written)))
 
 
-def bound(stated: StatedError) -> float:
+def bound(stated: EntryRecord[Any, Any]) -> float:
     """The largest size of an error that is left open."""
     ends = (stated.error, stated.low, stated.high)
     return max(abs(end) for end in ends if end is not None)
 
 
-def _apart(stated: StatedError, written: ErrorText, *, named: bool) -> str:
+def _apart(stated: EntryRecord[Any, Any], written: ErrorText, *, named: bool) -> str:
     """The lowest and the highest reading; "" if there is one, or both read alike."""
     ranked = sorted(stated.readings.items(), key=lambda reading: reading[1])
     if len(ranked) < 2:

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from math import hypot, isfinite
 
 import numpy as np
+from msgspec import structs
 
 from lumped.acceptance.measured import Measured, ModalTest
 from lumped.acceptance.quantities import AXES, Quantity
@@ -134,8 +135,6 @@ def _refused(
     return Entry(
         model=model,
         quantity=quantity,
-        error=None,
-        uncertainty=None,
         limit=requirement.limit(quantity),
         verdict="undecided",
         pose=one.pose,
@@ -150,7 +149,7 @@ def _with_refusals(entry: Entry, refused: Mapping[Measured, str]) -> Entry:
     if not refused or entry.verdict == "inadequate":
         return entry
     reason = f"{entry.model} cannot be computed for all values: {next(iter(refused.values()))}"
-    return replace(entry, verdict="undecided", reason=reason)
+    return structs.replace(entry, verdict="undecided", reason=reason)
 
 
 def predicted(
@@ -256,40 +255,45 @@ def _entry(
     worst, compared = next(pair for pair in ordered if pair[1].verdict(limit) == verdict)
     at = [next((own for one, own in ordered if one.pose == pose), None) for pose in poses]
     pair = pairs[worst]
+    reason = pair.reason if pair else ""
+    share = compared.value / worst.value
+    if worst.response is not None and share < 0.0:
+        reason = (
+            reason or "moves the other way than measured: is a sign or direction of the test wrong?"
+        )
     entry = Entry(
         model=model,
         quantity=quantity,
+        limit=limit,
+        verdict="undecided",
+        pose=worst.pose,
+        reference=f"measured: {worst.source}",
+        reason=reason,
+        expected=worst.value,
+        measured=True,
+        mac=pair and pair.mac,
+        computed_by=("validation.measured.matrix.predicted", "validation.measured.matrix"),
+    )
+    if reason:
+        # Modes that are not alike, and signs that are not, cannot be compared.
+        return entry
+    if worst.response is not None and not 1.0 / _OF_UNITS < share < _OF_UNITS:
+        reason = f"{share:.3g} times what was measured: is a unit wrong?"
+    elif verdict == "undecided":
+        reason = "needs a smaller validation uncertainty"
+    return structs.replace(
+        entry,
+        verdict=verdict,
+        reason=reason,
         error=compared.error,
         uncertainty=compared.uncertainty,
         low=compared.error - compared.uncertainty,
         high=compared.error + compared.uncertainty,
-        limit=limit,
-        verdict=verdict,
-        pose=worst.pose,
-        reference=f"measured: {worst.source}",
-        reason="" if verdict != "undecided" else "needs a smaller validation uncertainty",
         value=compared.value,
-        expected=worst.value,
         uncertainties=compared.uncertainties,
         errors=tuple(own.error if own else None for own in at),
         spreads=tuple(own.uncertainty if own else None for own in at),
         lows=tuple(own.error - own.uncertainty if own else None for own in at),
         highs=tuple(own.error + own.uncertainty if own else None for own in at),
         values=tuple(own.value if own else None for own in at),
-        measured=True,
-        mac=pair and pair.mac,
-        computed_by=("validation.measured.matrix.predicted", "validation.measured.matrix"),
     )
-    reason = pair.reason if pair else ""
-    if worst.response is not None and not reason:
-        share = compared.value / worst.value
-        if share < 0.0:
-            reason = "moves the other way than measured: is a sign or direction of the test wrong?"
-        elif not 1.0 / _OF_UNITS < share < _OF_UNITS:
-            return replace(entry, reason=f"{share:.3g} times what was measured: is a unit wrong?")
-    if not reason:
-        return entry
-    # Modes that are not alike say nothing of each other, nor do signs that are not.
-    entry = replace(entry, error=None, uncertainty=None, value=None, uncertainties={})
-    entry = replace(entry, low=None, high=None, errors=(), spreads=(), lows=(), highs=(), values=())
-    return replace(entry, verdict="undecided", reason=reason)

@@ -1,8 +1,8 @@
 """The matrix model × quantity as a table of the page, with a sheet behind each number; as CSV."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 from lumped.acceptance.quantities import (
     ANY_FORCE,
@@ -27,7 +27,7 @@ from validation.report.words import (
     model_name,
     pose_text,
 )
-from validation.verdicts import Adequacy, Entry, Matrix, ModelNote
+from validation.verdicts import Adequacy, Cause, Entry, Matrix, ModelNote, entry_columns
 
 # A word, and what is to be said under it.
 Line: TypeAlias = tuple[str, str]
@@ -36,8 +36,6 @@ MARKS: Mapping[Adequacy, str] = {"adequate": "✓", "inadequate": "✗", "undeci
 FORCE, MOMENT = 1000.0, 100.0
 # From here on a verdict is as good as certain.
 _CERTAIN = 0.995
-# Columns of the CSV that go by another name than the field of an entry.
-_HEADINGS = {"along": "error along the load", "expected": "reference value"}
 # A model without a motion is off by all of it.
 _ALL = 1.0 - 1e-9
 _EULER_BERNOULLI = frozenset(
@@ -175,32 +173,31 @@ def _own(matrix: Matrix, quantity: Quantity) -> tuple[str, str]:
 
 
 def csv_of_matrix(matrix: Matrix) -> str:
-    """One line per entry with its verdict, numbers, pose, causes and remedy."""
-    poses = {
-        str(coordinate): [entry.pose[place] if entry.pose else "" for entry in matrix.entries]
-        for place, coordinate in enumerate(matrix.coordinates)
-    }
-    named = {
-        _HEADINGS.get(name, name.replace("_", " ")): [getattr(one, name) for one in matrix.entries]
-        for name in (
-            *("model", "quantity", "verdict", "error", "uncertainty", "low", "high"),
-            *("limit", "along", "value"),
-            *("expected", "reference", "mac", "remedy", "error_with_remedy", "reason"),
-            "probability",
-        )
-    }
-    named["quantity"] = [entry.quantity.name for entry in matrix.entries]
-    forces = [" ".join(f"{one:.6g}" for one in entry.force) for entry in matrix.entries]
-    readings = [
-        "; ".join(f"{name} {error:.6g}" for name, error in entry.readings.items())
-        for entry in matrix.entries
-    ]
-    causes = [
-        "; ".join(f"{cause.cause} {cause.share:.3g}" for cause in entry.causes)
-        for entry in matrix.entries
-    ]
-    further = {"readings": readings, "causes": causes}
-    return csv_of({**named, "worst force": forces, **poses, **further})
+    """One line per entry: the fields that are columns, the pose in a column per coordinate."""
+    columns: dict[str, Sequence[float | str | None]] = {}
+    for name, heading in entry_columns().items():
+        values = [getattr(entry, name) for entry in matrix.entries]
+        if name == "pose":
+            for place, coordinate in enumerate(matrix.coordinates):
+                columns[str(coordinate)] = [pose[place] if pose else "" for pose in values]
+        else:
+            columns[heading] = [_csv_cell(value) for value in values]
+    return csv_of(columns)
+
+
+def _csv_cell(value: Any) -> float | str | None:
+    """Value of a field in a cell: numbers of a tuple one after the other, pairs with semicolons."""
+    match value:
+        case Quantity():
+            return value.name
+        case Mapping():
+            return "; ".join(f"{name} {number:.6g}" for name, number in value.items())
+        case (Cause(), *_):
+            return "; ".join(f"{cause.cause} {cause.share:.3g}" for cause in value)
+        case tuple():
+            return " ".join(f"{number:.6g}" for number in value)
+    cell: float | str | None = value
+    return cell
 
 
 def _text(entry: Entry) -> tuple[str, str]:

@@ -7,7 +7,7 @@ terminal, pager and mail can show.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from math import isfinite
 from typing import Any, Literal
 
@@ -17,8 +17,7 @@ import numpy as np
 from lumped.text import aligned, counted
 from validation.drawing.text import error_with_spread
 from validation.run.outcome import Verdict
-from validation.run.records import AdequacyRecord, CaseRecord, RunRecord
-from validation.verdicts import Adequacy
+from validation.run.records import CaseRecord, RunRecord, StoredEntry
 
 # Rounding differs between machines and library versions; far above it, far below any tolerance.
 _ROUNDING = 1e-9
@@ -82,24 +81,6 @@ class InputChange:
 
 
 @dataclass(frozen=True)
-class Judged:
-    """What a run says of a model's quantity; see validation.run.records.AdequacyRecord."""
-
-    verdict: Adequacy
-    error: float | None
-    uncertainty: float | None
-    low: float | None
-    high: float | None
-    readings: Mapping[str, float]
-    along: float | None
-
-    @property
-    def signed(self) -> bool:
-        """Whether the error has a sign; that of a whole displacement, with `along`, has none."""
-        return self.along is None
-
-
-@dataclass(frozen=True)
 class ValueChange:
     """A model's value in a pose that both runs looked at (SI)."""
 
@@ -114,8 +95,8 @@ class AdequacyChange:
 
     model: str
     quantity: str
-    before: Judged | None
-    after: Judged | None
+    before: StoredEntry | None
+    after: StoredEntry | None
     values: tuple[ValueChange, ...]
 
 
@@ -172,7 +153,7 @@ def compare(before: RunRecord, after: RunRecord) -> RunComparison:
 
 def as_dict(comparison: RunComparison) -> dict[str, Any]:
     """The comparison as plain data for JSON."""
-    return {"schema": 1, "worsened": comparison.worsened, **asdict(comparison)}
+    return {"schema": 1, "worsened": comparison.worsened, **msgspec.to_builtins(comparison)}
 
 
 def as_text(before: RunRecord, after: RunRecord, comparison: RunComparison) -> str:
@@ -230,7 +211,7 @@ def _given(value: object) -> str:
     return "not given" if value is None else str(value)
 
 
-def _told(entry: Judged | None) -> list[str]:
+def _told(entry: StoredEntry | None) -> list[str]:
     if entry is None:
         return ["", ""]
     if entry.error is None:
@@ -358,12 +339,10 @@ def _adequacy_changes(before: RunRecord, after: RunRecord) -> Iterator[AdequacyC
     )
     for key in dict.fromkeys([*old, *new]):
         one, other = old.get(key), new.get(key)
-        yield AdequacyChange(*key, _judged(one), _judged(other), tuple(_value_changes(one, other)))
+        yield AdequacyChange(*key, one, other, tuple(_value_changes(one, other)))
 
 
-def _value_changes(
-    before: AdequacyRecord | None, after: AdequacyRecord | None
-) -> Iterator[ValueChange]:
+def _value_changes(before: StoredEntry | None, after: StoredEntry | None) -> Iterator[ValueChange]:
     """The values of poses that both have, in the order of the first."""
     from scipy.spatial import KDTree  # noqa: PLC0415
 
@@ -379,11 +358,7 @@ def _value_changes(
             yield ValueChange(pose, value, now)
 
 
-def _judged(entry: AdequacyRecord | None) -> Judged | None:
-    return None if entry is None else msgspec.convert(entry, Judged, from_attributes=True)
-
-
-def _name(entry: AdequacyRecord) -> str:
+def _name(entry: StoredEntry) -> str:
     """The quantity; by a measured reference it stands beside that by a computed one."""
     return f"{entry.quantity} (measured)" if entry.measured else entry.quantity
 
@@ -403,6 +378,6 @@ def _flat(tables: Any) -> Iterator[tuple[str, Any]]:
             yield path, value
 
 
-def _valued(entry: AdequacyRecord | None) -> list[tuple[tuple[float, ...], float]]:
+def _valued(entry: StoredEntry | None) -> list[tuple[tuple[float, ...], float]]:
     known = zip(entry.poses, entry.values, strict=False) if entry else ()
     return [(pose, value) for pose, value in known if value is not None]

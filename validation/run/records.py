@@ -3,23 +3,26 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated, Any, TypeAlias
+from typing import Any, TypeAlias
 
 import msgspec
 from msgspec import UNSET, UnsetType
+from msgspec.structs import replace
 
 from lumped.errors import InputError
 from lumped.files import read_ordinary
 from validation.claims import Claim, claim_records, gathered
 from validation.exhibits import Figure, Study, study_record
 from validation.run.outcome import Outcome, Verdict
-from validation.verdicts import Adequacy, Matrix
+from validation.verdicts import CauseShare, EntryRecord, Matrix
 
 _FILE = "results.json"
 # Runs of large mechanisms come to a few MB.
 _LARGEST = 200_000_000
-# A number of which sums, differences and squares are numbers.
-Real: TypeAlias = Annotated[float, msgspec.Meta(ge=-1e150, le=1e150)]
+# An entry of a matrix as results.json has it.
+StoredEntry: TypeAlias = EntryRecord[str, CauseShare]
+# Sums, differences and squares of smaller numbers are finite.
+_LARGEST_NUMBER = 1e150
 
 
 class CaseRecord(msgspec.Struct, frozen=True, kw_only=True):
@@ -36,78 +39,32 @@ class CaseRecord(msgspec.Struct, frozen=True, kw_only=True):
     kind: str = "comparison"
     figure: str = ""
     unit: str = "1"
-    value: Real | None = None
-    reference: Real | None = None
+    value: float | None = None
+    reference: float | None = None
     reference_kind: str = ""
     citation: str = ""
     relation: str = "equal"
-    error: Real | None = None
-    unexplained: Real | None = None
+    error: float | None = None
+    unexplained: float | None = None
     exact: bool | None = None
-    numerical_uncertainty: Real | None = None
-    value_uncertainty: Real | None = None
-    reference_uncertainty: Real | None = None
+    numerical_uncertainty: float | None = None
+    value_uncertainty: float | None = None
+    reference_uncertainty: float | None = None
     allowances: tuple[Mapping[str, Any], ...] = ()
-    tolerance: Real | None = None
+    tolerance: float | None = None
     tolerance_reason: str = ""
     verdict: Verdict
-    seconds: Real = 0.0
+    seconds: float = 0.0
     message: str = ""
     notes: tuple[str, ...] = ()
-    table: Mapping[str, tuple[Real | str | None, ...]] = {}
-    pose: tuple[Real, ...] = ()
+    table: Mapping[str, tuple[float | str | None, ...]] = {}
+    pose: tuple[float, ...] = ()
     elsewhere: tuple[Mapping[str, Any], ...] = ()
     shown: tuple[Mapping[str, Any], ...] = ()
-    earlier: Real | None = None
-    drift: Real | None = None
-    drift_allowed: Real | None = None
+    earlier: float | None = None
+    drift: float | None = None
+    drift_allowed: float | None = None
     drifted: bool | None = None
-
-
-class ShareRecord(msgspec.Struct, frozen=True):
-    """A named cause and its share of an error."""
-
-    cause: str
-    share: Real | None
-
-
-class AdequacyRecord(msgspec.Struct, frozen=True, kw_only=True):
-    """An entry of a matrix (validation.verdicts.Entry) in SI units.
-
-    `values` at `poses` let two runs be compared; `part`: which of the robot's it is of. `along`,
-    and `force` of any force, belong to deflections alone.
-    """
-
-    part: str | UnsetType = UNSET
-    model: str
-    quantity: str
-    error: Real | None = None
-    uncertainty: Real | None = None
-    low: Real | None = None
-    high: Real | None = None
-    readings: Mapping[str, Real] = {}
-    limit: Real | None = None
-    verdict: Adequacy
-    pose: tuple[Real, ...] = ()
-    reference: str = ""
-    causes: tuple[ShareRecord, ...] = ()
-    remedy: str = ""
-    error_with_remedy: Real | None = None
-    reason: str = ""
-    value: Real | None = None
-    expected: Real | None = None
-    uncertainties: Mapping[str, Real | None] = {}
-    along: Real | None = None
-    force: tuple[Real, ...] = ()
-    measured: bool = False
-    mac: Real | None = None
-    probability: Real | None = None
-    probability_beyond: Real | None = None
-    input_shares: Mapping[str, Real] = {}
-    value_spread: Real | None = None
-    assumed: str = ""
-    poses: tuple[tuple[Real, ...], ...] = ()
-    values: tuple[Real | None, ...] = ()
 
 
 class RunRecord(msgspec.Struct, frozen=True, kw_only=True):
@@ -116,8 +73,8 @@ class RunRecord(msgspec.Struct, frozen=True, kw_only=True):
     schema: int = 1
     run: Mapping[str, Any] = {}
     cases: tuple[CaseRecord, ...]
-    adequacy: tuple[AdequacyRecord, ...] = ()
-    adequacy_of_parts: tuple[AdequacyRecord, ...] = ()
+    adequacy: tuple[StoredEntry, ...] = ()
+    adequacy_of_parts: tuple[StoredEntry, ...] = ()
     statements: tuple[Any, ...] = ()
     studies: tuple[Any, ...] = ()
 
@@ -138,12 +95,12 @@ def run_record(
     return RunRecord(
         run=header,
         cases=tuple(cases),
-        adequacy=tuple(record for matrix in matrices for record in adequacy_records(matrix)),
+        adequacy=tuple(record for matrix in matrices for record in stored_entries(matrix)),
         adequacy_of_parts=tuple(
             record
             for matrix in matrices
             for part in matrix.beside
-            for record in adequacy_records(part, part.robot)
+            for record in stored_entries(part, part.robot)
         ),
         statements=tuple(claim_records(claims_of(outcomes))),
         studies=(
@@ -185,15 +142,14 @@ _OF_MEASUREMENT = (
 )
 
 
-def adequacy_records(matrix: Matrix, part: str = "") -> list[AdequacyRecord]:
-    """The entries of a matrix, of that `part` of the robot where it is one."""
-    own = {"poses": matrix.poses, **({"part": part} if part else {})}
-    entries = (
-        msgspec.to_builtins(entry) | {"quantity": entry.quantity.name} for entry in matrix.entries
+def stored_entries(matrix: Matrix, part: str | UnsetType = UNSET) -> list[StoredEntry]:
+    """Entries of the matrix of the robot, or of a `part` of it, as results.json has them."""
+    whole = (
+        replace(entry, quantity=entry.quantity.name, poses=matrix.poses, part=part)
+        for entry in matrix.entries
     )
-    # By way of JSON, which knows no infinite numbers.
-    written = (msgspec.json.encode(entry | own) for entry in entries)
-    return [msgspec.json.decode(entry, type=AdequacyRecord) for entry in written]
+    # JSON has no infinite numbers, and the class no fields of the run alone.
+    return [msgspec.json.decode(msgspec.json.encode(entry), type=StoredEntry) for entry in whole]
 
 
 def studies_of(outcomes: Sequence[Outcome]) -> list[Study]:
@@ -227,10 +183,27 @@ def parse_run(content: bytes | str, source: str) -> RunRecord:
     """The run from the text of a results.json; `source` names it in messages."""
     try:
         run = msgspec.json.decode(content, type=RunRecord)
+        largest = _largest(msgspec.to_builtins((run.cases, run.adequacy, run.adequacy_of_parts)))
     except (msgspec.MsgspecError, RecursionError, UnicodeDecodeError) as error:
         raise InputError(f"{source}: not a {_FILE} of flexproof: {error}") from error
+    if largest > _LARGEST_NUMBER:
+        raise InputError(
+            f"{source}: not a {_FILE} of flexproof: a number exceeds {_LARGEST_NUMBER:g}"
+        )
     if run.schema != 1:
         raise InputError(f"{source}: schema = {run.schema}: only schema 1 is understood")
     if len(run.by_id) < len(run.cases):
         raise InputError(f"{source}: not a {_FILE} of flexproof: two of its cases have the same id")
     return run
+
+
+def _largest(data: Any) -> float:
+    """Largest size of all numbers in plain data; 0 if there are none."""
+    match data:
+        case dict():
+            return max(map(_largest, data.values()), default=0.0)
+        case list() | tuple():
+            return max(map(_largest, data), default=0.0)
+        case int() | float():
+            return abs(data)
+    return 0.0

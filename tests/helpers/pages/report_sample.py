@@ -76,7 +76,7 @@ def entry(model, name, *curve, **fields):
     elif "verdict" not in fields:
         own["reason"] = "say how the mass is distributed"
     own |= {"limit": 0.05, "reference": "robot assembled from the legs' own 6×6"}
-    return Entry(model, quantity, **own | fields)
+    return Entry(model=model, quantity=quantity, **own | fields)
 
 
 def sample_matrix(**fields):

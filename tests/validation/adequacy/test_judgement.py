@@ -5,6 +5,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from msgspec import structs
 from plain_judgement import Rule
 from random_subjects import MODES, subject
 from toy_responses import meshes, model, reading, reference
@@ -321,9 +322,9 @@ def test_frequency_error_keeps_its_sign_beyond_zero(value, text):
 
 def test_interval_wider_than_the_half_width_is_shown_by_its_ends():
     told = static_entry(1.2, unsure=0.01)
-    assert plain(error_with_spread(replace(told, high=0.35))) == "19 to 35 %"
+    assert plain(error_with_spread(structs.replace(told, high=0.35))) == "19 to 35 %"
     signed = entry(vibration([90.0, 150.0, 200.0, 300.0], *AXES), "f1", unsure=0.01)
-    wider = replace(signed, low=-0.2)
+    wider = structs.replace(signed, low=-0.2)
     assert plain(error_with_spread(wider)) == "−20 to −9.1 %"
 
 

@@ -1,11 +1,11 @@
 """The first screen from a made-up matrix: the sentence, the table, sheets, the figure."""
 
 import re
-from dataclasses import replace
 from html import unescape
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 from report_sample import entry, sample_matrix, sample_report
 
 from validation.drawing.text import anchor, number

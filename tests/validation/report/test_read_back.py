@@ -28,7 +28,7 @@ from validation.report.listing import junit_xml, outcome_line
 from validation.report.remedies import remedies_of
 from validation.report.table import csv_of_matrix, table_of
 from validation.run.outcome import Result, from_plain, plain
-from validation.run.records import adequacy_records
+from validation.run.records import stored_entries
 from validation.run.results import standing_of
 from validation.verdicts import Assessment
 
@@ -332,9 +332,14 @@ def test_remedy_lines_have_the_range_of_their_errors():
 
 
 def test_a_matrix_survives_its_record_whose_keys_programs_read():
-    record = to_builtins(adequacy_records(MATRICES[0])[0])
-    keys = "model quantity error uncertainty low high readings limit verdict pose reference causes"
-    assert list(record)[:14] == [*keys.split(), "remedy", "error_with_remedy"]
+    record = to_builtins(stored_entries(MATRICES[0])[0])
+    keys = (
+        "model quantity verdict error uncertainty low high limit along value expected reference "
+        "mac remedy error_with_remedy reason probability force pose readings causes uncertainties "
+        "measured probability_beyond input_shares value_spread assumed poses values"
+    )
+    assert list(record) == keys.split()
+    assert {tuple(cause) for cause in record["causes"]} <= {("cause", "share")}
     assessment = Assessment("adequacy", "title", pytest.fail)
     for matrix in MATRICES:
         result = Result("adequacy", "made", 1.0, found=matrix)
@@ -343,7 +348,7 @@ def test_a_matrix_survives_its_record_whose_keys_programs_read():
 
 def test_the_record_and_the_line_of_the_api():
     for own, matrix in zip(SUBJECTS, MATRICES, strict=True):
-        records = adequacy_records(matrix)
+        records = stored_entries(matrix)
         found = api.Adequacy(matrix, Requirement(), own)
         for record, entry in zip(records, matrix.entries, strict=True):
             for name in (
