@@ -1,7 +1,6 @@
 """results.json: what a run writes is what later runs, comparisons and programs read."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -11,6 +10,7 @@ from msgspec.structs import replace
 
 from lumped.errors import InputError
 from lumped.files import read_ordinary
+from validation.case import Relation
 from validation.claims import Claim, claim_records, gathered
 from validation.exhibits import Figure, Study, study_record
 from validation.run.outcome import Outcome, Verdict
@@ -26,9 +26,12 @@ _LARGEST_NUMBER = 1e150
 
 
 class CaseRecord(msgspec.Struct, frozen=True, kw_only=True):
-    """A case with what came out; numbers in `unit`, in JSON null where not finite.
+    """A comparison: an object of "cases" in results.json.
 
-    The reference, which decides, and `earlier`, the value of the baseline, are two things.
+    The only place that lists these fields. Numbers are in `unit`; one that is not finite is null in
+    JSON, and null is read as None. The numbers of a comparison that was skipped or failed are None.
+    The fields up to `tolerance_reason` are those of `Case`, where they are described, those up to
+    `shown` of `Measurement`; then come the outcome and the drift from the baseline.
     """
 
     id: str
@@ -39,28 +42,36 @@ class CaseRecord(msgspec.Struct, frozen=True, kw_only=True):
     kind: str = "comparison"
     figure: str = ""
     unit: str = "1"
-    value: float | None = None
-    reference: float | None = None
     reference_kind: str = ""
     citation: str = ""
-    relation: str = "equal"
+    relation: Relation = Relation.EQUAL
+    tolerance_reason: str = ""
+    value: float | None = None
+    reference: float | None = None
+    # value − reference, and the part of it that no allowance explains.
     error: float | None = None
     unexplained: float | None = None
     exact: bool | None = None
     numerical_uncertainty: float | None = None
     value_uncertainty: float | None = None
     reference_uncertainty: float | None = None
-    allowances: tuple[Mapping[str, Any], ...] = ()
-    tolerance: float | None = None
-    tolerance_reason: str = ""
-    verdict: Verdict
-    seconds: float = 0.0
-    message: str = ""
+    # `Allowance` as plain data.
+    allowances: tuple[Any, ...] = ()
     notes: tuple[str, ...] = ()
     table: Mapping[str, tuple[float | str | None, ...]] = {}
     pose: tuple[float, ...] = ()
-    elsewhere: tuple[Mapping[str, Any], ...] = ()
-    shown: tuple[Mapping[str, Any], ...] = ()
+    # `Elsewhere` and `UnjudgedValue` as plain data.
+    elsewhere: tuple[Any, ...] = ()
+    shown: tuple[Any, ...] = ()
+    # Largest accepted size of the unexplained difference.
+    tolerance: float | None = None
+    verdict: Verdict
+    # Time of the computation (s).
+    seconds: float = 0.0
+    # Reason of a verdict that the numbers do not give.
+    message: str = ""
+    # Value of the baseline, value − earlier, and the largest size of this that is no drift. None
+    # without a baseline, and if the baseline has no value in this pose.
     earlier: float | None = None
     drift: float | None = None
     drift_allowed: float | None = None
@@ -111,35 +122,16 @@ def run_record(
 
 
 def case_record(outcome: Outcome) -> CaseRecord:
-    """The case and its outcome."""
-    case, measurement = outcome.case, outcome.measurement
-    told = {
-        **{name: getattr(case, name) for name in _OF_CASE},
-        "relation": case.relation.value,
-        "verdict": outcome.verdict,
-        "seconds": outcome.seconds,
-        "message": outcome.message,
+    """A case with its measurement and outcome: each field from the last of them that has it."""
+    fields = {
+        name: getattr(source, name)
+        for source in (outcome.case, outcome.measurement, outcome)
+        for name in CaseRecord.__struct_fields__
+        if hasattr(source, name)
     }
-    if measurement is not None:
-        told |= {
-            **{name: getattr(measurement, name) for name in _OF_MEASUREMENT},
-            "error": measurement.difference,
-            "tolerance": outcome.tolerance,
-            "allowances": tuple(asdict(one) for one in measurement.allowances),
-            "elsewhere": tuple(asdict(one) for one in measurement.elsewhere),
-            "shown": tuple(asdict(one) for one in measurement.shown),
-        }
-    return CaseRecord(**told)
-
-
-_OF_CASE = (
-    *("id", "title", "quantity", "model", "subject", "kind", "figure", "unit", "reference_kind"),
-    *("citation", "tolerance_reason"),
-)
-_OF_MEASUREMENT = (
-    *("value", "reference", "unexplained", "exact", "numerical_uncertainty", "value_uncertainty"),
-    *("reference_uncertainty", "notes", "pose", "table"),
-)
+    if outcome.measurement is not None:
+        fields["error"] = outcome.measurement.difference
+    return CaseRecord(**fields)
 
 
 def stored_entries(matrix: Matrix, part: str | UnsetType = UNSET) -> list[StoredEntry]:
