@@ -47,7 +47,6 @@ from validation.console.arguments import checked, faults_of
 from validation.console.typed import MOST_PROCESSES, LengthUnit
 from validation.context import Context, Preset
 from validation.cross_validation import CrossValidation, cross_validation
-from validation.drawing.text import error_with_spread, percent
 from validation.export.command import Kind, write_export
 from validation.kinematics.poses import parsed_poses, postures_of, postures_on_path
 from validation.maps.figure import WorkspaceMaps, workspace_maps
@@ -66,10 +65,9 @@ from validation.parts.request import (
     part_of,
 )
 from validation.python.designs import Designs
-from validation.python.matrix_table import matrix_table
 from validation.python.measured import MeasuredComparison
-from validation.report.table import table_of
-from validation.report.words import force_text, pose_text, sentence
+from validation.report.table import entry_line, matrix_table, table_of
+from validation.report.words import sentence
 from validation.solve.answer import Solution
 from validation.solve.model_answers import solve as answered
 from validation.solve.question import Question
@@ -323,23 +321,7 @@ class Adequacy:
 
     def told(self, entry: Entry) -> str:
         """An entry in one line."""
-        said = [f"{entry.model}, {entry.quantity}: {entry.verdict}"]
-        if entry.error is not None:
-            said.append(
-                f"error {error_with_spread(entry)} at "
-                f"{pose_text(self.matrix.coordinates, entry.pose)}, "
-                f"accepted {percent(entry.limit, signed=False)}"
-            )
-        if entry.along is not None:
-            worst = f" of a force along {force_text(entry)}" if entry.force else ""
-            said.append(f"along the load{worst} {percent(entry.along)}")
-        said += [f"cause: {entry.causes[0].cause}"] if entry.causes else []
-        if entry.remedy:
-            left = entry.error_with_remedy
-            then = "" if left is None else f" ({percent(left, signed=entry.signed)} left)"
-            said.append(f"remedy: {entry.remedy}{then}")
-        said += [entry.reason] if entry.reason else []
-        return "; ".join(said).replace("\N{NO-BREAK SPACE}", " ")
+        return entry_line(self.matrix, entry).replace("\N{NO-BREAK SPACE}", " ")
 
     def _within(self, model: str, quantity: str, limit: float) -> Matrix:
         models = [one for one in self.subject.models if one.name == model]

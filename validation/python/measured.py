@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING
 
 from lumped.errors import InputError
 from validation.drawing.style import plot_style
-from validation.python.matrix_table import matrix_table
 from validation.report.figures.adequacy import measured_curves
+from validation.report.table import matrix_table
 from validation.tables import ResultTable
 from validation.verdicts import Entry, Matrix
 

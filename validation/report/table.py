@@ -1,4 +1,4 @@
-"""The matrix model × quantity as a table of the page, with a sheet behind each number; as CSV."""
+"""The matrix model × quantity as a table of the page with sheets, as CSV, in Python, in lines."""
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
@@ -27,6 +27,7 @@ from validation.report.words import (
     model_name,
     pose_text,
 )
+from validation.tables import ResultTable
 from validation.verdicts import Adequacy, Cause, Entry, Matrix, ModelNote, entry_columns
 
 # A word, and what is to be said under it.
@@ -36,6 +37,11 @@ MARKS: Mapping[Adequacy, str] = {"adequate": "✓", "inadequate": "✗", "undeci
 FORCE, MOMENT = 1000.0, 100.0
 # From here on a verdict is as good as certain.
 _CERTAIN = 0.995
+# Headings of tables in Python.
+_HEADINGS = (
+    *("model", "quantity", "verdict", "error (%)", "half-width (%)", "low (%)", "high (%)"),
+    *("limit (%)", "pose", "cause", "remedy"),
+)
 # A model without a motion is off by all of it.
 _ALL = 1.0 - 1e-9
 _EULER_BERNOULLI = frozenset(
@@ -125,7 +131,7 @@ def _cell(matrix: Matrix, note: ModelNote, entry: Entry) -> Cell:
         text=text,
         spread=open_,
         mark=MARKS[entry.verdict],
-        hint=_hint(matrix, entry),
+        hint=entry_line(matrix, entry),
         anchor=anchor(f"{matrix.robot}.{entry.model}.{entry.quantity}{kind}"),
         title=f"{capital(model_name(entry.model))}, {meaning}: {error_with_spread(entry) or text}",
         sheet=sheet,
@@ -207,17 +213,42 @@ def _text(entry: Entry) -> tuple[str, str]:
     return "none" if entry.verdict == "inadequate" else "open", ""
 
 
-def _hint(matrix: Matrix, entry: Entry) -> str:
-    parts = [f"{entry.verdict} (limit {percent(entry.limit, signed=False)})"]
-    worst = f" under a force along {force_text(entry)}" if entry.force else ""
-    parts.append(f"worst at {pose_text(matrix.coordinates, entry.pose)}{worst}")
+def entry_line(matrix: Matrix, entry: Entry) -> str:
+    """An entry in one line: verdict, error, pose, limit, foremost cause, remedy and reason."""
+    parts = [f"{entry.model}, {entry.quantity}: {entry.verdict}"]
+    if entry.error is not None:
+        parts.append(
+            f"error {error_with_spread(entry)} at {pose_text(matrix.coordinates, entry.pose)}, "
+            f"accepted {percent(entry.limit, signed=False)}"
+        )
     if entry.along is not None:
-        parts.append(f"along the load {error_text(entry.along)}")
-    if entry.causes:
-        cause = entry.causes[0]
-        parts.append(f"{cause.cause}: {percent(cause.share, signed=False)} of the error")
+        worst = f" of a force along {force_text(entry)}" if entry.force else ""
+        parts.append(f"along the load{worst} {percent(entry.along)}")
+    parts += [f"cause: {entry.causes[0].cause}"] if entry.causes else []
+    if entry.remedy:
+        left = entry.error_with_remedy
+        then = "" if left is None else f" ({percent(left, signed=entry.signed)} left)"
+        parts.append(f"remedy: {entry.remedy}{then}")
     parts += [entry.reason] if entry.reason else []
     return "; ".join(parts)
+
+
+def matrix_table(matrix: Matrix) -> ResultTable:
+    """A row for each model and quantity, errors and limits in per cent."""
+    return ResultTable(_HEADINGS, tuple(_row(matrix, entry) for entry in matrix.entries))
+
+
+def _row(matrix: Matrix, entry: Entry) -> tuple[str | float | None, ...]:
+    shares = entry.error, entry.uncertainty, entry.low, entry.high, entry.limit
+    return (
+        entry.model,
+        str(entry.quantity),
+        entry.verdict,
+        *(None if share is None else 100.0 * share for share in shares),
+        pose_text(matrix.coordinates, entry.pose) if entry.pose else None,
+        entry.causes[0].cause if entry.causes else None,
+        entry.remedy or None,
+    )
 
 
 def sheet_of(matrix: Matrix, note: ModelNote, entry: Entry) -> tuple[str, tuple[Line, ...]]:
