@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from lumped.acceptance.quantities import ANY_FORCE, ORDER, Quantity, QuantityKind
 from lumped.arrays import Array, IntArray
+from validation.adequacy.mechanism.path import Factors
 from validation.adequacy.partners import Partners, partners, shape_ranges
 from validation.adequacy.references import Interpretation, Source, Subject
 from validation.adequacy.responses import Model
@@ -168,11 +169,13 @@ class Errors:
 class ModelErrors:
     """Errors of any model of a subject against its references, pairings of modes kept.
 
-    `modes` is the number of frequencies that are judged.
+    `modes` is the number of frequencies that are judged. `factors`: relative changes of uncertain
+    inputs with which models and references are solved.
     """
 
     subject: Subject
     modes: int
+    factors: Factors = ()
     _pairs: dict[tuple[Model, str], Partners] = field(default_factory=dict, repr=False)
     _ranges: dict[tuple[int, ...], list[tuple[Array, Array]]] = field(
         default_factory=dict, repr=False
@@ -204,15 +207,17 @@ class ModelErrors:
     def statics_of(self, model: Model, one: Interpretation) -> tuple[Statics, Statics] | None:
         """Statics of the reference and of a model. None if one of them has none."""
         reference, responses = self.subject.statics.model, self.subject.responses
-        truth = responses.known_statics(reference, one.reading) if reference else None
-        own = responses.known_statics(model, one.reading)
+        reading = replace(one.reading, factors=self.factors)
+        truth = responses.known_statics(reference, reading) if reference else None
+        own = responses.known_statics(model, reading)
         return (truth, own) if truth and own else None
 
     def modes_of(self, model: Model, one: Interpretation) -> tuple[PathModes, PathModes] | None:
         """Modes of the reference and of a model. None if one of them has none."""
         reference, responses = self.subject.dynamics.model, self.subject.responses
-        truth = responses.known_modes(reference, one.reading) if reference else None
-        own = responses.known_modes(model, one.reading)
+        reading = replace(one.reading, factors=self.factors)
+        truth = responses.known_modes(reference, reading) if reference else None
+        own = responses.known_modes(model, reading)
         return (truth, own) if truth and own else None
 
     def _between(self, wrenches: Array, model: Model, quantity: Quantity) -> Array:

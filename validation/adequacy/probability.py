@@ -31,7 +31,7 @@ from lumped.acceptance.quantities import ANY_FORCE, Quantity
 from lumped.arrays import Array
 from lumped.memo import memo
 from validation.adequacy.errors import Errors, ModelErrors
-from validation.adequacy.references import PerturbedInputs
+from validation.adequacy.references import InputUncertainties
 from validation.adequacy.responses import Model
 from validation.agreement.displacement import FLOOR, nearest_between
 from validation.agreement.responses import Statics
@@ -279,11 +279,11 @@ def probability(
 class UncertainInputs:
     """Errors of a robot's models with its inputs perturbed, by the same rules as the nominal ones.
 
-    `nominal` compares the robot of the file, `perturbed` are those with other inputs.
+    `nominal` compares the robot of the file.
     """
 
     nominal: ModelErrors
-    perturbed: PerturbedInputs
+    inputs: InputUncertainties
 
     def error(self, model: Model, quantity: Quantity, own: Errors) -> ErrorOfInputs | None:
         """Change of a model's error of a quantity by inputs. None if there is no such error.
@@ -308,12 +308,12 @@ class UncertainInputs:
                 np.stack([low.value(own), high.value(own)]),
             )
             for (key, relative), low, high in zip(
-                self.perturbed.relative.items(), below, above, strict=True
+                self.inputs.relative.items(), below, above, strict=True
             )
         ]
         nominal = replace(_of_robot(self.nominal, model, quantity), errors=own)
         found = ErrorOfInputs(nominal.components(own, forces), slopes, own.displaced is None)
-        foreseen = found.at(self.perturbed.draws)
+        foreseen = found.at(self.inputs.draws)
         missed = np.array([one.interval(own) for one in together]) - foreseen
         lost = np.isnan(missed) & ~np.isnan(foreseen)
         squared = np.ma.masked_invalid(missed**2).mean(axis=0).filled(0.0)
@@ -325,8 +325,12 @@ class UncertainInputs:
 
     @cached_property
     def _model_errors(self) -> tuple[list[ModelErrors], ...]:
-        robots = self.perturbed.below, self.perturbed.above, self.perturbed.together
-        return tuple([ModelErrors(one, self.nominal.modes) for one in kind] for kind in robots)
+        kinds = self.inputs.alone(-1), self.inputs.alone(1), self.inputs.together
+        nominal = self.nominal
+        return tuple(
+            [ModelErrors(nominal.subject, nominal.modes, factors) for factors in kind]
+            for kind in kinds
+        )
 
 
 @dataclass(frozen=True, eq=False)

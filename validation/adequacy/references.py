@@ -9,7 +9,7 @@ import numpy as np
 
 from lumped.acceptance.quantities import Quantity, QuantityKind
 from lumped.arrays import Array
-from validation.adequacy.mechanism.path import Reading
+from validation.adequacy.mechanism.path import Factors, Reading
 from validation.adequacy.responses import Model, Responses
 from validation.verdicts import Coordinate
 
@@ -201,8 +201,8 @@ class Subject:
 
     `poses` (P×n) in `coordinates`; `notes` as in `Matrix`;
     `parts` are its parts alone (each leg, root clamped), `formulation` the models whose legs are
-    others than the robot's, compared with solids of those; `inputs` the robot with its uncertain
-    inputs perturbed. None if its file names none. `loads` are the quantities of its loads,
+    others than the robot's, compared with solids of those; `inputs` its uncertain inputs. None if
+    its file names none. `loads` are the quantities of its loads,
     `harmonics` those of its responses to harmonic forces, in their order. `faults` name other
     computations than models that ended with an error of the program.
     """
@@ -219,7 +219,7 @@ class Subject:
     notes: tuple[str, ...] = ()
     parts: "tuple[Subject, ...]" = ()
     formulation: "Subject | None" = None
-    inputs: "PerturbedInputs | None" = None
+    inputs: "InputUncertainties | None" = None
     loads: tuple[Quantity, ...] = ()
     harmonics: tuple[Quantity, ...] = ()
     faults: tuple[str, ...] = ()
@@ -235,15 +235,25 @@ class Subject:
 
 
 @dataclass(frozen=True, eq=False)
-class PerturbedInputs:
-    """Robots with one uncertain input each a standard uncertainty `below` and `above`.
+class InputUncertainties:
+    """Uncertain inputs of a robot, and the perturbations of them under which it is solved.
 
-    `relative`: standard uncertainties by the keys of the inputs. `together` (c): robots with all
-    inputs perturbed by `draws` (c×k, in standard uncertainties).
+    `relative`: standard uncertainties by the keys of the inputs. `draws` (c×k, in standard
+    uncertainties) perturb all inputs at once.
     """
 
     relative: Mapping[str, float]
-    below: Sequence[Subject]
-    above: Sequence[Subject]
     draws: Array
-    together: Sequence[Subject]
+
+    def alone(self, direction: int) -> list[Factors]:
+        """Each input by itself a standard uncertainty off: above (1) or below (−1) its value."""
+        return [((key, direction * share),) for key, share in self.relative.items()]
+
+    @property
+    def together(self) -> list[Factors]:
+        """All inputs off, for each of the draws."""
+        return [
+            tuple((key, share * draw) for (key, share), draw in zip(shares, row, strict=True))
+            for shares in [self.relative.items()]
+            for row in self.draws.tolist()
+        ]

@@ -1,19 +1,23 @@
 """Responses of models of one robot, under readings of its file, each solved once when needed.
 
 A response is a model under a reading, in all poses, in two halves: statics and modes. The halves
-are solved independently of each other, one may be unsolved while the other stands.
+are solved independently of each other, one may be unsolved while the other stands. Readings with
+perturbed inputs or digits are solved for the perturbed robot.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
-from typing import TypeAlias, TypeVar
+from dataclasses import dataclass, field, replace
+from typing import Any, TypeAlias, TypeVar
 
 from lumped.acceptance.quantities import Quantity
 from lumped.errors import ComputationError, InputError
 from validation.adequacy.mechanism.path import Reading, RobotOnPath
+from validation.adequacy.mechanism.perturbations import congruent, perturbed_robot, scaled
 from validation.agreement.responses import PathModes, Statics, Unsolved
 from validation.case import failure_reason
 
+# Fields of a reading that change the robot, and with it all models.
+PERTURBATIONS = ("factors", "rounding")
 # Errors that a robot may cause: walls too thin to mesh, a material that is lost in rounding.
 UNSOLVED = (InputError, ComputationError)
 
@@ -28,7 +32,8 @@ class Model:
     `statics` is None if the model does not define them; `modes` is None if it is static, and
     returns None if nothing has mass. `static_fields` and `modal_fields` are the fields of a
     reading that each half depends on. `silent`: reason why a half is not defined. `rigid`: reason
-    for zeros in the compliance.
+    for zeros in the compliance. `stand_in`: model whose changes by uncertain inputs this model has,
+    too, if the robot has solids. None if it is always solved anew.
     """
 
     name: str
@@ -40,39 +45,52 @@ class Model:
     silent: str = ""
     rigid: str = ""
     computed_by: tuple[str, ...] = ()
+    stand_in: "Model | None" = None
 
 
 @dataclass(frozen=True, eq=False)
 class Responses:
     """Responses of models of a robot, by model and reading.
 
-    A half is kept by the model and those fields of the reading that it depends on.
+    A half is kept by the model and those fields of the reading that it depends on. `perturb`
+    returns the robot with the perturbed inputs and digit of a reading.
     """
 
     robot: RobotOnPath
+    perturb: Callable[[RobotOnPath, Reading], RobotOnPath] = perturbed_robot
     _statics: dict[tuple[Model, Reading], Statics | Unsolved] = field(
         default_factory=dict, repr=False
     )
     _modes: dict[tuple[Model, Reading], PathModes | Unsolved | None] = field(
         default_factory=dict, repr=False
     )
+    _robots: dict[Reading, RobotOnPath] = field(default_factory=dict, repr=False)
+
+    def perturbed(self, reading: Reading) -> RobotOnPath:
+        """The robot under a reading. Raises InputError if there is no such robot."""
+        key = reading.restricted(PERTURBATIONS)
+        if not key.is_perturbed:
+            return self.robot
+        if key not in self._robots:
+            self._robots[key] = self.perturb(self.robot, key)
+        return self._robots[key]
 
     def statics(self, model: Model, reading: Reading) -> Statics | Unsolved | None:
         """Statics of a model. None if it does not define them."""
         if model.statics is None:
             return None
-        key = model, reading.restricted(model.static_fields)
+        key = model, reading.restricted((*model.static_fields, *PERTURBATIONS))
         if key not in self._statics:
-            self._statics[key] = _solved(model.statics, self.robot, *key)
+            self._statics[key] = self._solved(model.statics, self.required_statics, congruent, *key)
         return self._statics[key]
 
     def modes(self, model: Model, reading: Reading) -> PathModes | Unsolved | None:
         """Modes of a model. None if it does not define them or nothing has mass."""
         if model.modes is None:
             return None
-        key = model, reading.restricted(model.modal_fields)
+        key = model, reading.restricted((*model.modal_fields, *PERTURBATIONS))
         if key not in self._modes:
-            self._modes[key] = _solved(model.modes, self.robot, *key)
+            self._modes[key] = self._solved(model.modes, self.required_modes, scaled, *key)
         return self._modes[key]
 
     def half(
@@ -104,6 +122,32 @@ class Responses:
         half = self.half(model, reading, quantity)
         return half.reason if isinstance(half, Unsolved) else ""
 
+    def _solved(
+        self,
+        solve: Solve[H],
+        required: Callable[[Model, Reading], Any],
+        transfer: Callable[[Any, Any, Any], H],
+        model: Model,
+        reading: Reading,
+    ) -> H | Unsolved:
+        """Half of a response, or the reason why it cannot be computed.
+
+        With perturbed inputs by the `transfer` of the changes of a stand-in, if the model has one.
+        Any exception is the failure of this half alone: other models are judged.
+        """
+        nominal = replace(reading, factors=())
+        stand_in = model.stand_in
+        try:
+            if stand_in is None or not reading.factors or not self.robot.has_solids:
+                return solve(self.perturbed(reading), reading.unperturbed)
+            return transfer(
+                required(model, nominal), required(stand_in, nominal), required(stand_in, reading)
+            )
+        except UNSOLVED as error:
+            return Unsolved(str(error))
+        except Exception as error:  # noqa: BLE001  one model's failure is its own result
+            return Unsolved(failure_reason(f"response of {model.name}", error), fault=True)
+
     @property
     def faults(self) -> tuple[str, ...]:
         """Names of the models with a half that ended with an error of the program."""
@@ -115,19 +159,6 @@ class Responses:
                 if isinstance(half, Unsolved) and half.fault
             )
         )
-
-
-def _solved(solve: Solve[H], robot: RobotOnPath, model: Model, reading: Reading) -> H | Unsolved:
-    """Half of a response, or the reason why it cannot be computed.
-
-    Any exception is the failure of this half alone: other models are judged.
-    """
-    try:
-        return solve(robot, reading)
-    except UNSOLVED as error:
-        return Unsolved(str(error))
-    except Exception as error:  # noqa: BLE001  one model's failure is its own result
-        return Unsolved(failure_reason(f"response of {model.name}", error), fault=True)
 
 
 def _required(model: Model, half: H | Unsolved | None) -> H:

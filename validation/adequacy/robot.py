@@ -8,6 +8,7 @@ from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
+import scipy
 
 from lumped.acceptance.quantities import load_quantities, response_quantities
 from lumped.errors import InputError
@@ -21,9 +22,9 @@ from lumped.models.bodies import leg_of, on_equivalent_legs
 from lumped.text import counted
 from validation.adequacy.judgement import judged
 from validation.adequacy.mechanism.dynamics import dynamic_reference, mass_notes, modal_steps
-from validation.adequacy.mechanism.inputs import perturbed_inputs
 from validation.adequacy.mechanism.parts import reduction_note
 from validation.adequacy.mechanism.path import (
+    NOMINAL,
     RobotOnPath,
     coordinates,
     distinct_legs,
@@ -34,7 +35,13 @@ from validation.adequacy.mechanism.path import (
 from validation.adequacy.mechanism.statics import static_reference, static_steps
 from validation.adequacy.mechanism.vibration import solid_meshes
 from validation.adequacy.models import JUDGED, LEGS_AS_GIVEN, judged_models_of
-from validation.adequacy.references import Reference, Steps, Subject, no_reference
+from validation.adequacy.references import (
+    InputUncertainties,
+    Reference,
+    Steps,
+    Subject,
+    no_reference,
+)
 from validation.adequacy.responses import UNSOLVED, Model, Responses
 from validation.agreement.accuracy import refined
 from validation.case import failure_reason
@@ -48,6 +55,8 @@ _ROOT, _TIP = "root", "tip"
 # Presets that refine meshes without --accuracy, of robots without and with CAD parts: a quick run
 # has one mesh of each kind, and finer meshes of parts take minutes.
 _REFINING: Mapping[bool, tuple[Preset, ...]] = {False: ("standard", "fine"), True: ("fine",)}
+# Robots with all inputs off at once, by which one at a time are checked.
+_CHECKS: Mapping[Preset, int] = {"quick": 4, "standard": 8, "fine": 32}
 # Rigid legs say nothing of a leg alone, and links are virtual joints there.
 _NOT_OF_A_LEG = ("simplified", "links", "segments-stepped", "segments-condensed")
 
@@ -152,7 +161,24 @@ def robot_subject(context: Context) -> Subject:
         ),
         formulation=_on_legs_of_constant_section(robot, models),
     )
-    return replace(subject, inputs=perturbed_inputs(subject))
+    return replace(subject, inputs=_input_uncertainties(subject))
+
+
+def _input_uncertainties(subject: Subject) -> InputUncertainties | None:
+    """Uncertain inputs of a robot. None if its file names none, or without a reference.
+
+    Raises InputError if a perturbation leads to no robot.
+    """
+    responses = subject.responses
+    context = responses.robot.context
+    relative = context.robot_file.uncertain_inputs
+    if not relative or subject.statics.model is None:
+        return None
+    points = scipy.stats.qmc.Sobol(len(relative), seed=1).random(_CHECKS[context.preset])
+    inputs = InputUncertainties(relative, scipy.special.ndtri(points))
+    for factors in (*inputs.alone(-1), *inputs.alone(1), *inputs.together):
+        responses.perturbed(replace(NOMINAL, factors=factors))
+    return inputs
 
 
 def static_subject(robot: RobotOnPath, models: Iterable[Model]) -> Subject:

@@ -13,10 +13,12 @@ from toy_subject import toy_subject
 from written_robot import robot_of
 
 from lumped.acceptance.requirement import Requirement
+from lumped.errors import InputError
 from lumped.robot_file import load_robot
 from validation.adequacy.judgement import judged
+from validation.adequacy.mechanism.perturbations import perturbed_robot
 from validation.adequacy.probability import ErrorOfInputs, Slope, probability
-from validation.adequacy.references import PerturbedInputs, Reference
+from validation.adequacy.references import InputUncertainties
 from validation.adequacy.responses import Model, Responses
 from validation.adequacy.robot import robot_subject
 from validation.context import Context
@@ -108,21 +110,21 @@ def test_three_inputs_agree_with_monte_carlo():
     )
 
 
-def scaled(robot, factor):
-    """The toy robot whose beams have the compliance of the reference times a factor."""
-    return replace(robot, responses=Responses(factor))
-
-
 @pytest.mark.parametrize("quantity", ["x", "phi_z", "any_force"])
 def test_error_zero_of_a_robot_is_probable_as_its_slope(quantity):
     """Beams that are right in the file's robot and off by 5 % for each standard uncertainty."""
     toy = toy_subject(1)
     truth = toy.responses.statics(toy.statics.model, reading(""))
-    toy = replace(toy, models=[Model("beam", statics=lambda factor, _: factor * truth)])
-    alone = [scaled(toy, 0.95)], [scaled(toy, 1.05)]
-    together = np.array([[0.7]]), [scaled(toy, 1.0 + 0.7 * 0.05)]
-    inputs = PerturbedInputs({"drive": 0.1}, *alone, *together)
-    robot = replace(scaled(toy, 1.0), inputs=inputs)
+
+    def perturb(softness, perturbed):
+        return softness * (1.0 + 0.5 * dict(perturbed.factors)["drive"])
+
+    robot = replace(
+        toy,
+        models=[Model("beam", statics=lambda softness, _: softness * truth)],
+        responses=Responses(1.0, perturb),
+        inputs=InputUncertainties({"drive": 0.1}, np.array([[0.7]])),
+    )
     entry = judged(robot, Requirement(deflection=0.08, modes=1)).entry("beam", quantity)
     assert (entry.error, entry.verdict) == (0.0, "undecided")
     assert entry.probability == pytest.approx(2.0 * ndtr(1.6) - 1.0, abs=1e-6)
@@ -289,19 +291,20 @@ def test_rigid_bodies_on_a_drive_are_judged_as_by_hand(of_arm):
     assert (beam.probability, beam.verdict, first.probability) == (1.0, "adequate", 1.0)
 
 
-def without_modes(robot):
-    return replace(robot, dynamics=Reference("none"))
-
-
 def test_robots_whose_mode_is_lost_count_against_the_verdict(of_arm):
-    first, *others = of_arm.inputs.below
-    below = [without_modes(first), *others]
-    together = [without_modes(of_arm.inputs.together[0]), *of_arm.inputs.together[1:]]
-    for changed, within, reason in (
-        ({"below": below}, ndtr(0.5), f"{DRIVE} known to"),
-        ({"together": together}, 1.0 - 1.0 / len(together), ""),
+    first_below, *_ = of_arm.inputs.alone(-1)
+    first_draw, *draws = of_arm.inputs.together
+    for lost, within, reason in (
+        (first_below, ndtr(0.5), f"{DRIVE} known to"),
+        (first_draw, 1.0 - 1.0 / (1 + len(draws)), ""),
     ):
-        robot = replace(of_arm, inputs=replace(of_arm.inputs, **changed))
+
+        def perturb(robot, perturbed, lost=lost):
+            if perturbed.factors == lost:
+                raise InputError("no such robot")
+            return perturbed_robot(robot, perturbed)
+
+        robot = replace(of_arm, responses=Responses(of_arm.responses.robot, perturb))
         entry = judged(robot, Requirement(modes=2)).entry("beam", "f1")
         assert entry.probability == pytest.approx(within, abs=2e-3)
         assert (entry.probability_beyond, entry.verdict) == (0.0, "undecided")

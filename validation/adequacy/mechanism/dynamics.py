@@ -15,7 +15,7 @@ from validation.adequacy.mechanism.digits import modes_by_digits
 from validation.adequacy.mechanism.meshes import frequency_half_widths, response_half_widths
 from validation.adequacy.mechanism.parts import FINER_PARTS, PART_STEPS, part_kinds
 from validation.adequacy.mechanism.path import Reading, RobotOnPath
-from validation.adequacy.mechanism.solids import HELD, OWN, SOLID, formulation, with_parts
+from validation.adequacy.mechanism.solids import HELD, OWN, SOLID, formulation_modes, with_parts
 from validation.adequacy.mechanism.vibration import modes_of_solids, solid_meshes
 from validation.adequacy.partners import amounts_by_shape
 from validation.adequacy.references import (
@@ -227,9 +227,7 @@ def modal_steps(robot: RobotOnPath, judged: Mapping[str, Model]) -> Steps:
         "shear of segments": judged["segments"],
         "shear of beams": beam,
         # Second order in 1/n: a quarter of the error is left.
-        "twice as many": formulation(
-            "twice as many segments", "segments", ModelOptions(elements=2 * ELEMENTS)
-        ),
+        "twice as many": Model("twice as many segments", modes=_on_twice_as_many),
         "beams": beam,
     }
     models |= {kind: with_parts(kind) for kind in part_kinds(robot.mechanism)}
@@ -238,6 +236,11 @@ def modal_steps(robot: RobotOnPath, judged: Mapping[str, Model]) -> Steps:
     if robot.prisms and not robot.given:
         models |= {"own": OWN, "warping": HELD}
     return ladders(_LADDERS, DYNAMIC_STEPS, models)
+
+
+def _on_twice_as_many(robot: RobotOnPath, reading: Reading) -> PathModes | None:
+    """Modes by twice as many segments."""
+    return formulation_modes("segments", ModelOptions(), robot, replace(reading, elements=2))
 
 
 def _on_middle_mesh(robot: RobotOnPath, _: Reading) -> PathModes:

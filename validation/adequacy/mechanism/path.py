@@ -1,7 +1,7 @@
 """A mechanism in the postures in which it is judged, and what its robot file leaves unsaid."""
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import Any, Literal, TypeAlias
 
@@ -22,12 +22,15 @@ from validation.models.mechanism import constant_legs
 from validation.models.options import DEFAULT_OPTIONS
 from validation.models.part_legs import part_springs, require_legs
 from validation.models.parts import is_held_as_said
+from validation.models.roundings import Rounding, roundings_of
 from validation.parts.meshes import FINEST
 from validation.verdicts import Coordinate
 
 # How ends are held, and tip compliances (6×6, SI, leg axes), by body.
 Holds: TypeAlias = Mapping[str, Ends]
 Springs: TypeAlias = Mapping[str, Array]
+# Relative changes of uncertain inputs by their keys in the robot file.
+Factors: TypeAlias = tuple[tuple[str, float], ...]
 # Fields of a reading that choose a mesh.
 MeshKind: TypeAlias = Literal["mesh", "section_mesh", "part_mesh"]
 
@@ -44,7 +47,9 @@ class Reading:
 
     `ends` of every leg and part. `masses` and `interior` of the legs known by their 6×6. `mesh` of
     solid legs, and `section_mesh` of the constants of their sections: 1 is the fine one, 0 the
-    coarse one. `part_mesh`: level of CAD parts.
+    coarse one. `part_mesh`: level of CAD parts. `elements`: factor on the element count of
+    formulations. The robot itself is perturbed by `factors` of its inputs and by `rounding`, the
+    number of a printed digit that is off (`roundings_of`); None if none is.
     """
 
     ends: Holds
@@ -53,10 +58,13 @@ class Reading:
     mesh: Literal[0, 1] = 1
     section_mesh: Literal[0, 1] = 1
     part_mesh: int = FINEST
+    elements: int = 1
+    factors: Factors = ()
+    rounding: int | None = None
 
     def __hash__(self) -> int:
-        meshes = self.mesh, self.section_mesh, self.part_mesh
-        return hash((frozenset(self.ends.items()), self.masses, self.interior, *meshes))
+        values = [getattr(self, one.name) for one in fields(self) if one.name != "ends"]
+        return hash((frozenset(self.ends.items()), *values))
 
     @property
     def inside(self) -> Inside:
@@ -67,6 +75,16 @@ class Reading:
         """Reading with another mesh of one kind."""
         mesh: dict[str, Any] = {kind: level}
         return replace(self, **mesh)
+
+    @property
+    def is_perturbed(self) -> bool:
+        """Whether the robot differs from that of its file."""
+        return bool(self.factors) or self.rounding is not None
+
+    @property
+    def unperturbed(self) -> "Reading":
+        """The same reading of the robot as its file describes it."""
+        return replace(self, factors=(), rounding=None)
 
     def restricted(self, names: Collection[str]) -> "Reading":
         """Reading with the default in all fields but those named."""
@@ -126,6 +144,11 @@ class RobotOnPath:
         return {name: leg for name, leg in self.legs.items() if isinstance(leg, GivenLeg)}
 
     @property
+    def has_solids(self) -> bool:
+        """Whether any body is a solid in the reference."""
+        return bool(self.prisms or self.mechanism.parts)
+
+    @property
     def say_masses(self) -> str:
         """What would say where the mass of these lies."""
         return say_masses(self.given, self.context.robot_file.schema)
@@ -154,6 +177,11 @@ class RobotOnPath:
     def samples(self) -> Samples:
         """Where the shapes of all models are sampled."""
         return samples_of(self.mechanism)
+
+    @cached_property
+    def roundings(self) -> list[Rounding]:
+        """The robot with each printed digit of its 6×6 off in turn; none without its text."""
+        return roundings_of(self.text, self.postures) if self.text else []
 
     @cached_property
     def climbs(self) -> str:

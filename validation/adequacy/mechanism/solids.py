@@ -5,6 +5,7 @@ the assembler of the reference, and by links otherwise.
 """
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import TypeAlias
 
@@ -57,11 +58,13 @@ def model_statics(postures: Sequence[Posture], model: ModelName, options: ModelO
 
 
 def formulation(name: str, kind: ModelName, options: ModelOptions) -> Model:
-    """Model of a kind with options, under any reading."""
+    """Model of a kind with options."""
     return Model(
         name,
         statics=partial(_formulation_statics, kind, options),
-        modes=partial(_formulation_modes, kind, options),
+        modes=partial(formulation_modes, kind, options),
+        static_fields=("elements",),
+        modal_fields=("elements",),
     )
 
 
@@ -71,15 +74,20 @@ def with_parts(parts: PartLegs) -> Model:
 
 
 def _formulation_statics(
-    kind: ModelName, options: ModelOptions, robot: RobotOnPath, _: Reading
+    kind: ModelName, options: ModelOptions, robot: RobotOnPath, reading: Reading
 ) -> Statics:
-    return model_statics(robot.postures, kind, options)
+    return model_statics(robot.postures, kind, _with_elements(options, reading))
 
 
-def _formulation_modes(
-    kind: ModelName, options: ModelOptions, robot: RobotOnPath, _: Reading
+def formulation_modes(
+    kind: ModelName, options: ModelOptions, robot: RobotOnPath, reading: Reading
 ) -> PathModes | None:
-    return modes_by_model(robot, kind, options)
+    """Modes of a kind of model, whose element count is that of the options times the reading's."""
+    return modes_by_model(robot, kind, _with_elements(options, reading))
+
+
+def _with_elements(options: ModelOptions, reading: Reading) -> ModelOptions:
+    return replace(options, elements=reading.elements * options.elements)
 
 
 def solid_statics(robot: RobotOnPath, reading: Reading) -> Statics:
@@ -163,14 +171,6 @@ def _section_mesh(robot: RobotOnPath, reading: Reading) -> LegMesh:
     return fine._replace(walls=max(fine.walls, COARSEST_WALLS))
 
 
-# The reference of both halves.
-SOLID = Model(
-    "solid",
-    statics=solid_statics,
-    modes=modes_of_solids,
-    static_fields=("ends", "masses", "mesh", "part_mesh"),
-    modal_fields=("ends", "masses", "interior", "mesh", "part_mesh"),
-)
 # Legs of their sections' own constants, without and with warping held at the ends.
 OWN = Model(
     "own constants",
@@ -185,6 +185,15 @@ HELD = Model(
     modes=_held_modes,
     static_fields=("ends",),
     modal_fields=("ends", "section_mesh"),
+)
+# The reference of both halves. Solids change as beams do if inputs are a few per cent off.
+SOLID = Model(
+    "solid",
+    statics=solid_statics,
+    modes=modes_of_solids,
+    static_fields=("ends", "masses", "mesh", "part_mesh"),
+    modal_fields=("ends", "masses", "interior", "mesh", "part_mesh"),
+    stand_in=HELD,
 )
 # Less all that rigid end faces take.
 RESTRAINED = Model(
