@@ -1,6 +1,6 @@
 """What half a unit of each printed digit of a robot's 6×6 changes in what a model computes."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -43,26 +43,6 @@ def roundings_of(text: str, postures: Sequence[Posture]) -> list[Rounding]:
                 moved = [replace(at, mechanism=changed) for at in postures]
                 found.append(Rounding(moved, printed.half[i, j] / step))
     return found
-
-
-def share_by_digits(
-    roundings: Iterable[Rounding],
-    postures: Sequence[Posture],
-    values: Callable[[Sequence[Posture]], Array],
-) -> Array:
-    """The share of `values` of the postures that they can be off by at most, all roundings adding.
-
-    To first order; zero where `values` are infinite.
-    """
-    own = values(postures)
-    finite, most = np.isfinite(own), np.zeros_like(own)
-    for rounding in roundings:
-        moved = values(rounding.postures)
-        change = np.subtract(moved, own, out=np.zeros_like(own), where=finite)
-        most += np.abs(change * rounding.factor)
-    share = np.zeros_like(own)
-    np.divide(most, np.abs(own), out=share, where=most > 0.0)
-    return share
 
 
 def _with_change(mechanism: Mechanism, given: Array, change: Array) -> Mechanism | None:

@@ -15,6 +15,7 @@ from lumped.legs import ConstantLeg
 from lumped.mechanism.mechanism import UNITS_OF_MOVES, Mechanism, Posture
 from lumped.models.bodies import leg_of
 from validation.agreement.accuracy import refined
+from validation.agreement.combiners import Combiner, combined, relative_sizes
 from validation.models.legs import leg_compliance, leg_frequencies
 from validation.models.loads.displacements import displacements
 from validation.models.loads.stability import stabilities
@@ -27,7 +28,7 @@ from validation.models.mechanism import (
     static_bodies,
 )
 from validation.models.parts import with_finer_parts
-from validation.models.roundings import roundings_of, share_by_digits
+from validation.models.roundings import roundings_of
 from validation.solids.legs import formal_order
 from validation.solve.answer import Answer, LeftOpen, Place, Solution
 from validation.solve.cost import (
@@ -271,9 +272,13 @@ def _with_digits(
             rows = [_of_body(_of(question, postures[0].mechanism), question.alone)]
         else:
             rows = answers(question.model, postures, question.count, question.options)
-        return np.array([_sizes(one) for one in rows])
+        sizes = np.array([_sizes(one) for one in rows])
+        # Digits change nothing of what is infinite.
+        return np.where(np.isfinite(sizes), sizes, 0.0)
 
-    share = share_by_digits(roundings, at, values)
+    nominal = values(at)
+    changes = np.array([one.factor * (values(one.postures) - nominal) for one in roundings])
+    share = combined(changes, lambda own: relative_sizes(own, nominal), Combiner.LINEAR_SUM)
     if not share.any():
         return list(found)
     digits = [

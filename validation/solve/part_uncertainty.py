@@ -12,7 +12,8 @@ from lumped.mechanism.body_model import BodyModel
 from lumped.mechanism.mechanism import Posture
 from lumped.system.assembly import System, assembly
 from lumped.system.sweep import swept
-from validation.adequacy.mechanism.parts import UNKNOWN, number_by_number, part_policy
+from validation.adequacy.mechanism.parts import UNKNOWN, part_policy
+from validation.agreement.combiners import relative_sizes
 from validation.agreement.mesh_half_widths import half_widths_on
 from validation.models.loads.displacements import displacements_of
 from validation.models.mechanism import CUTOFF
@@ -63,7 +64,7 @@ def of_parts(
             LEVELS,
             part_policy(mechanism),
             lambda level: again(level)[:, own],
-            lambda one, other, _: number_by_number(one, other, scale[:, own]),
+            lambda one, other, _: relative_sizes(one - other, scale[:, own]),
         )
         return np.broadcast_to(share, fine[:, own].shape)
 

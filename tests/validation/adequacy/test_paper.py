@@ -16,10 +16,9 @@ from lumped.legs import ConstantLeg, GivenLeg, Material, tip_compliance
 from lumped.robot_file import load_robot
 from lumped.sections import HollowRectangle
 from validation.adequacy.judgement import judged
-from validation.adequacy.mechanism import digits
-from validation.adequacy.mechanism.digits import left_by_digits
+from validation.adequacy.mechanism import sources
 from validation.adequacy.mechanism.dynamics import dynamic_reference
-from validation.adequacy.mechanism.path import robot_on_path
+from validation.adequacy.mechanism.path import NOMINAL, robot_at, robot_on_path
 from validation.adequacy.mechanism.solids import SOLID
 from validation.adequacy.models import judged_models, judged_models_of
 from validation.adequacy.references import Source
@@ -203,9 +202,18 @@ def draws(printed, tmp_path_factory):
     return [robot_of(drawn(printed.text, rng), folder) for _ in range(60)]
 
 
+def at_poses(robot_file, poses):
+    postures = postures_of(robot_file.mechanism, poses)
+    return robot_at(Context(robot_file, "quick"), postures)
+
+
+def half_widths_of_digits(robot_file, poses):
+    return sources.DIGITS.half_widths(Responses(at_poses(robot_file, poses)), NOMINAL)
+
+
 def test_95_percent_of_all_robots_with_these_digits_lie_within(printed, draws):
     poses = printed.mechanism.poses[[1, 4]]
-    stated = left_by_digits(printed.text, postures_of(printed.mechanism, poses))
+    stated = half_widths_of_digits(printed, poses)
     own = virtual_joints(printed, poses)
     changes = np.array([virtual_joints(robot, poses) for robot in draws]) - own
     moved, due = (np.linalg.norm(one[..., :3, :3], axis=-2) for one in (changes, own))
@@ -227,31 +235,31 @@ def test_a_digit_moves_frequencies_as_solving_the_robot_with_it_changed_does(pri
     first_ones = [next(family) for _, family in families]
     assert len(first_ones) == 3
     for one in first_ones:
-        monkeypatch.setattr(digits, "roundings_of", lambda *_, one=one: [one])
-        own, share = digits.modes_by_digits(printed.text, postures, 4, MASSES[0])
-        moved, _ = digits.modes_by_digits(printed.text, tuple(one.postures), 4, MASSES[0])
+        monkeypatch.setattr(sources, "roundings_of", lambda *_, one=one: [one])
+        own, share = sources.modes_by_digits(printed.text, postures, 4, MASSES[0])
+        moved, _ = sources.modes_by_digits(printed.text, tuple(one.postures), 4, MASSES[0])
         off = np.abs(moved.frequencies / own.frequencies - 1.0) * one.factor
         # Differences of numbers that agree to 1e-6, or less.
         assert np.allclose(share, off, rtol=1e-3, atol=1e-3 * off.max())
 
 
 def test_more_digits_leave_less_and_those_of_no_leg_nothing(printed):
-    postures = postures_of(printed.mechanism, printed.mechanism.poses[[4]])
+    poses = printed.mechanism.poses[[4]]
 
     def left_with(digits):
         def longer(number):
             return f"{float(number[0]):.{digits - 1}e}"
 
         text = MATRIX.sub(lambda block: NUMBER.sub(longer, block[0]), printed.text)
-        return left_by_digits(text, postures).max()
+        return half_widths_of_digits(replace(printed, text=text), poses).max()
 
     # Two or three digits leave 1e-3.
     assert 0.0 < left_with(5) < 1e-4
     assert left_with(12) == 0.0
     # Legs of a section have no 6×6; those of another file have another one.
     five_bar = load_robot("five-bar")
-    postures = postures_of(five_bar.mechanism, five_bar.mechanism.poses[:2])
-    assert not any(left_by_digits(one.text, postures).any() for one in (five_bar, printed))
+    for one in (five_bar, replace(five_bar, text=printed.text)):
+        assert not half_widths_of_digits(one, five_bar.mechanism.poses[:2]).any()
 
 
 @pytest.mark.parametrize(

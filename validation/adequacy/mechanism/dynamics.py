@@ -11,11 +11,11 @@ from lumped.arrays import Array
 from lumped.legs import ConstantLeg
 from lumped.models.bodies import links, tip_compliances
 from lumped.system.assembly import assembly
-from validation.adequacy.mechanism.digits import modes_by_digits
 from validation.adequacy.mechanism.meshes import frequency_half_widths, response_half_widths
 from validation.adequacy.mechanism.parts import FINER_PARTS, PART_STEPS, part_kinds
 from validation.adequacy.mechanism.path import Reading, RobotOnPath
 from validation.adequacy.mechanism.solids import HELD, OWN, SOLID, formulation_modes, with_parts
+from validation.adequacy.mechanism.sources import modes_by_digits
 from validation.adequacy.mechanism.vibration import modes_of_solids, solid_meshes
 from validation.adequacy.partners import amounts_by_shape
 from validation.adequacy.references import (

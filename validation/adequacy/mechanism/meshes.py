@@ -18,12 +18,13 @@ from validation.adequacy.mechanism.legs import (
     slowest,
     solid_leg,
 )
-from validation.adequacy.mechanism.parts import UNKNOWN, number_by_number, part_policy
+from validation.adequacy.mechanism.parts import UNKNOWN, part_policy
 from validation.adequacy.mechanism.path import MeshKind, Reading, RobotOnPath
 from validation.adequacy.mechanism.solids import HELD, OWN, SOLID
 from validation.adequacy.mechanism.vibration import solid_meshes
 from validation.adequacy.partners import amounts_by_shape, frequency_changes
 from validation.adequacy.responses import Model, Responses
+from validation.agreement.combiners import relative_sizes
 from validation.agreement.displacement import sizes
 from validation.agreement.mesh_half_widths import MeshPolicy, half_widths_on
 from validation.agreement.responses import PathModes, Statics
@@ -169,7 +170,7 @@ def response_half_widths(
     robot, solve = responses.robot, responses.required_modes
 
     def change(one: PathModes, other: PathModes, fine: PathModes) -> Array:
-        return number_by_number(*(numbers(modes) for modes in (one, other, fine)))
+        return relative_sizes(numbers(one) - numbers(other), numbers(fine))
 
     half_widths = np.zeros_like(numbers(solve(SOLID, reading)))
     # A peak that nothing damps has no size.

@@ -5,7 +5,6 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from fem.reduction.craig_bampton import FrequencyBounds, frequency_bounds
-from lumped.arrays import Array
 from lumped.legs import Ends
 from lumped.mechanism.body_model import BodyModel
 from lumped.mechanism.mechanism import Mechanism, Posture
@@ -161,12 +160,6 @@ def part_kinds(mechanism: Mechanism) -> tuple[PartLegs, ...]:
     if not mechanism.parts:
         return ()
     return ("condensed",) if why_not_stepped(mechanism) else ("stepped", "condensed")
-
-
-def number_by_number(one: Array, other: Array, values: Array) -> Array:
-    """Sizes of differences relative to the values. 0 if nothing yields: no mesh changes that."""
-    share = np.zeros_like(values)
-    return np.divide(np.abs(one - other), np.abs(values), out=share, where=values != 0.0)
 
 
 def part_policy(mechanism: Mechanism) -> MeshPolicy | float:

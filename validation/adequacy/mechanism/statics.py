@@ -5,13 +5,11 @@ they are given.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 
 import numpy as np
 
 from lumped.acceptance.quantities import UNIT_LOADS
 from lumped.arrays import Array
-from validation.adequacy.mechanism.digits import left_by_digits
 from validation.adequacy.mechanism.legs import finer_statics, solid_leg
 from validation.adequacy.mechanism.meshes import displacement_half_widths
 from validation.adequacy.mechanism.parts import FINER_PARTS, PART_STEPS, part_kinds
@@ -26,6 +24,7 @@ from validation.adequacy.mechanism.solids import (
     STRAIGHT,
     with_parts,
 )
+from validation.adequacy.mechanism.sources import DIGITS, MASSES
 from validation.adequacy.references import (
     TIMOSHENKO,
     USE_SOLID,
@@ -40,9 +39,7 @@ from validation.adequacy.references import (
     use,
 )
 from validation.adequacy.responses import Responses
-from validation.agreement.displacement import sizes
 from validation.case import failure_reason
-from validation.models.loads.leg_masses import plausible_masses
 from validation.models.loads.stability import stabilities
 
 # A displacement that a load's own softening changes by less is a linear one.
@@ -57,9 +54,9 @@ def static_reference(responses: Responses) -> Reference:
     # The reason for solids that cannot be meshed names a preset that takes them.
     for leg in robot.prisms:
         solid_leg(context, leg)
-    shared = _shared_budget(robot)
+    linearity = _linearity_half_widths(robot)
     interpretations = [
-        Interpretation(name, reading, _budget(responses, reading, shared))
+        Interpretation(name, reading, _budget(responses, reading, linearity))
         for name, ends in robot.holding.alternatives.items()
         for reading in [Reading(ends)]
     ]
@@ -81,35 +78,25 @@ def static_reference(responses: Responses) -> Reference:
     )
 
 
-def _shared_budget(robot: RobotOnPath) -> Mapping[Source, Array]:
-    """Half-widths (P×(7+L)) by sources that are alike under all interpretations."""
-    budget = {}
-    if robot.text:
-        budget[Source.DIGITS] = robot.context.get(left_by_digits, robot.text, robot.postures)
-    if robot.mechanism.loads:
-        budget[Source.LINEARITY] = _linearity_half_widths(robot)
-    return budget
-
-
-def _budget(responses: Responses, reading: Reading, shared: Mapping[Source, Array]) -> Budget:
+def _budget(responses: Responses, reading: Reading, linearity: Array | None) -> Budget:
     robot = responses.robot
-    budget = {Source.MESHES: displacement_half_widths(responses, reading), **shared}
+    budget = {Source.MESHES: displacement_half_widths(responses, reading)}
+    rows = [DIGITS] if robot.text else []
     if robot.given and any(load.acts_on_mass for load in robot.mechanism.loads):
-        # The displacement under a load is linear in the places of mass: between these it is any.
-        fine = responses.required_statics(SOLID, reading)
-        others = (
-            responses.required_statics(SOLID, replace(reading, masses=masses))
-            for masses in plausible_masses(robot.given.values())
-        )
-        budget[Source.MASSES] = np.max([sizes(one - fine, fine) for one in others], axis=0)
+        rows.append(MASSES)
+    budget |= {row.source: row.half_widths(responses, reading) for row in rows}
+    if linearity is not None:
+        budget[Source.LINEARITY] = linearity
     return {source: HalfWidths(half_widths) for source, half_widths in budget.items()}
 
 
-def _linearity_half_widths(robot: RobotOnPath) -> Array:
+def _linearity_half_widths(robot: RobotOnPath) -> Array | None:
     """Change of the stiffness by the loads that act on it (P×(7+L)), if it is not negligible.
 
-    All of it if the robot has buckled, and if the stability cannot be computed.
+    All of it if the robot has buckled, and if the stability cannot be computed. None without loads.
     """
+    if not robot.mechanism.loads:
+        return None
     try:
         found = robot.context.get(stabilities, "links", robot.postures)
     except Exception as error:  # noqa: BLE001  loses no model: it leaves their errors open
