@@ -32,7 +32,14 @@ from lumped.robot_file.mechanism.build import mechanism_of
 from lumped.robot_file.mechanism.draft import draft
 from lumped.robot_file.mechanism.faults import description_faults, motion_faults
 from lumped.robot_file.places import keys_named, value_at, with_value
-from lumped.robot_file.reading import decoded, parsed, tables_of
+from lumped.robot_file.reading import (
+    Printed,
+    decimal_tables,
+    decoded,
+    parsed,
+    printed_compliances,
+    tables_of,
+)
 from lumped.robot_file.rules.published import key_comments
 from lumped.robot_file.rules.tables import is_mechanism, rules_of
 from lumped.robot_file.written import toml_of
@@ -69,7 +76,7 @@ class RobotFile:
     misprints in its source; `requirement` what is asked of its models, `measured` what was measured
     of the robot; `agreement` limits the differences between its models. `supposed`: how well
     moduli, lengths and stiffnesses are taken to be known where the file does not say it of any
-    number.
+    number. `changes`: numbers or matrices in place of those of the text, by key.
     """
 
     mechanism: Mechanism
@@ -82,6 +89,7 @@ class RobotFile:
     measured: tuple[Measured, ...] = ()
     agreement: AgreementLimits = DEFAULT_LIMITS
     supposed: float | None = None
+    changes: Mapping[str, Any] = field(default_factory=dict, hash=False)
 
     @property
     def schema(self) -> int:
@@ -129,7 +137,7 @@ class RobotFile:
         Raises InputError where there is no such robot.
         """
         try:
-            tables = self.tables
+            tables = _changed(self.tables, self.changes)
             values = {key: times(value_at(tables, key), 1.0 + off[key]) for key in off}
             return self.with_values(values).mechanism
         except InputError as error:
@@ -145,9 +153,14 @@ class RobotFile:
         # What was measured and what was misprinted is as the file says.
         said = ("measured", "hammer", "corrections")
         tables = {name: table for name, table in self.tables.items() if name not in said}
-        for key, value in values.items():
-            tables = with_value(tables, key, value)
-        return replace(self, mechanism=described_by(tables, self.folder)[0])
+        changes = {**self.changes, **values}
+        mechanism = described_by(_changed(tables, changes), self.folder)[0]
+        return replace(self, mechanism=mechanism, changes=changes)
+
+    @property
+    def printed_compliances(self) -> tuple[Printed, ...]:
+        """Every 6×6 compliance of the robot with half a unit of its printed digits."""
+        return tuple(printed_compliances(_changed(decimal_tables(self.text), self.changes)))
 
     @property
     def folder(self) -> Path:
@@ -161,6 +174,13 @@ class RobotFile:
         The text is parsed once per process.
         """
         return tables_of(self.text)
+
+
+def _changed(tables: Mapping[str, Any], changes: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Tables with other values at keys; raises LookupError if there is no such key."""
+    for key, value in changes.items():
+        tables = with_value(tables, key, value)
+    return tables
 
 
 def _digest(content: bytes, files: Iterable[Path]) -> str:

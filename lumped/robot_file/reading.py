@@ -1,8 +1,9 @@
 """From a path to the tables of a TOML file, refused where it is none before it costs anything.
 
 Of compliances also what the printed digits leave open, half a unit of the last one: 1.67e-10 lies
-between 1.665e-10 and 1.675e-10. Zeros and whole numbers are taken as exact, and so is a 6×6 of
-fewer than three digits throughout: a round figure that somebody chose, as a drive's stiffness is.
+between 1.665e-10 and 1.675e-10. Zeros, whole numbers and varied numbers are taken as exact, and so
+is a 6×6 of fewer than three digits throughout: a round figure that somebody chose, as a drive's
+stiffness is.
 """
 
 import csv
@@ -114,16 +115,16 @@ def tables_of(text: str) -> Mapping[str, Any]:
 
 
 @memo(16)
-def printed_compliances(text: str) -> tuple[Printed, ...]:
-    """Every 6×6 `compliance` in the text of a sound robot file of either schema."""
-    # Digits are no longer known of numbers.
-    return tuple(_printed(tomllib.loads(text, parse_float=Decimal)))
+def decimal_tables(text: str) -> Mapping[str, Any]:
+    """The tables of a sound TOML text with numbers as printed: nobody may change them."""
+    return tomllib.loads(text, parse_float=Decimal)
 
 
-def _printed(tables: Mapping[str, Any]) -> Iterator[Printed]:
+def printed_compliances(tables: Mapping[str, Any]) -> Iterator[Printed]:
+    """Every 6×6 `compliance` in tables of a sound robot file, of either schema, as printed."""
     for name, inner in tables.items():
         if isinstance(inner, Mapping):
-            yield from _printed(inner)
+            yield from printed_compliances(inner)
         elif name == "compliance":
             yield Printed(symmetric(inner), _half_units(inner))
 

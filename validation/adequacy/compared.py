@@ -110,7 +110,9 @@ def compared_frequencies(robot: RobotOnPath) -> Compared:
     judged = robot.judged
     for name, (first, *others) in _by_ends(reference).items():
         shown = responses.required_modes(SOLID, first.reading)
-        half_widths = first.budget[Source.MESHES].frequencies
+        half_widths = first.frequency_half_widths(judged)
+        if half_widths is None:
+            continue
         changes = [
             frequency_changes(shown, modes, judged)
             for other in others

@@ -219,7 +219,7 @@ def _on_legs_of_constant_section(robot: RobotOnPath, models: Mapping[str, Model]
     mechanism = on_equivalent_legs(robot.mechanism)
     postures = [replace(posture, mechanism=mechanism) for posture in robot.postures]
     # Both sides have these legs, feet and tool, whatever the robot's are: no digit is uncertain.
-    on_solids = replace(robot_at(robot.context, postures), text="")
+    on_solids = replace(robot_at(robot.context, postures), printed=())
     on_such_legs = [one for name, one in models.items() if name not in LEGS_AS_GIVEN]
     return replace(static_subject(on_solids, _static(on_such_legs)), robot="equivalent legs")
 

@@ -1,6 +1,6 @@
 """What half a unit of each printed digit of a robot's 6×6 changes in what a model computes."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -9,7 +9,7 @@ import numpy as np
 from lumped.arrays import Array
 from lumped.legs import GivenLeg
 from lumped.mechanism.mechanism import Mechanism, Posture
-from lumped.robot_file.reading import printed_compliances
+from lumped.robot_file.reading import Printed
 
 # Of the size that an entry of a 6×6 can have: compliances and frequencies are linear in it so far.
 _STEP = 1e-6
@@ -24,14 +24,14 @@ class Rounding(NamedTuple):
     factor: float
 
 
-def roundings_of(text: str, postures: Sequence[Posture]) -> list[Rounding]:
-    """One for every number of a 6×6 of the robot in the `text` of its file.
+def roundings_of(compliances: Iterable[Printed], postures: Sequence[Posture]) -> list[Rounding]:
+    """One for every number of the `compliances` of a robot file that are the robot's.
 
     Bodies and joints for which the same 6×6 is printed have the same one. Numbers of nine digits
     and more are left out.
     """
     mechanism, found = postures[0].mechanism, []
-    known = {printed.compliance.tobytes(): printed for printed in printed_compliances(text)}
+    known = {printed.compliance.tobytes(): printed for printed in compliances}
     for printed in known.values():
         size = np.sqrt(np.diag(printed.compliance))
         counts = np.triu(printed.half) > _NEGLIGIBLE * np.outer(size, size)

@@ -255,7 +255,7 @@ def _with_digits(
     By the model itself, of few elements, of solids by beams in their place: what a 6×6 changes is a
     small share, and which share it is depends little on the model.
     """
-    roundings = roundings_of(question.robot_file.text, at)
+    roundings = roundings_of(question.robot_file.printed_compliances, at)
     if not roundings:
         return list(found)
     given = question.given

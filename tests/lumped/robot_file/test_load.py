@@ -27,7 +27,7 @@ from lumped.models.bodies import legs_of
 from lumped.robot_file import built_in_robots, load, load_robot, reading, write_template
 from lumped.robot_file.load import described_by
 from lumped.robot_file.mechanism.build import interface_of
-from lumped.robot_file.reading import printed_compliances
+from lumped.robot_file.reading import decimal_tables, printed_compliances
 from lumped.robot_file.rules.published import json_schema
 from lumped.robot_file.rules.tables import INTERFACE
 from lumped.sections import HollowRectangle
@@ -110,7 +110,7 @@ def test_half_a_unit_of_the_last_digit_zeros_exact_and_mirror_images_one_roundin
     # A bearing of 5e-10 m/N is no number between 4.5e-10 and 5.5e-10 that was rounded.
     chosen = f"[foot]\ncompliance = {rows(c11='5e-10', c66='1.2e-7')}\n"
     text = "[path]\nfrom = [0.20, 0.50]\n" + "".join(f"{one}\n{own}" for one in tables)
-    *printed, of_designer = printed_compliances(text + chosen)
+    *printed, of_designer = printed_compliances(decimal_tables(text + chosen))
     expected = np.diag([0.5e-12, 0.5e-12, 0.5e-4, 0.5e-7, 0.0, 0.0])
     expected[1, 2] = expected[2, 1] = 0.05e-9
     for one in printed:

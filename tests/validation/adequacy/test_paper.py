@@ -14,7 +14,9 @@ from lumped.acceptance.quantities import UNIT_LOADS
 from lumped.acceptance.requirement import Requirement
 from lumped.legs import ConstantLeg, GivenLeg, Material, tip_compliance
 from lumped.robot_file import load_robot
+from lumped.robot_file.places import value_at
 from lumped.sections import HollowRectangle
+from validation.adequacy.compared import compared_frequencies
 from validation.adequacy.judgement import judged
 from validation.adequacy.mechanism import sources
 from validation.adequacy.mechanism.dynamics import dynamic_reference
@@ -231,13 +233,16 @@ def test_a_digit_moves_frequencies_as_solving_the_robot_with_it_changed_does(pri
         return [name for name in bodies if found[name] is not bodies[name]]
 
     # The first of the feet's joints, of leg 1 and of leg 2: extension.
-    families = groupby(roundings_of(printed.text, postures), changed)
+    compliances = printed.printed_compliances
+    families = groupby(roundings_of(compliances, postures), changed)
     first_ones = [next(family) for _, family in families]
     assert len(first_ones) == 3
     for one in first_ones:
         monkeypatch.setattr(sources, "roundings_of", lambda *_, one=one: [one])
-        own, share = sources.modes_by_digits(printed.text, postures, 4, MASSES[0])
-        moved, _ = sources.modes_by_digits(printed.text, tuple(one.postures), 4, MASSES[0])
+        own, share = sources.modes_by_digits(printed.printed_compliances, postures, 4, MASSES[0])
+        moved, _ = sources.modes_by_digits(
+            printed.printed_compliances, tuple(one.postures), 4, MASSES[0]
+        )
         off = np.abs(moved.frequencies / own.frequencies - 1.0) * one.factor
         # Differences of numbers that agree to 1e-6, or less.
         assert np.allclose(share, off, rtol=1e-3, atol=1e-3 * off.max())
@@ -282,3 +287,32 @@ def test_solve_says_what_the_digits_leave_open_at_most(printed, draws, model, gi
     assert record_of(answer)["digits"]["compliance"] == most[:6].tolist()
     text = as_text(Solution(printed.mechanism.name, model, {}, (answer,)))
     assert "uncertainty from the last digits of the 6×6 in the robot file (at most):" in text
+
+
+@pytest.mark.parametrize("key", ["leg1.compliance[1,1]", "foot.compliance[6,6]"])
+def test_varied_entry_keeps_other_digits(key):
+    def roundings(robot_file):
+        postures = postures_of(robot_file.mechanism, robot_file.mechanism.poses[:1])
+        return roundings_of(robot_file.printed_compliances, postures)
+
+    ifw = load_robot("ifw")
+    varied = ifw.with_values({key: 1.001 * value_at(ifw.tables, key)})
+    # Each of three 6×6 has 21 entries; the varied one is exact.
+    assert (len(roundings(ifw)), len(roundings(varied))) == (63, 62)
+
+
+def test_second_variation_keeps_the_first_one():
+    ifw = load_robot("ifw")
+    both = ifw.with_values({"platform.mass": 40.0}).with_values({"leg1.mass": 60.0}).mechanism
+    assert (both.tool.mass, both.bodies["leg1"].shape.mass) == (40.0, 60.0)
+
+
+def test_compared_frequencies_include_digits():
+    robot = robot_on_path(Context(load_robot("ifw"), "quick"))
+    with_digits, without = (
+        compared_frequencies(one).uncertainties for one in (robot, replace(robot, printed=()))
+    )
+    for name, half_widths in with_digits.items():
+        digits = half_widths - without[name]
+        # f1 and f2 of legs with three digits; no reference of ifw has a mesh.
+        assert 5e-4 < digits[:, :2].min() < digits[:, :2].max() < 2e-3, name

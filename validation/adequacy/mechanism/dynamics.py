@@ -175,7 +175,7 @@ def _digit_uncertainty(robot: RobotOnPath, fine: PathModes, masses: Masses) -> A
     As of the beams' modes of the same shape; of a mode that beams do not have the most of all
     judged.
     """
-    found = robot.context.get(modes_by_digits, robot.text, robot.postures, robot.offered, masses)
+    found = robot.context.get(modes_by_digits, robot.printed, robot.postures, robot.offered, masses)
     if found is None:
         return None
     beams, share = found

@@ -14,6 +14,7 @@ from lumped.legs import ConstantLeg, Ends, GivenLeg, Leg
 from lumped.mechanism.mechanism import UNITS_OF_MOVES, Mechanism, Posture
 from lumped.models import serial_chains
 from lumped.models.bodies import legs_of, tip_compliances
+from lumped.robot_file.reading import Printed
 from validation.adequacy.mechanism.samples import Samples, samples_of
 from validation.context import Context, Preset
 from validation.kinematics.poses import postures_on_path
@@ -118,15 +119,15 @@ class Holding:
 class RobotOnPath:
     """A mechanism in its postures, with what every reference of it is computed from.
 
-    `legs` by body, prisms that are alike the same. `text`: the robot file, whose printed digits
-    leave something open; "" where they are not in question.
+    `legs` by body, prisms that are alike the same. `printed`: the 6×6 of its file with half a unit
+    of their digits. Empty if these are not in question.
     """
 
     context: Context
     postures: tuple[Posture, ...]
     legs: Mapping[str, Leg]
     holding: Holding
-    text: str
+    printed: tuple[Printed, ...]
 
     @property
     def mechanism(self) -> Mechanism:
@@ -180,8 +181,8 @@ class RobotOnPath:
 
     @cached_property
     def roundings(self) -> list[Rounding]:
-        """The robot with each printed digit of its 6×6 off in turn; none without its text."""
-        return roundings_of(self.text, self.postures) if self.text else []
+        """The robot with each printed digit of its 6×6 off in turn."""
+        return roundings_of(self.printed, self.postures)
 
     @cached_property
     def climbs(self) -> str:
@@ -202,7 +203,7 @@ def robot_at(context: Context, postures: Sequence[Posture]) -> RobotOnPath:
         tuple(postures),
         known_legs(mechanism),
         holding(mechanism, context.robot_file.schema),
-        context.robot_file.text,
+        context.robot_file.printed_compliances,
     )
 
 

@@ -16,6 +16,7 @@ from lumped.arrays import Array, SparseMatrix
 from lumped.legs import GivenLeg
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.models.bodies import legs_of, tip_compliances
+from lumped.robot_file.reading import Printed
 from lumped.system.assembly import assembly
 from validation.adequacy.mechanism.parts import assembled
 from validation.adequacy.mechanism.path import Reading, RobotOnPath
@@ -129,14 +130,13 @@ MASSES = SourceRow(Source.MASSES, SOLID, _plausible, Combiner.HULL)
 
 
 def modes_by_digits(
-    text: str, postures: tuple[Posture, ...], count: int, masses: Masses
+    printed: Sequence[Printed], postures: tuple[Posture, ...], count: int, masses: Masses
 ) -> tuple[PathModes, Array] | None:
     """Modes by beams, given legs by their own 6×6, and relative half-widths (p×m) due to digits.
 
-    All changes by the printed digits of the 6×6 in the `text` of the robot file, to first order.
-    None if the file has none.
+    All changes by the digits of the `printed` 6×6 together, to first order. None without any.
     """
-    roundings = roundings_of(text, postures)
+    roundings = roundings_of(printed, postures)
     if not roundings:
         return None
     mechanism = postures[0].mechanism

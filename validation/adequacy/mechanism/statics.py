@@ -81,7 +81,7 @@ def static_reference(responses: Responses) -> Reference:
 def _budget(responses: Responses, reading: Reading, linearity: Array | None) -> Budget:
     robot = responses.robot
     budget = {Source.MESHES: displacement_half_widths(responses, reading)}
-    rows = [DIGITS] if robot.text else []
+    rows = [DIGITS] if robot.printed else []
     if robot.given and any(load.acts_on_mass for load in robot.mechanism.loads):
         rows.append(MASSES)
     budget |= {row.source: row.half_widths(responses, reading) for row in rows}
