@@ -57,9 +57,11 @@ class SampledModes:
 class Pairs:
     """Partners of m modes among those of another model.
 
-    `partner` (m): index of the partner, −1 if there is none. Modes of one frequency have theirs in
-    ascending order. `likeness` (m): squared cosine between a mode and the space of its partner,
-    or the largest likeness with any mode if there is no partner. `exchange` (m×m): likeness of two
+    `nearest` (m): index of the mode with which the sum of all likeness is largest, −1 if there are
+    fewer modes. `partner` (m): index of the partner, −1 if shapes of `nearest` are not alike. Modes
+    of one frequency have theirs in ascending order. `likeness` (m): squared cosine between a mode
+    and the space of its partner, or the largest likeness with any mode if there is no partner.
+    `exchange` (m×m): likeness of two
     pairs with their partners exchanged, relative to that of the pairs; zero within one space, and
     of modes that their frequencies tell apart.
     `mixed` (m×m): pairs of different frequencies whose shapes do not decide which is which.
@@ -68,6 +70,7 @@ class Pairs:
     uncertainty and mixed ones allow.
     """
 
+    nearest: IntArray
     partner: IntArray
     likeness: Array
     exchange: Array
@@ -117,8 +120,8 @@ def pair_modes(
     overlaps = np.pad(overlaps, ((0, 0), (0, lacking)))
     other_spaces = np.append(other_spaces, -1 - np.arange(lacking))
     means = _means(overlaps, own_spaces, other_spaces)
-    partner = assigned(means)
-    blocks = _Blocks(overlaps, own_spaces, other_spaces, partner)
+    nearest = _assigned(means)
+    blocks = _Blocks(overlaps, own_spaces, other_spaces, nearest)
     likeness = blocks.likeness()
     exchange = blocks.exchange(means, likeness)
     lower, upper = (of.outer(own.frequencies, own.frequencies) for of in (np.minimum, np.maximum))
@@ -129,9 +132,10 @@ def pair_modes(
     found = (likeness >= ALIKE) & ~undecided
     near = one_frequency(own.frequencies, unsure)
     beside = np.equal.outer(near, near)
-    partner = np.where(found, partner, -1)
+    partner = np.where(found, nearest, -1)
     partner = _ascending(partner, linked & beside)
     return Pairs(
+        np.where(nearest < len(other.frequencies), nearest, -1),
         partner,
         np.where(found, likeness, means.max(axis=1, initial=0.0)),
         exchange,
@@ -141,17 +145,15 @@ def pair_modes(
     )
 
 
-def assigned(likeness: Array) -> IntArray:
-    """Partner (m) of every row of a matrix (m×n) by its largest sum (Hungarian method).
+def _assigned(likeness: Array) -> IntArray:
+    """Column (m) of every row of a matrix (m×n, m ≤ n) by its largest sum (Hungarian method).
 
-    Rows and columns that are equal are assigned in ascending order. −1 if there are too few
-    columns.
+    Rows and columns that are equal are assigned in ascending order.
     """
     places = np.subtract.outer(*(np.arange(float(size)) for size in likeness.shape))
-    rows, columns = scipy.optimize.linear_sum_assignment(likeness - _TIE * places**2, maximize=True)
-    partner = np.full(likeness.shape[0], -1)
-    partner[rows] = columns
-    return partner
+    penalised = likeness - _TIE * places**2
+    columns: IntArray = scipy.optimize.linear_sum_assignment(penalised, maximize=True)[1]
+    return columns
 
 
 def one_frequency(frequencies: Array, unsure: Array | None = None) -> IntArray:
@@ -281,14 +283,6 @@ def _ascending(partner: IntArray, linked: BoolArray) -> IntArray:
         inside = np.flatnonzero((groups == number) & (partner >= 0))
         found[inside] = np.sort(partner[inside])
     return found
-
-
-def mac_matrix(first: Array, second: Array, weights: Array) -> Array:
-    """MAC (m×n) between two sets of shapes (k×m, k×n) sampled alike, `weights` (k) ≥ 0."""
-    a, b = (np.sqrt(weights)[:, None] * np.asarray(shapes) for shapes in (first, second))
-    a, b = (shapes / np.linalg.norm(shapes, axis=0) for shapes in (a, b))
-    mac: Array = np.square(a.T @ b)
-    return mac
 
 
 def centreline_samples(length: float, count: int) -> tuple[Array, Array]:

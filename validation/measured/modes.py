@@ -26,8 +26,8 @@ from lumped.system.assembly import System
 from lumped.system.response import DampedModes, damped_modes
 from lumped.text import counted
 from validation.agreement.mode_pairing import (
-    assigned,
     one_frequency,
+    pair_modes,
     sampled_modes,
     space_likeness,
 )
@@ -141,12 +141,15 @@ def modal_answer(
     # points is like none.
     frequencies = found.modes.frequencies[seen]
     measured = sampled_modes(test.frequencies, test.shapes)
-    mac = space_likeness(measured, sampled_modes(frequencies, moved[:, seen]))
+    modelled = sampled_modes(frequencies, moved[:, seen])
+    mac = space_likeness(measured, modelled)
     alike, spaces = mac >= LEAST_MAC, one_frequency(frequencies)
     ratios = np.divide.outer(test.frequencies, frequencies)
     near = alike & (np.maximum(ratios, 1.0 / ratios) < _OFF)
-    mac[alike & ~near & near.any(axis=1, keepdims=True)] = 0.0
-    for column, other in enumerate(assigned(mac)):
+    excluded = alike & ~near & near.any(axis=1, keepdims=True)
+    mac[excluded] = 0.0
+    pairs = pair_modes(measured, modelled, excluded=excluded)
+    for column, other in enumerate(pairs.nearest):
         if other >= 0:
             same, own = mac[column] >= LEAST_MAC, float(mac[column, other])
             reason = ""

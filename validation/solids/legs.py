@@ -33,10 +33,10 @@ from validation.agreement.convergence import (
 )
 from validation.agreement.mesh_half_widths import MeshPolicy, mesh_half_widths
 from validation.agreement.mode_pairing import (
-    assigned,
     centreline_samples,
     centreline_weights,
-    mac_matrix,
+    pair_modes,
+    sampled_modes,
 )
 from validation.context import Preset
 
@@ -58,9 +58,6 @@ _DOUBLING_LADDER = (COARSEST_WALLS, 8, 16, 32)
 _THINNER = 16
 # Twice the modes asked for, so that no partner is missing where two models order them differently.
 _SPARE_MODES = 6
-# Likeness of partners, above which no more modes are asked for: half and a margin for a beam's mode
-# that two modes of one frequency share.
-_PARTNER = 0.4
 _STATIONS = 24
 _ENDS: tuple[Ends, Ends] = ("rigid", "free")
 # Tasks of this group share what is kept of the robot's solids.
@@ -282,8 +279,9 @@ def solid_frequencies(
     """First `count` frequencies of the clamped leg, paired with the beam's."""
     beam = beam_leg(leg.timoshenko, leg.length, ELEMENTS)
     stations, lengths = centreline_samples(leg.length, _STATIONS)
-    weights = centreline_weights(leg.timoshenko, lengths)
-    target = beam.centreline(stations) @ clamped_modes(beam, count).shapes
+    root = np.sqrt(centreline_weights(leg.timoshenko, lengths))[:, None]
+    of_beam = clamped_modes(beam, count)
+    target = sampled_modes(of_beam.frequencies, root * (beam.centreline(stations) @ of_beam.shapes))
     frequencies, mac, unknowns, seconds = [], [], [], []
     for number in divisions:
         start = process_time()
@@ -293,17 +291,14 @@ def solid_frequencies(
         twists = section_twists(mesh, stations)
         for offered in count + _SPARE_MODES * np.array([1, 2, 4, 8]):
             modes = clamped.modes(int(offered))
-            shapes = twists @ modes.shapes
+            shapes = root * (twists @ modes.shapes)
             # Of unit modal mass; walls that move by themselves leave next to none to the sections.
-            seen = np.square(np.sqrt(weights)[:, None] * shapes).sum(axis=0)
-            likeness = seen * mac_matrix(target, shapes, weights)
-            partner = assigned(likeness)
-            alike = likeness[np.arange(count), partner]
-            # Two modes of one frequency may share a beam's.
-            if alike.min() > _PARTNER:
+            seen = np.square(shapes).sum(axis=0)
+            pairs = pair_modes(target, sampled_modes(modes.frequencies, shapes, seen))
+            if (pairs.partner >= 0).all():
                 break
-        frequencies.append(modes.frequencies[partner])
-        mac.append(alike)
+        frequencies.append(modes.frequencies[pairs.nearest])
+        mac.append(pairs.likeness)
         unknowns.append(mesh.nodes.size)
         seconds.append(process_time() - start)
     found = Refinement(divisions, np.array(frequencies), formal_order(leg, ends))

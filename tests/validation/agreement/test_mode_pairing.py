@@ -56,6 +56,20 @@ def test_separate_modes_have_the_assigned_partners(seed):
     assert not pairs.undecided.any()
 
 
+def test_sum_of_all_pairs_decides():
+    """Greedy takes 0.6 for the first and leaves 0; together 0.5 + 0.5 is more."""
+    first, second = [1.0, 0.0, 0.0, 0.0], [0.5, 0.5057, 0.7030, 0.0]
+    others = [[0.7746, 0.6325, 0.0, 0.0], [0.7071, -0.2126, -0.35, 0.5762]]
+    own, other = (
+        modes_of(np.array([1.0, 2.0]), np.transpose(one), np.ones(4))
+        for one in ([first, second], others)
+    )
+    np.testing.assert_allclose(likeness_matrix(own, other), [[0.6, 0.5], [0.5, 0.0]], atol=1e-3)
+    assert pair_modes(own, other).nearest.tolist() == [1, 0]
+    alone = modes_of(np.array([1.0]), np.transpose(others[:1]), np.ones(4))
+    assert pair_modes(own, alone).nearest.tolist() == [0, -1]
+
+
 @pytest.mark.parametrize("size", [2, 3])
 @pytest.mark.parametrize("tilt", [0.0, 0.3])
 def test_repeated_modes_compare_by_principal_angles(size, tilt):
