@@ -1,15 +1,20 @@
-"""The built distribution: installed in an environment of its own, it runs, with all of its data."""
+"""Version by tag, contents of wheel and source distribution, and a clean installation of both."""
 
 import os
+import re
+import shutil
 import subprocess
 import sys
 import tarfile
 import tomllib
-import venv
 import zipfile
+from importlib.metadata import version
 from pathlib import Path
 
 import pytest
+from packaging.version import Version
+
+from validation.console.locked import locked_packages
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGES = ("lumped", "meshes", "fem", "validation")
@@ -57,44 +62,96 @@ def test_source_distribution_makes_the_same_wheel(wheel, tmp_path):
     assert contents(built("wheel", tmp_path, sources)) == contents(wheel)
 
 
-@pytest.mark.exhaustive
-def test_installed_wheel_runs_and_offers_the_plugin(wheel, tmp_path):
-    """Dependencies come from this environment; flexproof itself from the wheel alone."""
-    venv.create(tmp_path / "env", with_pip=True)
-    python = tmp_path / "env" / "bin" / "python"
-    pip = [python, "-m", "pip", "install", "--no-index", "--no-deps", "--quiet", wheel]
-    subprocess.run(pip, check=True, capture_output=True)
-    site = next((tmp_path / "env" / "lib").glob("python3*/site-packages"))
-    here = next(Path(sys.prefix, "lib").glob("python3*/site-packages"))
-    # A path file of this environment would make the sources importable.
-    dependencies = tmp_path / "dependencies"
-    dependencies.mkdir()
-    for entry in here.iterdir():
-        if "flexproof" not in entry.name and entry.suffix != ".pth":
-            (dependencies / entry.name).symlink_to(entry)
-    (site / "dependencies.pth").write_text(f"{dependencies}\n", "utf-8")
+def output(*line, folder):
+    done = subprocess.run(line, cwd=folder, capture_output=True, text=True, check=True)
+    return done.stdout.strip()
+
+
+def test_released_version_is_the_same_everywhere():
+    """Last release of changelog, citation and fallback; an installation is it or comes later."""
+    changelog = (ROOT / "CHANGELOG.md").read_text("utf-8")
+    headings = re.findall(r"^## (.+)$", changelog, re.MULTILINE)
+    released = next(one for one in headings if one != "Unreleased").split()[0]
+    citation = (ROOT / "CITATION.cff").read_text("utf-8")
+    assert re.findall(r"^version: (.+)$", citation, re.MULTILINE) == [released]
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))
+    assert project["tool"]["hatch"]["version"]["fallback-version"] == released
+    assert Version(version("flexproof")) >= Version(released)
+
+
+def test_version_comes_from_the_tag(tmp_path):
+    """Without git: the fallback. Without a tag: after the fallback. At and after a tag: from it."""
+    shutil.copy(ROOT / "pyproject.toml", tmp_path)
+
+    def git(*words):
+        identity = ("-c", "user.name=test", "-c", "user.email=test@localhost")
+        return output("git", *identity, *words, folder=tmp_path)
+
+    def computed():
+        return output(sys.executable, "-m", "hatchling", "version", folder=tmp_path)
+
+    fallback = Version(computed())
+    assert not fallback.is_devrelease
+    git("init", "--quiet")
+    git("add", ".")
+    git("commit", "--quiet", "--message", "first")
+    untagged = Version(computed())
+    assert untagged.is_devrelease
+    assert untagged > fallback
+    git("tag", "v7.8.9")
+    assert computed() == "7.8.9"
+    git("commit", "--quiet", "--allow-empty", "--message", "second")
+    assert computed().partition("+")[0] == "7.8.10.dev1"
+    assert git("rev-parse", "HEAD").startswith(computed().partition("+g")[2])
+
+
+def test_module_flexproof_is_the_file_of_the_clone(tmp_path):
+    """A copy in the environment would not follow changes of the sources."""
+    line = (sys.executable, "-c", "import flexproof; print(flexproof.__file__)")
+    assert output(*line, folder=tmp_path) == str(ROOT / "flexproof.py")
+
+
+@pytest.mark.install
+@pytest.mark.parametrize("name", ["python3.11", "python3.12", "python3.13"])
+def test_clean_installation_runs_with_locked_packages(name, wheel, tmp_path):
+    """An empty environment, the packages of requirements.lock, then sdist and wheel in turn."""
+    if subprocess.run([name, "-c", "import venv"], capture_output=True, check=False).returncode:
+        pytest.skip(f"{name} is not installed here")
+    output(name, "-m", "venv", "env", folder=tmp_path)
+    python, command = (str(tmp_path / "env" / "bin" / one) for one in ("python", "flexproof"))
+    pip = (python, "-m", "pip", "--disable-pip-version-check", "install", "--quiet", "--no-deps")
+    locked = ("--only-binary", ":all:", "--require-hashes", "--requirement")
+    output(*pip, *locked, str(ROOT / "requirements.lock"), folder=tmp_path)
     environment = os.environ | {"HOME": str(tmp_path), "XDG_CACHE_HOME": str(tmp_path / "cache")}
+    environment.pop("PYTHONPATH", None)
 
     def outcome(*line):
         return subprocess.run(
             line, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False
         )
 
-    version = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]["version"]
-    command = tmp_path / "env" / "bin" / "flexproof"
-    assert version in outcome(command, "--version").stdout
+    source = built("sdist", tmp_path)
+    for distribution in (source, wheel):
+        alone = ("--no-index", "--no-build-isolation", "--force-reinstall", str(distribution))
+        output(*pip, *alone, folder=tmp_path)
+        number = distribution.name.split("-")[1].removesuffix(".tar.gz")
+        assert outcome(command, "--version").stdout.startswith(f"{number}, ")
     run = outcome(command, "run", "ifw", "--preset", "quick")
     assert run.returncode == 0, run.stderr
     assert "agree" in run.stdout
-    assert "<h1" in (tmp_path / "report" / "report.html").read_text("utf-8")
+    assert f"flexproof {number}" in (tmp_path / "report" / "report.html").read_text("utf-8")
     for kind in ("biglide", "five-bar", "delta", "hexapod"):
         made = outcome(command, "new", f"{kind}.toml", "--type", kind)
         assert made.returncode == 0, made.stderr
         assert outcome(command, "check", f"{kind}.toml").returncode == 0
     public = "import flexproof as fp; print(fp.__file__, fp.solve('ifw', 'vjm').table())"
     solved = outcome(python, "-c", public)
-    assert str(site) in solved.stdout, solved.stderr
+    assert str(tmp_path / "env") in solved.stdout, solved.stderr
     assert "x (m/N)" in solved.stdout
+    packages = locked_packages((ROOT / "requirements-dev.lock").read_text("utf-8"))
+    needed = ("pytest", "iniconfig", "packaging", "pluggy", "pygments")
+    (tmp_path / "pytest.lock").write_text("".join(packages[one][1] for one in needed), "utf-8")
+    output(*pip, *locked, "pytest.lock", folder=tmp_path)
     plugin = outcome(python, "-m", "pytest", "--help")
     assert "--flexproof" in plugin.stdout, plugin.stderr
     refused = outcome(command, "docs")
