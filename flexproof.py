@@ -8,7 +8,6 @@ fp.converge("ifw", "segments", body="leg1").plot()
 from lumped.errors import ComputationError, InputError
 from validation.api import (
     Adequacy,
-    Run,
     adequacy,
     compare_measured,
     converge,
@@ -27,6 +26,7 @@ from validation.cross_validation import CrossValidation
 from validation.maps.figure import WorkspaceMaps
 from validation.parts.identify import Identified
 from validation.python.designs import Designs
+from validation.python.finished import Run
 from validation.python.measured import MeasuredComparison
 from validation.solve.answer import Solution
 from validation.tables import ResultTable

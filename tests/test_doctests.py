@@ -1,7 +1,8 @@
-"""Examples in the docstrings of the public functions run, and print what they show."""
+"""Examples in the docstrings of public functions and of their results run as they are printed."""
 
 import doctest
 import inspect
+import re
 from pathlib import Path
 
 import pytest
@@ -12,6 +13,16 @@ from validation import api
 ROOT = Path(__file__).resolve().parents[1]
 FUNCTIONS = [name for name in fp.__all__ if inspect.isfunction(getattr(fp, name))]
 QUICK = {"compare_measured", "converge", "load", "solve"}
+ERRORS = (fp.InputError, fp.ComputationError)
+RESULTS = [n for n in fp.__all__ if inspect.isclass(vars(fp)[n]) and vars(fp)[n] not in ERRORS]
+# Members that other modules of the project call; the API reference leaves them out.
+INTERNAL = {
+    "ConvergenceStudy": {
+        *("chart", "column", "panel", "picture", "record", "short_summary", "stated_count"),
+        *("study_records", "title"),
+    },
+    "WorkspaceMaps": {"chart"},
+}
 PARSER = doctest.DocTestParser()
 
 
@@ -26,15 +37,46 @@ def run_examples(text, names, where):
     return test.globs
 
 
+def once(function):
+    """The function with its value for equal arguments computed once."""
+    values = {}
+
+    def remembered(*args, **kwargs):
+        key = repr((args, sorted(kwargs.items())))
+        if key not in values:
+            values[key] = function(*args, **kwargs)
+        return values[key]
+
+    return remembered
+
+
 @pytest.mark.parametrize(
     "name",
     [pytest.param(n, marks=[pytest.mark.exhaustive] * (n not in QUICK)) for n in FUNCTIONS],
 )
 def test_examples_of_functions_print_what_they_show(name, tmp_path, monkeypatch):
+    """Those of a function, then of the class of its result and of its methods."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "examples").symlink_to(ROOT / "examples")
-    known = run_examples(api.__doc__, {}, "validation.api")
-    run_examples(getattr(api, name).__doc__, {**vars(api), **known}, name)
+    known = {**vars(api), name: once(getattr(api, name))}
+    known |= run_examples(api.__doc__, {}, "validation.api")
+    run_examples(getattr(api, name).__doc__, dict(known), name)
+    result = inspect.signature(getattr(api, name)).return_annotation
+    if getattr(result, "__name__", "") in RESULTS:
+        run_examples_of_result(result.__name__, known)
+
+
+def test_examples_of_tables_print_what_they_show():
+    run_examples_of_result("ResultTable", {})
+
+
+def run_examples_of_result(name, known):
+    """Those of the class make the result that its methods are called on."""
+    known = run_examples(getattr(fp, name).__doc__, {**vars(fp), **known}, name)
+    (result,) = [value for value in known.values() if type(value) is getattr(fp, name)]
+    assert name == "ResultTable" or len(repr(result)) < 200
+    for member, value in members(name).items():
+        run_examples(value.__doc__, dict(known), f"{name}.{member}")
 
 
 @pytest.mark.parametrize("name", FUNCTIONS)
@@ -47,3 +89,37 @@ def test_docstrings_describe_every_parameter_and_result(name):
     lines = [line for line in described.splitlines() if line and not line.startswith(" ")]
     names = [one.strip(" *") for line in lines[1:] for one in line.split(",")]
     assert names == list(inspect.signature(getattr(fp, name)).parameters)
+
+
+def members(name):
+    """Public methods and properties of a class of results, by name."""
+    public = {
+        member: value
+        for member, value in vars(getattr(fp, name)).items()
+        if not member.startswith("_") and (inspect.isfunction(value) or isinstance(value, property))
+    }
+    return {key: public[key] for key in public if key not in INTERNAL.get(name, ())}
+
+
+@pytest.mark.parametrize("name", RESULTS)
+def test_docstrings_of_methods_describe_parameters_and_results(name):
+    for member, value in members(name).items():
+        if isinstance(value, property):
+            continue
+        text, signature = inspect.getdoc(value), inspect.signature(value)
+        described = text.partition("\nParameters\n")[2].partition("\n\n")[0]
+        names = re.findall(r"^([a-z_, ]+)$", described, re.MULTILINE)
+        listed = [one.strip() for line in names for one in line.split(",")]
+        assert listed == list(signature.parameters)[1:], f"{name}.{member}"
+        returns = "Raises" if signature.return_annotation is None else "Returns"
+        assert f"\n{returns}\n{'-' * len(returns)}\n" in text, f"{name}.{member}"
+
+
+@pytest.mark.parametrize("name", RESULTS)
+def test_every_result_has_a_table_and_a_plot(name):
+    known = getattr(fp, name)
+    if name == "ResultTable":
+        return
+    assert inspect.signature(known.table).return_annotation in (fp.ResultTable, "ResultTable")
+    assert inspect.signature(known.plot).return_annotation == "Figure"
+    assert "_repr_html_" in vars(known)

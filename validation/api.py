@@ -65,6 +65,7 @@ from validation.parts.request import (
     part_of,
 )
 from validation.python.designs import Designs
+from validation.python.finished import Run
 from validation.python.measured import MeasuredComparison
 from validation.report.table import entry_line, matrix_table, table_of
 from validation.report.words import sentence
@@ -271,7 +272,15 @@ def cross_validate(robot: Robot, *, preset: Preset = "standard") -> CrossValidat
 
 @dataclass(frozen=True)
 class Adequacy:
-    """The models of a robot judged: `matrix` model × quantity, against what and by how much."""
+    """Verdicts on the models of a robot.
+
+    `matrix` has an entry for each model and quantity, `requirement` the limits, and `subject` the
+    models with their references.
+
+    Examples
+    --------
+    >>> judged = adequacy(bar, preset="quick")
+    """
 
     matrix: Matrix
     requirement: Requirement
@@ -279,14 +288,43 @@ class Adequacy:
 
     @property
     def sentence(self) -> str:
-        """The answer in one sentence, as the report gives it."""
+        """Verdict in one sentence, as in the report.
+
+        Examples
+        --------
+        >>> judged.sentence.startswith("For your limits use")
+        True
+        """
         return sentence(self.matrix, self.requirement.rely)
 
     @checked
     def entry(self, model: str, quantity: str, within: float | None = None) -> Entry:
-        """What is known of a model and a quantity, judged by another limit where one is given.
+        """Error and verdict of a model for a quantity.
 
-        Raises InputError where the model says nothing of the quantity.
+        Parameters
+        ----------
+        model
+            A model of the matrix, such as ``"vjm"``.
+        quantity
+            "x", "phi_z", "any_force", "f1", "order", ``"load:NAME"``, …
+        within
+            Relative limit. That of `requirement` if None.
+
+        Returns
+        -------
+        Entry
+            ``error``, ``uncertainty`` and ``limit`` (relative), ``verdict``, ``causes`` and
+            ``remedy``.
+
+        Raises
+        ------
+        InputError
+            If the model does not define the quantity.
+
+        Examples
+        --------
+        >>> judged.entry("beam", "z", within=0.5).verdict
+        'adequate'
         """
         matrix = self.matrix if within is None else self._within(model, quantity, within)
         found = matrix.entry(model, quantity)
@@ -296,9 +334,23 @@ class Adequacy:
 
     @checked
     def assert_adequate(self, model: str, quantity: str, within: float | None = None) -> None:
-        """Nothing where the model is adequate, within its limit or the one given.
+        """Raise AssertionError unless the model is adequate for the quantity.
 
-        Raises AssertionError with error, pose, cause and remedy where it is not, or undecided.
+        Parameters
+        ----------
+        model, quantity, within
+            As of `entry`.
+
+        Raises
+        ------
+        AssertionError
+            With error, pose, cause and remedy, if the model is inadequate or undecided.
+        InputError
+            If the model does not define the quantity.
+
+        Examples
+        --------
+        >>> judged.assert_adequate("beam", "f1", within=0.05)
         """
         found = self.entry(model, quantity, within)
         if found.verdict != "adequate":
@@ -306,9 +358,28 @@ class Adequacy:
 
     @checked
     def accepting(self, accept: Mapping[str, float]) -> "Adequacy":
-        """The same errors judged by other limits.
+        """Judge the same errors by other limits.
 
-        Raises InputError for names there are not, and for more modes than were computed.
+        Parameters
+        ----------
+        accept
+            Limits by name, as of `load`.
+
+        Returns
+        -------
+        Adequacy
+            The matrix with new verdicts. Nothing is solved again.
+
+        Raises
+        ------
+        InputError
+            For unknown names, and for more modes than were computed.
+
+        Examples
+        --------
+        >>> strict = judged.accepting({"deflection": 1e-4})
+        >>> strict.entry("simplified", "z").limit
+        0.0001
         """
         robot = self.subject.responses.robot.mechanism
         requirement = _accepting(self.requirement, accept, robot)
@@ -320,7 +391,23 @@ class Adequacy:
         return Adequacy(judged(self.subject, requirement), requirement, self.subject)
 
     def told(self, entry: Entry) -> str:
-        """An entry in one line."""
+        """Describe an entry in one line.
+
+        Parameters
+        ----------
+        entry
+            An entry of the matrix.
+
+        Returns
+        -------
+        str
+            Model, quantity, verdict, error, limit, cause and remedy.
+
+        Examples
+        --------
+        >>> judged.told(judged.entry("beam", "z"))[:17]
+        'beam, z: adequate'
+        """
         return entry_line(self.matrix, entry).replace("\N{NO-BREAK SPACE}", " ")
 
     def _within(self, model: str, quantity: str, limit: float) -> Matrix:
@@ -339,13 +426,36 @@ class Adequacy:
         return f'model "{model}" says nothing of "{quantity}"'
 
     def table(self) -> ResultTable:
-        """A row for each model and quantity, errors and limits in per cent."""
+        """Verdicts, a row for each model and quantity.
+
+        Returns
+        -------
+        ResultTable
+            Errors, half-widths and limits in per cent.
+
+        Examples
+        --------
+        >>> judged.table().headings[:4]
+        ('model', 'quantity', 'verdict', 'error (%)')
+        """
         return matrix_table(self.matrix)
 
     def plot(self) -> "Figure":
         """Errors of the deflections and of the first frequencies over the path, by model.
 
-        The shaded band is the limit. Raises InputError if no error could be computed.
+        Returns
+        -------
+        matplotlib.figure.Figure
+            The shaded band is the limit.
+
+        Raises
+        ------
+        InputError
+            If no error could be computed.
+
+        Examples
+        --------
+        >>> judged.plot().savefig("errors.png")
         """
         # Only a picture needs the library that draws it.
         from validation.drawing.plot import drawn_chart  # noqa: PLC0415
@@ -357,6 +467,9 @@ class Adequacy:
             raise InputError("plot: no error of a deflection or a frequency was computed")
         with plot_style():
             return drawn_chart(curves.chart)
+
+    def __repr__(self) -> str:
+        return f"Adequacy({self.matrix.robot}: {self.sentence})"
 
     def _repr_html_(self) -> str:
         shown = table_of(self.matrix)
@@ -410,27 +523,6 @@ def adequacy(
     requirement = _accepting(loaded.requirement, accept or {}, loaded.mechanism)
     subject, matrix = judged_robot(Context(replace(loaded, requirement=requirement), preset))
     return Adequacy(matrix, requirement, subject)
-
-
-@dataclass(frozen=True)
-class Run:
-    """A finished run: its folder `out`, exit code, comparisons by verdict, the matrix if made."""
-
-    out: Path
-    exit_code: int
-    verdicts: Mapping[str, int]
-    matrix: Matrix | None
-    seconds: float
-
-    @property
-    def report(self) -> Path:
-        """The page to be opened in a browser."""
-        return self.out / "report.html"
-
-    def _repr_html_(self) -> str:
-        said = html_paragraph(sentence(self.matrix)) if self.matrix else ""
-        rows = [[verdict, str(count)] for verdict, count in self.verdicts.items()]
-        return said + html_table(("verdict", "comparisons"), rows)
 
 
 @checked
@@ -490,11 +582,10 @@ def run(
     request = Request(_loaded(robot), preset, Path(out), cores, only, vary=vary)
     with _arguments_named():
         gathered = validate(request, catalogue)
-    found = [outcome.verdict for outcome in gathered.outcomes]
     return Run(
         out=gathered.path,
         exit_code=gathered.standing.exit_code,
-        verdicts={verdict: found.count(verdict) for verdict in dict.fromkeys(found)},
+        outcomes=tuple(gathered.outcomes),
         matrix=gathered.matrix,
         seconds=float(gathered.header["seconds"]),
     )

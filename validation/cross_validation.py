@@ -37,6 +37,10 @@ class CrossValidation:
 
     `agreement` are the comparisons; their `case.body` is the name of a leg, "" for the whole robot.
     `convergence` are the studies with element count, by leg, "" for the whole robot.
+
+    Examples
+    --------
+    >>> crossed = cross_validate(bar, preset="quick")
     """
 
     robot: str
@@ -45,18 +49,52 @@ class CrossValidation:
 
     @property
     def sentence(self) -> str:
-        """Agreement of all formulations in one sentence."""
+        """Agreement of all formulations in one sentence.
+
+        Examples
+        --------
+        >>> "solid FE" in crossed.sentence
+        True
+        """
         return agreement_sentence(self.agreement)
 
     @property
     def bodies(self) -> tuple[str, ...]:
-        """Legs that are compared, and "" for the whole robot."""
+        """Legs that are compared, and ``""`` for the whole robot.
+
+        Examples
+        --------
+        >>> crossed.bodies
+        ('', 'bar')
+        """
         return tuple(dict.fromkeys(outcome.case.body for outcome in self.agreement))
 
     def comparison(self, model: str, quantity: str, body: str | None = None) -> Outcome:
-        """Comparison of a formulation with the solid: of the leg `body`, of the robot if None.
+        """Comparison of a formulation with the solid.
 
-        Raises InputError for a body, model or quantity that is not compared.
+        Parameters
+        ----------
+        model
+            ``"vjm"``, ``"links"``, ``"segments"`` or ``"beam"``.
+        quantity
+            "x", "y", "z", "phi_x", "phi_y", "phi_z" (motion under its own load), "f1" to "f4".
+        body
+            A leg, with its root clamped. The whole robot if None.
+
+        Returns
+        -------
+        Outcome
+            ``verdict``, and ``measurement`` with both values and their half-widths.
+
+        Raises
+        ------
+        InputError
+            For a body, model or quantity that is not compared.
+
+        Examples
+        --------
+        >>> crossed.comparison("beam", "z", body="bar").verdict
+        'agree'
         """
         of_body = {
             (outcome.case.model, quantity_name(outcome.case.label)): outcome
@@ -103,6 +141,10 @@ class CrossValidation:
             With values, allowances and half-width, or with the reason why nothing was compared.
         InputError
             For names that are not compared.
+
+        Examples
+        --------
+        >>> crossed.assert_agrees("beam", "segments", quantity="z", within=1e-6)
         """
         outcome = self.comparison(model, quantity, body)
         shares = _computed(outcome)
@@ -131,15 +173,47 @@ class CrossValidation:
     ) -> None:
         """Raise AssertionError if the error with `elements` or more per leg exceeds `within`.
 
-        `body` is a leg, or None for the whole robot. Raises InputError for a body, a quantity or
-        an element count that was not computed.
+        Parameters
+        ----------
+        quantity
+            "f1", "f2", … or a deflection "x", "y", "z".
+        elements
+            Elements per leg.
+        within
+            Largest relative error, half-width of the limit included.
+        model
+            ``"segments"`` or ``"beam"``.
+        body
+            A leg, with its root clamped. The whole robot if None.
+
+        Raises
+        ------
+        AssertionError
+            With error, order and the element counts that would do.
+        InputError
+            For a body, a quantity or an element count that was not computed.
+
+        Examples
+        --------
+        >>> crossed.assert_converged("f1", elements=10, within=0.02)
         """
         if (body or "") not in self.convergence:
             raise InputError(_not_computed("body", str(body), self.convergence))
         self.convergence[body or ""].assert_converged(quantity, elements, within, model=model)
 
     def table(self) -> ResultTable:
-        """A row for each comparison: values, difference from the solid and its parts, verdict."""
+        """Comparisons, a row for each.
+
+        Returns
+        -------
+        ResultTable
+            Values, difference from the solid and its parts, tolerance, verdict.
+
+        Examples
+        --------
+        >>> len(crossed.table().rows) == len(crossed.agreement)
+        True
+        """
         return agreement_rows(self.agreement)
 
     def plot(self) -> "Figure":
@@ -148,6 +222,15 @@ class CrossValidation:
         A marker with its half-width is the unexplained difference of a formulation, a grey diamond
         the whole difference. The shaded band is the tolerance. Beyond 0.1 % the scale is
         logarithmic.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            Formulations have the colours and markers of the report.
+
+        Examples
+        --------
+        >>> crossed.plot().savefig("agreement.png")
         """
         # Only a picture needs the library that draws it.
         from validation.drawing.agreement_plot import Difference, agreement_plot  # noqa: PLC0415
@@ -165,6 +248,9 @@ class CrossValidation:
                 )
         return agreement_plot(panels)
 
+    def __repr__(self) -> str:
+        return f"CrossValidation({self.robot}: {len(self.agreement)} comparisons)"
+
     def _repr_html_(self) -> str:
         return html_paragraph(self.sentence) + self.table().html()
 
@@ -180,10 +266,6 @@ def _computed(outcome: Outcome) -> DifferenceParts:
 def _not_computed(what: str, name: str, known: Iterable[str]) -> str:
     listed = ", ".join(one or "None (the robot)" for one in known) or "none"
     return f"{what} {name}: was not computed; must be one of {listed}"
-
-
-def _percent(share: float) -> str:
-    return f"{100.0 * share:+.3g} %"
 
 
 def cross_validation(context: Context) -> CrossValidation:

@@ -29,6 +29,14 @@ class ResultTable:
     """Rows of cells under headings, which contain the units; a cell is None if it has no value.
 
     `str(table)` is plain text with numbers of five digits.
+
+    Examples
+    --------
+    >>> table = ResultTable(("model", "f1 (Hz)"), (("vjm", None), ("beam", 186.16)))
+    >>> print(table)
+    model  f1 (Hz)
+    vjm    –
+    beam   186.16
     """
 
     headings: tuple[str, ...]
@@ -38,7 +46,24 @@ class ResultTable:
         return aligned(self.headings, [[_text(cell) for cell in row] for row in self.rows], "")
 
     def to_pandas(self) -> "DataFrame":
-        """The table as a data frame. Raises InputError if pandas is not installed."""
+        """Convert to a data frame of pandas.
+
+        Returns
+        -------
+        pandas.DataFrame
+            A column for each heading; cells without a value are missing.
+
+        Raises
+        ------
+        InputError
+            If pandas is not installed.
+
+        Examples
+        --------
+        >>> frame = table.to_pandas()
+        >>> list(frame.columns)
+        ['model', 'f1 (Hz)']
+        """
         if not find_spec("pandas"):
             raise InputError("to_pandas: needs pandas, not installed; pip install pandas")
         # Optional, and slow to import.
@@ -47,12 +72,34 @@ class ResultTable:
         return DataFrame(list(self.rows), columns=list(self.headings))
 
     def csv(self) -> str:
-        """The table as CSV, numbers with all their digits, nothing for a cell without a value."""
+        """Convert to comma-separated values.
+
+        Returns
+        -------
+        str
+            Numbers with all their digits, nothing for a cell without a value.
+
+        Examples
+        --------
+        >>> table.csv().splitlines()
+        ['model,f1 (Hz)', 'vjm,', 'beam,186.16']
+        """
         columns = zip(*self.rows, strict=True) if self.rows else [()] * len(self.headings)
         return csv_of(dict(zip(self.headings, columns, strict=True)))
 
     def html(self) -> str:
-        """The table as HTML, verdicts in colour."""
+        """Convert to HTML with verdicts in colour.
+
+        Returns
+        -------
+        str
+            A ``<table>`` element, as notebooks display it.
+
+        Examples
+        --------
+        >>> table.html()[:7]
+        '<table>'
+        """
         texts = [[_text(cell) for cell in row] for row in self.rows]
         verdicts = [[text if text in _COLOURS else None for text in row] for row in texts]
         return html_table(self.headings, texts, verdicts)

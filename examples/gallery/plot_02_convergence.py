@@ -25,4 +25,4 @@ for name, one in (("half-length end springs", series), ("springs between element
 # In a test of your own:
 
 study.assert_converged("f2", elements=20, within=0.01)
-print(study.table("f2"))
+print(study.text("f2"))

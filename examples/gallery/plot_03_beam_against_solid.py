@@ -25,10 +25,14 @@ differences = {
 figure, axes = plt.subplots(figsize=(7.4, 2.8), dpi=150, layout="constrained")
 names = ["x", "y", "z", "phi_x", "phi_y", "phi_z"]
 places = np.arange(len(names))
-axes.bar(places - 0.2, differences["rigid"], 0.38, label="end faces held plane")
-axes.bar(places + 0.2, differences["free"], 0.38, label="end faces free to warp")
+labels = {"rigid": "end faces held plane", "free": "end faces free to warp"}
+for shift, ends in ((-0.2, "rigid"), (0.2, "free")):
+    shown = differences[ends].round(2) + 0.0  # no −0.00
+    bars = axes.bar(places + shift, shown, 0.38, label=labels[ends])
+    axes.bar_label(bars, fmt="%.2f", fontsize=8)
 axes.set_xticks(places, names)
-axes.set_ylabel("tip compliance, beam over solid (%)")
+axes.set(ylabel="beam minus solid (%)", title="tip compliance of leg 1", ylim=(-0.1, 1.8))
+axes.axhline(0.0, color="black", linewidth=0.8)
 axes.legend(frameon=False)
 plt.show()
 

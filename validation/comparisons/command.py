@@ -83,7 +83,7 @@ def converge(
         limits=robot_file.agreement,
     )
     missed = study.missed(quantity, within)
-    say(study.json() if json else study.table(quantity))
+    say(study.json() if json else study.text(quantity))
     if csv is not None:
         write(csv, study.csv().encode(), ".csv")
     if picture is not None:

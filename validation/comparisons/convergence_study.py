@@ -17,6 +17,7 @@ from validation.agreement.convergence import COARSE_COUNT
 from validation.comparisons.convergence_chart import ErrorCurve, ErrorPanel, convergence_chart
 from validation.comparisons.convergence_series import TARGETS, ConvergenceSeries
 from validation.comparisons.convergence_text import (
+    series_cells,
     series_record,
     series_rows,
     short_summary,
@@ -27,6 +28,7 @@ from validation.comparisons.discretisations import RefinedModel
 from validation.drawing.chart import Chart
 from validation.drawing.style import csv_of, plot_style
 from validation.drawing.text import number
+from validation.tables import ResultTable
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -48,6 +50,10 @@ class ConvergenceStudy:
     `quantities` (q) are f1, f2, … (Hz) and x, y, z: the deflection of the tip or tool under a unit
     force along that axis (m/N). `reference` names the source of the limits. `agreement`: the
     element count whose error is stated, and the limit on it.
+
+    Examples
+    --------
+    >>> study = converge(bar, "beam", elements=[5, 10, 20])
     """
 
     robot: str
@@ -73,7 +79,32 @@ class ConvergenceStudy:
     def of(
         self, model: RefinedModel, layout: Layout = "half", theory: Theory = "timoshenko"
     ) -> ConvergenceSeries:
-        """The series of a formulation; raises InputError if it was not computed."""
+        """Series of a formulation: values, errors, limits and orders.
+
+        Parameters
+        ----------
+        model
+            ``"segments"``, ``"beam"`` or ``"solid"``.
+        layout
+            End springs of segments: ``"half"``, or ``"literal"`` as in the text of the paper.
+        theory
+            ``"timoshenko"`` or ``"euler-bernoulli"``.
+
+        Returns
+        -------
+        ConvergenceSeries
+            ``counts``, ``values``, ``errors``, ``limits`` and ``orders``.
+
+        Raises
+        ------
+        InputError
+            If the formulation was not computed.
+
+        Examples
+        --------
+        >>> study.of("beam").counts
+        (5, 10, 20)
+        """
         for series in self.series:
             discretisation = series.discretisation
             if (discretisation.model, discretisation.layout, discretisation.theory) == (
@@ -102,11 +133,33 @@ class ConvergenceStudy:
         layout: Layout = "half",
         theory: Theory = "timoshenko",
     ) -> None:
-        """Raise AssertionError if the error at `elements` and at any finer count exceeds `within`.
+        """Raise AssertionError if the error at `elements` or at any finer count exceeds `within`.
 
-        None: those of `agreement`, 20 elements and 1 % if the robot file does not change them; for
-        solids the finest mesh. The error counts with the half-width of its limit. Raises InputError
-        for a quantity, a formulation or an element count that was not computed.
+        The error counts with the half-width of its limit.
+
+        Parameters
+        ----------
+        quantity
+            "f1", "f2", … or a deflection "x", "y", "z".
+        elements
+            Elements per leg, or divisions of a solid. Those of `agreement` if None (20 elements if
+            the robot file does not change them), for solids the finest mesh.
+        within
+            Largest relative error. That of `agreement` if None (0.01 if the robot file does not
+            change it).
+        model, layout, theory
+            The formulation, as of `of`.
+
+        Raises
+        ------
+        AssertionError
+            With error, order and the element counts that would do.
+        InputError
+            For a quantity, a formulation or an element count that was not computed.
+
+        Examples
+        --------
+        >>> study.assert_converged("f1", elements=20, within=0.01, model="beam")
         """
         series = self.of(model, layout, theory)
         count = self.stated_count(series) if elements is None else elements
@@ -144,10 +197,66 @@ class ConvergenceStudy:
                 )
             )
 
-    def table(self, quantity: str = "f1") -> str:
-        """Values, errors and orders of one quantity over the element count, as plain text.
+    def table(self, quantity: str = "f1") -> ResultTable:
+        """Values, errors and orders of one quantity, a row for each formulation and element count.
 
-        Below them a line on every other quantity by formulation.
+        Parameters
+        ----------
+        quantity
+            "f1", "f2", … or a deflection "x", "y", "z".
+
+        Returns
+        -------
+        ResultTable
+            Errors from the limit and half-widths in per cent; the order between each count and the
+            one before.
+
+        Raises
+        ------
+        InputError
+            For a quantity that the study does not have.
+
+        Examples
+        --------
+        >>> study.table("f1").headings[:3]
+        ('formulation', 'elements', 'f1 (Hz)')
+        """
+        column = self.column(quantity)
+        return ResultTable(
+            (
+                *("formulation", self.refined, f"{quantity} ({self.units[column]})"),
+                *("error (%)", "half-width (%)", "order"),
+            ),
+            tuple(
+                (series.discretisation.label, *cells)
+                for series in self.series
+                for cells in series_cells(series, column)
+            ),
+        )
+
+    def text(self, quantity: str = "f1") -> str:
+        """Report of one quantity as the command ``converge`` prints it.
+
+        Parameters
+        ----------
+        quantity
+            "f1", "f2", … or a deflection "x", "y", "z".
+
+        Returns
+        -------
+        str
+            Values, errors, orders and limit by formulation, and a line on every other quantity
+            with the smallest element counts for 1 %, 0.1 % and 0.01 %.
+
+        Raises
+        ------
+        InputError
+            For a quantity that the study does not have.
+
+        Examples
+        --------
+        >>> print(study.text("f1").splitlines()[0])
+        bar, whole robot: convergence with element count
         """
         column = self.column(quantity)
         lines = [
@@ -234,17 +343,48 @@ class ConvergenceStudy:
         )
 
     def json(self) -> str:
-        """The record as JSON text."""
+        """Record of the study as JSON text.
+
+        Returns
+        -------
+        str
+            Values, errors, orders and limits by formulation and quantity.
+
+        Examples
+        --------
+        >>> study.json()[:36]
+        '{"schema": 1, "kind": "convergence",'
+        """
         return dumps(self.record(), allow_nan=False)
 
     def missed(self, quantity: str, within: float | None = None) -> list[str]:
-        """A line for each formulation whose error at the stated count exceeds `within`.
+        """Formulations whose error at the stated count exceeds `within`, a line for each.
 
         The stated count is that of `agreement`, or the finest mesh of solids. The literal layout of
-        the paper is shown and not judged. Raises InputError if the count was not computed.
+        the paper is shown and not judged.
 
-        `within` None: the limit of `agreement`, which is about elements; nothing if its count was
-        not computed.
+        Parameters
+        ----------
+        quantity
+            "f1", "f2", … or a deflection "x", "y", "z".
+        within
+            Largest relative error. The limit of `agreement` if None: it applies to elements, and
+            only if its count was computed.
+
+        Returns
+        -------
+        list of str
+            Formulation, error, limit and the counts that would do. Empty if none exceeds it.
+
+        Raises
+        ------
+        InputError
+            If `within` is given and the count was not computed.
+
+        Examples
+        --------
+        >>> study.missed("f1", within=0.001)
+        []
         """
         lines: list[str] = []
         if within is None and self.refined == "divisions":
@@ -264,7 +404,18 @@ class ConvergenceStudy:
         return lines
 
     def csv(self) -> str:
-        """One row per formulation and element count: values, then relative errors."""
+        """Values and relative errors of all quantities as CSV.
+
+        Returns
+        -------
+        str
+            A row for each formulation and element count.
+
+        Examples
+        --------
+        >>> study.csv().splitlines()[0][:31]
+        'model,layout,theory,body,elemen'
+        """
         rows = [
             (series, place, count)
             for series in self.series
@@ -286,7 +437,24 @@ class ConvergenceStudy:
     def plot(self, quantities: Sequence[str] = ("f1", "f2", "f3", "f4")) -> "Figure":
         """Errors over the element count on logarithmic axes, a panel for each quantity.
 
-        Raises InputError for a quantity that the study does not have.
+        Parameters
+        ----------
+        quantities
+            "f1", "f2", … or deflections "x", "y", "z".
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            The legend has the formal orders, curves the observed ones.
+
+        Raises
+        ------
+        InputError
+            For a quantity that the study does not have.
+
+        Examples
+        --------
+        >>> study.plot(["f1", "z"]).savefig("convergence.png")
         """
         # Only a picture needs the library that draws it.
         from validation.drawing.plot import drawn_chart  # noqa: PLC0415
@@ -350,5 +518,9 @@ class ConvergenceStudy:
                 return bool(np.max(np.abs(ratios)) > np.log(_VISIBLE))
         return True
 
+    def __repr__(self) -> str:
+        labels = ", ".join(series.discretisation.label for series in self.series)
+        return f"ConvergenceStudy({self.robot}, {self.title}: {labels})"
+
     def _repr_html_(self) -> str:
-        return f"<pre>{escape(self.table())}</pre>"
+        return f"<pre>{escape(self.text())}</pre>"

@@ -12,16 +12,15 @@ from validation.drawing.text import number, percent
 
 def series_rows(series: ConvergenceSeries, column: int, refined: str, unit: str) -> str:
     """Values, errors, half-widths and orders of a quantity over the counts; the limit below."""
-    orders = series.pairwise_orders(column)
     rows = [
         (
             str(count),
-            f"{series.values[k, column]:.8g}",
-            f"{100.0 * series.errors[k, column]:+.3g}",
-            _shown(100.0 * series.half_widths[k, column], ".2g"),
-            _shown(orders[k], ".2f"),
+            f"{value:.8g}",
+            f"{error:+.3g}",
+            "" if half_width is None else f"{half_width:.2g}",
+            "" if order is None else f"{order:.2f}",
         )
-        for k, count in enumerate(series.counts)
+        for count, value, error, half_width, order in series_cells(series, column)
     ]
     limit = (
         f"{series.limits[column]:.8g}",
@@ -30,6 +29,32 @@ def series_rows(series: ConvergenceSeries, column: int, refined: str, unit: str)
     )
     headings = (refined, unit, "error (%)", "half-width (%)", "order")
     return aligned(headings, [*rows, ("limit", *limit, "")])
+
+
+def series_cells(
+    series: ConvergenceSeries, column: int
+) -> list[tuple[int, float, float, float | None, float | None]]:
+    """Count, value, error (%), half-width (%) and order of a quantity, for each count.
+
+    Half-width and order are None if they are unknown, as for the first count.
+    """
+    return [
+        (
+            count,
+            float(value),
+            100.0 * float(error),
+            None if np.isnan(half_width) else 100.0 * float(half_width),
+            None if np.isnan(order) else float(order),
+        )
+        for count, value, error, half_width, order in zip(
+            series.counts,
+            series.values[:, column],
+            series.errors[:, column],
+            series.half_widths[:, column],
+            series.pairwise_orders(column),
+            strict=True,
+        )
+    ]
 
 
 def short_summary(series: ConvergenceSeries, column: int, stated: int | None) -> str:
@@ -87,10 +112,6 @@ def series_record(
             for target, row in zip(TARGETS, series.needed, strict=True)
         },
     }
-
-
-def _shown(value: float, digits: str) -> str:
-    return "" if np.isnan(value) else f"{value:{digits}}"
 
 
 def size_text(error: float) -> str:

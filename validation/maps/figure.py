@@ -49,7 +49,13 @@ figures = FigureGroup(PATH, SHARED_SOLIDS)
 
 @dataclass(frozen=True, eq=False)
 class WorkspaceMaps:
-    """Maps over the workspace of a robot: quantities with their values and worst postures."""
+    """Maps over the workspace of a robot: quantities with their values and worst postures.
+
+    Examples
+    --------
+    >>> grid = {"from": [-0.2, 0.4], "to": [0.2, 0.5], "counts": [3, 2]}
+    >>> maps = workspace({**load("five-bar").tables, "path": grid}, preset="quick")
+    """
 
     space: Workspace
     maps: tuple[Map, ...]
@@ -68,9 +74,28 @@ class WorkspaceMaps:
         )
 
     def values(self, quantity: str) -> Array:
-        """Values of a quantity over the grid, in the unit of the table; NaN for blank poses.
+        """Values of a quantity over the grid.
 
-        Raises InputError for a quantity that is not mapped.
+        Parameters
+        ----------
+        quantity
+            A quantity of the table, such as ``"first frequency"``.
+
+        Returns
+        -------
+        array
+            In the unit of the table, an axis for each direction. NaN for poses that cannot be
+            reached or solved.
+
+        Raises
+        ------
+        InputError
+            For a quantity that is not mapped.
+
+        Examples
+        --------
+        >>> maps.values("lowest stiffness").shape
+        (3, 2)
         """
         for one, values, _ in self.maps:
             if one.title == quantity:
@@ -79,7 +104,18 @@ class WorkspaceMaps:
         raise InputError(f'quantity "{quantity}": is not mapped; must be one of {titles}')
 
     def table(self) -> ResultTable:
-        """A row for each quantity: its model, its value in the worst posture, and that posture."""
+        """Quantities, a row for each: its model, its worst value and the posture of that.
+
+        Returns
+        -------
+        ResultTable
+            The worst posture is searched between the poses of the grid, too.
+
+        Examples
+        --------
+        >>> [row[0] for row in maps.table().rows][:2]
+        ['lowest stiffness', 'first frequency']
+        """
         names = [str(one) for one in coordinates(self.space.mechanism)]
         return ResultTable(
             ("quantity", "unit", "model", "worst value", *names),
@@ -90,12 +126,27 @@ class WorkspaceMaps:
         )
 
     def plot(self) -> "Figure":
-        """Contours of each quantity; dots are the poses of the grid, stars the worst postures."""
+        """Contours of each quantity over the workspace.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            Dots are the poses of the grid, stars the worst postures. Three directions are drawn in
+            slices.
+
+        Examples
+        --------
+        >>> maps.plot().savefig("maps.png")
+        """
         # Only a picture needs the library that draws it.
         from validation.drawing.plot import drawn_chart  # noqa: PLC0415
 
         with plot_style():
             return drawn_chart(self.chart())
+
+    def __repr__(self) -> str:
+        titles = ", ".join(one.title for one, *_ in self.maps)
+        return f"WorkspaceMaps({self.space.mechanism.name}: {titles})"
 
     def _repr_html_(self) -> str:
         return self.table().html()

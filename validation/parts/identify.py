@@ -77,6 +77,16 @@ class Identified:
 
     `places` (s×3, m) all over the part, `shares` (s, kg) of its mass there, and `shapes` (3s×6m):
     how they move for unit twists of the interfaces.
+
+    Examples
+    --------
+    >>> part = identify(
+    ...     "examples/tapered-biglide/leg1.step",
+    ...     interfaces={"A": {"cylinder": {"radius": 0.040}}, "B": {"cylinder": {"radius": 0.028}}},
+    ...     material={"E": 2.1e11, "nu": 0.3, "rho": 7850.0},
+    ...     unknowns=5000,
+    ...     modes=1,
+    ... )
     """
 
     part: PartFile
@@ -105,12 +115,30 @@ class Identified:
 
     @property
     def deviation(self) -> float | None:
-        """Relative difference of the mesh's volume to the CAD kernel's; None for a given mesh."""
+        """Relative difference of the mesh's volume from the CAD kernel's. None for a given mesh.
+
+        Examples
+        --------
+        >>> abs(part.deviation) < 0.01
+        True
+        """
         exact = self.part.exact
         return None if exact is None else self.total / self.density / exact.volume - 1.0
 
     def table(self) -> ResultTable:
-        """A row for each diagonal compliance (SI) and frequency (Hz), with its uncertainties."""
+        """Diagonal compliances and frequencies, a row for each, with uncertainties.
+
+        Returns
+        -------
+        ResultTable
+            Values in SI units; half-widths of the meshes and differences of averaged from rigid
+            interfaces in per cent.
+
+        Examples
+        --------
+        >>> [row[0] for row in part.table().rows]
+        ['x', 'y', 'z', 'phi_x', 'phi_y', 'phi_z', 'f1']
+        """
         rows: list[tuple[Cell, ...]] = [
             (name, unit, value, *parts)
             for (name, unit), value, parts in zip(
@@ -130,7 +158,17 @@ class Identified:
         return ResultTable(headings, tuple(rows))
 
     def plot(self) -> "Figure":
-        """Uncertainty of each compliance and frequency: of the meshes, and of the interfaces."""
+        """Uncertainty of each compliance and frequency, from meshes and from interfaces.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            Bars in per cent of the value.
+
+        Examples
+        --------
+        >>> part.plot().savefig("part.png")
+        """
         # Only a picture needs the library that draws it.
         from validation.parts.identified_plot import identified_plot  # noqa: PLC0415
 
@@ -159,6 +197,12 @@ class Identified:
     @property
     def _frequency_parts(self) -> Array:
         return _in_percent(self.frequencies, self.frequency_refinement, self.frequency_bracket)
+
+    def __repr__(self) -> str:
+        names = ", ".join(interface.name for interface in self.interfaces)
+        return (
+            f"Identified({self.total:.4g} kg between {names}, {len(self.frequencies)} frequencies)"
+        )
 
     def _repr_html_(self) -> str:
         return self.table().html()

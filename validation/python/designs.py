@@ -26,6 +26,10 @@ class Designs:
     `variation` names the number and its n values, `unit` is that of the number ("" if it has
     none). `decisions` have the largest deflection (µm, under 1000 N) and the smallest first
     frequency (Hz) over the path, each for n designs.
+
+    Examples
+    --------
+    >>> designs = vary(bar, "bodies.bar.section.height=0.01:0.03:3", preset="quick")
     """
 
     robot: str
@@ -35,13 +39,39 @@ class Designs:
 
     @property
     def decisions(self) -> Mapping[Objective, Decision]:
-        """What each model and the reference find, by objective."""
+        """Values and choices of each model and of the reference, by objective.
+
+        Examples
+        --------
+        >>> list(designs.decisions)
+        ['deflection', 'frequency']
+        """
         return {objective: found.decision for objective, found in self.curves.items()}
 
     def best(self, objective: Objective = "deflection", model: str | None = None) -> float:
-        """The value that a model chooses, or the reference if None.
+        """Value of the number that a model chooses.
 
-        Raises InputError for a model that does not solve every design.
+        Parameters
+        ----------
+        objective
+            ``"deflection"`` (smallest) or ``"frequency"`` (largest).
+        model
+            A model, such as ``"beam"``. The reference if None.
+
+        Returns
+        -------
+        float
+            In the unit of the number.
+
+        Raises
+        ------
+        InputError
+            For a model that does not solve every design.
+
+        Examples
+        --------
+        >>> designs.best("frequency", "beam")
+        0.03
         """
         decision = self.decisions[objective]
         if model is None:
@@ -49,16 +79,47 @@ class Designs:
         return self.variation.values[self._choice(objective, model)]
 
     def loss(self, model: str, objective: Objective = "deflection") -> float:
-        """How much worse the reference finds the design that a model chooses than the best one.
+        """Loss by the choice of a model, evaluated by the reference.
 
-        Relative: 0.02 is a deflection 2 % larger, or a frequency 2 % lower. Raises InputError as
-        `best` does.
+        Parameters
+        ----------
+        model
+            A model, such as ``"beam"``.
+        objective
+            ``"deflection"`` or ``"frequency"``.
+
+        Returns
+        -------
+        float
+            Relative: 0.02 is a deflection 2 % larger than that of the best design, or a frequency
+            2 % lower.
+
+        Raises
+        ------
+        InputError
+            For a model that does not solve every design.
+
+        Examples
+        --------
+        >>> designs.loss("beam", "frequency")
+        0.0
         """
         self._choice(objective, model)
         return self.decisions[objective].choice(model).loss
 
     def table(self) -> ResultTable:
-        """A row for each design: its value, then each objective by the reference and the models."""
+        """Designs, a row for each: its value, then each objective by the reference and the models.
+
+        Returns
+        -------
+        ResultTable
+            Largest deflections in µm under 1000 N, smallest first frequencies in Hz.
+
+        Examples
+        --------
+        >>> designs.table().headings[0]
+        'bodies.bar.section.height (m)'
+        """
         columns = {self._label: list(self.variation.values)}
         for objective, decision in self.decisions.items():
             for name, values in {**decision.references, **decision.models}.items():
@@ -66,7 +127,17 @@ class Designs:
         return ResultTable(tuple(columns), tuple(zip(*columns.values(), strict=True)))
 
     def plot(self) -> "Figure":
-        """Largest deflection and smallest first frequency over the number; stars mark the best."""
+        """Largest deflection and smallest first frequency over the number.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            A curve for each model and the reference; stars mark what each would choose.
+
+        Examples
+        --------
+        >>> designs.plot().savefig("designs.png")
+        """
         # Only a picture needs the library that draws it.
         from validation.drawing.plot import drawn_chart  # noqa: PLC0415
 
@@ -87,6 +158,9 @@ class Designs:
                 f'model "{model}": has no {MEANING[objective]}; must be one of {known}'
             )
         return decision.choice(model).design
+
+    def __repr__(self) -> str:
+        return f"Designs({self.robot}: {len(self.variation.values)} values of {self._label})"
 
     def _repr_html_(self) -> str:
         return self.table().html()

@@ -20,14 +20,40 @@ class MeasuredComparison:
 
     An entry of `matrix` has the comparison error E = S − D relative to the measured value D, and
     the half-width of its 95 % interval from numerics, uncertain inputs and measurement.
+
+    Examples
+    --------
+    >>> gauge = {"quantity": "z", "load": 100.0, "value": 3.25e-4, "uncertainty": 1e-6}
+    >>> compared = compare_measured({**bar, "measured": [{**gauge, "source": "dial gauge"}]})
     """
 
     matrix: Matrix
 
     def entry(self, model: str, quantity: str) -> Entry:
-        """Comparison of a model with a measured quantity, such as "f1" or "z".
+        """Comparison of a model with a measured quantity.
 
-        Raises InputError if the quantity was not measured, or the model does not define it.
+        Parameters
+        ----------
+        model
+            A model of the matrix, such as ``"beam"``.
+        quantity
+            A measured quantity, such as ``"f1"`` or ``"z"``.
+
+        Returns
+        -------
+        Entry
+            ``error``, ``uncertainty`` and ``limit`` (relative), ``verdict``, ``causes`` and
+            ``remedy``.
+
+        Raises
+        ------
+        InputError
+            If the quantity was not measured, or the model does not define it.
+
+        Examples
+        --------
+        >>> compared.entry("beam", "z").verdict
+        'adequate'
         """
         found = self.matrix.entry(model, quantity)
         if found is None:
@@ -39,13 +65,36 @@ class MeasuredComparison:
         return found
 
     def table(self) -> ResultTable:
-        """A row for each model and quantity, errors and limits in per cent."""
+        """Comparisons, a row for each model and quantity.
+
+        Returns
+        -------
+        ResultTable
+            Errors, half-widths and limits in per cent.
+
+        Examples
+        --------
+        >>> compared.table().headings[:4]
+        ('model', 'quantity', 'verdict', 'error (%)')
+        """
         return matrix_table(self.matrix)
 
     def plot(self) -> "Figure":
         """Values of all models divided by the measured one, each with its 95 % interval.
 
-        Raises InputError if nothing was measured.
+        Returns
+        -------
+        matplotlib.figure.Figure
+            A panel for each measured quantity.
+
+        Raises
+        ------
+        InputError
+            If nothing was measured.
+
+        Examples
+        --------
+        >>> compared.plot().savefig("measured.png")
         """
         # Only a picture needs the library that draws it.
         from validation.drawing.plot import drawn_chart  # noqa: PLC0415
@@ -55,6 +104,10 @@ class MeasuredComparison:
             raise InputError("plot: the robot has no measured value")
         with plot_style():
             return drawn_chart(shown.chart)
+
+    def __repr__(self) -> str:
+        quantities = ", ".join(quantity.name for quantity in self.matrix.quantities)
+        return f"MeasuredComparison({self.matrix.robot}: {quantities})"
 
     def _repr_html_(self) -> str:
         return self.table().html()

@@ -135,9 +135,17 @@ class Answer:
 
 @dataclass(frozen=True)
 class Solution:
-    """The answers of one model, the options that had a say in them, and the `accuracy` reached.
+    """Answers of one model: an `Answer` for each pose, with the options of the model.
 
-    `moves` are the coordinates of a pose with their units, such as "x (m)".
+    `accuracy` is the one that was asked for and reached, None if none was asked for. `moves` are
+    the coordinates of a pose with their units, such as "x (m)".
+
+    Examples
+    --------
+    >>> push = {"name": "push", "wrench": [0.0, 0.0, 100.0, 0.0, 0.0, 0.0]}
+    >>> sweep = {"name": "sweep", "direction": [0.0, 0.0, 1.0], "from": 10.0, "to": 500.0}
+    >>> damped = {"damping": {"ratio": 0.01}, "responses": [sweep]}
+    >>> solution = solve({**bar, **damped, "loads": [push]}, "beam", modes=2)
     """
 
     robot: str
@@ -148,7 +156,18 @@ class Solution:
     moves: tuple[str, ...] = ()
 
     def table(self) -> ResultTable:
-        """A row for each pose: compliances along and about the axes (SI), frequencies (Hz)."""
+        """Diagonal compliances and frequencies, a row for each pose.
+
+        Returns
+        -------
+        ResultTable
+            Compliances along and about the axes (SI), frequencies (Hz).
+
+        Examples
+        --------
+        >>> solution.table().headings[:3]
+        ('at', 'x (m/N)', 'y (m/N)')
+        """
         axes = _AXES[: len(self.answers[0].compliance)]
         count = max(len(answer.frequencies) for answer in self.answers)
         modes = [f"f{mode} (Hz)" for mode in range(1, count + 1)]
@@ -165,10 +184,17 @@ class Solution:
         )
 
     def plot(self) -> "Figure":
-        """Deflections under their own load of 1000 N, and frequencies.
+        """Deflections along a force of 1000 N, and frequencies.
 
-        Bars for a single pose. Curves for several, over the coordinate that differs between them,
-        or over the number of the pose if more than one differs.
+        Returns
+        -------
+        matplotlib.figure.Figure
+            Bars for a single pose. Curves for several, over the coordinate that differs between
+            them, or over the number of the pose if more than one differs.
+
+        Examples
+        --------
+        >>> solution.plot().savefig("bar.png")
         """
         # Only a picture needs the library that draws it.
         from validation.solve.solution_plot import solution_plot  # noqa: PLC0415
@@ -182,9 +208,22 @@ class Solution:
         )
 
     def load_table(self) -> ResultTable:
-        """A row for each pose and load of the file: displacement of the tool, buckling factor.
+        """Displacement of the tool and buckling factor, a row for each pose and load.
 
-        Raises InputError if the robot file has no loads.
+        Returns
+        -------
+        ResultTable
+            Displacements in m and rad. The buckling factor multiplies the load.
+
+        Raises
+        ------
+        InputError
+            If the robot file has no ``[[loads]]``.
+
+        Examples
+        --------
+        >>> solution.load_table().rows[0][1]
+        'push'
         """
         rows: list[tuple[Cell, ...]] = []
         for answer in self.answers:
@@ -200,8 +239,19 @@ class Solution:
     def plot_loads(self) -> "Figure":
         """Displacements of the tool under the loads of the file, and buckling factors.
 
-        A mark for each load in a single pose, curves over the poses for several. Raises InputError
-        if the robot file has no loads.
+        Returns
+        -------
+        matplotlib.figure.Figure
+            A mark for each load in a single pose, curves over the poses for several.
+
+        Raises
+        ------
+        InputError
+            If the robot file has no ``[[loads]]``.
+
+        Examples
+        --------
+        >>> solution.plot_loads().savefig("loads.png")
         """
         # Only a picture needs the library that draws it.
         from validation.solve.solution_plot import loads_plot  # noqa: PLC0415
@@ -233,7 +283,19 @@ class Solution:
     def plot_responses(self) -> "Figure":
         """Magnitude and phase of the tool's responses to the harmonic forces of the file.
 
-        Raises InputError if the robot file has no responses.
+        Returns
+        -------
+        matplotlib.figure.Figure
+            Receptance over frequency, a curve for each force and pose.
+
+        Raises
+        ------
+        InputError
+            If the robot file has no ``[[responses]]``.
+
+        Examples
+        --------
+        >>> solution.plot_responses().savefig("responses.png")
         """
         # Only a picture needs the library that draws it.
         from validation.solve.solution_plot import responses_plot  # noqa: PLC0415
@@ -250,6 +312,11 @@ class Solution:
         if not curves:
             raise InputError("plot_responses: the robot file has no [[responses]]")
         return responses_plot(curves)
+
+    def __repr__(self) -> str:
+        places = [_head(answer.place)[0] for answer in self.answers]
+        where = places[0] if len(places) == 1 else f"{len(places)} poses"
+        return f"Solution({self.robot}, {self.model}: {where})"
 
     def _repr_html_(self) -> str:
         """Deflections under their own load of 1000 N, and frequencies, as a notebook shows them."""

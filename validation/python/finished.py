@@ -1,0 +1,122 @@
+"""A finished run: its comparisons as a table and as a figure, and where its report is."""
+
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from lumped.errors import InputError
+from validation.report.words import sentence
+from validation.run.outcome import Outcome, Verdict
+from validation.tables import Cell, ResultTable, html_paragraph, html_table
+from validation.verdicts import Matrix
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """A finished run: its folder, exit code, comparisons and the matrix of adequacy.
+
+    `outcomes` are the comparisons. `matrix` is None if no model was judged. `seconds` is the
+    duration of the run.
+
+    Examples
+    --------
+    >>> finished = run(bar, out="report", preset="quick", only="bar.converged*")
+    """
+
+    out: Path
+    exit_code: int
+    outcomes: tuple[Outcome, ...]
+    matrix: Matrix | None
+    seconds: float
+
+    @property
+    def report(self) -> Path:
+        """Page to open in a browser.
+
+        Examples
+        --------
+        >>> finished.report.name
+        'report.html'
+        """
+        return self.out / "report.html"
+
+    @property
+    def verdicts(self) -> Mapping[Verdict, int]:
+        """Number of comparisons by verdict.
+
+        Examples
+        --------
+        >>> dict(finished.verdicts)
+        {'agree': 12}
+        """
+        return Counter(outcome.verdict for outcome in self.outcomes)
+
+    def table(self) -> ResultTable:
+        """Comparisons, one row for each: value, reference, verdict and use of the tolerance.
+
+        Returns
+        -------
+        ResultTable
+            The last column is the unexplained difference divided by the tolerance, at the place
+            where this is largest: above 1 the comparison disagrees.
+
+        Examples
+        --------
+        >>> finished.table().headings[:4]
+        ('comparison', 'unit', 'value', 'reference')
+        """
+        headings = ("comparison", "unit", "value", "reference", "verdict", "difference / tolerance")
+        return ResultTable(headings, tuple(map(_row, self.outcomes)))
+
+    def plot(self) -> "Figure":
+        """Unexplained difference of each comparison divided by its tolerance, by verdict.
+
+        Beyond the line at 1 a comparison disagrees.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            A row for each group of comparisons.
+
+        Raises
+        ------
+        InputError
+            If nothing was compared.
+
+        Examples
+        --------
+        >>> finished.plot().savefig("comparisons.png")
+        """
+        # Only a picture needs the library that draws it.
+        from validation.python.finished_plot import Compared, finished_plot  # noqa: PLC0415
+
+        compared = [
+            Compared(outcome.case.section, outcome.verdict, outcome.share)
+            for outcome in self.outcomes
+            if outcome.measurement
+        ]
+        if not compared:
+            raise InputError("plot: the run has no comparison that was computed")
+        return finished_plot(compared)
+
+    def __repr__(self) -> str:
+        counts = ", ".join(f"{count} {verdict}" for verdict, count in self.verdicts.items())
+        return f"Run({str(self.out)!r}: {counts or 'no comparisons'})"
+
+    def _repr_html_(self) -> str:
+        judged = html_paragraph(sentence(self.matrix)) if self.matrix else ""
+        rows = [[verdict, str(count)] for verdict, count in self.verdicts.items()]
+        return judged + html_table(("verdict", "comparisons"), rows)
+
+
+def _row(outcome: Outcome) -> tuple[Cell, ...]:
+    case, measurement = outcome.case, outcome.measurement
+    if measurement is None:
+        return case.id, case.unit, None, None, outcome.verdict, None
+    numbers = measurement.value, measurement.reference
+    return case.id, case.unit, *numbers, outcome.verdict, outcome.share
