@@ -1,7 +1,6 @@
-"""Names for the array types that all models exchange, and what is done to any of them.
+"""Array types that all models exchange, and operations on them.
 
-Matrices are dense or sparse, as the models have them that they come from; shapes of modes stand
-in columns.
+Matrices are dense or sparse, depending on the model. Mode shapes are columns.
 """
 
 import sys
@@ -12,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 
-def _loaded_when_used(name: str) -> None:
-    """Load a part of numpy only once something of it is used."""
+def _load_on_first_use(name: str) -> None:
+    """Defer the import of the submodule `name` of numpy until one of its attributes is used."""
     spec = find_spec(f"numpy.{name}")
     if spec is None or spec.loader is None or spec.name in sys.modules:
         return
@@ -23,29 +22,29 @@ def _loaded_when_used(name: str) -> None:
     setattr(np, name, module)
 
 
-# scipy takes over all that numpy has. A third of the time of loading it went into these two, which
-# wrap Fortran and test, and which nobody here uses.
-_loaded_when_used("f2py")
-_loaded_when_used("testing")
+# scipy imports all submodules of numpy. These two, which wrap Fortran and run tests, took a third
+# of the import time and are not used here.
+_load_on_first_use("f2py")
+_load_on_first_use("testing")
 from scipy.linalg import LinAlgError  # noqa: E402
 from scipy.sparse import issparse  # noqa: E402
 
 Array: TypeAlias = NDArray[np.float64]
 ComplexArray: TypeAlias = NDArray[np.complex128]
 IntArray: TypeAlias = NDArray[np.int64]
-# scipy.sparse carries no usable static types; the alias says what is meant.
+# scipy.sparse has no usable static types; the alias documents the intent.
 SparseMatrix: TypeAlias = Any
 
 
 def dense(matrix: SparseMatrix) -> Array:
-    """The matrix as a dense array."""
+    """Dense array of a dense or sparse matrix."""
     return np.asarray(matrix.toarray() if issparse(matrix) else matrix)
 
 
 def unit_diagonal(matrix: Array) -> Array:
-    """Scales d (n) that give d_i A_ij d_j ones on its diagonal.
+    """Scale factors d (n) for which d_i A_ij d_j has a unit diagonal.
 
-    Raises LinAlgError where an entry there is not positive: A is not positive definite then.
+    Raises LinAlgError if a diagonal entry is not positive, since A is then not positive definite.
     """
     diagonal = np.diag(matrix)
     if not (diagonal > 0.0).all():
@@ -54,7 +53,7 @@ def unit_diagonal(matrix: Array) -> Array:
 
 
 def fix_signs(shapes: Array) -> Array:
-    """Shapes (n×m) with each column's largest entry made positive, so that runs repeat."""
+    """Mode shapes (n×m), each column with a positive largest entry, so that runs are repeatable."""
     largest = np.argmax(np.abs(shapes), axis=0)
     signed: Array = shapes * np.sign(shapes[largest, np.arange(shapes.shape[1])])
     return signed

@@ -1,7 +1,7 @@
-"""What the data of a robot file say about themselves, as printed and as used.
+"""Consistency checks on the data of a robot file, as printed and as used.
 
-Every check tells the findings on one part, each with the number that shows it; none where the data
-are sound.
+Each check yields the findings on one part, each with the number that proves it. Consistent data
+have no findings.
 """
 
 from collections.abc import Iterable, Iterator, Mapping
@@ -19,9 +19,9 @@ Kind: TypeAlias = Literal["computed", "read"]
 Severity: TypeAlias = Literal["error", "warning", "note"]
 # Moments of inertia are printed with three to four digits.
 _TRIANGLE_ROUNDING = 1e-3
-# Of √(c_ii c_jj), where a straight beam has √3/2: below it a coupling is an accident of the shape.
+# Share of √(c_ii c_jj) below which a coupling term is incidental. A straight beam has √3/2.
 _COUPLING_THRESHOLD = 0.1
-# A leg's end may give way locally and turn more than a beam's; ten times more is not a beam.
+# Ratio of tip rotations, leg to beam. Local compliance of an end adds rotation, but not tenfold.
 _LARGEST_TIP_ROTATION = 10.0
 
 
@@ -29,12 +29,12 @@ _LARGEST_TIP_ROTATION = 10.0
 class Finding:
     """A fault of printed data or of a printed formula.
 
-    `where` names the key of the robot file or the place in the paper, `check` the question that
-    was asked; `printed` is what stands there, `wrong` what is the matter, `evidence` a sentence
-    with the computed `numbers` (SI, by name), `used` what the models take instead.
-    `kind`: "computed" where a computation finds it, "read" where only reading does.
-    `severity`: "error" if nothing can be computed with it or the result would be wrong, "warning"
-    if it is doubtful but usable, "note" if no number depends on it.
+    `where` is the key of the robot file or the location in the paper, `check` the name of the
+    check. `printed` is the printed text, `wrong` the fault, `evidence` a sentence with the
+    computed `numbers` (SI, by name), `used` the value that the models use instead.
+    `kind` is "computed" if a computation detects the fault, "read" if only a reader can.
+    `severity` is "error" if nothing can be computed or the result would be wrong, "warning" if
+    the data are doubtful but usable, "note" if no result depends on them.
     """
 
     where: str
@@ -50,7 +50,7 @@ class Finding:
 
 @dataclass(frozen=True)
 class DescribedPart:
-    """A part of the robot as a file describes it, SI; None where it does not.
+    """A part of the robot as described in a file, SI. A field is None if the file lacks it.
 
     `compliance` 6×6, `inertia` 3×3 at the mass centre, `length` and `mass_centre` (m from the
     root, along x) of a leg.
@@ -64,11 +64,15 @@ class DescribedPart:
 
 
 def parts(tables: Mapping[str, Any]) -> tuple[DescribedPart, ...]:
-    """Foot, legs and tool of a robot file's tables, or bodies and joints of a mechanism's."""
-    named = {name: tables[name] for name in ("foot", "leg1", "leg2", "tool") if name in tables}
+    """Foot, legs and tool of a biglide's tables, or bodies and joints of a mechanism's tables."""
+    part_tables = {
+        name: tables[name] for name in ("foot", "leg1", "leg2", "tool") if name in tables
+    }
     if "bodies" in tables:
         kinds = ("bodies", "joints")
-        named = {f"{k}.{name}": table for k in kinds for name, table in tables[k].items()}
+        part_tables = {
+            f"{kind}.{name}": table for kind in kinds for name, table in tables[kind].items()
+        }
     return tuple(
         DescribedPart(
             name=name,
@@ -77,16 +81,16 @@ def parts(tables: Mapping[str, Any]) -> tuple[DescribedPart, ...]:
             length=_length(tables, table),
             mass_centre=table.get("mass_centre"),
         )
-        for name, table in named.items()
+        for name, table in part_tables.items()
     )
 
 
 def _length(tables: Mapping[str, Any], table: Mapping[str, Any]) -> float | None:
-    """Length (m) of a leg, told or between its points; None of anything else."""
+    """Length (m) of a leg, as specified or between its points. None if the part is no leg."""
     if "from" not in table:
         return table.get("length")
-    start, to = (tables["points"][table[end]] for end in ("from", "to"))
-    return float(np.linalg.norm(np.subtract(to, start)))
+    root, tip = (tables["points"][table[end]] for end in ("from", "to"))
+    return float(np.linalg.norm(np.subtract(tip, root)))
 
 
 def _matrix(table: Mapping[str, Any], key: str) -> Array | None:
@@ -96,16 +100,16 @@ def _matrix(table: Mapping[str, Any], key: str) -> Array | None:
 def audit(robot_file: RobotFile) -> tuple[Finding, ...]:
     """All findings, on the data as printed and on the data as used.
 
-    A finding that the file's corrections remove tells the correction as `used`; one that stays
-    tells "as printed" where the file corrects its source elsewhere, else "as given".
+    If a correction of the file removes a finding, its `used` describes the correction. Otherwise
+    `used` is "as printed" if the file corrects its source elsewhere, or "as given".
     """
-    used = _data_audit(robot_file.tables)
-    printed = _data_audit(as_printed(robot_file))
+    findings_used = _data_audit(robot_file.tables)
+    findings_printed = _data_audit(as_printed(robot_file))
     findings = [
-        replace(finding, used=_used(finding, robot_file.corrections, remains=key in used))
-        for key, finding in printed.items()
+        replace(finding, used=_used(finding, robot_file.corrections, remains=key in findings_used))
+        for key, finding in findings_printed.items()
     ]
-    findings += [finding for key, finding in used.items() if key not in printed]
+    findings += [finding for key, finding in findings_used.items() if key not in findings_printed]
     return tuple(findings)
 
 
@@ -173,14 +177,14 @@ def _definiteness(part: DescribedPart) -> Iterator[Finding]:
 
 
 def _triangle_inequality(part: DescribedPart) -> Iterator[Finding]:
-    """Of a body's principal moments of inertia none exceeds the sum of the other two."""
+    """No principal moment of inertia of a body exceeds the sum of the other two."""
     if part.inertia is None:
         return
     moments = np.linalg.eigvalsh(0.5 * (part.inertia + part.inertia.T))
     excess = float(moments[2] - moments[0] - moments[1])
     if excess <= _TRIANGLE_ROUNDING * abs(moments[2]):
         return
-    shown = ", ".join(f"{moment:.3f}" for moment in moments)
+    moments_text = ", ".join(f"{moment:.3f}" for moment in moments)
     Jxy, Jxz, Jyz = part.inertia[[0, 0, 1], [1, 2, 2]]
     yield Finding(
         f"{part.name}.inertia",
@@ -188,7 +192,7 @@ def _triangle_inequality(part: DescribedPart) -> Iterator[Finding]:
         printed=f"Jxy = {Jxy:g}, Jxz = {Jxz:g}, Jyz = {Jyz:g} kg m²",
         wrong="no body has this inertia: the largest principal moment exceeds the sum of the "
         "others",
-        evidence=f"principal moments {shown} kg m²; {excess:.3f} kg m² too much",
+        evidence=f"principal moments {moments_text} kg m²; {excess:.3f} kg m² too much",
         severity="error",
         numbers={f"moment {i + 1}": float(moment) for i, moment in enumerate(moments)},
     )
@@ -218,23 +222,23 @@ def _slender_axis(part: DescribedPart) -> Iterator[Finding]:
 def _couplings(part: DescribedPart) -> Iterator[Finding]:
     """Signs of c26 (y with φz) and c35 (z with φy).
 
-    Both come from the arm between the loaded point and the place that bends: c26 = arm · c66,
-    c35 = −arm · c55. A leg clamped at its root has a positive arm; for a foot only the two
-    arms must point the same way.
+    Both follow from the lever arm between the loaded point and the centre of bending:
+    c26 = arm · c66, c35 = −arm · c55. A leg clamped at its root has a positive arm. For a foot,
+    the two arms must only have equal signs.
     """
     if part.compliance is None or part.name == "tool":
         return
     c = part.compliance
     c26, c35 = float(c[1, 5]), float(c[2, 4])
-    matters26 = abs(c26) > _COUPLING_THRESHOLD * np.sqrt(abs(c[1, 1] * c[5, 5]))
-    matters35 = abs(c35) > _COUPLING_THRESHOLD * np.sqrt(abs(c[2, 2] * c[4, 4]))
+    significant26 = abs(c26) > _COUPLING_THRESHOLD * np.sqrt(abs(c[1, 1] * c[5, 5]))
+    significant35 = abs(c35) > _COUPLING_THRESHOLD * np.sqrt(abs(c[2, 2] * c[4, 4]))
     numbers = {"c26": c26, "c35": c35}
     evidence = f"arms c26/c66 = {c26 / c[5, 5]:.3g} m and −c35/c55 = {-c35 / c[4, 4]:.3g} m"
     if part.length is None:
-        doubtful = matters26 and matters35 and c26 * c35 > 0.0
+        doubtful = significant26 and significant35 and c26 * c35 > 0.0
         wrong = "c26 and c35 of one arm have opposite signs"
     else:
-        doubtful = (matters26 and c26 < 0.0) or (matters35 and c35 > 0.0)
+        doubtful = (significant26 and c26 < 0.0) or (significant35 and c35 > 0.0)
         wrong = "a straight right-handed cantilever has c26 > 0 and c35 < 0"
         numbers["c26 of a beam"] = float(1.5 * c[1, 1] / part.length)
         numbers["c35 of a beam"] = float(-1.5 * c[2, 2] / part.length)
@@ -255,7 +259,7 @@ def _couplings(part: DescribedPart) -> Iterator[Finding]:
 
 
 def _tip_rotation(part: DescribedPart) -> Iterator[Finding]:
-    """A leg's tip turns about as much as that of a beam with the same deflection: 3k/L²."""
+    """The tip of a leg turns about as much as that of a beam with equal deflection: 3c/L²."""
     if part.compliance is None or part.length is None:
         return
     diagonal = np.diag(part.compliance)

@@ -1,4 +1,4 @@
-"""Equivalent leg of constant section: a prism in place of a leg known by its 6×6 (paper §2.3)."""
+"""Equivalent leg of constant section: a prism that replaces a leg known by its 6×6 (paper §2.3)."""
 
 from dataclasses import replace
 from math import sqrt
@@ -10,7 +10,7 @@ from lumped.errors import InputError
 from lumped.legs import ConstantLeg, GivenLeg, Leg, Material
 from lumped.sections import Rectangle
 
-# Diagonal that is matched: of the 6×6 stiffness with both ends, or of the compliance.
+# Matrix whose diagonal is matched: the 6×6 stiffness or the 6×6 compliance.
 EquivalentBy: TypeAlias = Literal["stiffness", "compliance"]
 
 
@@ -19,8 +19,8 @@ def constant_leg(
 ) -> ConstantLeg:
     """Solid rectangular leg with four given stiffnesses (N, N m²) and mass (kg).
 
-    h = √(12 EIy/EA) along z, b = √(12 EIz/EA) along y, E = EA/(bh), G = GJ/J(b, h), ν = 0: a
-    cubic material, since no isotropic section has four arbitrary terms.
+    h = √(12 EIy/EA) along z, b = √(12 EIz/EA) along y, E = EA/(bh), G = GJ/J(b, h), ν = 0. The
+    material is cubic, since no isotropic section has four arbitrary terms.
     """
     section = Rectangle(width=sqrt(12.0 * EIz / EA), height=sqrt(12.0 * EIy / EA))
     material = Material(
@@ -42,11 +42,11 @@ def require_positive_definite(leg: GivenLeg) -> None:
 
 
 def equivalent_leg(leg: Leg, by: EquivalentBy = "stiffness") -> ConstantLeg:
-    """Constant-section leg with the same first four diagonal terms (paper §2.3).
+    """Constant-section leg with the first four diagonal terms of the 6×6 (paper §2.3).
 
-    Of the stiffness matrix K = k⁻¹: EA = K11 L, EIz = K22 L³/12, EIy = K33 L³/12, GJ = K44 L; or
-    of the compliance c: EA = L/c11, EIz = L³/3c22, EIy = L³/3c33, GJ = L/c44. A leg of constant
-    section is its own equivalent. Raises InputError where k is not positive definite.
+    With `by` "stiffness", from K = c⁻¹: EA = K11 L, EIz = K22 L³/12, EIy = K33 L³/12, GJ = K44 L.
+    With `by` "compliance", from c: EA = L/c11, EIz = L³/3c22, EIy = L³/3c33, GJ = L/c44. A leg of
+    constant section is its own equivalent. Raises InputError if c is not positive definite.
     """
     if isinstance(leg, ConstantLeg):
         return leg

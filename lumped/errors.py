@@ -1,4 +1,4 @@
-"""The two ways in which a computation can go wrong; the user answers them differently."""
+"""Error classes: wrong input, which the user corrects, and failed computations."""
 
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
@@ -8,36 +8,36 @@ from typing import Any, TypeVar
 from lumped.text import shortened
 
 Item = TypeVar("Item")
-Found = TypeVar("Found")
+Result = TypeVar("Result")
 
 # Error numbers of a system that is out of files, processes, memory or room on its disk.
 EXHAUSTED = frozenset({EMFILE, ENFILE, EAGAIN, ENOMEM, ENOSPC, EDQUOT, EFBIG, EIO})
-# What a person reads before mending the first of them.
-_MOST_LINES = 50
+# Largest number of faults in one message: more than anybody reads before correcting the first.
+_LARGEST_FAULT_COUNT = 50
 
 
 class _SendableError(Exception):
-    """Arrives from another process as it was, though its constructor takes more than a message."""
+    """An error that survives pickling although its constructor takes more than a message."""
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _made_again, (type(self), *self.args), self.__dict__
+        return _unpickled_error, (type(self), *self.args), self.__dict__
 
 
-def _made_again(kind: type[_SendableError], *message: str) -> _SendableError:
+def _unpickled_error(kind: type[_SendableError], *message: str) -> _SendableError:
     return kind.__new__(kind, *message)
 
 
 class InputError(_SendableError):
-    """The input is wrong: one line per fault, each naming place, value and what is allowed.
+    """Wrong input: one line per fault, each with location, value and allowed values.
 
-    Long lines are shortened, and of more than fifty the rest are counted.
+    Long lines are shortened. Of more than fifty faults the remainder is counted.
     """
 
     def __init__(self, faults: str | Iterable[str]) -> None:
         lines = (faults,) if isinstance(faults, str) else tuple(faults)
-        if len(lines) > _MOST_LINES:
-            more = f"and {len(lines) - _MOST_LINES + 1} more faults"
-            lines = (*lines[: _MOST_LINES - 1], more)
+        if len(lines) > _LARGEST_FAULT_COUNT:
+            remainder = f"and {len(lines) - _LARGEST_FAULT_COUNT + 1} more faults"
+            lines = (*lines[: _LARGEST_FAULT_COUNT - 1], remainder)
         self.faults: tuple[str, ...] = tuple(map(shortened, lines))
         super().__init__("\n".join(self.faults))
 
@@ -47,44 +47,47 @@ class ComputationError(_SendableError):
 
 
 def write_error(path: object, error: OSError, advice: str = "") -> InputError | ComputationError:
-    """Error of a file that cannot be written: of the system if it is out of room, else of input.
+    """Error of a file that cannot be written.
 
-    `advice` is what to do about a wrong name.
+    ComputationError if the system is out of resources, otherwise InputError with `advice` on a
+    wrong path.
     """
     if error.errno in EXHAUSTED:
         return ComputationError(f"{path}: cannot be written ({error.strerror})")
     return InputError(f"{path}: cannot be written ({error.strerror}){advice}")
 
 
-def each(function: Callable[[Item], Found], items: Iterable[Item]) -> tuple[list[Found], list[str]]:
-    """What a function says of the items that it takes, and its faults of all the others."""
-    found: list[Found] = []
+def collect_faults(
+    function: Callable[[Item], Result], items: Iterable[Item]
+) -> tuple[list[Result], list[str]]:
+    """Results of a function for the items that it accepts, and its faults for all others."""
+    results: list[Result] = []
     faults: list[str] = []
     for item in items:
         try:
-            found.append(function(item))
+            results.append(function(item))
         except InputError as error:
             faults += error.faults
-    return found, faults
+    return results, faults
 
 
 @contextmanager
 def naming(part: str) -> Iterator[None]:
-    """Errors raised within, their messages beginning with the `part` of the model; "" is none.
+    """Prefix the messages of errors raised in this context with the `part` of the model.
 
-    A message that names it already stays as it is.
+    Messages remain unchanged if `part` is "" or if they already have the prefix.
     """
     try:
         yield
     except InputError as error:
         if not part:
             raise
-        raise InputError(_named(part, fault) for fault in error.faults) from error
+        raise InputError(_prefixed(part, fault) for fault in error.faults) from error
     except ComputationError as error:
         if not part:
             raise
-        raise ComputationError(_named(part, str(error))) from error
+        raise ComputationError(_prefixed(part, str(error))) from error
 
 
-def _named(part: str, message: str) -> str:
+def _prefixed(part: str, message: str) -> str:
     return message if message.startswith(f"{part}: ") else f"{part}: {message}"

@@ -1,4 +1,4 @@
-"""Files: ordinary ones, of a size that was meant, are read; what is written is written whole."""
+"""Read ordinary files of limited size, and write files atomically."""
 
 import os
 import stat
@@ -10,25 +10,26 @@ from secrets import token_hex
 
 from lumped.errors import InputError
 
+# Default limit (bytes) on the size of an input file.
 LARGEST = 10_000_000
-# Flags that follow no link and wait for no other end of a pipe, as far as the system has them.
+# Flags against following links and inheriting descriptors, if the system has them.
 NO_FOLLOW = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_CLOEXEC", 0) | getattr(os, "O_BINARY", 0)
 _READ = os.O_RDONLY | NO_FOLLOW | getattr(os, "O_NONBLOCK", 0)
-_OTHERS = {stat.S_IFDIR: "folder", stat.S_IFIFO: "pipe", stat.S_IFSOCK: "socket"}
+_OTHER_FILE_TYPES = {stat.S_IFDIR: "folder", stat.S_IFIFO: "pipe", stat.S_IFSOCK: "socket"}
 
 
 class StoreError(Exception):
-    """Nothing more can be written (disk full, device gone); what was written before is kept."""
+    """Writing is no longer possible (disk full, device gone). Files written before are kept."""
 
 
 def require_ordinary(path: Path | str, kind: str) -> int:
     """Size (bytes) of an ordinary file.
 
-    Raises InputError where `path` is none (opened, a pipe would wait for someone to write) or a
-    link to nothing, and OSError or ValueError where it cannot be looked at.
+    Raises InputError if `path` is not an ordinary file (opening a pipe would wait for a writer)
+    or a broken link, and OSError or ValueError if its status cannot be read.
     """
     try:
-        found = Path(path).stat()
+        status = Path(path).stat()
     except FileNotFoundError:
         if Path(path).is_symlink():
             target = Path(path).readlink()
@@ -36,21 +37,21 @@ def require_ordinary(path: Path | str, kind: str) -> int:
                 f"{path}: is a link to {target}, which does not exist; must be {kind}"
             ) from None
         raise
-    if not stat.S_ISREG(found.st_mode):
-        other = _OTHERS.get(stat.S_IFMT(found.st_mode), "device")
-        raise InputError(f"{path}: is a {other}; must be {kind}")
-    return found.st_size
+    if not stat.S_ISREG(status.st_mode):
+        file_type = _OTHER_FILE_TYPES.get(stat.S_IFMT(status.st_mode), "device")
+        raise InputError(f"{path}: is a {file_type}; must be {kind}")
+    return status.st_size
 
 
 def read_ordinary(path: Path | str, kind: str, largest: int = LARGEST) -> bytes:
-    """The content of an ordinary file of at most `largest` bytes; `kind` is what it must be.
+    """Content of an ordinary file of at most `largest` bytes. Messages require `kind`.
 
-    Raises InputError, and FileNotFoundError where there is none.
+    Raises FileNotFoundError if there is no such file, InputError for any other fault.
     """
     try:
         size = require_ordinary(path, kind)
         with Path(path).open("rb") as file:
-            # Files made by the system while they are read have no size before.
+            # Files that the system generates on reading have no size before.
             content = file.read(largest + 1) if size <= largest else None
     except FileNotFoundError:
         raise
@@ -63,42 +64,42 @@ def read_ordinary(path: Path | str, kind: str, largest: int = LARGEST) -> bytes:
 
 
 @contextmanager
-def refusals(path: Path) -> Iterator[None]:
-    """What the operating system refuses while `path` is written, as StoreError."""
+def os_errors_as_store_errors(path: Path) -> Iterator[None]:
+    """Convert errors of the operating system while `path` is written to StoreError."""
     try:
         yield
     except OSError as error:
-        named = f" ({error.filename})" if isinstance(error.filename, str) else ""
+        file_name = f" ({error.filename})" if isinstance(error.filename, str) else ""
         raise StoreError(
-            f"cannot write {path}: {error.strerror or error}{named}; "
+            f"cannot write {path}: {error.strerror or error}{file_name}; "
             "what was finished before is kept"
         ) from error
 
 
-def write_whole(path: Path, content: bytes, beside: Path | None = None) -> None:
-    """Replace a file in a folder that exists, or make it: flushed to the disk, then renamed.
+def write_whole(path: Path, content: bytes, temporary_folder: Path | None = None) -> None:
+    """Create or replace a file in an existing folder: flush it to the disk, then rename it.
 
-    It is written in the same folder, or in `beside`. A link is replaced, not what it leads to.
-    Raises OSError; what was there then remains.
+    The temporary file lies in the same folder, or in `temporary_folder`. A link is replaced, not
+    its target. Raises OSError, in which case a previous file remains.
     """
-    # A name as long as the file system allows leaves no room for more in it.
-    half = (beside or path.parent) / f".{path.name[:200]}.{token_hex(8)}.tmp"
+    # The name is cut because it may already have the largest length of the file system.
+    temporary = (temporary_folder or path.parent) / f".{path.name[:200]}.{token_hex(8)}.tmp"
     try:
-        with half.open("xb") as file:
+        with temporary.open("xb") as file:
             file.write(content)
             file.flush()
             os.fsync(file.fileno())
-        half.replace(path)
+        temporary.replace(path)
     except (OSError, KeyboardInterrupt):
         with suppress(OSError):
-            half.unlink()
+            temporary.unlink()
         raise
 
 
 def read_regular(path: Path) -> bytes | None:
-    """Content of a regular file; None where there is none that can be read.
+    """Content of a regular file. None if there is no readable regular file.
 
-    A pipe or a device is opened without waiting for its other end, and then not read.
+    A pipe or a device is opened without waiting for its other end, and not read.
     """
     try:
         with os.fdopen(os.open(path, _READ), "rb") as file:
@@ -108,5 +109,5 @@ def read_regular(path: Path) -> bytes | None:
 
 
 def digest(content: bytes) -> str:
-    """Digest of a content: 32 hexadecimal digits."""
+    """Digest of `content`: 32 hexadecimal digits."""
     return blake2b(content, digest_size=16).hexdigest()

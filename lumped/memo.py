@@ -1,4 +1,4 @@
-"""What a process remembers: values of pure functions, and fingerprints to find them by."""
+"""Memoised values of pure functions in a process, and fingerprints as keys of stored values."""
 
 from collections.abc import Callable, Iterable, MutableMapping
 from dataclasses import Field, fields, is_dataclass
@@ -15,27 +15,27 @@ P = ParamSpec("P")
 T = TypeVar("T")
 
 
-class _Remembering(Protocol):
+class _Memoised(Protocol):
     def cache_clear(self) -> None: ...
 
 
-_remembering: list[_Remembering] = []
+_memoised: list[_Memoised] = []
 
 
 def memo(size: int) -> Callable[[Callable[P, T]], Callable[P, T]]:
-    """A pure function that remembers its last `size` values, by arguments that can be hashed."""
+    """Decorate a pure function to keep its last `size` values, by hashable arguments."""
 
-    def remembering(function: Callable[P, T]) -> Callable[P, T]:
+    def decorate(function: Callable[P, T]) -> Callable[P, T]:
         cached = lru_cache(maxsize=size)(function)
-        _remembering.append(cached)
+        _memoised.append(cached)
         return cast("Callable[P, T]", cached)
 
-    return remembering
+    return decorate
 
 
 def forget() -> None:
-    """Have all functions with a memo compute anew, as when what they rest on was changed."""
-    for cached in _remembering:
+    """Discard all memoised values, so that changed sources of them take effect."""
+    for cached in _memoised:
         cached.cache_clear()
 
 
@@ -47,8 +47,8 @@ def fingerprint(value: object) -> str:
     return _hashed(value, fields)
 
 
-def likeness(value: object) -> str:
-    """As `fingerprint`, alike for records that are equal: names for messages alone do not count."""
+def comparison_fingerprint(value: object) -> str:
+    """Fingerprint that is equal for equal records: fields excluded from comparison do not count."""
     return _hashed(value, _compared)
 
 
@@ -56,26 +56,26 @@ def _compared(record: Any) -> list[Field[Any]]:
     return [entry for entry in fields(record) if entry.compare]
 
 
-# Digests of records that are equal to themselves alone, as mechanisms, as long as these live.
-_kept: dict[object, MutableMapping[Any, bytes]] = {
+# Digests of records that compare by identity, such as mechanisms, during their lifetime.
+_digests_by_selection: dict[object, MutableMapping[Any, bytes]] = {
     fields: WeakKeyDictionary(),
     _compared: WeakKeyDictionary(),
 }
 
 
-def _hashed(value: object, told: Callable[[Any], Iterable[Field[Any]]]) -> str:
+def _hashed(value: object, select_fields: Callable[[Any], Iterable[Field[Any]]]) -> str:
     digest = blake2b(digest_size=16)
-    _feed(digest.update, value, told, {})
+    _feed(digest.update, value, select_fields, {})
     return digest.hexdigest()
 
 
 def _feed(
     update: Callable[[bytes], object],
     value: Any,
-    told: Callable[[Any], Iterable[Field[Any]]],
-    known: MutableMapping[Any, bytes],
+    select_fields: Callable[[Any], Iterable[Field[Any]]],
+    digests_by_id: MutableMapping[Any, bytes],
 ) -> None:
-    """`known` digests of other records by identity: many postures are of one mechanism."""
+    """Update a digest with `value`. `digests_by_id`: digests of records that occur repeatedly."""
     match value:
         case np.ndarray():
             update(f"array {value.dtype.str} {value.shape} ".encode())
@@ -87,21 +87,24 @@ def _feed(
         case tuple() | list():
             update(f"sequence {len(value)} ".encode())
             for item in value:
-                _feed(update, item, told, known)
+                _feed(update, item, select_fields, digests_by_id)
         case dict():
             update(f"mapping {len(value)} ".encode())
             for key in sorted(value):
-                _feed(update, key, told, known)
-                _feed(update, value[key], told, known)
+                _feed(update, key, select_fields, digests_by_id)
+                _feed(update, value[key], select_fields, digests_by_id)
         case _ if is_dataclass(value) and not isinstance(value, type):
-            alone = type(value).__hash__ is object.__hash__
-            digests, place = (_kept[told], value) if alone else (known, id(value))
-            if place not in digests:
-                digests[place] = _record(value, told, known)
-            update(digests[place])
+            digests, key = (
+                (_digests_by_selection[select_fields], value)
+                if type(value).__hash__ is object.__hash__
+                else (digests_by_id, id(value))
+            )
+            if key not in digests:
+                digests[key] = _record(value, select_fields, digests_by_id)
+            update(digests[key])
         case msgspec.Struct():
             update(f"record {type(value).__module__}.{type(value).__qualname__} ".encode())
-            _feed(update, msgspec.structs.astuple(value), told, known)
+            _feed(update, msgspec.structs.astuple(value), select_fields, digests_by_id)
         case _ if callable(value) and hasattr(value, "__qualname__"):
             update(f"function {value.__module__}.{value.__qualname__};".encode())
         case _:
@@ -109,10 +112,12 @@ def _feed(
 
 
 def _record(
-    value: Any, told: Callable[[Any], Iterable[Field[Any]]], known: MutableMapping[Any, bytes]
+    value: Any,
+    select_fields: Callable[[Any], Iterable[Field[Any]]],
+    digests_by_id: MutableMapping[Any, bytes],
 ) -> bytes:
     kind = f"record {type(value).__module__}.{type(value).__qualname__} "
     digest = blake2b(kind.encode(), digest_size=16)
-    for entry in told(value):
-        _feed(digest.update, getattr(value, entry.name), told, known)
+    for entry in select_fields(value):
+        _feed(digest.update, getattr(value, entry.name), select_fields, digests_by_id)
     return digest.digest()

@@ -1,4 +1,4 @@
-"""Modules of POSIX systems: without them no limit is known and no lock is taken."""
+"""Optional modules of POSIX systems. Without them, limits are unknown and locks not taken."""
 
 from importlib import import_module
 from types import ModuleType

@@ -1,18 +1,18 @@
-"""Twists and wrenches: how they move between points and frames, and plain words for them.
+"""Twists and wrenches: transformations between points and frames, and descriptions in words.
 
 A twist (or small displacement) is [x y z φx φy φz] (m, rad), a wrench [Fx Fy Fz Mx My Mz]
 (N, N m). Moving the reference point or turning the axes keeps the work wrench · twist.
 
-Both are a line vector u (rotation or force) with a moment w about the reference point (translation
-or moment): the line runs through r = u × w / |u|², the pitch is u·w / |u|².
+Both are a line vector u (rotation or force) with a moment w (translation or moment) about the
+reference point. The line runs through r = u × w / |u|². The pitch is u·w / |u|².
 """
 
 import numpy as np
 
 from lumped.arrays import Array
 
-# Component of a unit vector, or part of the length scale, that is written as zero.
-_NOTHING = 1e-6
+# Component of a unit vector, or fraction of the length scale, below which it is written as zero.
+_ZERO = 1e-6
 
 
 def skew(vector: Array) -> Array:
@@ -26,8 +26,8 @@ def skew(vector: Array) -> Array:
 def shift(offset: Array) -> Array:
     """…×6×6 X with twist_B = X twist_A for two points of one rigid body.
 
-    `offset` (…×3) is B − A (m), in the axes of the twists. Wrenches go the other way by the
-    transpose: wrench_A = Xᵀ wrench_B, which keeps the work.
+    `offset` (…×3) is B − A (m), in the axes of the twists. Wrenches transform by the transpose,
+    wrench_A = Xᵀ wrench_B, which preserves the work.
     """
     arm = skew(offset)
     matrix = np.zeros((*arm.shape[:-2], 6, 6))
@@ -56,16 +56,16 @@ def rotation_z(angle: float) -> Array:
 def rotation_about(vector: Array) -> Array:
     """…×3×3 rotations of rotation vectors (…×3, rad), by Rodrigues' formula."""
     angle = np.linalg.norm(vector, axis=-1)[..., None, None] / np.pi
-    turned = skew(vector)
-    matrix: Array = np.sinc(angle) * turned + 0.5 * np.sinc(0.5 * angle) ** 2 * turned @ turned
+    cross = skew(vector)
+    matrix: Array = np.sinc(angle) * cross + 0.5 * np.sinc(0.5 * angle) ** 2 * cross @ cross
     return np.eye(3) + matrix
 
 
 def rotation_vector(rotation: Array) -> Array:
     """Rotation vectors (…×3, rad) of …×3×3 rotations, at most half a turn long.
 
-    By the quaternion q = (w, x, y, z): of 4 q qᵀ, which is linear in the rotation, the row that is
-    divided by q's largest entry (S. W. Shepperd, J. Guid. Control 1 (1978) 223).
+    Computed from the quaternion q = (w, x, y, z), which is the normalised row of 4 q qᵀ with q's
+    largest entry. 4 q qᵀ is linear in the rotation (S. W. Shepperd, J. Guid. Control 1 (1978) 223).
     """
     r = np.asarray(rotation, dtype=float)
     trace = np.trace(r, axis1=-2, axis2=-1)
@@ -86,35 +86,35 @@ def rotation_vector(rotation: Array) -> Array:
 
 
 def move_compliance(compliance: Array, offset: Array) -> Array:
-    """6×6 compliance at B of the body whose compliance at A is given; `offset` = B − A (m)."""
+    """6×6 compliance at B from the `compliance` at A of the same body. `offset` = B − A (m)."""
     adjoint = shift(offset)
     return adjoint @ compliance @ adjoint.T
 
 
 def turn_matrix(matrix: Array, rotation: Array) -> Array:
-    """…×6×6 compliance or stiffness in base axes from the same in local axes: D C Dᵀ."""
+    """…×6×6 compliance or stiffness in base axes from the one in local axes: D C Dᵀ."""
     block = turn(rotation)
     return block @ matrix @ np.swapaxes(block, -1, -2)
 
 
 def name_twists(twists: Array, length: float) -> str:
-    """Words for the motions spanned by `twists` (n×6, base axes); `length` (m) is the scale.
+    """Description of the motions spanned by `twists` (n×6, base axes); `length` (m) is the scale.
 
-    Of all bases the one with the fewest components is named: "translate along x and turn about z
+    The text names the basis with the fewest components: "translate along x and turn about z
     through (0, 0.5, 0) m from the loaded point".
     """
     screws = np.hstack([twists[:, 3:], twists[:, :3] / length])
-    return _named(screws, length, "turn about", "translate along")
+    return _described(screws, length, "turn about", "translate along")
 
 
 def name_wrenches(wrenches: Array, length: float) -> str:
-    """Words for the loads spanned by `wrenches` (n×6, base axes); as `name_twists`."""
+    """Description of the loads spanned by `wrenches` (n×6, base axes), as in `name_twists`."""
     screws = np.hstack([wrenches[:, :3], wrenches[:, 3:] / length])
-    return _named(screws, length, "a force along", "a moment about")
+    return _described(screws, length, "a force along", "a moment about")
 
 
-def _named(screws: Array, length: float, line: str, moment: str) -> str:
-    """Words for screws (n×6: u, then w in units of `length`), by those for a line and a moment."""
+def _described(screws: Array, length: float, line: str, moment: str) -> str:
+    """Description of screws (n×6: u, w in units of `length`) with words for line and moment."""
     return " and ".join(
         f"{line} {_direction(u)} through {_point(u, w, length)}{_pitch(u, w, length)}"
         if np.any(u)
@@ -126,42 +126,42 @@ def _named(screws: Array, length: float, line: str, moment: str) -> str:
 def _sparsest(screws: Array) -> list[tuple[Array, Array]]:
     """Reduced row echelon form: rows (u, w) with as few components as the space allows."""
     rows = screws / np.linalg.norm(screws, axis=1)[:, None]
-    done = 0
+    rank = 0
     for column in range(6):
-        if done == len(rows):
+        if rank == len(rows):
             break
-        pivot = done + int(np.argmax(np.abs(rows[done:, column])))
-        if abs(rows[pivot, column]) <= _NOTHING:
+        pivot = rank + int(np.argmax(np.abs(rows[rank:, column])))
+        if abs(rows[pivot, column]) <= _ZERO:
             continue
-        rows[[done, pivot]] = rows[[pivot, done]]
-        rows[done] /= rows[done, column]
-        others = np.arange(len(rows)) != done
-        rows[others] -= np.outer(rows[others, column], rows[done])
-        done += 1
-    rows[np.abs(rows) <= _NOTHING * np.abs(rows).max(axis=1)[:, None]] = 0.0
+        rows[[rank, pivot]] = rows[[pivot, rank]]
+        rows[rank] /= rows[rank, column]
+        other_rows = np.arange(len(rows)) != rank
+        rows[other_rows] -= np.outer(rows[other_rows, column], rows[rank])
+        rank += 1
+    rows[np.abs(rows) <= _ZERO * np.abs(rows).max(axis=1)[:, None]] = 0.0
     return [(row[:3], row[3:]) for row in rows]
 
 
 def _direction(vector: Array) -> str:
     unit = vector / np.linalg.norm(vector)
     unit = unit * np.sign(unit[np.argmax(np.abs(unit))])
-    if np.count_nonzero(np.abs(unit) > _NOTHING) == 1:
+    if np.count_nonzero(np.abs(unit) > _ZERO) == 1:
         return "xyz"[int(np.argmax(unit))]
     return _triple(unit)
 
 
 def _point(u: Array, w: Array, length: float) -> str:
     offset = np.cross(u, w) / (u @ u)
-    if np.linalg.norm(offset) <= _NOTHING:
+    if np.linalg.norm(offset) <= _ZERO:
         return "the loaded point"
     return f"{_triple(offset * length)} m from the loaded point"
 
 
 def _pitch(u: Array, w: Array, length: float) -> str:
     pitch = (u @ w) / (u @ u)
-    return "" if abs(pitch) <= _NOTHING else f" with a pitch of {pitch * length:.3g} m/rad"
+    return "" if abs(pitch) <= _ZERO else f" with a pitch of {pitch * length:.3g} m/rad"
 
 
 def _triple(vector: Array) -> str:
-    rounded = np.where(np.abs(vector) <= _NOTHING * np.abs(vector).max(), 0.0, vector)
+    rounded = np.where(np.abs(vector) <= _ZERO * np.abs(vector).max(), 0.0, vector)
     return "(" + ", ".join(f"{value:.3g}" for value in rounded) + ")"

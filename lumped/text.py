@@ -1,22 +1,22 @@
-"""What others wrote, as it may be shown: short, and nothing in it steers a terminal."""
+"""Display of foreign text: shortened, and without characters that control a terminal."""
 
 import json
 import unicodedata
 from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
 
-# Control characters, marks that reorder what stands around them or take no room, and halves of
-# characters (a file name that is not UTF-8).
-_UNSHOWN = frozenset({"Cc", "Cf", "Cs", "Co", "Cn", "Zl", "Zp"})
+# Unicode categories that are escaped: control characters, marks that reorder adjacent text or have
+# no width, and surrogates (from a file name that is not UTF-8).
+_ESCAPED_CATEGORIES = frozenset({"Cc", "Cf", "Cs", "Co", "Cn", "Zl", "Zp"})
 
 _LONGEST_VALUE = 60
 _LONGEST_LINE = 500
-# No known name is near to a longer one.
+# Longest name for which similar known names are searched; all known names are shorter.
 _LONGEST_NAME = 100
 
 
 def shown(value: object) -> str:
-    """A value of a file as its author typed it, near enough, cut to one short line."""
+    """A value of a file approximately as its author typed it, cut to one short line."""
     try:
         text = repr(value) if isinstance(value, float) else _as_json(value)
     except ValueError:
@@ -28,22 +28,22 @@ def shown(value: object) -> str:
 
 
 def cut(text: str, longest: int) -> str:
-    """The text, or its beginning and … where it is longer than that."""
+    """The text, or if it is longer than `longest` characters its beginning and …."""
     return text if len(text) <= longest else text[: longest - 1] + "…"
 
 
 def shortened(line: str) -> str:
-    """The line, or where it is too long for one its beginning, … and its end."""
+    """The line, or if it is too long its beginning, … and its end."""
     if len(line) <= _LONGEST_LINE:
         return line
-    # Places come first, reasons last.
+    # A message begins with the location and ends with the reason.
     begin = _LONGEST_LINE * 2 // 3
     return f"{line[:begin]}…{line[begin + 1 - _LONGEST_LINE :]}"
 
 
-def counted(count: int, one: str, several: str = "") -> str:
-    """How many there are: "1 body", "2 bodies"; `several` where that is not `one` with an s."""
-    return f"{count} {one if count == 1 else several or f'{one}s'}"
+def counted(count: int, singular: str, plural: str = "") -> str:
+    """Number and noun: "1 body", "2 bodies". `plural` is needed if it is irregular."""
+    return f"{count} {singular if count == 1 else plural or f'{singular}s'}"
 
 
 def aligned(headings: Sequence[str], rows: Sequence[Sequence[str]], indent: str = "  ") -> str:
@@ -54,8 +54,8 @@ def aligned(headings: Sequence[str], rows: Sequence[Sequence[str]], indent: str 
     return "\n".join(
         indent
         + "  ".join(
-            entry.rjust(width) if right else entry.ljust(width)
-            for entry, width, right in zip(line, widths, numeric, strict=True)
+            entry.rjust(width) if right_aligned else entry.ljust(width)
+            for entry, width, right_aligned in zip(line, widths, numeric, strict=True)
         ).rstrip()
         for line in lines
     )
@@ -70,8 +70,8 @@ def _is_number(text: str) -> bool:
 
 
 def did_you_mean(name: str, known: Iterable[str], otherwise: str = "", cutoff: float = 0.6) -> str:
-    """The end of a fault that asks for the nearest known name; `otherwise` where none is near."""
-    by_lower_case = {one.lower(): one for one in known}
+    """Suggestion of the most similar known name, to end a message; else `otherwise`."""
+    by_lower_case = {known_name.lower(): known_name for known_name in known}
     if len(name) <= _LONGEST_NAME and (
         close := get_close_matches(name.lower(), by_lower_case, n=1, cutoff=cutoff)
     ):
@@ -80,22 +80,22 @@ def did_you_mean(name: str, known: Iterable[str], otherwise: str = "", cutoff: f
 
 
 def _as_json(value: object) -> str:
-    # Of a long text or list only the beginning will be seen.
+    # Only the beginning of a long text or list is displayed.
     if isinstance(value, str | list):
         value = value[: _LONGEST_VALUE + 1]
     return json.dumps(value, ensure_ascii=False, default=str)
 
 
 def visible(text: str, keep: str = "") -> str:
-    r"""The text with each control and format character written out as \x1b or \u202e.
+    r"""The text with control and format characters escaped, as \x1b or \u202e.
 
-    Characters of `keep` (line ends, say) stay as they are.
+    Characters in `keep` (for example line ends) remain unchanged.
     """
     if text.isascii() and text.isprintable():
         return text
     return "".join(
-        one
-        if one in keep or unicodedata.category(one) not in _UNSHOWN
-        else one.encode("unicode_escape").decode()
-        for one in text
+        character
+        if character in keep or unicodedata.category(character) not in _ESCAPED_CATEGORIES
+        else character.encode("unicode_escape").decode()
+        for character in text
     )

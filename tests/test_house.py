@@ -90,7 +90,7 @@ def test_no_module_holds_a_state():
         for name, path in MODULES.items()
         for state in states(path.read_text(encoding="utf-8"))
     }
-    assert held == {"lumped.memo._remembering"}
+    assert held == {"lumped.memo._memoised"}
 
 
 def states(source: str) -> list[str]:

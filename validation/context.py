@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal, ParamSpec, TypeAlias, TypeVar
 
-from lumped.memo import likeness
+from lumped.memo import comparison_fingerprint
 from lumped.robot_file import RobotFile
 
 Preset: TypeAlias = Literal["quick", "standard", "fine"]
@@ -53,4 +53,4 @@ def memo_key(
     name = f"{function.__module__}.{function.__qualname__}"
     if "<" in name:
         raise ValueError(f"{name}: only functions at the top of a module have a fixed name")
-    return f"{name} {likeness((args, dict(kwargs)))}"
+    return f"{name} {comparison_fingerprint((args, dict(kwargs)))}"

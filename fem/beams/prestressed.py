@@ -66,13 +66,14 @@ class PrestressedLeg:
     fields: Array
     gyration: float
 
-    def geometric_stiffness(self, ends: Array, spread: Array, *, spins: bool = False) -> Array:
+    def geometric_stiffness(self, ends: Array, distributed: Array, *, spins: bool = False) -> Array:
         """Stiffness that forces add (r×r, SI).
 
         `ends` (12, N and N m, leg axes) are the forces on root and tip that its stiffness takes,
-        `spread` the part of them that acts along it. `spins`: the leg spins idly about its axis.
+        `distributed` the part of them that acts on its length. `spins`: the leg spins idly about
+        its axis.
         """
-        force, moment = _resultants(ends, spread, self.matrices.length, self.stations)
+        force, moment = _resultants(ends, distributed, self.matrices.length, self.stations)
         turned = skew(force)
         work = np.zeros((len(force), 9, 9))
         work[:, 3:6, :3] = turned
@@ -160,14 +161,16 @@ def between(leg: PrestressedLeg, ends: Array) -> LegMatrices:
     return replace(leg.matrices, stiffness=stiffness)
 
 
-def _resultants(ends: Array, spread: Array, length: float, stations: Array) -> tuple[Array, Array]:
+def _resultants(
+    ends: Array, distributed: Array, length: float, stations: Array
+) -> tuple[Array, Array]:
     """Force n and moment m (s×3 each) that the rest of the leg puts on the one before a station.
 
     What acts along the leg grows or falls linearly: it has the resultant that comes to both ends,
     and along and about the leg their shares, too.
     """
-    first, last = _density(spread[:6], spread[6:], length)
-    at_root = ends[:6] - spread[:6]
+    first, last = _density(distributed[:6], distributed[6:], length)
+    at_root = ends[:6] - distributed[:6]
     x = stations[:, None]
     slope = (last - first) / length
     gone = first * x + slope * x**2 / 2.0

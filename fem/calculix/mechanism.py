@@ -17,7 +17,7 @@ from fem.calculix.run import run_calculix
 from fem.couplings.grips import rigid_motions
 from lumped.arrays import Array, IntArray
 from lumped.mechanism.body import Rigid
-from lumped.mechanism.free_twists import free_twists, interface_position, turned_since_reference
+from lumped.mechanism.free_twists import free_twists, interface_position, rotation_since_reference
 from lumped.mechanism.joint import Joint, Side
 from lumped.mechanism.kinematics.postures import shown_pose
 from lumped.mechanism.mechanism import GROUND, Posture
@@ -236,7 +236,7 @@ def _give(posture: Posture, joint: Joint) -> tuple[Array, Array]:
         directions = free_twists(posture, joint)[:, :1]
         stiffnesses = np.array([joint.drive.stiffness])
     if joint.compliance is not None:
-        turned = turn_matrix(joint.compliance, turned_since_reference(posture, joint.first.body))
+        turned = turn_matrix(joint.compliance, rotation_since_reference(posture, joint.first.body))
         values, vectors = np.linalg.eigh(turned)
         soft = values > _NOTHING * values[-1]
         directions = np.hstack([directions, vectors[:, soft]])

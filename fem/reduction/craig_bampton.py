@@ -197,7 +197,7 @@ def frequency_bounds(system: System, legs: Mapping[str, Truncated], count: int) 
             f"{system.name}: frequency {count} of the reduced robot is {upper[-1]:g} Hz, and "
             f"the legs' modes are cut off at {cutoff:g} Hz: raise the cut-off or ask for fewer"
         )
-    own = {name: system.own(name, np.eye(system.size)) for name in legs}
+    own = {name: system.body_unknowns(name, np.eye(system.size)) for name in legs}
     lower = np.empty(count)
     for j, frequency in enumerate(upper):
         stiffness, mass = whole.stiffness.copy(), whole.mass.copy()

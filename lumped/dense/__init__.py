@@ -1,4 +1,4 @@
-"""Small systems solved densely: displacements, natural frequencies, and what rounding leaves.
+"""Dense solution of small systems: displacements, natural frequencies, and their round-off.
 
-In: stiffness and mass matrices with loads. Out: flexibilities and modes with the digits that hold.
+In: stiffness and mass matrices with loads. Out: flexibilities and modes with bounds on round-off.
 """

@@ -24,9 +24,9 @@ def solve_modes(
     """The lowest `count` modes of det(K − ω²M) = 0, eq. (24).
 
     Solved as M v = (1/ω²) K v, so that massless unknowns (M singular) are allowed and the lowest
-    frequencies are the most accurate. Signs are fixed: the largest entry of a shape is positive.
-    Raises ComputationError, naming `part`, where K is not positive definite or M has no `count`
-    modes.
+    frequencies are the most accurate. The largest entry of each shape is positive. Raises
+    ComputationError, naming `part`, if K is not positive definite or fewer than `count` modes have
+    mass.
     """
     k, m = dense(stiffness), dense(mass)
     n = k.shape[0]
@@ -48,9 +48,9 @@ def solve_modes(
 
 
 class FewerModesError(ComputationError):
-    """More modes were asked for than have mass."""
+    """More modes were requested than have mass."""
 
 
 def too_few(part: str, count: int) -> FewerModesError:
-    """The refusal of more modes than have mass."""
+    """Error for a request of more modes than have mass."""
     return FewerModesError(f"{part}: {counted(count, 'mode')} asked for, but fewer have mass")

@@ -1,9 +1,9 @@
 """The PRRRP biglide as a mechanism (paper §2.1, Figs 1 and 2).
 
 A slides along y on the line x = 0, C along y on the line x = a; leg 1 = AB, leg 2 = CB, both on
-the same side; B = (x, y). Nothing depends on y, so B is the origin of y. The feet are the give of
-the revolute joints between slides and legs, leg 2 is hinged to leg 1 at B, the platform carried by
-leg 1. A pose is the position x of B alone.
+the same side; B = (x, y). Nothing depends on y, so B is the origin of y. The feet are the
+compliances of the revolute joints between slides and legs. Leg 2 is hinged to leg 1 at B, and leg 1
+carries the platform. A pose is the position x of B alone.
 """
 
 from dataclasses import dataclass, replace
@@ -18,10 +18,10 @@ from lumped.legs import Leg
 from lumped.mechanism.body import Frame
 from lumped.mechanism.joint import Drive, Joint, JointKind, Side
 from lumped.mechanism.mechanism import GROUND, Mechanism, Tool
-from lumped.mechanism.placing import leg_on, rigid_on
+from lumped.mechanism.placing import place_leg, place_rigid_body
 from lumped.screws import rotation_z
 
-# Relative slack for a posture at the very end of the stroke, where x − end is rounding noise.
+# Relative tolerance for a posture at the end of the stroke, where x − end is round-off.
 _ROUNDING = 1e-12
 _POSES = 9
 _, _Y, _Z = np.eye(3)
@@ -31,7 +31,7 @@ _, _Y, _Z = np.eye(3)
 class Stroke:
     """Geometry of the legs: distance `a` (m) of the slides, `length1` and `length2` (m).
 
-    B goes from x = a − L2 (leg 2 horizontal) to L1 (leg 1 horizontal), type 1 singularities both.
+    B moves from x = a − L2 (leg 2 horizontal) to L1 (leg 1 horizontal), both type 1 singularities.
     """
 
     a: float
@@ -54,12 +54,14 @@ class Stroke:
         return self.length1 + self.length2 - self.a
 
     def legs_at(self, x: float) -> tuple[Frame, Frame]:
-        """Frames of leg 1 at A and leg 2 at C with B at `x` (m); InputError outside the stroke."""
+        """Frames of leg 1 at A and leg 2 at C with B at `x` (m). InputError outside the stroke."""
         first, last = self.ends
         slack = _ROUNDING * self.a
         if not first - slack <= x <= last + slack:
-            by = f", by {max(x - last, first - x):.3g} m" if np.isfinite(x) else ""
-            raise InputError(f"x = {x:.10g} m is outside the stroke {first:g} m to {last:g} m{by}")
+            excess = f", by {max(x - last, first - x):.3g} m" if np.isfinite(x) else ""
+            raise InputError(
+                f"x = {x:.10g} m is outside the stroke {first:g} m to {last:g} m{excess}"
+            )
         s1, s2 = _height(self.length1, (x,)), _height(self.length2, (self.a, -x))
         return (
             Frame(np.array([0.0, -s1, 0.0]), rotation_z(float(np.arctan2(s1, x)))),
@@ -67,7 +69,7 @@ class Stroke:
         )
 
     def faults(self) -> list[str]:
-        """Why the legs cannot meet or pass their singular postures; empty if they can."""
+        """Reasons why the legs cannot meet or reach their singular postures, if there are any."""
         l1, l2, a = self.length1, self.length2, self.a
         faults = []
         if not a > 0.0:
@@ -88,9 +90,9 @@ class Stroke:
 def _height(length: float, base: tuple[float, ...]) -> float:
     """Extent √(L² − b²) (m) along y of a leg of `length` L over a base of the sum b (m) of `base`.
 
-    As √((L − b)(L + b)), both sums rounded once: the difference of squares would lose half of the
-    digits near the end of the stroke. A base that ends within the rounding of its own terms from
-    a horizontal leg is the end of the stroke.
+    Computed as √((L − b)(L + b)) with both sums rounded once, because the difference of squares
+    would lose half of the digits near the end of the stroke. The height is zero if b equals L
+    within the rounding of its terms.
     """
     short = fsum((length, *(-term for term in base)))
     if short <= np.spacing(max(length, *map(abs, base))):
@@ -100,17 +102,20 @@ def _height(length: float, base: tuple[float, ...]) -> float:
 
 @dataclass(frozen=True)
 class _InverseKinematics:
-    """Where all bodies are with B at x; general closure loses half of the digits at both ends."""
+    """Frames of all bodies with B at x in closed form.
+
+    General loop closure would lose half of the digits at both ends of the stroke.
+    """
 
     stroke: Stroke
     offset: tuple[float, float, float]
-    turning: bool
+    platform_turns: bool
 
     def __call__(self, pose: Array) -> dict[str, Frame]:
         leg1, leg2 = self.stroke.legs_at(float(pose[0]))
         tip = np.array([pose[0], 0.0, 0.0])
         reference, _ = self.stroke.legs_at(self.stroke.centre)
-        turn = leg1.rotation @ reference.rotation.T if self.turning else np.eye(3)
+        turn = leg1.rotation @ reference.rotation.T if self.platform_turns else np.eye(3)
         return {
             GROUND: Frame(),
             "slide1": Frame(leg1.position),
@@ -136,11 +141,11 @@ def biglide(
 ) -> Mechanism:
     """A biglide of two legs on slides `a` (m) apart, described with B in the middle of its stroke.
 
-    `tool_offset` (3, m, base axes) leads from B to the loaded point P, where the platform's mass
-    (kg) sits; `foot_compliance` (6×6, SI, base axes) acts at both revolute joints of the feet,
-    `tool_compliance` in series at P, None where rigid. The drives are rigid but for the simplified
-    model, where their stiffness (N/m) stands for all that gives way. Raises InputError where the
-    legs cannot meet.
+    `tool_offset` (3, m, base axes) is the vector from B to the loaded point P, at which the
+    platform's mass (kg) is located. `foot_compliance` (6×6, SI, base axes) acts at both revolute
+    joints of the feet, `tool_compliance` in series at P; None if rigid. The drives are rigid except
+    in the simplified model, in which `drive_stiffness` (N/m) represents all compliance. Raises
+    InputError if the legs cannot meet.
     """
     stroke = Stroke(a, leg1.length, leg2.length)
     if faults := stroke.faults():
@@ -150,21 +155,21 @@ def biglide(
     tip = np.array([stroke.centre, 0.0, 0.0])
     points = {"A": first.position, "C": second.position, "B": tip, "P": tip + offset}
     placed = [
-        rigid_on(GROUND, ("A", "C"), points, origin=np.zeros(3)),
-        rigid_on("slide1", "A", points),
-        rigid_on("slide2", "C", points),
-        leg_on("leg1", leg1, ("A", "B"), points),
-        leg_on("leg2", leg2, ("C", "B"), points),
-        rigid_on("platform", ("B", "P"), points),
+        place_rigid_body(GROUND, ("A", "C"), points, origin=np.zeros(3)),
+        place_rigid_body("slide1", "A", points),
+        place_rigid_body("slide2", "C", points),
+        place_leg("leg1", leg1, ("A", "B"), points),
+        place_leg("leg2", leg2, ("C", "B"), points),
+        place_rigid_body("platform", ("B", "P"), points),
     ]
-    # What is not the same seen from any direction in the plane keeps its axes in all poses: the
-    # paper gives offset and spring of the tool in the robot's axes.
-    turning = tool_compliance is None and not offset[:2].any()
+    # A platform with an offset or a spring keeps its axes in all poses, because the paper gives
+    # both in the robot's axes.
+    platform_turns = tool_compliance is None and not offset[:2].any()
     datum = (float(offset[0]), float(offset[1]), float(offset[2]))
     drive = Drive(simplified=drive_stiffness)
     seat = _joint("seat", "fixed", ("leg1", "platform"), "B")
-    if not turning:
-        # A drive that holds turns the platform back as leg 1 turns.
+    if not platform_turns:
+        # A rigid drive turns the platform back as leg 1 turns.
         seat = _joint("seat", "revolute", ("leg1", "platform"), "B", _Z, drive=Drive())
     joints = [
         _joint("drive1", "prismatic", (GROUND, "slide1"), "A", _Y, drive=drive),
@@ -174,27 +179,27 @@ def biglide(
         _joint("hinge", "revolute", ("leg1", "leg2"), "B", _Z),
         seat,
     ]
-    loaded = "platform"
+    loaded_body = "platform"
     if tool_compliance is not None:
-        loaded = "tool"
-        placed.append(rigid_on(loaded, "P", points))
+        loaded_body = "tool"
+        placed.append(place_rigid_body(loaded_body, "P", points))
         joints.append(
-            _joint("spring", "fixed", ("platform", loaded), "P", compliance=tool_compliance)
+            _joint("spring", "fixed", ("platform", loaded_body), "P", compliance=tool_compliance)
         )
-    keeps = (("y", 0.0),) if turning else (("y", 0.0), ("phi_z", 0.0))
+    constant_moves = (("y", 0.0),) if platform_turns else (("y", 0.0), ("phi_z", 0.0))
     return Mechanism(
         name=name,
         bodies={body.name: body for body, _ in placed},
         joints=tuple(joints),
-        tool=Tool(loaded, "P", ("x",), platform_mass, keeps, datum),
+        tool=Tool(loaded_body, "P", ("x",), platform_mass, constant_moves, datum),
         reference={body.name: frame for body, frame in placed},
         poses=np.linspace(*stroke.ends, _POSES)[:, None],
-        inverse_kinematics=_InverseKinematics(stroke, datum, turning),
+        inverse_kinematics=_InverseKinematics(stroke, datum, platform_turns),
     )
 
 
-def lengthened(a: float, leg1: Leg, leg2: Leg, alpha: float) -> tuple[float, Leg, Leg]:
-    """Member `alpha` of the family of eqs (10), (11): legs α times as long, the same stroke d.
+def family_member(a: float, leg1: Leg, leg2: Leg, alpha: float) -> tuple[float, Leg, Leg]:
+    """Member `alpha` of the family of eqs (10), (11): legs α times as long, with the stroke d kept.
 
     The legs keep their (equivalent) constant section; a = α (L10 + L20) − d (m).
     """

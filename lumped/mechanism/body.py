@@ -1,6 +1,6 @@
-"""Bodies of a mechanism and their frames: what they are made of, where others take hold of them.
+"""Bodies of a mechanism: shapes, frames and interfaces.
 
-A part is a body as it is: a CAD file or a mesh, and which of its faces others take hold of.
+A part is a body given by a CAD file or a mesh, with interfaces on selected faces.
 """
 
 from collections.abc import Mapping
@@ -29,17 +29,17 @@ class ByFaces:
 
 @dataclass(frozen=True)
 class ByName:
-    """Faces by the name that the file gives them: a physical group, a label of the CAD system."""
+    """Faces by their name in the file: a physical group, or a label of the CAD system."""
 
     name: str
 
 
 @dataclass(frozen=True)
 class ByCylinder:
-    """Faces on one cylinder of `radius` (m), a bore or a boss; lengths in m, the file's axes.
+    """Faces on one cylinder of `radius` (m), a bore or a boss. Lengths in m, axes of the file.
 
-    Its axis runs along `axis` (any direction where None) through `point` (the interface's own
-    point where None), within `tolerance` (a part of the radius where None).
+    Its axis has the direction `axis` (any direction if None) through `point` (the interface's own
+    point if None), within `tolerance` (a fraction of the radius if None).
     """
 
     radius: float
@@ -50,7 +50,7 @@ class ByCylinder:
 
 @dataclass(frozen=True)
 class ByPlane:
-    """Faces in one plane with the outward `normal`, through `point` as for a cylinder."""
+    """Faces in one plane with the outward `normal`. `point`, `tolerance`: see `ByCylinder`."""
 
     normal: Triple
     point: Triple | None = None
@@ -62,11 +62,11 @@ Selection: TypeAlias = ByFaces | ByName | ByCylinder | ByPlane
 
 @dataclass(frozen=True)
 class PartInterface:
-    """Which faces others take hold of, and how.
+    """Faces of a part to which a joint is attached, and their coupling to its six motions.
 
-    `coupling`: "rigid" (the faces move as one rigid body), "average" (their area-weighted mean
-    motion, the faces free to deform), "pin" (bores: held radially, free to slide along and about
-    the axis); None where nobody said so.
+    `coupling`: "rigid" (the faces move as one rigid body), "average" (area-weighted mean motion of
+    the faces, which may deform), "pin" (bores: radially constrained, free to slide along and about
+    the axis). None if the robot file does not specify it.
     """
 
     selection: Selection
@@ -75,10 +75,10 @@ class PartInterface:
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """A solid from a STEP, BREP or mesh `file`; body axes are the file's, in metres.
+    """A solid from a STEP, BREP or mesh `file`. Body axes are the file's, in metres.
 
-    `material` is isotropic; `unit` of length where the file itself names none; `interfaces` by the
-    name of their point. `unknowns` of the finest of its meshes, where others than usual are wanted.
+    `material` is isotropic. `interfaces` by the name of their point. `unit` is the length unit if
+    the file has none. `unknowns` of the finest mesh; None for the default number.
     """
 
     file: Path
@@ -90,21 +90,21 @@ class Part:
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """A place: `position` (3, m) of its origin and `rotation` (3×3), its axes as columns.
+    """Position (3, m) of an origin and rotation (3×3) with the axes as columns.
 
-    Both are given in the frame that it is seen from: a body's frame in base axes, an interface's
-    in the axes of its body.
+    Both are expressed in the parent frame: base axes for a body, axes of its body for an
+    interface.
     """
 
     position: Array = field(default_factory=lambda: np.zeros(3))
     rotation: Array = field(default_factory=lambda: np.eye(3))
 
     def __matmul__(self, inner: "Frame") -> "Frame":
-        """A frame seen from this one, as it is seen from where this one is seen from."""
+        """Compose two frames: `inner`, given in this frame, expressed in this frame's parent."""
         return Frame(self.position + self.rotation @ inner.position, self.rotation @ inner.rotation)
 
     def inverse(self) -> "Frame":
-        """Where this frame is seen from, as it is seen from this frame."""
+        """Parent frame, expressed in this frame."""
         return Frame(-self.rotation.T @ self.position, self.rotation.T)
 
 
@@ -124,9 +124,8 @@ Shape: TypeAlias = Leg | Part | Rigid
 class Body:
     """A body: its shape, and its interfaces by the name of their point, in body axes.
 
-    A leg has two interfaces, the first at the origin of the body's axes, the
-    second at `length` along x; a part and a rigid body have any number. `loss` is the loss factor
-    of its stiffness.
+    A leg has two interfaces, the first at the origin of the body's axes, the second at `length`
+    along x. A part and a rigid body have any number. `loss` is the loss factor of its stiffness.
     """
 
     name: str

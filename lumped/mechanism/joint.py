@@ -1,4 +1,4 @@
-"""Joints: which relative twists of two interfaces they leave free, and what gives way in them."""
+"""Joints between two interfaces: kind, axes, drive and compliance."""
 
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
@@ -8,11 +8,11 @@ import numpy as np
 from lumped.arrays import Array
 from lumped.errors import InputError
 
-# A further kind has its place in every `match` on this: the type checker lists those without it.
+# A new kind must be added to every `match` on this type; the type checker lists omissions.
 JointKind: TypeAlias = Literal[
     "fixed", "revolute", "prismatic", "cylindrical", "universal", "spherical", "planar"
 ]
-# How many axes a kind has.
+# Number of axes of each kind.
 AXES: dict[JointKind, int] = {
     "fixed": 0,
     "revolute": 1,
@@ -35,9 +35,9 @@ COORDINATES: dict[JointKind, tuple[str, ...]] = {
 FREEDOMS = {kind: len(units) for kind, units in COORDINATES.items()}
 
 
-# Sine of the angle below which two directions are one: what six digits give.
+# Sine of the angle below which two directions count as equal: the resolution of six digits.
 SMALLEST_SINE = 1e-5
-# Rounding of a unit vector's length.
+# Tolerance on the length of a unit vector, for round-off.
 _UNIT = 1e-9
 
 
@@ -51,12 +51,12 @@ class Side:
 
 @dataclass(frozen=True)
 class Drive:
-    """What actuates a joint: `stiffness` on its free twist (N/m or N m/rad), None where rigid.
+    """Actuator of a joint: `stiffness` on its free twist (N/m or N m/rad), None if rigid.
 
-    `simplified`: the stiffness that the model of rigid bodies on elastic drives takes instead,
-    where it stands for more than the drive; None where it does not. `loss` is the loss factor of
-    either. `inertia` (kg or kg m²) of the rotor, times its ratio squared: it moves as the stiffness
-    gives way.
+    `simplified` is the stiffness that the model of rigid bodies on elastic drives uses instead, if
+    it represents more than the drive; otherwise None. `loss` is the loss factor of either.
+    `inertia` (kg or kg m²) is that of the rotor times its ratio squared. It moves with the elastic
+    deflection of the drive.
     """
 
     stiffness: float | None = None
@@ -73,8 +73,8 @@ class Joint:
     cylindrical and planar (its normal) joints, two for a universal joint (the first fixed in the
     first body, the second in the second), none for fixed and spherical ones. Interfaces may be
     apart along the axis of a prismatic or cylindrical joint. `compliance` (6×6, SI, base axes of
-    the reference posture, fixed to the first body) is the joint's own give, in series; `loss` its
-    loss factor. Raises InputError for axes that are not as said.
+    the reference posture, fixed to the first body) is the joint's own compliance, in series, and
+    `loss` its loss factor. Raises InputError for axes that violate these conditions.
     """
 
     name: str
@@ -91,15 +91,15 @@ class Joint:
             raise InputError(f"joint {self.name}: {fault}" for fault in faults)
 
     def _faults(self) -> list[str]:
-        """What would silently be another joint: axes too few, not of unit length, or parallel."""
+        """Faults that change the joint: axes of wrong number, not of unit length, or parallel."""
         count = AXES[self.kind]
         if np.shape(self.axes) != (count, 3):
             shape = "×".join(map(str, np.shape(self.axes)))
             return [f"axes {shape}: a {self.kind} joint has {count}×3"]
         lengths = np.linalg.norm(self.axes, axis=1)
         faults = [
-            f"axis {place} has length {length:.6g}: must be a unit vector"
-            for place, length in enumerate(lengths, start=1)
+            f"axis {number} has length {length:.6g}: must be a unit vector"
+            for number, length in enumerate(lengths, start=1)
             if not abs(length - 1.0) <= _UNIT
         ]
         if not faults and count > 1 and np.linalg.norm(np.cross(*self.axes)) < SMALLEST_SINE:

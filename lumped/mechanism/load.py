@@ -1,4 +1,4 @@
-"""Loads of a robot's own: a wrench at a point, what acts on mass, and forces that swing."""
+"""Loads of a robot file: wrenches at points, loads on distributed mass, and harmonic forces."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -10,11 +10,11 @@ from lumped.arrays import Array
 
 @dataclass(frozen=True, eq=False)
 class Load:
-    """A load by its `name`; base axes, SI.
+    """A load with its `name`; base axes, SI.
 
-    `wrench` (6) acts at the interface `point` of `body`, in its place `over_path` (p×6), one for
-    each pose of the path. `gravity` (3), and the inertia of all bodies where the tool moves with
-    `speed` (3, m/s) and `acceleration` (3, m/s²) of its point, act on distributed mass.
+    `wrench` (6) acts at the interface `point` of `body`; `path_wrenches` (p×6), one for each pose
+    of the path, replace it. On distributed mass act `gravity` (3), and the inertia of all bodies
+    if the tool's point moves with `speed` (3, m/s) and `acceleration` (3, m/s²).
     """
 
     name: str
@@ -24,22 +24,22 @@ class Load:
     gravity: Array = field(default_factory=lambda: np.zeros(3))
     acceleration: Array = field(default_factory=lambda: np.zeros(3))
     speed: Array = field(default_factory=lambda: np.zeros(3))
-    over_path: Array | None = None
+    path_wrenches: Array | None = None
 
     @property
     def acts_on_mass(self) -> bool:
-        """Whether any of it acts on the mass of the bodies."""
-        return bool(self.gravity.any()) or self.moves
+        """True if gravity or inertia acts on the mass of the bodies."""
+        return bool(self.gravity.any()) or self.moves_tool
 
     @property
-    def moves(self) -> bool:
-        """Whether the tool moves under it."""
+    def moves_tool(self) -> bool:
+        """True if the load includes the inertia of a moving tool."""
         return bool(self.acceleration.any() or self.speed.any())
 
 
 @dataclass(frozen=True, eq=False)
-class Applied:
-    """A `wrench` (6, SI) at `position` (3, m), both in base axes, on what carries an interface."""
+class AppliedWrench:
+    """A `wrench` (6, SI) at `position` (3, m), both in base axes, on an interface of a body."""
 
     body: str
     point: str
@@ -49,29 +49,30 @@ class Applied:
 
 @dataclass(frozen=True, eq=False)
 class Loading:
-    """What a load does in a posture: `at_points`, and `along` bodies with mass.
+    """Wrenches of a load in a posture.
 
-    The latter comes to their interfaces. `on_rotors`: forces (N or N m) on the rotors of drives
-    along their joints' coordinates, by the joints' names.
+    `point_wrenches` act at points, `body_wrenches` are the loads on distributed mass, reduced to
+    the interfaces of the bodies. `rotor_forces`: forces (N or N m) on the rotors of drives along
+    their joints' coordinates, by the joints' names.
     """
 
-    at_points: Sequence[Applied]
-    along: Sequence[Applied] = ()
-    on_rotors: Mapping[str, float] = field(default_factory=dict)
+    point_wrenches: Sequence[AppliedWrench]
+    body_wrenches: Sequence[AppliedWrench] = ()
+    rotor_forces: Mapping[str, float] = field(default_factory=dict)
 
     @property
-    def everywhere(self) -> list[Applied]:
+    def wrenches(self) -> list[AppliedWrench]:
         """All wrenches on interfaces."""
-        return [*self.at_points, *self.along]
+        return [*self.point_wrenches, *self.body_wrenches]
 
 
 @dataclass(frozen=True, eq=False)
 class Excitation:
-    """A force at the loaded point that swings, by its `name`: the response to it is asked for.
+    """A harmonic force at the loaded point with its `name`, for which the response is computed.
 
     It acts along `direction` (3, a unit vector, base axes) with `count` frequencies (Hz) from
-    `first` to `last`, in equal steps of their logarithm. Beside the peak of the response its size
-    at the frequency `at` (Hz) is judged, where one is given.
+    `first` to `last`, in equal steps of their logarithm. Judged are the peak of the response and
+    its magnitude at the frequency `at` (Hz); None to judge the peak alone.
     """
 
     name: str
@@ -83,11 +84,11 @@ class Excitation:
 
     @property
     def frequencies(self) -> Array:
-        """Frequencies (Hz) at which the response is told."""
+        """Frequencies (Hz) at which the response is computed."""
         return np.geomspace(self.first, self.last, self.count)
 
     @property
     def judged(self) -> tuple[str, ...]:
-        """Names of the numbers that are judged: height and frequency of the peak, size at `at`."""
-        more = () if self.at is None else (f"{self.name}.at",)
-        return (self.name, f"{self.name}.frequency", *more)
+        """Names of the judged numbers: height and frequency of the peak, magnitude at `at`."""
+        single = () if self.at is None else (f"{self.name}.at",)
+        return (self.name, f"{self.name}.frequency", *single)

@@ -1,4 +1,4 @@
-"""A robot as data, from which every model follows."""
+"""A robot as data, from which each model is built."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -12,9 +12,9 @@ from lumped.mechanism.length_unit import METRE, UnitOfLength
 from lumped.mechanism.load import Excitation, Load
 
 GROUND = "ground"
-# What a pose may prescribe of the loaded point, in the order of a twist.
+# Coordinates of the loaded point that a pose may prescribe, in the order of a twist.
 MOVES = ("x", "y", "z", "phi_x", "phi_y", "phi_z")
-# m or rad: what typed digits of a pose leave open.
+# Difference (m or rad) below which two poses are equal: the digits of a typed pose.
 _SAME_POSE = 1e-6
 UNITS_OF_MOVES = dict(zip(MOVES, ("m", "m", "m", "rad", "rad", "rad"), strict=True))
 # Moves that are lengths.
@@ -23,34 +23,33 @@ LENGTHS = MOVES[:3]
 
 @dataclass(frozen=True)
 class Tool:
-    """The loaded point: an interface of a body, what a pose prescribes of it, a mass (kg) there.
+    """The loaded point: an interface of a body, its prescribed coordinates, and a mass (kg) there.
 
     `moves` are components of the point's pose in base axes: x, y, z (m) its coordinates, phi_x,
-    phi_y, phi_z (rad) the rotation vector from the reference posture. `keeps` are components that
-    have one value in all poses. Coordinates are counted from `datum` (m).
+    phi_y, phi_z (rad) the rotation vector from the reference posture. `constant_moves` are
+    components with the same value in all poses. Coordinates are measured from `datum` (m).
     """
 
     body: str
     point: str
     moves: tuple[str, ...] = ()
     mass: float = 0.0
-    keeps: tuple[tuple[str, float], ...] = ()
+    constant_moves: tuple[tuple[str, float], ...] = ()
     datum: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
 class Mechanism:
-    """Bodies, the joints between them, the tool, and the poses in which the robot is looked at.
+    """Bodies, the joints between them, the tool, and the poses in which the robot is evaluated.
 
-    `reference` holds the frame of every body in base axes in the reference posture; ground is the
-    body of that name, whose frame is the base and whose interfaces are the points it is joined at.
-    `poses` (p×len(moves)) are in the order of the tool's `moves`; `loads` are the designer's own.
-    `damping` is the damping ratio of every mode, beside the loss factors of bodies, joints and
-    drives; `excitations` are the responses that are asked for.
-    Where poses are a grid, `grid` has the values along each move.
-    `inverse_kinematics` gives the frames of all bodies in a pose in closed form; where it is None,
-    loops are closed by iteration.
-    `lengths` is the unit in which its file gives lengths and messages show them.
+    `reference` holds the frame of every body in base axes in the reference posture. Ground is the
+    body of that name; its frame is the base and its interfaces are the points of its joints.
+    `poses` (p×len(moves)) are in the order of the tool's `moves`. `loads` are those of the robot
+    file. `damping` is the damping ratio of every mode, in addition to the loss factors of bodies,
+    joints and drives. `excitations` are the requested harmonic responses. `grid` has the values
+    along each move if the poses form a grid. `inverse_kinematics` gives the frames of all bodies in
+    a pose in closed form. If it is None, loops are closed by iteration.
+    `lengths` is the unit of lengths in its file and in messages.
     """
 
     name: str
@@ -69,28 +68,28 @@ class Mechanism:
     @property
     def reference_pose(self) -> Array:
         """Pose of the tool in the reference posture, in the order of its moves."""
-        place = (
+        tool_frame = (
             self.reference[self.tool.body] @ self.bodies[self.tool.body].interfaces[self.tool.point]
         )
-        return np.append(place.position - self.tool.datum, np.zeros(3))[
+        return np.append(tool_frame.position - self.tool.datum, np.zeros(3))[
             [MOVES.index(move) for move in self.tool.moves]
         ]
 
     def in_metres(self, pose: Array) -> Array:
-        """A pose that is typed in the file's unit of length, in m and rad."""
+        """Pose in m and rad from a `pose` in the file's unit of length."""
         per_metre = self.lengths.per_metre
-        divisors = [per_metre if one in LENGTHS else 1.0 for one in self.tool.moves]
+        divisors = [per_metre if move in LENGTHS else 1.0 for move in self.tool.moves]
         metres: Array = pose / np.array(divisors)
         return metres
 
-    def number_of(self, pose: Array) -> int | None:
-        """Number of a pose along the path, from 0 and of equal ones the first; None: not on it."""
+    def pose_number(self, pose: Array) -> int | None:
+        """Number of a pose on the path from 0, the first of equal ones. None if it is not on it."""
         near = np.abs(self.poses - pose).max(axis=1, initial=0.0) <= _SAME_POSE
         return int(np.argmax(near)) if near.any() else None
 
     @property
-    def loses_energy(self) -> bool:
-        """Whether anything damps it."""
+    def is_damped(self) -> bool:
+        """True if a mode, a body, a joint or a drive dissipates energy."""
         drives = (joint.drive.loss for joint in self.joints if joint.drive)
         joints = (joint.loss for joint in self.joints)
         return any((self.damping, *drives, *joints, *(b.loss for b in self.bodies.values())))
@@ -98,29 +97,29 @@ class Mechanism:
     @property
     def judged_responses(self) -> tuple[str, ...]:
         """Names of the judged numbers of all responses, in the robot's order."""
-        return tuple(name for one in self.excitations for name in one.judged)
+        return tuple(name for excitation in self.excitations for name in excitation.judged)
 
     @property
     def parts(self) -> dict[str, Body]:
-        """The bodies that are parts, CAD or meshes, by name."""
+        """Bodies given by CAD files or meshes, by name."""
         return {name: body for name, body in self.bodies.items() if isinstance(body.shape, Part)}
 
     @property
     def size(self) -> float:
-        """Length (m) that angles are weighed with: half the largest extent of all interfaces."""
-        places = np.array(
+        """Length (m) by which angles are weighted: half the largest extent of all interfaces."""
+        positions = np.array(
             [
                 (self.reference[name] @ interface).position
                 for name, body in self.bodies.items()
                 for interface in body.interfaces.values()
             ]
         )
-        return float(0.5 * np.ptp(places, axis=0).max()) or 1.0
+        return float(0.5 * np.ptp(positions, axis=0).max()) or 1.0
 
 
 @dataclass(frozen=True, eq=False)
 class Posture:
-    """Where everything is in one pose, loops closed.
+    """Positions of all bodies in one pose with closed loops.
 
     `pose` in the order of the tool's moves, `frames` of all bodies in base axes, `coordinates` of
     every joint, one for each of its free twists (m, rad; zero in the reference posture).

@@ -1,4 +1,4 @@
-"""Bodies on named points: how a leg or a rigid body stands in the reference posture."""
+"""Placement of legs and rigid bodies on named points in the reference posture."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
@@ -11,14 +11,14 @@ from lumped.legs import Leg
 from lumped.mechanism.body import Body, Frame, Rigid
 
 _X, _, _Z = np.eye(3)
-# Sine of the angle below which two directions are one.
-_ALONG = 1e-6
+# Sine of the angle below which two directions count as parallel.
+_PARALLEL = 1e-6
 
 
 def leg_frame(start: Array, end: Array, up: Array | None = None) -> Frame:
-    """Frame at `start` (3, m) with x towards `end` and z as near to `up` (3) as it can be.
+    """Frame at `start` (3, m) with x towards `end` and z as close to `up` (3) as possible.
 
-    Without `up` it is the base's z axis, for a leg along that its x axis. Raises InputError where
+    The default of `up` is the base's z axis, or its x axis for a leg along z. Raises InputError if
     the two points coincide or `up` lies along the leg.
     """
     length = float(np.linalg.norm(end - start))
@@ -26,19 +26,19 @@ def leg_frame(start: Array, end: Array, up: Array | None = None) -> Frame:
         raise InputError("the two points of a leg must be apart")
     x = (end - start) / length
     if up is None:
-        up = _Z if np.linalg.norm(np.cross(x, _Z)) > _ALONG else _X
+        up = _Z if np.linalg.norm(np.cross(x, _Z)) > _PARALLEL else _X
     y = np.cross(up, x)
     across = float(np.linalg.norm(y))
-    if across <= _ALONG * float(np.linalg.norm(up)):
+    if across <= _PARALLEL * float(np.linalg.norm(up)):
         raise InputError("up must not lie along the leg")
     y /= across
     return Frame(np.asarray(start, dtype=float), np.column_stack([x, y, np.cross(x, y)]))
 
 
 def axes_along(x: Sequence[float], y: Sequence[float]) -> Array:
-    """Axes (3×3, as columns) with the first along `x` and the second as near to `y` as it can be.
+    """Axes (3×3, as columns) with the first along `x` and the second as close to `y` as possible.
 
-    The two are no unit vectors and must not lie along each other.
+    `x` and `y` need not be unit vectors and must not be parallel.
     """
     first = np.asarray(x) / np.linalg.norm(x)
     third = np.cross(first, y)
@@ -46,7 +46,7 @@ def axes_along(x: Sequence[float], y: Sequence[float]) -> Array:
     return np.column_stack([first, np.cross(third, first), third])
 
 
-def leg_on(
+def place_leg(
     name: str,
     leg: Leg,
     ends: tuple[str, str],
@@ -55,8 +55,8 @@ def leg_on(
 ) -> tuple[Body, Frame]:
     """A leg from one of the `points` (3, m, base axes) to another, and its frame.
 
-    Its length is the leg's own, which must be the distance of the points but for rounding. Raises
-    InputError as `leg_frame` does.
+    Its length is the leg's own, which must equal the distance of the points within rounding. Raises
+    InputError under the conditions of `leg_frame`.
     """
     first, second = ends
     tip = Frame(np.array([leg.length, 0.0, 0.0]))
@@ -64,19 +64,19 @@ def leg_on(
     return body, leg_frame(points[first], points[second], up)
 
 
-def rigid_on(
+def place_rigid_body(
     name: str,
     interfaces: Iterable[str],
     points: Mapping[str, Array],
     shape: Rigid | None = None,
     origin: Array | None = None,
 ) -> tuple[Body, Frame]:
-    """A rigid body that holds some of the `points` (3, m, base axes), and its frame.
+    """A rigid body with interfaces at some of the `points` (3, m, base axes), and its frame.
 
-    The frame has base axes; its origin is the first point unless given. `shape` is massless
-    unless given, its centre seen from that frame.
+    The frame has base axes. Its default `origin` (3, m) is the first point. The default `shape` is
+    massless; its centre is given in the frame.
     """
     names = tuple(interfaces)
-    place = points[names[0]] if origin is None else origin
-    held = {point: Frame(points[point] - place) for point in names}
-    return Body(name, shape or Rigid(), held), Frame(place)
+    frame_origin = points[names[0]] if origin is None else origin
+    interface_frames = {point: Frame(points[point] - frame_origin) for point in names}
+    return Body(name, shape or Rigid(), interface_frames), Frame(frame_origin)

@@ -1,9 +1,10 @@
-"""The bodies of a mechanism that are legs, and what they are as springs and as links.
+"""Legs of a mechanism as springs and as links, and statics and modes of a single clamped leg.
 
-Links are matrix structural analysis: every leg by its stiffness between its two interfaces. The
-12×12 of a prism is that of its tip's compliance, root clamped, completed by equilibrium; that of a
-leg given by its 6×6 likewise. Static: nothing is said about where a body's mass moves. Of one leg
-alone, its root clamped, any model with matrices says tip compliance and modes.
+Links are matrix structural analysis: each leg by its stiffness between its two interfaces. The
+12×12 stiffness of a prism, or of a leg known by its 6×6, follows from its tip compliance with
+clamped root by equilibrium. Links are static, because they do not define the motion of a body's
+mass. Tip compliance and modes of a single leg with clamped root follow from any model with
+matrices.
 """
 
 from collections.abc import Mapping
@@ -28,14 +29,14 @@ _ROOT = 6
 
 
 def leg_of(body: Body) -> Leg:
-    """The leg that a body is; raises InputError for a body that is none."""
+    """Leg shape of a body. Raises InputError if the body is not a leg."""
     if isinstance(body.shape, ConstantLeg | GivenLeg):
         return body.shape
     raise InputError(f"bodies.{body.name}: is no leg")
 
 
 def legs_of(mechanism: Mechanism) -> dict[str, Leg]:
-    """The bodies that are legs, by name."""
+    """Legs of a mechanism by the name of their body."""
     return {
         name: body.shape
         for name, body in mechanism.bodies.items()
@@ -44,7 +45,7 @@ def legs_of(mechanism: Mechanism) -> dict[str, Leg]:
 
 
 def on_equivalent_legs(mechanism: Mechanism) -> Mechanism:
-    """The mechanism with constant-section legs in place of those known by their 6×6."""
+    """Mechanism with equivalent constant-section legs in place of those known by their 6×6."""
     bodies = {
         name: replace(body, shape=replace(equivalent_leg(body.shape), name=name))
         if isinstance(body.shape, GivenLeg)
@@ -62,8 +63,9 @@ def tip_compliances(
 ) -> dict[str, Array]:
     """6×6 compliance (SI, body axes) of every leg at its second interface, the first clamped.
 
-    Of a leg given by its 6×6 as it is, or with `springs` "equivalent" that of its equivalent
-    constant-section leg, matched `by` stiffness or compliance; of a prism by `theory`.
+    A leg known by its 6×6 has this compliance, or with `springs` "equivalent" that of its
+    equivalent constant-section leg, matched `by` stiffness or compliance. The compliance of a prism
+    follows from `theory`.
     """
     compliances = {}
     for name, leg in legs_of(mechanism).items():
@@ -76,7 +78,7 @@ def tip_compliances(
 
 
 def links(mechanism: Mechanism, legs: Mapping[str, Array]) -> dict[str, LegMatrices]:
-    """Every leg by its tip compliance (`legs`, 6×6, SI, body axes), by name."""
+    """Links of all legs by name, from their tip compliances `legs` (6×6, SI, body axes)."""
     lengths = {
         name: float(np.linalg.norm(tip.position - root.position))
         for name in legs
@@ -86,9 +88,9 @@ def links(mechanism: Mechanism, legs: Mapping[str, Array]) -> dict[str, LegMatri
 
 
 def link(length: float, compliance: Array) -> LegMatrices:
-    """A leg of the given tip compliance (6×6, SI, leg axes, root clamped), without mass.
+    """Massless leg with a tip `compliance` (6×6, SI, leg axes, root clamped).
 
-    Between its ends it is drawn as a straight line.
+    Its centreline is a straight line between the ends.
     """
     relative = np.hstack([-shift(np.array([length, 0.0, 0.0])), np.eye(6)])
     stiffness: Array = relative.T @ np.linalg.inv(compliance) @ relative
@@ -109,7 +111,7 @@ def link(length: float, compliance: Array) -> LegMatrices:
 def tip_compliance_of(leg: LegMatrices) -> Array:
     """6×6 tip compliance (SI, leg axes) of the leg with its root clamped.
 
-    Raises ComputationError where the clamped leg is not held by its stiffness.
+    Raises ComputationError if the stiffness of the clamped leg is singular.
     """
     stiffness = leg.stiffness[_ROOT:, _ROOT:]
     part, loads = f"{leg.model} model of a leg", np.eye(stiffness.shape[0], 6)
@@ -121,7 +123,8 @@ def clamped_modes(leg: LegMatrices, count: int) -> Modes:
     """The lowest `count` modes of the leg with its root clamped.
 
     Shapes are on all unknowns of the leg (n×count, zero at the root), so that
-    `leg.centreline(stations) @ shapes` draws them. Raises ComputationError as `solve_modes` does.
+    `leg.centreline(stations) @ shapes` are the displacements. Raises ComputationError under the
+    conditions of `solve_modes`.
     """
     free = solve_modes(
         dense(leg.stiffness)[_ROOT:, _ROOT:], dense(leg.mass)[_ROOT:, _ROOT:], count, leg.model

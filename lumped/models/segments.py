@@ -1,11 +1,11 @@
 """Rigid segments joined by 6-DOF springs, eqs (13)–(23), as one free leg.
 
-A spring between two rigid elements stands for the beam piece between their centres; referred to
-the middle of that piece its compliance is diagonal. Two layouts of n equal elements:
+A spring between two rigid elements represents the beam piece between their centres. Referred to the
+middle of that piece its compliance is diagonal. Two layouts of n equal elements:
 
 half     full springs (length L/n) between elements and springs of length L/2n at both ends:
          second order in 1/n in the frequencies, exact in statics for every n;
-literal  as §3.2 reads: springs between elements only, the end elements rigid with the ends, so
+literal  text of §3.2: springs between elements only, the end elements rigid with the ends, so
          that a length L/n of the leg is rigid: first order in 1/n.
 """
 
@@ -24,7 +24,7 @@ from lumped.screws import shift
 from lumped.system.joint_motion import printed_release
 
 Layout: TypeAlias = Literal["half", "literal"]
-# How the robot's revolute joints are released: by condensation, or as eq. (25) prints it.
+# Release of the robot's revolute joints: by condensation, or by eq. (25) as printed.
 Release: TypeAlias = Literal["condensed", "printed"]
 
 # Twist components that each kind of deformation uses in a spring referred to its piece's middle.
@@ -68,9 +68,9 @@ def segment_chain(
         pieces = np.array([piece / 2.0, *pieces, piece / 2.0])
         middles = np.array([piece / 4.0, *middles, length - piece / 4.0])
     else:
-        # The end elements are referred to the leg's ends, where the robot takes hold of them.
+        # The end elements are referred to the leg's ends, to which the robot's joints are attached.
         places = np.array([0.0, *centres[1:-1], length])
-        levers = _along(centres - places)
+        levers = _shift_along_leg(centres - places)
         masses = levers.swapaxes(1, 2) @ masses @ levers
     springs = [np.diag(1.0 / np.diag(properties.piece_compliance(part))) for part in pieces]
     return SegmentChain(length, places, masses, middles, np.array(springs))
@@ -92,16 +92,16 @@ def _element_mass(properties: BeamProperties, piece: float) -> Array:
     )
 
 
-def _along(offsets: Array | float) -> Array:
-    """…×6×6: twists at points that lie `offsets` (…, m) further along the leg."""
+def _shift_along_leg(offsets: Array | float) -> Array:
+    """…×6×6 transformation of twists to points `offsets` (…, m) further along the leg."""
     return shift(np.asarray(offsets)[..., None] * np.eye(3)[0])
 
 
 def with_printed_tip_joint(chain: SegmentChain) -> SegmentChain:
-    """The chain with a revolute joint about z at its tip as eq. (25) prints it.
+    """Chain with a revolute joint about z at its tip according to eq. (25) as printed.
 
-    Row and column of φz of the last spring, referred to the tip, are zeroed. That is no joint
-    where φz is coupled to y: the spring becomes too stiff along y (errata).
+    Row and column of φz of the last spring, referred to the tip, are set to zero. This is not a
+    joint if φz is coupled to y: the spring becomes too stiff along y (errata).
     """
     printed = printed_release(_last_at_tip(chain))
     return replace(
@@ -113,7 +113,7 @@ def with_printed_tip_joint(chain: SegmentChain) -> SegmentChain:
 
 def _last_at_tip(chain: SegmentChain) -> Array:
     """Stiffness (6×6) of the last spring, referred to the tip."""
-    lever = _along(chain.springs_at[-1] - chain.length)
+    lever = _shift_along_leg(chain.springs_at[-1] - chain.length)
     at_tip: Array = lever.T @ chain.stiffnesses[-1] @ lever
     return at_tip
 
@@ -126,7 +126,7 @@ def segment_leg(chain: SegmentChain) -> LegMatrices:
     mass = _scatter(block[:, None], chain.masses, 6 * count)
     full = _spring_matrix(chain, block, tuple(range(6)))
     parts = {kind: _spring_matrix(chain, block, rows) for kind, rows in KINDS.items()}
-    # A printed joint couples the kinds: then the springs do not split into parts.
+    # A printed joint couples the kinds, so that the springs do not split into parts.
     splits = not (chain.stiffnesses * (1.0 - np.eye(6))).any()
 
     def centreline(stations: Array) -> SparseMatrix:
@@ -146,15 +146,18 @@ def static_leg(chain: SegmentChain) -> LegMatrices:
     """The chain condensed to its two ends, unknowns (root 6, tip 6), without mass.
 
     Springs in series: compliances add at the tip, C = Σ X Cₖ Xᵀ. The assembled matrix of
-    `segment_leg` gives the same, but loses n³ · 1e-15 to rounding, since the springs of a fine
-    chain are n³ times stiffer than the leg; this form keeps 1e-11 up to thousands of elements.
+    `segment_leg` gives the same result with a round-off of n³ · 1e-15, since the springs of a fine
+    chain are n³ times stiffer than the leg. The error of this form is below 1e-11 up to thousands
+    of elements.
     """
-    levers = _along(chain.length - chain.springs_at[:-1])
-    rest = np.sum(levers @ np.linalg.inv(chain.stiffnesses[:-1]) @ levers.swapaxes(1, 2), axis=0)
+    levers = _shift_along_leg(chain.length - chain.springs_at[:-1])
+    other_compliance = np.sum(
+        levers @ np.linalg.inv(chain.stiffnesses[:-1]) @ levers.swapaxes(1, 2), axis=0
+    )
     # The last spring may be released (singular stiffness), so it is joined as a stiffness.
     at_tip = _last_at_tip(chain)
-    tip = np.linalg.solve(np.eye(6) + at_tip @ rest, at_tip)
-    deflection = np.hstack([-_along(chain.length), np.eye(6)])
+    tip = np.linalg.solve(np.eye(6) + at_tip @ other_compliance, at_tip)
+    deflection = np.hstack([-_shift_along_leg(chain.length), np.eye(6)])
     ends = np.array([0.0, chain.length])
     return LegMatrices(
         model="segments",
@@ -166,14 +169,14 @@ def static_leg(chain: SegmentChain) -> LegMatrices:
 
 
 def _spring_matrix(chain: SegmentChain, block: IntArray, rows: Sequence[int]) -> SparseMatrix:
-    """Σ [C₂ C₁]ᵀ K [C₂ C₁] of eq. (21), with the rows of the springs' deflection given."""
-    chosen, count = list(rows), len(chain.springs_at)
-    joined = np.column_stack([np.arange(count), np.arange(count) + 1])
-    levers = _along(chain.springs_at[:, None] - chain.places[joined])
-    deflections = np.concatenate([-levers[:, 0], levers[:, 1]], axis=2)[:, chosen]
-    stiffness = chain.stiffnesses[:, chosen][:, :, chosen]
+    """Stiffness Σ [C₂ C₁]ᵀ K [C₂ C₁] of eq. (21) from the components `rows` of the deflections."""
+    components, count = list(rows), len(chain.springs_at)
+    neighbours = np.column_stack([np.arange(count), np.arange(count) + 1])
+    levers = _shift_along_leg(chain.springs_at[:, None] - chain.places[neighbours])
+    deflections = np.concatenate([-levers[:, 0], levers[:, 1]], axis=2)[:, components]
+    stiffness = chain.stiffnesses[:, components][:, :, components]
     terms = deflections.swapaxes(1, 2) @ stiffness @ deflections
-    return _scatter(block[joined], terms, 6 * len(chain.places))
+    return _scatter(block[neighbours], terms, 6 * len(chain.places))
 
 
 def _scatter(blocks: IntArray, matrices: Array, size: int) -> SparseMatrix:
@@ -187,11 +190,13 @@ def _scatter(blocks: IntArray, matrices: Array, size: int) -> SparseMatrix:
 
 def _interpolate(positions: Array, block: IntArray, stations: Array) -> SparseMatrix:
     """6m × n matrix of twists at `stations`, linear between the bodies' reference points."""
-    left = np.clip(np.searchsorted(positions, stations, side="right") - 1, 0, len(positions) - 2)
-    weight = (stations - positions[left]) / (positions[left + 1] - positions[left])
+    previous = np.clip(
+        np.searchsorted(positions, stations, side="right") - 1, 0, len(positions) - 2
+    )
+    weight = (stations - positions[previous]) / (positions[previous + 1] - positions[previous])
     component = np.arange(6)
     rows = (6 * np.arange(len(stations))[:, None] + component).ravel()
-    columns = [(6 * block[body][:, None] + component).ravel() for body in (left, left + 1)]
+    columns = [(6 * block[body][:, None] + component).ravel() for body in (previous, previous + 1)]
     values = [np.repeat(w, 6) for w in (1.0 - weight, weight)]
     return csr_matrix(
         (np.concatenate(values), (np.tile(rows, 2), np.concatenate(columns))),

@@ -1,9 +1,9 @@
 """The virtual joint method on any mechanism whose legs are serial chains (eqs 3 to 9).
 
-A chain leads from the ground to what carries the tool: the free twists of its joints, one after
-the other, and 6-DOF springs at the tips of the legs, in the joints and in the drives. The chains
-end at the platform; springs between it and the tool lie in series with all of them. The rest is
-`lumped.models.vjm`: a formulation of its own, which shares no assembly with the other models.
+A chain from the ground to the platform consists of the free twists of its joints, one after the
+other, and 6-DOF springs at the tips of the legs, in the joints and in the drives. Springs between
+the platform and the tool lie in series with all chains. Chains are evaluated by
+`lumped.models.vjm`, an independent formulation, which shares no assembly with the other models.
 """
 
 from collections import defaultdict
@@ -15,7 +15,7 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.errors import ComputationError, InputError
-from lumped.mechanism.free_twists import free_twists, interface_position, turned_since_reference
+from lumped.mechanism.free_twists import free_twists, interface_position, rotation_since_reference
 from lumped.mechanism.joint import FREEDOMS, Joint, Side
 from lumped.mechanism.kinematics.postures import shown_pose
 from lumped.mechanism.load import Loading
@@ -23,7 +23,7 @@ from lumped.mechanism.mechanism import GROUND, Mechanism, Posture
 from lumped.models import vjm
 from lumped.screws import shift, turn_matrix
 
-# What moves as one: a rigid body ("" for the interface) or one interface of a leg.
+# A rigid body ("" for the interface) or one interface of a leg.
 _Node: TypeAlias = tuple[str, str]
 _BASE: _Node = (GROUND, "")
 
@@ -37,7 +37,7 @@ class _Step:
 
 
 class NoChainError(InputError):
-    """A leg of the robot is no serial chain: `reason` says where."""
+    """A leg of the robot is no serial chain, with the `reason`."""
 
     def __init__(self, robot: str, reason: str) -> None:
         super().__init__(f"{robot}: {reason}; take --model links")
@@ -47,12 +47,12 @@ class NoChainError(InputError):
 def compliance(posture: Posture, legs: Mapping[str, Array]) -> Array:
     """6×6 compliance (SI, base axes) at the loaded point.
 
-    `legs`: 6×6 compliance of every leg (SI, body axes) at its second interface, the first clamped;
-    bodies without one are rigid. Raises NoChainError where a leg of the robot is no serial chain,
-    ComputationError where a chain is rigid or the tool is free to move.
+    `legs`: 6×6 compliance of every leg (SI, body axes) at its second interface, the first clamped.
+    Bodies without one are rigid. Raises NoChainError if a leg of the robot is no serial chain,
+    ComputationError if a chain is rigid or the tool is free to move.
     """
-    place = shown_pose(posture.mechanism, posture.pose)
-    name = f"{posture.mechanism.name}, virtual joints" + (f", {place}" if place else "")
+    pose = shown_pose(posture.mechanism, posture.pose)
+    name = f"{posture.mechanism.name}, virtual joints" + (f", {pose}" if pose else "")
     parallel, series = serial_chains(posture, legs)
     platform = vjm.platform_compliance(vjm.robot_stiffness(parallel), f"{name}: the tool")
     return platform + series.compliance
@@ -61,14 +61,14 @@ def compliance(posture: Posture, legs: Mapping[str, Array]) -> Array:
 def serial_chains(
     posture: Posture, legs: Mapping[str, Array]
 ) -> tuple[tuple[vjm.Chain, ...], vjm.Chain]:
-    """Every chain from the ground to the platform, and the one from there to the tool.
+    """All chains from the ground to the platform, and the chain from the platform to the tool.
 
-    All end at the loaded point; the former in the order of the joints at their end.
+    All are referred to the loaded point. The former are in the order of the joints at their end.
     """
-    paths, onward = _paths(posture.mechanism, legs)
+    paths, series = _paths(posture.mechanism, legs)
     return (
         tuple(_chain(posture, legs, path) for path in paths),
-        _chain(posture, legs, onward),
+        _chain(posture, legs, series),
     )
 
 
@@ -77,67 +77,69 @@ def tool_displacements(
 ) -> Array:
     """Displacements (l×6, m and rad, base axes) of the loaded point; `legs` as in `compliance`.
 
-    What hangs on the chains loads them where it hangs. Raises as `compliance` does.
+    Loads on bodies beside the chains act at the node that carries them. Raises errors under the
+    conditions of `compliance`.
     """
     mechanism, tool = posture.mechanism, posture.mechanism.tool
-    paths, onward = _paths(mechanism, legs)
+    paths, series = _paths(mechanism, legs)
     chains = [_chain(posture, legs, path) for path in paths]
     stiffness = vjm.robot_stiffness(chains)
     platform = vjm.platform_compliance(stiffness, f"{mechanism.name}, virtual joints: the tool")
     end = interface_position(posture, Side(tool.body, tool.point))
-    carrier = _carriers(mechanism, legs, [*onward, *(step for path in paths for step in path)])
+    carrier = _carriers(mechanism, legs, [*series, *(step for path in paths for step in path)])
 
-    def moved(load: Loading) -> Array:
-        at: dict[_Node, Array] = defaultdict(lambda: np.zeros(6))
-        for one in load.everywhere:
-            node = carrier[_node(one.body, one.point, legs)]
-            at[node] = at[node] + shift(one.position - end).T @ one.wrench
-        on_platform, beyond = np.zeros(6), np.zeros(6)
+    def displacement(load: Loading) -> Array:
+        wrenches: dict[_Node, Array] = defaultdict(lambda: np.zeros(6))
+        for applied in load.wrenches:
+            node = carrier[_node(applied.body, applied.point, legs)]
+            wrenches[node] = wrenches[node] + shift(applied.position - end).T @ applied.wrench
+        platform_wrench, series_displacement = np.zeros(6), np.zeros(6)
         for path, chain in zip(paths, chains, strict=True):
-            slip, work, here = np.zeros(6), np.zeros(chain.passive.shape[1]), carrier[_BASE]
+            slip, work, node = np.zeros(6), np.zeros(chain.passive.shape[1]), carrier[_BASE]
             for count, step in enumerate(path[:-1], start=1):
-                slip += _given_way(posture, step, load, end)
-                here = _other(step, here)
-                before = _chain(posture, legs, path[:count])
-                slip += before.compliance @ at[here]
-                work[: before.passive.shape[1]] += before.passive.T @ at[here]
-            slip += _given_way(posture, path[-1], load, end)
-            on_platform += vjm.carried(chain, slip, work)
-            here = _other(path[-1], here)
-        on_platform += at[here]
-        for count, step in enumerate(onward, start=1):
-            here = _other(step, here)
-            beyond += _given_way(posture, step, load, end)
-            beyond += _chain(posture, legs, onward[:count]).compliance @ at[here]
-            on_platform += at[here]
-        return np.asarray(platform @ on_platform + beyond)
+                slip += _drive_deflection(posture, step, load, end)
+                node = _other(step, node)
+                partial = _chain(posture, legs, path[:count])
+                slip += partial.compliance @ wrenches[node]
+                work[: partial.passive.shape[1]] += partial.passive.T @ wrenches[node]
+            slip += _drive_deflection(posture, path[-1], load, end)
+            platform_wrench += vjm.clamped_end_wrench(chain, slip, work)
+            node = _other(path[-1], node)
+        platform_wrench += wrenches[node]
+        for count, step in enumerate(series, start=1):
+            node = _other(step, node)
+            series_displacement += _drive_deflection(posture, step, load, end)
+            series_compliance = _chain(posture, legs, series[:count]).compliance
+            series_displacement += series_compliance @ wrenches[node]
+            platform_wrench += wrenches[node]
+        return np.asarray(platform @ platform_wrench + series_displacement)
 
-    return np.reshape([moved(load) for load in loads], (-1, 6))
+    return np.reshape([displacement(load) for load in loads], (-1, 6))
 
 
-def _given_way(posture: Posture, step: _Step, load: Loading, end: Array) -> Array:
-    """Twist (6) at `end` by which a drive gives way to the force on its rotor."""
+def _drive_deflection(posture: Posture, step: _Step, load: Loading, end: Array) -> Array:
+    """Twist (6) at `end` from the deflection of a drive under the force on its rotor."""
     joint = step.across
     if isinstance(joint, str) or joint.drive is None or joint.drive.stiffness is None:
         return np.zeros(6)
     arm = shift(end - interface_position(posture, joint.first))
-    given = load.on_rotors.get(joint.name, 0.0) / joint.drive.stiffness
-    return np.asarray(given * (arm @ free_twists(posture, joint)[:, 0]))
+    deflection = load.rotor_forces.get(joint.name, 0.0) / joint.drive.stiffness
+    return np.asarray(deflection * (arm @ free_twists(posture, joint)[:, 0]))
 
 
 def _carriers(
-    mechanism: Mechanism, legs: Mapping[str, Array], kept: Sequence[_Step]
+    mechanism: Mechanism, legs: Mapping[str, Array], chain_steps: Sequence[_Step]
 ) -> dict[_Node, _Node]:
-    """Every node with the one of the chains that moves as it does, or that it hangs on."""
+    """Node of the chains by which each node is carried: itself, or the one that it hangs on."""
     group = _groups(mechanism, legs)
-    carrier = {node: node for step in kept for node in step.nodes}
-    left = [step for step in _steps(mechanism, legs, group) if step not in kept]
-    while left:
-        step = next(one for one in left if carrier.keys() & one.nodes)
-        left.remove(step)
+    carrier = {node: node for step in chain_steps for node in step.nodes}
+    remaining = [step for step in _steps(mechanism, legs, group) if step not in chain_steps]
+    while remaining:
+        step = next(other for other in remaining if carrier.keys() & other.nodes)
+        remaining.remove(step)
         for node in step.nodes - carrier.keys():
             carrier[node] = carrier[_other(step, node)]
-    return {node: carrier[of] for node, of in group.items()}
+    return {node: carrier[representative] for node, representative in group.items()}
 
 
 def _paths(
@@ -145,80 +147,86 @@ def _paths(
 ) -> tuple[list[list[_Step]], list[_Step]]:
     """Steps of each chain from the ground to the platform, and those from it to the tool.
 
-    Raises NoChainError where one branches, ComputationError where the tool is part of the ground.
+    Raises NoChainError if a chain branches, ComputationError if the tool is part of the ground.
     """
-    moving_as_one = _groups(mechanism, legs)
-    base = moving_as_one[_BASE]
-    end = moving_as_one[_node(mechanism.tool.body, mechanism.tool.point, legs)]
+    groups = _groups(mechanism, legs)
+    base = groups[_BASE]
+    end = groups[_node(mechanism.tool.body, mechanism.tool.point, legs)]
     if end == base:
         raise ComputationError(
             f"{mechanism.name}, virtual joints: rigid bodies and joints without freedom alone hold "
             "the tool to the ground, so its stiffness is infinite"
         )
-    steps = _without_dead_ends(_steps(mechanism, legs, moving_as_one), {base, end})
+    steps = _without_dead_ends(_steps(mechanism, legs, groups), {base, end})
     series = _series(steps, end, base)
     for step in series:
         end = _other(step, end)
     steps = [step for step in steps if step not in series]
     paths = []
     for start in [step for step in steps if end in step.nodes]:
-        path, here = [start], _other(start, end)
-        while here != base:
-            onward = [step for step in steps if here in step.nodes and step is not path[-1]]
-            if here == end or len(onward) != 1:
+        path, node = [start], _other(start, end)
+        while node != base:
+            next_steps = [step for step in steps if node in step.nodes and step is not path[-1]]
+            if node == end or len(next_steps) != 1:
                 raise NoChainError(
                     mechanism.name,
                     "the vjm model sums serial chains from the ground to the tool, but the robot "
-                    f"branches at {_words(here)}",
+                    f"branches at {_description(node)}",
                 )
-            path.append(onward[0])
-            here = _other(onward[0], here)
+            path.append(next_steps[0])
+            node = _other(next_steps[0], node)
         paths.append(path[::-1])
     return paths, series[::-1]
 
 
 def _series(steps: list[_Step], end: _Node, base: _Node) -> list[_Step]:
-    """Steps from the tool back to where the robot branches; none where a single chain holds it."""
+    """Steps from the tool back to the platform, at which the robot branches.
+
+    Empty if a single chain carries the tool.
+    """
     series: list[_Step] = []
     while end != base:
-        onward = [step for step in steps if end in step.nodes and step not in series]
-        if len(onward) != 1 or _is_passive(onward[0].across):
+        next_steps = [step for step in steps if end in step.nodes and step not in series]
+        if len(next_steps) != 1 or _is_passive(next_steps[0].across):
             return series
-        series += onward
-        end = _other(onward[0], end)
+        series += next_steps
+        end = _other(next_steps[0], end)
     return []
 
 
 def _is_passive(across: Joint | str) -> bool:
-    """Whether a joint leaves some twist to nothing but the rest of the robot."""
+    """True for a joint with a free twist that has no drive."""
     driven = isinstance(across, Joint) and across.drive is not None
     return isinstance(across, Joint) and FREEDOMS[across.kind] > driven
 
 
 def _groups(mechanism: Mechanism, legs: Mapping[str, Array]) -> dict[_Node, _Node]:
-    """Every node with the one that stands for all that joints without freedom or give hold to it.
+    """Representative of each node among all nodes that rigid joints connect to it.
 
-    Whatever is held to the ground is the ground.
+    The representative of nodes connected to the ground is the ground.
     """
     nodes = [_BASE]
     for name, body in mechanism.bodies.items():
         nodes += [node for p in body.interfaces if (node := _node(name, p, legs)) not in nodes]
     group = {node: node for node in nodes}
     for joint in mechanism.joints:
-        held = FREEDOMS[joint.kind] == (joint.drive is not None and joint.drive.stiffness is None)
-        if held and joint.compliance is None:
-            kept, gone = sorted(
+        locked = FREEDOMS[joint.kind] == (joint.drive is not None and joint.drive.stiffness is None)
+        if locked and joint.compliance is None:
+            representative, replaced = sorted(
                 (group[_node(side.body, side.point, legs)] for side in (joint.first, joint.second)),
                 key=nodes.index,
             )
-            group = {node: kept if of == gone else of for node, of in group.items()}
+            group = {
+                node: representative if other == replaced else other
+                for node, other in group.items()
+            }
     return group
 
 
 def _steps(
     mechanism: Mechanism, legs: Mapping[str, Array], group: Mapping[_Node, _Node]
 ) -> list[_Step]:
-    """All joints and legs between what does not move as one anyway."""
+    """All joints and legs between different groups of nodes."""
     steps = [
         _Step(
             frozenset(
@@ -236,7 +244,7 @@ def _steps(
 
 
 def _without_dead_ends(steps: list[_Step], ends: set[_Node]) -> list[_Step]:
-    """The steps but those of what hangs on the robot and carries nothing."""
+    """Steps without those to bodies that hang on the robot and carry nothing."""
     while True:
         nodes = [node for step in steps for node in step.nodes]
         hanging = {node for node in nodes if nodes.count(node) == 1} - ends
@@ -254,7 +262,7 @@ def _other(step: _Step, node: _Node) -> _Node:
     return other
 
 
-def _words(node: _Node) -> str:
+def _description(node: _Node) -> str:
     return f"point {node[1]} of {node[0]}" if node[1] else node[0]
 
 
@@ -264,15 +272,15 @@ def _chain(posture: Posture, legs: Mapping[str, Array], path: list[_Step]) -> vj
     for step in path:
         if isinstance(step.across, Joint):
             joint = step.across
-            place = interface_position(posture, joint.first)
-            passive, gives = _joint(posture, joint)
-            joints += [(place, twist) for twist in passive]
-            springs += [(place, give) for give in gives]
+            position = interface_position(posture, joint.first)
+            passive, compliances = _joint(posture, joint)
+            joints += [(position, twist) for twist in passive]
+            springs += [(position, give) for give in compliances]
         else:
             body = posture.mechanism.bodies[step.across]
-            place = interface_position(posture, Side(body.name, tuple(body.interfaces)[1]))
+            position = interface_position(posture, Side(body.name, tuple(body.interfaces)[1]))
             rotation = posture.frames[body.name].rotation
-            springs.append((place, turn_matrix(legs[body.name], rotation)))
+            springs.append((position, turn_matrix(legs[body.name], rotation)))
     tool = posture.mechanism.tool
     end = interface_position(posture, Side(tool.body, tool.point))
     return vjm.serial_chain(end, joints, springs)
@@ -281,14 +289,14 @@ def _chain(posture: Posture, legs: Mapping[str, Array], path: list[_Step]) -> vj
 def _joint(posture: Posture, joint: Joint) -> tuple[list[Array], list[Array]]:
     """Passive twists (6 each) and compliances (6×6 each) of a joint, base axes.
 
-    A drive takes the place of the first freedom.
+    A drive replaces the first free twist.
     """
-    passive, gives = list(free_twists(posture, joint).T), []
+    passive, compliances = list(free_twists(posture, joint).T), []
     if joint.drive is not None:
         driven, *passive = passive
         if joint.drive.stiffness is not None:
-            gives.append(np.outer(driven, driven) / joint.drive.stiffness)
+            compliances.append(np.outer(driven, driven) / joint.drive.stiffness)
     if joint.compliance is not None:
-        since = turned_since_reference(posture, joint.first.body)
-        gives.append(turn_matrix(joint.compliance, since))
-    return passive, gives
+        rotation = rotation_since_reference(posture, joint.first.body)
+        compliances.append(turn_matrix(joint.compliance, rotation))
+    return passive, compliances

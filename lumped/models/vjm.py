@@ -1,7 +1,7 @@
 """The virtual joint method on parallel robots (eqs 3 to 9).
 
-Every chain's bordered system is solved as it stands, so that overconstrained robots and singular
-postures need no special treatment; the chains' stiffness matrices are summed at the platform.
+The bordered system of each chain is solved directly, so that overconstrained robots and singular
+postures need no special treatment. The chains' stiffness matrices are summed at the platform.
 """
 
 from collections.abc import Iterable, Sequence
@@ -15,24 +15,23 @@ from lumped.dense.statics import rounding_of_flexibility
 from lumped.errors import ComputationError
 from lumped.screws import move_compliance, name_twists, name_wrenches, shift
 
-# All thresholds act on matrices without units. Rounding of a 6×6 problem is about 1e-15; a robot
-# whose stiffest and softest directions are 1e12 apart is outside double precision anyway.
+# All thresholds act on dimensionless matrices. Rounding of a 6×6 problem is about 1e-15. A ratio of
+# 1e12 between the stiffest and the softest direction exceeds double precision anyway.
 _DEPENDENT = 1e-12
 _RIGID = 1e-13
 _FREE = 1e-12
 
 
 class RigidChainError(ComputationError):
-    """A chain that yields to some load in nothing: it has no stiffness."""
+    """A chain that is rigid against some load, so that its stiffness is infinite."""
 
 
 @dataclass(frozen=True, eq=False)
 class Chain:
-    """What yields between the base and the end of a serial chain, at its end in base axes (SI).
+    """Passive twists and spring compliance of a serial chain, at its end in base axes (SI).
 
-    `passive` Jq (6×q) holds the twists of the passive joints, `compliance` Sθ = Jθ Kθ⁻¹ Jθᵀ of
-    eq. (3) what all springs yield (6×6); `reach` (m) is the largest distance of either from the
-    end.
+    `passive` Jq (6×q) holds the twists of the passive joints, `compliance` Sθ = Jθ Kθ⁻¹ Jθᵀ (6×6)
+    of eq. (3) is that of all springs. `reach` (m) is the largest distance of either from the end.
     """
 
     passive: Array
@@ -43,37 +42,37 @@ class Chain:
 def serial_chain(
     end: Array, joints: Sequence[tuple[Array, Array]], springs: Sequence[tuple[Array, Array]]
 ) -> Chain:
-    """The chain that ends at `end` (3, m) in the posture at hand, all in base axes (SI).
+    """Chain that ends at `end` (3, m) in the current posture, all in base axes (SI).
 
-    `joints`: place (3, m) and twist of a unit rate (6) of every passive one-freedom joint;
-    `springs`: place and compliance (6×6, positive, may be singular) of every virtual spring.
+    `joints`: position (3, m) and twist of a unit rate (6) of every passive one-freedom joint.
+    `springs`: position and compliance (6×6, positive, may be singular) of every virtual spring.
     """
-    screws = [shift(end - place) @ twist for place, twist in joints]
+    screws = [shift(end - position) @ twist for position, twist in joints]
     compliance = np.zeros((6, 6))
-    for place, own in springs:
-        compliance += move_compliance(own, end - place)
-    distances = [float(np.linalg.norm(end - place)) for place, _ in (*joints, *springs)]
+    for position, spring_compliance in springs:
+        compliance += move_compliance(spring_compliance, end - position)
+    distances = [float(np.linalg.norm(end - position)) for position, _ in (*joints, *springs)]
     return Chain(np.reshape(screws, (-1, 6)).T, compliance, max(distances, default=0.0))
 
 
 def chain_stiffness(chain: Chain, name: str = "chain") -> Array:
     """6×6 stiffness (SI, base axes) of one chain at its end point, eqs (3) and (8).
 
-    The block of the bordered matrix's inverse that belongs to Sθ. K is symmetric, has no negative
-    eigenvalue, and K·Jq = 0. Where columns of Jq depend on each other (singular posture) δq is not
-    unique but K is: Jq is replaced by an orthonormal basis of its columns. Raises
-    ComputationError, naming the direction, where neither a spring nor a passive joint yields.
+    K is the block of the bordered matrix's inverse that belongs to Sθ. It is symmetric, has no
+    negative eigenvalue, and K·Jq = 0. If columns of Jq are dependent (singular posture), δq is not
+    unique but K is: Jq is replaced by an orthonormal basis of its columns. Raises ComputationError,
+    naming the direction, if neither a spring nor a passive joint yields in it.
     """
     return _bordered_solution(chain, name).stiffness
 
 
 @dataclass(frozen=True, eq=False)
 class _Bordered:
-    """A chain's stiffness K (6×6, SI) and X, from which it errs: δK = −Xᵀ δB X.
+    """Stiffness K (6×6, SI) of a chain, and the solution X for its round-off δK = −Xᵀ δB X.
 
-    B is the bordered matrix (6+q square), without units; X ((6+q)×6) its solution for the end
-    point's twists in SI units. Without units are a twist times `unit` (6), and a compliance over
-    `largest`.
+    `matrix` B is the dimensionless bordered matrix (6+q square), `solution` X ((6+q)×6) its
+    solution for twists of the end in SI units. Twists are made dimensionless by the factors
+    `unit` (6), compliances by division by `largest`.
     """
 
     stiffness: Array
@@ -86,7 +85,7 @@ class _Bordered:
 def _bordered_solution(chain: Chain, name: str) -> _Bordered:
     S = chain.compliance
     length = _characteristic_length(chain.reach, S)
-    # Lengths in units of the chain, compliance in units of the largest: the system has no units.
+    # Lengths relative to the chain's, compliances to the largest: the system is dimensionless.
     unit = np.array([1.0 / length] * 3 + [1.0] * 3)
     S = S * unit[:, None] * unit
     largest = float(np.abs(S).max()) or 1.0
@@ -111,19 +110,19 @@ def _bordered_solution(chain: Chain, name: str) -> _Bordered:
     )
 
 
-def carried(chain: Chain, slip: Array, work: Array, name: str = "chain") -> Array:
-    """Wrench (6, SI, base axes) that loads along a chain put on its end, which is held.
+def clamped_end_wrench(chain: Chain, slip: Array, work: Array, name: str = "chain") -> Array:
+    """Wrench (6, SI, base axes) on the clamped end of a chain from loads along the chain.
 
-    `slip` (6) is by how much they would move the free end through the springs, `work` (q) what they
-    do on a unit rate of each passive joint.
+    `slip` (6) is the displacement of the free end by the loads through the springs, `work` (q) the
+    work of the loads on a unit rate of each passive joint.
     """
-    found = _bordered_solution(chain, name)
-    free = found.matrix[:6, 6:]
-    # Where passive joints depend on each other, the loads do no work on what they have twice.
-    rates = free.T @ (chain.passive * found.unit[:, None])
-    forces = found.largest * np.linalg.lstsq(rates.T, work, rcond=_DEPENDENT)[0]
-    along = np.concatenate([slip * found.unit, forces])
-    return np.asarray(found.solution.T @ along / np.sqrt(found.largest))
+    bordered = _bordered_solution(chain, name)
+    free = bordered.matrix[:6, 6:]
+    # If passive joints are dependent, the loads do no work on their redundant combinations.
+    rates = free.T @ (chain.passive * bordered.unit[:, None])
+    forces = bordered.largest * np.linalg.lstsq(rates.T, work, rcond=_DEPENDENT)[0]
+    loads = np.concatenate([slip * bordered.unit, forces])
+    return np.asarray(bordered.solution.T @ loads / np.sqrt(bordered.largest))
 
 
 def robot_stiffness(chains: Iterable[Chain]) -> Array:
@@ -135,10 +134,10 @@ def robot_stiffness(chains: Iterable[Chain]) -> Array:
 
 
 def platform_compliance(stiffness: Array, name: str = "platform") -> Array:
-    """6×6 compliance (SI) of a platform of the given stiffness, at the same point and axes.
+    """6×6 compliance (SI) of a platform from its `stiffness`, at the same point and axes.
 
-    Raises ComputationError naming every motion in which the platform is left free, or held by a
-    negative stiffness; the decision does not depend on units.
+    Raises ComputationError naming every motion in which the platform is free or its stiffness is
+    negative. The decision does not depend on units.
     """
     K = 0.5 * (stiffness + stiffness.T)
     translation, rotation = np.trace(K[:3, :3]), np.trace(K[3:, 3:])
@@ -151,38 +150,40 @@ def platform_compliance(stiffness: Array, name: str = "platform") -> Array:
             f"{name} is free to {motions}: its stiffness there is zero, negative or below "
             f"{_FREE:g} of the largest"
         )
-    # Cholesky keeps the digits of a graded matrix that an eigenvalue decomposition loses.
+    # Cholesky preserves the accuracy of a graded matrix, unlike an eigenvalue decomposition.
     inverse: Array = cho_solve(cho_factor(K * unit[:, None] * unit), np.eye(6))
     flexibility: Array = 0.5 * (inverse + inverse.T) * unit[:, None] * unit
     return flexibility
 
 
 def rounding(chains: Iterable[Chain]) -> Array:
-    """What rounding leaves open of the compliance (6×6, SI) that chains give together.
+    """Half-width (6×6, SI, 95 %) of the round-off error of the compliance C of all chains together.
 
-    95 %, of both signs. A chain's bordered matrix B is rounded as a turned stiffness is
-    (`rounding_of_flexibility`): digits of L/EA are lost beside L³/3EI. C follows by
-    (XC)ᵀ δB (XC), and by the rounding of the chains' sum.
+    A chain's bordered matrix B is rounded like a rotated stiffness (`rounding_of_flexibility`):
+    digits of L/EA are lost next to L³/3EI. The error of C is (XC)ᵀ δB (XC), plus the rounding of
+    the chains' sum.
     """
     solved = [_bordered_solution(chain, "chain") for chain in chains]
-    flexibility = platform_compliance(sum((one.stiffness for one in solved), np.zeros((6, 6))))
+    flexibility = platform_compliance(
+        sum((bordered.stiffness for bordered in solved), np.zeros((6, 6)))
+    )
     squares = np.zeros((6, 6))
-    for one in solved:
-        moved = one.solution @ flexibility
-        squares += rounding_of_flexibility(one.matrix, moved, turned=6) ** 2
-        squares += rounding_of_flexibility(one.stiffness, flexibility, turned=6) ** 2
+    for bordered in solved:
+        deflections = bordered.solution @ flexibility
+        squares += rounding_of_flexibility(bordered.matrix, deflections, rotated=6) ** 2
+        squares += rounding_of_flexibility(bordered.stiffness, flexibility, rotated=6) ** 2
     return np.asarray(np.sqrt(squares))
 
 
 def _column_space(matrix: Array) -> Array:
-    """Orthonormal basis (6×r) of the columns, each taken at unit size."""
+    """Orthonormal basis (6×r) of the columns, each normalised."""
     sizes = np.linalg.norm(matrix, axis=0)
-    left, values, _ = np.linalg.svd(matrix / sizes, full_matrices=False)
-    return left[:, values > _DEPENDENT]
+    left_vectors, values, _ = np.linalg.svd(matrix / sizes, full_matrices=False)
+    return left_vectors[:, values > _DEPENDENT]
 
 
 def _characteristic_length(reach: float, S: Array) -> float:
-    """Length (m) that makes rotations and translations comparable: the chain's, or its springs'."""
+    """Length (m) to compare rotations with translations: that of the chain or of its springs."""
     translation, rotation = np.trace(S[:3, :3]), np.trace(S[3:, 3:])
-    of_springs = np.sqrt(translation / rotation) if translation > 0.0 and rotation > 0.0 else 0.0
-    return max(reach, float(of_springs)) or 1.0
+    spring_length = np.sqrt(translation / rotation) if translation > 0.0 and rotation > 0.0 else 0.0
+    return max(reach, float(spring_length)) or 1.0

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from lumped.errors import naming
-from lumped.mechanism.biglide import biglide, lengthened
+from lumped.mechanism.biglide import biglide, family_member
 from lumped.mechanism.length_unit import LENGTH_UNITS
 from lumped.mechanism.mechanism import Mechanism
 from lumped.robot_file.mechanism.build import leg_of, loss_of
@@ -38,7 +38,7 @@ def biglide_of(read: Mapping[str, Any]) -> Mechanism:
     leg1, leg2 = leg_of(read["leg1"], "leg 1"), leg_of(read["leg2"], "leg 2")
     place = "geometry.a, leg1.length, leg2.length"
     if alpha != 1.0:
-        a, leg1, leg2 = lengthened(a, leg1, leg2, alpha)
+        a, leg1, leg2 = family_member(a, leg1, leg2, alpha)
         place = f"geometry.alpha = {alpha:g}"
     foot, tool = read["foot"], read["tool"]
     with naming(place):

@@ -12,7 +12,7 @@ import numpy as np
 
 from lumped.acceptance.quantities import TEST_RESPONSE
 from lumped.arrays import Array
-from lumped.errors import InputError, each
+from lumped.errors import InputError, collect_faults
 from lumped.mechanism.kinematics.postures import shown_pose
 from lumped.mechanism.load import Excitation, Load
 from lumped.mechanism.mechanism import GROUND, MOVES, Mechanism
@@ -37,7 +37,7 @@ def loads_of(read: Sequence[Mapping[str, Any]], robot: Mechanism, folder: Path) 
             _body_of(one, robot) or robot.tool.body,
             one["at"] or robot.tool.point,
             **{key: np.array(one[key]) for key in _WHAT if one[key] is not None},
-            over_path=_wrenches_over(folder / one["file"], robot) if one["file"] else None,
+            path_wrenches=_wrenches_over(folder / one["file"], robot) if one["file"] else None,
         )
         for one in read
     )
@@ -53,7 +53,9 @@ def load_faults(read: Sequence[Mapping[str, Any]], robot: Mechanism, folder: Pat
         if one["file"] is not None:
             if one["wrench"] is not None:
                 yield f"{key}.wrench: must be left out beside a file of wrenches"
-            faults = each(lambda file: _wrenches_over(folder / file, robot), [one["file"]])[1]
+            faults = collect_faults(
+                lambda file: _wrenches_over(folder / file, robot), [one["file"]]
+            )[1]
             yield from (f"{key}.file: {fault}" for fault in faults)
         for what in ("at", "body"):
             if one[what] is not None and one["wrench"] is None and one["file"] is None:
@@ -117,7 +119,7 @@ def response_faults(read: Sequence[Mapping[str, Any]], robot: Mechanism) -> Iter
             yield f"{key}.to = {one['to']!r}: must be above {key}.from, {one['from']!r} Hz"
         elif one["at"] is not None and not one["from"] <= one["at"] <= one["to"]:
             yield f"{key}.at = {one['at']!r}: must be between {key}.from and {key}.to"
-    if read and not robot.loses_energy:
+    if read and not robot.is_damped:
         yield (
             "responses: nothing damps them, their peaks have no bound; must have [damping] ratio, "
             "or loss of a material, a joint or a drive"
@@ -145,8 +147,8 @@ def _wrenches_over(path: Path, robot: Mechanism) -> Array:
             f"{path}: lacks the column {_NUMBER} (numbers of poses), or {', '.join(lacking)}"
         )
     found: dict[int, Array] = {}
-    _, faults = each(partial(_take, found, robot, where), rows)
-    numbers = [robot.number_of(pose) for pose in robot.poses]
+    _, faults = collect_faults(partial(_take, found, robot, where), rows)
+    numbers = [robot.pose_number(pose) for pose in robot.poses]
     faults = faults or [
         f"{path}: no wrench for pose {place}, {shown_pose(robot, pose)}; must have one for every "
         "pose of the path"
@@ -173,7 +175,7 @@ def _take(
     typed = np.array([values[name] for name in where], dtype=float)
     numbered = _NUMBER in where
     pose = robot.poses[int(values[_NUMBER]) - 1] if numbered else robot.in_metres(typed)
-    number, said = robot.number_of(pose), shown_pose(robot, pose)
+    number, said = robot.pose_number(pose), shown_pose(robot, pose)
     if number is None:
         raise InputError(f"{row.place}: {said}: must be a pose of the path")
     wrench = np.array([values[name] for name in _COMPONENTS], dtype=float)

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from lumped.errors import InputError, each
+from lumped.errors import InputError, collect_faults
 from lumped.robot_file.load import RobotFile
 from lumped.robot_file.places import numbers_of
 from lumped.text import cut, did_you_mean, shown
@@ -34,7 +34,7 @@ class Variation:
 def variations_of(robot_file: RobotFile, typed: Sequence[str]) -> tuple[Variation, ...]:
     """The variations of a robot file as typed; raises InputError with one line per fault."""
     numbers = dict(numbers_of(robot_file.tables))
-    found, faults = each(lambda text: _variation(text, numbers, robot_file), typed)
+    found, faults = collect_faults(lambda text: _variation(text, numbers, robot_file), typed)
     keys = [key for one in found for key in one.keys]
     faults += [
         f"--vary {key}: varied twice; must be named once"

@@ -1,9 +1,9 @@
-"""One assembler for any mechanism and any models of its bodies: dense, sparse or reduced.
+"""Assembly of any mechanism from any models of its bodies: dense, sparse or reduced.
 
-Unknowns of a system: those of its nodes as the joints leave them (`lumped.system.motions`), then
-what is inside the bodies, which stays in body axes. What does not turn from posture to posture is
-put together once; a posture turns the interfaces' rows and columns of every body, those of many
-postures together.
+Unknowns of a system: those of its nodes under the constraints of the joints
+(`lumped.system.motions`), then the internal unknowns of the bodies in body axes. The matrices of
+the internal unknowns are assembled once. For each posture the interfaces' rows and columns of every
+body are rotated, for many postures together.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -21,7 +21,7 @@ from lumped.mechanism.joint import Joint
 from lumped.mechanism.kinematics.postures import shown_pose
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.screws import shift, turn
-from lumped.system.joint_motion import Portion, UnevenError, carried
+from lumped.system.joint_motion import Portion, UnevenError, elastic_wrenches
 from lumped.system.motions import Frames, Motions, Structure, frames_of, motions, structure_of
 
 
@@ -29,9 +29,9 @@ from lumped.system.motions import Frames, Motions, Structure, frames_of, motions
 class System:
     """Stiffness and mass (n×n, SI, dense or sparse) of a mechanism in one posture.
 
-    The first unknowns are those of `motions`, the rest those inside the bodies. `tool` (6×n) gives
-    the twist of the loaded point in base axes; `ends` the twists of a body's interfaces in body
-    axes from the first unknowns, `inside` where the body's other unknowns are.
+    The first unknowns are those of `motions`, the others those inside the bodies. `tool` (6×n)
+    gives the twist of the loaded point in base axes, `ends` the twists of a body's interfaces in
+    body axes from the first unknowns, `inside` the slice of the body's internal unknowns.
     """
 
     name: str
@@ -51,31 +51,33 @@ class System:
 
     @property
     def outer(self) -> int:
-        """How many of the unknowns belong to nodes: they come first."""
+        """Number of unknowns of the nodes, which come first."""
         return int(self.motions.twists.shape[2])
 
-    def own(self, body: str, unknowns: Array) -> Array:
+    def body_unknowns(self, body: str, unknowns: Array) -> Array:
         """Unknowns of the model of `body` (body axes) from those of the system (n or n×m)."""
         ends = self.ends[body] @ unknowns[: self.outer]
         return np.concatenate([ends, unknowns[self.inside[body]]])
 
     def wrenches(self, joint: Joint, unknowns: Array) -> Array:
-        """Wrenches (6×m) that an elastic joint carries, from unknowns of the system (n×m).
+        """Wrenches (6×m) in an elastic joint, from unknowns of the system (n×m).
 
         At its first interface, in the axes of its compliance.
         """
         frames = frames_of([self.posture])
-        place = frames.interface(joint.first.body, joint.first.point)[0]
+        position = frames.interface(joint.first.body, joint.first.point)[0]
         first, second = (
-            self.motions.at(side.body, side.point, place) for side in (joint.first, joint.second)
+            self.motions.at(side.body, side.point, position) for side in (joint.first, joint.second)
         )
-        turned = [frames.since_reference(side.body)[0] for side in (joint.first, joint.second)]
-        return carried(joint, turned[0], turned[1], (second - first) @ unknowns[: self.outer])
+        rotations = [frames.since_reference(side.body)[0] for side in (joint.first, joint.second)]
+        return elastic_wrenches(
+            joint, rotations[0], rotations[1], (second - first) @ unknowns[: self.outer]
+        )
 
 
 @dataclass(frozen=True, eq=False)
-class Outside:
-    """What P postures say of the nodes' n unknowns: all that changes from one to the next.
+class NodeMatrices:
+    """Matrices on the nodes' n unknowns in P postures: all that depends on the posture.
 
     `stiffness`, `mass` (P×n×n) of the nodes alone, `ends` (P×6m×n) and `tool` (P×6×n) as in
     `System`.
@@ -90,10 +92,10 @@ class Outside:
 
 @dataclass(frozen=True, eq=False)
 class Assembly:
-    """A mechanism with models of its bodies, ready for any of its postures.
+    """A mechanism with models of its bodies, for assembly in any posture.
 
-    Bodies without a model are rigid; they have the mass that their shape gives a rigid body, and
-    none where it is another shape.
+    Bodies without a model are rigid. They have the mass of a `Rigid` shape, and no mass if their
+    shape is another one.
     """
 
     mechanism: Mechanism
@@ -106,63 +108,66 @@ class Assembly:
 
     @cached_property
     def _inner(self) -> tuple[Array | SparseMatrix, Array | SparseMatrix]:
-        """Stiffness and mass inside the bodies, body after body."""
+        """Stiffness and mass of the internal unknowns, body by body."""
         blocks = [
             [_split(model, matrix)[2] for model in self.models.values()]
             for matrix in ("stiffness", "mass")
         ]
         if self._sparse:
-            stiffness, mass = (block_diag(of, format="csr") for of in blocks)
+            stiffness, mass = (block_diag(matrices, format="csr") for matrices in blocks)
         else:
-            stiffness, mass = (dense_block_diag(np.zeros((0, 0)), *of) for of in blocks)
+            stiffness, mass = (dense_block_diag(np.zeros((0, 0)), *matrices) for matrices in blocks)
         return stiffness, mass
 
     @cached_property
     def _split_models(self) -> Mapping[str, tuple[tuple[Array, Array | SparseMatrix], ...]]:
-        """Per body, of stiffness and of mass: the interfaces' block, their coupling to the rest."""
+        """Blocks of stiffness and mass by body: interfaces, and their coupling to the inside."""
         return {
             name: (_split(model, "stiffness")[:2], _split(model, "mass")[:2])
             for name, model in self.models.items()
         }
 
-    def outside(self, postures: Sequence[Posture]) -> Outside:
-        """What changes from posture to posture; raises UnevenError where numbers of unknowns do."""
+    def node_matrices(self, postures: Sequence[Posture]) -> NodeMatrices:
+        """Matrices of P postures. Raises UnevenError if their numbers of unknowns differ."""
         frames = frames_of(postures)
-        moved = motions(self.structure, frames)
-        ends = {name: _ends(moved, frames, name) for name in self.models}
+        node_motions = motions(self.structure, frames)
+        ends = {name: _ends(node_motions, frames, name) for name in self.models}
         tool = self.mechanism.tool
-        felt = moved.at(tool.body, tool.point, frames.interface(tool.body, tool.point))
-        stiffness, mass = self._node_matrices(moved, frames, ends, felt)
-        return Outside(moved, stiffness, mass, ends, felt)
+        position = frames.interface(tool.body, tool.point)
+        tool_twists = node_motions.at(tool.body, tool.point, position)
+        stiffness, mass = self._stiffness_and_mass(node_motions, frames, ends, tool_twists)
+        return NodeMatrices(node_motions, stiffness, mass, ends, tool_twists)
 
     def at(self, posture: Posture) -> System:
-        """The system in one posture."""
+        """System in one posture."""
         (system,) = self.along([posture])
         return system
 
     def along(self, postures: Sequence[Posture]) -> Iterator[System]:
-        """The system in each posture."""
+        """Yield the system in each posture."""
         try:
-            outside = self.outside(postures)
+            nodes = self.node_matrices(postures)
         except UnevenError:
             yield from map(self.at, postures)
             return
-        outer = size = outside.tool.shape[2]
+        outer = size = nodes.tool.shape[2]
         inside = {}
         for name, model in self.models.items():
-            inside[name] = slice(size, size + model.size - outside.ends[name].shape[1])
+            inside[name] = slice(size, size + model.size - nodes.ends[name].shape[1])
             size = inside[name].stop
         for number, posture in enumerate(postures):
-            ends = {name: rows[number] for name, rows in outside.ends.items()}
+            ends = {name: rows[number] for name, rows in nodes.ends.items()}
             tool = np.zeros((6, size))
-            tool[:, :outer] = outside.tool[number]
-            matrices = outside.stiffness[number], outside.mass[number]
-            stiffness, mass = (self._bordered(of, kind, ends) for kind, of in enumerate(matrices))
+            tool[:, :outer] = nodes.tool[number]
+            matrices = nodes.stiffness[number], nodes.mass[number]
+            stiffness, mass = (
+                self._bordered(matrix, kind, ends) for kind, matrix in enumerate(matrices)
+            )
             yield System(
                 name=_name(posture),
                 posture=posture,
                 models=self.models,
-                motions=outside.motions.of(number),
+                motions=nodes.motions.of_posture(number),
                 stiffness=stiffness,
                 mass=mass,
                 tool=tool,
@@ -170,34 +175,38 @@ class Assembly:
                 inside=inside,
             )
 
-    def _node_matrices(
-        self, moved: Motions, frames: Frames, ends: Mapping[str, Array], tool: Array
+    def _stiffness_and_mass(
+        self, node_motions: Motions, frames: Frames, ends: Mapping[str, Array], tool: Array
     ) -> tuple[Array, Array]:
-        """Stiffness and mass (P×n×n) on the nodes' unknowns alone."""
+        """Stiffness and mass (P×n×n) on the nodes' unknowns alone; `tool` as in `System`."""
         shape = (len(tool), tool.shape[2], tool.shape[2])
         stiffness, mass = np.zeros(shape), np.zeros(shape)
-        for name, ((own_stiffness, _), (own_mass, _)) in self._split_models.items():
-            _add(stiffness, ends[name], own_stiffness)
-            _add(mass, ends[name], own_mass)
-        for rows in moved.springs.values():
+        for name, ((body_stiffness, _), (body_mass, _)) in self._split_models.items():
+            _add(stiffness, ends[name], body_stiffness)
+            _add(mass, ends[name], body_mass)
+        for rows in node_motions.springs.values():
             _add(stiffness, rows, None)
         for joint in self.mechanism.joints:
             drive = joint.drive
             if drive is not None and drive.stiffness is not None and drive.inertia:
-                rows = moved.springs[Portion(joint.name, "drive")]
+                rows = node_motions.springs[Portion(joint.name, "drive")]
                 _add(mass, np.sqrt(drive.inertia / drive.stiffness) * rows, None)
         for number, (name, point) in enumerate(self.structure.nodes):
-            shape_of = self.mechanism.bodies[name].shape
-            if not point and isinstance(shape_of, Rigid) and (own := rigid_mass(shape_of)).any():
+            body_shape = self.mechanism.bodies[name].shape
+            if (
+                not point
+                and isinstance(body_shape, Rigid)
+                and (body_mass_at_origin := rigid_mass(body_shape)).any()
+            ):
                 axes = np.swapaxes(turn(frames.rotations[name]), -1, -2)
-                _add(mass, axes @ moved.twists[:, number], own)
+                _add(mass, axes @ node_motions.twists[:, number], body_mass_at_origin)
         if self.mechanism.tool.mass:
             _add(mass, np.sqrt(self.mechanism.tool.mass) * tool[:, :3], None)
         return stiffness, mass
 
     def _bordered(self, outer: Array, kind: int, ends: Mapping[str, Array]) -> Array | SparseMatrix:
-        """The nodes' matrix, bordered by what couples it to the bodies' inside, in their order."""
-        couplings = [(ends[name].T, of[kind][1]) for name, of in self._split_models.items()]
+        """Matrix of the nodes bordered by coupling and inner blocks, `kind` 0 stiffness, 1 mass."""
+        couplings = [(ends[name].T, blocks[kind][1]) for name, blocks in self._split_models.items()]
         inner = self._inner[kind]
         if not self._sparse:
             border = np.hstack([np.zeros((len(outer), 0)), *(a @ b for a, b in couplings)])
@@ -207,50 +216,50 @@ class Assembly:
 
 
 def assembly(mechanism: Mechanism, models: Mapping[str, BodyModel]) -> Assembly:
-    """A mechanism made ready for its postures; `models` by name of the body."""
+    """Assembly of a mechanism; `models` by name of the body."""
     return Assembly(mechanism, models, structure_of(mechanism, frozenset(models)))
 
 
 def assemble(posture: Posture, models: Mapping[str, BodyModel]) -> System:
-    """The mechanism in one posture; `models` by name of the body, the others are rigid."""
+    """System of a mechanism in one posture; `models` by name of the body, the others are rigid."""
     return assembly(posture.mechanism, models).at(posture)
 
 
 def _name(posture: Posture) -> str:
-    place = shown_pose(posture.mechanism, posture.pose)
-    return f"{posture.mechanism.name} at {place}" if place else posture.mechanism.name
+    pose = shown_pose(posture.mechanism, posture.pose)
+    return f"{posture.mechanism.name} at {pose}" if pose else posture.mechanism.name
 
 
 def _add(total: Array, rows: Array, matrix: Array | None) -> None:
-    """Add RᵀMR (M the identity where None) to `total` (P×n×n) for rows R (P×k×n), symmetric.
+    """Add the symmetric RᵀMR (M the identity if None) to `total` (P×n×n) for rows R (P×k×n).
 
-    Most bodies hang on few of the unknowns: the others are left out.
+    Most bodies depend on few unknowns, so columns of zeros are omitted.
     """
     used = np.flatnonzero(np.any(rows, axis=(0, 1)))
-    own = rows[..., used]
-    block = np.swapaxes(own, -1, -2) @ (own if matrix is None else matrix @ own)
+    used_rows = rows[..., used]
+    block = np.swapaxes(used_rows, -1, -2) @ (used_rows if matrix is None else matrix @ used_rows)
     total[:, used[:, None], used] += 0.5 * (block + np.swapaxes(block, -1, -2))
 
 
 def _split(model: BodyModel, matrix: str) -> tuple[Array, Array | SparseMatrix, SparseMatrix]:
-    """Blocks of the stiffness or mass: interfaces, their coupling to the rest, the rest."""
-    whole = getattr(model, matrix)
+    """Blocks of the stiffness or mass: interfaces, their coupling to the inside, the inside."""
+    full = getattr(model, matrix)
     count = 6 * len(model.interfaces)
-    if not issparse(whole):
-        return whole[:count, :count], whole[:count, count:], whole[count:, count:]
-    rows = csr_array(whole)
-    return rows[:count, :count].toarray(), rows[:count, count:], rows[count:, count:]
+    if not issparse(full):
+        return full[:count, :count], full[:count, count:], full[count:, count:]
+    full_rows = csr_array(full)
+    return full_rows[:count, :count].toarray(), full_rows[:count, count:], full_rows[count:, count:]
 
 
-def _ends(moved: Motions, frames: Frames, body: str) -> Array:
+def _ends(node_motions: Motions, frames: Frames, body: str) -> Array:
     """Twists (P×6m×n) of the interfaces of a deformable body, in body axes."""
     interfaces = frames.mechanism.bodies[body].interfaces
-    first = moved.structure.node(body, next(iter(interfaces)))
-    twists = moved.twists[:, first : first + len(interfaces)]
+    first = node_motions.structure.node(body, next(iter(interfaces)))
+    twists = node_motions.twists[:, first : first + len(interfaces)]
     count, size = twists.shape[0], twists.shape[-1]
     axes = np.swapaxes(frames.rotations[body], -1, -2)[:, None]
-    own: Array = axes @ twists.reshape(count, -1, 3, size)
-    return own.reshape(count, -1, size)
+    body_twists: Array = axes @ twists.reshape(count, -1, 3, size)
+    return body_twists.reshape(count, -1, size)
 
 
 def rigid_mass(shape: Rigid) -> Array:

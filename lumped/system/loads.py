@@ -1,11 +1,12 @@
-"""Loads on a mechanism: wrenches at the interfaces of its bodies, and how far they move the tool.
+"""Loads on a mechanism: wrenches at the interfaces of its bodies, and displacements of the tool.
 
-What acts on a body's mass comes to its interfaces as M a: M the body's mass by their twists (its
+A load on a body's mass acts on its interfaces as M a: M is the mass matrix on their twists (the
 inside condensed, Guyan 1965), a their accelerations. Since condensation reproduces rigid motions,
-that is the consistent load of gravity and of a body that moves as a rigid one, and the tool's
-displacement under it is exact (Maxwell and Betti: the tool's own unit loads leave the inside of all
-bodies unloaded). Where a body turns, its centripetal acceleration is no rigid motion: the wrench
-is Newton and Euler's, spread as the interfaces' own accelerations say, exactly along a slender leg.
+this is the consistent load of gravity and of a rigid motion of the body. The tool's displacement
+under it is exact (Maxwell and Betti: the tool's own unit loads leave the inside of all bodies
+unloaded). The centripetal acceleration of a turning body is no rigid motion: the resultant wrench
+follows from Newton and Euler, distributed in proportion to the interfaces' own accelerations. This
+is exact along a slender leg.
 """
 
 from collections.abc import Mapping, Sequence
@@ -19,7 +20,7 @@ from lumped.mechanism.free_twists import free_twists, interface_position
 from lumped.mechanism.joint import Joint, Side
 from lumped.mechanism.kinematics.accelerations import REST, Motion, accelerations
 from lumped.mechanism.kinematics.postures import shown_pose
-from lumped.mechanism.load import Applied, Load, Loading
+from lumped.mechanism.load import AppliedWrench, Load, Loading
 from lumped.mechanism.mechanism import GROUND, Posture
 from lumped.screws import shift, skew, turn
 from lumped.system.assembly import System, rigid_mass
@@ -28,23 +29,23 @@ from lumped.system.solution import Solved, with_idle
 
 
 def loading(posture: Posture, load: Load, masses: Mapping[str, Array]) -> Loading:
-    """All that a load does in a posture.
+    """Wrenches of a load in a posture.
 
-    `masses` (6m×6m, SI, body axes) of the bodies on the twists of their interfaces; rigid bodies
-    have their own. Raises ComputationError where the tool cannot move as the load says, and where
-    nothing is said of this pose.
+    `masses`: mass matrices (6m×6m, SI, body axes) of the bodies on the twists of their interfaces.
+    Rigid bodies do not need one. Raises ComputationError if the tool cannot perform the motion of
+    the load, or if the load has no wrench for this pose.
     """
     mechanism = posture.mechanism
-    place = interface_position(posture, Side(load.body, load.point))
-    at_points = [Applied(load.body, load.point, place, _wrench(posture, load))]
+    load_position = interface_position(posture, Side(load.body, load.point))
+    point_wrenches = [AppliedWrench(load.body, load.point, load_position, _wrench(posture, load))]
     if not load.acts_on_mass:
-        return Loading(at_points)
-    along: list[Applied] = []
+        return Loading(point_wrenches)
+    body_wrenches: list[AppliedWrench] = []
     motions: Mapping[str, Motion] = dict.fromkeys(mechanism.bodies, REST)
-    if load.moves:
+    if load.moves_tool:
         motions = accelerations(posture, load.speed, load.acceleration)
     for name, body in mechanism.bodies.items():
-        points = np.array([one.position for one in body.interfaces.values()])
+        points = np.array([interface.position for interface in body.interfaces.values()])
         if isinstance(body.shape, Rigid):
             mass, points = rigid_mass(body.shape), np.zeros((1, 3))
         else:
@@ -53,98 +54,107 @@ def loading(posture: Posture, load: Load, masses: Mapping[str, Array]) -> Loadin
             continue
         frame = posture.frames[name]
         axes = turn(frame.rotation)
-        own = _in_axes(frame.rotation, motions[name], load.gravity)
-        wrenches = _inertia(mass, points, own).reshape(-1, 6) @ axes.T
+        motion = _in_axes(frame.rotation, motions[name], load.gravity)
+        wrenches = _inertia(mass, points, motion).reshape(-1, 6) @ axes.T
         if isinstance(body.shape, Rigid):
-            # Where it acts, which matters to what turns under it.
+            # The point of application affects the geometric stiffness.
             points = body.shape.centre[None]
             arm = frame.rotation @ body.shape.centre
             wrenches = wrenches @ shift(-arm)
-        places = frame.position + points @ frame.rotation.T
-        each = zip(body.interfaces, places, wrenches, strict=False)
-        along += [Applied(name, *one) for one in each]
+        positions = frame.position + points @ frame.rotation.T
+        body_wrenches += [
+            AppliedWrench(name, point, position, wrench)
+            for point, position, wrench in zip(body.interfaces, positions, wrenches, strict=False)
+        ]
     tool = mechanism.tool
-    place = interface_position(posture, Side(tool.body, tool.point))
-    moved = motions[tool.body].at(place - posture.frames[tool.body].position)
-    weight = np.concatenate([tool.mass * (load.gravity - moved), np.zeros(3)])
-    on_rotors = {
+    tool_position = interface_position(posture, Side(tool.body, tool.point))
+    tool_arm = tool_position - posture.frames[tool.body].position
+    force = tool.mass * (load.gravity - motions[tool.body].acceleration_at(tool_arm))
+    rotor_forces = {
         joint.name: -joint.drive.inertia * _acceleration(posture, joint, motions)
         for joint in mechanism.joints
-        if joint.drive is not None and joint.drive.inertia and load.moves
+        if joint.drive is not None and joint.drive.inertia and load.moves_tool
     }
-    return Loading([*at_points, Applied(tool.body, tool.point, place, weight)], along, on_rotors)
+    point_wrenches.append(
+        AppliedWrench(tool.body, tool.point, tool_position, np.append(force, np.zeros(3)))
+    )
+    return Loading(point_wrenches, body_wrenches, rotor_forces)
 
 
 def _acceleration(posture: Posture, joint: Joint, motions: Mapping[str, Motion]) -> float:
-    """Of the coordinate (m/s² or rad/s²) of a joint with one free twist."""
+    """Acceleration of the coordinate (m/s² or rad/s²) of a joint with one free twist."""
     along, about = np.split(free_twists(posture, joint)[:, 0], 2)
     first, second = (motions[side.body] for side in (joint.first, joint.second))
     if about.any():
-        return float(about @ (second.angular - first.angular))
-    places = [interface_position(posture, side) for side in (joint.first, joint.second)]
-    apart = along @ (places[1] - places[0])
-    moved = [
-        motion.at(place - posture.frames[side.body].position)
-        for motion, place, side in zip(
-            (first, second), places, (joint.first, joint.second), strict=True
+        return float(about @ (second.angular_acceleration - first.angular_acceleration))
+    positions = [interface_position(posture, side) for side in (joint.first, joint.second)]
+    distance = along @ (positions[1] - positions[0])
+    interface_accelerations = [
+        motion.acceleration_at(position - posture.frames[side.body].position)
+        for motion, position, side in zip(
+            (first, second), positions, (joint.first, joint.second), strict=True
         )
     ]
-    # The axis turns with the first body while the second is away along it.
-    swung = np.cross(first.turning, along)
-    return float(along @ (moved[1] - moved[0]) + apart * swung @ swung)
+    # The axis turns with the first body, at some distance along it from the second.
+    axis_rate = np.cross(first.angular_velocity, along)
+    return float(
+        along @ (interface_accelerations[1] - interface_accelerations[0])
+        + distance * axis_rate @ axis_rate
+    )
 
 
 def _wrench(posture: Posture, load: Load) -> Array:
-    """The wrench (6) in a posture; raises ComputationError where it has none for this pose."""
-    if load.over_path is None:
+    """Wrench (6) of a load in a posture. Raises ComputationError if it has none for this pose."""
+    if load.path_wrenches is None:
         return load.wrench
     mechanism = posture.mechanism
-    number = mechanism.number_of(posture.pose)
+    number = mechanism.pose_number(posture.pose)
     if number is None:
-        place = shown_pose(mechanism, posture.pose)
-        raise ComputationError(f"{mechanism.name}: {load.name} has no wrench for {place}")
-    return np.asarray(load.over_path[number])
+        pose = shown_pose(mechanism, posture.pose)
+        raise ComputationError(f"{mechanism.name}: {load.name} has no wrench for {pose}")
+    return np.asarray(load.path_wrenches[number])
 
 
 def _in_axes(rotation: Array, motion: Motion, gravity: Array) -> Motion:
-    """The motion in body axes, gravity as the acceleration that it is."""
+    """The motion in body axes, with gravity as an acceleration of the opposite sign."""
     return Motion(
-        rotation.T @ (motion.linear - gravity),
-        rotation.T @ motion.angular,
-        rotation.T @ motion.turning,
+        rotation.T @ (motion.linear_acceleration - gravity),
+        rotation.T @ motion.angular_acceleration,
+        rotation.T @ motion.angular_velocity,
     )
 
 
 def _inertia(mass: Array, points: Array, motion: Motion) -> Array:
-    """Loads (6m) of a body's inertia on its interfaces at `points` (m×3), body axes."""
+    """Inertia loads (6m) of a body on its interfaces at `points` (m×3), body axes."""
     rigid = np.vstack([shift(point) for point in points])
-    twist = np.concatenate([motion.linear, motion.angular])
-    found = -mass @ (rigid @ twist)
-    if not motion.turning.any():
-        return np.asarray(found)
-    # Across a leg centripetal accelerations grow as those of a rigid turn do, with its slope.
-    swing = skew(motion.turning) @ skew(motion.turning)
+    twist = np.concatenate([motion.linear_acceleration, motion.angular_acceleration])
+    loads = -mass @ (rigid @ twist)
+    if not motion.angular_velocity.any():
+        return np.asarray(loads)
+    # Across a leg, centripetal accelerations vary like those of a rigid rotation, with its slope.
+    centripetal = skew(motion.angular_velocity) @ skew(motion.angular_velocity)
     arms = -skew(points).reshape(-1, 3)
-    slope = np.linalg.lstsq(arms, (points @ swing).ravel(), rcond=None)[0]
-    swung = [np.concatenate([swing @ point, slope]) for point in points]
-    found -= mass @ np.concatenate(swung)
-    whole = rigid.T @ mass @ rigid
-    momentum = (whole[:, 3:] @ motion.turning).reshape(2, 3)
-    due = whole @ twist + np.cross(motion.turning, momentum).ravel()
-    missed = np.linalg.lstsq(whole, due + rigid.T @ found, rcond=None)[0]
-    return np.asarray(found - mass @ (rigid @ missed))
+    slope = np.linalg.lstsq(arms, (points @ centripetal).ravel(), rcond=None)[0]
+    accelerations = [np.concatenate([centripetal @ point, slope]) for point in points]
+    loads -= mass @ np.concatenate(accelerations)
+    rigid_mass_matrix = rigid.T @ mass @ rigid
+    momentum = (rigid_mass_matrix[:, 3:] @ motion.angular_velocity).reshape(2, 3)
+    resultant = rigid_mass_matrix @ twist + np.cross(motion.angular_velocity, momentum).ravel()
+    correction = np.linalg.lstsq(rigid_mass_matrix, resultant + rigid.T @ loads, rcond=None)[0]
+    return np.asarray(loads - mass @ (rigid @ correction))
 
 
 def work_on(system: System, load: Loading) -> Array:
-    """Work (n) of a load on each of the unknowns of a system."""
+    """Generalised forces (n): work of a load on a unit of each unknown of a system."""
     work = np.zeros(system.size)
     outer = work[: system.outer]
-    for one in load.everywhere:
-        outer += system.motions.at(one.body, one.point, one.position).T @ one.wrench
+    for applied in load.wrenches:
+        twists = system.motions.at(applied.body, applied.point, applied.position)
+        outer += twists.T @ applied.wrench
     for joint in system.motions.structure.mechanism.joints:
-        force = load.on_rotors.get(joint.name, 0.0)
+        force = load.rotor_forces.get(joint.name, 0.0)
         if force and joint.drive is not None and joint.drive.stiffness is not None:
-            # ½|D y|² is the energy of the drive: D y over √k is how far it gives way.
+            # The energy of the drive is ½|D y|², so its deflection is D y/√k.
             (rows,) = system.motions.springs[Portion(joint.name, "drive")]
             outer += force / np.sqrt(joint.drive.stiffness) * rows
     return work
@@ -153,7 +163,7 @@ def work_on(system: System, load: Loading) -> Array:
 def tool_displacements(solution: Solved, loads: Sequence[Loading]) -> Array:
     """Displacements (l×6, m and rad, base axes) of the loaded point under each of the loads.
 
-    Where a load would set off an idle motion that follows freely.
+    If a load drives an idle motion, that motion follows freely.
     """
     system = solution.system
     # A rigid mechanism has no unknowns: the number of rows does not follow from the entries.

@@ -1,17 +1,18 @@
 """Geometric stiffness of a loaded mechanism.
 
-To second order in what the unknowns do, forces and moments do work of their own: the stiffness is
-K + λ G under λ times the load. Rotations are rotation vectors θ. What a force f meets at an arm r
-from a node's place goes by ½ θ × (θ × r) farther than the linear model has it; a joint's second
-side, seen from the first, goes on by θ₁ × d and turns on by ½ θ₁ × ψ, where the joint lets d and ψ
-happen; the inside of a body does its part. All rotate together as the forces do, so that nothing
-but the loads and the ground is felt by a robot that turns as a whole.
+Forces and moments do work on displacements of second order in the unknowns, so the stiffness is
+K + λ G under λ times the load. Rotations are rotation vectors θ. The point of application of a
+force f at an arm r from its node has the additional displacement ½ θ × (θ × r). The second side of
+a joint with relative displacement d and rotation ψ has, relative to the first, the additional
+displacement θ₁ × d and rotation ½ θ₁ × ψ. Bodies contribute the geometric stiffness of their
+inside. These terms cancel in a common rotation of bodies and forces, so that only the loads and the
+ground affect the rotation of the whole robot.
 
-The load keeps its direction and its place on the body, the mechanism its posture. An idle motion
-costs no energy, so the load alone would decide where it comes to rest, and every deformation could
-be had with any amount of it. It is held where it is, as friction holds it: the geometric stiffness
-is that of motions without an idle part, the same in all base axes. What a load does along an idle
-motion, the inertia of the bodies takes: with it joints carry what is left.
+The load keeps its direction and its point of application, the mechanism its posture. An idle motion
+costs no energy, so its rest position would depend on the load alone, and any amount of it could be
+added to a deformation. It is locked, as by friction: the geometric stiffness is that of motions
+without an idle part, equal in all base axes. The inertia of the bodies balances the load along idle
+motions, and joints carry the difference.
 """
 
 from collections.abc import Mapping
@@ -24,7 +25,7 @@ from lumped.arrays import Array
 from lumped.mechanism.free_twists import (
     free_twists,
     interface_position,
-    turned_since_reference,
+    rotation_since_reference,
 )
 from lumped.mechanism.joint import Joint
 from lumped.mechanism.load import Loading
@@ -39,78 +40,87 @@ from lumped.system.solution import Solved, idle_accelerations, without_idle
 class Prestressed(Protocol):
     """Geometric stiffness of a body on its own unknowns."""
 
-    def __call__(self, ends: Array, spread: Array, *, spins: bool) -> Array:
-        """Stiffness (r×r, SI) from the forces on the interfaces that the body's stiffness takes.
+    def __call__(self, ends: Array, distributed: Array, *, spins: bool) -> Array:
+        """Stiffness (r×r, SI) from the forces on the interfaces that the body's stiffness balances.
 
-        `spread` is the part of them that acts along it (6m each, body axes). `spins`: the body
-        spins idly about its x axis.
+        `distributed` is the part of them that acts on its length (6m each, body axes). `spins`: the
+        body spins idly about its x axis.
         """
         ...
 
 
-# Without units; loops are closed to 1e-12.
+# Relative singular value below which conditions are dependent; loops are closed to 1e-12.
 _DEPENDENT = 1e-9
 
 
 def geometric_stiffness(
     solution: Solved, load: Loading, bodies: Mapping[str, Prestressed]
 ) -> Array:
-    """Stiffness that a load adds to a system (n×n); `bodies` that bend within by name.
+    """Geometric stiffness (n×n) of a system under a load.
 
-    Others turn as a whole: theirs is the mean rotation of their interfaces. Idle motions meet none.
+    `bodies`: geometric stiffness of deformable bodies by name. Others rotate by the mean rotation
+    of their interfaces. Idle motions have no geometric stiffness.
     """
     system = solution.system
     work = work_on(system, load)[:, None]
-    moved = solution.displacements(without_idle(solution, work))[:, 0]
-    accelerated = idle_accelerations(solution, work)[:, 0]
+    displacements = solution.displacements(without_idle(solution, work))[:, 0]
+    idle_acceleration = idle_accelerations(solution, work)[:, 0]
     total = np.zeros((system.size, system.size))
     outer = total[: system.outer, : system.outer]
-    # What joints give to the nodes: what the bodies take, less what the load gives.
-    given = np.zeros((len(system.motions.places), 6))
+    # Wrenches of joints on the nodes: those on the bodies minus the load.
+    node_wrenches = np.zeros((len(system.motions.places), 6))
     for name, model in system.models.items():
-        own, inside, ends = system.own(name, moved), system.inside[name], system.ends[name]
+        body_displacements, inside, ends = (
+            system.body_unknowns(name, displacements),
+            system.inside[name],
+            system.ends[name],
+        )
         count = len(ends)
-        forces = (model.stiffness @ own)[:count]
-        # A load that sets off an idle motion meets the inertia of the bodies.
-        inertia = (model.mass @ system.own(name, accelerated))[:count]
+        forces = (model.stiffness @ body_displacements)[:count]
+        # The inertia of the bodies balances a load along an idle motion.
+        inertia = (model.mass @ system.body_unknowns(name, idle_acceleration))[:count]
         frame = system.posture.frames[name]
         for point, wrench in zip(
             system.posture.mechanism.bodies[name].interfaces,
             (forces + inertia).reshape(-1, 6),
             strict=True,
         ):
-            given[system.motions.structure.node(name, point)] += turn(frame.rotation) @ wrench
+            node_wrenches[system.motions.structure.node(name, point)] += (
+                turn(frame.rotation) @ wrench
+            )
         if name not in bodies:
-            places = [
-                one.position for one in system.posture.mechanism.bodies[name].interfaces.values()
-            ]
-            outer += _turned_as_a_whole(ends, np.array(places), forces)
+            interfaces = system.posture.mechanism.bodies[name].interfaces.values()
+            positions = np.array([interface.position for interface in interfaces])
+            outer += _rotating_body(ends, positions, forces)
             continue
         spins = _spins(ends @ solution.motions[: system.outer])
-        found = bodies[name](forces, _spread(system, name, load) - inertia, spins=spins)
-        outer += ends.T @ found[:count, :count] @ ends
-        total[: system.outer, inside] += ends.T @ found[:count, count:]
-        total[inside, inside] += found[count:, count:]
-    for one in load.everywhere:
-        node = system.motions.structure.node(one.body, one.point)
-        if one.body != GROUND:
-            outer += _at_arm(system, node, one.position, one.wrench)
-            given[node] -= shift(one.position - system.motions.places[node]).T @ one.wrench
-    for joint, wrench in _carried(system, given, moved, load):
-        outer += _of_joint(system, joint, wrench)
+        body_stiffness = bodies[name](
+            forces, _distributed_load(system, name, load) - inertia, spins=spins
+        )
+        outer += ends.T @ body_stiffness[:count, :count] @ ends
+        total[: system.outer, inside] += ends.T @ body_stiffness[:count, count:]
+        total[inside, inside] += body_stiffness[count:, count:]
+    for applied in load.wrenches:
+        node = system.motions.structure.node(applied.body, applied.point)
+        if applied.body != GROUND:
+            outer += _at_arm(system, node, applied.position, applied.wrench)
+            arm = applied.position - system.motions.places[node]
+            node_wrenches[node] -= shift(arm).T @ applied.wrench
+    for joint, wrench in _joint_wrenches(system, node_wrenches, displacements, load):
+        outer += _joint_stiffness(system, joint, wrench)
     total[system.outer :, : system.outer] = total[: system.outer, system.outer :].T
     return _without_idle_parts(solution, 0.5 * (total + total.T))
 
 
 def _spins(idle: Array) -> bool:
-    """Whether idle motions (12×k, twists of a leg's ends) spin it about its axis."""
+    """True if idle motions (12×k, twists of a leg's ends) contain a spin about the leg's axis."""
     spin = np.zeros(12)
     spin[[3, 9]] = 1.0
     return bool(np.linalg.norm(spin - idle @ np.linalg.lstsq(idle, spin)[0]) < _DEPENDENT)
 
 
 def _without_idle_parts(solution: Solved, geometric: Array) -> Array:
-    """PᵀGP: P takes the idle part out of a motion, by the twists of all nodes (least squares)."""
+    """PᵀGP, P removes the idle part of a motion, by least squares on the twists of all nodes."""
     if not solution.idle:
         return geometric
     motions, outer = solution.system.motions, solution.system.outer
@@ -123,123 +133,134 @@ def _without_idle_parts(solution: Solved, geometric: Array) -> Array:
     return np.asarray(projection.T @ geometric @ projection)
 
 
-def _spread(system: System, body: str, load: Loading) -> Array:
-    """What acts along a body, at its interfaces (6m, body axes)."""
+def _distributed_load(system: System, body: str, load: Loading) -> Array:
+    """Load on the distributed mass of a body, at its interfaces (6m, body axes)."""
     points = list(system.posture.mechanism.bodies[body].interfaces)
-    found = np.zeros((len(points), 6))
-    for one in load.along:
-        if one.body == body:
-            found[points.index(one.point)] += one.wrench
-    return (found @ turn(system.posture.frames[body].rotation)).ravel()
+    wrenches = np.zeros((len(points), 6))
+    for applied in load.body_wrenches:
+        if applied.body == body:
+            wrenches[points.index(applied.point)] += applied.wrench
+    return (wrenches @ turn(system.posture.frames[body].rotation)).ravel()
 
 
-def _longer_way(force: Array, arm: Array) -> Array:
+def _arm_hessian(force: Array, arm: Array) -> Array:
     """Hessian (3×3) in θ of the energy −½ f·(θ × (θ × r))."""
-    both = np.outer(force, arm)
-    return np.asarray(float(force @ arm) * np.eye(3) - 0.5 * (both + both.T))
+    product = np.outer(force, arm)
+    return np.asarray(float(force @ arm) * np.eye(3) - 0.5 * (product + product.T))
 
 
-def _at_arm(system: System, node: int, place: Array, wrench: Array) -> Array:
+def _at_arm(system: System, node: int, position: Array, wrench: Array) -> Array:
     rotation = system.motions.twists[node, 3:]
-    arm = place - system.motions.places[node]
-    return np.asarray(rotation.T @ _longer_way(wrench[:3], arm) @ rotation)
+    arm = position - system.motions.places[node]
+    return np.asarray(rotation.T @ _arm_hessian(wrench[:3], arm) @ rotation)
 
 
-def _turned_as_a_whole(ends: Array, places: Array, forces: Array) -> Array:
-    """Of a body whose interfaces (m×3, body axes) carry `forces` (6m); `ends` as in `System`.
+def _rotating_body(ends: Array, positions: Array, forces: Array) -> Array:
+    """Geometric stiffness of a body with `forces` (6m) on interfaces at `positions` (m×3).
 
-    Seen from axes that turn with it by θ its interfaces move by −θ × u + ½ θ × (θ × r) and turn by
-    −½ θ × θᵢ to second order.
+    Body axes, `ends` as in `System`. Relative to axes that rotate with the body by θ, its
+    interfaces have the second-order displacements −θ × u + ½ θ × (θ × r) and rotations −½ θ × θᵢ.
     """
-    arms = places - places.mean(axis=0)
+    arms = positions - positions.mean(axis=0)
     size = float(np.abs(arms).max(initial=0.0)) or 1.0
     unit = np.tile([1.0 / size] * 3 + [1.0] * 3, len(arms))
     rigid = np.vstack([shift(arm) for arm in arms])
     mean = np.linalg.pinv(unit[:, None] * rigid) @ (unit[:, None] * ends)
-    turned = mean[3:]
+    mean_rotation = mean[3:]
     total = np.zeros((ends.shape[1],) * 2)
     for arm, twist, wrench in zip(
         arms, ends.reshape(len(arms), 6, -1), forces.reshape(-1, 6), strict=True
     ):
-        half = turned.T @ (skew(wrench[:3]) @ twist[:3] + 0.5 * skew(wrench[3:]) @ twist[3:])
-        total += half + half.T - turned.T @ _longer_way(wrench[:3], arm) @ turned
+        half_hessian = mean_rotation.T @ (
+            skew(wrench[:3]) @ twist[:3] + 0.5 * skew(wrench[3:]) @ twist[3:]
+        )
+        total += (
+            half_hessian
+            + half_hessian.T
+            - mean_rotation.T @ _arm_hessian(wrench[:3], arm) @ mean_rotation
+        )
     return total
 
 
-def _carried(
-    system: System, given: Array, moved: Array, load: Loading
+def _joint_wrenches(
+    system: System, node_wrenches: Array, displacements: Array, load: Loading
 ) -> list[tuple[Joint, Array]]:
-    """Wrenches (6, base axes) of joints on their second bodies, where their first interfaces are.
+    """Wrenches (6, base axes) of joints on their second bodies, at their first interfaces.
 
-    They give `given` (N×6) to the nodes and do no work on passive free twists. Where that leaves
-    several, in loops of rigid bodies, elastic joints carry what the unknowns `moved` strain them
-    by, and of what rigid ones may carry it is the smallest.
+    They sum to `node_wrenches` (N×6) on the nodes and do no work on passive free twists. In loops
+    of rigid bodies this is not unique. Then the wrenches of elastic joints follow from their strain
+    under the unknowns `displacements`, and those of rigid joints are the smallest possible ones.
     """
     motions = system.motions
     joints = motions.structure.mechanism.joints
     length = motions.structure.length
     unit = np.array([1.0] * 3 + [1.0 / length] * 3)
-    rows = np.zeros((len(given), 6, len(joints), 6))
+    rows = np.zeros((len(node_wrenches), 6, len(joints), 6))
     passive = []
     for number, joint in enumerate(joints):
-        place = interface_position(system.posture, joint.first)
+        position = interface_position(system.posture, joint.first)
         for side, sign in ((joint.first, -1.0), (joint.second, 1.0)):
             if side.body != GROUND:
                 node = motions.structure.node(side.body, side.point)
-                arm = shift(place - motions.places[node]).T
+                arm = shift(position - motions.places[node]).T
                 rows[node, :, number] += sign * unit[:, None] * arm / unit
         free = free_twists(system.posture, joint)[:, int(joint.drive is not None) :]
-        none = np.zeros((free.shape[1], len(joints), 6))
-        none[:, number] = free.T / unit
-        passive.append(none / np.linalg.norm(none, axis=(1, 2), keepdims=True))
+        rows_of_joint = np.zeros((free.shape[1], len(joints), 6))
+        rows_of_joint[:, number] = free.T / unit
+        passive.append(rows_of_joint / np.linalg.norm(rows_of_joint, axis=(1, 2), keepdims=True))
     size = 6 * len(joints)
-    known = (given * unit).ravel()
+    known_wrenches = (node_wrenches * unit).ravel()
     conditions = np.vstack([rows.reshape(-1, size), np.vstack(passive).reshape(-1, size)])
-    right = np.concatenate([known, np.zeros(len(conditions) - len(known))])
-    found = np.linalg.lstsq(conditions, right)[0]
-    open_ = null_space(conditions, rcond=_DEPENDENT)
-    if open_.size:
-        rows, right = _of_springs(system, moved, load, unit)
-        found += open_ @ np.linalg.lstsq(rows @ open_, right - rows @ found)[0]
-    return list(zip(joints, found.reshape(-1, 6) / unit, strict=True))
+    right_side = np.concatenate([known_wrenches, np.zeros(len(conditions) - len(known_wrenches))])
+    joint_wrenches = np.linalg.lstsq(conditions, right_side)[0]
+    null_basis = null_space(conditions, rcond=_DEPENDENT)
+    if null_basis.size:
+        rows, right_side = _spring_wrenches(system, displacements, load, unit)
+        missing = right_side - rows @ joint_wrenches
+        joint_wrenches += null_basis @ np.linalg.lstsq(rows @ null_basis, missing)[0]
+    return list(zip(joints, joint_wrenches.reshape(-1, 6) / unit, strict=True))
 
 
-def _of_springs(system: System, moved: Array, load: Loading, unit: Array) -> tuple[Array, Array]:
-    """Rows (e×6j) of the wrenches of joints, times `unit` (6), that springs know, and those (e)."""
+def _spring_wrenches(
+    system: System, displacements: Array, load: Loading, unit: Array
+) -> tuple[Array, Array]:
+    """Rows (e×6j) that select joint wrenches, times `unit` (6), of springs; their values (e)."""
     joints = system.motions.structure.mechanism.joints
-    rows, known = [np.zeros((0, len(joints), 6))], [np.zeros(0)]
+    rows, values = [np.zeros((0, len(joints), 6))], [np.zeros(0)]
     for number, joint in enumerate(joints):
-        felt, rotor = np.zeros((0, 6)), load.on_rotors.get(joint.name, 0.0)
+        directions, rotor = np.zeros((0, 6)), load.rotor_forces.get(joint.name, 0.0)
         if joint.compliance is not None and not rotor:
-            axes = turn(turned_since_reference(system.posture, joint.first.body))
-            felt = np.eye(6)
-            known.append(-unit * (axes @ system.wrenches(joint, moved[:, None])[:, 0]))
+            axes = turn(rotation_since_reference(system.posture, joint.first.body))
+            directions = np.eye(6)
+            values.append(-unit * (axes @ system.wrenches(joint, displacements[:, None])[:, 0]))
         elif joint.compliance is None and joint.drive is not None and joint.drive.stiffness:
-            felt = free_twists(system.posture, joint)[:, :1].T / unit
-            strain = system.motions.springs[Portion(joint.name, "drive")] @ moved[: system.outer]
-            known.append(rotor - np.sqrt(joint.drive.stiffness) * strain)
-        mine = np.zeros((len(felt), len(joints), 6))
-        mine[:, number] = felt
-        rows.append(mine)
-    return np.vstack(rows).reshape(-1, 6 * len(joints)), np.concatenate(known)
+            directions = free_twists(system.posture, joint)[:, :1].T / unit
+            strain = (
+                system.motions.springs[Portion(joint.name, "drive")] @ displacements[: system.outer]
+            )
+            values.append(rotor - np.sqrt(joint.drive.stiffness) * strain)
+        rows_of_joint = np.zeros((len(directions), len(joints), 6))
+        rows_of_joint[:, number] = directions
+        rows.append(rows_of_joint)
+    return np.vstack(rows).reshape(-1, 6 * len(joints)), np.concatenate(values)
 
 
-def _of_joint(system: System, joint: Joint, wrench: Array) -> Array:
-    """What a joint that carries a `wrench` (6, on its second body) adds (outer×outer)."""
-    motions, place = system.motions, interface_position(system.posture, joint.first)
+def _joint_stiffness(system: System, joint: Joint, wrench: Array) -> Array:
+    """Geometric stiffness (outer×outer) of a joint with a `wrench` (6) on its second body."""
+    motions, position = system.motions, interface_position(system.posture, joint.first)
     first, second = (
-        motions.at(side.body, side.point, place) for side in (joint.first, joint.second)
+        motions.at(side.body, side.point, position) for side in (joint.first, joint.second)
     )
     force, moment = wrench[:3], wrench[3:]
-    half = (second - first)[:3].T @ skew(force) @ first[3:]
-    half += 0.5 * second[3:].T @ skew(moment) @ first[3:]
+    half_hessian = (second - first)[:3].T @ skew(force) @ first[3:]
+    half_hessian += 0.5 * second[3:].T @ skew(moment) @ first[3:]
     if joint.kind == "universal":
         axes = free_twists(system.posture, joint)[3:]
         angles = np.linalg.pinv(axes) @ (second - first)[3:]
-        half += 0.5 * float(moment @ np.cross(*axes.T)) * np.outer(angles[0], angles[1])
-    total = half + half.T
+        half_hessian += 0.5 * float(moment @ np.cross(*axes.T)) * np.outer(angles[0], angles[1])
+    total = half_hessian + half_hessian.T
     for side, sign in ((joint.first, -1.0), (joint.second, 1.0)):
         if side.body != GROUND:
             node = motions.structure.node(side.body, side.point)
-            total += _at_arm(system, node, place, sign * wrench)
+            total += _at_arm(system, node, position, sign * wrench)
     return np.asarray(total)

@@ -1,17 +1,16 @@
-"""How the tool of a mechanism that loses energy answers a force that swings.
+"""Harmonic response of the tool of a damped mechanism.
 
-A part of loss factor η has the stiffness (1 + iη) K under forces that go with exp(iωt): of what it
-stores it loses 2πη in every cycle (hysteretic damping). K* = Σ (1 + iη) K of bodies, joints and
-drives gives the tool the receptance H = T (K* − ω²M)⁻¹ Tᵀ. It is found in the real modes up to some
-frequency, and what these leave of static answers to unit wrenches at the tool and to what is lost.
-In these motions V, with A = T V, S = VᵀK*V and C = VᵀMV,
+A part of loss factor η has the stiffness (1 + iη) K under forces with exp(iωt): it dissipates 2πη
+of its stored energy in every cycle (hysteretic damping). With K* = Σ (1 + iη) K of bodies, joints
+and drives, the receptance of the tool is H = T (K* − ω²M)⁻¹ Tᵀ. It is computed in a basis V of the
+real modes up to some frequency and the residual static responses to unit wrenches at the tool and
+to the dissipative forces. With A = T V, S = VᵀK*V and C = VᵀMV,
 
     H = A (S − ω²C)⁻¹ Aᵀ = Σ g / (1 − ω²μ),    S⁻¹C = P diag(μ) P⁻¹
 
 with the complex modes 1/μ = ω_r² (1 + iη_r). A modal damping ratio ζ adds 2iζωω_r to 1/μ − ω²: the
 denominator is 1 − ω²μ + 2iζωω_rμ. For one mass on a spring that is k(1 + iη) − mω² + 2iζω√(km).
-Where a drive stands in series with the joint's own give, what both lose together is exact to first
-order.
+The loss of a drive in series with the joint's own compliance is exact to first order.
 """
 
 from dataclasses import dataclass, replace
@@ -27,35 +26,37 @@ from lumped.system.assembly import System
 from lumped.system.joint_motion import Portion
 from lumped.system.solution import Solved, modes_with_mass, with_idle, without_idle
 
-# Real modes up to this many times the last frequency asked for: those beyond are static there but
-# for a few thousandths of what little they give.
-_BEYOND = 2.0
-_FEWEST = 16
-# Shares of the compliance, and of the largest 1/ω², below which there is rounding alone.
+# Ratio of the cut-off frequency of the real modes to the highest requested frequency. Higher modes
+# respond statically there, except for a few thousandths of their small share.
+_CUT_OFF_RATIO = 2.0
+# Number of modes of the first attempt.
+_FIRST_MODE_COUNT = 16
+# Shares of the compliance, and of the largest 1/ω², below which there is only round-off.
 _ROUNDING = 1e-12
-# Share of the energy of a static answer below which other motions have it in them.
-_ALIKE = 1e-10
-# A mode that loses less swings without bounds.
-_LEAST_LOSS = 1e-9
-# Frequencies at which the largest response is looked for, besides those of the modes.
-_LOOKED_AT = 100
+# Share of the energy of a static response below which it depends on the other motions.
+_DEPENDENT = 1e-10
+# Loss factor below which a mode counts as undamped.
+_SMALLEST_LOSS = 1e-9
+# Number of frequencies at which the peak is searched, in addition to those of the modes.
+_PEAK_SAMPLES = 100
 
 
 @dataclass(frozen=True, eq=False)
 class DampedModes:
-    """Complex modes of a mechanism, r of them, as its tool feels them.
+    """Complex modes of a mechanism, r of them, with their shares of the tool's compliance.
 
-    `inverses` (r) are μ (s²), `gives` (r×…) their part g in the static compliance of the tool (6×6,
-    SI, base axes, or one direction of it). `ratio` is the damping ratio of all of them, or of each.
+    `inverses` (r) are μ (s²), `residues` (r×…) the shares g in the static compliance of the tool
+    (6×6, SI, base axes, or one direction of it). `ratio` is the damping ratio of all modes or of
+    each.
     """
 
     inverses: ComplexArray
-    gives: ComplexArray
+    residues: ComplexArray
     ratio: float | Array
 
     @cached_property
     def frequencies(self) -> Array:
-        """Natural frequencies (Hz, r); infinite where nothing has mass."""
+        """Natural frequencies (Hz, r); infinite for motions without mass."""
         massive = np.abs(self.inverses) > _ROUNDING * np.abs(self.inverses).max(initial=0.0)
         squares = np.divide(
             1.0, self.inverses, out=np.full_like(self.inverses, np.inf), where=massive
@@ -64,67 +65,67 @@ class DampedModes:
 
     @cached_property
     def losses(self) -> Array:
-        """Loss factors (r): of parts, and twice the damping ratio."""
-        known = np.isfinite(self.frequencies)
+        """Loss factors (r): those of the parts plus twice the damping ratio."""
+        finite = np.isfinite(self.frequencies)
         of_parts = np.divide(
-            -self.inverses.imag, self.inverses.real, out=np.zeros(len(known)), where=known
+            -self.inverses.imag, self.inverses.real, out=np.zeros(len(finite)), where=finite
         )
         return np.asarray(of_parts + 2.0 * self.ratio)
 
     def along(self, direction: Array) -> "DampedModes":
-        """The same along a force in a direction (3, a unit vector, base axes)."""
-        blocks = self.gives[:, :3, :3]
-        gives = np.einsum("i,rij,j->r", direction, blocks, direction)
-        # Where the tool is rigid there is rounding alone.
-        yields = np.abs(gives).sum() > _ROUNDING * np.abs(blocks).sum()
-        return replace(self, gives=gives * yields)
+        """Modes for displacement and force along `direction` (3, a unit vector, base axes)."""
+        blocks = self.residues[:, :3, :3]
+        residues = np.einsum("i,rij,j->r", direction, blocks, direction)
+        # If the tool is rigid, there is only round-off.
+        is_elastic = np.abs(residues).sum() > _ROUNDING * np.abs(blocks).sum()
+        return replace(self, residues=residues * is_elastic)
 
     def receptance(self, frequencies: Array) -> ComplexArray:
-        """Displacement by force (n×…, SI) at frequencies (n, Hz)."""
+        """Receptance, displacement per force (n×…, SI), at frequencies (n, Hz)."""
         speeds = 2.0 * np.pi * np.asarray(frequencies, dtype=float)[:, None]
         natural = 2.0 * np.pi * np.where(np.isfinite(self.frequencies), self.frequencies, 0.0)
-        swing = 1.0 - speeds**2 * self.inverses
-        swing = swing + 2j * self.ratio * speeds * natural * self.inverses
-        return np.asarray(np.tensordot(1.0 / swing, self.gives, axes=1))
+        denominator = 1.0 - speeds**2 * self.inverses
+        denominator = denominator + 2j * self.ratio * speeds * natural * self.inverses
+        return np.asarray(np.tensordot(1.0 / denominator, self.residues, axes=1))
 
     def size(self, frequency: float) -> float:
-        """Size (m/N) of the receptance along a direction at a frequency (Hz)."""
+        """Magnitude (m/N) of the receptance along a direction at a frequency (Hz)."""
         return float(np.abs(self.receptance(np.array([frequency]))[0]))
 
     def peak(self, first: float, last: float) -> tuple[float, float]:
-        """The largest receptance along a direction (m/N) between two frequencies, and where (Hz).
+        """Largest receptance (m/N) along a direction in a range, and its frequency (Hz).
 
-        Infinite where a mode that takes part loses nothing, 0 and NaN where the tool is rigid.
+        Infinite if a contributing mode is undamped, 0 and NaN if the tool is rigid.
         """
-        sizes = np.abs(self.gives)
+        sizes = np.abs(self.residues)
         if not sizes.any():
             return 0.0, np.nan
         inside = (self.frequencies >= first) & (self.frequencies <= last)
         inside &= sizes > _ROUNDING * sizes.sum()
-        own, losses = self.frequencies[inside], self.losses[inside]
-        if (losses < _LEAST_LOSS).any():
-            return np.inf, float(own[np.argmin(losses)])
-        around = np.concatenate([own * (1.0 + side * losses) for side in (-1.0, 0.0, 1.0)])
-        looked_at = np.concatenate([np.geomspace(first, last, _LOOKED_AT), around])
-        looked_at = np.unique(np.clip(looked_at, first, last))
-        top = int(np.argmax(np.abs(self.receptance(looked_at))))
-        low, high = looked_at[max(top - 1, 0)], looked_at[min(top + 1, len(looked_at) - 1)]
-        found = scipy.optimize.minimize_scalar(
-            lambda one: -self.size(one),
+        natural, losses = self.frequencies[inside], self.losses[inside]
+        if (losses < _SMALLEST_LOSS).any():
+            return np.inf, float(natural[np.argmin(losses)])
+        around = np.concatenate([natural * (1.0 + side * losses) for side in (-1.0, 0.0, 1.0)])
+        samples = np.concatenate([np.geomspace(first, last, _PEAK_SAMPLES), around])
+        samples = np.unique(np.clip(samples, first, last))
+        top = int(np.argmax(np.abs(self.receptance(samples))))
+        low, high = samples[max(top - 1, 0)], samples[min(top + 1, len(samples) - 1)]
+        optimum = scipy.optimize.minimize_scalar(
+            lambda frequency: -self.size(frequency),
             bounds=(low, high),
             method="bounded",
             options={"xatol": 1e-9 * high},
         )
-        where = max((float(looked_at[top]), float(found.x)), key=self.size)
-        return self.size(where), where
+        peak_frequency = max((float(samples[top]), float(optimum.x)), key=self.size)
+        return self.size(peak_frequency), peak_frequency
 
 
 @dataclass(frozen=True, eq=False)
 class ToolResponse:
-    """The answer of the tool to an excitation, along its own force.
+    """Response of the tool to an excitation, along the excitation's force.
 
-    `receptance` (n, complex, m/N) at the excitation's frequencies; `judged` are the numbers of
-    that name: height (m/N) and frequency (Hz) of the peak, size (m/N) at one frequency.
+    `receptance` (n, complex, m/N) at the excitation's frequencies. `judged` are the numbers of
+    `Excitation.judged`: height (m/N) and frequency (Hz) of the peak, magnitude (m/N) at `at`.
     """
 
     excitation: Excitation
@@ -133,92 +134,100 @@ class ToolResponse:
 
 
 def tool_responses(solution: Solved) -> tuple[ToolResponse, ...]:
-    """The answers to all excitations of a mechanism in one posture."""
+    """Responses to all excitations of a mechanism in one posture."""
     excitations = solution.system.motions.structure.mechanism.excitations
     if not excitations:
         return ()
-    modes = damped_modes(solution, max(one.last for one in excitations))
-    return tuple(_response(modes.along(one.direction), one) for one in excitations)
+    modes = damped_modes(solution, max(excitation.last for excitation in excitations))
+    return tuple(
+        _response(modes.along(excitation.direction), excitation) for excitation in excitations
+    )
 
 
-def _response(modes: DampedModes, asked: Excitation) -> ToolResponse:
-    there = () if asked.at is None else (modes.size(asked.at),)
-    judged = (*modes.peak(asked.first, asked.last), *there)
-    return ToolResponse(asked, modes.receptance(asked.frequencies), judged)
+def _response(modes: DampedModes, excitation: Excitation) -> ToolResponse:
+    size_at = () if excitation.at is None else (modes.size(excitation.at),)
+    judged = (*modes.peak(excitation.first, excitation.last), *size_at)
+    return ToolResponse(excitation, modes.receptance(excitation.frequencies), judged)
 
 
-def modal_losses(solution: Solved, found: Modes) -> Array:
-    """Loss factors (m) of real modes to first order, from strain energies, and of their damping."""
+def modal_losses(solution: Solved, modes: Modes) -> Array:
+    """Loss factors (m) of real modes to first order: from strain energies and modal damping."""
     system = solution.system
-    lost = np.sum(found.shapes * _lost(system, found.shapes), axis=0)
+    dissipation = np.sum(modes.shapes * _dissipative_forces(system, modes.shapes), axis=0)
     ratio = system.motions.structure.mechanism.damping
-    return np.asarray(lost / (2.0 * np.pi * found.frequencies) ** 2 + 2.0 * ratio)
+    return np.asarray(dissipation / (2.0 * np.pi * modes.frequencies) ** 2 + 2.0 * ratio)
 
 
-def damped_modes(solution: Solved, highest: float, felt_at: Array | None = None) -> DampedModes:
-    """Complex modes of a mechanism in one posture, good up to `highest` (Hz).
+def damped_modes(solution: Solved, highest: float, outputs: Array | None = None) -> DampedModes:
+    """Complex modes of a mechanism in one posture, accurate up to `highest` (Hz).
 
-    They are told as the tool feels them, or as `felt_at` (k×n, motions by unknowns) are.
+    Residues are those of `outputs` (k×n, motions by unknowns), by default the twist of the tool.
     """
     system = solution.system
-    felt_at = system.tool if felt_at is None else felt_at
-    motions = _motions(solution, _BEYOND * highest, felt_at.T)
-    felt = felt_at @ motions
-    elastic = motions.T @ (system.stiffness @ motions) + 1j * (motions.T @ _lost(system, motions))
+    outputs = system.tool if outputs is None else outputs
+    motions = _response_basis(solution, _CUT_OFF_RATIO * highest, outputs.T)
+    output_motions = outputs @ motions
+    dissipation = _dissipative_forces(system, motions)
+    elastic = motions.T @ (system.stiffness @ motions) + 1j * (motions.T @ dissipation)
     inertia = motions.T @ (system.mass @ motions)
     inverses, shapes = np.linalg.eig(np.linalg.solve(elastic, inertia))
-    driven = np.linalg.solve(shapes, np.linalg.solve(elastic, felt.T))
-    gives = np.einsum("ir,rj->rij", felt @ shapes, driven)
+    participations = np.linalg.solve(shapes, np.linalg.solve(elastic, output_motions.T))
+    residues = np.einsum("ir,rj->rij", output_motions @ shapes, participations)
     order = np.argsort(-np.abs(inverses), kind="stable")
     ratio = system.motions.structure.mechanism.damping
-    return DampedModes(inverses[order], gives[order], ratio)
+    return DampedModes(inverses[order], residues[order], ratio)
 
 
-def _motions(solution: Solved, highest: float, loads: Array) -> Array:
-    """Motions (n×r) in which answers to loads (n×m) are sought: real modes up to `highest` (Hz).
+def _response_basis(solution: Solved, highest: float, loads: Array) -> Array:
+    """Basis (n×r) for responses to loads (n×m): real modes up to `highest` (Hz) and residuals.
 
-    Then what these leave of static answers to the loads, and of those to what all of them lose: of
-    second order in the losses.
+    Residual static responses to the loads, then to the dissipative forces in all of these motions,
+    which makes the error of second order in the losses.
     """
-    real = _modes_up_to(solution, highest)
-    motions = real.shapes / (2.0 * np.pi * real.frequencies)
-    motions = _joined(solution, motions, without_idle(solution, loads))
-    return _joined(solution, motions, _lost(solution.system, motions))
+    real_modes = _modes_up_to(solution, highest)
+    motions = real_modes.shapes / (2.0 * np.pi * real_modes.frequencies)
+    motions = _with_residual_responses(solution, motions, without_idle(solution, loads))
+    dissipation = _dissipative_forces(solution.system, motions)
+    return _with_residual_responses(solution, motions, dissipation)
 
 
-def _joined(solution: Solved, motions: Array, loads: Array) -> Array:
-    """The motions (n×r) and what they leave of static answers to loads (n×m), of unit energy."""
+def _with_residual_responses(solution: Solved, motions: Array, loads: Array) -> Array:
+    """Motions (n×r) and the residual static responses to loads (n×m), of unit energy."""
     stiffness = solution.system.stiffness
     static = with_idle(solution, solution.displacements(loads))
     energies = np.sum(static * (stiffness @ static), axis=0)
     static = static[:, energies > 0.0] / np.sqrt(energies[energies > 0.0])
     static -= motions @ (motions.T @ (stiffness @ static))
-    left, mix = np.linalg.eigh(static.T @ (stiffness @ static))
-    kept = left > _ALIKE
-    return np.hstack([motions, static @ (mix[:, kept] / np.sqrt(left[kept]))])
+    energy_values, combinations = np.linalg.eigh(static.T @ (stiffness @ static))
+    independent = energy_values > _DEPENDENT
+    return np.hstack(
+        [motions, static @ (combinations[:, independent] / np.sqrt(energy_values[independent]))]
+    )
 
 
 def _modes_up_to(solution: Solved, highest: float) -> Modes:
-    count = _FEWEST
+    count = _FIRST_MODE_COUNT
     while True:
-        found = modes_with_mass(solution, count)
-        below = int(np.sum(found.frequencies <= highest))
+        modes = modes_with_mass(solution, count)
+        below = int(np.sum(modes.frequencies <= highest))
         if below < count:
-            return Modes(found.frequencies[:below], found.shapes[:, :below])
+            return Modes(modes.frequencies[:below], modes.shapes[:, :below])
         count *= 2
 
 
-def _lost(system: System, motions: Array) -> Array:
-    """Loads Σ η K V (n×r) of all that loses energy in motions V (n×r)."""
+def _dissipative_forces(system: System, motions: Array) -> Array:
+    """Dissipative forces Σ η K V (n×r) of all parts in motions V (n×r)."""
     mechanism, outer = system.motions.structure.mechanism, motions[: system.outer]
     losses = {Portion(joint.name, "compliance"): joint.loss for joint in mechanism.joints}
-    losses |= {Portion(one.name, "drive"): one.drive.loss for one in mechanism.joints if one.drive}
-    lost = np.zeros_like(motions)
+    losses |= {Portion(j.name, "drive"): j.drive.loss for j in mechanism.joints if j.drive}
+    forces = np.zeros_like(motions)
     for part, rows in system.motions.springs.items():
-        lost[: system.outer] += losses[part] * (rows.T @ (rows @ outer))
+        forces[: system.outer] += losses[part] * (rows.T @ (rows @ outer))
     for name, model in system.models.items():
-        own = mechanism.bodies[name].loss * (model.stiffness @ system.own(name, motions))
+        body_forces = mechanism.bodies[name].loss * (
+            model.stiffness @ system.body_unknowns(name, motions)
+        )
         ends = system.ends[name]
-        lost[: system.outer] += ends.T @ own[: len(ends)]
-        lost[system.inside[name]] += own[len(ends) :]
-    return lost
+        forces[: system.outer] += ends.T @ body_forces[: len(ends)]
+        forces[system.inside[name]] += body_forces[len(ends) :]
+    return forces

@@ -1,7 +1,8 @@
-"""A mechanism under a load: how near to buckling, and what is left of its stiffness.
+"""Stability of a mechanism under a load: buckling factors and remaining stiffness.
 
 Under λ times the load its stiffness is K + λ G (`lumped.system.prestress`), singular where 1/λ is
-minus an eigenvalue of L⁻¹ G L⁻ᵀ, K = L Lᵀ. All of these are there: no factor is missed.
+minus an eigenvalue of L⁻¹ G L⁻ᵀ, K = L Lᵀ. The dense solution yields all of them, so no factor is
+missed.
 """
 
 from collections import defaultdict
@@ -21,51 +22,53 @@ from lumped.system.solution import (
     strain_shares,
 )
 
-# Loads that must grow as much are none.
-_NEVER = 1e6
+# Buckling factor above which buckling counts as impossible.
+_LARGEST_FACTOR = 1e6
 
 
 @dataclass(frozen=True, eq=False)
 class Stability:
     """A mechanism under one of its loads, linear about its posture.
 
-    It buckles at `factor` times the load, `reversed` times it the other way round (below zero);
-    None where there is no factor below a million. `shares`: of strain energy as it buckles, by body
-    or joint, the largest first. `lost`: shares of the tool's stiffness (6, along and about each
-    axis alone) that the load takes, negative where it adds to it; `farther`: how much farther the
-    tool moves than linear models say, relative, negative if it moves less far; `frequencies` (Hz)
-    under the load. NaN and none where it has buckled.
+    It buckles at `factor` times the load, and at `reversed` times the load in the opposite
+    direction (negative). Both are None if there is no factor below a million. `shares` are those of
+    strain energy in the buckling mode, by body or joint, the largest first. `stiffness_losses`:
+    relative reduction of the tool's stiffness (6, along and about each axis alone) by the load,
+    negative if it increases. `extra_displacement`: relative increase of the tool's displacement
+    over the linear model, negative if it decreases. `frequencies` (Hz) under the load. The last
+    three are NaN or empty if the mechanism has buckled.
     """
 
     factor: float | None
     reversed: float | None
     shares: dict[str, float]
-    lost: Array = field(default_factory=lambda: np.full(6, np.nan))
-    farther: float = np.nan
+    stiffness_losses: Array = field(default_factory=lambda: np.full(6, np.nan))
+    extra_displacement: float = np.nan
     frequencies: Array = field(default_factory=lambda: np.zeros(0))
 
 
 def stability(solution: Solved, geometric: Array, load: Loading, count: int = 0) -> Stability:
-    """Under a load, whose geometric stiffness (n×n) is given; `count` frequencies.
+    """Stability under a load with the `geometric` stiffness (n×n), and `count` frequencies.
 
-    Raises as `compliance` does.
+    Raises ComputationError under the conditions of `compliance`.
     """
     factors, shape = _buckling(solution, geometric)
     shares: dict[str, float] = defaultdict(float)
     if factors[0] is not None:
         for part, share in strain_shares(solution.system, shape[:, None]).items():
             shares[part.of] += float(share[0])
-    found = Stability(*factors, dict(sorted(shares.items(), key=lambda one: -one[1])))
+    result = Stability(*factors, dict(sorted(shares.items(), key=lambda entry: -entry[1])))
     loaded = _under_load(solution, geometric)
     if loaded is None:
-        return found
-    before, after = (np.diag(compliance(one)) for one in (solution, loaded))
-    here, there = (tool_displacements(one, [load])[0, :3] for one in (solution, loaded))
-    whole, off = float(np.linalg.norm(here)), there - here
+        return result
+    before, after = (np.diag(compliance(entry)) for entry in (solution, loaded))
+    linear, nonlinear = (tool_displacements(entry, [load])[0, :3] for entry in (solution, loaded))
+    size, increase = float(np.linalg.norm(linear)), nonlinear - linear
+    extra = float(np.copysign(np.linalg.norm(increase), increase @ linear)) / size if size else 0.0
     return replace(
-        found,
-        lost=1.0 - np.divide(before, after, out=np.ones(6), where=before > 0.0),
-        farther=float(np.copysign(np.linalg.norm(off), off @ here)) / whole if whole else 0.0,
+        result,
+        stiffness_losses=1.0 - np.divide(before, after, out=np.ones(6), where=before > 0.0),
+        extra_displacement=extra,
         frequencies=modes_with_mass(loaded, count).frequencies,
     )
 
@@ -73,35 +76,37 @@ def stability(solution: Solved, geometric: Array, load: Loading, count: int = 0)
 def _buckling(
     solution: Solved, geometric: Array
 ) -> tuple[tuple[float | None, float | None], Array]:
-    """Factors above and below zero that are nearest to it, and the shape (n) of the former.
+    """Smallest positive and largest negative buckling factor, and the shape (n) of the former.
 
-    A mechanism in which nothing moves has none.
+    A rigid mechanism has no factors.
     """
-    if not len(solution.kept):
+    if not len(solution.retained):
         return (None, None), np.zeros(solution.system.size)
-    kept = solution.scale[:, None] * geometric[np.ix_(solution.kept, solution.kept)]
-    half = solve_triangular(solution.lower, kept * solution.scale, lower=True)
-    standard = solve_triangular(solution.lower, half.T, lower=True)
+    scaled_geometric = (
+        solution.scale[:, None] * geometric[np.ix_(solution.retained, solution.retained)]
+    )
+    half_product = solve_triangular(solution.lower, scaled_geometric * solution.scale, lower=True)
+    standard = solve_triangular(solution.lower, half_product.T, lower=True)
     last = len(standard) - 1
     (low, vector), (high, _) = (
         eigh(0.5 * (standard + standard.T), subset_by_index=[k, k], driver="evr") for k in (0, last)
     )
     shape = np.zeros(solution.system.size)
-    still = solve_triangular(solution.lower, vector[:, 0], trans="T", lower=True)
-    shape[solution.kept] = solution.scale * still
+    retained_shape = solve_triangular(solution.lower, vector[:, 0], trans="T", lower=True)
+    shape[solution.retained] = solution.scale * retained_shape
     reverse = _factor(high[0])
     return (_factor(-low[0]), None if reverse is None else -reverse), shape
 
 
 def _factor(inverse: float) -> float | None:
-    return float(1.0 / inverse) if inverse * _NEVER > 1.0 else None
+    return float(1.0 / inverse) if inverse * _LARGEST_FACTOR > 1.0 else None
 
 
 def _under_load(solution: Solved, geometric: Array) -> Solved | None:
-    """The system as stiff as the load leaves it; None where it has buckled."""
+    """Solution of the system with the load's geometric stiffness. None if it has buckled."""
     system = solution.system
     stiffness = dense(system.stiffness) + geometric
-    factor = factorised(stiffness[np.ix_(solution.kept, solution.kept)])
+    factor = factorised(stiffness[np.ix_(solution.retained, solution.retained)])
     if factor is None:
         return None
     loaded = replace(system, stiffness=stiffness, mass=dense(system.mass))

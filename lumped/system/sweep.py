@@ -1,14 +1,15 @@
-"""Many postures of one mechanism, all at once where its bodies are reduced.
+"""Statics and modes of one mechanism in many postures, together if its bodies are reduced.
 
-Craig and Bampton leave a body whose interfaces do not strain its inside: K = diag(K_e, Λ). So the
-stiffness of the mechanism falls apart into that of the nodes, which alone is factorised anew, and
-Λ. With K_e = L Lᵀ the inverse squares 1/ω² are the eigenvalues of
+Craig–Bampton reduction decouples the interfaces and the inside of a body: K = diag(K_e, Λ). The
+stiffness of the mechanism therefore consists of that of the nodes, which is factorised for each
+posture, and Λ. With K_e = L Lᵀ the inverse squares 1/ω² are the eigenvalues of
 
     [ L⁻¹ M_ee L⁻ᵀ        L⁻¹ M_ei Λ^(−½)  ]
     [ sym.           Λ^(−½) M_ii Λ^(−½) ]
 
-whose last block no posture changes. Where bodies are not reduced, where something idles, and where
-a stiffness is in doubt, a posture is solved by itself (`lumped.system.solution`).
+whose last block does not depend on the posture. A posture is solved individually
+(`lumped.system.solution`) if a body is not reduced, if there is an idle motion, or if a stiffness
+may be singular.
 """
 
 from collections.abc import Iterator, Sequence
@@ -22,19 +23,20 @@ from lumped.arrays import Array
 from lumped.dense.statics import balanced_flexibility
 from lumped.errors import ComputationError
 from lumped.mechanism.mechanism import Posture
-from lumped.system.assembly import Assembly, Outside, System
+from lumped.system.assembly import Assembly, NodeMatrices, System
 from lumped.system.joint_motion import UnevenError
-from lumped.system.solution import DOUBTFUL, compliance, is_even, modes, solved
+from lumped.system.solution import DOUBTFUL, compliance, is_well_scaled, modes, solved
 
-# Numbers in the matrices of the postures that are done together: what fits into a cache.
-_TOGETHER = 2_000_000
+# Number of matrix entries of the postures that are evaluated together, to fit into the CPU's cache.
+_LARGEST_BATCH = 2_000_000
 
 
 @dataclass(frozen=True, eq=False)
 class Swept:
-    """P postures: `compliances` (P×6×6, SI, base axes) at the loaded point, `frequencies` (P×k).
+    """Results in P postures.
 
-    `idle` (P) is the number of mobilities that do not move the tool.
+    `compliances` (P×6×6, SI, base axes) at the loaded point, `frequencies` (P×k, Hz). `idle` (P) is
+    the number of mobilities that do not move the tool.
     """
 
     compliances: Array
@@ -45,103 +47,113 @@ class Swept:
 def swept(prepared: Assembly, postures: Sequence[Posture], count: int) -> Swept:
     """Compliance and the lowest `count` frequencies (Hz) in each of the postures.
 
-    Raises ComputationError, naming the posture, as `solved`, `compliance` and `modes` do.
+    Raises ComputationError, naming the posture, under the conditions of `solved`, `compliance` and
+    `modes`.
     """
-    inside = _inside(prepared)
-    found = []
-    for some in _portions(prepared, postures):
-        together = None if inside is None else _together(prepared, inside, some, count)
-        found += [together] if together else [_alone(one, count) for one in prepared.along(some)]
+    inside = _inner_matrices(prepared)
+    results: list[Swept] = []
+    for batch in _batches(prepared, postures):
+        together = None if inside is None else _together(prepared, inside, batch, count)
+        if together:
+            results.append(together)
+        else:
+            results += [_individually(system, count) for system in prepared.along(batch)]
     return Swept(
-        np.concatenate([one.compliances for one in found]),
-        np.concatenate([one.frequencies for one in found]),
-        tuple(number for one in found for number in one.idle),
+        np.concatenate([result.compliances for result in results]),
+        np.concatenate([result.frequencies for result in results]),
+        tuple(number for result in results for number in result.idle),
     )
 
 
 @dataclass(frozen=True, eq=False)
-class _Inside:
-    """What is inside the bodies, in units of Λ^(−½): `mass`, and its `borders` (6m×i) by body."""
+class _InnerMatrices:
+    """Mass of the internal unknowns in units of Λ^(−½), and its `borders` (6m×i) by body."""
 
     mass: Array
     borders: dict[str, Array]
 
 
-def _inside(prepared: Assembly) -> _Inside | None:
-    """None where a body is not reduced."""
+def _inner_matrices(prepared: Assembly) -> _InnerMatrices | None:
+    """Matrices of the internal unknowns. None if a body is not reduced."""
     masses, borders = [np.zeros((0, 0))], {}
     for name, model in prepared.models.items():
         stiffness, mass, ends = model.stiffness, model.mass, 6 * len(model.interfaces)
         if issparse(stiffness) or issparse(mass):
             return None
-        own = np.diag(stiffness)[ends:]
-        uncoupled = not stiffness[:ends, ends:].any() and (own > 0.0).all()
-        if not (uncoupled and np.count_nonzero(stiffness[ends:, ends:]) == len(own)):
+        inner_stiffnesses = np.diag(stiffness)[ends:]
+        uncoupled = not stiffness[:ends, ends:].any() and (inner_stiffnesses > 0.0).all()
+        if not (uncoupled and np.count_nonzero(stiffness[ends:, ends:]) == len(inner_stiffnesses)):
             return None
-        unit = 1.0 / np.sqrt(own)
+        unit = 1.0 / np.sqrt(inner_stiffnesses)
         masses.append(mass[ends:, ends:] * unit[:, None] * unit)
         borders[name] = mass[:ends, ends:] * unit
-    return _Inside(block_diag(*masses), borders)
+    return _InnerMatrices(block_diag(*masses), borders)
 
 
-def _portions(prepared: Assembly, postures: Sequence[Posture]) -> Iterator[Sequence[Posture]]:
+def _batches(prepared: Assembly, postures: Sequence[Posture]) -> Iterator[Sequence[Posture]]:
     unknowns = 6 * len(prepared.structure.nodes)
     unknowns += sum(model.size for model in prepared.models.values())
-    count = max(1, _TOGETHER // unknowns**2)
+    count = max(1, _LARGEST_BATCH // unknowns**2)
     for first in range(0, len(postures), count):
         yield postures[first : first + count]
 
 
-def _alone(system: System, count: int) -> Swept:
+def _individually(system: System, count: int) -> Swept:
     solution = solved(system)
     frequencies = modes(solution, count).frequencies if count else np.zeros(0)
     return Swept(compliance(solution)[None], frequencies[None], (solution.idle,))
 
 
 def _together(
-    prepared: Assembly, inside: _Inside, postures: Sequence[Posture], count: int
+    prepared: Assembly, inside: _InnerMatrices, postures: Sequence[Posture], count: int
 ) -> Swept | None:
-    """None where one of the postures must be looked at by itself."""
+    """Results of a batch. None if one of the postures must be solved individually."""
     try:
-        outside = prepared.outside(postures)
-        if not is_even(outside.stiffness):
+        nodes = prepared.node_matrices(postures)
+        if not is_well_scaled(nodes.stiffness):
             return None
-        scale = 1.0 / np.sqrt(np.diagonal(outside.stiffness, axis1=1, axis2=2))
-        lower = np.linalg.cholesky(outside.stiffness * scale[:, :, None] * scale[:, None])
+        scale = 1.0 / np.sqrt(np.diagonal(nodes.stiffness, axis1=1, axis2=2))
+        lower = np.linalg.cholesky(nodes.stiffness * scale[:, :, None] * scale[:, None])
     except (UnevenError, np.linalg.LinAlgError):
         return None
     if np.diagonal(lower, axis1=1, axis2=2).min(initial=1.0) ** 2 < DOUBTFUL:
         return None
     # L⁻¹ with the scale: K⁻¹ = Lᵢᵀ Lᵢ.
     inverse = np.linalg.inv(lower) * scale[:, None]
-    loads = np.swapaxes(outside.tool, 1, 2)
+    loads = np.swapaxes(nodes.tool, 1, 2)
     displacements = np.swapaxes(inverse, 1, 2) @ (inverse @ loads)
-    forces = outside.stiffness @ displacements
-    frequencies = _frequencies(outside, inside, inverse, count)
+    forces = nodes.stiffness @ displacements
+    frequencies = _frequencies(nodes, inside, inverse, count)
     try:
-        found = balanced_flexibility(loads, displacements, forces, prepared.mechanism.name)
+        compliances = balanced_flexibility(loads, displacements, forces, prepared.mechanism.name)
     except ComputationError:
         return None
-    return frequencies if frequencies is None else Swept(found, frequencies, (0,) * len(postures))
+    return (
+        frequencies
+        if frequencies is None
+        else Swept(compliances, frequencies, (0,) * len(postures))
+    )
 
 
-def _frequencies(outside: Outside, inside: _Inside, inverse: Array, count: int) -> Array | None:
-    """P×count (Hz); None where a posture has fewer modes with mass."""
+def _frequencies(
+    nodes: NodeMatrices, inside: _InnerMatrices, inverse: Array, count: int
+) -> Array | None:
+    """Frequencies (P×count, Hz). None if a posture has fewer modes with mass."""
     postures, size = inverse.shape[:2]
     if not count:
         return np.zeros((postures, 0))
-    whole = size + len(inside.mass)
-    standard = np.empty((postures, whole, whole))
-    standard[:, :size, :size] = inverse @ outside.mass @ np.swapaxes(inverse, 1, 2)
-    done = size
+    total = size + len(inside.mass)
+    standard = np.empty((postures, total, total))
+    standard[:, :size, :size] = inverse @ nodes.mass @ np.swapaxes(inverse, 1, 2)
+    assigned = size
     for name, border in inside.borders.items():
-        mine = slice(done, done + border.shape[1])
-        standard[:, :size, mine] = inverse @ (np.swapaxes(outside.ends[name], 1, 2) @ border)
-        done = mine.stop
+        columns = slice(assigned, assigned + border.shape[1])
+        standard[:, :size, columns] = inverse @ (np.swapaxes(nodes.ends[name], 1, 2) @ border)
+        assigned = columns.stop
     standard[:, size:, :size] = np.swapaxes(standard[:, :size, size:], 1, 2)
     standard[:, size:, size:] = inside.mass
     values = np.linalg.eigvalsh(standard)[:, ::-1]
-    rounding = np.finfo(float).eps * whole * values[:, :1]
-    if count > whole or (values[:, :count] <= rounding).any():
+    rounding = np.finfo(float).eps * total * values[:, :1]
+    if count > total or (values[:, :count] <= rounding).any():
         return None
     return np.asarray(1.0 / (2.0 * np.pi * np.sqrt(values[:, :count])))

@@ -82,7 +82,7 @@ def test_rounding_of_what_was_turned_covers_what_turning_loses(angle, softer):
         load = rotation[:, 1:2]
         X = np.linalg.solve(K, load)
         errors.append((load.T @ X)[0, 0] - 1.0)
-        expected.append(rounding_of_flexibility(K, X, turned=3)[0, 0])
+        expected.append(rounding_of_flexibility(K, X, rotated=3)[0, 0])
     assert np.std(errors) < 0.5 * np.max(expected) + 1e-15
     # A bound, but no idle one: twenty times two sigma, since here four roundings of the dozen
     # happen, to four of the block's nine entries. A leg that is not turned may lose nothing.

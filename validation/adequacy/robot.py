@@ -17,7 +17,7 @@ from lumped.mechanism.joint import Joint, Side
 from lumped.mechanism.kinematics.mobility import mobility
 from lumped.mechanism.kinematics.postures import reference_posture
 from lumped.mechanism.mechanism import GROUND, Mechanism, Tool
-from lumped.mechanism.placing import leg_on, rigid_on
+from lumped.mechanism.placing import place_leg, place_rigid_body
 from lumped.models.bodies import leg_of, on_equivalent_legs
 from lumped.text import counted
 from validation.adequacy.judgement import judged
@@ -240,8 +240,8 @@ def leg_alone(name: str, shape: Leg) -> Mechanism:
     """A leg in its own axes, its first interface fixed to the ground, the tool at its second."""
     points = {_ROOT: np.zeros(3), _TIP: np.array([shape.length, 0.0, 0.0])}
     placed = [
-        rigid_on(GROUND, [_ROOT], points, origin=np.zeros(3)),
-        leg_on(name, shape, (_ROOT, _TIP), points),
+        place_rigid_body(GROUND, [_ROOT], points, origin=np.zeros(3)),
+        place_leg(name, shape, (_ROOT, _TIP), points),
     ]
     clamp = Joint("clamp", "fixed", Side(GROUND, _ROOT), Side(name, _ROOT), np.zeros((0, 3)))
     return Mechanism(

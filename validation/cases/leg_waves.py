@@ -87,7 +87,10 @@ def wave_changes(
     for posture in postures:
         system = prepared.at(posture)
         found = modes(solved(system), offered)
-        own = [leg.reduced.recover(system.own(name, found.shapes)) for name, leg in pieced.items()]
+        own = [
+            leg.reduced.recover(system.body_unknowns(name, found.shapes))
+            for name, leg in pieced.items()
+        ]
         shapes = tuple(zip(pieced.values(), own, strict=True))
         rows.append([_change(found.frequencies, shapes, mode) for mode in range(count)])
     return np.array(rows)

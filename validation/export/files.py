@@ -149,8 +149,8 @@ def _write_beams(at: Posture, path: Path) -> None:
         twists = model.centreline(stations)
         own = _vectors_of(
             _named_fields(
-                twists @ system.own(name, deflections),
-                twists @ system.own(name, found.modes.shapes),
+                twists @ system.body_unknowns(name, deflections),
+                twists @ system.body_unknowns(name, found.modes.shapes),
             )
         )
         fields.append({key: field @ frame.rotation.T for key, field in own.items()})

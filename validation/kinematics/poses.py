@@ -7,7 +7,7 @@ from time import perf_counter
 import numpy as np
 
 from lumped.arrays import Array
-from lumped.errors import InputError, each
+from lumped.errors import InputError, collect_faults
 from lumped.mechanism.kinematics.postures import posture
 from lumped.mechanism.mechanism import Mechanism, Posture
 from validation.console.streams import mention
@@ -34,7 +34,7 @@ def parsed_pose(mechanism: Mechanism, text: str) -> Array:
 
 def parsed_poses(mechanism: Mechanism, texts: Iterable[str]) -> list[Array]:
     """Typed poses; raises InputError with the faults of all."""
-    found, faults = each(partial(parsed_pose, mechanism), texts)
+    found, faults = collect_faults(partial(parsed_pose, mechanism), texts)
     if faults:
         raise InputError(faults)
     return found
@@ -62,9 +62,9 @@ def postures_on_path(mechanism: Mechanism, poses: Sequence[Array] | Array) -> li
 def _tried(mechanism: Mechanism, poses: Sequence[Array] | Array) -> tuple[list[Posture], list[str]]:
     """The postures of those poses that have one, and why the others have none."""
     find, begun = partial(posture, mechanism), perf_counter()
-    found, faults = each(find, poses[:_FEW])
+    found, faults = collect_faults(find, poses[:_FEW])
     seconds = (perf_counter() - begun) * (len(poses) / _FEW - 1.0)
     if seconds > _PATIENCE:
         mention(f"{len(poses)} poses, about {seconds:.2g} s")
-    more, others = each(find, poses[_FEW:])
+    more, others = collect_faults(find, poses[_FEW:])
     return [*found, *more], [*faults, *others]

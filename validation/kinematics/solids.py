@@ -16,7 +16,7 @@ from lumped.equivalent_leg import equivalent_leg
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, GivenLeg
 from lumped.mechanism.body import Body, Part
-from lumped.mechanism.free_twists import across_axis, interface_position, turned_since_reference
+from lumped.mechanism.free_twists import across_axis, interface_position, rotation_since_reference
 from lumped.mechanism.joint import Joint, Side
 from lumped.mechanism.mechanism import GROUND, Mechanism, Posture
 from lumped.models.bodies import legs_of
@@ -150,7 +150,7 @@ def _symbol(posture: Posture, joint: Joint) -> Solid | None:
     side = symbol_at(joint)
     place, radius = interface_position(posture, side), SYMBOL * posture.mechanism.size
     matter: Matter = "drive" if joint.drive else "joint"
-    axes = joint.axes @ turned_since_reference(posture, joint.first.body).T
+    axes = joint.axes @ rotation_since_reference(posture, joint.first.body).T
     thick = _thickness(posture.mechanism, joint)
 
     def along(axis: Array, outline: Array, length: float) -> Surface:
@@ -160,7 +160,7 @@ def _symbol(posture: Posture, joint: Joint) -> Solid | None:
         case "spherical":
             surface = ball(max(radius, 0.6 * thick)).placed(place, np.eye(3))
         case "universal":
-            second = turned_since_reference(posture, joint.second.body) @ joint.axes[1]
+            second = rotation_since_reference(posture, joint.second.body) @ joint.axes[1]
             drums = (along(axis, circle(0.45 * radius), 1.5 * radius) for axis in (axes[0], second))
             surface = joined(list(drums))
         case "revolute":

@@ -184,18 +184,18 @@ def _responses(
 ) -> list[DampedModes]:
     """Damped modes as each response feels them; where no part loses energy, damped as measured."""
     unit = np.eye(found.system.size)
-    felt_at = np.vstack([_motions(found.system, unit, one.ends) for one in test.responses])
+    outputs = np.vstack([_motions(found.system, unit, one.ends) for one in test.responses])
     # A model that is stiff where it was measured has its partners far above what was measured.
     highest = max([*test.frequencies, *(one.frequency for one in partners if one)])
-    damped = damped_modes(found.solution, _ABOVE * highest, felt_at)
-    if not robot.loses_energy:
-        ratios = np.full(len(damped.gives), test.ratios.mean())
+    damped = damped_modes(found.solution, _ABOVE * highest, outputs)
+    if not robot.is_damped:
+        ratios = np.full(len(damped.residues), test.ratios.mean())
         for ratio, partner in zip(test.ratios, partners, strict=True):
             if partner:
                 ratios[partner.number - 1] = ratio
         damped = replace(damped, ratio=ratios)
-    moved = range(0, len(felt_at), 2)
-    return [replace(damped, gives=damped.gives[:, row, row + 1]) for row in moved]
+    moved = range(0, len(outputs), 2)
+    return [replace(damped, residues=damped.residues[:, row, row + 1]) for row in moved]
 
 
 def _modes(
@@ -215,7 +215,7 @@ def _motions(system: System, shapes: Array, at: Freedoms) -> Array:
         frame = system.posture.frames[body]
         if body in system.models:
             field = system.models[body].displacements(place[None]).toarray()
-            moved = frame.rotation @ (field @ system.own(body, shapes))
+            moved = frame.rotation @ (field @ system.body_unknowns(body, shapes))
         else:
             point = next(iter(system.posture.mechanism.bodies[body].interfaces))
             there = frame.position + frame.rotation @ place

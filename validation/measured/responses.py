@@ -62,7 +62,7 @@ def responses_of(
         number = chosen.index(row)
         value, uncertainty = _read(found, test, row, column, at, hammer)
         told = f"{source}, {held.responses[number].name} at {at:.4g} Hz"
-        if not below and not robot.loses_energy:
+        if not below and not robot.is_damped:
             # How well the damping is known is in the peaks of the models.
             ratio = test.ratios[column]
             uncertainty = hypot(uncertainty, abs(value) * found.scatter[1, column] / ratio)

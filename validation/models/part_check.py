@@ -3,7 +3,7 @@
 import numpy as np
 
 from lumped.arrays import Array
-from lumped.errors import InputError, each
+from lumped.errors import InputError, collect_faults
 from lumped.mechanism.body import Body
 from lumped.mechanism.mechanism import Mechanism
 from meshes.part.interfaces import Interface
@@ -16,7 +16,7 @@ def parts_text(mechanism: Mechanism) -> str:
 
     Empty where no body is a part. Raises InputError with the faults of all parts.
     """
-    texts, faults = each(_part_text, mechanism.parts.values())
+    texts, faults = collect_faults(_part_text, mechanism.parts.values())
     if faults:
         raise InputError(faults)
     return "\n".join(texts)

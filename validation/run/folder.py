@@ -29,7 +29,7 @@ from typing import Any, Literal, TypeAlias
 import msgspec
 
 from lumped.errors import InputError
-from lumped.files import NO_FOLLOW, digest, read_regular, refusals, write_whole
+from lumped.files import NO_FOLLOW, digest, os_errors_as_store_errors, read_regular, write_whole
 from lumped.posix import fcntl
 
 MARK, RECORDS, RESULTS, LOG = "run.json", "results.jsonl", "results.json", "log.txt"
@@ -150,7 +150,7 @@ class RunFolder:
 
     def write(self, contents: Mapping[str, str | bytes]) -> None:
         """Write files by name, noted as the run's before. Raises StoreError if the disk refuses."""
-        with refusals(self.path):
+        with os_errors_as_store_errors(self.path):
             self._note(contents)
             for name, content in contents.items():
                 self._put(name, content.encode() if isinstance(content, str) else content)
@@ -160,7 +160,10 @@ class RunFolder:
         told = {"started": self.header.get("started", ""), "seconds": seconds, "record": record}
         # Records hold NaN, which JSON proper cannot: only this program reads them.
         line = sealed(mark_of(self.header).run, json.dumps(told).encode())
-        with refusals(self.path / RECORDS), (self.path / RECORDS).open("ab") as file:
+        with (
+            os_errors_as_store_errors(self.path / RECORDS),
+            (self.path / RECORDS).open("ab") as file,
+        ):
             file.write(line + b"\n")
             file.flush()
             os.fsync(file.fileno())
@@ -172,7 +175,7 @@ class RunFolder:
         Raises StoreError if the disk refuses.
         """
         with (
-            refusals(self.path / "export"),
+            os_errors_as_store_errors(self.path / "export"),
             TemporaryDirectory(dir=self.path / UNFINISHED) as beside,
         ):
             yield Path(beside)
@@ -263,14 +266,14 @@ def open_folder(path: Path, header: Header, start: Start) -> Iterator[RunFolder]
         partial.mkdir(parents=True, exist_ok=True)
     with _locked(path, partial):
         folder = RunFolder(partial, header, remarks=remarks)
-        with refusals(partial):
+        with os_errors_as_store_errors(partial):
             if start == "afresh":
                 for name in files_of(partial):
                     (partial / name).unlink()
             folder.begin(former)
         yield folder
         if folder.complete:
-            with refusals(place):
+            with os_errors_as_store_errors(place):
                 folder.finish()
                 if place.exists():
                     place.rename(partial / EARLIER)

@@ -430,7 +430,7 @@ def _stability_record(found: Stability | None) -> dict[str, Any]:
     """What goes beside a displacement; a mechanism that has buckled has no stiffness."""
     if found is None:
         return {}
-    stands = bool(np.isfinite(found.lost).all())
+    stands = bool(np.isfinite(found.stiffness_losses).all())
     record: dict[str, Any] = {
         "buckling": {
             "factor": found.factor,
@@ -438,8 +438,8 @@ def _stability_record(found: Stability | None) -> dict[str, Any]:
             "body": next(iter(found.shares), None),
             "shares": found.shares,
         },
-        "stiffness_lost": found.lost.tolist() if stands else None,
-        "farther": found.farther if stands else None,
+        "stiffness_lost": found.stiffness_losses.tolist() if stands else None,
+        "farther": found.extra_displacement if stands else None,
     }
     if len(found.frequencies):
         record["frequencies"] = found.frequencies.tolist()
@@ -553,12 +553,12 @@ def _stability_text(found: Stability | None) -> str:
         where = list(found.shares.items())[:_MOST_PARTS]
         told = ", ".join(f"{name} {100.0 * share:.0f} %" for name, share in where if share >= _TOLD)
         said = f"buckles at {found.factor:.4g} times the load ({told})"
-    if not np.isfinite(found.lost).all():
+    if not np.isfinite(found.stiffness_losses).all():
         return f"{said}; no stiffness is left"
     names = ("x", "y", "z", "φx", "φy", "φz")
     worth = [
         f"{name} {100.0 * share:.2g} %"
-        for name, share in zip(names, found.lost, strict=True)
+        for name, share in zip(names, found.stiffness_losses, strict=True)
         if abs(share) >= _WORTH_TELLING
     ]
     lost = f"takes {', '.join(worth)} of the stiffness" if worth else "takes no stiffness"

@@ -220,7 +220,7 @@ def _answers(question: Question, at: Sequence[Posture], *, whole: bool = True) -
 def _damped(found: PostureModes) -> dict[str, Any]:
     """Responses, and frequencies (Hz) and loss factors of as many complex modes, where damped."""
     count = len(found.modes.frequencies)
-    if not count or not found.posture.mechanism.loses_energy:
+    if not count or not found.posture.mechanism.is_damped:
         return {}
     known = found.damped.frequencies[:count], found.damped.losses[:count]
     return {"responses": found.responses, "damped": known}

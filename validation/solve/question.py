@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any
 
-from lumped.errors import each
+from lumped.errors import collect_faults
 from lumped.legs import GivenLeg
 from lumped.mechanism.kinematics.postures import posture, reference_posture
 from lumped.mechanism.mechanism import GROUND, Mechanism, Posture
@@ -109,8 +109,8 @@ class Question:
                 found.append(f"--accuracy: the {self.model} model has no meshes; leave it out")
         if self.alone is not None:
             found += self._body_faults(self.alone)
-        poses, unreadable = each(partial(parsed_pose, self.mechanism), self._typed)
-        _, unreachable = each(partial(posture, self.mechanism), poses)
+        poses, unreadable = collect_faults(partial(parsed_pose, self.mechanism), self._typed)
+        _, unreachable = collect_faults(partial(posture, self.mechanism), poses)
         option = "--x: " if self.numbered else ""
         return [*found, *unreadable, *(f"{option}{fault}" for fault in unreachable)]
 

@@ -1,4 +1,4 @@
-"""Kinematics of any mechanism: loops closed, mobility, what idles and what is held twice.
+"""Kinematics of any mechanism: loop closure, mobility, idle motions and overconstraint.
 
-In: a mechanism and poses of its tool. Out: postures, which nobody else makes.
+In: a mechanism and poses of its tool. Out: postures, which only this package creates.
 """

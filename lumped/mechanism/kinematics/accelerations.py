@@ -1,7 +1,7 @@
-"""How all bodies of a mechanism move while its tool moves: velocities and accelerations.
+"""Velocities and accelerations of all bodies of a mechanism for a given motion of its tool.
 
-With J the derivative of all that is closed and prescribed, J v = (0, ẋ) and J a = (0, ẍ) − J̇ v.
-Motions that idle do not start: of all solutions the shortest is taken.
+With J the derivative of joint constraints and prescribed coordinates, J v = (0, ẋ) and
+J a = (0, ẍ) − J̇ v. Of all solutions the shortest is used, so idle motions remain at rest.
 """
 
 from dataclasses import dataclass
@@ -15,29 +15,31 @@ from lumped.mechanism.kinematics.closure import Closure, Placement, closure_of
 from lumped.mechanism.kinematics.postures import shown_pose
 from lumped.mechanism.mechanism import GROUND, Posture
 
-# Singular values below this one are those of a stretched leg, whose posture is a double root, known
-# to half of the digits; what is then left of the right-hand side is no motion of the mechanism.
-_DEPENDENT, _LEFT = 1e-5, 1e-6
-# Of the size: the step of the difference that gives J̇ v, to 1e-10 of itself.
+# Largest singular value of a stretched leg, whose posture is a double root, accurate to half of the
+# digits; and largest relative residual of a motion that the mechanism can perform.
+_DEPENDENT, _RESIDUAL = 1e-5, 1e-6
+# Step, as a fraction of the size, of the difference that gives J̇ v with relative error 1e-10.
 _STEP = 1e-5
 
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """How a body moves.
+    """Motion of a body, in base axes or in body axes.
 
-    Accelerations `linear` (3, m/s²) of the origin of its axes and `angular` (3, rad/s²), angular
-    velocity `turning` (3, rad/s), in the axes that are spoken of.
+    `linear_acceleration` (3, m/s²) is that of the origin of the body's axes. `angular_acceleration`
+    in rad/s² (3), `angular_velocity` in rad/s (3).
     """
 
-    linear: Array
-    angular: Array
-    turning: Array
+    linear_acceleration: Array
+    angular_acceleration: Array
+    angular_velocity: Array
 
-    def at(self, arm: Array) -> Array:
+    def acceleration_at(self, arm: Array) -> Array:
         """Acceleration (3, m/s²) of the body's point at `arm` (3, m) from its origin."""
-        swung = np.cross(self.turning, np.cross(self.turning, arm))
-        return np.asarray(self.linear + np.cross(self.angular, arm) + swung)
+        centripetal = np.cross(self.angular_velocity, np.cross(self.angular_velocity, arm))
+        return np.asarray(
+            self.linear_acceleration + np.cross(self.angular_acceleration, arm) + centripetal
+        )
 
 
 REST = Motion(np.zeros(3), np.zeros(3), np.zeros(3))
@@ -46,47 +48,47 @@ REST = Motion(np.zeros(3), np.zeros(3), np.zeros(3))
 def accelerations(posture: Posture, speed: Array, acceleration: Array) -> dict[str, Motion]:
     """Motions of all bodies while the loaded point has `speed` and `acceleration` (3 each, base).
 
-    Along and about all other directions that its pose prescribes the tool is at rest. Raises
-    ComputationError where the mechanism cannot move so.
+    The tool is at rest in all other coordinates that its pose prescribes. Raises ComputationError
+    if the mechanism cannot perform the motion.
     """
     closure = closure_of(posture.mechanism)
     placement = closure.placement(posture)
     jacobian = closure.jacobian_at(placement)
-    along = [(row, move) for row, move in enumerate(closure.moves) if move < 3]
+    translation_rows = [(row, move) for row, move in enumerate(closure.moves) if move < 3]
 
     def prescribed(values: Array) -> Array:
-        right = np.zeros(len(jacobian))
-        for row, move in along:
-            right[len(closure.joint_of) + row] = values[move]
-        return right
+        right_side = np.zeros(len(jacobian))
+        for row, move in translation_rows:
+            right_side[len(closure.joint_of) + row] = values[move]
+        return right_side
 
     velocity = _shortest(posture, jacobian, prescribed(speed))
     bias = _bias(closure, placement, velocity)
-    found = _shortest(posture, jacobian, prescribed(acceleration) - bias)
+    solution = _shortest(posture, jacobian, prescribed(acceleration) - bias)
     motions = {GROUND: REST}
     moving = [name for name in closure.names if name != GROUND]
     unit = np.array([1.0] * 3 + [1.0 / closure.size] * 3)
-    rows = zip(moving, velocity.reshape(-1, 6) * unit, found.reshape(-1, 6) * unit, strict=True)
+    rows = zip(moving, velocity.reshape(-1, 6) * unit, solution.reshape(-1, 6) * unit, strict=True)
     return motions | {name: Motion(a[:3], a[3:], v[3:]) for name, v, a in rows}
 
 
-def _shortest(posture: Posture, jacobian: Array, right: Array) -> Array:
-    found = np.asarray(lstsq(jacobian, right, cond=_DEPENDENT, check_finite=False)[0])
-    if np.linalg.norm(jacobian @ found - right) > _LEFT * np.linalg.norm(right):
-        place = shown_pose(posture.mechanism, posture.pose)
+def _shortest(posture: Posture, jacobian: Array, right_side: Array) -> Array:
+    solution = np.asarray(lstsq(jacobian, right_side, cond=_DEPENDENT, check_finite=False)[0])
+    if np.linalg.norm(jacobian @ solution - right_side) > _RESIDUAL * np.linalg.norm(right_side):
+        pose = shown_pose(posture.mechanism, posture.pose)
         raise ComputationError(
-            f"{posture.mechanism.name}, pose {place}: the tool cannot move that way"
+            f"{posture.mechanism.name}, pose {pose}: the tool cannot move that way"
         )
-    return found
+    return solution
 
 
 def _bias(closure: Closure, placement: Placement, velocity: Array) -> Array:
-    """J̇ v (rows of J)."""
+    """Velocity term J̇ v (rows of J)."""
     fastest = float(np.abs(velocity).max(initial=0.0))
     if not fastest:
         return np.zeros(len(closure.joint_of) + len(closure.moves))
     time = _STEP * closure.size / fastest
     before, after = (
-        closure.jacobian_at(closure.moved(placement, sign * time * velocity)) for sign in (-1, 1)
+        closure.jacobian_at(closure.displaced(placement, step * velocity)) for step in (-time, time)
     )
     return np.asarray((after - before) @ velocity / (2.0 * time))

@@ -1,9 +1,9 @@
-"""Loop closure: how far the joints of a mechanism stand open, and the derivative by screws.
+"""Loop closure: residuals of the joints of a mechanism, and their derivative by screws.
 
-All joints are looked at together, as arrays. Residuals are lengths (m): angles are weighed with
-the size of the mechanism. The unknowns are the small displacements of the bodies that can move,
-six for each in the order of the mechanism, in base axes at the origin of the body, rotations
-weighed likewise.
+All joints are evaluated together, as arrays. Residuals are lengths (m): angles are weighted with
+the size of the mechanism. The unknowns are the small displacements of the movable bodies, six for
+each in the order of the mechanism, in base axes at the origin of the body. Rotations are weighted
+with the size, too.
 """
 
 from collections.abc import Iterator
@@ -18,19 +18,19 @@ from lumped.mechanism.free_twists import (
     axes_of_drive,
     constraints,
     coordinates,
-    turned_since_reference,
+    rotation_since_reference,
 )
 from lumped.mechanism.mechanism import GROUND, MOVES, Mechanism, Posture
 from lumped.memo import memo
 from lumped.screws import rotation_about, rotation_vector, skew
 
-# Angle (rad) below which θ²/720 of the series that follows is lost in rounding.
+# Angle (rad) below which the next term θ²/720 of the series is less than round-off.
 _SMALL = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
 class Placement:
-    """Where all bodies are: `origins` (n×3, m, base axes), `turns` (n×3×3) from the reference."""
+    """Placement of bodies: `origins` (n×3, m, base axes), `turns` (n×3×3) from the reference."""
 
     origins: Array
     turns: Array
@@ -50,13 +50,15 @@ class Closure:
         self._second = np.array([self._number[j.second.body] for j in joints], dtype=int)
         self._arm_first = np.array([self._arm(j.first.body, j.first.point) for j in joints])
         self._arm_second = np.array([self._arm(j.second.body, j.second.point) for j in joints])
-        normals, held, turned = zip(*map(constraints, joints), strict=True)
-        self._normal, self._held, self._turned = map(np.vstack, (normals, held, turned))
-        self._target = np.sum(self._held * self._turned, axis=1)
+        # Constraints n·p = 0 and b·R c = b·c of `free_twists`; n, b in the first body, c in the
+        # second.
+        normals, b_vectors, c_vectors = zip(*map(constraints, joints), strict=True)
+        self._normal, self._b, self._c = map(np.vstack, (normals, b_vectors, c_vectors))
+        self._target = np.sum(self._b * self._c, axis=1)
         self._sliding = np.repeat(np.arange(len(joints)), list(map(len, normals)))
-        self._turning = np.repeat(np.arange(len(joints)), list(map(len, held)))
-        self._apart = self._gaps(self.reference)[2]
-        # Joint that each constraint belongs to, in the order of the rows.
+        self._turning = np.repeat(np.arange(len(joints)), list(map(len, b_vectors)))
+        self._reference_gaps = self._gaps(self.reference)[2]
+        # Joint of each constraint, in the order of the rows.
         self.joint_of = np.concatenate([self._sliding, self._turning])
         self._driven = np.array([i for i, j in enumerate(joints) if j.drive is not None], dtype=int)
         driven = [axes_of_drive(joint) for joint in joints if joint.drive is not None]
@@ -64,30 +66,30 @@ class Closure:
         tool = mechanism.tool
         self._tool_body = self._number[tool.body]
         self._tool_arm = self._arm(tool.body, tool.point)
-        kept = dict(tool.keeps)
-        # What is prescribed: what a pose does, then what all poses keep.
-        self.moves = [MOVES.index(move) for move in (*tool.moves, *kept)]
-        self._kept = np.array(list(kept.values()))
+        constant_moves = dict(tool.constant_moves)
+        # Prescribed coordinates: those of a pose, then those that are constant in all poses.
+        self.moves = [MOVES.index(move) for move in (*tool.moves, *constant_moves)]
+        self._constants = np.array(list(constant_moves.values()))
         self._datum = np.array(tool.datum)
         self._weights = np.array([1.0] * 3 + [self.size] * 3)[self.moves]
 
     def _arm(self, body: str, point: str) -> Array:
-        """From the origin of a body to an interface (3, m), base axes of the reference posture."""
+        """Vector (3, m) from a body's origin to an interface, base axes, reference posture."""
         interface = self.mechanism.bodies[body].interfaces[point]
         arm: Array = self.mechanism.reference[body].rotation @ interface.position
         return arm
 
     @cached_property
     def reference(self) -> Placement:
-        """Where the bodies are in the reference posture."""
+        """Placement of the bodies in the reference posture."""
         origins = [self.mechanism.reference[name].position for name in self.names]
         return Placement(np.array(origins), np.tile(np.eye(3), (len(self.names), 1, 1)))
 
     def placement(self, posture: Posture) -> Placement:
-        """Where the bodies are in a posture."""
+        """Placement of the bodies in `posture`."""
         return Placement(
             np.array([posture.frames[name].position for name in self.names]),
-            np.array([turned_since_reference(posture, name) for name in self.names]),
+            np.array([rotation_since_reference(posture, name) for name in self.names]),
         )
 
     def frames(self, placement: Placement) -> dict[str, Frame]:
@@ -104,12 +106,12 @@ class Closure:
         """Coordinates of every joint, in their order, angles within half a turn."""
         first = placement.turns[self._first]
         # Interfaces may be apart in the reference posture, where the coordinates are zero.
-        p = np.einsum("jki,jk->ji", first, self._gaps(placement)[2]) - self._apart
+        p = np.einsum("jki,jk->ji", first, self._gaps(placement)[2]) - self._reference_gaps
         R = np.einsum("jki,jkl->jil", first, placement.turns[self._second])
         return (coordinates(*each) for each in zip(self.mechanism.joints, p, R, strict=True))
 
     def _gaps(self, placement: Placement) -> tuple[Array, Array, Array]:
-        """Arms of first and second interfaces and the way between them (j×3 each, base axes)."""
+        """Arms of first and second interfaces and the gap between them (j×3 each, base axes)."""
         first = np.einsum("jkl,jl->jk", placement.turns[self._first], self._arm_first)
         second = np.einsum("jkl,jl->jk", placement.turns[self._second], self._arm_second)
         origins = placement.origins
@@ -117,13 +119,13 @@ class Closure:
         return first, second, gap
 
     def residual(self, placement: Placement) -> Array:
-        """How far each constraint is from being met (m)."""
+        """Residual (m) of each constraint."""
         turns = placement.turns
         gap = self._gaps(placement)[2][self._sliding]
         normal = np.einsum("tkl,tl->tk", turns[self._first[self._sliding]], self._normal)
-        held = np.einsum("rkl,rl->rk", turns[self._first[self._turning]], self._held)
-        turned = np.einsum("rkl,rl->rk", turns[self._second[self._turning]], self._turned)
-        slides, swings = (normal * gap).sum(axis=1), (held * turned).sum(axis=1)
+        b = np.einsum("rkl,rl->rk", turns[self._first[self._turning]], self._b)
+        c = np.einsum("rkl,rl->rk", turns[self._second[self._turning]], self._c)
+        slides, swings = (normal * gap).sum(axis=1), (b * c).sum(axis=1)
         return np.concatenate([slides, self.size * (swings - self._target)])
 
     def jacobian(self, placement: Placement) -> Array:
@@ -136,15 +138,15 @@ class Closure:
             j, -normal, -_cross(first + gap, normal), normal, _cross(second, normal)
         )
         j = self._turning
-        held = np.einsum("rkl,rl->rk", turns[self._first[j]], self._held)
-        turned = np.einsum("rkl,rl->rk", turns[self._second[j]], self._turned)
-        axis = self.size * _cross(turned, held)
-        nothing = np.zeros_like(axis)
-        turning = self._rows(j, nothing, -axis, nothing, axis)
+        b = np.einsum("rkl,rl->rk", turns[self._first[j]], self._b)
+        c = np.einsum("rkl,rl->rk", turns[self._second[j]], self._c)
+        axis = self.size * _cross(c, b)
+        no_translation = np.zeros_like(axis)
+        turning = self._rows(j, no_translation, -axis, no_translation, axis)
         return self._unknowns(np.concatenate([sliding, turning]))
 
     def _rows(self, joints: IntArray, *blocks: Array) -> Array:
-        """Rows × bodies × 6 from their parts (rows × 3): first body along, about; the second's."""
+        """Rows × bodies × 6 from blocks (rows × 3): translation, rotation of first, second body."""
         rows = np.zeros((len(joints), len(self.names), 6))
         each = np.arange(len(joints))
         along1, about1, along2, about2 = blocks
@@ -155,12 +157,12 @@ class Closure:
         return rows
 
     def _unknowns(self, rows: Array) -> Array:
-        kept: Array = rows[:, self._moving]
-        kept[:, :, 3:] /= self.size
-        return kept.reshape(len(rows), 6 * int(self._moving.sum()))
+        movable_rows: Array = rows[:, self._moving]
+        movable_rows[:, :, 3:] /= self.size
+        return movable_rows.reshape(len(rows), 6 * int(self._moving.sum()))
 
     def drives(self, placement: Placement) -> Array:
-        """Rates (drives × unknowns, rotations weighed with the size) of the driven joints."""
+        """Rates (drives × unknowns, rotations weighted with the size) of the driven joints."""
         first = self._gaps(placement)[0][self._driven]
         body1, body2 = self._first[self._driven], self._second[self._driven]
         along, about = (
@@ -178,7 +180,7 @@ class Closure:
         return self._unknowns(rows)
 
     def tool_twists(self, placement: Placement) -> Array:
-        """Twist (6 × unknowns, base axes, rotations weighed with the size) of the loaded point."""
+        """Twist (6 × unknowns, base axes, rotations weighted with the size) of the loaded point."""
         rows = np.zeros((6, len(self.names), 6))
         rows[:, self._tool_body] = np.eye(6)
         rows[:3, self._tool_body, 3:] = -skew(self._tool_arm_in(placement))
@@ -186,40 +188,40 @@ class Closure:
         return self._unknowns(rows)
 
     def pose(self, placement: Placement) -> Array:
-        """Pose of the tool in the order of its moves, then of what it keeps (m, rad)."""
+        """Pose of the tool (m, rad) in the order of its moves, then of its constant moves."""
         arm = self._tool_arm_in(placement) - self._datum
         position = placement.origins[self._tool_body] + arm
         values: Array = np.concatenate([position, self._tool_rotation(placement)])[self.moves]
         return values
 
     def pose_jacobian(self, placement: Placement) -> Array:
-        """Derivative (rows of `pose` × unknowns, rotations weighed with the size) of the pose."""
+        """Derivative (rows of `pose` × unknowns, rotations weighted with the size) of the pose."""
         rates = np.eye(6)
         rates[3:, 3:] = _rotation_vector_rates(self._tool_rotation(placement))
         derivative: Array = rates[self.moves] @ self.tool_twists(placement)
         return derivative
 
     def residual_at(self, placement: Placement, pose: Array) -> Array:
-        """Residual (m) of all constraints, then by how much the tool misses `pose`."""
-        missed = self._weights * (self.pose(placement) - np.append(pose, self._kept))
-        return np.concatenate([self.residual(placement), missed])
+        """Residual (m) of all constraints, then deviation of the tool from `pose`."""
+        deviation = self._weights * (self.pose(placement) - np.append(pose, self._constants))
+        return np.concatenate([self.residual(placement), deviation])
 
     def jacobian_at(self, placement: Placement) -> Array:
         """Derivative (no unit) of `residual_at`."""
         return np.concatenate([self.jacobian(placement), self.pose_jacobian(placement)])
 
-    def moved(self, placement: Placement, step: Array) -> Placement:
-        """The bodies after small displacements (unknowns)."""
+    def displaced(self, placement: Placement, step: Array) -> Placement:
+        """Placement after small displacements `step` (unknowns)."""
         along, about = step.reshape(-1, 2, 3).swapaxes(0, 1)
         origins, turns = placement.origins.copy(), placement.turns.copy()
         origins[self._moving] += along
-        turned = rotation_about(about / self.size) @ turns[self._moving]
-        # One step of Newton's towards the nearest rotation: rounding does not add up on a long way.
-        turns[self._moving] = 1.5 * turned - 0.5 * turned @ turned.swapaxes(1, 2) @ turned
+        rotated = rotation_about(about / self.size) @ turns[self._moving]
+        # One Newton step towards the nearest rotation prevents rounding from accumulating.
+        turns[self._moving] = 1.5 * rotated - 0.5 * rotated @ rotated.swapaxes(1, 2) @ rotated
         return Placement(origins, turns)
 
     def _tool_rotation(self, placement: Placement) -> Array:
-        """Rotation vector (3, rad) of the tool; not asked for where no pose says a rotation."""
+        """Rotation vector (3, rad) of the tool; zeros if no rotation is prescribed."""
         if max(self.moves, default=0) < 3:
             return np.zeros(3)
         return rotation_vector(placement.turns[self._tool_body])
@@ -231,14 +233,16 @@ class Closure:
 
 @memo(16)
 def closure_of(mechanism: Mechanism) -> Closure:
-    """The closure of a mechanism, kept while it is asked for again and again."""
+    """Closure of a mechanism, memoised."""
     return Closure(mechanism)
 
 
 def _cross(first: Array, second: Array) -> Array:
-    """Cross products of rows (n×3); numpy's own takes five times as long for so few."""
-    after, last = [1, 2, 0], [2, 0, 1]
-    product: Array = first[:, after] * second[:, last] - first[:, last] * second[:, after]
+    """Cross products of rows (n×3); numpy.cross takes five times as long for so few."""
+    successor, predecessor = [1, 2, 0], [2, 0, 1]
+    product: Array = (
+        first[:, successor] * second[:, predecessor] - first[:, predecessor] * second[:, successor]
+    )
     return product
 
 

@@ -1,8 +1,8 @@
-"""Mobility of a posture from the null space of its constraints: what moves, what idles.
+"""Mobility and idle motions of a posture from the null space of its constraints.
 
-With J the derivative of the constraints, N a basis of its null space, D the rates of the drives, T
-the twist and M the pose of the tool: a motion in N that D does not see is left with the drives
-held. If T does not see it either it idles; otherwise the tool is loose.
+J is the derivative of the constraints, N a basis of its null space, D the rates of the drives, T
+the twist and M the pose of the tool. A motion in N with D zero is possible with locked drives. It
+is idle if T is zero, too. Otherwise the drives do not control the tool.
 """
 
 from collections.abc import Iterable
@@ -17,27 +17,30 @@ from lumped.mechanism.mechanism import MOVES, Mechanism, Posture
 from lumped.memo import memo
 from lumped.screws import name_twists
 
-# Singular values of matrices without units. Geometry is typed with six digits or more.
-_NOTHING = 1e-6
-# Below it a constraint repeats others but for directions typed with three digits.
+# Singular value (matrices without units) below which it counts as zero. Geometry is typed with six
+# digits or more.
+_ZERO = 1e-6
+# Singular value below which a constraint repeats others except for directions typed with three
+# digits.
 _ALMOST = 3e-3
-# How far another posture is, of the size, and how many steps of Newton's close it again.
-_AWAY = 0.02
+# Distance of a neighbouring posture, as a fraction of the size, and Newton steps to close it.
+_NEIGHBOUR_DISTANCE = 0.02
 _ITERATIONS = 8
 
 
 @dataclass(frozen=True, eq=False)
 class Mobility:
-    """What can move in a posture.
+    """Mobility of a posture.
 
-    `mobility` of the whole mechanism; `redundant` constraints, without which it would move no more
-    (the overconstraint), and those that are so but for a few digits (`almost_redundant`), of
-    `constraints`; `idle` motions, which stir neither the tool nor a
-    drive. Twists of the loaded point (base axes, m and rad) span `loose` (k×6), what is left to
-    it with the drives held, and `unprescribed` (k×6), what it can do while its pose stands.
-    `barred` names the moves that some motion of the joints would be needed for and none exists,
-    `stirring` the drives that can move while the pose stands. In a posture where legs are
-    stretched or folded there are as many of one as of the other (`at_limit`).
+    `mobility` is that of the whole mechanism. Of the `constraints`, `redundant` do not reduce the
+    mobility (the overconstraint), and `almost_redundant` would not except for a few digits. `idle`
+    is the number of motions that move neither the tool nor a drive; `moves` that of prescribed
+    coordinates.
+
+    Twists of the loaded point (base axes, m and rad): `uncontrolled_twists` (k×6) span the motions
+    of the tool with locked drives, `unprescribed_twists` (k×6) its motions at constant pose.
+    `barred` names the moves that no motion of the joints provides, `stirring` the drives that can
+    move at constant pose. If legs are stretched or folded, both occur in equal number (`at_limit`).
     """
 
     mobility: int
@@ -46,20 +49,20 @@ class Mobility:
     almost_redundant: int
     idle: int
     moves: int
-    loose: Array
-    unprescribed: Array
+    uncontrolled_twists: Array
+    unprescribed_twists: Array
     stirring: tuple[str, ...]
     barred: tuple[str, ...]
 
     @property
-    def spare(self) -> int:
-        """Motions beyond those that idle and those that the tool's moves prescribe."""
+    def excess_mobility(self) -> int:
+        """Number of motions that are neither idle nor prescribed by the tool's moves."""
         return self.mobility - self.idle - self.moves
 
     @property
     def at_limit(self) -> bool:
-        """Whether the tool is at the edge of what its legs reach (a type 1 singularity)."""
-        return self.spare == 0 and bool(self.stirring)
+        """True at the edge of the workspace (a type 1 singularity)."""
+        return self.excess_mobility == 0 and bool(self.stirring)
 
 
 @memo(256)
@@ -69,86 +72,88 @@ def mobility(posture: Posture) -> Mobility:
     return mobility_at(closure, closure.placement(posture))
 
 
-def mobility_nearby(mechanism: Mechanism) -> Mobility:
-    """As `mobility`, of a posture that all motions of the reference posture have led away from it.
+def generic_mobility(mechanism: Mechanism) -> Mobility:
+    """Mobility of a posture near the reference posture, displaced along all of its motions.
 
-    What is singular in one posture alone is not so there.
+    A singularity of the reference posture alone does not occur there.
     """
     closure = closure_of(mechanism)
     placement = closure.reference
     free = _null_space(closure.jacobian(placement))
-    step = _AWAY * closure.size * free @ np.linspace(1.0, 2.0, free.shape[1])
+    step = _NEIGHBOUR_DISTANCE * closure.size * free @ np.linspace(1.0, 2.0, free.shape[1])
     for _ in range(_ITERATIONS):
-        placement = closure.moved(placement, step)
-        step = -lstsq(closure.jacobian(placement), closure.residual(placement), cond=_NOTHING)[0]
+        placement = closure.displaced(placement, step)
+        step = -lstsq(closure.jacobian(placement), closure.residual(placement), cond=_ZERO)[0]
     return mobility_at(closure, placement)
 
 
 def mobility_at(closure: Closure, placement: Placement) -> Mobility:
-    """As `mobility`, of a closed placement of the bodies."""
+    """Mobility of a closed placement of the bodies."""
     jacobian = closure.jacobian(placement)
     _, values, right = svd(jacobian, check_finite=False)
-    rank = int(np.count_nonzero(values > _NOTHING))
-    free = right[rank:].T
-    drives = closure.drives(placement) @ free
-    tool = closure.tool_twists(placement) @ free
+    rank = int(np.count_nonzero(values > _ZERO))
+    free_motions = right[rank:].T
+    drives = closure.drives(placement) @ free_motions
+    tool = closure.tool_twists(placement) @ free_motions
     unit = np.array([1.0] * 3 + [closure.size] * 3)
-    moves = closure.pose_jacobian(placement) @ free
+    moves = closure.pose_jacobian(placement) @ free_motions
     undriven = _null_space(drives)
-    loose = _row_space((tool @ undriven).T)
-    unmoved = _null_space(moves)
+    uncontrolled_twists = _row_space((tool @ undriven).T)
+    constant_pose = _null_space(moves)
     barred = _null_space(moves.T)
     names = (joint.name for joint in closure.mechanism.joints if joint.drive is not None)
     return Mobility(
-        mobility=free.shape[1],
+        mobility=free_motions.shape[1],
         constraints=len(jacobian),
         redundant=len(jacobian) - rank,
-        almost_redundant=int(np.count_nonzero((values > _NOTHING) & (values < _ALMOST))),
-        idle=undriven.shape[1] - len(loose),
+        almost_redundant=int(np.count_nonzero((values > _ZERO) & (values < _ALMOST))),
+        idle=undriven.shape[1] - len(uncontrolled_twists),
         moves=len(moves),
-        loose=loose / unit,
-        unprescribed=_row_space((tool @ unmoved).T) / unit,
-        stirring=_touched(names, drives @ unmoved),
+        uncontrolled_twists=uncontrolled_twists / unit,
+        unprescribed_twists=_row_space((tool @ constant_pose).T) / unit,
+        stirring=_touched(names, drives @ constant_pose),
         barred=_touched((MOVES[move] for move in closure.moves), barred),
     )
 
 
 def _touched(names: Iterable[str], shares: Array) -> tuple[str, ...]:
-    """The names whose row of `shares` is not zero."""
+    """Names with a nonzero row of `shares`."""
     largest = np.abs(shares).max(axis=1, initial=0.0)
-    return tuple(name for name, most in zip(names, largest, strict=True) if most > _NOTHING)
+    return tuple(
+        name for name, row_maximum in zip(names, largest, strict=True) if row_maximum > _ZERO
+    )
 
 
-def undetermined(found: Mobility, size: float, *, singular: bool = False) -> str:
-    """What the drives leave to the tool, or its moves to the mechanism, in words; "" if nothing.
+def indeterminacy(result: Mobility, size: float, *, singular: bool = False) -> str:
+    """Description of motions left free by the drives or by the tool's moves. "" if there are none.
 
     `size` (m) is the scale of the mechanism. `singular`: motions of a posture `at_limit` count.
     """
-    if len(found.loose):
-        motions = name_twists(found.loose, size)
+    if len(result.uncontrolled_twists):
+        motions = name_twists(result.uncontrolled_twists, size)
         return (
             f"with all drives held the tool is free to {motions}; "
             "drives must hold every motion of the tool"
         )
-    if not found.moves or not (found.spare > 0 or (singular and found.at_limit)):
+    if not result.moves or not (result.excess_mobility > 0 or (singular and result.at_limit)):
         return ""
-    left = (
-        f"the tool is free to {name_twists(found.unprescribed, size)}"
-        if len(found.unprescribed)
-        else f"drives {', '.join(found.stirring)} are free to move"
+    free_motions = (
+        f"the tool is free to {name_twists(result.unprescribed_twists, size)}"
+        if len(result.unprescribed_twists)
+        else f"drives {', '.join(result.stirring)} are free to move"
     )
-    return f"with these held {left}; must prescribe every free motion"
+    return f"with these held {free_motions}; must prescribe every free motion"
 
 
 def _null_space(matrix: Array) -> Array:
     """Orthonormal basis (columns) of the null space."""
     _, values, right = svd(matrix, check_finite=False)
-    basis: Array = right[np.count_nonzero(values > _NOTHING) :].T
+    basis: Array = right[np.count_nonzero(values > _ZERO) :].T
     return basis
 
 
 def _row_space(matrix: Array) -> Array:
     """Orthonormal basis (rows) of the row space."""
     _, values, right = svd(matrix, check_finite=False)
-    basis: Array = right[: np.count_nonzero(values > _NOTHING)]
+    basis: Array = right[: np.count_nonzero(values > _ZERO)]
     return basis

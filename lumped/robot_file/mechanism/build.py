@@ -26,7 +26,7 @@ from lumped.mechanism.body import (
 )
 from lumped.mechanism.joint import Drive, Joint, Side
 from lumped.mechanism.mechanism import GROUND, Mechanism, Tool
-from lumped.mechanism.placing import axes_along, leg_on, rigid_on
+from lumped.mechanism.placing import axes_along, place_leg, place_rigid_body
 from lumped.robot_file.mechanism.draft import Draft
 from lumped.robot_file.rules.relations import Entry
 
@@ -38,7 +38,7 @@ def mechanism_of(given: Draft, name: str, folder: Path) -> Mechanism:
     sides = [side for joint in joints for side in (joint.first, joint.second)]
     base = dict.fromkeys(side.point for side in sides if side.body == GROUND)
     placed = [
-        rigid_on(GROUND, base, given.points, origin=np.zeros(3)),
+        place_rigid_body(GROUND, base, given.points, origin=np.zeros(3)),
         *(_body(given, name, folder) for name in given.bodies),
     ]
     mechanism = Mechanism(
@@ -62,7 +62,7 @@ def _body(given: Draft, name: str, folder: Path) -> tuple[Body, Frame]:
     if table["kind"] == "rigid body":
         return _rigid(given, name, table)
     up = None if table["up"] is None else np.array(table["up"])
-    body, frame = leg_on(name, leg_of(table, name), table["held"], given.points, up)
+    body, frame = place_leg(name, leg_of(table, name), table["held"], given.points, up)
     return replace(body, loss=loss_of(table)), frame
 
 
@@ -93,7 +93,7 @@ def _rigid(given: Draft, name: str, table: Entry) -> tuple[Body, Frame]:
     centre = origin if table["centre"] is None else _place(given, table["centre"])
     inertia = np.zeros((3, 3)) if table["inertia"] is None else table["inertia"]
     shape = Rigid(table["mass"] or 0.0, centre - origin, inertia)
-    return rigid_on(name, table["points"], given.points, shape)
+    return place_rigid_body(name, table["points"], given.points, shape)
 
 
 def _joint(given: Draft, name: str) -> Joint:

@@ -11,9 +11,9 @@ import numpy as np
 from lumped.errors import InputError
 from lumped.mechanism.kinematics.mobility import (
     Mobility,
+    generic_mobility,
+    indeterminacy,
     mobility,
-    mobility_nearby,
-    undetermined,
 )
 from lumped.mechanism.kinematics.postures import PoseError, posture, reference_posture
 from lumped.mechanism.mechanism import GROUND, Mechanism
@@ -137,10 +137,10 @@ def motion_faults(mechanism: Mechanism) -> list[str]:
 
 def _mobility_faults(mechanism: Mechanism, found: Mobility) -> Iterator[str]:
     moves = f"tool.moves = {list(mechanism.tool.moves)}"
-    left = undetermined(found, mechanism.size, singular=True)
-    if len(found.loose):
+    left = indeterminacy(found, mechanism.size, singular=True)
+    if len(found.uncontrolled_twists):
         yield f"joints: {left}"
-    if found.at_limit and not mobility_nearby(mechanism).at_limit:
+    if found.at_limit and not generic_mobility(mechanism).at_limit:
         yield (
             f"points: the reference posture is singular, drives {', '.join(found.stirring)} move "
             f"while the tool cannot move along {', '.join(found.barred)}; must be a posture inside "
@@ -158,7 +158,7 @@ def _mobility_faults(mechanism: Mechanism, found: Mobility) -> Iterator[str]:
             f"{moves}: the joints do not let the tool move along {', '.join(found.barred)}; "
             f"{allowed}"
         )
-    if left and not len(found.loose):
+    if left and not len(found.uncontrolled_twists):
         yield f"{moves}: {left}"
 
 

@@ -156,8 +156,8 @@ def test_robot_of_reduced_legs_is_the_unreduced_one(robots):
         ours, theirs = robot.system.tool[:3] @ found.shapes, whole.system.tool[:3] @ exact.shapes
         gram = 46.0 * ours.T @ theirs
         for name, leg in unreduced.items():
-            field = reduced[name].recover(robot.system.own(name, found.shapes))
-            gram += field.T @ (leg.mass @ whole.system.own(name, exact.shapes))
+            field = reduced[name].recover(robot.system.body_unknowns(name, found.shapes))
+            gram += field.T @ (leg.mass @ whole.system.body_unknowns(name, exact.shapes))
         assert np.min(np.diag(gram) ** 2) > 0.9999
 
 

@@ -12,14 +12,14 @@ from scipy.spatial.transform import Rotation
 
 from lumped.equivalent_leg import equivalent_leg
 from lumped.errors import InputError
-from lumped.mechanism.biglide import Stroke, lengthened
-from lumped.mechanism.free_twists import interface_position, twists_left_free
+from lumped.mechanism.biglide import Stroke, family_member
+from lumped.mechanism.free_twists import interface_position, joint_twists
 from lumped.mechanism.joint import FREEDOMS, Joint, Side
 from lumped.mechanism.kinematics.closure import Closure, Placement
 from lumped.mechanism.kinematics.mobility import mobility
 from lumped.mechanism.kinematics.postures import CLOSED, posture, reference_posture
 from lumped.mechanism.mechanism import GROUND, Mechanism, Tool
-from lumped.mechanism.placing import leg_frame, rigid_on
+from lumped.mechanism.placing import leg_frame, place_rigid_body
 from lumped.memo import forget
 from lumped.robot_file import load_robot
 
@@ -32,7 +32,7 @@ def single_joint(kind):
     none = np.zeros((0, 3))
     axes = {"universal": np.eye(3)[:2], "spherical": none, "fixed": none}.get(kind, np.eye(3)[2:])
     points = {"O": np.zeros(3)}
-    placed = [rigid_on(name, ("O",), points) for name in (GROUND, "first", "second")]
+    placed = [place_rigid_body(name, ("O",), points) for name in (GROUND, "first", "second")]
     return Mechanism(
         "joint",
         {body.name: body for body, _ in placed},
@@ -73,7 +73,7 @@ def test_each_kind_allows_its_motions_one_by_one_and_forbids_others(kind, place,
     (found,) = closure.coordinates(closed)
     shown = [np.linalg.norm(found[:2]), found[2]] if kind == "planar" else found
     assert shown == pytest.approx(values, abs=1e-14)
-    twists = twists_left_free(mechanism.joints[0], base, base @ turn).T
+    twists = joint_twists(mechanism.joints[0], base, base @ turn).T
     assert twists.shape == (FREEDOMS[kind], 6)
     for twist, own in zip(twists, np.eye(len(twists)), strict=True):
         moved = placement(1e-6 * twist)
@@ -164,10 +164,13 @@ def test_the_jacobian_is_the_derivative_of_the_residual(mechanism):
     placement = closure.reference
     size = closure.jacobian(placement).shape[1]
     # Off the closed posture too, where no term may hide behind a vanishing residual.
-    placement = closure.moved(placement, 0.2 * closure.size * rng.standard_normal(size))
+    placement = closure.displaced(placement, 0.2 * closure.size * rng.standard_normal(size))
     steps = 1e-6 * closure.size * np.eye(size)
     ahead, behind = (
-        [closure.residual_at(closure.moved(placement, s), mechanism.reference_pose) for s in way]
+        [
+            closure.residual_at(closure.displaced(placement, s), mechanism.reference_pose)
+            for s in way
+        ]
         for way in (steps, -steps)
     )
     derivative = np.subtract(ahead, behind).T / (2e-6 * closure.size)
@@ -182,7 +185,7 @@ def test_kutzbach_counts_what_is_not_overconstrained(mechanism):
     assert found.mobility - found.redundant == kutzbach
     if mechanism.name in {"Delta", "hexapod"}:
         assert found.redundant == 0
-    prescribed = len(mechanism.tool.moves) + len(mechanism.tool.keeps)
+    prescribed = len(mechanism.tool.moves) + len(mechanism.tool.constant_moves)
     assert found.mobility == prescribed + found.idle
 
 
@@ -299,7 +302,7 @@ def test_postures_outside_the_stroke(x):
 @pytest.mark.parametrize("alpha", [0.7, 1.0, 2.0])
 def test_family_keeps_stroke_and_section(alpha):
     """Eqs (10), (11): L = α L0, d the same, a = α (L10 + L20) − d; EA, EI, GJ, μ the same."""
-    a, *legs = lengthened(0.92, LEG1, LEG2, alpha)
+    a, *legs = family_member(0.92, LEG1, LEG2, alpha)
     assert a == pytest.approx(alpha * 1.625 - 0.705, rel=1e-14)
     for leg, original in zip(legs, (LEG1, LEG2), strict=True):
         assert leg.timoshenko == equivalent_leg(original).timoshenko
@@ -310,7 +313,7 @@ def test_family_keeps_stroke_and_section(alpha):
 def test_family_begins_where_the_legs_can_meet():
     """a > α |L10 − L20| gives α > d / (2 L20) = 0.705/1.55 = 0.4548; a > 0 gives 0.4338."""
     for alpha, said in ((0.4549, ""), (0.4548, "never becomes horizontal"), (0.43, "a > 0")):
-        a, leg1, leg2 = lengthened(0.92, LEG1, LEG2, alpha)
+        a, leg1, leg2 = family_member(0.92, LEG1, LEG2, alpha)
         faults = "".join(Stroke(a, leg1.length, leg2.length).faults())
         assert bool(faults) == bool(said)
         assert said in faults
@@ -319,5 +322,5 @@ def test_family_begins_where_the_legs_can_meet():
 def test_postures_that_reading_a_file_tried_are_remembered(monkeypatch):
     forget()
     mechanism = load_robot("five-bar").mechanism
-    monkeypatch.setattr("lumped.mechanism.kinematics.postures._walked", pytest.fail)
+    monkeypatch.setattr("lumped.mechanism.kinematics.postures._continued", pytest.fail)
     assert "motor1" in posture(mechanism, mechanism.poses[0]).coordinates

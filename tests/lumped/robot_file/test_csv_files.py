@@ -160,7 +160,7 @@ def test_rows_go_by_number_or_by_coordinates_in_any_order(tmp_path):
     by_place = f"time,{AXES},x\n0,{CELLS[2]},0.2\n1,{CELLS[1]},0.05\n2,{CELLS[0]},-0.1\n"
     for robot in (by_number, read(tmp_path, by_place)):
         (load,) = robot.mechanism.loads
-        np.testing.assert_array_equal(load.over_path, ROWS)
+        np.testing.assert_array_equal(load.path_wrenches, ROWS)
     # Another file is another robot.
     assert by_number.sha256 != robot.sha256
 
@@ -169,7 +169,7 @@ def test_a_pose_that_comes_again_has_one_wrench(tmp_path):
     there_and_back = ROBOT.replace(LINE, "poses = [[0.1], [0.1]]")
     rows = f"pose,{AXES}\n1,{CELLS[0]}\n2,"
     (load,) = read(tmp_path, f"{rows}{CELLS[0]}\n", there_and_back).mechanism.loads
-    np.testing.assert_array_equal(load.over_path, ROWS[[0, 0]])
+    np.testing.assert_array_equal(load.path_wrenches, ROWS[[0, 0]])
     with pytest.raises(InputError, match=r"line 3: x = 0\.1 m: differs from the wrench of an"):
         read(tmp_path, f"{rows}{CELLS[1]}\n", there_and_back)
 

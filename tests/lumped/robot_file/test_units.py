@@ -196,7 +196,7 @@ def test_load_over_path_has_poses_in_unit_of_file(tmp_path, monkeypatch):
     (tmp_path / "forces.csv").write_text("\n".join(rows))
     loads = [{"name": "cut", "file": "forces.csv"}]
     (load,) = robot_of(MILLI | {"path": poses, "loads": loads}).mechanism.loads
-    assert load.over_path[:, 0].tolist() == [1.0, 2.0]
+    assert load.path_wrenches[:, 0].tolist() == [1.0, 2.0]
     (tmp_path / "forces.csv").write_text("\n".join(rows).replace("\n0,", "\n9,"))
     with pytest.raises(InputError, match="x = 9 mm, y = 500 mm: must be a pose of the path"):
         robot_of(MILLI | {"path": poses, "loads": loads})

@@ -17,7 +17,7 @@ from lumped.arrays import dense
 from lumped.errors import ComputationError
 from lumped.legs import ConstantLeg
 from lumped.mechanism.body import Body, Frame, Rigid
-from lumped.mechanism.free_twists import free_twists, interface_position, turned_since_reference
+from lumped.mechanism.free_twists import free_twists, interface_position, rotation_since_reference
 from lumped.mechanism.joint import Drive
 from lumped.mechanism.kinematics.postures import posture
 from lumped.mechanism.mechanism import GROUND, Tool
@@ -125,7 +125,7 @@ def give_of(posture, joint, free):
     """What a joint yields by itself and by its drive (6×6)."""
     give = np.zeros((6, 6))
     if joint.compliance is not None:
-        since = turned_since_reference(posture, joint.first.body)
+        since = rotation_since_reference(posture, joint.first.body)
         give += turn_matrix(joint.compliance, since)
     if joint.drive is not None and joint.drive.stiffness is not None:
         give += np.outer(free[:, 0], free[:, 0]) / joint.drive.stiffness

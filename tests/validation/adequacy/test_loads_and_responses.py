@@ -198,7 +198,7 @@ def test_pulled_arm_moves_less_far(tmp_path):
     pull = '[[loads]]\nname = "pull"\nwrench = [10.0, 2.0e4, 0.0, 0.0, 0.0, 0.0]\n'
     arm = robot_of(HELD + "[path]\nposes = [[0.0]]\n" + pull, tmp_path)
     ((at,),) = stabilities("links", robot_on_path(Context(arm, "quick")).postures)
-    assert at.farther == pytest.approx(-1.0 / 6.0, rel=0.1)
+    assert at.extra_displacement == pytest.approx(-1.0 / 6.0, rel=0.1)
 
 
 def test_a_load_that_softens_what_it_meets_is_judged_by_no_linear_model(tmp_path):
@@ -210,21 +210,25 @@ def test_a_load_that_softens_what_it_meets_is_judged_by_no_linear_model(tmp_path
     found = stabilities("links", robot.postures)
     ((at, _),) = found
     assert at.factor == pytest.approx(5.0, rel=0.1)
-    assert at.farther == pytest.approx(1.0 / (at.factor - 1.0), rel=0.1)
-    assert at.lost[0] == pytest.approx(1.0 / at.factor, rel=0.1)
+    assert at.extra_displacement == pytest.approx(1.0 / (at.factor - 1.0), rel=0.1)
+    assert at.stiffness_losses[0] == pytest.approx(1.0 / at.factor, rel=0.1)
     note, _ = stability_notes(robot.postures, found, arm.requirement)
     assert note.startswith("Load press: buckles the robot at 4.")
     assert note.endswith(
         "no linear model sees: more than the 5\N{NO-BREAK SPACE}% that are accepted"
     )
     # What takes less than a thousandth of the stiffness is not worth a line.
-    small = replace(at, lost=at.lost * 1e-3, farther=at.farther * 1e-3)
+    small = replace(
+        at,
+        stiffness_losses=at.stiffness_losses * 1e-3,
+        extra_displacement=at.extra_displacement * 1e-3,
+    )
     assert stability_notes(robot.postures, [[small, None]], arm.requirement) == ()
     matrix = judged(static_subject(robot, judged_models_of(robot).values()), arm.requirement)
     pressed, free = (matrix.entry("vjm", one) for one in ("load:press", "x"))
     assert (pressed.verdict, free.verdict) == ("undecided", "adequate")
     assert pressed.reason == SAY_LINEAR
-    assert pressed.uncertainties[Source.LINEARITY] == pytest.approx(at.farther, rel=0.1)
+    assert pressed.uncertainties[Source.LINEARITY] == pytest.approx(at.extra_displacement, rel=0.1)
     assert Source.LINEARITY not in free.uncertainties
     # Where it has buckled nothing is known.
     crushed = matrix.entry("vjm", "load:crush")

@@ -11,7 +11,7 @@ import pytest
 import toy_catalogue as toys
 from toy_runs import refusing, run_here
 
-from lumped.files import refusals
+from lumped.files import os_errors_as_store_errors
 from validation import cli
 from validation.run import runner
 from validation.run.folder import RunFolder
@@ -100,7 +100,9 @@ def test_wrong_input_ends_with_2_and_one_line(
 def test_a_full_disk_ends_with_3_and_how_to_go_on(with_catalogue, tmp_path, monkeypatch, capsys):
     with_catalogue(toys.sound)
     # Of what is kept, not of what is found out beforehand.
-    monkeypatch.setattr(RunFolder, "keep", refusals(tmp_path)(refusing(errno.ENOSPC)))
+    monkeypatch.setattr(
+        RunFolder, "keep", os_errors_as_store_errors(tmp_path)(refusing(errno.ENOSPC))
+    )
     out, values = tmp_path / "run", tmp_path / "my values.csv"
     values.write_text("quantity,pose,value,uncertainty,source\nf1,0.4975,80.0,0.1,rig\n")
     options = ["--accept", "x=0.1", "--measured", str(values)]

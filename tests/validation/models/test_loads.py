@@ -169,14 +169,14 @@ def test_bodies_and_rotors_accelerate_as_their_positions_do(name):
     for body in robot.bodies:
         before, now, after = (one.frames[body].position for one in ones)
         linear = (after - 2.0 * now + before) / step**2
-        np.testing.assert_allclose(found[body].linear, linear, rtol=2e-5, atol=2e-5)
+        np.testing.assert_allclose(found[body].linear_acceleration, linear, rtol=2e-5, atol=2e-5)
         # Rods on ball joints may spin.
         before, axis, after = (one.frames[body].rotation[:, 0] for one in ones)
-        swung, due = np.cross(found[body].turning, axis), (after - before) / (2.0 * step)
+        swung, due = np.cross(found[body].angular_velocity, axis), (after - before) / (2.0 * step)
         np.testing.assert_allclose(swung, due, rtol=1e-4, atol=1e-4)
-    on_rotors = loading(ones[1], pull, masses_of(robot)).on_rotors
-    assert set(on_rotors) == {joint.name for joint in joints if joint.drive}
-    for joint, force in on_rotors.items():
+    rotor_forces = loading(ones[1], pull, masses_of(robot)).rotor_forces
+    assert set(rotor_forces) == {joint.name for joint in joints if joint.drive}
+    for joint, force in rotor_forces.items():
         (before,), (now,), (after,) = (one.coordinates[joint] for one in ones)
         due = -3.0 * (after - 2.0 * now + before) / step**2
         assert force == pytest.approx(due, rel=1e-4, abs=1e-4)
@@ -196,7 +196,7 @@ def test_what_the_mechanism_cannot_do_is_no_load():
 def test_a_wrench_over_the_path_is_that_of_its_pose_and_none_beside_it():
     arm = described(ARM + "path = { poses = [[0.1], [-0.2]] }")
     rows = np.array([[3.0, 0, 5.0, 0, 0, 0], [0, 2.0, 0, 0, 0.4, 0]])
-    over = Load("cutting", "inner", "M", over_path=rows)
+    over = Load("cutting", "inner", "M", path_wrenches=rows)
     plain = [Load("now", "inner", "M", wrench=row) for row in rows]
     for number, pose in enumerate(arm.poses):
         (found,), due = under(arm, over, pose=pose), under(arm, *plain, pose=pose)

@@ -133,7 +133,7 @@ def test_shares_of_energy_are_those_of_the_strains_of_the_same_modes():
         # Rayleigh, unit modal mass.
         whole = 0.5 * (2.0 * np.pi * found.modes.frequencies[mode]) ** 2
         for name, leg in legs_of(at.mechanism).items():
-            line, own = system.models[name].centreline, system.own(name, shape[:, None])
+            line, own = system.models[name].centreline, system.body_unknowns(name, shape[:, None])
             strains = strains_of(leg, lambda x, on=line, u=own: (on(x) @ u).reshape(-1, 6))
             for kind, energy in strains.items():
                 share = found.strain[Portion(name, kind)][mode]

@@ -17,7 +17,7 @@ from written_robot import described
 from lumped.errors import ComputationError
 from lumped.mechanism.body import Rigid
 from lumped.mechanism.kinematics.postures import posture, reference_posture
-from lumped.mechanism.load import Applied, Load, Loading
+from lumped.mechanism.load import AppliedWrench, Load, Loading
 from lumped.models.bodies import legs_of
 from lumped.robot_file import load_robot
 from lumped.robot_file.load import described_by
@@ -93,7 +93,7 @@ def test_a_robot_that_turns_as_a_whole_feels_its_loads_and_its_ground_alone(name
     assert np.abs(motions.twists.reshape(-1, outer) @ turned[:outer] - rigid).max() < 1e-9
 
     load = loading(at, Load("forces", tool.body, tool.point, wrench), {})
-    (force,) = load.at_points
+    (force,) = load.point_wrenches
     rows = motions.at(force.body, force.point, force.position)
     base = motions.at("pedestal", "O", np.zeros(3))
     due = np.zeros((system.size, 3))
@@ -108,7 +108,7 @@ def test_a_robot_that_turns_as_a_whole_feels_its_loads_and_its_ground_alone(name
     weight = Load("weight", tool.body, tool.point, gravity=gravity)
     load = loading(at, weight, masses_of(replace(robot, loads=(weight,))))
     found = turned.T @ geometric_stiffness(solution, load, legs) @ turned
-    masses = [(tool.mass, load.at_points[-1].position)]
+    masses = [(tool.mass, load.point_wrenches[-1].position)]
     for name_of, body in robot.bodies.items():
         shape, frame = body.shape, at.frames[name_of]
         centre = shape.centre if isinstance(shape, Rigid) else np.array([shape.length / 2, 0, 0])
@@ -125,7 +125,7 @@ def held_twice(first, wrench, *compliances):
     gives = zip(robot.joints, compliances, strict=True)
     joints = tuple(replace(one, compliance=give) for one, give in gives)
     solution = solved(assemble(reference_posture(replace(robot, joints=joints)), {}))
-    load = Loading([Applied("bar", "O", np.zeros(3), np.array(wrench))])
+    load = Loading([AppliedWrench("bar", "O", np.zeros(3), np.array(wrench))])
     return joints, solution.system.motions.twists[0], geometric_stiffness(solution, load, {})
 
 
@@ -161,7 +161,7 @@ def test_a_mass_above_its_drive_falls_where_its_weight_is_stiffer(model):
     assert below.reversed == pytest.approx(-due, rel=1e-9)
     assert double.factor == pytest.approx(due / 2.0, rel=1e-9)
     assert above.shares == pytest.approx({"pivot": 1.0})
-    assert above.lost == pytest.approx([1.0 / due, 0, 0, 0, 0, 1.0 / due], abs=1e-9)
+    assert above.stiffness_losses == pytest.approx([1.0 / due, 0, 0, 0, 0, 1.0 / due], abs=1e-9)
     if model != "links":
         (free,) = answers(model, [at], 1)
         due = free.frequencies[0] * np.sqrt(1.0 - 1.0 / due)
@@ -179,7 +179,9 @@ def test_a_portal_sways_at_its_published_load(base, axis, due):
     at = reference_posture(frame)
     prepared, legs = prestressed_assembly("links", [at], EULER)
     push = np.array([0, -1.0, 0, 0, 0, 0])
-    tops = [Applied("beam", p, np.array([x, 1.0, 0]), push) for p, x in (("B", 0.0), ("C", 1.0))]
+    tops = [
+        AppliedWrench("beam", p, np.array([x, 1.0, 0]), push) for p, x in (("B", 0.0), ("C", 1.0))
+    ]
     solution = solved(prepared.at(at))
     whole = geometric_stiffness(solution, Loading(tops), legs)
     found = stability(solution, whole, Loading(tops))
@@ -270,7 +272,7 @@ def test_buckling_with_idle_spins_is_alike_in_all_base_axes(kind):
     found = []
     for rotation in (np.eye(3), *Rotation.random(2, random_state=8).as_matrix()):
         one = buckled(tables, rotation, force, gravity, "links")
-        found.append([one.factor, -one.reversed, one.farther])
+        found.append([one.factor, -one.reversed, one.extra_displacement])
     # Round-off of factors is 1e-9; before, they differed by up to 9 %.
     np.testing.assert_allclose(found, found[0] * np.ones((3, 1)), rtol=1e-5)
 
@@ -284,7 +286,7 @@ def test_torque_that_spins_idle_rod_is_alike_in_all_base_axes():
         wrench = np.concatenate([rotation @ [0, 0, -50.0], 5.0 * rotation @ axis])
         load = Load("load", "rod1l", "E1l", wrench)
         ((one,),) = stabilities("links", [reference_posture(replace(robot, loads=(load,)))])
-        found.append([one.factor, -one.reversed, one.farther])
+        found.append([one.factor, -one.reversed, one.extra_displacement])
     # Round-off is 1e-9; without the inertia they differed by 4e-5, and the factor by 17 %.
     np.testing.assert_allclose(found, found[0] * np.ones((3, 1)), rtol=1e-7)
 

@@ -59,7 +59,7 @@ class Samples:
             rows.append(turn(frame.rotation @ axes).T @ twist)
         for name, points in self.points.items():
             if name in of_models:
-                rows.append(of_models[name] @ system.own(name, shapes))
+                rows.append(of_models[name] @ system.body_unknowns(name, shapes))
                 continue
             frame = system.posture.frames[name]
             point = next(iter(self.mechanism.bodies[name].interfaces))
@@ -75,7 +75,7 @@ class Samples:
         """
         inside = np.zeros(shapes.shape[1])
         for name in self.prisms.keys() & of_models.keys():
-            own = system.own(name, shapes)
+            own = system.body_unknowns(name, shapes)
             whole = np.repeat(self.prisms[name], 3) @ np.square(of_models[name] @ own)
             energy = np.sum(own * (system.models[name].mass @ own), axis=0)
             inside += np.maximum(energy - whole, 0.0)

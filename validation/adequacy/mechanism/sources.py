@@ -162,7 +162,7 @@ def modes_by_digits(
         stiffer, heavier = np.zeros_like(stiffness), np.zeros_like(mass)
         for at, (system, shapes) in enumerate(modes):
             for name, leg in changed.items():
-                moved = system.own(name, shapes)
+                moved = system.body_unknowns(name, shapes)
                 stiffer[at] += _energies(leg.stiffness - own[name].stiffness, moved)
                 heavier[at] += _energies(leg.mass - own[name].mass, moved)
             for joint, other in zip(mechanism.joints, of.joints, strict=True):

@@ -103,7 +103,9 @@ def _linearity_half_widths(robot: RobotOnPath) -> Array | None:
         failure_reason("stability under loads", error)
         left = np.ones((len(robot.postures), len(robot.mechanism.loads)))
     else:
-        farther = np.array([[abs(one.farther) if one else 0.0 for one in row] for row in found])
+        farther = np.array(
+            [[abs(one.extra_displacement) if one else 0.0 for one in row] for row in found]
+        )
         left = np.nan_to_num(farther, nan=1.0)
     left[left < _LINEAR] = 0.0
     return np.pad(left, ((0, 0), (len(UNIT_LOADS), 0)))

@@ -121,8 +121,8 @@ def stability_notes(
 def _said(
     load: Quantity, requirement: Requirement, found: Sequence[tuple[Posture, Stability]]
 ) -> Iterator[str]:
-    lost = np.array([one.lost for _, one in found])
-    taken, moved = float(lost.max()), max(abs(one.farther) for _, one in found)
+    lost = np.array([one.stiffness_losses for _, one in found])
+    taken, moved = float(lost.max()), max(abs(one.extra_displacement) for _, one in found)
     if np.isfinite(lost).all() and max(taken, moved) < _NOTHING:
         return
     buckling = [(one.factor, at, one) for at, one in found if one.factor is not None]

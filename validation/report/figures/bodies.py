@@ -134,7 +134,9 @@ def displacements(system: System, name: str, points: Array, unknowns: Array) -> 
     if isinstance(model, LegMatrices):
         # Legs alike but for rounding share a model, of which no point may lie beyond its end.
         points = np.column_stack([np.clip(points[:, 0], 0.0, model.length), points[:, 1:]])
-    own = model.displacements(points) @ system.own(name, unknowns.reshape(system.size, -1))
+    own = model.displacements(points) @ system.body_unknowns(
+        name, unknowns.reshape(system.size, -1)
+    )
     rotation = system.posture.frames[name].rotation
     found = np.einsum("ij,njk->nik", rotation, own.reshape(len(points), 3, -1))
     return np.asarray(found.reshape((len(points), 3, *unknowns.shape[1:])))

@@ -121,7 +121,9 @@ def kinetic_energies(system: System, shapes: Array) -> Array:
     energy = np.zeros((3, shapes.shape[1]))
     for name, model in system.models.items():
         points, masses = _mass_points(mechanism.bodies[name])
-        own = (model.displacements(points) @ system.own(name, shapes)).reshape(len(points), 3, -1)
+        own = (model.displacements(points) @ system.body_unknowns(name, shapes)).reshape(
+            len(points), 3, -1
+        )
         moved = np.einsum("ij,njm->nim", posture.frames[name].rotation, own)
         energy += np.einsum("n,nim->im", masses, np.square(moved))
     loaded = Side(mechanism.tool.body, mechanism.tool.point)

@@ -72,7 +72,7 @@ def _measured(context: Context) -> Shown:
     return curves(
         _chart(x, found, round_angles),
         f"Displacement of {own.name}{place and f', with the tool at {place}'}; black: as measured. "
-        f"Models are damped as {'the robot file says' if robot.loses_energy else 'measured'}.",
+        f"Models are damped as {'the robot file says' if robot.is_damped else 'measured'}.",
     )
 
 

@@ -96,7 +96,7 @@ def test_the_root_of_a_leg_is_drawn_where_its_interface_goes():
     assert len(legs) == len(system.models)
     for leg in legs:
         points, frame = leg.solid.surface.points, system.posture.frames[leg.solid.name]
-        own = system.own(leg.solid.name, shape[:, None])[:6, 0]
+        own = system.body_unknowns(leg.solid.name, shape[:, None])[:6, 0]
         arms = points - frame.position
         root = np.abs(arms @ frame.rotation[:, 0]) < 1e-9
         assert root.sum() >= 4
