@@ -16,7 +16,7 @@ from validation.comparisons.discretisations import RefinedModel
 from validation.context import Context
 from validation.report.agreement import agreement_sentence
 from validation.report.agreement_parts import (
-    DifferenceParts,
+    AgreementRow,
     agreement_rows,
     difference_parts,
     percent,
@@ -243,7 +243,10 @@ class CrossValidation:
                     Difference(
                         outcome.case.label,
                         outcome.case.model,
-                        *(100.0 * share for share in shares.whole_and_rest),
+                        100.0 * shares.difference,
+                        100.0 * shares.unexplained,
+                        100.0 * shares.half_width,
+                        100.0 * shares.tolerance,
                     )
                 )
         return agreement_plot(panels)
@@ -255,7 +258,7 @@ class CrossValidation:
         return html_paragraph(self.sentence) + self.table().html()
 
 
-def _computed(outcome: Outcome) -> DifferenceParts:
+def _computed(outcome: Outcome) -> AgreementRow:
     """Relative parts of a comparison; raises AssertionError if it was skipped or failed."""
     shares = difference_parts(outcome)
     if shares is None:

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from math import inf
-from typing import Annotated, Generic, Literal, TypeAlias, TypeVar, get_args
+from typing import Annotated, Generic, Literal, NamedTuple, TypeAlias, TypeVar, get_args
 
 import msgspec
 from msgspec import UNSET, UnsetType
@@ -51,8 +51,27 @@ class Cause(CauseShare, frozen=True):
     source: str = ""
 
 
-# Marks a field of an entry that is a column of CSV tables, under its title or its name.
-COLUMN = msgspec.Meta(title="")
+class Column(NamedTuple):
+    """Marks a field of a record that is a column of tables.
+
+    The heading is the name of the field if it is "". `percent`: shares are written in per cent.
+    """
+
+    heading: str = ""
+    percent: bool = False
+
+
+COLUMN = Column()
+
+
+def columns_of(record: type[msgspec.Struct]) -> dict[str, Column]:
+    """Columns by the names of the fields, in their order, with their headings."""
+    return {
+        field.name: mark._replace(heading=mark.heading or field.name.replace("_", " "))
+        for field in msgspec.structs.fields(record)
+        for mark in get_args(field.type)
+        if isinstance(mark, Column)
+    }
 
 
 class EntryRecord(msgspec.Struct, Generic[Q, C], frozen=True, kw_only=True):
@@ -83,11 +102,11 @@ class EntryRecord(msgspec.Struct, Generic[Q, C], frozen=True, kw_only=True):
     # Largest accepted size of the error. Infinite if every error is accepted.
     limit: Annotated[float | None, COLUMN] = None
     # Signed error of the displacement along its load. None for frequencies.
-    along: Annotated[float | None, msgspec.Meta(title="error along the load")] = None
+    along: Annotated[float | None, Column("error along the load")] = None
     # Number of the model (Hz; of deflections along their load, m/N, rad/(N m), or m of loads).
     value: Annotated[float | None, COLUMN] = None
     # Number of the reference in the unit of `value`.
-    expected: Annotated[float | None, msgspec.Meta(title="reference value")] = None
+    expected: Annotated[float | None, Column("reference value")] = None
     # Reference in words.
     reference: Annotated[str, COLUMN] = ""
     # Likeness of the modes (0 to 1) whose measured and computed frequencies are compared.
@@ -101,7 +120,7 @@ class EntryRecord(msgspec.Struct, Generic[Q, C], frozen=True, kw_only=True):
     # Probability (0 to 1) of an error within the limit. None unless inputs are uncertain.
     probability: Annotated[float | None, COLUMN] = None
     # Worst direction of any force (x, y, z of the base axes); () for other quantities.
-    force: Annotated[tuple[float, ...], msgspec.Meta(title="worst force")] = ()
+    force: Annotated[tuple[float, ...], Column("worst force")] = ()
     # Deciding pose (m, rad), in the order of the robot's moves.
     pose: Annotated[tuple[float, ...], COLUMN] = ()
     # Errors by the names of the readings; {} if there is one reading.
@@ -161,16 +180,6 @@ class Entry(EntryRecord[Quantity, Cause], frozen=True, kw_only=True):
     def signed(self) -> bool:
         """True if errors have a sign; the error of a whole displacement has none."""
         return not self.quantity.whole
-
-
-def entry_columns() -> dict[str, str]:
-    """Headings of the columns of CSV tables by the names of the fields, in their order."""
-    return {
-        field.name: mark.title or field.name.replace("_", " ")
-        for field in msgspec.structs.fields(EntryRecord)
-        for mark in get_args(field.type)
-        if isinstance(mark, msgspec.Meta)
-    }
 
 
 @dataclass(frozen=True)

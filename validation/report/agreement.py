@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from validation.case import UnjudgedValue
 from validation.drawing.text import engineering, number, percent
-from validation.report.agreement_parts import DifferenceParts, difference_parts
+from validation.report.agreement_parts import AgreementRow, difference_parts
 from validation.report.words import capital, listed, pose_text
 from validation.run.outcome import Outcome, Verdict
 from validation.verdicts import Coordinate
@@ -205,8 +205,8 @@ def _within(agreeing: Sequence[Outcome]) -> str:
 
 
 def _largest_part(
-    outcomes: Iterable[Outcome], part: Callable[[DifferenceParts], float]
-) -> tuple[Outcome, DifferenceParts]:
+    outcomes: Iterable[Outcome], part: Callable[[AgreementRow], float]
+) -> tuple[Outcome, AgreementRow]:
     """The comparison in which `part` is the largest."""
     compared = [(one, parts) for one in outcomes if (parts := difference_parts(one))]
     return max(compared, key=lambda pair: part(pair[1]))
@@ -375,8 +375,8 @@ def _cell(outcome: Outcome) -> AgreementCell:
 def _shares(outcome: Outcome) -> dict[str, float]:
     """Relative amounts of the named differences that count, by cause."""
     parts = difference_parts(outcome)
-    explained = parts.explained if parts else {}
-    return {cause: share for cause, share in explained.items() if abs(share) >= _NOTHING}
+    causes = parts.causes if parts else {}
+    return {cause: share for cause, share in causes.items() if abs(share) >= _NOTHING}
 
 
 def _explained(outcome: Outcome) -> str:

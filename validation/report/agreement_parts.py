@@ -1,45 +1,58 @@
-"""Comparisons with solids of the same legs as one table, each difference in its parts."""
+"""Comparisons with solids of the same legs as rows of one table, each difference in its parts."""
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from math import isnan, nan
+from typing import Annotated, Literal
+
+import msgspec
 
 from validation.case import UnjudgedValue
-from validation.run.outcome import Outcome
+from validation.run.outcome import Outcome, Verdict
 from validation.tables import Cell, ResultTable
+from validation.verdicts import COLUMN, Column, columns_of
 
 # Names of rotations as they are typed, by the labels of comparisons.
 _TYPED: Mapping[str, str] = {"φx": "phi_x", "φy": "phi_y", "φz": "phi_z"}
 # Decimals of percentages: smaller parts are round-off.
 _DECIMALS = 6
-HEADINGS = (
-    *("body", "model", "quantity", "unit", "value", "solid"),
-    *("difference (%)", "explained (%)", "unexplained (%)", "half-width (%)", "tolerance (%)"),
-    "verdict",
-)
 
 
-@dataclass(frozen=True)
-class DifferenceParts:
-    """Value and reference of a comparison in `unit`; parts relative to the reference."""
+def _percentage(name: str) -> Column:
+    """Column of a share of the solid's value."""
+    return Column(f"{name} (%)", percent=True)
 
-    value: float
-    reference: float
-    unit: str
-    difference: float
-    explained: Mapping[str, float]
-    unexplained: float
-    half_width: float
-    tolerance: float
 
-    @property
-    def whole_and_rest(self) -> tuple[float, float, float, float]:
-        """Whole difference, unexplained part, half-width and tolerance."""
-        return self.difference, self.unexplained, self.half_width, self.tolerance
+class AgreementRow(msgspec.Struct, frozen=True, kw_only=True):
+    """A formulation compared with the solid of the same leg or robot.
+
+    The fields that are columns are those of the table and of CSV, in this order. Numbers are NaN if
+    the comparison was skipped or failed.
+    """
+
+    # Name of the leg, "robot" for the whole robot.
+    body: Annotated[str, COLUMN]
+    model: Annotated[str, COLUMN]
+    # Quantity as it is typed: "phi_x".
+    quantity: Annotated[str, COLUMN]
+    unit: Annotated[str, COLUMN]
+    # Numbers of the formulation and of the solid, in `unit`.
+    value: Annotated[float, COLUMN] = nan
+    reference: Annotated[float, Column("solid")] = nan
+    # value − reference, its part with named causes and the rest, relative to |reference|.
+    difference: Annotated[float, _percentage("difference")] = nan
+    explained: Annotated[float, _percentage("explained")] = nan
+    unexplained: Annotated[float, _percentage("unexplained")] = nan
+    # Half-width of `unexplained` and the largest accepted size of it, relative to |reference|.
+    half_width: Annotated[float, _percentage("half-width")] = nan
+    tolerance: Annotated[float, _percentage("tolerance")] = nan
+    verdict: Annotated[Verdict | Literal["not judged"], COLUMN]
+    # Named causes with the parts that they explain, relative to |reference|.
+    causes: Mapping[str, float] = {}
 
     @property
     def detail(self) -> str:
         """The comparison in words."""
-        causes = ", ".join(f"{cause} {percent(share)}" for cause, share in self.explained.items())
+        causes = ", ".join(f"{cause} {percent(share)}" for cause, share in self.causes.items())
         return (
             f"{self.value:.6g} against {self.reference:.6g} {self.unit}, "
             f"{percent(self.difference)}; "
@@ -48,21 +61,34 @@ class DifferenceParts:
         )
 
 
-def difference_parts(outcome: Outcome) -> DifferenceParts | None:
-    """Relative parts of a comparison; None if it was skipped or failed."""
+def difference_parts(outcome: Outcome) -> AgreementRow | None:
+    """Row of a comparison; None if it was skipped or failed."""
     measurement = outcome.measurement
     if measurement is None:
         return None
     scale = abs(measurement.reference)
-    return DifferenceParts(
-        measurement.value,
-        measurement.reference,
-        outcome.case.unit,
-        measurement.difference / scale,
-        {one.cause: one.amount / scale for one in measurement.allowances},
-        measurement.unexplained / scale,
-        (measurement.numerical_uncertainty or 0.0) / scale,
-        outcome.tolerance / scale,
+    difference, unexplained = measurement.difference / scale, measurement.unexplained / scale
+    return msgspec.structs.replace(
+        _unmeasured(outcome),
+        value=measurement.value,
+        reference=measurement.reference,
+        difference=difference,
+        explained=difference - unexplained,
+        unexplained=unexplained,
+        half_width=(measurement.numerical_uncertainty or 0.0) / scale,
+        tolerance=outcome.tolerance / scale,
+        causes={one.cause: one.amount / scale for one in measurement.allowances},
+    )
+
+
+def _unmeasured(outcome: Outcome) -> AgreementRow:
+    case = outcome.case
+    return AgreementRow(
+        body=case.body or "robot",
+        model=case.model,
+        quantity=quantity_name(case.label),
+        unit=case.unit,
+        verdict=outcome.verdict,
     )
 
 
@@ -72,14 +98,25 @@ def agreement_rows(outcomes: Iterable[Outcome]) -> ResultTable:
     Forms of CAD parts that are shown beside their solids follow, without tolerance and verdict.
     """
     outcomes = tuple(outcomes)
-    judged = [_row(outcome) for outcome in outcomes if outcome.case.kind == "agreement"]
+    judged = [
+        difference_parts(outcome) or _unmeasured(outcome)
+        for outcome in outcomes
+        if outcome.case.kind == "agreement"
+    ]
     shown = [
-        _shown_row(outcome.case.body, value)
+        _shown(outcome.case.body, value)
         for outcome in outcomes
         if outcome.measurement is not None
         for value in outcome.measurement.shown
     ]
-    return ResultTable(HEADINGS, (*judged, *shown))
+    columns = columns_of(AgreementRow)
+    return ResultTable(
+        tuple(column.heading for column in columns.values()),
+        tuple(
+            tuple(_cell(getattr(row, name), column) for name, column in columns.items())
+            for row in (*judged, *shown)
+        ),
+    )
 
 
 def quantity_name(label: str) -> str:
@@ -92,23 +129,25 @@ def percent(share: float) -> str:
     return f"{100.0 * share:+.3g} %"
 
 
-def _row(outcome: Outcome) -> tuple[Cell, ...]:
-    case, parts = outcome.case, difference_parts(outcome)
-    names = case.body or "robot", case.model, quantity_name(case.label), case.unit
-    if parts is None:
-        return (*names, *[None] * 7, outcome.verdict)
-    explained = parts.difference - parts.unexplained
-    difference, *rest = parts.whole_and_rest
-    shares = _percentages((difference, explained, *rest))
-    return (*names, parts.value, parts.reference, *shares, outcome.verdict)
+def _shown(body: str, value: UnjudgedValue) -> AgreementRow:
+    return AgreementRow(
+        body=body,
+        model=value.model,
+        quantity=quantity_name(value.label),
+        unit=value.unit,
+        value=value.value,
+        reference=value.reference,
+        difference=value.share,
+        explained=0.0,
+        unexplained=value.share,
+        half_width=abs((value.half_width or 0.0) / value.reference),
+        verdict="not judged",
+    )
 
 
-def _shown_row(body: str, value: UnjudgedValue) -> tuple[Cell, ...]:
-    half_width = abs((value.half_width or 0.0) / value.reference)
-    shares = _percentages((value.share, 0.0, value.share, half_width))
-    names = body, value.model, quantity_name(value.label), value.unit
-    return (*names, value.value, value.reference, *shares, None, "not judged")
-
-
-def _percentages(shares: Sequence[float]) -> list[float]:
-    return [round(100.0 * share, _DECIMALS) for share in shares]
+def _cell(value: str | float, column: Column) -> Cell:
+    if isinstance(value, str):
+        return value
+    if isnan(value):
+        return None
+    return round(100.0 * value, _DECIMALS) if column.percent else value

@@ -28,7 +28,15 @@ from validation.report.words import (
     pose_text,
 )
 from validation.tables import ResultTable
-from validation.verdicts import Adequacy, Cause, Entry, Matrix, ModelNote, entry_columns
+from validation.verdicts import (
+    Adequacy,
+    Cause,
+    Entry,
+    EntryRecord,
+    Matrix,
+    ModelNote,
+    columns_of,
+)
 
 # A word, and what is to be said under it.
 Line: TypeAlias = tuple[str, str]
@@ -181,13 +189,13 @@ def _own(matrix: Matrix, quantity: Quantity) -> tuple[str, str]:
 def csv_of_matrix(matrix: Matrix) -> str:
     """One line per entry: the fields that are columns, the pose in a column per coordinate."""
     columns: dict[str, Sequence[float | str | None]] = {}
-    for name, heading in entry_columns().items():
+    for name, column in columns_of(EntryRecord).items():
         values = [getattr(entry, name) for entry in matrix.entries]
         if name == "pose":
             for place, coordinate in enumerate(matrix.coordinates):
                 columns[str(coordinate)] = [pose[place] if pose else "" for pose in values]
         else:
-            columns[heading] = [_csv_cell(value) for value in values]
+            columns[column.heading] = [_csv_cell(value) for value in values]
     return csv_of(columns)
 
 

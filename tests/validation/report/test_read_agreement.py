@@ -22,7 +22,7 @@ from validation.report.agreement import (
     agreement_tables,
     convergence_sentence,
 )
-from validation.report.agreement_parts import HEADINGS, agreement_rows
+from validation.report.agreement_parts import agreement_rows
 from validation.report.page import render
 from validation.run.outcome import judge
 
@@ -217,7 +217,7 @@ def test_csv_of_comparisons_equals_their_outcomes(outcomes):
             label,
         )
         assert (row["unit"], row["verdict"]) == (one.case.unit, one.verdict)
-        numbers = [row[heading] for heading in HEADINGS[4:11]]
+        numbers = list(row.values())[4:11]
         if one.measurement is None:
             assert numbers == [""] * 7
             continue
