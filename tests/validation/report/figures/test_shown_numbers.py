@@ -1,5 +1,6 @@
 """Numbers that a figure shows are those of the pose that it names, with all that is left open."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -30,9 +31,7 @@ POSES = np.array([[-0.2, 0.45], [0.0, 0.55], [0.2, 0.45]])
 def robot():
     mechanism = load_robot("five-bar").mechanism
     swing = Excitation("mill", np.array([1.0, 0.0, 0.0]), 10.0, 100.0, 2)
-    shown = SimpleNamespace(
-        tool=mechanism.tool, excitations=(swing,), parts=mechanism.parts, reference=None
-    )
+    shown = replace(mechanism, excitations=(swing,))
     return SimpleNamespace(mechanism=shown, postures=postures_of(mechanism, POSES), judged=2)
 
 
