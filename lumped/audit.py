@@ -13,7 +13,9 @@ import numpy as np
 from lumped.arrays import Array
 from lumped.robot_file import RobotFile, as_printed
 from lumped.robot_file.evidence import Correction
+from lumped.robot_file.mechanism.pattern import written_out
 from lumped.robot_file.rules.matrices import asymmetries, is_positive_definite, smallest_eigenvalue
+from lumped.robot_file.rules.tables import length_unit_of
 
 Kind: TypeAlias = Literal["computed", "read"]
 Severity: TypeAlias = Literal["error", "warning", "note"]
@@ -65,6 +67,8 @@ class DescribedPart:
 
 def parts(tables: Mapping[str, Any]) -> tuple[DescribedPart, ...]:
     """Foot, legs and tool of a biglide's tables, or bodies and joints of a mechanism's tables."""
+    tables = written_out(tables)
+    per_metre = length_unit_of(tables).per_metre
     part_tables = {
         name: tables[name] for name in ("foot", "leg1", "leg2", "tool") if name in tables
     }
@@ -78,19 +82,26 @@ def parts(tables: Mapping[str, Any]) -> tuple[DescribedPart, ...]:
             name=name,
             compliance=_matrix(table, "compliance"),
             inertia=_matrix(table, "inertia"),
-            length=_length(tables, table),
-            mass_centre=table.get("mass_centre"),
+            length=_in_metres(_length(tables, table), per_metre),
+            mass_centre=_in_metres(table.get("mass_centre"), per_metre),
         )
         for name, table in part_tables.items()
     )
 
 
 def _length(tables: Mapping[str, Any], table: Mapping[str, Any]) -> float | None:
-    """Length (m) of a leg, as specified or between its points. None if the part is no leg."""
+    """Length of a leg in the file's unit, as specified or between its points.
+
+    None if the part is no leg.
+    """
     if "from" not in table:
         return table.get("length")
     root, tip = (tables["points"][table[end]] for end in ("from", "to"))
     return float(np.linalg.norm(np.subtract(tip, root)))
+
+
+def _in_metres(length: float | None, per_metre: float) -> float | None:
+    return None if length is None else length / per_metre
 
 
 def _matrix(table: Mapping[str, Any], key: str) -> Array | None:

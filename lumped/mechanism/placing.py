@@ -26,13 +26,19 @@ def leg_frame(start: Array, end: Array, up: Array | None = None) -> Frame:
         raise InputError("the two points of a leg must be apart")
     x = (end - start) / length
     if up is None:
-        up = _Z if np.linalg.norm(np.cross(x, _Z)) > _PARALLEL else _X
+        up = default_up(x)
     y = np.cross(up, x)
     across = float(np.linalg.norm(y))
     if across <= _PARALLEL * float(np.linalg.norm(up)):
         raise InputError("up must not lie along the leg")
     y /= across
     return Frame(np.asarray(start, dtype=float), np.column_stack([x, y, np.cross(x, y)]))
+
+
+def default_up(x: Array) -> Array:
+    """Direction of `up` (unit vector) of a leg along the unit vector `x` that has none."""
+    up: Array = _Z if np.linalg.norm(np.cross(x, _Z)) > _PARALLEL else _X
+    return up
 
 
 def axes_along(x: Sequence[float], y: Sequence[float]) -> Array:

@@ -31,6 +31,7 @@ from lumped.robot_file.loads import excitations_of, load_faults, loads_of, respo
 from lumped.robot_file.mechanism.build import mechanism_of
 from lumped.robot_file.mechanism.draft import draft
 from lumped.robot_file.mechanism.faults import description_faults, motion_faults
+from lumped.robot_file.mechanism.pattern import has_patterns, pattern_faults, written_out
 from lumped.robot_file.places import keys_named, value_at, with_value
 from lumped.robot_file.reading import (
     Printed,
@@ -289,13 +290,18 @@ def described_by(tables: Mapping[str, Any], folder: Path) -> tuple[Mechanism, di
 
     Files that they name are sought in `folder`. Raises InputError with one line per fault.
     """
-    rules = rules_of(tables)
+    written, rules = tables, rules_of(tables)
     any_robot = is_mechanism(tables)
-    described = draft(tables) if any_robot else None
-    faults = biglide_faults(tables) if described is None else description_faults(tables, described)
+    if any_robot and has_patterns(tables):
+        # Copies are made of sound entries.
+        if faults := rules.faults_within(tables) or pattern_faults(tables):
+            raise InputError(faults)
+        written = written_out(tables)
+    described = draft(written) if any_robot else None
+    faults = biglide_faults(tables) if described is None else description_faults(written, described)
     if faults:
         raise InputError(faults)
-    read = rules.read(tables)
+    read = rules.read(written)
     if described is None:
         mechanism = biglide_of(read)
     else:

@@ -178,6 +178,17 @@ _PLACE = TableRule(
 _UP = "where its z axis points as nearly as it can; [0, 0, 1] where left out, along z [1, 0, 0]"
 _ENDS = "whether its end faces are kept plane or may warp; both are computed where left out"
 _TIP = "at `to`, `from` clamped, leg axes; with `mass`, in place of section and material"
+PATTERN = TableRule(
+    needed("about", Either(OneOf(("x", "y", "z")), _DIRECTION), "axis of the symmetry"),
+    needed("count", Number(least=2, most=36, whole=True), "of copies over a turn"),
+    Key("through", Either(_POINT_NAME, _POINT), "a point of the axis; the origin where left out"),
+)
+_PATTERN_NAME = replace(_NAME, among="patterns")
+_COPIES = Key(
+    "pattern", Either(_PATTERN_NAME, PATTERN), "copies NAME1, NAME2, … about an axis, in its place"
+)
+_REPEATED_POINT = TableRule(needed("at", _POINT, "the point of the first copy"), _COPIES)
+_PLACE_OR_COPIES = Either(_POINT, _REPEATED_POINT)
 BODY = TableRule(
     Key("from", _POINT_NAME, "the point at its root", of=_LEG),
     Key("to", _POINT_NAME, "the point at its tip; its x axis points there", of=_LEG),
@@ -197,6 +208,7 @@ BODY = TableRule(
     Key("unit", OneOf(get_args(LengthUnit)), "of length, where that file names none", of=_PART),
     Key("place", _PLACE, "where the file's axes lie; in base axes where left out", of=_PART),
     Key("interfaces", Named(_POINT_NAME, INTERFACE), "faces by the name of their point", of=_PART),
+    _COPIES,
 )
 
 
@@ -225,6 +237,7 @@ JOINT = TableRule(
     Key("drive", _DRIVE, "of a revolute or prismatic joint; passive where left out"),
     Key("compliance", _COMPLIANCE, _SERIES),
     Key("loss", _LOSS, "loss factor of its compliance", default=0.0),
+    _COPIES,
 )
 TOOL = TableRule(
     needed("body", _BODY_NAME, "the body that is loaded"),
@@ -340,12 +353,13 @@ _ASKED = (
 )
 MECHANISM = TableRule(
     *_HEAD,
-    needed("points", Named(_NAME, _POINT), "places in the reference posture"),
+    needed("points", Named(_NAME, _PLACE_OR_COPIES), "places in the reference posture"),
     needed(
         "bodies", Named(_NAME, BODY, _MOST_BODIES), "legs, rigid bodies and parts on these points"
     ),
     needed("joints", Named(_NAME, JOINT, _MOST_JOINTS), "what holds the bodies together"),
     needed("tool", TOOL, "the loaded point"),
+    Key("patterns", Named(_NAME, PATTERN), "symmetries that several entries have", default={}),
     Key("materials", Named(_NAME, MATERIAL), "materials that several bodies have", default={}),
     Key("path", PATH, "poses at which `run` judges; the reference posture where left out"),
     *_ASKED,

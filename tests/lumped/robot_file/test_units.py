@@ -221,4 +221,5 @@ def test_lists_of_keys_have_bounds_in_unit_of_file():
     schema = json_schema()
     for units, most in (("then", 100_000.0), ("else", 100.0)):
         points = schema[units]["else"]["properties"]["points"]
-        assert points["additionalProperties"]["items"]["maximum"] == most
+        coordinates, _ = points["additionalProperties"]["anyOf"]
+        assert coordinates["items"]["maximum"] == most

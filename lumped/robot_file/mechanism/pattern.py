@@ -1,0 +1,228 @@
+"""Copies about an axis: entries with a `pattern`, written out as entries of their own.
+
+Copy k of n stands for the entry turned by (k − 1)·360°/n about the axis. Its name ends in k, and so
+do the names of entries with the same pattern in it. All other names stay.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import partial
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from lumped.arrays import Array
+from lumped.errors import InputError, collect_faults
+from lumped.mechanism.placing import default_up
+from lumped.robot_file.rules.relations import NO_DIRECTION
+from lumped.robot_file.rules.rule import Text
+from lumped.robot_file.rules.tables import rules_of
+from lumped.screws import rotation_about, turn_matrix
+from lumped.text import did_you_mean, shown
+
+Tables: TypeAlias = Mapping[str, Any]
+# Table and name of an entry.
+Key: TypeAlias = tuple[str, str]
+_PATTERN = "pattern"
+_COPIED = ("points", "bodies", "joints")
+# Distance of a point on an axis, in the file's unit and of its size: typed digits.
+_ON_AXIS = 1e-6
+# Place of a part whose file is in base axes.
+_FILE_AXES = {"at": [0.0, 0.0, 0.0], "x": [1.0, 0.0, 0.0], "y": [0.0, 1.0, 0.0]}
+# Keys of an entry that name entries of another table.
+_NAMES = {
+    "bodies": dict.fromkeys(("from", "to", "points", "centre"), "points"),
+    "joints": {"between": "bodies", "at": "points"},
+}
+
+
+@dataclass(frozen=True)
+class _Pattern:
+    """A symmetry: axis `about` (unit vector) `through` a point, in the file's unit, and copies."""
+
+    about: tuple[float, ...]
+    through: tuple[float, ...]
+    count: int
+
+    def turn(self, number: int) -> Array:
+        """Rotation (3×3) of a copy, from 1 for the entry itself."""
+        angle = 2.0 * np.pi * (number - 1) / self.count
+        rotation: Array = rotation_about(angle * np.array(self.about))
+        return rotation
+
+    def place(self, point: Any, number: int) -> list[float]:
+        """A point turned as a copy is."""
+        origin = np.array(self.through)
+        turned: list[float] = (origin + self.turn(number) @ (np.array(point) - origin)).tolist()
+        return turned
+
+    def direction(self, direction: Any, number: int) -> list[float]:
+        """A direction turned as a copy is."""
+        turned: list[float] = (self.turn(number) @ np.array(direction, dtype=float)).tolist()
+        return turned
+
+    def misses(self, tables: Tables, point: str) -> bool:
+        """Whether a known point lies off the axis."""
+        place = tables["points"].get(point)
+        if not isinstance(place, list):
+            return False
+        arm = np.array(place) - np.array(self.through)
+        far = np.linalg.norm(np.cross(self.about, arm))
+        return bool(far > _ON_AXIS * max(1.0, float(np.linalg.norm(arm))))
+
+
+def has_patterns(tables: Tables) -> bool:
+    """Whether an entry of the tables has a pattern."""
+    return bool(_repeated(tables))
+
+
+def pattern_faults(tables: Tables) -> list[str]:
+    """Faults of patterns in tables whose keys are sound by themselves, one line each."""
+    found, faults = collect_faults(partial(_pattern, tables), _repeated(tables))
+    patterns = dict(found)
+    for (table, name), pattern in patterns.items():
+        copies = {f"{name}{number}": number for number in range(1, pattern.count + 1)}
+        faults += [
+            f"{table}.{copy}: is copy {number} of {table}.{name} already; must have another name"
+            for copy, number in copies.items()
+            if copy in tables[table]
+        ]
+        for key, among, reference in _references(tables, table, name):
+            other = patterns.get((among, reference))
+            if other is None and among == "points" and pattern.misses(tables, reference):
+                faults.append(
+                    f"{key} = {shown(reference)}: has no pattern and lies off the axis of "
+                    f"{table}.{name}; must have the same pattern, or lie on the axis"
+                )
+            if other is not None and other != pattern:
+                faults.append(
+                    f"{key} = {shown(reference)}: has another pattern than {table}.{name}; must "
+                    "be the same axis and count, or the name of one copy"
+                )
+    return faults
+
+
+def written_out(tables: Tables) -> Tables:
+    """The tables of a file with sound patterns, each copy as an entry of its own."""
+    if not has_patterns(tables):
+        return tables
+    patterns = dict(_pattern(tables, entry) for entry in _repeated(tables))
+    new = {name: table for name, table in tables.items() if name != "patterns"}
+    for table in _COPIED:
+        new[table] = {}
+        for name, entry in tables[table].items():
+            pattern = patterns.get((table, name))
+            if pattern is None:
+                new[table][name] = entry
+                continue
+            for number in range(1, pattern.count + 1):
+                copy = _copied(tables, patterns, (table, name), number)
+                new[table][f"{name}{number}"] = copy
+    return new
+
+
+def _repeated(tables: Tables) -> list[Key]:
+    """Points, bodies and joints with a pattern."""
+    groups = {table: tables.get(table) for table in _COPIED}
+    return [
+        (table, name)
+        for table, group in groups.items()
+        for name, entry in (group.items() if isinstance(group, dict) else ())
+        if isinstance(entry, dict) and _PATTERN in entry
+    ]
+
+
+def _pattern(tables: Tables, of: Key) -> tuple[Key, _Pattern]:
+    """An entry with its pattern; raises InputError with what is wrong with it."""
+    (table, name), named = of, tables.get("patterns", {})
+    key, given = f"{table}.{name}.{_PATTERN}", tables[table][name][_PATTERN]
+    if isinstance(given, str):
+        if given not in named:
+            advice = did_you_mean(given, named, otherwise=f": {', '.join(named) or 'none'}")
+            allowed = f"must be the name of one of [patterns]{advice}"
+            raise InputError(f"{key} = {shown(given)}: {allowed}")
+        key, given = f"patterns.{given}", named[given]
+    about, through = given["about"], given.get("through", [0.0, 0.0, 0.0])
+    axis = np.eye(3)["xyz".index(about)] if isinstance(about, str) else np.array(about, float)
+    if np.linalg.norm(axis) < NO_DIRECTION:
+        raise InputError(f"{key}.about = {list(about)}: must not be zero, it is a direction")
+    place = tables["points"].get(through) if isinstance(through, str) else through
+    if not isinstance(place, list):
+        raise InputError(
+            f"{key}.through = {shown(through)}: must be the name of a point without a pattern, or "
+            "[x, y, z]"
+        )
+    unit = tuple((axis / np.linalg.norm(axis)).tolist())
+    return of, _Pattern(unit, tuple(map(float, place)), given["count"])
+
+
+def _references(tables: Tables, table: str, name: str) -> Iterator[tuple[str, str, str]]:
+    """Key, table and name of each entry that an entry refers to."""
+    rule = rules_of(tables).keys[table].kind
+    own = {name: tables[table][name]}
+    for key, kind, value in rule.within(own, table):
+        if isinstance(kind, Text) and kind.among in _COPIED:
+            yield key, kind.among, value
+
+
+def _copied(
+    tables: Tables, patterns: Mapping[Key, _Pattern], of: Key, number: int
+) -> dict[str, Any] | list[float]:
+    """Copy `number` of an entry."""
+    (table, name), pattern = of, patterns[of]
+    entry = {key: value for key, value in tables[table][name].items() if key != _PATTERN}
+    if table == "points":
+        return pattern.place(entry["at"], number) if number > 1 else list(entry["at"])
+    if "from" in entry and number > 1:
+        entry.setdefault("up", _default_up(tables, entry))
+    if "interfaces" in entry:
+        entry["place"] = _FILE_AXES | entry.get("place", {})
+    if number > 1:
+        entry |= _turned(entry, pattern, number)
+
+    def numbered(among: str, value: Any) -> Any:
+        if isinstance(value, str):
+            return f"{value}{number}" if (among, value) in patterns else value
+        are_names = isinstance(value, list) and all(isinstance(one, str) for one in value)
+        return [numbered(among, one) for one in value] if are_names else value
+
+    for key, among in _NAMES[table].items():
+        if key in entry:
+            entry[key] = numbered(among, entry[key])
+    if "interfaces" in entry:
+        faces = entry["interfaces"]
+        entry["interfaces"] = {numbered("points", point): one for point, one in faces.items()}
+        entry["place"] = entry["place"] | {"at": numbered("points", entry["place"]["at"])}
+    return entry
+
+
+def _default_up(tables: Tables, leg: Tables) -> list[float]:
+    """Direction of `up` of the leg as written; unsound ends are refused later."""
+    ends = [tables["points"].get(leg.get(end)) for end in ("from", "to")]
+    start, tip = (np.array(one["at"] if isinstance(one, dict) else one or 0.0) for one in ends)
+    way = tip - start
+    up: list[float] = default_up(way / (np.linalg.norm(way) or 1.0)).tolist()
+    return up
+
+
+def _turned(entry: Tables, pattern: _Pattern, number: int) -> dict[str, Any]:
+    """Places, directions and matrices in base axes of a body or joint, turned as a copy is."""
+    turned: dict[str, Any] = {}
+    rotation = pattern.turn(number)
+    if isinstance(entry.get("centre"), list):
+        turned["centre"] = pattern.place(entry["centre"], number)
+    if "points" in entry and "inertia" in entry:
+        turned["inertia"] = (rotation @ np.array(entry["inertia"]) @ rotation.T).tolist()
+    if "between" in entry and "compliance" in entry:
+        turned["compliance"] = turn_matrix(np.array(entry["compliance"]), rotation).tolist()
+    for key in ("up", "axis"):
+        if key in entry:
+            turned[key] = pattern.direction(entry[key], number)
+    if "axes" in entry:
+        turned["axes"] = [pattern.direction(axis, number) for axis in entry["axes"]]
+    if "place" in entry:
+        place = entry["place"]
+        turned["place"] = place | {key: pattern.direction(place[key], number) for key in "xy"}
+        if isinstance(place["at"], list):
+            turned["place"]["at"] = pattern.place(place["at"], number)
+    return turned
