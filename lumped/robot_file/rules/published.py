@@ -1,4 +1,4 @@
-"""What is made of the table of rules for others: JSON schema, list of keys, comments of a file."""
+"""JSON schema, list of keys and comments of a new file, made from the table of rules."""
 
 import json
 from collections.abc import Iterator, Mapping
@@ -35,13 +35,13 @@ def _of_both_schemas(unit: UnitOfLength) -> dict[str, Any]:
 def key_table() -> str:
     """All keys of schema 2 as a table of Markdown."""
     rows = (f"| `{name}` | {allowed} | {says} |" for name, allowed, says in _lines(MECHANISM))
-    return "\n".join(("| key | must be | what it says |", "|---|---|---|", *rows))
+    return "\n".join(("| key | must be | meaning |", "|---|---|---|", *rows))
 
 
 def key_comments(tables: Mapping[str, Any]) -> str:
     """All keys of a file of the schema of `tables`, as comments to stand at its end."""
     rules = rules_of(tables)
-    lines = ["# All keys, what each must be, and what it says:"]
+    lines = ["# All keys, permitted values and meaning:"]
     for name, allowed, says in _lines(rules):
         lines += wrap(
             f"{name}: {allowed}; {says}", _WIDTH, initial_indent="# ", subsequent_indent="#     "
@@ -50,16 +50,16 @@ def key_comments(tables: Mapping[str, Any]) -> str:
 
 
 def _lines(rule: Rule, path: str = "") -> Iterator[tuple[str, str, str]]:
-    """Whole name of each key of a table and of what stands in it, what it may be, what it says."""
+    """Full name, permitted values and meaning of each key of a table and of its sub-tables."""
     match rule:
         case TableRule():
             for name, key in rule.keys.items():
                 whole = f"{path}.{name}" if path else name
-                says = f"of a {' or '.join(key.of)}: {key.says}" if key.of else key.says
+                says = f"{' or '.join(key.of)}: {key.says}" if key.of else key.says
                 if key.required:
                     says += "; required"
                 elif key.default not in (None, (), {}):
-                    says += f"; {json.dumps(key.default)} where left out"
+                    says += f"; default {json.dumps(key.default)}"
                 yield whole, key.kind.allowed, says
                 yield from _lines(key.kind, whole)
         case Named():

@@ -1,4 +1,4 @@
-"""The table of rules: every key of a robot file, what it may be, and what it says.
+"""Rules of robot files: every key with its permitted values and its meaning.
 
 Bounds that only catch wrong units are wide: nothing that has been built lies outside, and the
 usual mistake (millimetres, gigapascals, a stiffness for a compliance) does.
@@ -52,7 +52,7 @@ _POINT = Several(Number("m", least=-100.0, most=100.0, low=_MM, high=_MM), 3)
 # Metres and radians alike; what is out of reach is found by closing the loops.
 COORDINATE = Number(COORDINATES, least=-100.0, most=100.0, low=_MM, high=_MM)
 _POSE = Pose(COORDINATE)
-# Any length: a direction is made a unit vector.
+# Any length: directions are normalised.
 _DIRECTION = Several(Number(least=-1e6, most=1e6), 3)
 # 1e5 kg: a hundred tonnes in one leg or platform. 1 µg: less than the smallest silicon part.
 _MASS = Number("kg", above=0.0, most=1e5, high="is this in g?", slip=1e-9)
@@ -75,11 +75,11 @@ _ROTOR = Number("kg m²", above=0.0, most=1e4, high="is this in g cm²?", slip=1
 _RATIO = Number("rad/rad or rad/m", above=0.0, most=1e6, slip=1e-6)
 _COMPLIANCE = SquareMatrix(6, "m/N, rad/N and rad/(N m)", compliance=True)
 _INERTIA = SquareMatrix(3, "kg m²", compliance=False)
-# 1: off by as much as there is.
+# 1: an error of 100 %.
 _SHARE = Number(least=SMALLEST_SHARE, most=1.0, high=_PERCENT, example="(0.05 is 5 %)")
 # 1: rubber loses as much.
 _LOSS = Number(least=0.0, most=1.0, high=_PERCENT)
-# A hundred bodies and two hundred joints close in a second; no robot has as many.
+# A hundred bodies and two hundred joints are closed in a second; no robot has as many.
 _MOST_BODIES, _MOST_JOINTS, MOST_POSES = 100, 200, 10_000
 _COUNT = Number(least=1, most=MOST_POSES, whole=True)
 _MODES = Number(least=1, most=MOST_MODES, whole=True)
@@ -99,7 +99,7 @@ _SIZE = Number("m", least=1e-6)
 
 @dataclass(frozen=True)
 class SectionRule(Rule):
-    """A shape of lumped.sections with its sizes (m), which also says what is wrong with them."""
+    """A shape of lumped.sections with its sizes (m); the shape checks its own sizes."""
 
     written = (dict,)
     unit: UnitOfLength = METRE
@@ -141,7 +141,9 @@ class SectionRule(Rule):
 def _shape_table(shape: str, unit: UnitOfLength) -> TableRule:
     """Rules of a shape with its sizes in a unit, in their usual order."""
     kind: Any = SHAPES[shape]
-    sizes = (needed(field.name, _SIZE, "outer dimension or wall") for field in fields(kind))
+    sizes = (
+        needed(field.name, _SIZE, "outer dimension or wall thickness") for field in fields(kind)
+    )
     table = TableRule(needed("shape", OneOf((shape,)), "kind of section"), *sizes)
     return table.in_unit(unit, ())
 
@@ -149,225 +151,274 @@ def _shape_table(shape: str, unit: UnitOfLength) -> TableRule:
 MATERIAL = TableRule(
     needed("E", _YOUNGS_MODULUS, "Young's modulus"),
     needed("nu", _POISSONS_RATIO, "Poisson's ratio"),
-    Key("rho", _DENSITY, "density; of a leg its `mass` may stand instead"),
-    Key("G", _SHEAR_MODULUS, "shear modulus of a leg; E/2(1 + nu) where left out"),
+    Key("rho", _DENSITY, "density; a leg can have a `mass` instead"),
+    Key("G", _SHEAR_MODULUS, "shear modulus of a leg; default E/2(1 + nu)"),
     Key("loss", _LOSS, "loss factor", default=0.0),
 )
 
-_ON_IT = Key("point", _POINT, "a point on it; the interface's own where left out")
-_NEAR = Key("tolerance", _LENGTH, "how far faces may lie from it")
-_AXIS = Key("axis", _DIRECTION, "its direction; any where left out")
-_CYLINDER = TableRule(needed("radius", _LENGTH, "of the bore or boss"), _AXIS, _ON_IT, _NEAR)
-_PLANE = TableRule(needed("normal", _DIRECTION, "outward"), _ON_IT, _NEAR)
+_ON_IT = Key("point", _POINT, "a point on it; default: that of the interface")
+_NEAR = Key("tolerance", _LENGTH, "largest distance of faces from it")
+_AXIS = Key("axis", _DIRECTION, "its direction; default: any")
+_CYLINDER = TableRule(needed("radius", _LENGTH, "radius of the bore or boss"), _AXIS, _ON_IT, _NEAR)
+_PLANE = TableRule(needed("normal", _DIRECTION, "outward normal"), _ON_IT, _NEAR)
 INTERFACE = TableRule(
-    Key("faces", Several(Number(whole=True)), "by their numbers, as `flexproof faces` lists them"),
-    Key("name", _TEXT, "faces by the name that the file gives them"),
-    Key("cylinder", _CYLINDER, "faces on one cylinder"),
-    Key("plane", _PLANE, "flat faces in one plane"),
-    Key("coupling", OneOf(get_args(Coupling)), "how the faces follow the joint"),
-    Key("point", _POINT, "reference point of a part by itself; in a robot it is that of its name"),
+    Key("faces", Several(Number(whole=True)), "numbers of faces, see `flexproof faces`"),
+    Key("name", _TEXT, "name of faces in the part's file"),
+    Key("cylinder", _CYLINDER, "all faces on a cylinder"),
+    Key("plane", _PLANE, "all flat faces in a plane"),
+    Key("coupling", OneOf(get_args(Coupling)), "how the faces are held by the joint"),
+    Key("point", _POINT, "reference point for `identify`; in a robot: the point of that name"),
 )
 
 _MATERIAL = Either(_MATERIAL_NAME, MATERIAL)
 _LEG, _RIGID, _PART = ("leg",), ("rigid body",), ("part",)
 _PLACE = TableRule(
-    needed("at", Either(_POINT_NAME, _POINT), "where the file's origin is"),
-    Key("x", _DIRECTION, "where its x axis points", default=(1.0, 0.0, 0.0)),
-    Key("y", _DIRECTION, "where its y axis points as nearly as it can", default=(0.0, 1.0, 0.0)),
+    needed("at", Either(_POINT_NAME, _POINT), "origin of the file's axes"),
+    Key("x", _DIRECTION, "direction of the file's x axis", default=(1.0, 0.0, 0.0)),
+    Key("y", _DIRECTION, "direction of its y axis, made normal to x", default=(0.0, 1.0, 0.0)),
 )
-_UP = "where its z axis points as nearly as it can; [0, 0, 1] where left out, along z [1, 0, 0]"
-_ENDS = "whether its end faces are kept plane or may warp; both are computed where left out"
-_TIP = "at `to`, `from` clamped, leg axes; with `mass`, in place of section and material"
+_UP = "direction of z, made normal to x; default [0, 0, 1], for a leg along z [1, 0, 0]"
+_ENDS = "end faces kept plane (rigid) or free to warp; default: both are computed"
+_TIP = "at `to` with `from` clamped, leg axes; replaces section and material, needs `mass`"
 PATTERN = TableRule(
     needed("about", Either(OneOf(("x", "y", "z")), _DIRECTION), "axis of the symmetry"),
-    needed("count", Number(least=2, most=36, whole=True), "of copies over a turn"),
-    Key("through", Either(_POINT_NAME, _POINT), "a point of the axis; the origin where left out"),
+    needed("count", Number(least=2, most=36, whole=True), "number of copies over a turn"),
+    Key("through", Either(_POINT_NAME, _POINT), "point on the axis; default: the origin"),
 )
 _PATTERN_NAME = replace(_NAME, among="patterns")
-_COPIES = Key(
-    "pattern", Either(_PATTERN_NAME, PATTERN), "copies NAME1, NAME2, … about an axis, in its place"
-)
-_REPEATED_POINT = TableRule(needed("at", _POINT, "the point of the first copy"), _COPIES)
+_COPIES = Key("pattern", Either(_PATTERN_NAME, PATTERN), "repeat as NAME1, NAME2, … about an axis")
+_REPEATED_POINT = TableRule(needed("at", _POINT, "point of the first copy"), _COPIES)
 _PLACE_OR_COPIES = Either(_POINT, _REPEATED_POINT)
 BODY = TableRule(
-    Key("from", _POINT_NAME, "the point at its root", of=_LEG),
-    Key("to", _POINT_NAME, "the point at its tip; its x axis points there", of=_LEG),
+    Key("from", _POINT_NAME, "point at the root", of=_LEG),
+    Key("to", _POINT_NAME, "point at the tip; x points from root to tip", of=_LEG),
     Key("up", _DIRECTION, _UP, of=_LEG),
-    Key("section", SectionRule(), "width along its y, height along its z", of=_LEG),
-    Key("material", _MATERIAL, "its own, or one of [materials]", of=_LEG + _PART),
-    Key("mass", _MASS_OR_NONE, "in place of a density", of=_LEG + _RIGID),
+    Key("section", SectionRule(), "cross-section; width along y, height along z", of=_LEG),
+    Key("material", _MATERIAL, "a name in [materials], or a table", of=_LEG + _PART),
+    Key("mass", _MASS_OR_NONE, "mass; replaces a density", of=_LEG + _RIGID),
     Key("compliance", _COMPLIANCE, _TIP, of=_LEG),
-    Key("loss", _LOSS, "loss factor beside a compliance; else its material's", of=_LEG),
+    Key("loss", _LOSS, "loss factor for a `compliance`; prisms: that of the material", of=_LEG),
     Key("ends", OneOf(get_args(Ends)), _ENDS, of=_LEG),
-    Key("mass_centre", _OFFSET, "from its root, beside a compliance", of=_LEG),
-    Key("points", Several(_POINT_NAME), "where joints can take hold of it", of=_RIGID),
-    Key("centre", Either(_POINT_NAME, _POINT), "its mass centre, a point or [x, y, z]", of=_RIGID),
-    Key("inertia", _INERTIA, "about its centre: base axes, of a leg its own", of=_LEG + _RIGID),
-    Key("step", _FILE, "its STEP or BREP file, beside the robot file", of=_PART),
-    Key("mesh", _FILE, "its mesh file, in place of that", of=_PART),
-    Key("unit", OneOf(get_args(LengthUnit)), "of length, where that file names none", of=_PART),
-    Key("place", _PLACE, "where the file's axes lie; in base axes where left out", of=_PART),
-    Key("interfaces", Named(_POINT_NAME, INTERFACE), "faces by the name of their point", of=_PART),
+    Key("mass_centre", _OFFSET, "position of the mass centre along x, for a `compliance`", of=_LEG),
+    Key("points", Several(_POINT_NAME), "points of the body, for joints and loads", of=_RIGID),
+    Key("centre", Either(_POINT_NAME, _POINT), "mass centre: a point or [x, y, z]", of=_RIGID),
+    Key(
+        "inertia",
+        _INERTIA,
+        "inertia about the mass centre; base axes, for a leg: leg axes",
+        of=_LEG + _RIGID,
+    ),
+    Key("step", _FILE, "STEP or BREP file, relative to the robot file", of=_PART),
+    Key("mesh", _FILE, "mesh file, instead of `step`", of=_PART),
+    Key("unit", OneOf(get_args(LengthUnit)), "unit of length, for files without one", of=_PART),
+    Key("place", _PLACE, "position of the file's axes; default: base axes", of=_PART),
+    Key(
+        "interfaces",
+        Named(_POINT_NAME, INTERFACE),
+        "interfaces by the name of their point",
+        of=_PART,
+    ),
     _COPIES,
 )
 
 
 class _Axes(Several):
-    """The two axes of a universal joint; written for the one `axis` of another it is misplaced."""
+    """Axes of a universal joint. A joint of another kind has one `axis`."""
 
     def refused(self, value: object, key: str) -> str:
         return f"{super().refused(value, key)}; a joint of one axis has axis = [x, y, z]"
 
 
 _TWO_NAMES = Either(_POINT_NAME, Several(_POINT_NAME, 2))
-_SERIES = "its own give, in series: base axes of the reference posture, fixed to the first body"
+_SERIES = "compliance in series; base axes of the reference posture, turning with the first body"
 _DRIVE = TableRule(
-    needed("stiffness", Either(_STIFFNESS, OneOf(("rigid",))), "in every model"),
-    Key("simplified", _STIFFNESS, "in place of it in the simplified model"),
-    Key("loss", _LOSS, "loss factor of its stiffness", default=0.0),
-    Key("inertia", _ROTOR, "of its rotor; kg where it slides itself"),
-    Key("ratio", _RATIO, "turns of the rotor for one of the joint, or rad for 1 m; 1 if left out"),
+    needed("stiffness", Either(_STIFFNESS, OneOf(("rigid",))), "stiffness in every model"),
+    Key("simplified", _STIFFNESS, "stiffness in the simplified model, if different"),
+    Key("loss", _LOSS, "loss factor of the stiffness", default=0.0),
+    Key("inertia", _ROTOR, "inertia of the rotor; a linear motor has kg"),
+    Key("ratio", _RATIO, "gear ratio: rotor turns per joint turn, or rad per m; default 1"),
 )
 JOINT = TableRule(
-    needed("type", OneOf(get_args(JointKind)), "which twists it leaves free"),
+    needed("type", OneOf(get_args(JointKind)), "kind of joint"),
     needed("between", Several(_BODY_NAME, 2), 'two bodies; "ground" is one'),
-    needed("at", _TWO_NAMES, "a point of both, or one of each, apart along a sliding axis"),
-    Key("axis", _DIRECTION, "along which it slides, about which it turns; a plane's normal"),
-    Key("axes", _Axes(_DIRECTION, 2), "of a universal joint: the first body's, the second's"),
-    Key("drive", _DRIVE, "of a revolute or prismatic joint; passive where left out"),
+    needed("at", _TWO_NAMES, "common point, or one of each body along a sliding axis"),
+    Key("axis", _DIRECTION, "axis of sliding or turning; planar: the normal"),
+    Key(
+        "axes",
+        _Axes(_DIRECTION, 2),
+        "universal: axis fixed in the first body, axis fixed in the second",
+    ),
+    Key("drive", _DRIVE, "drive of a revolute or prismatic joint; default: passive"),
     Key("compliance", _COMPLIANCE, _SERIES),
-    Key("loss", _LOSS, "loss factor of its compliance", default=0.0),
+    Key("loss", _LOSS, "loss factor of the compliance", default=0.0),
     _COPIES,
 )
 TOOL = TableRule(
-    needed("body", _BODY_NAME, "the body that is loaded"),
-    needed("point", _POINT_NAME, "its loaded point"),
-    needed("moves", Several(OneOf(MOVES)), "what a pose prescribes of the point, in order"),
-    Key("mass", _MASS_OR_NONE, "at the point", default=0.0),
+    needed("body", _BODY_NAME, "body that carries the tool"),
+    needed("point", _POINT_NAME, "loaded point of that body"),
+    needed(
+        "moves", Several(OneOf(MOVES)), "coordinates of the point that a pose prescribes, in order"
+    ),
+    Key("mass", _MASS_OR_NONE, "point mass at the tool", default=0.0),
 )
 PATH = TableRule(
-    Key("from", _POSE, "the first pose"),
-    Key("to", _POSE, "the last pose"),
-    Key("count", _COUNT, "how many poses on the line between them"),
-    Key("counts", Several(_COUNT), "in place of it: how many along each move, a grid"),
-    Key("poses", Several(_POSE, most=MOST_POSES), "in place of all these: one by one"),
+    Key("from", _POSE, "first pose"),
+    Key("to", _POSE, "last pose"),
+    Key("count", _COUNT, "number of poses from `from` to `to`"),
+    Key("counts", Several(_COUNT), "instead of `count`: number of poses along each move, a grid"),
+    Key("poses", Several(_POSE, most=MOST_POSES), "instead of all these: a list of poses"),
 )
 
 FORCE = Number("N or N m", least=-1e9, most=1e9)
 # 1e5 m/s²: ten thousand g; km/s: no tool.
 _PER_SECOND_SQUARED = Several(Number("m/s²", least=-1e5, most=1e5), 3)
 _SPEED = Several(Number("m/s", least=-1e3, most=1e3, low=_MM, high=_MM), 3)
-_THERE = "where the wrench acts: a point of a body; the tool's where left out"
-_WHOSE = "the body of `at`; the tool's, else the first that has the point, where left out"
+_THERE = "point of a body where the wrench acts; default: the tool"
+_WHOSE = "body of `at`; default: that of the tool, else the first with that point"
 LOAD = TableRule(
-    needed("name", _NAME, "of the load; judged as load:NAME"),
+    needed("name", _NAME, "name; judged as load:NAME"),
     Key("wrench", Several(FORCE, 6), "forces and moments, base axes"),
-    Key("file", _FILE, "in its place: a CSV file with one for every pose of the path"),
+    Key("file", _FILE, "CSV file with a wrench for each pose of the path, instead of `wrench`"),
     Key("at", _POINT_NAME, _THERE),
     Key("body", _BODY_NAME, _WHOSE),
-    Key("gravity", _PER_SECOND_SQUARED, "on the mass of all bodies, base axes"),
-    Key("acceleration", _PER_SECOND_SQUARED, "of the tool along x, y, z: inertia of all bodies"),
-    Key("speed", _SPEED, "of the tool along x, y, z: inertia forces that grow as its square"),
+    Key("gravity", _PER_SECOND_SQUARED, "acceleration of gravity on all bodies, base axes"),
+    Key("acceleration", _PER_SECOND_SQUARED, "acceleration of the tool; inertia of all bodies"),
+    Key("speed", _SPEED, "speed of the tool; inertia forces with its square"),
 )
 DAMPING = TableRule(needed("ratio", _LOSS, "damping ratio of every mode"))
 # 3 kHz: tenfold the first frequencies of stiff machines. What bodies need to be good for it takes a
 # Delta half a minute; for 10 kHz it takes it more than three.
 _FREQUENCY = Number("Hz", above=0.0, most=3e3, high="is this in 1/min?")
 RESPONSE = TableRule(
-    needed("name", _NAME, "of the response; judged as response:NAME"),
-    needed("direction", _DIRECTION, "of the force at the tool and of the displacement: base axes"),
-    needed("from", _FREQUENCY, "the first frequency"),
-    needed("to", _FREQUENCY, "the last one"),
-    Key("count", Number(least=2, most=MOST_POSES, whole=True), "how many frequencies", default=400),
-    Key("at", _FREQUENCY, "where the response is judged besides its peak"),
+    needed("name", _NAME, "name; judged as response:NAME"),
+    needed("direction", _DIRECTION, "direction of force and displacement at the tool, base axes"),
+    needed("from", _FREQUENCY, "first frequency"),
+    needed("to", _FREQUENCY, "last frequency"),
+    Key(
+        "count", Number(least=2, most=MOST_POSES, whole=True), "number of frequencies", default=400
+    ),
+    Key("at", _FREQUENCY, "frequency at which the response is judged, besides its peak"),
 )
-# 10 cm: what a tool may be off is told in micrometres.
+# 10 cm: errors of tools are given in micrometres.
 _DISPLACEMENT = Number("m", above=0.0, most=0.1, high="is this in µm?")
 ACCEPT = TableRule(
-    Key("deflection", _SHARE, "relative error of deflections", default=Requirement.deflection),
-    Key("displacement", _DISPLACEMENT, "in place of `deflection` under each of [[loads]]"),
-    Key("frequency", _SHARE, "of frequencies and their order", default=Requirement.frequency),
-    Key("response", _SHARE, "of peaks and sizes of responses", default=Requirement.response),
-    Key("modes", _MODES, "how many frequencies are judged", default=Requirement.modes),
+    Key(
+        "deflection",
+        _SHARE,
+        "largest relative error of deflections",
+        default=Requirement.deflection,
+    ),
+    Key("displacement", _DISPLACEMENT, "largest error under [[loads]], instead of `deflection`"),
+    Key(
+        "frequency",
+        _SHARE,
+        "largest relative error of frequencies and their order",
+        default=Requirement.frequency,
+    ),
+    Key("response", _SHARE, "largest relative error of responses", default=Requirement.response),
+    Key("modes", _MODES, "number of frequencies that are judged", default=Requirement.modes),
     Key("rely", Several(OneOf(MODEL_KINDS)), "models whose inadequacy is exit code 1", default=()),
-    *(Key(one.name, _SHARE, f"in place of `deflection` for {one}") for one in UNIT_LOADS),
+    *(Key(one.name, _SHARE, f"limit for {one}, instead of `deflection`") for one in UNIT_LOADS),
 )
 _ELEMENTS = Number(least=1, most=MOST_ELEMENTS, whole=True)
-_FINE = "relative error of f1 to f4 and of deflections with that many elements"
+_FINE = "largest relative error of f1 to f4 and of deflections with these elements"
 _UNEXPLAINED = "unexplained difference from solids of the same legs"
-_SOLID_ENDS = 'of these solids; "as given": as `ends` of the leg, else kept plane'
+_SOLID_ENDS = 'end faces of these solids; "as given": `ends` of each leg, rigid without it'
 AGREE = TableRule(
-    Key("elements", _ELEMENTS, "per leg of segments and beams", default=AgreementLimits.elements),
+    Key(
+        "elements",
+        _ELEMENTS,
+        "elements per leg, of segments and beams",
+        default=AgreementLimits.elements,
+    ),
     Key("convergence", _SHARE, _FINE, default=AgreementLimits.convergence),
     Key("compliance", _SHARE, f"{_UNEXPLAINED}: deflections", default=AgreementLimits.compliance),
     Key("frequency", _SHARE, f"{_UNEXPLAINED}: f1 to f4", default=AgreementLimits.frequency),
     Key("ends", OneOf(get_args(SolidEnds)), _SOLID_ENDS, default=AgreementLimits.ends),
 )
-# From what no instrument resolves to more than any structure yields; errors are relative to it.
+# From below the resolution of instruments to above the compliance of structures; never zero, since
+# errors are relative to it.
 _MEASURED = Number(least=-1e15, most=1e15)
 _SPREAD = Number(above=0.0, most=1e15, slip=SMALLEST_MEASURED)
 _TEST_LOAD = Number("N or N m", above=0.0, most=1e9, slip=1e-12)
 MEASURED = TableRule(
     needed("quantity", _TEXT, "x y z phi_x phi_y phi_z, f1 f2 …, leg1.c22 … or response:NAME …"),
-    needed("value", _MEASURED, "m or rad under `load`, Hz, or SI of a compliance or response"),
-    needed("uncertainty", _SPREAD, "its standard uncertainty, in the same unit"),
-    needed("source", _TEXT, "who measured it"),
-    Key("pose", _POSE, "where, in the order of the moves", default=()),
-    Key("load", _TEST_LOAD, "N or N m", default=1.0),
+    needed(
+        "value", _MEASURED, "value: m or rad under `load`, Hz, or SI of a compliance or response"
+    ),
+    needed("uncertainty", _SPREAD, "standard uncertainty, in the unit of the value"),
+    needed("source", _TEXT, "origin of the value"),
+    Key("pose", _POSE, "pose of the measurement, in the order of the moves", default=()),
+    Key("load", _TEST_LOAD, "force or moment of the measurement", default=1.0),
 )
 MEASURED_VALUES = Several(MEASURED)
 _NODE = Text(r"[1-9][0-9]{0,8}", "a number of up to nine digits")
 _SENSOR = TableRule(
-    needed("body", _NAME, "the body that the node is on"),
-    needed("at", Either(_NAME, _POINT), "a point of it, or where in the reference posture"),
-    Key("x", _DIRECTION, "where its x axis pointed in the test", default=(1.0, 0.0, 0.0)),
-    Key("y", _DIRECTION, "its y axis, as nearly as it can be", default=(0.0, 1.0, 0.0)),
+    needed("body", _NAME, "body of the node"),
+    needed(
+        "at", Either(_NAME, _POINT), "a point of the body, or the position in the reference posture"
+    ),
+    Key("x", _DIRECTION, "direction of the sensor's x axis", default=(1.0, 0.0, 0.0)),
+    Key("y", _DIRECTION, "direction of its y axis, made normal to x", default=(0.0, 1.0, 0.0)),
 )
-# 0.2 %: what mounting a robot and its sensors anew changes.
+# 0.2 %: typical change if robot and sensors are mounted again.
 HAMMER = TableRule(
-    needed("nodes", Named(_NODE, _SENSOR), "nodes of a universal file, by their numbers in it"),
-    Key("pose", _POSE, "where it was measured; the reference posture where left out"),
-    Key("uncertainty", _SHARE, "standard, of frequencies, besides their scatter", default=0.002),
-    Key("calibration", _SHARE, "standard, of responses, besides their scatter", default=0.01),
-    Key("averages", _COUNT, "blows that coherence is of", default=1),
+    needed("nodes", Named(_NODE, _SENSOR), "nodes by their numbers in the universal file"),
+    Key("pose", _POSE, "pose of the test; default: the reference posture"),
+    Key(
+        "uncertainty",
+        _SHARE,
+        "relative standard uncertainty of frequencies, besides scatter",
+        default=0.002,
+    ),
+    Key(
+        "calibration",
+        _SHARE,
+        "relative standard uncertainty of responses, besides scatter",
+        default=0.01,
+    ),
+    Key("averages", _COUNT, "number of blows that coherence is averaged over", default=1),
 )
 _INPUT_UNCERTAINTY = TableRule(
-    needed("key", _TEXT, 'a number or matrix of this file, "leg1.length" say'),
-    needed("relative", _SHARE, "its relative standard uncertainty"),
+    needed("key", _TEXT, 'a number or matrix of this file, such as "leg1.length"'),
+    needed("relative", _SHARE, "relative standard uncertainty"),
 )
-_UNITS = "of lengths alone: what is listed in m is in mm then, all else as listed"
+_UNITS = "unit of lengths: with mm, every value listed in m is in mm; all else stays"
 _HEAD = (
-    needed("schema", OneOf((1, 2)), "version of this format: 2; 1 for the biglide's own"),
-    needed("name", _TITLE, "appears in the report"),
+    needed("schema", OneOf((1, 2)), "version of the format: 2, or 1 for a biglide"),
+    needed("name", _TITLE, "name in the report"),
     Key("units", OneOf(tuple(LENGTH_UNITS)), _UNITS, default=METRE.name),
 )
 _ASKED = (
-    Key("loads", Several(LOAD), "the designer's own loads, each judged", default=()),
-    Key("damping", DAMPING, "of all modes, beside the losses of bodies, joints and drives"),
-    Key("responses", Several(RESPONSE), "to harmonic forces, each judged", default=()),
-    Key("accept", ACCEPT, "what is asked of a model"),
-    Key("agree", AGREE, "how closely formulations of the same legs must agree"),
+    Key("loads", Several(LOAD), "load cases, each judged", default=()),
+    Key("damping", DAMPING, "damping of all modes, besides loss factors"),
+    Key("responses", Several(RESPONSE), "responses to harmonic forces, each judged", default=()),
+    Key("accept", ACCEPT, "limits on the errors of models"),
+    Key("agree", AGREE, "limits on differences between formulations of the same legs"),
     Key("measured", MEASURED_VALUES, "measured values", default=()),
-    Key("hammer", HAMMER, "where a modal test was made, whose file `--measured` names"),
-    Key("input_uncertainty", Several(_INPUT_UNCERTAINTY), "how well data are known", default=()),
+    Key("hammer", HAMMER, "nodes and pose of a modal test, see `--measured`"),
+    Key(
+        "input_uncertainty",
+        Several(_INPUT_UNCERTAINTY),
+        "uncertainties of numbers in this file",
+        default=(),
+    ),
 )
 MECHANISM = TableRule(
     *_HEAD,
-    needed("points", Named(_NAME, _PLACE_OR_COPIES), "places in the reference posture"),
-    needed(
-        "bodies", Named(_NAME, BODY, _MOST_BODIES), "legs, rigid bodies and parts on these points"
-    ),
-    needed("joints", Named(_NAME, JOINT, _MOST_JOINTS), "what holds the bodies together"),
+    needed("points", Named(_NAME, _PLACE_OR_COPIES), "points in the reference posture"),
+    needed("bodies", Named(_NAME, BODY, _MOST_BODIES), "legs, rigid bodies and CAD parts"),
+    needed("joints", Named(_NAME, JOINT, _MOST_JOINTS), "joints between bodies"),
     needed("tool", TOOL, "the loaded point"),
-    Key("patterns", Named(_NAME, PATTERN), "symmetries that several entries have", default={}),
-    Key("materials", Named(_NAME, MATERIAL), "materials that several bodies have", default={}),
-    Key("path", PATH, "poses at which `run` judges; the reference posture where left out"),
+    Key("patterns", Named(_NAME, PATTERN), "patterns of copies by name", default={}),
+    Key("materials", Named(_NAME, MATERIAL), "materials by name", default={}),
+    Key("path", PATH, "poses of `run`; default: the reference posture"),
     *_ASKED,
 )
 
-# What a pose of the biglide prescribes.
+# Coordinates of a pose of the biglide.
 _BIGLIDE_MOVES = ("x",)
-# Schema 1, the biglide: what schema 2 says under names of its own, and three numbers more.
+# Schema 1, the biglide: the contents of schema 2 under other names, and three more numbers.
 # Ten times as long: beyond any family of one design.
 _RATIO = Number(above=0.0, most=10.0, high=_PERCENT)
 # 1e4 N/m: a drive that gives way 0.1 m under the paper's 1000 N is not a drive.
@@ -380,46 +431,53 @@ _ACTUATOR_STIFFNESS = Number(
 )
 _OF_LEGS = ("ends", "compliance", "loss", "section", "inertia", "mass_centre")
 _BIGLIDE_LEG = TableRule(
-    needed("length", _LENGTH, "between its joints"),
-    Key("mass", _MASS, "in place of a density"),
-    Key("material", MATERIAL, "with a section"),
+    needed("length", _LENGTH, "distance between its joints"),
+    Key("mass", _MASS, "mass; replaces a density"),
+    Key("material", MATERIAL, "material of the section"),
     *(replace(BODY.keys[name], of=()) for name in _OF_LEGS),
 )
 _GEOMETRY = TableRule(
-    needed("a", _LENGTH, "distance of the slides along x"),
-    Key("alpha", _RATIO, "both legs so many times as long, the stroke kept", default=1.0),
-    Key("tool_offset", Several(_OFFSET, 3), "from B to the loaded point", default=(0.0, 0.0, 0.0)),
+    needed("a", _LENGTH, "distance between the slides along x"),
+    Key("alpha", _RATIO, "factor on both lengths at the same stroke", default=1.0),
+    Key(
+        "tool_offset",
+        Several(_OFFSET, 3),
+        "vector from B to the loaded point",
+        default=(0.0, 0.0, 0.0),
+    ),
 )
 _FOOT = TableRule(
-    needed("compliance", _COMPLIANCE, "at its revolute joint, robot axes"),
+    needed("compliance", _COMPLIANCE, "compliance at the revolute joint, robot axes"),
     Key("loss", _LOSS, "loss factor", default=0.0),
-    Key("inertia", _INERTIA, "for the audit alone"),
+    Key("inertia", _INERTIA, "used by the audit alone"),
 )
 _SPRING = TableRule(
-    needed("compliance", _COMPLIANCE, "in series at the loaded point, robot axes"),
+    needed("compliance", _COMPLIANCE, "compliance in series at the loaded point, robot axes"),
     Key("loss", _LOSS, "loss factor", default=0.0),
-    Key("active", OneOf((True, False)), "false: kept, not used", default=True),
+    Key("active", OneOf((True, False)), "false: recorded, not used", default=True),
 )
 _CORRECTION = TableRule(
-    needed("key", _TEXT, "where this file differs from its source"),
-    needed("printed", _NUMBER, "what the source prints"),
-    needed("used", _NUMBER, "what stands in this file"),
-    needed("reason", _TEXT, "why"),
+    needed("key", _TEXT, "key that differs from the source"),
+    needed("printed", _NUMBER, "value printed in the source"),
+    needed("used", _NUMBER, "value in this file"),
+    needed("reason", _TEXT, "reason of the correction"),
 )
 _ACTUATORS = TableRule(
-    needed("stiffness", _ACTUATOR_STIFFNESS, "along y"),
+    needed("stiffness", _ACTUATOR_STIFFNESS, "stiffness along y"),
     Key("loss", _LOSS, "loss factor", default=0.0),
 )
 BIGLIDE = TableRule(
     *_HEAD,
     needed("type", OneOf(("biglide",)), "two slides along y, two legs that meet at B"),
-    needed("geometry", _GEOMETRY, "of slides and tool"),
-    needed("platform", TableRule(needed("mass", _MASS, "at the loaded point")), "on leg 1"),
+    needed("geometry", _GEOMETRY, "geometry of slides and tool"),
+    needed(
+        "platform", TableRule(needed("mass", _MASS, "mass at the loaded point")), "carried by leg 1"
+    ),
     needed("actuators", _ACTUATORS, "drives of the simplified model"),
-    needed("leg1", _BIGLIDE_LEG, "from the slide on x = 0 to B"),
-    needed("leg2", _BIGLIDE_LEG, "from the slide on x = a to B"),
-    Key("foot", _FOOT, "of both legs; rigid where left out"),
-    Key("tool", _SPRING, "rigid where left out"),
+    needed("leg1", _BIGLIDE_LEG, "leg from the slide on x = 0 to B"),
+    needed("leg2", _BIGLIDE_LEG, "leg from the slide on x = a to B"),
+    Key("foot", _FOOT, "foot of both legs; default: rigid"),
+    Key("tool", _SPRING, "spring at the tool; default: rigid"),
     Key("corrections", Several(_CORRECTION), "misprints of the source", default=()),
     *_ASKED,
 )
@@ -433,11 +491,11 @@ def rules_of(tables: Mapping[str, Any]) -> TableRule:
 
 
 def is_mechanism(tables: Mapping[str, Any]) -> bool:
-    """Whether a file's tables are those of schema 2."""
+    """True if a file's tables are those of schema 2."""
     schema = tables.get("schema")
     # True is 1 to Python, and is no number in the file.
     schema = None if isinstance(schema, bool) else schema
-    # Whoever mistypes the number has written one of the two all the same.
+    # With a mistyped number, the tables show which of the two is meant.
     any_robot = not tables.keys().isdisjoint(("points", "bodies", "joints"))
     return schema == 2 or (schema != 1 and any_robot)
 

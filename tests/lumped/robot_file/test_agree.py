@@ -96,7 +96,7 @@ def test_new_file_lists_the_limits(tmp_path, kind):
     lines = (tmp_path / "new.toml").read_text(encoding="utf-8").replace("\n#     ", " ").split("\n")
     for key, value in DEFAULTS.items():
         (line,) = [line for line in lines if line.startswith(f"# agree.{key}:")]
-        assert line.endswith(f"; {json.dumps(value)} where left out")
+        assert line.endswith(f"; default {json.dumps(value)}")
 
 
 def test_schema_has_the_limits_with_their_defaults():
