@@ -27,6 +27,7 @@ EXTRAS: Mapping[str, Extra] = {
         ("sphinx", "myst_parser", "sphinx_gallery", "pyuff", "pytest"), "the command docs"
     ),
     "exudyn": Extra(("exudyn",), "comparisons with EXUDYN, scripts of export --to exudyn"),
+    "gpu": Extra(("cupy", "nvmath"), "--solver cudss"),
     "hammer": Extra(("pyuff", "sdypy"), "--measured with a universal file (.uff, .unv)"),
     "nastran": Extra(("pyyeti", "pandas"), "export --to nastran"),
 }

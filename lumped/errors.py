@@ -1,5 +1,6 @@
 """Error classes: wrong input, which the user corrects, and failed computations."""
 
+import warnings
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from errno import EAGAIN, EDQUOT, EFBIG, EIO, EMFILE, ENFILE, ENOMEM, ENOSPC
@@ -25,6 +26,28 @@ class _SendableError(Exception):
 
 def _unpickled_error(kind: type[_SendableError], *message: str) -> _SendableError:
     return kind.__new__(kind, *message)
+
+
+class Remark(UserWarning):
+    """A message to the user, in one line, that changes neither results nor the exit code."""
+
+
+@contextmanager
+def remarks_to(receive: Callable[[Remark], object]) -> Iterator[None]:
+    """Hand remarks over, each once; other warnings are shown as they are elsewhere."""
+    with warnings.catch_warnings():
+        show = warnings.showwarning
+
+        def receive_or_show(
+            message: Warning | str, category: type[Warning], *place: Any, **options: Any
+        ) -> None:
+            if isinstance(message, Remark):
+                receive(message)
+            else:
+                show(message, category, *place, **options)
+
+        warnings.showwarning = receive_or_show
+        yield
 
 
 class InputError(_SendableError):

@@ -13,6 +13,7 @@ import signal
 import subprocess
 import sys
 import traceback
+import warnings
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
@@ -26,7 +27,7 @@ from time import monotonic, process_time
 from types import ModuleType
 from typing import Any, NamedTuple, TypeVar
 
-from lumped.errors import ComputationError, InputError
+from lumped.errors import ComputationError, InputError, Remark, remarks_to
 from lumped.posix import resource
 
 T = TypeVar("T")
@@ -50,6 +51,13 @@ class _Raised:
     """The error that comes in place of a value."""
 
     error: Exception
+
+
+class _Answer(NamedTuple):
+    """A value, or the error in its place, and the remarks made on the way."""
+
+    value: object
+    remarks: list[Remark]
 
 
 class _Question(NamedTuple):
@@ -110,19 +118,22 @@ class Process:
     def answer(self, patience: float = inf) -> Any:
         """The value for the first question that is not answered yet; waits `patience` (s) for it.
 
-        Raises its InputError and ComputationError, which every other error becomes, and Crashed.
+        Its remarks are made here. Raises its InputError and ComputationError, which every other
+        error becomes, and Crashed.
         """
         begun = monotonic()
         try:
             while not self.connection.poll(_HEARTBEAT):
                 if monotonic() - begun > patience:
                     raise Crashed(f"the computing process gave no answer in {patience:g} s")
-            answer = self.connection.recv()
+            answer: _Answer = self.connection.recv()
         except (EOFError, ConnectionError):
             raise Crashed(f"the computing process {self._how_it_ended()}") from None
-        if isinstance(answer, _Raised):
-            raise answer.error
-        return answer
+        for remark in answer.remarks:
+            warnings.warn(remark, stacklevel=2)
+        if isinstance(answer.value, _Raised):
+            raise answer.value.error
+        return answer.value
 
     def end(self) -> None:
         """End it, whatever it is doing."""
@@ -201,20 +212,23 @@ def serve(descriptor: int) -> None:
 
 def _answered(content: bytes, staying: list[object]) -> bytes:
     """The pickled answer to a question; a value that stays is added to those `staying`."""
+    remarks: list[Remark] = []
     try:
         question: _Question = pickle.loads(content)  # noqa: S301  from who started this process
-        value = question.function(*staying, *question.arguments)
+        with remarks_to(remarks.append):
+            value = question.function(*staying, *question.arguments)
         if question.stays:
             staying.append(value)
             value = None
-        return pickle.dumps(value)
+        return pickle.dumps(_Answer(value, remarks))
     except (InputError, ComputationError) as error:
-        return pickle.dumps(_Raised(error))
+        raised = _Raised(error)
     except MemoryError:
-        return pickle.dumps(_Raised(ComputationError("memory ran out")))
+        raised = _Raised(ComputationError("memory ran out"))
     except Exception as error:  # noqa: BLE001  carried to who asked, whatever it is
         traceback.print_exc()
-        return pickle.dumps(_Raised(ComputationError(f"{type(error).__name__}: {error}")))
+        raised = _Raised(ComputationError(f"{type(error).__name__}: {error}"))
+    return pickle.dumps(_Answer(raised, remarks))
 
 
 def _receive(connection: Connection, questions: SimpleQueue[bytes]) -> None:

@@ -20,8 +20,10 @@ from cyclopts import App, CycloptsError, Parameter, UnusedCliTokensError
 
 from fem.extras import require_extra
 from fem.machine import TO_COMPUTE, TO_READ, require_room, usable_cores
-from lumped.errors import EXHAUSTED, ComputationError, InputError
+from fem.solvers.backends.choice import request_solver
+from lumped.errors import EXHAUSTED, ComputationError, InputError, remarks_to
 from lumped.robots import FIRST_TYPE, RobotType
+from lumped.solver_request import VARIABLE
 from lumped.text import shortened, visible
 from validation.comparisons.command import converge
 from validation.console import streams
@@ -34,6 +36,7 @@ from validation.console.typed import (
     Place,
     ProcessCount,
     RobotName,
+    SolverName,
     WholeNumber,
     require_apart,
     require_place,
@@ -68,7 +71,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         streams.prepare()
         if arguments is None:
             signal.signal(signal.SIGTERM, _interrupted)
-        with _home():
+        with (
+            _home(),
+            remarks_to(lambda remark: streams.mention(str(remark))),
+            _own_variable(VARIABLE),
+        ):
             return _run(list(sys.argv[1:] if arguments is None else arguments))
     except CycloptsError as error:
         return complain([shortened(_one_line(error))], 2)
@@ -104,6 +111,16 @@ def _home() -> Iterator[None]:
             yield
         finally:
             os.environ["HOME"] = home
+
+
+@contextmanager
+def _own_variable(name: str) -> Iterator[None]:
+    """A variable of the environment that a command may set, for its processes too."""
+    before = os.environ.get(name)
+    try:
+        yield
+    finally:
+        os.environ.pop(name, None) if before is None else os.environ.update({name: before})
 
 
 def _interrupted(number: int, _frame: object) -> None:
@@ -168,6 +185,7 @@ def run(
     strict: bool = False,
     measured: Place | None = None,
     vary: tuple[str, ...] = (),
+    solver: SolverName = None,
 ) -> int:
     """Validate a robot's lumped models and write a report.
 
@@ -222,6 +240,7 @@ def run(
     from validation.validate import Request, validate  # noqa: PLC0415
 
     require_room(TO_COMPUTE)
+    request_solver(solver)
     if cluster is not None:
         require_extra("cluster", "--cluster")
     request = Request(
@@ -319,6 +338,7 @@ def solve(
     cluster: str | None = None,
     csv: Place | None = None,
     picture: Place | None = None,
+    solver: SolverName = None,
     force: Force = False,
     json: AsJson = False,
 ) -> int:
@@ -388,6 +408,7 @@ def solve(
     from validation.solve.question import Question  # noqa: PLC0415
 
     require_room(TO_COMPUTE)
+    request_solver(solver)
     if cluster is not None:
         require_extra("cluster", "--cluster")
     require_place(csv, ".csv", force=force)
@@ -507,7 +528,7 @@ def _one_line(error: CycloptsError) -> str:
 def _version() -> str:
     from importlib.metadata import PackageNotFoundError, version  # noqa: PLC0415
 
-    from fem.solvers.factor import solver_name  # noqa: PLC0415
+    from fem.solvers.backends.choice import solver_name  # noqa: PLC0415
 
     try:
         own = version("flexproof")

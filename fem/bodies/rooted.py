@@ -9,14 +9,17 @@ of the flexibility G is G − U C⁻¹Uᵀ for any number of them.
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve, qr
 
 from fem.couplings.coupled_solid import CoupledSolid
+from fem.solvers.backends.protocol import HOST, Space
 from fem.solvers.certificate import Pencil, count_below, pencil
 from fem.solvers.factor import Inertia, RenewableFactor
 from fem.solvers.modes import CertifiedModes, lowest_modes, searched_modes
+from fem.solvers.spaces import space_of
 from lumped.arrays import Array, IntArray, fix_signs
 from lumped.dense.statics import balanced_flexibility
 from lumped.errors import ComputationError
@@ -24,10 +27,38 @@ from lumped.screws import shift
 
 
 @dataclass(frozen=True, eq=False)
+class _Rooting:
+    """Projection P on what moves with the first interface held, in one memory.
+
+    `motions` R̂ (n×6), `rows` of the unknowns that wrenches at the interface act on, and `wrenches`
+    B₀ there.
+    """
+
+    motions: Any
+    rows: Any
+    wrenches: Any
+
+    def expanded(self, x: Any) -> Any:
+        """P x."""
+        return x - self.motions @ (self.wrenches.T @ x[self.rows])
+
+    def equilibrated(self, forces: Any) -> Any:
+        """Pᵀf."""
+        balanced = forces.copy()
+        balanced[self.rows] -= self.wrenches @ (self.motions.T @ forces)
+        return balanced
+
+    def copy_to(self, space: Space) -> "_Rooting":
+        """The same projection in another memory."""
+        return _Rooting(*map(space.put, (self.motions, self.rows, self.wrenches)))
+
+
+@dataclass(frozen=True, eq=False)
 class RootedBody:
     """A coupled solid held at its first interface, factorised; `name` in errors.
 
-    `pencil`: its stiffness and mass, with springs on six unknowns; `factor` of the former.
+    `pencil`: its stiffness and mass, with springs on six unknowns; `factor` of the former. Forces
+    and displacements are in the host's memory, or in that of a graphics card which has the factor.
     """
 
     name: str
@@ -45,23 +76,32 @@ class RootedBody:
         """B (n×6(m−1)): unit wrenches at the other interfaces."""
         return self.solid.twists[:, 6:]
 
-    def expanded(self, x: Array) -> Array:
-        """P x: the same deformation with the first interface where it was."""
-        at = self._at_root
-        return np.asarray(x - self.solid.motions @ (self.root[at].T @ x[at]))
+    @property
+    def space(self) -> Space:
+        """Memory in which forces need no transfer."""
+        return self.pencil.symbolic.space
 
-    def equilibrated(self, forces: Array) -> Array:
+    def expanded(self, x: Any) -> Any:
+        """P x: the same deformation with the first interface where it was."""
+        return self._rooting(x).expanded(x)
+
+    def equilibrated(self, forces: Any) -> Any:
         """Pᵀf: forces together with the reaction of the first interface."""
-        balanced, at = forces.copy(), self._at_root
-        balanced[at] -= self.root[at] @ (self.solid.motions.T @ forces)
-        return balanced
+        return self._rooting(forces).equilibrated(forces)
+
+    def _rooting(self, array: Any) -> _Rooting:
+        return self._rooting_on_host if space_of(array) is HOST else self._rooting_on_device
 
     @cached_property
-    def _at_root(self) -> IntArray:
-        """The few unknowns that wrenches at the first interface act on."""
-        return np.flatnonzero(self.root.any(axis=1))
+    def _rooting_on_host(self) -> _Rooting:
+        rows = np.flatnonzero(self.root.any(axis=1))
+        return _Rooting(self.solid.motions, rows, self.root[rows])
 
-    def flexibility(self, forces: Array) -> Array:
+    @cached_property
+    def _rooting_on_device(self) -> _Rooting:
+        return self._rooting_on_host.copy_to(self.space)
+
+    def flexibility(self, forces: Any) -> Any:
         """Displacement x (n×k) under forces (n×k) with the first interface held."""
         flat = forces.reshape(len(forces), -1)
         return self.expanded(self.factor.solve(self.equilibrated(flat))).reshape(forces.shape)
@@ -69,7 +109,7 @@ class RootedBody:
     @cached_property
     def response(self) -> Array:
         """U (n×6(m−1)) under unit wrenches at the other interfaces."""
-        return self.flexibility(self.loads)
+        return np.asarray(self.flexibility(self.loads))
 
     @cached_property
     def compliance(self) -> Array:
@@ -112,13 +152,19 @@ class RootedBody:
         M = modes.T @ (self.solid.mass @ modes)
         return np.asarray((M + M.T) / 2.0)
 
-    def held_flexibility(self, forces: Array) -> Array:
+    def held_flexibility(self, forces: Any) -> Any:
         """Displacement x (n×k) under forces (n×k) with the twists of all interfaces held."""
         free = self.flexibility(forces)
         if not len(self.compliance):
             return free
-        shares = cho_solve(cho_factor(self.compliance), self.response.T @ forces)
-        return np.asarray(free - self.response @ shares)
+        space = space_of(forces)
+        response = self.response if space is HOST else self._response_on_device
+        twists = space.get(response.T @ forces)
+        return free - response @ space.put(cho_solve(cho_factor(self.compliance), twists))
+
+    @cached_property
+    def _response_on_device(self) -> Any:
+        return self.space.put(self.response)
 
     def modes(self, count: int) -> CertifiedModes:
         """The lowest `count` modes with the first interface clamped, the others free; on u.
@@ -131,13 +177,15 @@ class RootedBody:
             self.factor.give_up()
             return self.rooted_inertia(sigma)
 
-        modes = lowest_modes(self.flexibility, self.solid.mass, count, counted, self.name)
+        mass, space = self.solid.mass, self.space
+        modes = lowest_modes(self.flexibility, mass, count, counted, self.name, space)
         shapes = self.solid.transformation @ modes.shapes
         return replace(modes, shapes=fix_signs(shapes))
 
     def uncounted_frequencies(self, count: int) -> Array:
         """Those of `modes` (Hz) as the search finds them: nothing proves that none is missing."""
-        return searched_modes(self.flexibility, self.solid.mass, count, self.name).frequencies
+        mass, space = self.solid.mass, self.space
+        return searched_modes(self.flexibility, mass, count, self.name, space).frequencies
 
     def held_inertia(self, sigma: float) -> Inertia:
         """Of K − σM (σ in rad²/s²) on what moves with the twists of all interfaces held."""

@@ -9,6 +9,7 @@ what is found: A − Φ Λ⁻¹ Φᵀ has the other modes, and these alone.
 """
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from scipy.linalg import eigh
@@ -16,7 +17,8 @@ from scipy.linalg.lapack import dpstrf
 
 from fem.reduction.held import Swinging
 from fem.solvers.block_lanczos import NotConvergedError, block_lanczos, modes_below
-from lumped.arrays import Array, fix_signs
+from fem.solvers.spaces import space_of
+from lumped.arrays import fix_signs
 from lumped.dense.modes import Modes
 from lumped.errors import ComputationError
 
@@ -49,8 +51,9 @@ def _without(held: Swinging, known: Modes) -> Swinging:
     """A body without the modes that are known."""
     shapes, squared = known.shapes, (2.0 * np.pi * known.frequencies[:, None]) ** 2
 
-    def flexibility(forces: Array) -> Array:
-        return np.asarray(held.flexibility(forces) - shapes @ (shapes.T @ forces / squared))
+    def flexibility(forces: Any) -> Any:
+        found, scale = map(space_of(forces).put, (shapes, squared))
+        return held.flexibility(forces) - found @ (found.T @ forces / scale)
 
     return replace(held, flexibility=flexibility)
 
@@ -117,7 +120,9 @@ def _modes_below(held: Swinging, cutoff: float, seed: int) -> Modes | None:
     limit = min(_LARGEST_SUBSPACE, held.size // 2)
     wanted = modes_below((2.0 * np.pi * cutoff) ** 2)
     try:
-        ritz = block_lanczos(held.flexibility, held.mass, start, wanted, limit, _CONVERGED)
+        ritz = block_lanczos(
+            held.flexibility, held.mass, start, wanted, limit, _CONVERGED, space=held.space()
+        )
     except NotConvergedError as error:
         if limit < _LARGEST_SUBSPACE:
             return None

@@ -7,12 +7,15 @@ their static response to the forces F. W = (MZ)ᵀ A (MZ) = Σ p pᵀ/λ_k³ is 
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.linalg import cholesky, eigh, solve_triangular
 
 from fem.bodies.rooted import RootedBody
+from fem.solvers.backends.protocol import HOST, Space
 from fem.solvers.factor import Inertia
+from fem.solvers.spaces import space_of
 from lumped.arrays import Array, SparseMatrix, fix_signs
 from lumped.dense.modes import Modes
 
@@ -27,13 +30,14 @@ class Swinging:
     `state`: what errors call it, and how it is held; `flexibility`: displacement (n×k) under
     forces (n×k), symmetric and positive semidefinite; `mass` (n×n). `inertia`: from σ (rad²/s²) to
     the signs of the eigenvalues of K − σM, those of rigid motions left out; None where these are
-    not counted.
+    not counted. `space`: the memory in which forces need no transfer.
     """
 
     state: str
-    flexibility: Callable[[Array], Array]
+    flexibility: Callable[[Any], Any]
     mass: SparseMatrix
     inertia: Callable[[float], Inertia] | None = None
+    space: Callable[[], Space] = lambda: HOST
 
     @property
     def size(self) -> int:
@@ -70,6 +74,7 @@ def held_body(rooted: RootedBody) -> Held:
         flexibility=rooted.held_flexibility,
         mass=rooted.solid.mass,
         inertia=rooted.held_inertia,
+        space=lambda: rooted.space,
         constraint_modes=rooted.constraint_modes,
         stiffness=rooted.stiffness,
     )
@@ -87,9 +92,10 @@ def free_body(rooted: RootedBody) -> FreeBody:
     rigid = np.asarray(solve_triangular(own, motions.T, trans="T").T)
     momenta = np.asarray(mass @ rigid)
 
-    def flexibility(forces: Array) -> Array:
-        moved = rooted.flexibility(forces - momenta @ (rigid.T @ forces))
-        return np.asarray(moved - rigid @ (momenta.T @ moved))
+    def flexibility(forces: Any) -> Any:
+        motions, impulses = map(space_of(forces).put, (rigid, momenta))
+        moved = rooted.flexibility(forces - impulses @ (motions.T @ forces))
+        return moved - motions @ (impulses.T @ moved)
 
     def inertia(sigma: float) -> Inertia:
         # Rigid motions lie below every σ.
@@ -101,6 +107,7 @@ def free_body(rooted: RootedBody) -> FreeBody:
         flexibility=flexibility,
         mass=mass,
         inertia=inertia,
+        space=lambda: rooted.space,
         rigid=rigid,
     )
 

@@ -121,6 +121,7 @@ def held_solid_leg(clamped: RootedBody, mesh: SolidMesh) -> HeldLeg:
         constraint_modes=held.constraint_modes,
         stiffness=held.stiffness,
         flexibility=held.flexibility,
+        space=held.space,
         mass=held.mass,
         centreline=centreline_of(mesh, clamped.solid),
     )

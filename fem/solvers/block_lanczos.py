@@ -10,11 +10,13 @@ M-orthogonal to it: so it finds what an earlier one has missed.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from scipy.linalg import eigh
 
+from fem.solvers.backends.choice import announce_fallback
+from fem.solvers.backends.protocol import HOST, DeviceError, Space
 from lumped.arrays import Array, SparseMatrix
 
 # The mode after the last one only has to show where the gap is.
@@ -74,28 +76,30 @@ def merged(first: Ritz, second: Ritz) -> Ritz:
     )
 
 
-def _orthonormal(block: Array, basis: Array, M: SparseMatrix) -> tuple[Array, Array]:
+def _orthonormal(block: Any, basis: Any, M: Any, space: Space) -> tuple[Any, Any]:
     """The part of `block` M-orthogonal to `basis`, M-orthonormal, and M times it.
 
-    Dependent directions are dropped.
+    Dependent directions are dropped. All four are in `space`.
     """
     weighted = M @ block
-    size = np.einsum("ij,ij->j", block, weighted)
-    block, weighted = (a[:, size > 0.0] / np.sqrt(size[size > 0.0]) for a in (block, weighted))
+    size = space.get(np.einsum("ij,ij->j", block, weighted))
+    moving = np.flatnonzero(size > 0.0)
+    scale = space.put(1.0 / np.sqrt(size[moving]))
+    block, weighted = (a[:, space.put(moving)] * scale for a in (block, weighted))
     # Again where a pass had much to remove: it leaves rounding errors of the size of that.
     for _ in range(4):
-        gram = block.T @ weighted
+        gram = space.get(block.T @ weighted)
         squares, directions = eigh((gram + gram.T) / 2.0)
         kept = squares > _DEPENDENT
-        scaled = directions[:, kept] / np.sqrt(squares[kept])
+        scaled = space.put(directions[:, kept] / np.sqrt(squares[kept]))
         block, weighted = block @ scaled, weighted @ scaled
         along = basis.T @ weighted
         block -= basis @ along
         rounding = np.finfo(float).eps / squares[kept].min(initial=1.0)
-        if max(rounding, np.abs(along).max(initial=0.0)) < _ORTHONORMAL:
+        if max(rounding, np.abs(space.get(along)).max(initial=0.0)) < _ORTHONORMAL:
             break
         weighted = M @ block
-    return np.asarray(block), np.asarray(weighted)
+    return block, weighted
 
 
 def first_modes(count: int) -> Wanted:
@@ -121,27 +125,50 @@ def modes_below(squared: float) -> Wanted:
 
 
 def block_lanczos(
-    solve: Callable[[Array], Array],
+    solve: Callable[[Any], Any],
     M: SparseMatrix,
     start: Array,
     wanted: Wanted,
     limit: int,
     residual: float,
     known: Array | None = None,
+    space: Space = HOST,
 ) -> Ritz:
     """The lowest modes, as many as are `wanted`, M-orthogonal to `known` (n×m).
 
     `solve` is K⁻¹ on blocks (n×k), `start` (n×s) the first block before the first solve; at most
     `limit` vectors are tried. Of what is wanted no `residual` relative to θ is larger. Fewer
-    come back where no more have mass. Raises NotConvergedError.
+    come back where no more have mass. Blocks stay in `space`, where `solve` takes and leaves them;
+    if its device fails, the search begins again in the host's memory. Raises NotConvergedError.
     """
     told = np.zeros((len(start), 0)) if known is None else known
-    # One array from the beginning: pages never reached take no memory, and nothing is copied.
-    first = told.shape[1]
-    everything = np.empty((len(start), first + limit), order="F")
-    everything[:, :first] = told
-    block, weighted_block = _orthonormal(solve(M @ start), told, M)
+    if space is not HOST:
+        try:
+            with space.errors():
+                return _search(solve, M, start, wanted, limit, residual, told, space)
+        except DeviceError as error:
+            announce_fallback(error)
+    return _search(solve, M, start, wanted, limit, residual, told, HOST)
+
+
+def _search(
+    solve: Callable[[Any], Any],
+    mass: SparseMatrix,
+    start: Array,
+    wanted: Wanted,
+    limit: int,
+    residual: float,
+    told: Array,
+    space: Space,
+) -> Ritz:
+    first, M = told.shape[1], space.matrix(mass)
+    everything = space.columns(len(start), first + limit, space.put(told))
+    block, weighted_block = _orthonormal(
+        solve(M @ space.put(start)), everything[:, :first], M, space
+    )
     width = block.shape[1]
+    if first + width > everything.shape[1]:
+        everything = space.columns(len(start), first + limit, everything[:, :first])
     everything[:, first : first + width] = block
     solves, projected = start.shape[1], np.zeros((0, 0))
     leak = np.zeros((told.shape[1], 0))
@@ -150,14 +177,15 @@ def block_lanczos(
         image = solve(weighted_block)
         weighted = M @ image
         solves += block.shape[1]
-        along = reached.T @ weighted
+        shares = reached.T @ weighted
+        along = space.get(shares)
         leak, column = np.hstack([leak, along[:first]]), along[first:]
         previous = width - block.shape[1]
         projected = np.block(
             [[projected, column[:previous]], [column[:previous].T, column[previous:]]]
         )
-        following, weighted_following = _orthonormal(image - reached @ along, reached, M)
-        coefficients = following.T @ weighted
+        following, weighted_following = _orthonormal(image - reached @ shares, reached, M, space)
+        coefficients = space.get(following.T @ weighted)
         theta, s = eigh((projected + projected.T) / 2.0)
         theta, s = theta[::-1], s[:, ::-1]
         has_mass = theta > np.finfo(float).eps * len(theta) * theta.max(initial=0.0)
@@ -175,7 +203,7 @@ def block_lanczos(
                 along = np.linalg.norm(leak @ s[:, :count], axis=0) / theta[:count]
                 return Ritz(
                     values=values[:count],
-                    vectors=reached[:, first:] @ s[:, :count],
+                    vectors=space.get(reached[:, first:] @ space.put(s[:, :count])),
                     residuals=np.hypot(residuals[:count], along),
                     beyond=float(values[count]) if len(values) > count else np.inf,
                 )
@@ -184,4 +212,6 @@ def block_lanczos(
             raise NotConvergedError(converged, solves)
         block, weighted_block = following, weighted_following
         width += block.shape[1]
+        if first + width > everything.shape[1]:
+            everything = space.columns(len(start), first + limit, reached)
         everything[:, first + width - block.shape[1] : first + width] = block

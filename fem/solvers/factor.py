@@ -1,24 +1,24 @@
-"""Sparse factors of symmetric matrices: order, factorise, solve, count (rslab).
+"""Sparse factors of symmetric matrices: order, factorise, solve, count.
 
-rslab factorises PᵀAP = L D Lᵀ (Bunch and Kaufman, Math. Comp. 31 (1977) 163) along a nested
-dissection. The signs of D are those of A's eigenvalues (Sylvester): all positive for a stiffness,
-and counted for K − σM. The bits of a factor do not depend on the number of threads.
+A library (fem.solvers.backends) factorises PᵀAP = L D Lᵀ. The signs of D are those of A's
+eigenvalues (Sylvester): all positive for a stiffness, and counted for K − σM. If a graphics card
+fails, rslab computes again what was on it.
 """
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from importlib.metadata import version
 from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.sparse import csc_array, csr_array
 
-from fem.machine import available_memory, threads
+from fem.machine import available_memory
+from fem.solvers.backends.choice import announce_fallback, order
+from fem.solvers.backends.protocol import DeviceError, Numeric, Space
+from fem.solvers.backends.rslab import RslabOrdering
 from lumped.arrays import Array, SparseMatrix
 from lumped.errors import ComputationError
 
-# Right-hand sides solved together, for which memory is foretold.
-_COLUMNS_AT_ONCE = 32
 # An unknown whose own stiffness is this part of its diagonal entry is held by rounding alone.
 _SINGULAR = 100.0 * np.finfo(np.float64).eps
 # Two factors at once where the memory that is left holds this many more; the machine is not ours.
@@ -50,32 +50,73 @@ class Inertia(NamedTuple):
     positive: int
 
 
-@dataclass(frozen=True, eq=False)
+class Analysis:
+    """Order of elimination of one pattern, by rslab after a graphics card has failed."""
+
+    def __init__(self, lower: SparseMatrix) -> None:
+        self._lower = lower
+        self.ordering = order(lower)
+
+    def factorise(self, values: Array, part: str) -> Numeric:
+        """Factor of the matrix with these values; ComputationError if memory does not suffice."""
+        try:
+            return self.ordering.factorise(values, part)
+        except DeviceError as error:
+            self.leave_device(error)
+            return self.ordering.factorise(values, part)
+
+    def leave_device(self, error: DeviceError) -> None:
+        """Order by rslab from now on, with one warning."""
+        if not isinstance(self.ordering, RslabOrdering):
+            announce_fallback(error)
+            self.ordering = RslabOrdering(self._lower)
+
+
 class Factor:
     """A factorised symmetric matrix A (n×n) and the signs of its eigenvalues."""
 
-    size: int
-    inertia: Inertia
-    handle: Any = field(repr=False)
+    def __init__(self, symbolic: "Symbolic", part: str) -> None:
+        self._symbolic, self._part = symbolic, part
+        self._numeric = symbolic.analysis.factorise(symbolic.triangle.data, part)
+        negative, zero = self._numeric.negative, self._numeric.zero
+        self.inertia = Inertia(negative, zero, symbolic.size - negative - zero)
 
-    def solve(self, right_hand_sides: Array) -> Array:
-        """A⁻¹ times one (n) or several (n×k) right-hand sides, in the same shape."""
-        columns = right_hand_sides.reshape(self.size, -1)
-        solution = np.empty_like(columns, dtype=np.float64)
-        for start in range(0, columns.shape[1], _COLUMNS_AT_ONCE):
-            some = slice(start, start + _COLUMNS_AT_ONCE)
-            solution[:, some] = self.handle.solve_many(np.ascontiguousarray(columns[:, some]))
+    def solve(self, right_hand_sides: Any) -> Any:
+        """A⁻¹ times one (n) or several (n×k) right-hand sides, in the same shape and memory.
+
+        Raises DeviceError if the right-hand sides are on a graphics card that fails. They are lost
+        with it; the same from the host are then solved by rslab.
+        """
+        columns = right_hand_sides.reshape(self._symbolic.size, -1)
+        try:
+            solution = self._numeric.solve(columns)
+        except DeviceError as error:
+            analysis = self._symbolic.analysis
+            analysis.leave_device(error)
+            self._numeric = analysis.factorise(self._symbolic.triangle.data, self._part)
+            if type(columns) is not np.ndarray:
+                raise
+            solution = self._numeric.solve(columns)
         return solution.reshape(right_hand_sides.shape)
 
 
 @dataclass(frozen=True, eq=False)
 class Symbolic:
-    """An analysed symmetric matrix; its factor takes `peak_bytes` of memory at its height."""
+    """An analysed symmetric matrix."""
 
     size: int
-    peak_bytes: int
     triangle: SparseMatrix = field(repr=False)
-    handle: Any = field(repr=False)
+    analysis: Analysis = field(repr=False)
+
+    @property
+    def peak_bytes(self) -> int:
+        """Predicted peak of the host's memory during a factorisation."""
+        return self.analysis.ordering.peak_bytes
+
+    @property
+    def space(self) -> Space:
+        """Memory in which right-hand sides need no transfer."""
+        return self.analysis.ordering.space
 
     def factorise(self, part: str = "stiffness matrix") -> Factor:
         """The factor of a positive definite matrix, which errors call `part`.
@@ -90,20 +131,7 @@ class Symbolic:
 
     def indefinite(self, part: str) -> Factor:
         """The factor of any symmetric matrix; ComputationError where memory will not suffice."""
-        available = available_memory()
-        if available is not None and self.peak_bytes > available:
-            raise ComputationError(
-                f"{part}: factorising {self.size} unknowns needs about "
-                f"{self.peak_bytes / 1e9:.1f} GB and {available / 1e9:.1f} GB are available: use "
-                "fewer divisions, a shorter leg, or condensation by doubling (statics)"
-            )
-        # The values alone: given a matrix, rslab copies it and compares its pattern.
-        values = self.triangle.data
-        handle = self.handle.factor(values, threads=threads(), force_accept=True)
-        # A pivot that is zero is lifted, and then counted among the others.
-        _, negative, zero = handle.inertia
-        zero += handle.n_perturbed
-        return Factor(self.size, Inertia(negative, zero, self.size - negative - zero), handle)
+        return Factor(self, part)
 
     def with_values(self, values: Array) -> "Symbolic":
         """Another matrix in the same order: `values` of its triangle, entry by entry."""
@@ -128,24 +156,15 @@ class Symbolic:
         return not 0.0 < compliance * diagonal[softest] < 1.0 / _SINGULAR
 
 
-def solver_name() -> str:
-    """What a report calls the solver."""
-    return f"rslab {version('rslab')} (sparse LDLᵀ)"
-
-
 def analyse(matrix: SparseMatrix) -> Symbolic:
-    """Order the unknowns of a symmetric matrix (csr n×n) and foretell what its factor takes.
+    """Order the unknowns of a symmetric matrix (csr n×n) and predict the memory of its factor.
 
     The upper triangle of the matrix is enough.
     """
-    import rslab  # noqa: PLC0415  many answers need no sparse factor
-
     triangle = upper_triangle(matrix)
     # Read by columns it is the lower one.
     lower = csc_array((triangle.data, triangle.indices, triangle.indptr), shape=triangle.shape)
-    handle = rslab.analyze(lower, "ldlt", threads=threads())
-    plan = handle.memory_plan(nrhs=_COLUMNS_AT_ONCE, threads=threads())
-    return Symbolic(matrix.shape[0], int(plan["peak_bytes"]), lower, handle)
+    return Symbolic(matrix.shape[0], lower, Analysis(lower))
 
 
 @dataclass(eq=False)
@@ -163,8 +182,8 @@ class RenewableFactor:
         """The factor itself."""
         return self.symbolic.factorise(self.part)
 
-    def solve(self, right_hand_sides: Array) -> Array:
-        """A⁻¹ times one (n) or several (n×k) right-hand sides, in the same shape."""
+    def solve(self, right_hand_sides: Any) -> Any:
+        """A⁻¹ times one (n) or several (n×k) right-hand sides: see `Factor.solve`."""
         return self.numeric.solve(right_hand_sides)
 
     def give_up(self) -> None:

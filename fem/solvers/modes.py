@@ -7,10 +7,11 @@ the search goes on, orthogonal to what it has found, until the count says that n
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
+from fem.solvers.backends.protocol import HOST, Space
 from fem.solvers.block_lanczos import NotConvergedError, Ritz, block_lanczos, first_modes, merged
 from fem.solvers.factor import Inertia
 from lumped.arrays import Array, SparseMatrix, fix_signs
@@ -32,7 +33,7 @@ _SHIFT_ABOVE = 1e-2
 # Places of σ in its interval: a pivot may vanish at one of them by chance.
 _PLACES = (1.0, 0.8, 0.6)
 
-Solve: TypeAlias = Callable[[Array], Array]
+Solve: TypeAlias = Callable[[Any], Any]
 Count: TypeAlias = Callable[[float], Inertia]
 
 
@@ -97,27 +98,28 @@ def lowest_modes(
     mode_count: int,
     count: Count,
     part: str,
+    space: Space = HOST,
 ) -> CertifiedModes:
     """The lowest `mode_count` modes from K⁻¹ and M (csr n×n, semidefinite).
 
-    `solve` is K⁻¹ on blocks (n×k), `count` gives the inertia of K − σM. Shapes are mass-normalised,
-    on the n unknowns. Where the count finds missed modes, as many are searched for M-orthogonally
-    to those found, from other noise, and the count is made anew. Raises InputError for fewer than
-    one mode, ComputationError, naming `part`, where modes do not converge or the certificate still
-    fails.
+    `solve` is K⁻¹ on blocks (n×k), in `space` and on the host; `count` gives the inertia of
+    K − σM. Shapes are mass-normalised, on the n unknowns. Where the count finds missed modes, as
+    many are searched for M-orthogonally to those found, from other noise, and the count is made
+    anew. Raises InputError for fewer than one mode, ComputationError, naming `part`, where modes
+    do not converge or the certificate still fails.
     """
     n = M.shape[0]
     if mode_count < 1:
         raise InputError(f"{part}: modes = {mode_count!r}: must be 1 or more")
     rng = np.random.default_rng(_SEED)
-    ritz = _searched(solve, M, _noise(n, rng), mode_count, part)
+    ritz = _searched(solve, M, _noise(n, rng), mode_count, part, space)
     for search in range(_SEARCHES):
         try:
             sigma = certify(ritz.values, ritz.beyond, count, part)
         except MissedModesError as error:
             if search == _SEARCHES - 1:
                 raise
-            more = _searched(solve, M, _noise(n, rng), error.missing, part, ritz.vectors)
+            more = _searched(solve, M, _noise(n, rng), error.missing, part, space, ritz.vectors)
             ritz = merged(ritz, more)
         else:
             break
@@ -131,10 +133,12 @@ def lowest_modes(
     )
 
 
-def searched_modes(solve: Solve, M: SparseMatrix, mode_count: int, part: str) -> Modes:
+def searched_modes(
+    solve: Solve, M: SparseMatrix, mode_count: int, part: str, space: Space = HOST
+) -> Modes:
     """The first search of `lowest_modes`, without its count, which takes as long."""
     block = _noise(M.shape[0], np.random.default_rng(_SEED))
-    return _first(_searched(solve, M, block, mode_count, part), mode_count)
+    return _first(_searched(solve, M, block, mode_count, part, space), mode_count)
 
 
 def _searched(
@@ -143,12 +147,13 @@ def _searched(
     start: Array,
     count: int,
     part: str,
+    space: Space,
     known: Array | None = None,
 ) -> Ritz:
     limit = 12 * count + 20 * start.shape[1]
     wanted = first_modes(count)
     try:
-        ritz = block_lanczos(solve, M, start, wanted, limit, _RESIDUAL, known)
+        ritz = block_lanczos(solve, M, start, wanted, limit, _RESIDUAL, known, space)
     except NotConvergedError as error:
         raise ComputationError(
             f"{part}: {min(error.converged, count)} of {counted(count, 'mode')} converged in "

@@ -71,7 +71,14 @@ BASICS = {
     "fem.sections.section_constants:poisson_shear_ratio": "νG/E for those tractions",
 }
 # Comparisons that are of two ways through one room, and hence of no more than what sets them apart.
-WITHIN = {"mechanism.parts.frequency": ("fem.reduction", "fem.solvers.block_lanczos")}
+WITHIN = {
+    "mechanism.parts.frequency": (
+        "fem.reduction",
+        "fem.solvers.backends",
+        "fem.solvers.block_lanczos",
+        "fem.solvers.spaces",
+    )
+}
 # What solves a mechanism of bodies, and what beside it is each model's own.
 ASSEMBLER = (assembly, solved)
 MODEL_CODE = {

@@ -4,6 +4,7 @@ import re
 from pathlib import Path
 from typing import Literal
 
+from fem.solvers.backends.choice import request_solver
 from lumped.errors import InputError
 from validation.console.streams import complain, say
 from validation.console.typed import (
@@ -11,6 +12,7 @@ from validation.console.typed import (
     Force,
     Place,
     RobotName,
+    SolverName,
     require_apart,
     require_place,
     write,
@@ -33,6 +35,7 @@ def converge(
     json: AsJson = False,
     csv: Place | None = None,
     picture: Place | None = None,
+    solver: SolverName = None,
     force: Force = False,
 ) -> int:
     """Show how frequencies and deflections converge with element count or with the mesh.
@@ -64,6 +67,7 @@ def converge(
     from validation.comparisons.element_convergence import QUANTITIES  # noqa: PLC0415
     from validation.comparisons.requested import convergence  # noqa: PLC0415
 
+    request_solver(solver)
     require_place(csv, ".csv", force=force)
     kind = _picture_kind(picture)
     require_place(picture, kind, force=force)

@@ -1,7 +1,8 @@
 """The command `extras`: optional packages for the environment of the launcher.
 
-They are those of requirements-dev.lock, pinned by hash, with all that they depend on. The
-environment notes their names, and the launcher adds them again after a later set-up.
+They are those of requirements-dev.lock and requirements-gpu.lock, pinned by hash, with all that
+they depend on. The environment notes their names, and the launcher adds them again after a later
+set-up.
 """
 
 import sys
@@ -26,7 +27,7 @@ def extras(*names: str) -> int:
     Parameters
     ----------
     names
-        cluster, docs, exudyn, hammer, nastran; several at once are allowed.
+        cluster, docs, exudyn, gpu, hammer, nastran; several at once are allowed.
     """
     if not names:
         width = max(map(len, EXTRAS))

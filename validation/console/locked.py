@@ -16,8 +16,8 @@ from packaging.utils import canonicalize_name
 
 from lumped.errors import ComputationError
 
-# The files of the sources: the lock with all extras, and the extras by name.
-LOCK, PROJECT = "requirements-dev.lock", "pyproject.toml"
+# The files of the sources: the locks that hold all extras together, and the extras by name.
+LOCKS, PROJECT = ("requirements-dev.lock", "requirements-gpu.lock"), "pyproject.toml"
 # By name: a package as it is locked, and the lines that say so.
 Locked: TypeAlias = Mapping[str, tuple[Requirement, str]]
 
@@ -32,7 +32,9 @@ def add(root: Path, names: Iterable[str]) -> list[str]:
     optional = loads((root / PROJECT).read_text("utf-8"))["project"]["optional-dependencies"]
     texts = [text for name in dict.fromkeys(names) for text in optional.get(name, ())]
     wanted = [one for one in map(Requirement, texts) if _applies(one, ("",))]
-    locked = locked_packages((root / LOCK).read_text("utf-8"))
+    locked: dict[str, tuple[Requirement, str]] = {}
+    for lock in LOCKS:
+        locked |= locked_packages((root / lock).read_text("utf-8"))
     added: list[str] = []
     # What a package depends on is known when it is installed.
     while missing := missing_packages(wanted, locked):
@@ -56,7 +58,7 @@ def locked_packages(lock: str) -> Locked:
 def missing_packages(wanted: Iterable[Requirement], locked: Locked) -> list[str]:
     """Packages that requirements need, directly or not, and that are not there as locked.
 
-    Raises ComputationError for a package that the lock does not have for this machine.
+    Raises ComputationError for a package that no lock has for this machine.
     """
     queue, seen, missing = list(wanted), set(), []
     while queue:
@@ -66,7 +68,7 @@ def missing_packages(wanted: Iterable[Requirement], locked: Locked) -> list[str]
             continue
         seen.add((name, *sorted(one.extras)))
         if name not in locked or not _applies(locked[name][0], ("",)):
-            raise ComputationError(f"{LOCK} has no {name} for this machine")
+            raise ComputationError(f"no {name} for this machine in {' and '.join(LOCKS)}")
         try:
             there = distribution(name)
         except PackageNotFoundError:

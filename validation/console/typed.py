@@ -55,6 +55,14 @@ LengthUnit: TypeAlias = Literal["m", "mm", "cm", "inch"]
 Place: TypeAlias = Annotated[Path, Parameter(converter=_place)]
 WholeNumber: TypeAlias = Annotated[int, Parameter(converter=_whole_number)]
 ProcessCount: TypeAlias = Annotated[int | None, Parameter(converter=_process_count)]
+SolverName: TypeAlias = Annotated[
+    Literal["auto", "rslab", "cudss"] | None,
+    Parameter(
+        help="Library that factorises large systems: rslab; cudss, on a graphics card (needs the "
+        "extra gpu); or auto, which takes the card for large ones. FLEXPROOF_SOLVER, or auto, if "
+        "left out."
+    ),
+]
 RobotName: TypeAlias = Annotated[str, Parameter(help="A built-in robot or a robot file.")]
 AsJson: TypeAlias = Annotated[bool, Parameter(help="Print JSON for programs.")]
 Force: TypeAlias = Annotated[

@@ -5,11 +5,13 @@ from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
 
 from cyclopts import Parameter
 
+from fem.solvers.backends.choice import request_solver
 from lumped.errors import InputError
 from validation.console.typed import (
     Force,
     Place,
     RobotName,
+    SolverName,
     WholeNumber,
     require_place,
     write,
@@ -32,6 +34,7 @@ def export(
     pose: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     body: str | None = None,
     modes: WholeNumber = 20,
+    solver: SolverName = None,
     out: Place | None = None,
     force: Force = False,
 ) -> int:
@@ -55,6 +58,7 @@ def export(
         The file; if left out named by robot and body, with the ending of its kind, in this folder.
         The state space takes .npz and .mat.
     """
+    request_solver(solver)
     write_export(robot, to, pose=pose, body=body, modes=modes, out=out, force=force)
     return 0
 

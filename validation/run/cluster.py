@@ -6,6 +6,7 @@ finished, so that nothing is lost with a worker or with the scheduler.
 
 import gc
 import logging
+import os
 import re
 import socket
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -19,8 +20,10 @@ from typing import Any
 
 from fem.extras import require_extra
 from fem.machine import one_blas_thread
+from fem.solvers.backends.choice import solver_name
 from lumped.errors import ComputationError, InputError
 from lumped.memo import memo
+from lumped.solver_request import VARIABLE, requested_solver
 from validation.run.executor import Executor, Finished, Work
 from validation.run.provenance import versions
 from validation.run.sources import source_digest
@@ -160,7 +163,8 @@ def _execute(distributed: ModuleType, waiting: _Waiting, calls: Sequence[Work]) 
 
 
 def _results(distributed: ModuleType, waiting: _Waiting, calls: Sequence[Work]) -> Finished:
-    futures = waiting.client.map(_alone, calls, own=_program(), pure=False, batch_size=None)
+    told: dict[str, Any] = {"own": _program(solver_name()), "solver": requested_solver().value}
+    futures = waiting.client.map(_alone, calls, **told, pure=False, batch_size=None)
     numbers = {future.key: number for number, future in enumerate(futures)}
     finished: SimpleQueue[Any] = SimpleQueue()
 
@@ -201,21 +205,27 @@ def _next(finished: SimpleQueue[Any], waiting: _Waiting) -> Any:
             waiting.has_workers()
 
 
-def _alone(call: Work, own: Mapping[str, str]) -> Any:
+def _alone(call: Work, own: Mapping[str, str], solver: str) -> Any:
     from distributed import get_worker  # noqa: PLC0415  an optional extra, and slow to import
 
     # A worker may have joined after the run asked all of them.
-    if differing := _differences(_program(), own):
+    if differing := _differences(_program_by(solver), own):
         worker = get_worker()
         raise OtherProgram(_install(f"{worker.name} ({worker.address})", differing))
     with _ONE_AT_A_TIME, one_blas_thread():
         return call()
 
 
-@memo(1)
-def _program() -> dict[str, str]:
-    """What must be equal for numbers to be equal: the sources of this program, and libraries."""
-    return {"another flexproof": source_digest()} | versions()
+@memo(2)
+def _program(solver: str) -> dict[str, str]:
+    """Sources of this program, libraries and `solver`, which must be equal for equal numbers."""
+    return {"another flexproof": source_digest()} | versions() | {"linear solver": solver}
+
+
+def _program_by(request: str) -> dict[str, str]:
+    """The program of a worker that takes over the run's request for a linear solver."""
+    os.environ[VARIABLE] = request
+    return _program(solver_name())
 
 
 def _differences(found: Mapping[str, str], own: Mapping[str, str]) -> str:
@@ -247,14 +257,15 @@ def _distributed() -> ModuleType:
 def _require_same_program(client: Any, address: str) -> None:
     faults = []
     # A worker without this program answers with an error.
-    for place, answer in sorted(client.run(_told, on_error="return").items()):
+    answers = client.run(_told, solver=requested_solver().value, on_error="return")
+    for place, answer in sorted(answers.items()):
         name, program = answer if isinstance(answer, tuple) else ("", {})
-        if differing := _differences(program, _program()):
+        if differing := _differences(program, _program(solver_name())):
             worker = f"{name} ({place})" if name else place
             faults.append(f"--cluster {address}: {_install(worker, differing)}")
     if faults:
         raise InputError(faults)
 
 
-def _told(dask_worker: Any) -> tuple[str, dict[str, str]]:
-    return str(dask_worker.name), _program()
+def _told(dask_worker: Any, solver: str) -> tuple[str, dict[str, str]]:
+    return str(dask_worker.name), _program_by(solver)

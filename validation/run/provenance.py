@@ -15,7 +15,7 @@ from typing import Any
 
 from fem.calculix.run import calculix_version
 from fem.machine import usable_cores
-from fem.solvers.factor import solver_name
+from fem.solvers.backends.choice import solver_name
 from lumped.files import read_regular, write_whole
 from lumped.robot_file import RobotFile
 from lumped.text import counted

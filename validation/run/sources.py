@@ -12,20 +12,27 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 from lumped.memo import fingerprint, memo
+from lumped.solver_request import Solver, requested_solver
 
 PACKAGES = ("lumped", "meshes", "fem", "validation")
 # Libraries that numbers and meshes come from.
-_LIBRARIES = ("gmsh", "numpy", "rslab", "scikit-fem", "scipy")
+_LIBRARIES = ("gmsh", "numpy", "nvidia-cudss-cu13", "rslab", "scikit-fem", "scipy")
 _SOURCES = (".py", ".toml", ".j2", ".css", ".js")
 
 
-@memo(8)
 def program(*places: str) -> str:
     """Fingerprint of the sources in these folders and files, and of libraries that compute.
 
-    All sources if no place is named.
+    All sources if no place is named. With those of `fem` it covers the request for a linear solver.
     """
-    return fingerprint([source_digest(places or PACKAGES), [_version(one) for one in _LIBRARIES]])
+    chosen = places or PACKAGES
+    return _program(chosen, requested_solver() if "fem" in chosen else Solver.AUTO)
+
+
+@memo(8)
+def _program(places: tuple[str, ...], solver: Solver) -> str:
+    libraries = [_version(one) for one in _LIBRARIES]
+    return fingerprint([source_digest(places), libraries, solver.value])
 
 
 @memo(8)

@@ -4,7 +4,9 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 from fem.machine import TO_COMPUTE, require_room
+from fem.solvers.backends.choice import request_solver
 from validation.console.streams import say
+from validation.console.typed import SolverName
 
 if TYPE_CHECKING:
     from validation.selftest.benchmarks import BenchmarkOutcome
@@ -12,15 +14,17 @@ if TYPE_CHECKING:
 _ROW = "  {:<62} {:>16} {:>13} {:>11} {:>11}  {}"
 
 
-def selftest() -> int:
+def selftest(*, solver: SolverName = None) -> int:
     """Solve published benchmarks here: solvers, meshers and programs beside flexproof.
 
     Exit code 1 where a number differs or cannot be computed. Reports of runs say when it passed.
     """
+    from fem.solvers.backends.choice import solver_name  # noqa: PLC0415
     from validation.run.provenance import keep_selftest, machine, versions  # noqa: PLC0415
     from validation.selftest.benchmarks import benchmarks, outcome  # noqa: PLC0415
 
     require_room(TO_COMPUTE)
+    request_solver(solver)
     begun = perf_counter()
     say(_ROW.format("", "known", "here", "difference", "explained", ""))
     outcomes = []
@@ -36,7 +40,7 @@ def selftest() -> int:
         f"\nselftest {'FAILED' if bad else 'passed'}: {agreeing} of {len(numbers)} numbers agree"
         + (f"; skipped: {', '.join(skipped)}" if skipped else "")
         + f" ({perf_counter() - begun:.0f} s)\n"
-        f"flexproof {versions().get('flexproof', '')}, {machine()}"
+        f"flexproof {versions().get('flexproof', '')}, {machine()}, {solver_name()}"
     )
     return int(bad > 0)
 

@@ -4,6 +4,7 @@ from io import BytesIO
 from pathlib import Path
 from typing import Any
 
+from fem.solvers.backends.choice import request_solver
 from lumped.errors import InputError
 from validation.console.streams import complain, say
 from validation.console.typed import (
@@ -11,6 +12,7 @@ from validation.console.typed import (
     Force,
     LengthUnit,
     Place,
+    SolverName,
     WholeNumber,
     require_place,
     write,
@@ -79,6 +81,7 @@ def identify(
     unknowns: WholeNumber | None = None,
     modes: WholeNumber | None = None,
     accuracy: float | None = None,
+    solver: SolverName = None,
     out: Place | None = None,
     force: Force = False,
     json: AsJson = False,
@@ -120,6 +123,7 @@ def identify(
     from validation.parts.identify import Identified  # noqa: PLC0415
     from validation.parts.meshes import part_file  # noqa: PLC0415
 
+    request_solver(solver)
     require_place(out, ".npz", force=force)
     faults = [] if accuracy is None else accuracy_faults(accuracy)
     faults += request.faults_of_numbers(unknowns, modes)

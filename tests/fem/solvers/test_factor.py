@@ -9,7 +9,6 @@ from scipy.linalg import eigvalsh
 from scipy.sparse import block_diag, csr_array, eye_array
 from scipy.sparse.linalg import spsolve
 
-import fem.solvers.factor
 from fem.machine import threads
 from fem.solvers.certificate import count_below, pencil
 from fem.solvers.factor import Inertia, NotPositiveDefiniteError, analyse, upper_triangle
@@ -119,7 +118,9 @@ def test_too_little_memory_is_said_before_the_factorisation(short_leg, monkeypat
     symbolic = analyse(short_leg[0])
     # The factor alone: half of the square of the fill, which is at least the band of a slice.
     assert 8 * short_leg[0].nnz / 2 < symbolic.peak_bytes < 1e9
-    monkeypatch.setattr(fem.solvers.factor, "available_memory", lambda: symbolic.peak_bytes - 1)
+    monkeypatch.setattr(
+        "fem.solvers.backends.rslab.available_memory", lambda: symbolic.peak_bytes - 1
+    )
     with pytest.raises(ComputationError, match=r"leg 2: factorising \d+ unknowns needs about"):
         symbolic.factorise("leg 2")
 

@@ -1,0 +1,85 @@
+"""Choice of the library for a matrix: by request, by the number of unknowns, by the card.
+
+`lumped.solver_request` has the request.
+"""
+
+import os
+import warnings
+
+from fem.extras import missing_message
+from fem.solvers.backends import cudss, rslab
+from fem.solvers.backends.cudss import CudssOrdering, Device
+from fem.solvers.backends.protocol import DeviceError, Ordering
+from fem.solvers.backends.rslab import RslabOrdering
+from lumped.arrays import SparseMatrix
+from lumped.errors import InputError, Remark
+from lumped.solver_request import VARIABLE, Solver, requested_solver
+
+# Unknowns from which the card gains over two cores, its start included.
+GAIN_FROM = 50_000
+
+
+class SolverFallbackWarning(Remark):
+    """The processor computes what a graphics card was chosen for."""
+
+
+def request_solver(name: str | None) -> None:
+    """Request a library for this process and those that it starts; None leaves the environment's.
+
+    Raises InputError for an unknown name, and if cuDSS is requested and cannot be used.
+    """
+    if name is not None:
+        os.environ[VARIABLE] = name
+    _require_usable(requested_solver())
+
+
+def _require_usable(request: Solver) -> None:
+    if request is not Solver.CUDSS:
+        return
+    if message := missing_message("gpu"):
+        raise InputError(f"solver cudss: {message}")
+    if cudss.device() is None:
+        raise InputError("solver cudss: CUDA finds no graphics card; must be auto or rslab")
+
+
+def choose(request: Solver, unknowns: int, card: Device | None) -> Solver:
+    """Library for a matrix of so many unknowns: cuDSS if requested, or if it gains."""
+    if card is None or request is Solver.RSLAB:
+        return Solver.RSLAB
+    return Solver.CUDSS if request is Solver.CUDSS or unknowns >= GAIN_FROM else Solver.RSLAB
+
+
+def order(lower: SparseMatrix) -> Ordering:
+    """Order of elimination of a lower triangle (csc n×n) by the library chosen for it.
+
+    Raises InputError if cuDSS is requested and cannot be used.
+    """
+    request, unknowns = requested_solver(), int(lower.shape[0])
+    _require_usable(request)
+    # A process that solves small matrices alone does not look for a card.
+    small = request is Solver.AUTO and unknowns < GAIN_FROM
+    card = None if small or request is Solver.RSLAB else cudss.device()
+    if choose(request, unknowns, card) is Solver.CUDSS:
+        try:
+            return CudssOrdering(lower)
+        except DeviceError as error:
+            announce_fallback(error)
+    return RslabOrdering(lower)
+
+
+def announce_fallback(error: DeviceError) -> None:
+    """Warn once that the processor replaces the graphics card, with the reason."""
+    if not error.announced:
+        error.announced = True
+        message = f"graphics card: {error}; the processor computes instead"
+        warnings.warn(message, SolverFallbackWarning, stacklevel=2)
+
+
+def solver_name() -> str:
+    """Names and versions of the libraries that a request admits here."""
+    request = requested_solver()
+    if request is Solver.RSLAB or cudss.device() is None:
+        return rslab.title()
+    if request is Solver.CUDSS:
+        return cudss.title()
+    return f"{rslab.title()}; from {GAIN_FROM} unknowns {cudss.title()}"

@@ -1,0 +1,338 @@
+"""Factors by cuDSS, on a graphics card.
+
+cuDSS factorises PᵀAP = L D Lᵀ with diagonal pivots along a nested dissection, which the host makes.
+It replaces a pivot that is too small and counts these. Pivots are not paired as in the method of
+Bunch and Kaufman: each factor of a shifted matrix is therefore checked by the backward error of a
+solution. One factor of a pattern is on the card at a time. An earlier one is computed again if it
+is needed again.
+"""
+
+from collections.abc import Iterator
+from contextlib import AbstractContextManager, contextmanager
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+from weakref import finalize
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem.extras import EXTRAS
+from fem.machine import threads
+from fem.solvers.backends.protocol import DeviceError
+from lumped.arrays import Array, SparseMatrix
+
+# Right-hand sides solved together: the library's deterministic mode takes no more than one.
+COLUMNS_AT_ONCE = 1
+# Right-hand sides copied to the card together.
+_COLUMNS_COPIED = 32
+# Largest backward error ‖b − A x‖/(max|A| ‖x‖ + ‖b‖) of a factor whose signs are those of the
+# matrix. Solutions have 3e-16 to 5e-16; eigenvalues of K − σM are 1e-12 of its largest and more.
+_BACKWARD_ERROR = 1e-13
+# Share of free memory that a factorisation may take by its estimate.
+_USABLE = 0.95
+# Columns that a growing basis has more than it needs, of those that it has.
+_GROWTH = 0.5
+_SEED = 5
+
+
+@dataclass(frozen=True)
+class Device:
+    """A graphics card: its name and its memory (bytes)."""
+
+    name: str
+    memory: int
+
+
+@cache
+def device() -> Device | None:
+    """The graphics card that CUDA computes on; None without one or without the extra `gpu`."""
+    if not EXTRAS["gpu"].installed:
+        return None
+    try:
+        import cupy  # noqa: PLC0415  takes a second, and small matrices do not need it
+
+        if not cupy.cuda.runtime.getDeviceCount():
+            return None
+        properties = cupy.cuda.runtime.getDeviceProperties(cupy.cuda.runtime.getDevice())
+    except Exception:  # noqa: BLE001  drivers fail in many ways: then there is no device
+        return None
+    return Device(properties["name"].decode(), int(properties["totalGlobalMem"]))
+
+
+def title() -> str:
+    """Name and version of the library, and the card that it computes on."""
+    card = device()
+    return f"cuDSS {_version()} on {card.name if card else 'no device'}"
+
+
+def _version() -> str:
+    from nvmath.bindings import cudss  # noqa: PLC0415
+
+    return ".".join(str(cudss.get_property(place)) for place in range(3))
+
+
+@contextmanager
+def _device_errors() -> Iterator[None]:
+    """Raise DeviceError for every error of the card and its libraries."""
+    import cupy  # noqa: PLC0415
+    from nvmath.bindings import cudss  # noqa: PLC0415
+
+    try:
+        yield
+    except cupy.cuda.memory.OutOfMemoryError as error:
+        raise DeviceError("its memory ran out") from error
+    except (cudss.cuDSSError, cupy.cuda.runtime.CUDARuntimeError) as error:
+        raise DeviceError(" ".join(str(error).split())) from error
+
+
+class DeviceSpace:
+    """Memory of the graphics card: see `Space`."""
+
+    def errors(self) -> AbstractContextManager[None]:
+        """Context in which every error of the card is a DeviceError."""
+        return _device_errors()
+
+    def put(self, array: Any) -> Any:
+        """Copy of a host array on the card."""
+        import cupy  # noqa: PLC0415
+
+        with _device_errors():
+            return cupy.asarray(array, order="F")
+
+    def get(self, array: Any) -> Array:
+        """Host copy of an array on the card."""
+        with _device_errors():
+            return np.asarray(array.get())
+
+    def matrix(self, matrix: SparseMatrix) -> Any:
+        """Copy of a sparse matrix (csr) on the card."""
+        from cupyx.scipy.sparse import csr_matrix  # noqa: PLC0415
+
+        with _device_errors():
+            return csr_matrix(matrix)
+
+    def columns(self, size: int, count: int, filled: Any) -> Any:
+        """Some columns more than the filled ones: all of them would take memory."""
+        import cupy  # noqa: PLC0415
+
+        used = int(filled.shape[1])
+        with _device_errors():
+            columns = cupy.empty((size, min(count, used + max(64, int(_GROWTH * used)))), order="F")
+            columns[:, :used] = filled
+        return columns
+
+
+@cache
+def space() -> DeviceSpace:
+    """Memory of the card."""
+    return DeviceSpace()
+
+
+@cache
+def _handle() -> int:
+    """The library's context in this process, with threads of the host for orderings."""
+    from cuda.pathfinder import load_nvidia_dynamic_lib  # noqa: PLC0415
+    from nvmath.bindings import cudss  # noqa: PLC0415
+
+    handle = int(cudss.create())
+    library = Path(load_nvidia_dynamic_lib("cudss").abs_path or "")
+    for layer in sorted(library.parent.glob("libcudss_mtlayer_gomp.so*")):
+        cudss.set_threading_layer(handle, str(layer))
+    return handle
+
+
+class CudssNumeric:
+    """A factor: see `Numeric`."""
+
+    def __init__(self, ordering: "CudssOrdering", values: Array, negative: int, zero: int) -> None:
+        self._ordering, self._values = ordering, values
+        self.negative, self.zero = negative, zero
+
+    def solve(self, columns: Any) -> Any:
+        """Solutions (n×k) on the host or on the card, as the right-hand sides are."""
+        self._ordering.load(self._values)
+        if type(columns) is not np.ndarray:
+            return self._ordering.solved(columns)
+        solution = np.empty(columns.shape)
+        for start in range(0, columns.shape[1], _COLUMNS_COPIED):
+            some = slice(start, start + _COLUMNS_COPIED)
+            block = space().put(np.asarray(columns[:, some], dtype=np.float64))
+            solution[:, some] = space().get(self._ordering.solved(block))
+        return solution
+
+
+class CudssOrdering:
+    """Order of elimination of a lower triangle (csc n×n): see `Ordering`.
+
+    Its three arrays, read by rows, are the upper triangle. Raises DeviceError.
+    """
+
+    def __init__(self, lower: SparseMatrix) -> None:
+        import cupy  # noqa: PLC0415
+        from nvmath.bindings import cudss  # noqa: PLC0415
+
+        self.space = space()
+        self._size = int(lower.shape[0])
+        self._loaded: Array | None = None
+        self._factorised = False
+        integer = cudss.DataType.R_32I
+        with _device_errors():
+            self._offsets = cupy.asarray(lower.indptr, dtype=np.int32)
+            self._columns = cupy.asarray(lower.indices, dtype=np.int32)
+            self._entries = cupy.asarray(lower.data, dtype=np.float64)
+            self._vector = cupy.zeros((self._size, 1), order="F")
+            handle = _handle()
+            self._config, self._data = cudss.config_create(), cudss.data_create(handle)
+            self._matrix = cudss.matrix_create_csr(
+                self._size,
+                self._size,
+                int(lower.nnz),
+                self._offsets.data.ptr,
+                0,
+                self._columns.data.ptr,
+                self._entries.data.ptr,
+                integer,
+                integer,
+                cudss.DataType.R_64F,
+                cudss.MatrixType.SYMMETRIC,
+                cudss.MatrixViewType.UPPER,
+                cudss.IndexBase.ZERO,
+            )
+            made = self._config, self._data, self._matrix
+            # At the end of the process the card's memory is freed without it.
+            finalize(self, _destroy, cudss, handle, *made).atexit = False
+            self._configure(cudss.ConfigParam.HOST_NTHREADS, threads())
+            self._configure(cudss.ConfigParam.DETERMINISTIC_MODE, int(COLUMNS_AT_ONCE == 1))
+            self._execute(cudss.Phase.ANALYSIS, self._vector, self._vector)
+            estimates = np.zeros(16, dtype=np.uint64)
+            self._read(cudss.DataParam.MEMORY_ESTIMATES, estimates)
+        self.device_bytes, self.peak_bytes = int(estimates[1]), int(estimates[3])
+
+    def factorise(self, values: Array, part: str) -> CudssNumeric:
+        """Factor of the matrix with these values; raises DeviceError, which does not name `part`.
+
+        A factor that is not accurate has one entry without a sign.
+        """
+        del part
+        self.load(values)
+        negative, zero = self._signs()
+        if not zero and self._backward_error() > _BACKWARD_ERROR:
+            zero = 1
+        return CudssNumeric(self, values, negative, zero)
+
+    def load(self, values: Array) -> None:
+        """Factorise the matrix with these values unless the factor on the card is its own."""
+        import cupy  # noqa: PLC0415
+        from nvmath.bindings import cudss  # noqa: PLC0415
+
+        if self._loaded is values:
+            return
+        with _device_errors():
+            if not self._factorised:
+                self._require_memory()
+            self._loaded = None
+            self._entries.set(np.ascontiguousarray(values, dtype=np.float64))
+            again = self._factorised
+            phase = cudss.Phase.REFACTORIZATION if again else cudss.Phase.FACTORIZATION
+            self._execute(phase, self._vector, self._vector)
+            cupy.cuda.get_current_stream().synchronize()
+        self._loaded, self._factorised = values, True
+
+    def solved(self, columns: Any) -> Any:
+        """Solutions (n×k, on the card) by the factor that is loaded."""
+        import cupy  # noqa: PLC0415
+        from nvmath.bindings import cudss  # noqa: PLC0415
+
+        with _device_errors():
+            right = cupy.asfortranarray(columns)
+            solution = cupy.empty(columns.shape, order="F")
+            for start in range(0, columns.shape[1], COLUMNS_AT_ONCE):
+                some = slice(start, start + COLUMNS_AT_ONCE)
+                self._execute(cudss.Phase.SOLVE, solution[:, some], right[:, some])
+            cupy.cuda.get_current_stream().synchronize()
+        return solution
+
+    def _require_memory(self) -> None:
+        import cupy  # noqa: PLC0415
+
+        cupy.get_default_memory_pool().free_all_blocks()
+        free = int(_USABLE * cupy.cuda.runtime.memGetInfo()[0])
+        if self.device_bytes > free:
+            raise DeviceError(
+                f"{self._size} unknowns need about {self.device_bytes / 1e9:.1f} GB of its memory "
+                f"and {free / 1e9:.1f} GB are free"
+            )
+
+    def _signs(self) -> tuple[int, int]:
+        """Numbers of negative entries of D, and of pivots that were replaced."""
+        from nvmath.bindings import cudss  # noqa: PLC0415
+
+        inertia, replaced = np.zeros(2, dtype=np.int32), np.zeros(1, dtype=np.int32)
+        failed = np.zeros(1, dtype=np.int32)
+        with _device_errors():
+            self._read(cudss.DataParam.INERTIA, inertia)
+            self._read(cudss.DataParam.NPIVOTS, replaced)
+            self._read(cudss.DataParam.INFO, failed)
+        positive, negative = int(inertia[0]), int(inertia[1])
+        unsigned = self._size - positive - negative
+        return negative, max(int(replaced[0]), unsigned, int(failed[0] != 0))
+
+    def _backward_error(self) -> float:
+        """Largest residual of a solution for random forces, in units of what the sums are of."""
+        import cupy  # noqa: PLC0415
+        from cupyx.scipy.sparse import csr_matrix  # noqa: PLC0415
+
+        forces = np.random.default_rng(_SEED).standard_normal((self._size, 1))
+        right = space().put(forces)
+        solution = self.solved(right)
+        with _device_errors():
+            arrays = self._entries, self._columns, self._offsets
+            upper = csr_matrix(arrays, shape=(self._size, self._size))
+            product = upper @ solution + upper.T @ solution - upper.diagonal()[:, None] * solution
+            residual = float(abs(right - product).max())
+            size = float(abs(solution).max()) * float(cupy.abs(self._entries).max())
+        return residual / (size + float(np.abs(forces).max()))
+
+    def _execute(self, phase: int, solution: Any, right: Any) -> None:
+        import cupy  # noqa: PLC0415
+        from nvmath.bindings import cudss  # noqa: PLC0415
+
+        handle, real, layout = _handle(), cudss.DataType.R_64F, cudss.Layout.COL_MAJOR
+        cudss.set_stream(handle, cupy.cuda.get_current_stream().ptr)
+        made = [
+            cudss.matrix_create_dn(
+                self._size, block.shape[1], self._size, block.data.ptr, real, layout
+            )
+            for block in (solution, right)
+        ]
+        try:
+            cudss.execute(handle, phase, self._config, self._data, self._matrix, *made)
+        finally:
+            for matrix in made:
+                cudss.matrix_destroy(matrix)
+
+    def _configure(self, name: int, value: int) -> None:
+        from nvmath.bindings import cudss  # noqa: PLC0415
+
+        setting = np.array([value], dtype=np.int32)
+        cudss.config_set(self._config, name, setting.ctypes.data, setting.nbytes)
+
+    def _read(self, name: int, target: NDArray[np.integer]) -> None:
+        from nvmath.bindings import cudss  # noqa: PLC0415
+
+        written = np.zeros(1, dtype=np.uint64)
+        size = target.nbytes
+        cudss.data_get(_handle(), self._data, name, target.ctypes.data, size, written.ctypes.data)
+
+
+def _destroy(library: ModuleType, handle: int, config: int, data: int, matrix: int) -> None:
+    """Free what the library keeps of an ordering; a card that is lost has freed it."""
+    try:
+        library.matrix_destroy(matrix)
+        library.data_destroy(handle, data)
+        library.config_destroy(config)
+    except library.cuDSSError:
+        return

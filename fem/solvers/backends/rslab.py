@@ -1,0 +1,68 @@
+"""Factors by rslab, on the processor.
+
+rslab factorises PᵀAP = L D Lᵀ (Bunch and Kaufman, Math. Comp. 31 (1977) 163) along a nested
+dissection. The bits of a factor do not depend on the number of threads.
+"""
+
+from importlib.metadata import version
+from typing import Any
+
+import numpy as np
+
+from fem.machine import available_memory, threads
+from fem.solvers.backends.protocol import HOST
+from lumped.arrays import Array, SparseMatrix
+from lumped.errors import ComputationError
+
+# Right-hand sides solved together, for which memory is predicted.
+_COLUMNS_AT_ONCE = 32
+
+
+def title() -> str:
+    """Name and version of the library."""
+    return f"rslab {version('rslab')} (sparse LDLᵀ)"
+
+
+class RslabNumeric:
+    """A factor: see `Numeric`."""
+
+    def __init__(self, size: int, handle: Any) -> None:
+        _, self.negative, zero = handle.inertia
+        # A pivot that is zero is lifted, and then counted among the others.
+        self.zero = zero + handle.n_perturbed
+        self._size, self._handle = size, handle
+
+    def solve(self, columns: Array) -> Array:
+        """Solutions (n×k)."""
+        solution = np.empty_like(columns, dtype=np.float64)
+        for start in range(0, columns.shape[1], _COLUMNS_AT_ONCE):
+            some = slice(start, start + _COLUMNS_AT_ONCE)
+            solution[:, some] = self._handle.solve_many(np.ascontiguousarray(columns[:, some]))
+        return solution
+
+
+class RslabOrdering:
+    """Order of elimination of a lower triangle (csc n×n): see `Ordering`."""
+
+    space = HOST
+
+    def __init__(self, lower: SparseMatrix) -> None:
+        import rslab  # noqa: PLC0415  many answers need no sparse factor
+
+        self._size = lower.shape[0]
+        self._handle = rslab.analyze(lower, "ldlt", threads=threads())
+        plan = self._handle.memory_plan(nrhs=_COLUMNS_AT_ONCE, threads=threads())
+        self.peak_bytes = int(plan["peak_bytes"])
+
+    def factorise(self, values: Array, part: str) -> RslabNumeric:
+        """Factor of the matrix with these values; ComputationError if memory does not suffice."""
+        available = available_memory()
+        if available is not None and self.peak_bytes > available:
+            raise ComputationError(
+                f"{part}: factorising {self._size} unknowns needs about "
+                f"{self.peak_bytes / 1e9:.1f} GB and {available / 1e9:.1f} GB are available: use "
+                "fewer divisions, a shorter leg, or condensation by doubling (statics)"
+            )
+        # The values alone: given a matrix, rslab copies it and compares its pattern.
+        handle = self._handle.factor(values, threads=threads(), force_accept=True)
+        return RslabNumeric(self._size, handle)

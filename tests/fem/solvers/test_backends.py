@@ -1,0 +1,323 @@
+"""Contract that every library behind the verbs fulfils, the choice between them, and fallbacks."""
+
+import re
+import warnings
+
+import numpy as np
+import pytest
+from fake_card import CUDARuntimeError, CuDSSError, OutOfMemoryError, forget_card, insert_card
+from scipy.linalg import eigvalsh
+from scipy.sparse import csr_array
+from scipy.sparse.linalg import spsolve
+
+from fem.bodies.solid import clamped_leg, solid_leg
+from fem.reduction.counted_modes import counted_modes
+from fem.reduction.held import free_body, held_body
+from fem.solvers.backends import cudss
+from fem.solvers.backends.choice import (
+    GAIN_FROM,
+    SolverFallbackWarning,
+    choose,
+    solver_name,
+)
+from fem.solvers.backends.cudss import Device
+from fem.solvers.backends.protocol import HOST
+from fem.solvers.certificate import count_below, pencil
+from fem.solvers.factor import Inertia, NotPositiveDefiniteError, analyse
+from lumped.errors import InputError
+from lumped.legs import ConstantLeg, Material
+from lumped.sections import Rectangle
+from lumped.solver_request import VARIABLE, Solver, requested_solver
+from meshes.prism import extrude, stations
+from meshes.section.section_mesh import SectionMesh
+
+FAKE = "cudss on a fake card"
+STEEL = Material.isotropic(E=2.1e11, nu=0.3, rho=7850.0)
+
+
+@pytest.fixture(autouse=True)
+def fresh_memos():
+    yield
+    forget_card()
+
+
+@pytest.fixture(scope="module")
+def leg():
+    """A leg of six hexahedra in a row, numbered by hand: gmsh need not be there."""
+    y, z = (side.ravel() for side in np.meshgrid([-0.02, 0.0, 0.02], [-0.03, 0.0, 0.03]))
+    cell = np.array([[0, 2, 8, 6, 1, 5, 7, 3, 4]])
+    section = SectionMesh(np.column_stack([y, z]), cell, "quad9")
+    mesh = extrude(section, stations(0.3, 6))
+    return solid_leg(ConstantLeg(0.3, Rectangle(0.04, 0.06), STEEL), mesh)
+
+
+@pytest.fixture(scope="module")
+def matrices(leg):
+    """Stiffness and mass of a leg without the nodes of its root."""
+    held = np.add.outer(3 * leg.mesh.root.nodes, range(3)).ravel()
+    free = np.setdiff1d(np.arange(leg.stiffness.shape[0]), held)
+    return leg.stiffness[free][:, free], leg.mass[free][:, free]
+
+
+@pytest.fixture
+def card(monkeypatch):
+    """A fake card that is asked for."""
+    monkeypatch.setenv(VARIABLE, Solver.CUDSS)
+    return insert_card(monkeypatch)
+
+
+@pytest.fixture(params=["rslab", FAKE, "cudss"])
+def backend(request, monkeypatch):
+    """Each library in turn; cuDSS on a real card where there is one."""
+    if request.param == FAKE:
+        insert_card(monkeypatch)
+    elif request.param == "cudss" and cudss.device() is None:
+        pytest.skip("no graphics card, or the extra gpu is not installed")
+    monkeypatch.setenv(VARIABLE, "rslab" if request.param == "rslab" else "cudss")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", SolverFallbackWarning)
+        yield request.param
+
+
+@pytest.mark.usefixtures("backend")
+class TestContract:
+    @pytest.mark.parametrize("columns", [0, 1, 8, 40])
+    def test_solutions_are_those_of_superlu(self, matrices, columns):
+        K, _ = matrices
+        loads = np.random.default_rng(1).standard_normal((K.shape[0], columns))
+        solution = analyse(K).factorise().solve(loads)
+        assert solution.shape == loads.shape
+        if columns:
+            expected = spsolve(K.tocsc(), loads).reshape(loads.shape)
+            # Solutions by two eliminations differ by the condition number (1e6) times 1e-16.
+            assert np.abs(solution - expected).max() <= 1e-9 * np.abs(expected).max()
+
+    def test_solution_has_small_backward_error(self, matrices):
+        K, _ = matrices
+        load = np.random.default_rng(2).standard_normal(K.shape[0])
+        solution = analyse(K).factorise().solve(load)
+        assert solution.shape == load.shape
+        # Twice the energy equals the work of the loads; both libraries measure 1e-15 and less.
+        assert solution @ (K @ solution) == pytest.approx(load @ solution, rel=1e-12)
+        size = np.abs(K.data).max() * np.abs(solution).max() + np.abs(load).max()
+        assert np.abs(K @ solution - load).max() <= 1e-13 * size
+
+    def test_factors_of_one_pattern_serve_in_turns(self, matrices):
+        """One order of elimination; an earlier factor still solves after a later one is made."""
+        K, M = matrices
+        both = pencil(K, M)
+        load = np.ones(K.shape[0])
+        first = both.symbolic.factorise()
+        before = first.solve(load)
+        other = both.shifted(-1e6).factorise()
+        assert np.abs((K + 1e6 * M) @ other.solve(load) - load).max() <= 1e-6
+        np.testing.assert_array_equal(first.solve(load), before)
+        np.testing.assert_array_equal(both.symbolic.factorise().solve(load), before)
+
+    def test_counts_are_those_of_dense_eigenvalues(self, matrices):
+        K, M = matrices
+        exact, both = eigvalsh(K.toarray(), M.toarray()), pencil(K, M)
+        for below in (0, 1, 5, 40):
+            sigma = exact[0] / 2.0 if below == 0 else (exact[below - 1] + exact[below]) / 2.0
+            assert count_below(both, sigma) == Inertia(below, 0, len(exact) - below)
+
+    def test_indefinite_matrix_is_refused(self, matrices):
+        K, M = matrices
+        with pytest.raises(NotPositiveDefiniteError, match="leg 1"):
+            analyse(K - 2.0 * (2.0 * np.pi * 1e4) ** 2 * M).factorise("leg 1")
+
+    def test_unsupported_body_is_refused(self, leg):
+        with pytest.raises(NotPositiveDefiniteError, match="rigid body"):
+            analyse(leg.stiffness).factorise()
+
+    def test_chain_held_by_rounding_is_refused(self):
+        chain = 2.0 * np.eye(20) - np.eye(20, k=1) - np.eye(20, k=-1)
+        for roundings in (40.0, 4000.0):
+            chain[0, 0] = chain[-1, -1] = 1.0
+            chain[0, 0] += roundings * np.finfo(float).eps
+            symbolic = analyse(csr_array(chain))
+            if roundings > 100.0:
+                symbolic.factorise("chain")
+            else:
+                with pytest.raises(NotPositiveDefiniteError):
+                    symbolic.factorise("chain")
+
+    def test_zero_pivot_is_paired_or_has_no_sign(self):
+        """Zero diagonal: only 2×2 pivots exist; a library without these must not count."""
+        B = np.random.default_rng(5).standard_normal((6, 6))
+        matrix = np.block([[np.zeros((6, 6)), B], [B.T, np.zeros((6, 6))]])
+        found = count_below(pencil(csr_array(matrix), csr_array((12, 12))), 0.0)
+        assert found.zero or found == Inertia(6, 0, 6)
+        singular = csr_array(np.diag([1.0, 0.0, -1.0]))
+        assert count_below(pencil(singular, csr_array((3, 3))), 0.0).zero >= 1
+
+    def test_numbers_are_those_of_rslab(self, leg, monkeypatch):
+        """Compliance to 1e-10 and frequencies to 1e-9, counts equal, of all kinds of bodies."""
+
+        def numbers():
+            body = clamped_leg(leg)
+            modes = body.modes(12)
+            kinds = [counted_modes(kind(body), 2e4) for kind in (held_body, free_body)]
+            return body.compliance, modes, kinds
+
+        compliance, modes, kinds = numbers()
+        monkeypatch.setenv(VARIABLE, "rslab")
+        assert analyse(leg.stiffness).space is HOST
+        expected, expected_modes, expected_kinds = numbers()
+        np.testing.assert_allclose(
+            compliance, expected, rtol=0.0, atol=1e-10 * np.abs(expected).max()
+        )
+        np.testing.assert_allclose(modes.frequencies, expected_modes.frequencies, rtol=1e-9)
+        assert modes.count == expected_modes.count
+        for kind, expected_kind in zip(kinds, expected_kinds, strict=True):
+            np.testing.assert_allclose(kind.frequencies, expected_kind.frequencies, rtol=1e-9)
+            assert kind.counted == expected_kind.counted
+
+    def test_repeated_computation_has_equal_bits(self, leg):
+        first, second = (clamped_leg(leg) for _ in range(2))
+        np.testing.assert_array_equal(first.compliance, second.compliance)
+        np.testing.assert_array_equal(first.modes(6).frequencies, second.modes(6).frequencies)
+
+
+CARD = Device("card", 80_000_000_000)
+
+
+@pytest.mark.parametrize(
+    ("request_", "unknowns", "card", "expected"),
+    [
+        ("auto", GAIN_FROM - 1, CARD, "rslab"),
+        ("auto", GAIN_FROM, CARD, "cudss"),
+        ("auto", 10**7, CARD, "cudss"),
+        ("auto", 10**7, None, "rslab"),
+        ("rslab", 10**7, CARD, "rslab"),
+        ("rslab", 10**7, None, "rslab"),
+        ("cudss", 1, CARD, "cudss"),
+    ],
+)
+def test_choice_by_request_size_and_card(request_, unknowns, card, expected):
+    assert choose(Solver(request_), unknowns, card) is Solver(expected)
+
+
+def test_request_of_environment_is_validated(monkeypatch):
+    for text, expected in (("", "auto"), ("auto", "auto"), ("rslab", "rslab"), ("cudss", "cudss")):
+        monkeypatch.setenv(VARIABLE, text)
+        assert requested_solver() is Solver(expected)
+    monkeypatch.delenv(VARIABLE)
+    assert requested_solver() is Solver.AUTO
+    monkeypatch.setenv(VARIABLE, "pardiso")
+    with pytest.raises(InputError, match='FLEXPROOF_SOLVER = "pardiso": must be auto, rslab or'):
+        requested_solver()
+
+
+def test_cudss_without_card_is_refused(monkeypatch, matrices):
+    monkeypatch.setenv(VARIABLE, "cudss")
+    monkeypatch.setattr("fem.extras.find_spec", lambda _: None)
+    forget_card()
+    with pytest.raises(InputError, match=r"solver cudss: needs cupy and nvmath, not installed"):
+        analyse(matrices[0])
+    insert_card(monkeypatch)
+    monkeypatch.setattr("fem.solvers.backends.cudss.device", lambda: None)
+    with pytest.raises(InputError, match="CUDA finds no graphics card"):
+        analyse(matrices[0])
+
+
+def test_driver_that_fails_is_no_card(monkeypatch):
+    insert_card(monkeypatch)
+    import cupy  # noqa: PLC0415  the fake one
+
+    def failing():
+        raise CUDARuntimeError("no CUDA-capable device is detected")
+
+    monkeypatch.setattr(cupy.cuda.runtime, "getDeviceCount", failing)
+    assert cudss.device() is None
+    monkeypatch.setenv(VARIABLE, "auto")
+    assert solver_name().startswith("rslab")
+
+
+def test_name_tells_libraries_and_card(monkeypatch):
+    insert_card(monkeypatch)
+    assert cudss.device() == Device("fake card", 8_000_000_000)
+    monkeypatch.setenv(VARIABLE, "cudss")
+    assert solver_name() == "cuDSS 0.8.0 on fake card"
+    monkeypatch.setenv(VARIABLE, "rslab")
+    assert "cuDSS" not in solver_name()
+    monkeypatch.setenv(VARIABLE, "auto")
+    assert solver_name().endswith(f"; from {GAIN_FROM} unknowns cuDSS 0.8.0 on fake card")
+
+
+def test_small_matrix_stays_on_host(monkeypatch, matrices):
+    monkeypatch.setenv(VARIABLE, "auto")
+    card = insert_card(monkeypatch)
+    assert analyse(matrices[0]).space is HOST
+    assert not card.calls
+
+
+def numbers_of(leg):
+    body = clamped_leg(leg)
+    modes = body.modes(8)
+    return body.compliance, modes.frequencies, modes.shapes, modes.count
+
+
+LOST = CuDSSError("EXECUTION_FAILED (5)")
+
+
+@pytest.mark.parametrize(
+    ("call", "error", "message"),
+    [
+        ("ANALYSIS", LOST, r"EXECUTION_FAILED \(5\)"),
+        ("FACTORIZATION", LOST, "EXECUTION_FAILED"),
+        ("REFACTORIZATION", LOST, "EXECUTION_FAILED"),
+        ("SOLVE", LOST, "EXECUTION_FAILED"),
+        ("FACTORIZATION", OutOfMemoryError(), "its memory ran out"),
+        ("synchronize", CUDARuntimeError("unspecified launch failure"), "launch failure"),
+        ("empty", OutOfMemoryError(), "its memory ran out"),
+    ],
+)
+@pytest.mark.parametrize("after", [0, 1, 6])
+def test_lost_card_is_replaced_with_one_warning(
+    leg, card, monkeypatch, call, error, message, after
+):
+    """A card that fails at a call, or at a later one of its kind: all numbers are rslab's."""
+    card.fails = call, error, after
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        found = numbers_of(leg)
+    lines = [str(one.message) for one in caught if one.category is SolverFallbackWarning]
+    reached = card.calls.count(call) > after
+    assert len(lines) == reached
+    if reached:
+        assert re.fullmatch(
+            f"graphics card: .*{message}.*; the processor computes instead", lines[0]
+        )
+    monkeypatch.setenv(VARIABLE, "rslab")
+    expected = numbers_of(leg)
+    np.testing.assert_allclose(found[0], expected[0], atol=1e-10 * np.abs(expected[0]).max())
+    np.testing.assert_allclose(found[1], expected[1], rtol=1e-9)
+    assert found[3] == expected[3]
+
+
+def test_too_little_memory_of_card_is_announced(leg, card):
+    card.free = 1_000_000
+    with pytest.warns(SolverFallbackWarning, match=r"unknowns need about 0\.0 GB of its memory"):
+        body = clamped_leg(leg)
+    assert body.space is HOST
+    assert "FACTORIZATION" not in card.calls
+
+
+def test_search_stays_on_card(leg, card):
+    """Blocks of the search are solved where they are: one block is one call, none is copied."""
+    body = clamped_leg(leg)
+    assert body.space is not HOST
+    _ = body.compliance
+    card.calls.clear()
+    body.modes(8)
+    assert card.calls.count("REFACTORIZATION") == 1
+    assert card.calls.count("ANALYSIS") == 0
+
+
+def test_orderings_free_the_memory_of_card(matrices, card):
+    symbolic = analyse(matrices[0])
+    symbolic.factorise().solve(np.ones(symbolic.size))
+    assert card.alive == 3
+    del symbolic
+    assert card.alive == 0
