@@ -1,4 +1,4 @@
-"""What holds over a workspace: values on the grid of a path, and the worst postures between.
+"""Maps over a workspace: values on the grid of a path, and worst postures between grid points.
 
 In: a robot whose path is a grid in two or three directions. Out: maps, each with its worst posture.
 """

@@ -1,4 +1,7 @@
-"""Maps over the workspace: contours of each quantity, three directions in slices, worst marked."""
+"""Maps over the workspace: contours of each quantity, in slices if the grid has three directions.
+
+The worst posture of each quantity is marked by a star.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -19,13 +22,13 @@ from validation.drawing.chart import Chart, Column, Contours, Panel, few_ticks
 from validation.drawing.style import plot_style
 from validation.drawing.text import number
 from validation.exhibits import PATH
-from validation.maps.quantities import Mapped, mapped
+from validation.maps.quantities import MappedQuantity, mapped_quantities
 from validation.maps.workspace import (
-    Place,
+    Indices,
     Workspace,
     WorstPosture,
     evenly,
-    values_on,
+    grid_values,
     workspace,
     worst_posture,
 )
@@ -37,13 +40,14 @@ from validation.tables import ResultTable
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-# Postures of a large grid that are looked at.
-_MOST: Mapping[Preset, int] = {"quick": 81, "standard": 400, "fine": 2500}
-_SLICES, _FEWEST, _HIGH = 4, 4, 2.1
-# Letters that fit above one of three columns.
-_LETTERS = 26
-# A quantity with its values over the grid and its worst posture.
-Map: TypeAlias = tuple[Mapped, Array, WorstPosture]
+# Largest number of poses of the grid that are evaluated.
+_MAX_POSES: Mapping[Preset, int] = {"quick": 81, "standard": 400, "fine": 2500}
+# Largest number of slices; fewest postures of a map; height of a row of panels (inches).
+_SLICES, _FEWEST_POSTURES, _ROW_HEIGHT = 4, 4, 2.1
+# Number of characters that fit above one of three columns.
+_TITLE_WIDTH = 26
+# Quantity, its values over the grid, and its worst posture.
+Map: TypeAlias = tuple[MappedQuantity, Array, WorstPosture]
 figures = FigureGroup(PATH, SHARED_SOLIDS)
 
 
@@ -61,15 +65,15 @@ class WorkspaceMaps:
     maps: tuple[Map, ...]
 
     def chart(self) -> Chart:
-        """The figure declared: a column for each quantity, a row for each slice."""
-        space, found = self.space, self.maps
+        """Chart with a column for each quantity and a row for each slice."""
+        space, maps = self.space, self.maps
         names = [str(coordinates(space.mechanism)[move]) for move in space.moves]
         return Chart(
-            _panels(space, names, found),
+            _panels(space, names, maps),
             names[0],
-            len(found),
-            _HIGH,
-            _table(space, names, found),
+            len(maps),
+            _ROW_HEIGHT,
+            _table(space, names, maps),
             partial(few_ticks, count=2),
         )
 
@@ -97,14 +101,14 @@ class WorkspaceMaps:
         >>> maps.values("lowest stiffness").shape
         (3, 2)
         """
-        for one, values, _ in self.maps:
-            if one.title == quantity:
+        for mapped, values, _ in self.maps:
+            if mapped.title == quantity:
                 return values
-        titles = ", ".join(one.title for one, *_ in self.maps)
+        titles = ", ".join(mapped.title for mapped, *_ in self.maps)
         raise InputError(f'quantity "{quantity}": is not mapped; must be one of {titles}')
 
     def table(self) -> ResultTable:
-        """Quantities, a row for each: its model, its worst value and the posture of that.
+        """Quantities, a row for each: its model, its worst value and the pose of that value.
 
         Returns
         -------
@@ -116,12 +120,12 @@ class WorkspaceMaps:
         >>> [row[0] for row in maps.table().rows][:2]
         ['lowest stiffness', 'first frequency']
         """
-        names = [str(one) for one in coordinates(self.space.mechanism)]
+        names = [str(coordinate) for coordinate in coordinates(self.space.mechanism)]
         return ResultTable(
             ("quantity", "unit", "model", "worst value", *names),
             tuple(
-                (one.title, one.unit, one.model, worst.value, *worst.pose.tolist())
-                for one, _, worst in self.maps
+                (mapped.title, mapped.unit, mapped.model, worst.value, *worst.pose.tolist())
+                for mapped, _, worst in self.maps
             ),
         )
 
@@ -138,14 +142,14 @@ class WorkspaceMaps:
         --------
         >>> maps.plot().savefig("maps.png")
         """
-        # Only a picture needs the library that draws it.
+        # Only a plot needs matplotlib, which is slow to import.
         from validation.drawing.plot import drawn_chart  # noqa: PLC0415
 
         with plot_style():
             return drawn_chart(self.chart())
 
     def __repr__(self) -> str:
-        titles = ", ".join(one.title for one, *_ in self.maps)
+        titles = ", ".join(mapped.title for mapped, *_ in self.maps)
         return f"WorkspaceMaps({self.space.mechanism.name}: {titles})"
 
     def _repr_html_(self) -> str:
@@ -153,113 +157,116 @@ class WorkspaceMaps:
 
 
 def workspace_maps(context: Context) -> WorkspaceMaps:
-    """The maps of the run's robot; raises Skip if too few postures can be reached or solved."""
+    """Maps of the run's robot. Raises Skip if too few postures can be reached or solved."""
     mechanism = replace(context.robot_file.mechanism, loads=())
-    space = workspace(mechanism, _MOST[context.preset])
-    if len(space.postures) < _FEWEST:
+    space = workspace(mechanism, _MAX_POSES[context.preset])
+    if len(space.postures) < _FEWEST_POSTURES:
         raise Skip("fewer than four postures of the grid can be reached")
-    found: list[Map] = []
-    for one in mapped(context, mechanism):
-        values = values_on(space, one.solve)
-        if worst := worst_posture(space, values, one.solve, largest=one.largest):
-            found.append((one, values, worst))
-    if not found:
+    maps: list[Map] = []
+    for mapped in mapped_quantities(context, mechanism):
+        values = grid_values(space, mapped.solve)
+        if worst := worst_posture(space, values, mapped.solve, largest=mapped.largest):
+            maps.append((mapped, values, worst))
+    if not maps:
         raise Skip("no posture of the grid can be solved")
-    return WorkspaceMaps(space, tuple(found))
+    return WorkspaceMaps(space, tuple(maps))
 
 
 @figures.figure("mechanism.maps", "Maps over the workspace", effort=3.0)
 def maps(context: Context) -> Shown:
-    """A column for each quantity, a row for each slice."""
-    found = workspace_maps(context)
-    studies = [_study(found.space, *one) for one in found.maps]
-    return Shown(_caption(found.space, found.maps), found.chart(), studies=studies)
+    """Plot a column for each quantity and a row for each slice."""
+    robot_maps = workspace_maps(context)
+    space = robot_maps.space
+    studies = [_study(space, *one_map) for one_map in robot_maps.maps]
+    return Shown(_caption(space, robot_maps.maps), robot_maps.chart(), studies=studies)
 
 
-def _panels(space: Workspace, names: Sequence[str], found: Sequence[Map]) -> list[Panel]:
-    """Row by row: one in two directions, slices of the grid across the third."""
-    x, y, *across = space.axes
-    slices: list[Place] = [()]
-    if across:
-        slices = [(int(k),) for k in evenly(len(across[0]), _SLICES)]
+def _panels(space: Workspace, names: Sequence[str], maps: Sequence[Map]) -> list[Panel]:
+    """Panels row by row: one row in two directions, or slices of the grid across the third."""
+    x, y, *third = space.axes
+    slices: list[Indices] = [()]
+    if third:
+        slices = [(int(k),) for k in evenly(len(third[0]), _SLICES)]
     panels = []
-    for place in slices:
-        level = [names[2].replace(" (", f" = {across[0][k]:.4g} ")[:-1] + "\n" for k in place]
-        for one, values, worst in found:
+    for indices in slices:
+        level = [names[2].replace(" (", f" = {third[0][k]:.4g} ")[:-1] + "\n" for k in indices]
+        for mapped, values, worst in maps:
             star = worst.pose[list(space.moves)]
-            nearest = min(slices, key=lambda own: [abs(across[0][k] - star[2]) for k in own])
+            nearest = min(slices, key=lambda index: [abs(third[0][k] - star[2]) for k in index])
             contours = Contours(
                 x,
                 y,
-                values[:, :, place[0]] if place else values,
+                values[:, :, indices[0]] if indices else values,
                 (float(np.nanmin(values)), float(np.nanmax(values))),
-                (float(star[0]), float(star[1])) if place == nearest else None,
+                (float(star[0]), float(star[1])) if indices == nearest else None,
             )
             panels.append(
                 Panel(
-                    title=_title(one) if place == slices[0] else "",
-                    y_label="".join((*level, names[1])) if one is found[0][0] else "",
+                    title=_title(mapped) if indices == slices[0] else "",
+                    y_label="".join((*level, names[1])) if mapped is maps[0][0] else "",
                     contours=contours,
                 )
             )
     return panels
 
 
-def _title(one: Mapped) -> str:
-    """Title of a column; long names of models take a second line."""
-    return fill(f"{one.title} ({one.unit})", _LETTERS, break_on_hyphens=False)
+def _title(mapped: MappedQuantity) -> str:
+    """Title of a column. Long names of models continue on a second line."""
+    return fill(f"{mapped.title} ({mapped.unit})", _TITLE_WIDTH, break_on_hyphens=False)
 
 
-def _caption(space: Workspace, found: Sequence[Map]) -> str:
+def _caption(space: Workspace, maps: Sequence[Map]) -> str:
     mechanism, poses = space.mechanism, prod(space.shape)
-    said = [
-        f"{capital(one.title)}: {one.said}; at its worst "
-        f"{number(worst.value, 4)} {one.unit} at {shown_pose(mechanism, worst.pose)}."
-        for one, _, worst in found
+    sentences = [
+        f"{capital(mapped.title)}: {mapped.description}. Its worst value is "
+        f"{number(worst.value, 4)} {mapped.unit} at {shown_pose(mechanism, worst.pose)}."
+        for mapped, _, worst in maps
     ]
-    said.append(
-        "Dots: poses of the grid. Stars: the worst postures, searched between the dots, with loops "
-        "closed and models solved in every posture that the search looks at"
-        + ("; each in the slice that is nearest to it." if len(space.axes) > 2 else ".")
+    sentences.append(
+        "Dots: poses of the grid. Stars: worst postures, also between the dots; the search closes "
+        "the loops and solves the model in each posture that it evaluates"
+        + (". Each star is in the slice nearest to it." if len(space.axes) > 2 else ".")
     )
     if poses < len(mechanism.poses):
-        said.append(f"{poses} of the {len(mechanism.poses)} poses of the grid were looked at.")
-    if blank := poses - int(np.isfinite(found[0][1]).sum()):
-        said.append(f"Blank: {blank} of {poses} poses, out of reach or singular.")
-    return " ".join(said)
+        sentences.append(f"{poses} of the {len(mechanism.poses)} poses of the grid are evaluated.")
+    if blank := poses - int(np.isfinite(maps[0][1]).sum()):
+        sentences.append(f"Blank: {blank} of {poses} poses, out of reach or singular.")
+    return " ".join(sentences)
 
 
-def _table(space: Workspace, names: Sequence[str], found: Sequence[Map]) -> dict[str, Column]:
-    """Every pose of the grid with its values, then the worst postures."""
-    poses = [space.pose(place) for place in np.ndindex(*space.shape)]
-    poses += [worst.pose for *_, worst in found]
-    kinds = ["grid"] * (len(poses) - len(found)) + [f"worst {one.title}" for one, *_ in found]
+def _table(space: Workspace, names: Sequence[str], maps: Sequence[Map]) -> dict[str, Column]:
+    """Columns with all poses of the grid and their values, then the worst postures."""
+    poses = [space.pose(indices) for indices in np.ndindex(*space.shape)]
+    poses += [worst.pose for *_, worst in maps]
+    kinds = ["grid"] * (len(poses) - len(maps)) + [f"worst {mapped.title}" for mapped, *_ in maps]
     table: dict[str, Column] = {"posture": kinds}
     for name, move in zip(names, space.moves, strict=True):
         table[name] = [float(pose[move]) for pose in poses]
-    for k, (one, values, worst) in enumerate(found):
-        column = [*_optional(values).ravel(), *[None] * len(found)]
-        column[k - len(found)] = worst.value
-        table[f"{one.title} ({one.unit})"] = column
+    for k, (mapped, values, worst) in enumerate(maps):
+        column = [*_none_if_nan(values).ravel(), *[None] * len(maps)]
+        column[k - len(maps)] = worst.value
+        table[f"{mapped.title} ({mapped.unit})"] = column
     return table
 
 
-def _study(space: Workspace, one: Mapped, values: Array, worst: WorstPosture) -> dict[str, Any]:
-    """The map's entry among the studies of results.json."""
+def _study(
+    space: Workspace, mapped: MappedQuantity, values: Array, worst: WorstPosture
+) -> dict[str, Any]:
+    """Entry of a map among the studies of results.json."""
     return {
-        "id": one.id,
+        "id": mapped.id,
         "kind": "map",
-        "title": one.title,
-        "unit": one.unit,
-        "model": one.model,
+        "title": mapped.title,
+        "unit": mapped.unit,
+        "model": mapped.model,
         "moves": [space.mechanism.tool.moves[move] for move in space.moves],
         "x": [axis.tolist() for axis in space.axes],
-        "values": _optional(values).tolist(),
+        "values": _none_if_nan(values).tolist(),
         "worst": {"pose": worst.pose.tolist(), "value": worst.value},
     }
 
 
-def _optional(values: Array) -> Any:
-    found = values.astype(object)
-    found[np.isnan(values)] = None
-    return found
+def _none_if_nan(values: Array) -> Any:
+    optional = values.astype(object)
+    optional[np.isnan(values)] = None
+    return optional

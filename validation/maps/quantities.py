@@ -1,4 +1,4 @@
-"""What is mapped over a workspace: lowest stiffness, first frequency, error of the chosen model."""
+"""Quantities mapped over a workspace: lowest stiffness, first frequency, error of one model."""
 
 from collections.abc import Sequence
 from contextlib import suppress
@@ -35,136 +35,143 @@ _MICRO, _PERCENT = 1e-6, 100.0
 
 
 @dataclass(frozen=True, eq=False)
-class Mapped:
-    """A quantity over the workspace: its `id`, `title`, `unit` and `model`, what it is in words.
+class MappedQuantity:
+    """Quantity over the workspace, with a `description` for the caption of its map.
 
-    `largest`: whether its worst value is the largest one.
+    `model` names the model that computes it, `solve` is the computation. `largest` is true if the
+    worst value is the largest one, and false if it is the smallest.
     """
 
     id: str
     title: str
     unit: str
     model: str
-    said: str
+    description: str
     solve: Solve
     largest: bool = False
 
 
-def mapped(context: Context, mechanism: Mechanism) -> list[Mapped]:
-    """What is mapped of a mechanism, the run's robot without its loads, as far as it can be solved.
+def mapped_quantities(context: Context, mechanism: Mechanism) -> list[MappedQuantity]:
+    """Quantities of a mechanism that can be solved. The mechanism is the run's robot without loads.
 
-    The chosen model is the first that is relied on, else the simplest whose error stays within the
-    limit on the path, else the one of the smallest error.
+    The stiffness and the error are those of one model: the first model that the robot file relies
+    on. If it relies on none, it is the simplest model with an error within the limit on the path,
+    and if there is none either, the model with the smallest error.
     """
-    postures = [replace(at, mechanism=mechanism) for at in path_postures(context)]
+    postures = [replace(posture, mechanism=mechanism) for posture in path_postures(context)]
     robot = robot_at(context, postures)
     references: Sequence[Assembly] = ()
     with suppress(*UNSOLVED):
         references = _references(robot)
-    model, chosen = _chosen(robot, references, context.robot_file.requirement)
-    found = [
-        Mapped(
+    name, model = _mapped_model(robot, references, context.robot_file.requirement)
+    quantities = [
+        MappedQuantity(
             "map.stiffness",
             "lowest stiffness",
             "N/µm",
-            model,
-            "the least force per displacement of the tool over all directions of force, one over "
-            f"the largest eigenvalue of its translational compliance, by {model}",
-            partial(_lowest_stiffness, chosen),
+            name,
+            f"smallest ratio of force to displacement of the tool over all directions of force, "
+            f"the inverse of the largest eigenvalue of the translational compliance, by {name}",
+            partial(_lowest_stiffness, model),
         )
     ]
     elements = "beam elements" + (", parts as solids" if mechanism.parts else "")
     with suppress(*UNSOLVED):
-        found.append(
-            Mapped(
+        quantities.append(
+            MappedQuantity(
                 "map.f1",
                 "first frequency",
                 "Hz",
                 elements,
-                f"the lowest natural frequency, by {elements}",
+                f"lowest natural frequency, by {elements}",
                 partial(_first_frequency, _finite_elements(robot)),
             )
         )
     if references:
-        found.append(
-            Mapped(
+        quantities.append(
+            MappedQuantity(
                 "map.error",
-                f"error of {model}",
+                f"error of {name}",
                 "%",
-                model,
-                "how far the displacement under any force is from that of the reference, the "
-                "largest over what the robot file leaves open",
-                partial(_error, chosen, references),
+                name,
+                "largest relative error of the displacement over all directions of force, from "
+                "the reference under each reading that the robot file allows",
+                partial(_error, model, references),
                 largest=True,
             )
         )
-    return found
+    return quantities
 
 
-def _chosen(
+def _mapped_model(
     robot: RobotOnPath, references: Sequence[Assembly], requirement: Requirement
 ) -> tuple[str, JudgedModel]:
-    able = {
+    """Name and model by the rule of `mapped_quantities`. Beams if no model has an error."""
+    models = {
         name: model
         for name, model in judged_models(robot.mechanism).items()
         if not why_unable(robot.postures, model)
     }
     for name in requirement.rely:
-        if name in able:
-            return name, able[name]
+        if name in models:
+            return name, models[name]
     errors = {}
-    for name, model in able.items() if references else ():
+    for name, model in models.items() if references else ():
         with suppress(*UNSOLVED):
             errors[name] = float(np.max(_error(model, references, robot.postures)))
             if errors[name] <= _PERCENT * requirement.limit(ANY_FORCE):
                 break
     name = min(errors, key=errors.__getitem__, default="beam")
-    return name, able[name]
+    return name, models[name]
 
 
 def _references(robot: RobotOnPath) -> list[Assembly]:
-    """The robot as its statics are judged by, for each of what its file leaves open."""
-    found = []
+    """Reference for statics under each pair of end conditions that the robot file allows."""
+    references = []
     for ends in robot.holding.alternatives.values():
         tips = {name: solid_tip(robot.context, leg, ends[name]) for name, leg in robot.legs.items()}
         parts = solid_parts(robot.postures, robot.offered, ends)
-        found.append(assembly(robot.mechanism, {**links(robot.mechanism, tips), **parts}))
-    return found
+        references.append(assembly(robot.mechanism, {**links(robot.mechanism, tips), **parts}))
+    return references
 
 
 def _finite_elements(robot: RobotOnPath) -> Assembly:
-    """Beams, always reduced, with parts as solids."""
+    """Assembly of reduced beams, with parts as solids."""
     mechanism, options = robot.mechanism, ModelOptions(parts="condensed")
     parts = solid_parts(robot.postures, robot.offered, robot.holding.first)
 
-    def made(highest: float) -> Assembly:
-        def reduce(leg: ConstantLeg | SteppedLeg, own: ModelOptions) -> LegMatrices:
-            return reduced_leg("beam", leg, own, highest, CUTOFF["beam"] * highest)
+    def reduced_assembly(highest: float) -> Assembly:
+        def reduce(leg: ConstantLeg | SteppedLeg, leg_options: ModelOptions) -> LegMatrices:
+            return reduced_leg("beam", leg, leg_options, highest, CUTOFF["beam"] * highest)
 
         return assembly(mechanism, {**bodies_of(mechanism, options, reduce), **parts})
 
-    def frequencies(prepared: Assembly) -> Array:
-        return _first_frequency(prepared, robot.postures)
+    def frequencies(assembled: Assembly) -> Array:
+        return _first_frequency(assembled, robot.postures)
 
-    return with_enough_modes(made, frequencies, robot.postures, 1, options)
+    return with_enough_modes(reduced_assembly, frequencies, robot.postures, 1, options)
 
 
 def _lowest_stiffness(model: JudgedModel, postures: Sequence[Posture]) -> Array:
-    found = model_statics(postures, model.kind, model.options).compliances[:, :3, :3]
+    compliances = model_statics(postures, model.kind, model.options).compliances[:, :3, :3]
     with np.errstate(divide="ignore"):
-        return np.asarray(_MICRO / np.linalg.eigvalsh(found)[:, -1])
+        return np.asarray(_MICRO / np.linalg.eigvalsh(compliances)[:, -1])
 
 
-def _first_frequency(prepared: Assembly, postures: Sequence[Posture]) -> Array:
-    return swept(prepared, postures, 1).frequencies[:, 0]
+def _first_frequency(assembled: Assembly, postures: Sequence[Posture]) -> Array:
+    return swept(assembled, postures, 1).frequencies[:, 0]
 
 
 def _error(
     model: JudgedModel, references: Sequence[Assembly], postures: Sequence[Posture]
 ) -> Array:
-    """In percent, the largest of those from all references."""
-    found = model_statics(postures, model.kind, model.options)
-    none = np.zeros_like(found.load_displacements)
-    truths = [Statics(swept(one, postures, 0).compliances, none) for one in references]
-    sizes = [relative(found - truth, truth, ANY_FORCE).size for truth in truths]
+    """Error (%) of the displacement under any force, the largest from all references."""
+    statics = model_statics(postures, model.kind, model.options)
+    no_loads = np.zeros_like(statics.load_displacements)
+    reference_statics = [
+        Statics(swept(reference, postures, 0).compliances, no_loads) for reference in references
+    ]
+    sizes = [
+        relative(statics - reference, reference, ANY_FORCE).size for reference in reference_statics
+    ]
     return np.asarray(_PERCENT * np.max(sizes, axis=0))

@@ -1,7 +1,7 @@
-"""A workspace: postures on the grid of a path, values in them, and the worst posture between them.
+"""Workspace: postures on the grid of a path, values in them, and the search for the worst posture.
 
-The search knows nothing of what it looks for: whatever it looks at is computed in a posture whose
-loops are closed, nothing is interpolated.
+The search takes any function of postures. It computes every value in a posture with closed loops
+and interpolates none.
 """
 
 from collections.abc import Callable, Sequence
@@ -18,163 +18,166 @@ from lumped.errors import ComputationError, InputError
 from lumped.mechanism.kinematics.postures import posture
 from lumped.mechanism.mechanism import Mechanism, Posture
 
-# A number for each of the postures; raises ComputationError where one cannot be solved.
+# Function that computes one number for each posture. It raises ComputationError if one of the
+# postures cannot be solved.
 Solve: TypeAlias = Callable[[Sequence[Posture]], Array]
-Place: TypeAlias = tuple[int, ...]
+# Indices of a grid point along each axis, or numbers of the tool's moves.
+Indices: TypeAlias = tuple[int, ...]
 
-# A search begins at so many of the grid's local extrema, the worst ones, and looks at so many
-# postures at most, until its steps are this part of the distance between points of the grid.
-_STARTS, _LOOKS, _CLOSE = 2, 40, 1e-2
-# First steps of a search, in distances of grid points: where a parabola through three of them does
-# not say where it is lowest, and at least.
-_STEP, _LEAST = 0.3, 0.1
+# Number of searches, which start at the worst local extrema of the grid; largest number of
+# postures that one search evaluates; length of its last steps in grid spacings.
+_STARTS, _EVALUATIONS, _SPACINGS_AT_END = 2, 40, 1e-2
+# First step of a search in grid spacings if the parabola through three grid points has no minimum,
+# and smallest first step otherwise.
+_DEFAULT_STEP, _SMALLEST_STEP = 0.3, 0.1
 
 
 @dataclass(frozen=True, eq=False)
 class Workspace:
     """Postures on a grid of poses.
 
-    `axes` are the values (m or rad) along those of the tool's moves, by number `moves`, that vary;
-    `postures` by their place on the grid, without those that cannot be reached.
+    `moves` are the numbers of the tool's moves that vary, `axes` their values (m or rad).
+    `postures` maps the indices of a grid point to its posture. It lacks poses out of reach.
     """
 
     mechanism: Mechanism
-    moves: Place
+    moves: Indices
     axes: Sequence[Array]
-    postures: dict[Place, Posture] = field(default_factory=dict)
+    postures: dict[Indices, Posture] = field(default_factory=dict)
 
     @property
-    def shape(self) -> Place:
-        """How many values there are along each axis."""
+    def shape(self) -> Indices:
+        """Number of values along each axis."""
         return tuple(map(len, self.axes))
 
-    def pose(self, place: Sequence[float] | Array) -> Array:
-        """The pose at a place of the grid, or between its points."""
+    def pose(self, indices: Sequence[float] | Array) -> Array:
+        """Pose at the indices of a grid point. Fractional indices give a pose between points."""
         pose = np.array([values[0] for values in self.mechanism.grid])
-        for move, values, at in zip(self.moves, self.axes, place, strict=True):
-            pose[move] = np.interp(at, np.arange(len(values)), values)
+        for move, values, index in zip(self.moves, self.axes, indices, strict=True):
+            pose[move] = np.interp(index, np.arange(len(values)), values)
         return pose
 
 
 class WorstPosture(NamedTuple):
-    """The worst posture that was found, by its pose, and its value."""
+    """Pose of the worst posture that the search reached, and the value there."""
 
     pose: Array
     value: float
 
 
-def directions(mechanism: Mechanism) -> Place:
-    """The tool's moves, by number, that vary on the grid of the path; () unless two or three."""
+def directions(mechanism: Mechanism) -> Indices:
+    """Numbers of the tool's moves that vary on the grid of the path. () unless two or three."""
     varied = tuple(move for move, values in enumerate(mechanism.grid) if np.ptp(values) > 0.0)
     return varied if len(varied) in (2, 3) else ()
 
 
-def workspace(mechanism: Mechanism, most: int) -> Workspace:
-    """The workspace of a path that is a grid; of one of more than `most` poses fewer, as evenly."""
+def workspace(mechanism: Mechanism, max_poses: int) -> Workspace:
+    """Workspace of a mechanism whose path is a grid, thinned evenly to at most `max_poses`."""
     moves = directions(mechanism)
     axes = [mechanism.grid[move] for move in moves]
-    share = min(1.0, (most / prod(map(len, axes))) ** (1.0 / len(axes)))
+    share = min(1.0, (max_poses / prod(map(len, axes))) ** (1.0 / len(axes)))
     axes = [values[evenly(len(values), max(2, int(share * len(values))))] for values in axes]
     space = Workspace(mechanism, moves, axes)
-    for place in np.ndindex(*space.shape):
+    for indices in np.ndindex(*space.shape):
         with suppress(InputError):
-            space.postures[place] = posture(mechanism, space.pose(place))
+            space.postures[indices] = posture(mechanism, space.pose(indices))
     return space
 
 
-def values_on(space: Workspace, solve: Solve) -> Array:
-    """The value in every posture, over the grid; NaN where there is none."""
-    found = np.full(space.shape, np.nan)
+def grid_values(space: Workspace, solve: Solve) -> Array:
+    """Values at all points of the grid. NaN for poses that are out of reach or cannot be solved."""
+    values = np.full(space.shape, np.nan)
     postures = list(space.postures.values())
     try:
         solved = solve(postures)
     except ComputationError:
-        # One that is singular must not cost the others.
-        solved = np.array([_value(solve, one) for one in postures])
-    for place, value in zip(space.postures, solved, strict=True):
-        found[place] = value if np.isfinite(value) else np.nan
-    return found
+        # One singular posture must not prevent the solution of the others.
+        solved = np.array([_value(solve, posture) for posture in postures])
+    for indices, value in zip(space.postures, solved, strict=True):
+        values[indices] = value if np.isfinite(value) else np.nan
+    return values
 
 
 def worst_posture(
     space: Workspace, values: Array, solve: Solve, *, largest: bool = False
 ) -> WorstPosture | None:
-    """The posture of the smallest value, or the `largest`: between the grid's points, too.
+    """Posture with the smallest value, or with the `largest`, on the grid or between its points.
 
-    `values` as `values_on` gives them. None where there is none.
+    `values` are those of `grid_values`. None if all of them are NaN.
     """
     sign = -1.0 if largest else 1.0
     cost = np.where(np.isnan(values), np.inf, sign * values)
-    lowest = np.isfinite(cost) & (
+    local_minima = np.isfinite(cost) & (
         cost == scipy.ndimage.minimum_filter(cost, size=3, mode="nearest")
     )
-    starts = sorted((tuple(place) for place in np.argwhere(lowest)), key=cost.__getitem__)
-    found = []
+    starts = sorted((tuple(point) for point in np.argwhere(local_minima)), key=cost.__getitem__)
+    candidates = []
     for start in starts[:_STARTS]:
-        found += [(cost[start], space.pose(start)), _searched(space, cost, start, solve, sign)]
-    if not found:
+        candidates += [(cost[start], space.pose(start)), _minimum(space, cost, start, solve, sign)]
+    if not candidates:
         return None
-    value, pose = min(found, key=lambda one: one[0])
+    value, pose = min(candidates, key=lambda candidate: candidate[0])
     return WorstPosture(pose, sign * float(value))
 
 
-def _searched(
-    space: Workspace, cost: Array, start: Place, solve: Solve, sign: float
+def _minimum(
+    space: Workspace, cost: Array, start: Indices, solve: Solve, sign: float
 ) -> tuple[float, Array]:
-    """The lowest cost that is found around a place of the grid, and its pose.
+    """Lowest cost near a grid point, and its pose.
 
-    Nelder and Mead's simplex from the place and from where parabolas along the grid are lowest.
+    The search is the simplex method of Nelder and Mead. Its first simplex consists of the grid
+    point and of the minima of parabolas along the axes of the grid.
     """
-    near = space.postures[start]
-    begin = np.array(start, dtype=float)
-    steps = _steps(np.pad(cost, 1, constant_values=np.inf), tuple(one + 1 for one in start))
+    nearest = space.postures[start]
+    first = np.array(start, dtype=float)
+    steps = _first_steps(np.pad(cost, 1, constant_values=np.inf), tuple(k + 1 for k in start))
     last = np.array(space.shape) - 1.0
 
-    def looked_at(place: Array) -> float:
+    def cost_at(indices: Array) -> float:
         with suppress(InputError):
-            value = _value(solve, posture(space.mechanism, space.pose(place), near))
+            value = _value(solve, posture(space.mechanism, space.pose(indices), nearest))
             return np.inf if np.isnan(value) else sign * value
         return np.inf
 
-    found = scipy.optimize.minimize(
-        looked_at,
-        begin,
+    minimum = scipy.optimize.minimize(
+        cost_at,
+        first,
         method="Nelder-Mead",
-        bounds=list(zip(np.maximum(begin - 1.0, 0.0), np.minimum(begin + 1.0, last), strict=True)),
+        bounds=list(zip(np.maximum(first - 1.0, 0.0), np.minimum(first + 1.0, last), strict=True)),
         options={
-            "initial_simplex": np.vstack([begin, begin + np.diag(steps)]),
-            "maxfev": _LOOKS,
-            "xatol": _CLOSE,
+            "initial_simplex": np.vstack([first, first + np.diag(steps)]),
+            "maxfev": _EVALUATIONS,
+            "xatol": _SPACINGS_AT_END,
             "fatol": np.inf,
         },
     )
-    return float(found.fun), space.pose(found.x)
+    return float(minimum.fun), space.pose(minimum.x)
 
 
-def _steps(cost: Array, place: Place) -> list[float]:
-    """First steps along each axis from a place that is lower than its neighbours."""
+def _first_steps(cost: Array, indices: Indices) -> list[float]:
+    """First step along each axis from a local minimum of the grid, in grid spacings."""
     steps = []
     for axis in range(cost.ndim):
         before, after = (
-            cost[(*place[:axis], place[axis] + step, *place[axis + 1 :])] for step in (-1, 1)
+            cost[(*indices[:axis], indices[axis] + step, *indices[axis + 1 :])] for step in (-1, 1)
         )
-        step = _STEP if after <= before else -_STEP
-        bend = before + after - 2.0 * cost[place]
-        if np.isfinite(bend) and bend > 0.0:
-            to_lowest = 0.5 * (before - after) / bend
-            step = np.copysign(max(abs(to_lowest), _LEAST), to_lowest)
+        step = _DEFAULT_STEP if after <= before else -_DEFAULT_STEP
+        curvature = before + after - 2.0 * cost[indices]
+        if np.isfinite(curvature) and curvature > 0.0:
+            to_minimum = 0.5 * (before - after) / curvature
+            step = np.copysign(max(abs(to_minimum), _SMALLEST_STEP), to_minimum)
         steps.append(float(step))
     return steps
 
 
-def _value(solve: Solve, at: Posture) -> float:
-    """NaN where the model cannot be solved."""
+def _value(solve: Solve, posture: Posture) -> float:
+    """Value in one posture. NaN if the model cannot be solved there."""
     try:
-        return float(solve([at])[0])
+        return float(solve([posture])[0])
     except ComputationError:
         return np.nan
 
 
-def evenly(count: int, wanted: int) -> IntArray:
-    """At most `wanted` of the numbers from 0 to `count` − 1, first and last among them."""
-    return np.unique(np.linspace(0, count - 1, min(count, wanted)).round().astype(int))
+def evenly(count: int, largest_count: int) -> IntArray:
+    """At most `largest_count` evenly spaced numbers from 0 to `count` − 1, both included."""
+    return np.unique(np.linspace(0, count - 1, min(count, largest_count)).round().astype(int))
