@@ -1,4 +1,4 @@
-"""What a person asks of a mechanism before any model: mobility, postures, pictures of them.
+"""Kinematics of a mechanism without any model: mobility, postures, and pictures of them.
 
 In: a robot file and poses. Out: text, JSON, a picture.
 """

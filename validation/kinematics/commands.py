@@ -1,4 +1,4 @@
-"""The command `kinematics`, as the command line takes it up."""
+"""Command `kinematics` of the command line."""
 
 from typing import Annotated
 
@@ -21,10 +21,10 @@ def kinematics(
     Parameters
     ----------
     pose
-        Pose of the tool in the order of its moves, as 0.25,0.6 (m, rad); may be given several
-        times; the poses of the file's path if left out.
+        Pose of the tool in the order of its moves, for example 0.25,0.6 (m, rad). The option may
+        be repeated. Default: the poses of the path in the robot file.
     picture
-        Draw the mechanism in these poses into this PNG file.
+        Write a picture of the mechanism in these poses to this PNG file.
     """
     from lumped.robot_file import load_robot  # noqa: PLC0415
     from validation.kinematics import listing  # noqa: PLC0415
@@ -37,15 +37,15 @@ def kinematics(
     require_place(picture, ".png", force=force)
     mechanism = load_robot(robot).mechanism
     if pose:
-        found = postures_of(mechanism, parsed_poses(mechanism, pose))
+        postures = postures_of(mechanism, parsed_poses(mechanism, pose))
     else:
-        found = postures_on_path(mechanism, mechanism.poses)
-    say((listing.as_json if json else listing.as_text)(mechanism, found))
+        postures = postures_on_path(mechanism, mechanism.poses)
+    say((listing.as_json if json else listing.as_text)(mechanism, postures))
     if picture is not None:
         from validation.drawing.rendering import pictured  # noqa: PLC0415
         from validation.kinematics.picture import scene  # noqa: PLC0415
 
-        drawn = pictured([scene(mechanism, found)])
+        drawn = pictured([scene(mechanism, postures)])
         if drawn.left_out:
             complain([drawn.left_out], 3)
         else:

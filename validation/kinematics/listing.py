@@ -1,4 +1,4 @@
-"""Mobility and joint coordinates as text and as JSON, for terminals and programs."""
+"""Mobility and joint coordinates as text for terminals and as JSON for programs."""
 
 import json
 from collections import Counter
@@ -16,35 +16,38 @@ from lumped.text import counted
 
 
 def mobility_text(mechanism: Mechanism) -> str:
-    """Bodies, joints, mobility and overconstraint in the reference posture, three lines."""
-    found = mobility(reference_posture(mechanism))
+    """Three lines with bodies and joints, mobility, and constraints in the reference posture."""
+    motions = mobility(reference_posture(mechanism))
     kinds = Counter(joint.kind for joint in mechanism.joints)
     driven = sum(joint.drive is not None for joint in mechanism.joints)
     joints = ", ".join(f"{count} {kind}" for kind, count in kinds.items())
     moving = len(mechanism.bodies) - (GROUND in mechanism.bodies)
     bodies = counted(moving, "body", "bodies")
-    constraints = counted(found.constraints, "constraint")
+    constraints = counted(motions.constraints, "constraint")
     moves = ", ".join(mechanism.tool.moves) or "none"
-    idle = f", and {counted(found.idle, 'idle motion')}" if found.idle else ""
+    idle = f", and {counted(motions.idle, 'idle motion')}" if motions.idle else ""
     return "\n".join(
         [
             f"{bodies}, {counted(len(mechanism.joints), 'joint')} ({joints}), {driven} driven",
-            f"mobility {found.mobility}: the tool's moves {moves}{idle}",
-            f"{constraints}, {found.redundant or 'none'} of them redundant",
+            f"mobility {motions.mobility}: the tool's moves {moves}{idle}",
+            f"{constraints}, {motions.redundant or 'none'} of them redundant",
         ]
     )
 
 
 def as_text(mechanism: Mechanism, postures: Sequence[Posture]) -> str:
-    """Mobility, then the coordinates of all joints in each posture, counted from the reference."""
+    """Mobility, then the coordinates of all joints in each posture, zero in the reference posture.
+
+    Angles in degrees, displacements in mm.
+    """
     lines = [f"{mechanism.name}: {mobility_text(mechanism)}"]
     for number, posture in enumerate(postures, start=1):
         lines += ["", f"pose {number}: {shown_pose(mechanism, posture.pose) or 'the reference'}"]
-        found = mobility(posture)
-        if found.at_limit:
+        motions = mobility(posture)
+        if motions.at_limit:
             lines.append(
-                f"  singular: the tool cannot move along {', '.join(found.barred)}; "
-                f"{', '.join(found.stirring)} can move without it"
+                f"  singular: the tool cannot move along {', '.join(motions.barred)}; "
+                f"{', '.join(motions.stirring)} can move while the tool does not"
             )
         width = max((len(joint.name) for joint in mechanism.joints), default=0)
         lines += [
@@ -57,7 +60,11 @@ def as_text(mechanism: Mechanism, postures: Sequence[Posture]) -> str:
 
 
 def as_json(mechanism: Mechanism, postures: Sequence[Posture]) -> str:
-    """The same as JSON (schema 1); coordinates in m and rad, the residual of the size."""
+    """Mobility and joint coordinates as JSON (schema 1).
+
+    Coordinates in m and rad. The residual is the largest gap of the loops relative to the size of
+    the mechanism.
+    """
     closure = Closure(mechanism)
     document = {
         "schema": 1,
@@ -82,9 +89,9 @@ def as_json(mechanism: Mechanism, postures: Sequence[Posture]) -> str:
     return json.dumps(document, indent=1)
 
 
-def _mobility_json(found: Mobility) -> dict[str, Any]:
+def _mobility_json(motions: Mobility) -> dict[str, Any]:
     names = ("mobility", "idle", "constraints", "redundant", "at_limit", "stirring", "barred")
-    return {name: getattr(found, name) for name in names}
+    return {name: getattr(motions, name) for name in names}
 
 
 def _residual(closure: Closure, posture: Posture) -> float:

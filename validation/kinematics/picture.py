@@ -1,7 +1,7 @@
-"""A picture of a mechanism: one posture in full, the others as their lines, everything named.
+"""Picture of a mechanism: one posture in full, the others as lines, bodies and joints with names.
 
-A mechanism whose joints lie in one plane is seen along its normal, any other from above and aside,
-both without perspective.
+The view of a mechanism whose joints lie in one plane is along the normal of the plane. Other
+mechanisms are seen obliquely from above. The projection is parallel.
 """
 
 from collections.abc import Sequence
@@ -23,97 +23,108 @@ from validation.kinematics.solids import (
     is_leg,
     on_ground,
     solids,
-    symbol_at,
-    tool_place,
+    symbol_side,
+    tool_position,
 )
 
-_ASIDE = np.array([0.45, -0.80, 0.40]), np.array([0.0, 0.0, 1.0])
-_OTHER_LEG, _LINES = "#b5cbb7", "#b4c1cc"
+# Direction towards the viewer, and upward direction, of the oblique view.
+_OBLIQUE = np.array([0.45, -0.80, 0.40]), np.array([0.0, 0.0, 1.0])
+_SECOND_LEG_COLOUR, _LINE_COLOUR = "#b5cbb7", "#b4c1cc"
 
 
 def scene(mechanism: Mechanism, postures: Sequence[Posture], *, named: bool = True) -> Scene:
-    """The middle one of the postures in full, the others as lines.
+    """Scene with the middle one of the postures in full and the others as lines.
 
-    A small picture has no room for names, and stands beside words that say which posture it is.
+    A picture that is not `named` has no names of bodies and joints, and no pose in its title. It is
+    small and stands beside a text that gives the posture.
     """
-    shown = postures[len(postures) // 2]
-    drawn, other = solids(shown), _other_legs(mechanism)
+    full_posture = postures[len(postures) // 2]
+    second_colour = _second_colour_legs(mechanism)
     bodies = [
-        DrawnBody(one.surface, _OTHER_LEG if other & {one.name} else COLOURS[one.matter])
-        for one in drawn
+        DrawnBody(
+            solid.surface,
+            _SECOND_LEG_COLOUR if solid.name in second_colour else COLOURS[solid.matter],
+        )
+        for solid in solids(full_posture)
     ]
-    place = shown_pose(mechanism, shown.pose) or "reference posture"
-    way = np.array([tool_place(posture) for posture in postures])
+    pose = shown_pose(mechanism, full_posture.pose) or "reference posture"
+    tool_path = np.array([tool_position(posture) for posture in postures])
     base = [
-        interface_position(shown, Side(GROUND, name))
+        interface_position(full_posture, Side(GROUND, name))
         for name in mechanism.bodies[GROUND].interfaces
     ]
     feet = np.reshape(base, (-1, 3))
-    wires = [*_lines(postures), *_rails(postures), _joined(way, VERMILLION, 2.5)]
+    wires = [*_body_lines(postures), *_rails(postures), _polyline(tool_path, VERMILLION, 2.5)]
     return Scene(
         bodies,
-        ABOVE if in_one_plane(shown) else _ASIDE,
+        ABOVE if in_one_plane(full_posture) else _OBLIQUE,
         wires,
-        f"{mechanism.name}, {place}" if named else mechanism.name,
+        f"{mechanism.name}, {pose}" if named else mechanism.name,
         marks=[
             Marks(feet, "ground"),
-            Marks(way, "dot", VERMILLION),
-            Marks(tool_place(shown)[None], "cross", VERMILLION),
+            Marks(tool_path, "dot", VERMILLION),
+            Marks(tool_position(full_posture)[None], "cross", VERMILLION),
         ],
-        labels=_names(shown) if named else (),
-        inside=[*(one.points for one in wires), feet - SYMBOL * mechanism.size],
+        labels=_names(full_posture) if named else (),
+        inside=[*(wire.points for wire in wires), feet - SYMBOL * mechanism.size],
     )
 
 
-def _other_legs(mechanism: Mechanism) -> set[str]:
-    """Legs in a second colour, so that those that meet stand out from each other."""
-    others: set[str] = set()
+def _second_colour_legs(mechanism: Mechanism) -> set[str]:
+    """Names of legs in the second colour, so that legs that meet in a joint differ in colour."""
+    second_colour: set[str] = set()
     legs = [name for name, body in mechanism.bodies.items() if is_leg(body)]
+    pairs = [(joint.first.body, joint.second.body) for joint in mechanism.joints]
     for number, name in enumerate(legs):
-        plain = set(legs[:number]) - others
-        pairs = [(one.first.body, one.second.body) for one in mechanism.joints]
-        if any(a == name and b in plain for pair in pairs for a, b in permutations(pair)):
-            others.add(name)
-    return others
+        first_colour = set(legs[:number]) - second_colour
+        if any(a == name and b in first_colour for pair in pairs for a, b in permutations(pair)):
+            second_colour.add(name)
+    return second_colour
 
 
-def _lines(postures: Sequence[Posture]) -> list[Wire]:
-    """Between the interfaces of the bodies in all postures."""
-    found = []
+def _body_lines(postures: Sequence[Posture]) -> list[Wire]:
+    """Lines between the interfaces of each body in all postures."""
+    wires = []
     for posture in postures:
         for name, body in posture.mechanism.bodies.items():
-            points = [(posture.frames[name] @ place).position for place in body.interfaces.values()]
+            frame = posture.frames[name]
+            points = [(frame @ interface).position for interface in body.interfaces.values()]
             if name != GROUND and len(points) == 2:
-                found.append(_joined(np.array(points), _LINES, 2.0))
+                wires.append(_polyline(np.array(points), _LINE_COLOUR, 2.0))
             elif name != GROUND:
                 middle = np.mean(points, axis=0)
-                found += [_joined(np.array([middle, point]), _LINES, 2.0) for point in points]
-    return found
+                wires += [
+                    _polyline(np.array([middle, point]), _LINE_COLOUR, 2.0) for point in points
+                ]
+    return wires
 
 
 def _rails(postures: Sequence[Posture]) -> list[Wire]:
-    """Along ground, as far as the joints on it slide in all postures."""
+    """Rails on ground over the positions of each sliding joint in all postures."""
     return [
-        _joined(np.array([interface_position(one, joint.second) for one in postures]), DARK, 3.0)
+        _polyline(
+            np.array([interface_position(posture, joint.second) for posture in postures]), DARK, 3.0
+        )
         for joint in postures[0].mechanism.joints
         if on_ground(joint)
     ]
 
 
-def _joined(points: Array, colour: str, width: float) -> Wire:
+def _polyline(points: Array, colour: str, width: float) -> Wire:
     numbers = np.arange(len(points))
     return Wire(points, np.column_stack([numbers[:-1], numbers[1:]]), colour, width)
 
 
 def _names(posture: Posture) -> list[Label]:
     """Names of bodies (upright) and joints (slanted)."""
-    found = []
+    labels = []
     for name, body in posture.mechanism.bodies.items():
         if name != GROUND:
-            places = [(posture.frames[name] @ one).position for one in body.interfaces.values()]
-            found.append(Label(name, np.mean(places, axis=0), "#1c3d5a"))
-    return found + [
-        Label(joint.name, interface_position(posture, symbol_at(joint)), "#8a3b00", slanted=True)
+            frame = posture.frames[name]
+            points = [(frame @ interface).position for interface in body.interfaces.values()]
+            labels.append(Label(name, np.mean(points, axis=0), "#1c3d5a"))
+    return labels + [
+        Label(joint.name, interface_position(posture, symbol_side(joint)), "#8a3b00", slanted=True)
         for joint in posture.mechanism.joints
         if joint.kind != "fixed"
     ]

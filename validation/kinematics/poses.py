@@ -1,4 +1,4 @@
-"""Poses as they are typed, and the postures that belong to them."""
+"""Poses typed on the command line, and their postures."""
 
 from collections.abc import Iterable, Sequence
 from functools import partial
@@ -12,14 +12,15 @@ from lumped.mechanism.kinematics.postures import posture
 from lumped.mechanism.mechanism import Mechanism, Posture
 from validation.console.streams import mention
 
-# Poses that tell how long one takes, and seconds that need no forecast.
-_FEW, _PATIENCE = 10, 2.0
+# Number of poses from whose computation the time of the rest is estimated, and the largest
+# estimate (s) for which no message is written.
+_TIMED_POSES, _SILENT_SECONDS = 10, 2.0
 
 
 def parsed_pose(mechanism: Mechanism, text: str) -> Array:
-    """A pose as typed, in the file's unit of length, numbers separated by commas.
+    """Pose (SI) from typed numbers in the unit of length of the file, separated by commas.
 
-    Raises InputError for anything else.
+    Raises InputError for any other text.
     """
     moves = mechanism.tool.moves
     try:
@@ -27,44 +28,51 @@ def parsed_pose(mechanism: Mechanism, text: str) -> Array:
     except ValueError:
         values = np.full(len(moves), np.nan)
     if len(values) != len(moves) or not np.isfinite(values).all():
-        wanted = ",".join(moves) or "nothing: the tool has no moves"
-        raise InputError(f"--pose {text}: must be {wanted} as finite numbers separated by commas")
+        if not moves:
+            raise InputError(f"--pose {text}: the tool has no moves; leave --pose out")
+        names = ",".join(moves)
+        raise InputError(f"--pose {text}: must be {names} as finite numbers separated by commas")
     return mechanism.in_metres(values)
 
 
 def parsed_poses(mechanism: Mechanism, texts: Iterable[str]) -> list[Array]:
-    """Typed poses; raises InputError with the faults of all."""
-    found, faults = collect_faults(partial(parsed_pose, mechanism), texts)
+    """Poses from typed texts. Raises InputError with the faults of all texts."""
+    poses, faults = collect_faults(partial(parsed_pose, mechanism), texts)
     if faults:
         raise InputError(faults)
-    return found
+    return poses
 
 
 def postures_of(mechanism: Mechanism, poses: Sequence[Array] | Array) -> list[Posture]:
-    """The postures of the poses; says how long it takes where that is long.
+    """Postures of all poses. An estimate of the time is written to stderr if it is long.
 
-    Raises InputError with the faults of all that have none.
+    Raises InputError with the faults of all poses that have no posture.
     """
-    found, faults = _tried(mechanism, poses)
+    postures, faults = _postures_and_faults(mechanism, poses)
     if faults:
         raise InputError(faults)
-    return found
+    return postures
 
 
 def postures_on_path(mechanism: Mechanism, poses: Sequence[Array] | Array) -> list[Posture]:
-    """The same of poses of the path; of a grid those within reach, if there are any."""
-    found, faults = _tried(mechanism, poses)
-    if faults and not (mechanism.grid and found):
+    """Postures of poses on the path. Poses of a grid that are out of reach are left out.
+
+    Raises InputError if a pose of another path, or every pose of a grid, is out of reach.
+    """
+    postures, faults = _postures_and_faults(mechanism, poses)
+    if faults and not (mechanism.grid and postures):
         raise InputError(faults)
-    return found
+    return postures
 
 
-def _tried(mechanism: Mechanism, poses: Sequence[Array] | Array) -> tuple[list[Posture], list[str]]:
-    """The postures of those poses that have one, and why the others have none."""
-    find, begun = partial(posture, mechanism), perf_counter()
-    found, faults = collect_faults(find, poses[:_FEW])
-    seconds = (perf_counter() - begun) * (len(poses) / _FEW - 1.0)
-    if seconds > _PATIENCE:
+def _postures_and_faults(
+    mechanism: Mechanism, poses: Sequence[Array] | Array
+) -> tuple[list[Posture], list[str]]:
+    """Postures of the poses that have one, and the reasons why the others have none."""
+    find, start = partial(posture, mechanism), perf_counter()
+    postures, faults = collect_faults(find, poses[:_TIMED_POSES])
+    seconds = (perf_counter() - start) * (len(poses) / _TIMED_POSES - 1.0)
+    if seconds > _SILENT_SECONDS:
         mention(f"{len(poses)} poses, about {seconds:.2g} s")
-    more, others = collect_faults(find, poses[_FEW:])
-    return [*found, *more], [*faults, *others]
+    later_postures, later_faults = collect_faults(find, poses[_TIMED_POSES:])
+    return [*postures, *later_postures], [*faults, *later_faults]

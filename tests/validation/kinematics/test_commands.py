@@ -1,4 +1,4 @@
-"""`flexproof kinematics`, `check` and `new` on mechanisms: text, JSON, picture, exit codes."""
+"""Commands `kinematics`, `check` and `new` on mechanisms: text, JSON, picture, exit codes."""
 
 import re
 
@@ -9,46 +9,48 @@ import pytest
 from lumped.robot_file import load_robot
 from validation import cli
 
-# Mobility, idle motions, constraints and redundant ones, counted by hand (Kutzbach).
+# Mobility, idle motions, constraints and redundant constraints, counted by hand (Kutzbach).
 COUNTS = {"delta": (9, 6, 69, 0), "biglide": (2, 0, 31, 3)}
 
 
 @pytest.mark.parametrize("robot", COUNTS)
-def test_json_counts_what_moves_and_closes_every_loop(robot, command):
-    found = command.json("kinematics", robot)
+def test_json_has_mobility_and_closed_loops(robot, command):
+    document = command.json("kinematics", robot)
     names = ("mobility", "idle", "constraints", "redundant")
-    assert tuple(found["reference"][name] for name in names) == COUNTS[robot]
-    residuals, at_limit = ([one[k] for one in found["results"]] for k in ("residual", "at_limit"))
+    assert tuple(document["reference"][name] for name in names) == COUNTS[robot]
+    residuals, at_limit = (
+        [result[key] for result in document["results"]] for key in ("residual", "at_limit")
+    )
     assert max(residuals) <= 1e-12
     assert at_limit == [robot == "biglide" and i in {0, 8} for i in range(9)]
 
 
 @pytest.mark.parametrize(
-    ("robot", "joint", "pose", "told", "factor", "unit"),
+    ("robot", "joint", "pose", "pose_text", "factor", "unit"),
     [
         ("five-bar", "motor1", "-0.1,0.5", "x = -0.1 m, y = 0.5 m", 180.0 / np.pi, "°"),
         ("biglide", "drive1", "0.2", "x = 0.2 m", 1e3, " mm"),
     ],
 )
-def test_people_read_degrees_and_millimetres(robot, joint, pose, told, factor, unit, command):
-    asked = ("kinematics", robot, "--pose", pose)
-    (value,) = command.json(*asked)["results"][0]["coordinates"][joint]
+def test_text_has_degrees_and_millimetres(robot, joint, pose, pose_text, factor, unit, command):
+    arguments = ("kinematics", robot, "--pose", pose)
+    (value,) = command.json(*arguments)["results"][0]["coordinates"][joint]
     assert abs(value) > 1e-3
-    printed = command.told(*asked)
-    assert f"pose 1: {told}" in printed
-    (line,) = (one for one in printed.splitlines() if f"  {joint} " in f"{one} ")
-    assert f"{factor * value:+.3f}{unit}" in line
+    text = command.told(*arguments)
+    assert f"pose 1: {pose_text}" in text
+    (joint_line,) = (line for line in text.splitlines() if f"  {joint} " in f"{line} ")
+    assert f"{factor * value:+.3f}{unit}" in joint_line
 
 
-def test_every_wrong_pose_is_named(capsys):
+def test_each_invalid_pose_has_a_message(capsys):
     assert cli.main(["kinematics", "five-bar", "--pose", "1,2,3", "--pose", "a,b"]) == 2
     faults = capsys.readouterr().err.splitlines()
     assert len(faults) == 2
     assert "--pose 1,2,3: must be x,y as finite numbers separated by commas" in faults[0]
 
 
-def test_many_poses_say_how_long_they_take(monkeypatch, capsys):
-    monkeypatch.setattr("validation.kinematics.poses._PATIENCE", 0.0)
+def test_many_poses_write_an_estimate_of_their_time(monkeypatch, capsys):
+    monkeypatch.setattr("validation.kinematics.poses._SILENT_SECONDS", 0.0)
     assert cli.main(["kinematics", "five-bar", *["--pose=0,0.5"] * 11]) == 0
     assert capsys.readouterr().err.startswith("flexproof: 11 poses, about ")
 
@@ -56,24 +58,24 @@ def test_many_poses_say_how_long_they_take(monkeypatch, capsys):
 @pytest.mark.parametrize(
     "robot", ["biglide", "five-bar", "3-rrr", "delta", "orthoglide", "hexapod"]
 )
-def test_a_new_file_of_each_kind_is_sound_and_overwrites_none(robot, tmp_path, command):
+def test_new_file_is_sound_and_not_overwritten(robot, tmp_path, command):
     path = tmp_path / "a\nforged.toml"
     (line,) = command.told("new", "--type", robot, path).splitlines()
     assert "a\\nforged.toml written" in line
     content = path.read_text(encoding="utf-8")
     assert "#" in content
-    said = command.told("check", path)
-    assert re.search("(?s)sound.*all 9 poses of its path within reach", said)
+    report = command.told("check", path)
+    assert re.search("(?s)sound.*all 9 poses of its path within reach", report)
     assert "exists already" in command.refused("new", path)
     assert path.read_text(encoding="utf-8") == content
 
 
-def test_the_picture_shows_bodies_joints_and_drives(tmp_path, command):
+def test_picture_has_colours_of_legs_and_drives(tmp_path, command):
     path = tmp_path / "robot.png"
     pose = ",".join(f"{value:g}" for value in load_robot("five-bar").mechanism.reference_pose)
     command.told("kinematics", "five-bar", f"--pose={pose}", "--picture", path)
     pixels = matplotlib.image.imread(path)[:, :, :3]
-    # Steel blue legs, orange drives: each covers some of the picture, and more is left white.
+    # Blue legs and orange drives each cover a part of the picture. Most of it is white.
     red, _, blue = np.moveaxis(pixels, 2, 0)
     assert (blue > red + 0.05).mean() > 0.01
     assert (red > blue + 0.4).mean() > 0.0005

@@ -17,7 +17,7 @@ from validation.drawing.style import LOOKS, VERMILLION, csv_of
 from validation.drawing.text import number
 from validation.exhibits import PATH, PORTRAIT
 from validation.kinematics.picture import scene
-from validation.kinematics.solids import tool_place
+from validation.kinematics.solids import tool_position
 from validation.models.mechanism import PostureModes
 from validation.report.declared import FigureGroup, Shown
 from validation.report.figures.bodies import (
@@ -112,7 +112,7 @@ def deformed(context: Context) -> Shown:
         called = mode_names(beam.system, unknowns[:, None]).name(0)
         bent = _Bent(beam.system, unknowns, called)
         factor = readable_factor(bent.largest, _DRAWN * size)
-        tail = tool_place(beam.posture) + factor * bent.tip + 0.16 * size * np.eye(3)[place]
+        tail = tool_position(beam.posture) + factor * bent.tip + 0.16 * size * np.eye(3)[place]
         head = tail + 0.4 * size * np.eye(3)[place]
         shown = bent.scene(factor, 1.0 / _MICRO)
         shown = replace(
