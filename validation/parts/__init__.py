@@ -1,4 +1,4 @@
-"""What a person does with CAD parts at the command line: pick faces, identify, paste.
+"""CAD parts at the command line: lists and pictures of faces, identification, tables to paste.
 
 In: part files. Out: text, JSON, pictures, TOML tables for robot files.
 """

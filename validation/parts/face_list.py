@@ -1,4 +1,4 @@
-"""`flexproof faces`: the faces of a part as a table and as JSON."""
+"""Faces of a part as a table and as JSON, for the command `faces`."""
 
 import json
 from typing import Any
@@ -9,7 +9,10 @@ from meshes.part.reading.read import PartFile
 
 
 def as_text(part: PartFile) -> str:
-    """The table of faces; lengths in the file's own unit, as a drawing of the part shows them."""
+    """Table of faces with lengths in the unit of the file, to compare with a drawing of the part.
+
+    The last line is an example of an interface for a robot file (lengths in m).
+    """
     unit, scale = part.unit, 1.0 / METRES[part.unit]
     lines = [f"{part.path}: {part.size}", ""]
     lines.append(
@@ -20,28 +23,29 @@ def as_text(part: PartFile) -> str:
     bores = [face for face in part.faces if face.kind == "bore"]
     if bores:
         example = bores[0]
-        through = ", ".join(f"{x + 0.0:.6g}" for x in example.on_axis.round(9))
-        chosen = f"cylinder = {{ radius = {example.radius:.6g}, point = [{through}] }}"
+        point = ", ".join(f"{x + 0.0:.6g}" for x in example.on_axis.round(9))
+        cylinder = f"cylinder = {{ radius = {example.radius:.6g}, point = [{point}] }}"
         lines += [
             "",
-            f"an interface, say: {{ {chosen} }} or {{ faces = [{example.number}] }}, in metres",
+            f"example of an interface: {{ {cylinder} }} or {{ faces = [{example.number}] }} "
+            "(lengths in m)",
         ]
     return "\n".join(lines)
 
 
 def _row(face: Face, scale: float) -> str:
     centre = face.on_axis if face.kind in ("bore", "boss") else face.centre
-    place = ", ".join(f"{scale * x + 0.0:.5g}" for x in centre.round(9))
-    along = ", ".join(f"{x:.3g}" for x in face.direction) if face.direction.any() else ""
+    position = ", ".join(f"{scale * x + 0.0:.5g}" for x in centre.round(9))
+    direction = ", ".join(f"{x:.3g}" for x in face.direction) if face.direction.any() else ""
     radius = f"{scale * face.radius:.6g}" if face.radius else ""
     return (
-        f"{face.number:>5}  {face.kind:<6} {scale**2 * face.area:>12.6g}  {place:<27} {along:<20} "
-        f"{radius:>10}  {face.name}"
+        f"{face.number:>5}  {face.kind:<6} {scale**2 * face.area:>12.6g}  {position:<27} "
+        f"{direction:<20} {radius:>10}  {face.name}"
     ).rstrip()
 
 
 def as_json(part: PartFile) -> str:
-    """The faces for programs: SI units, the file's axes."""
+    """Faces as JSON (schema 1) in SI units and the axes of the file."""
     document: dict[str, Any] = {
         "schema": 1,
         "part": str(part.path),

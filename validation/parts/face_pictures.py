@@ -1,7 +1,7 @@
-"""The faces of a part drawn and numbered: a picture from two sides, and a scene to turn.
+"""Faces of a part with their numbers: a picture from two sides, and a scene that can be turned.
 
-A number stands on a piece of its face that is seen from where the picture is taken; faces that are
-seen from neither side, those of a cavity, are named below it and shown in the scene.
+Each number stands on a facet of its face that is visible to the viewer. Faces that are visible from
+neither side, such as those of a cavity, are listed below the picture and visible in the scene.
 """
 
 from dataclasses import replace
@@ -21,68 +21,71 @@ from validation.drawing.scene import DrawnBody, Label, Scene, View, Wire
 from validation.drawing.surfaces import Surface
 from validation.drawing.turnable import page
 
-# Light, so that black numbers are read on all of them; neighbours in number differ.
+# Light colours, on which black numbers are legible. Faces with consecutive numbers differ.
 _COLOURS = ("#9ecae1", "#fdd0a2", "#a1d99b", "#dadaeb", "#fee391", "#c7c7c7", "#f4b6c2", "#8dd3c7")
 _UP = np.array([0.0, 0.0, 1.0])
+# Directions towards the viewer.
 _SIDES = (np.array([0.75, -1.0, 0.6]), np.array([-0.75, 1.0, -0.6]))
-_HEIGHT = 3.6
-# Letters of the scene, as a share of the part's size; pieces tried before a face counts as hidden.
-_LETTER, _TRIES = 0.045, 60
-_CLEAR = 26.0  # pixels between numbers
+_HEIGHT = 3.6  # inches
+# Height of digits in the scene relative to the size of the part.
+_DIGIT_HEIGHT = 0.045
+# Largest number of facets whose visibility is tested before a face counts as hidden.
+_TESTED_FACETS = 60
+_CLEARANCE = 26.0  # pixels between numbers
 _TITLE = "Faces of {}"
 _NO_EDGES = np.zeros((0, 2), dtype=np.int64)
 
 
 def picture(part: PartFile) -> Picture:
-    """The part from two opposite sides, its faces in colours and numbered."""
+    """Picture of the part from two opposite sides, with faces in colours and numbers."""
     if not can_draw():
         return Picture(left_out=MESSAGE)
     hidden = {face.number for face in part.faces}
-    whole = _poly_data(part)
+    surface = _poly_data(part)
     scenes = []
     for toward in _SIDES:
         scene = Scene(_bodies(part), (toward, _UP))
         view = scene.view(panel_size(2, _HEIGHT))
         labels: list[Label] = []
         for face in part.faces:
-            seen = _seen(part, face, view, whole)
-            if len(seen):
+            visible = _visible_points(part, face, view, surface)
+            if len(visible):
                 hidden.discard(face.number)
-                place = _apart(seen, [one.place for one in labels], view)
-                labels.append(Label(str(face.number), place, beside=False))
+                point = _label_point(visible, [label.place for label in labels], view)
+                labels.append(Label(str(face.number), point, beside=False))
         scenes.append(replace(scene, labels=labels))
-    unseen = ", ".join(map(str, sorted(hidden)))
+    hidden_numbers = ", ".join(map(str, sorted(hidden)))
     title = _TITLE.format(part.path.name) + f", {part.size}"
-    title += f"\nseen from neither side: {unseen}" if unseen else ""
+    title += f"\nhidden from both sides: {hidden_numbers}" if hidden_numbers else ""
     return pictured(scenes, 2, _HEIGHT, title=title)
 
 
 def scene_page(part: PartFile) -> str:
-    """A page of its own, offline in any browser: the part with numbers on its faces, to turn."""
-    letters = [_number(part, face) for face in part.faces]
-    scene = Scene(_bodies(part), (_SIDES[0], _UP), title=part.path.name, turned=letters)
+    """HTML page that opens offline: the part with numbers on its faces, to be turned."""
+    numbers = [_number(part, face) for face in part.faces]
+    scene = Scene(_bodies(part), (_SIDES[0], _UP), title=part.path.name, turned=numbers)
     return page(scene, _TITLE.format(part.path.name))
 
 
 def _bodies(part: PartFile) -> list[DrawnBody]:
-    found = []
+    bodies = []
     for face in part.faces:
         corners = face.facets.corners[:, [0, 1, 2, -1]]
-        nodes, places = np.unique(corners, return_inverse=True)
-        own = Surface(part.surface[nodes], places.reshape(corners.shape), _NO_EDGES)
-        found.append(DrawnBody(own, _COLOURS[face.number % len(_COLOURS)]))
-    return found
+        nodes, indices = np.unique(corners, return_inverse=True)
+        surface = Surface(part.surface[nodes], indices.reshape(corners.shape), _NO_EDGES)
+        bodies.append(DrawnBody(surface, _COLOURS[face.number % len(_COLOURS)]))
+    return bodies
 
 
 def _poly_data(part: PartFile) -> Any:
-    import pyvista  # noqa: PLC0415  VTK must not be loaded where it cannot draw
+    import pyvista  # noqa: PLC0415  VTK must not be loaded on a machine that cannot draw
 
     corners = np.concatenate([face.facets.corners for face in part.faces])
     return pyvista.PolyData.from_regular_faces(part.surface, corners).triangulate()
 
 
-def _pieces(part: PartFile, face: Face) -> tuple[Array, Array]:
-    """Centres (F×3) and unit normals (F×3) of a face's pieces, the nearest to its middle first."""
+def _facets(part: PartFile, face: Face) -> tuple[Array, Array]:
+    """Centres (F×3, m) and unit normals (F×3) of a face's facets, nearest to its centre first."""
     vectors = area_vectors(part.surface, face.facets)
     centres = part.surface[face.facets.corners].mean(axis=1)
     order = np.argsort(np.linalg.norm(centres - face.centre, axis=1), kind="stable")
@@ -90,41 +93,47 @@ def _pieces(part: PartFile, face: Face) -> tuple[Array, Array]:
     return centres[order], (vectors / areas[:, None])[order]
 
 
-def _seen(part: PartFile, face: Face, view: View, whole: Any) -> Array:
-    """Places (n×3) on the face that nothing hides from the viewer, nearest its middle first."""
-    centres, normals = _pieces(part, face)
+def _visible_points(part: PartFile, face: Face, view: View, surface: Any) -> Array:
+    """Points (n×3, m) on the face that the viewer sees, nearest to its centre first."""
+    centres, normals = _facets(part, face)
     facing = np.flatnonzero(normals @ view.toward > 0.15)
-    step = max(1, len(facing) // _TRIES)
+    step = max(1, len(facing) // _TESTED_FACETS)
     size = max(part.extent)
     starts = centres[facing[::step]] + 1e-4 * size * view.toward
     ends = starts + 4.0 * size * view.toward
-    free = [not len(whole.ray_trace(a, b)[0]) for a, b in zip(starts, ends, strict=True)]
-    return np.asarray(starts[free])
+    visible = [
+        not len(surface.ray_trace(start, end)[0]) for start, end in zip(starts, ends, strict=True)
+    ]
+    return np.asarray(starts[visible])
 
 
-def _apart(places: Array, taken: list[Array], view: View) -> Array:
-    """The first of `places` whose number covers none of those `taken`; the farthest if all do."""
-    if not taken:
-        return np.asarray(places[0])
-    away = np.abs(view.pixels(places)[:, None] - view.pixels(np.array(taken)))
-    # Wider than high, as numbers are.
-    clearance = np.maximum(away[..., 0] / 1.4, away[..., 1]).min(axis=1)
-    free = np.flatnonzero(clearance > _CLEAR)
-    return np.asarray(places[free[0] if free.size else int(np.argmax(clearance))])
+def _label_point(points: Array, labelled: list[Array], view: View) -> Array:
+    """First of `points` whose number covers none of the `labelled` points.
+
+    If there is none, the point farthest from them.
+    """
+    if not labelled:
+        return np.asarray(points[0])
+    distances = np.abs(view.pixels(points)[:, None] - view.pixels(np.array(labelled)))
+    # Numbers are wider than high.
+    clearance = np.maximum(distances[..., 0] / 1.4, distances[..., 1]).min(axis=1)
+    clear = np.flatnonzero(clearance > _CLEARANCE)
+    return np.asarray(points[clear[0] if clear.size else int(np.argmax(clearance))])
 
 
 def _number(part: PartFile, face: Face) -> Wire:
-    """The number of a face as outlines of its digits just off its middle, along its normal."""
-    centres, normals = _pieces(part, face)
-    size = _LETTER * max(part.extent)
+    """Number of a face as outlines of its digits, slightly above the centre along the normal."""
+    centres, normals = _facets(part, face)
+    size = _DIGIT_HEIGHT * max(part.extent)
     path = TextPath((0.0, 0.0), str(face.number), size=1.0)
-    digits = [np.asarray(one) for one in path.to_polygons()]
-    count = np.cumsum([0, *(len(one) for one in digits)])
-    flat = size * np.vstack(digits)
-    flat -= 0.5 * (flat.min(axis=0) + flat.max(axis=0))
+    polygons = [np.asarray(polygon) for polygon in path.to_polygons()]
+    offsets = np.cumsum([0, *(len(polygon) for polygon in polygons)])
+    in_plane = size * np.vstack(polygons)
+    in_plane -= 0.5 * (in_plane.min(axis=0) + in_plane.max(axis=0))
     normal = normals[0]
-    across = np.cross([0.0, 0.0, 1.0] if abs(normal[2]) < 0.9 else [0.0, 1.0, 0.0], normal)
-    across = across / np.linalg.norm(across)
-    points = centres[0] + 0.15 * size * normal + flat @ np.array([across, np.cross(normal, across)])
-    pairs = [np.arange(a, b - 1)[:, None] + [0, 1] for a, b in pairwise(count)]
+    right = np.cross([0.0, 0.0, 1.0] if abs(normal[2]) < 0.9 else [0.0, 1.0, 0.0], normal)
+    right = right / np.linalg.norm(right)
+    plane_axes = np.array([right, np.cross(normal, right)])
+    points = centres[0] + 0.15 * size * normal + in_plane @ plane_axes
+    pairs = [np.arange(start, end - 1)[:, None] + [0, 1] for start, end in pairwise(offsets)]
     return Wire(points, np.vstack(pairs), "#000000", 2.5)

@@ -1,4 +1,4 @@
-"""Plot of an identified part: how surely each compliance and each frequency is known."""
+"""Plot of an identified part: relative uncertainty of each compliance and each frequency."""
 
 from collections.abc import Sequence
 
@@ -9,7 +9,7 @@ from lumped.arrays import Array
 from validation.drawing.style import BLUE, ORANGE, WIDTH, plot_style
 
 MESHES, BRACKET = "half-width of the meshes", "averaged less rigid interfaces"
-# Width of a bar; names are 1 apart.
+# Width of a bar; groups of bars are at distance 1.
 _BAR = 0.36
 
 
@@ -18,8 +18,8 @@ def identified_plot(
 ) -> Figure:
     """Relative uncertainties in per cent, compliances to the left, frequencies to the right.
 
-    `compliances` (c×2) and `frequencies` (k×2) are per cent of the value: half-width of the
-    meshes, and the change from rigid to averaged interfaces; NaN if it is not known.
+    `compliances` (c×2) and `frequencies` (k×2) are in per cent of the value. The columns are the
+    half-width of the meshes, and the change from rigid to averaged interfaces. NaN if unknown.
     """
     quantities = [
         (title, names, values)
@@ -33,12 +33,12 @@ def identified_plot(
         figure = Figure(figsize=(WIDTH, 2.9), layout="constrained")
         panels = figure.subplots(1, len(quantities), squeeze=False).ravel()
         for axes, (title, names, values) in zip(panels, quantities, strict=True):
-            places = np.arange(len(names))
-            for side, label, colour in ((0, MESHES, BLUE), (1, BRACKET, ORANGE)):
-                off = (side - 0.5) * _BAR
-                axes.bar(places + off, values[:, side], _BAR, label=label, color=colour)
+            positions = np.arange(len(names))
+            for column, label, colour in ((0, MESHES, BLUE), (1, BRACKET, ORANGE)):
+                offset = (column - 0.5) * _BAR
+                axes.bar(positions + offset, values[:, column], _BAR, label=label, color=colour)
             axes.axhline(0.0, color="black", linewidth=0.8)
-            axes.set_xticks(places, names)
+            axes.set_xticks(positions, names)
             axes.grid(visible=False, axis="x")
             axes.set_title(title)
         figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper left", ncols=2)

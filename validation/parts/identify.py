@@ -1,8 +1,9 @@
-"""Identification: what a part is to those who know it by its interfaces alone, and how surely.
+"""Identification of a part by its interfaces, with uncertainties.
 
-Stiffness and mass between the interfaces on the finest of three meshes, the first frequencies with
-the first interface clamped. Two uncertainties: of the meshes, and of how the interfaces are held,
-between rigid, the bound from above, and averaged, the bound from below.
+The results are stiffness and mass between the interfaces on the finest of three meshes, and the
+first frequencies with the first interface clamped. There are two uncertainties: that of the meshes,
+and that of the end condition of the interfaces. Rigid interfaces bound the stiffness from above,
+averaged ones from below.
 """
 
 from collections.abc import Sequence
@@ -36,7 +37,8 @@ if TYPE_CHECKING:
 
 DEFAULT_UNKNOWNS = 100_000
 DEFAULT_MODES = 6
-# Unknowns up to which --accuracy refines a part: some ten minutes and 30 GB of one factorisation.
+# Largest number of unknowns to which --accuracy refines a part. One factorisation then takes some
+# ten minutes and 30 GB.
 MOST_REFINED = 800_000
 _AXES = (
     *(("x", "m/N"), ("y", "m/N"), ("z", "m/N")),
@@ -47,9 +49,9 @@ _BOUNDS: tuple[Kind, Kind] = ("rigid", "average")
 
 @dataclass(frozen=True, eq=False)
 class MeshAnswer:
-    """What one mesh and one coupling say (SI, file axes): see `Identified`; `shapes` everywhere.
+    """Results of one mesh with one coupling (SI, axes of the file), as fields of `Identified`.
 
-    `counted` is 0 where nobody counts.
+    `shapes` contains all nodes. `counted` is 0 if the modes are not counted.
     """
 
     stiffness: Array
@@ -63,20 +65,25 @@ class MeshAnswer:
 
 @dataclass(frozen=True, eq=False)
 class Identified:
-    """A part by its m interfaces, SI, the file's axes, twists at the interfaces' points.
+    """Part with m interfaces: stiffness, mass and frequencies, with uncertainties.
 
-    `density` (kg/m³), `total` (kg), `centre` (3, m) and `inertia` (3×3, kg m²) about it, of the
-    finest mesh.
+    SI units, axes of the file, twists at the points of the interfaces.
 
-    `stiffness`, `mass` (6m×6m, condensed); `compliance` (6(m−1))² of the others with the first
-    clamped, and `frequencies` (Hz) then: `counted` below `counted_below` (Hz) by inertia, none of
-    them missing. `refinement` of each compliance and of each frequency
-    (their units; NaN for a given mesh, which cannot be refined); `bracket`: averaged less rigid.
-    `unknowns` of the meshes, coarse to fine; `straightened` elements of the finest; `by_curvature`:
-    False if gmsh makes them without sizes from curvature alone.
+    `density` (kg/m³) of the material; `total` mass (kg), `centre` of mass (3, m) and `inertia`
+    about it (3×3, kg m²) of the finest mesh.
 
-    `places` (s×3, m) all over the part, `shares` (s, kg) of its mass there, and `shapes` (3s×6m):
-    how they move for unit twists of the interfaces.
+    `stiffness` and `mass` (6m×6m) are condensed to the interfaces. `compliance` (6(m−1) square) of
+    the other interfaces and `frequencies` (Hz) hold with the first interface clamped. `counted` is
+    the number of modes below `counted_below` (Hz) from the inertia of the shifted stiffness, and
+    proves that no mode is missing.
+    `compliance_refinement` and `frequency_refinement` are half-widths of the meshes in the units of
+    the values. NaN for a given mesh, which cannot be refined. `compliance_bracket` and
+    `frequency_bracket` are the values with averaged interfaces less those with rigid ones.
+    `unknowns` of the meshes from coarse to fine. `elements` and `straightened` elements of the
+    finest. `by_curvature` is False if gmsh fails with element sizes from curvature.
+
+    `places` (s×3, m) are samples over the part, `shares` (s, kg) their shares of its mass, and
+    `shapes` (3s×6m) their displacements for unit twists of the interfaces.
 
     Examples
     --------
@@ -169,7 +176,7 @@ class Identified:
         --------
         >>> part.plot().savefig("part.png")
         """
-        # Only a picture needs the library that draws it.
+        # Only a plot needs matplotlib, which is slow to import.
         from validation.parts.identified_plot import identified_plot  # noqa: PLC0415
 
         modes = [f"f{mode}" for mode in range(1, len(self.frequencies) + 1)]
@@ -181,8 +188,8 @@ class Identified:
         """Names of the diagonal compliances with their units."""
         several = len(self.interfaces) > 2
         return [
-            (f"{one.name} {axis}" if several else axis, unit)
-            for one in self.interfaces[1:]
+            (f"{interface.name} {axis}" if several else axis, unit)
+            for interface in self.interfaces[1:]
             for axis, unit in _AXES
         ]
 
@@ -209,7 +216,7 @@ class Identified:
 
 
 def _in_percent(values: Array, *parts: Array) -> Array:
-    """Parts of values, relative, a column for each (n×k)."""
+    """Parts relative to values in per cent, a column for each part (n×k)."""
     return 100.0 * np.column_stack([part / values for part in parts])
 
 
@@ -220,9 +227,9 @@ def identify(
     unknowns: int = DEFAULT_UNKNOWNS,
     modes: int = DEFAULT_MODES,
 ) -> Identified:
-    """Identify a part on three meshes, the finest of about so many `unknowns`.
+    """Identify a part on three meshes, the finest of which has about `unknowns` unknowns.
 
-    Raises InputError where no mesh can be made, ComputationError where memory or a solver fails.
+    Raises InputError if no mesh can be made, and ComputationError if memory or a solver fails.
     """
     return identified_entry(part, interfaces, material, unknowns, modes).value()
 
@@ -234,88 +241,94 @@ def identified_entry(
     unknowns: int,
     modes: int,
 ) -> CacheEntry[Identified]:
-    """Cache entry of what `identify` returns."""
+    """Cache entry of the result of `identify`."""
     key = part_key(part, interfaces, material, "identify", unknowns, modes)
     m = 6 * len(interfaces)
 
-    def read(found: dict[str, Array]) -> Identified:
+    def read(arrays: dict[str, Array]) -> Identified:
         square = {"stiffness": (m, m), "mass": (m, m), "compliance": (m - 6, m - 6)}
-        require_shape(found, **square, places=(None, 3), shares=(None,), shapes=(None, m))
-        # numpy keeps scalars as arrays without axes.
+        require_shape(arrays, **square, places=(None, 3), shares=(None,), shapes=(None, m))
+        names = [entry.name for entry in fields(Identified) if entry.name in arrays]
+        # numpy stores scalars as arrays without axes.
         values: dict[str, Any] = {
-            entry.name: found[entry.name] if found[entry.name].ndim else found[entry.name].item()
-            for entry in fields(Identified)
-            if entry.name in found
+            name: arrays[name] if arrays[name].ndim else arrays[name].item() for name in names
         }
-        values["unknowns"] = tuple(int(count) for count in found["unknowns"])
+        values["unknowns"] = tuple(int(count) for count in arrays["unknowns"])
         return Identified(part=part, interfaces=tuple(interfaces), **values)
 
     return CacheEntry(
         key,
-        lambda: _computed(part, interfaces, material, unknowns, modes),
+        lambda: _identification(part, interfaces, material, unknowns, modes),
         read,
         mesh_entries(part, interfaces, unknowns, LEVELS),
     )
 
 
-def left_open(found: Identified) -> float:
-    """The largest relative half-width by meshes of the diagonal compliances and the frequencies."""
-    compliances = np.diag(found.compliance_refinement) / np.diag(found.compliance)
-    shares = np.concatenate([compliances, found.frequency_refinement / found.frequencies])
-    return float(np.max(np.nan_to_num(np.abs(shares), nan=np.inf), initial=0.0))
+def largest_half_width(part: Identified) -> float:
+    """Largest relative half-width by meshes of the diagonal compliances and the frequencies.
+
+    Infinite for a given mesh.
+    """
+    compliances = np.diag(part.compliance_refinement) / np.diag(part.compliance)
+    half_widths = np.concatenate([compliances, part.frequency_refinement / part.frequencies])
+    return float(np.max(np.nan_to_num(np.abs(half_widths), nan=np.inf), initial=0.0))
 
 
 def more_unknowns(unknowns: int, factor: float) -> int:
-    """Unknowns of a finest mesh with half-widths smaller by `factor`, at most eight times as many.
+    """Unknowns of the finest mesh that reduces half-widths by `factor`.
 
-    Parts converge with orders from one to two of the mesh size, which is the cube root of them.
-    Raises InputError if the factor is unknown, since the mesh is given, and for more unknowns than
-    `MOST_REFINED`.
+    Parts converge with orders from one to two in the mesh size, which varies as the cube root of
+    the number of unknowns. The result is from two to eight times `unknowns`.
+    Raises InputError if the factor is infinite, which means a given mesh, and if the mesh would
+    have more than `MOST_REFINED` unknowns.
     """
     if not np.isfinite(factor):
-        raise InputError("a mesh that is given has no finer one")
-    more = int(min(unknowns * min(max(factor**2, 2.0), 8.0), max(MOST_REFINED, unknowns)))
-    if more <= unknowns:
-        raise InputError(f"a finer mesh has more than {MOST_REFINED} unknowns: ask with --unknowns")
-    return more
+        raise InputError("a given mesh cannot be refined")
+    finer = int(min(unknowns * min(max(factor**2, 2.0), 8.0), max(MOST_REFINED, unknowns)))
+    if finer <= unknowns:
+        raise InputError(
+            f"a finer mesh has more than {MOST_REFINED} unknowns; set their number with --unknowns"
+        )
+    return finer
 
 
-def _computed(
+def _identification(
     part: PartFile,
     interfaces: Sequence[Interface],
     material: Material,
     unknowns: int,
     modes: int,
 ) -> dict[str, Any]:
-    """The fields of `Identified` beside the part and its interfaces."""
-    name, given = part.path.name, part.mesh is not None
-    coarse_to_fine = (FINEST,) if given else LEVELS
+    """Fields of `Identified` except for the part and its interfaces."""
+    name, is_mesh = part.path.name, part.mesh is not None
+    coarse_to_fine = (FINEST,) if is_mesh else LEVELS
     by_curvature = True
-    if not given:
+    if not is_mesh:
         require_memory(unknowns, name)
-        # Once, before two ask for them.
+        # Gradings are computed here, before two threads need them at once.
         by_curvature = all(step.sides for step in gradings(part, interfaces, unknowns))
-    # Meshes are made while coarser ones are used; the finest takes longest.
+    # Meshes are made while coarser ones are solved. The finest takes longest and starts first.
     with ThreadPoolExecutor(2) as pool:
-        began = {
+        meshes = {
             level: pool.submit(part_mesh, part, interfaces, unknowns, level)
             for level in (FINEST, *coarse_to_fine[:-1])
         }
         coarser = []
         for level in coarse_to_fine[:-1]:
-            mesh = began.pop(level).result()
-            found = _answer(meshed_part(mesh, material), interfaces, None, modes, name)
-            coarser.append((mesh.unknowns, found))
-        finest = began.pop(FINEST).result()
+            mesh = meshes.pop(level).result()
+            answer = _answer(meshed_part(mesh, material), interfaces, None, modes, name)
+            coarser.append((mesh.unknowns, answer))
+        finest = meshes.pop(FINEST).result()
     meshed = meshed_part(finest, material)
     properties = meshed.properties()
-    chosen = {interface.coupling for interface in interfaces}
-    one = chosen.pop() if len(chosen) == 1 else None
+    couplings = {interface.coupling for interface in interfaces}
+    common_coupling = couplings.pop() if len(couplings) == 1 else None
     fine = _answer(meshed, interfaces, None, modes, name, certified=True)
     bounds = {
-        kind: fine if kind == one else _answer(meshed, interfaces, kind, modes, name)
+        kind: fine if kind == common_coupling else _answer(meshed, interfaces, kind, modes, name)
         for kind in _BOUNDS
     }
+    # Frees its memory before the samples are computed.
     del meshed
     rows, volumes = spread_over(finest)
     refinement = _refinement([*(answer for _, answer in coarser), fine])
@@ -352,19 +365,21 @@ def _answer(
     *,
     certified: bool = False,
 ) -> MeshAnswer:
-    """Modes are counted where they are what is stated: `certified`.
+    """Results with the `coupling` of all interfaces. None for the coupling of each interface.
 
-    One that were missed where they are only taken off these would be seen in what is left open.
+    `certified` modes are counted, to prove that none is missing. The frequencies of the result are
+    certified; the others only enter differences from them, in which a missing mode would show as a
+    large uncertainty.
     """
     body = held_part(part, grips_of(part.mesh, interfaces, coupling), name)
-    # Before the modes, whose count takes the place of the factor.
+    # Before the modes, because their count replaces the factorisation of the stiffness.
     matrices = body.stiffness, body.condensed_mass, body.compliance
     shapes = body.solid.transformation @ body.constraint_modes
     frequencies, counted, below = np.zeros(0), 0, 0.0
     if modes and certified:
-        found = body.modes(modes)
-        frequencies, counted = found.frequencies, found.count
-        below = float(np.sqrt(found.shift) / (2.0 * np.pi))
+        certified_modes = body.modes(modes)
+        frequencies, counted = certified_modes.frequencies, certified_modes.count
+        below = float(np.sqrt(certified_modes.shift) / (2.0 * np.pi))
     elif modes:
         frequencies = body.uncounted_frequencies(modes)
     return MeshAnswer(*matrices, frequencies, shapes, counted, below)
@@ -378,7 +393,10 @@ def _bracket(rigid: MeshAnswer, average: MeshAnswer) -> dict[str, Array]:
 
 
 def _refinement(answers: Sequence[MeshAnswer]) -> tuple[Array, Array]:
-    """Of compliance and of frequencies; `answers` are coarse to fine."""
+    """Half-widths of compliance and of frequencies from the `answers` of coarse to fine meshes.
+
+    NaN for a single answer.
+    """
     if len(answers) < 3:
         (only,) = answers
         return np.full_like(only.compliance, np.nan), np.full_like(only.frequencies, np.nan)

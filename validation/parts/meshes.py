@@ -1,4 +1,4 @@
-"""A part's file and its three meshes, each read or made once and kept, for whoever asks."""
+"""File of a part and its three meshes, each read or made once and stored in the cache."""
 
 import hashlib
 from collections.abc import Sequence
@@ -22,44 +22,48 @@ from meshes.part.volume import Grading, ladder, volume_mesh
 from validation.run.cache import CacheEntry, key_of, require_shape
 from validation.run.sources import program
 
-# Sources that decide what is read and meshed of a part, and what is computed on its meshes.
+# Sources that affect the reading and meshing of a part (MESHING), and all results computed on its
+# meshes (COMPUTING).
 _CACHE = ("validation/run/cache.py", "validation/run/sources.py")
 MESHING = ("lumped", "meshes", "validation/parts/meshes.py", *_CACHE)
 _ROOMS = ("validation/agreement", "validation/parts", "validation/models")
 COMPUTING = ("lumped", "meshes", "fem", *_ROOMS, *_CACHE)
 COARSE, MIDDLE, FINEST = 0, 1, 2
 LEVELS = (COARSE, MIDDLE, FINEST)
-# What is kept of each face beside its facets.
-_OF_FACES = tuple(entry.name for entry in fields(Face) if entry.name != "facets")
-_ANY = Material.isotropic(1.0, 0.0, 1.0)
+# Fields of each face that are stored as columns. Facets are stored apart.
+_FACE_FIELDS = tuple(entry.name for entry in fields(Face) if entry.name != "facets")
+# Material in keys of meshes, which do not depend on it.
+_NO_MATERIAL = Material.isotropic(1.0, 0.0, 1.0)
 
 
 def part_key(
     part: PartFile,
     interfaces: Sequence[Interface],
     material: Material,
-    *more: object,
+    *inputs: object,
     sources: tuple[str, ...] = COMPUTING,
 ) -> str:
-    """The key of what depends on a part's content, unit, interfaces, material, and `more`.
+    """Cache key of a result computed from a part.
 
-    And on the program: the libraries and these `sources` of it.
+    It covers the part's content and unit, its interfaces, the material, further `inputs`, the
+    versions of the libraries and the `sources` of the program.
     """
-    inputs = part.unit, tuple(interfaces), material
-    return key_of("part", program(*sources), _content(part.path), *inputs, *more)
+    part_inputs = part.unit, tuple(interfaces), material
+    return key_of("part", program(*sources), _content(part.path), *part_inputs, *inputs)
 
 
 def part_file(path: Path, unit: str | None = None) -> PartFile:
-    """The part in a file; a CAD file is read once: its surface is meshed to know its faces.
+    """Read a part from its file, or from the cache.
 
-    Raises InputError as `read_part` does.
+    To find the faces of a CAD file its surface is meshed, which takes time. Raises InputError as
+    `read_part` does.
     """
     require_file(path)
     if path.suffix.lower() in MESHES:
         return read_part(path, unit)
     key = key_of("file", program(*MESHING), _content(path), unit)
     return CacheEntry(
-        key, lambda: _file_packed(read_part(path, unit)), partial(_file_unpacked, path)
+        key, lambda: _file_arrays(read_part(path, unit)), partial(_file_from_arrays, path)
     ).value()
 
 
@@ -67,21 +71,22 @@ def _content(path: Path) -> str:
     return hashlib.sha256(part_content(path)).hexdigest()
 
 
-def _mesh_key(part: PartFile, interfaces: Sequence[Interface], *more: object) -> str:
-    """The key of what depends neither on the material nor on how interfaces are held.
+def _mesh_key(part: PartFile, interfaces: Sequence[Interface], *inputs: object) -> str:
+    """Cache key of a mesh, which depends neither on the material nor on the couplings.
 
-    What is held in two ways is then held on one mesh: gmsh may make another one of the same input.
+    Parts with different couplings then share one mesh. gmsh may make different meshes from equal
+    inputs.
     """
-    faces = [replace(one, coupling="rigid", because="") for one in interfaces]
-    return part_key(part, faces, _ANY, *more, sources=MESHING)
+    faces = [replace(interface, coupling="rigid", because="") for interface in interfaces]
+    return part_key(part, faces, _NO_MATERIAL, *inputs, sources=MESHING)
 
 
 def part_mesh(
     part: PartFile, interfaces: Sequence[Interface], unknowns: int, level: int = FINEST
 ) -> PartMesh:
-    """The part on one of three meshes, the finest of about so many `unknowns`; a mesh as it is.
+    """Mesh of a part: one of three `level`s, the finest of about `unknowns` unknowns.
 
-    Raises InputError where no mesh can be made.
+    A part that is a mesh itself is returned unchanged. Raises InputError if gmsh cannot mesh it.
     """
     if part.mesh is not None:
         return part.mesh
@@ -92,14 +97,14 @@ def part_mesh(
 def mesh_entries(
     part: PartFile, interfaces: Sequence[Interface], unknowns: int, levels: Sequence[int]
 ) -> tuple[CacheEntry[PartMesh], ...]:
-    """Cache entries of the meshes of these levels; empty for a part that is a mesh itself."""
+    """Cache entries of the meshes of some levels. Empty for a part that is a mesh itself."""
     if part.mesh is not None:
         return ()
     return tuple(
         CacheEntry(
             _mesh_key(part, interfaces, "mesh", unknowns, level),
-            partial(_made, part, interfaces, unknowns, level),
-            _unpacked,
+            partial(_meshed, part, interfaces, unknowns, level),
+            _mesh_from_arrays,
             (_gradings_entry(part, interfaces, unknowns),),
         )
         for level in levels
@@ -107,7 +112,7 @@ def mesh_entries(
 
 
 def gradings(part: PartFile, interfaces: Sequence[Interface], unknowns: int) -> tuple[Grading, ...]:
-    """Gradings of the three meshes, by level; raises InputError as `part_mesh` does."""
+    """Gradings of the three meshes by level. Raises InputError as `part_mesh` does."""
     return _gradings_entry(part, interfaces, unknowns).value()
 
 
@@ -117,22 +122,23 @@ def _gradings_entry(
     return CacheEntry(
         _mesh_key(part, interfaces, "ladder", unknowns),
         lambda: {"steps": [(g.size, g.sides, g.cut) for g in ladder(part, interfaces, unknowns)]},
-        _gradings,
+        _gradings_from_arrays,
     )
 
 
-def _gradings(found: dict[str, Array]) -> tuple[Grading, ...]:
-    coarse, middle, fine = found["steps"].tolist()
+def _gradings_from_arrays(arrays: dict[str, Array]) -> tuple[Grading, ...]:
+    coarse, middle, fine = arrays["steps"].tolist()
     return tuple(Grading(size, sides, bool(cut)) for size, sides, cut in (coarse, middle, fine))
 
 
-def _made(
+def _meshed(
     part: PartFile, interfaces: Sequence[Interface], unknowns: int, level: int
 ) -> dict[str, Any]:
-    return _packed(volume_mesh(part, interfaces, gradings(part, interfaces, unknowns)[level]))
+    grading = gradings(part, interfaces, unknowns)[level]
+    return _mesh_arrays(volume_mesh(part, interfaces, grading))
 
 
-def _packed(mesh: PartMesh) -> dict[str, Any]:
+def _mesh_arrays(mesh: PartMesh) -> dict[str, Any]:
     return {
         "nodes": mesh.nodes,
         "cells": mesh.cells,
@@ -143,25 +149,25 @@ def _packed(mesh: PartMesh) -> dict[str, Any]:
     }
 
 
-def _unpacked(found: dict[str, Array]) -> PartMesh:
-    pieces = np.split(found["facets"], np.cumsum(found["counts"])[:-1])
+def _mesh_from_arrays(arrays: dict[str, Array]) -> PartMesh:
+    facets = np.split(arrays["facets"], np.cumsum(arrays["counts"])[:-1])
     faces = {
         int(number): Facets(cells.astype(np.int64), "tri6")
-        for number, cells in zip(found["numbers"], pieces, strict=True)
+        for number, cells in zip(arrays["numbers"], facets, strict=True)
     }
-    require_shape(found, nodes=(None, 3), cells=(None, 10), facets=(None, 6))
+    require_shape(arrays, nodes=(None, 3), cells=(None, 10), facets=(None, 6))
     return PartMesh(
-        nodes=found["nodes"],
-        cells=found["cells"].astype(np.int64),
+        nodes=arrays["nodes"],
+        cells=arrays["cells"].astype(np.int64),
         element="tet10",
         faces=faces,
-        straightened=int(found["straightened"]),
+        straightened=int(arrays["straightened"]),
     )
 
 
-def _file_packed(part: PartFile) -> dict[str, Any]:
+def _file_arrays(part: PartFile) -> dict[str, Any]:
     faces = part.faces
-    columns = {name: [getattr(face, name) for face in faces] for name in _OF_FACES}
+    columns = {name: [getattr(face, name) for face in faces] for name in _FACE_FIELDS}
     volume = {} if part.exact is None else {f"exact_{k}": v for k, v in vars(part.exact).items()}
     return (
         columns
@@ -179,29 +185,29 @@ def _file_packed(part: PartFile) -> dict[str, Any]:
     )
 
 
-def _file_unpacked(path: Path, found: dict[str, Array]) -> PartFile:
-    require_shape(found, surface=(None, 3), cells=(None, 3), extent=(3,), exact_inertia=(3, 3))
-    pieces = np.split(found["cells"], np.cumsum(found["counts"])[:-1])
-    # Numbers and names as Python's own; what is left is one vector for each face.
-    columns = [found[name] for name in _OF_FACES]
+def _file_from_arrays(path: Path, arrays: dict[str, Array]) -> PartFile:
+    require_shape(arrays, surface=(None, 3), cells=(None, 3), extent=(3,), exact_inertia=(3, 3))
+    facets = np.split(arrays["cells"], np.cumsum(arrays["counts"])[:-1])
+    # Columns of numbers and names become Python's own types. Columns of vectors stay arrays.
+    columns = [arrays[name] for name in _FACE_FIELDS]
     columns = [column.tolist() if column.ndim == 1 else column for column in columns]
     return PartFile(
         path,
-        str(found["unit"]),
-        found["extent"].tolist(),
-        found["surface"],
+        str(arrays["unit"]),
+        arrays["extent"].tolist(),
+        arrays["surface"],
         tuple(
-            Face(**dict(zip(_OF_FACES, values, strict=True)), facets=Facets(cells, "tri3"))
-            for cells, *values in zip(pieces, *columns, strict=True)
+            Face(**dict(zip(_FACE_FIELDS, values, strict=True)), facets=Facets(cells, "tri3"))
+            for cells, *values in zip(facets, *columns, strict=True)
         ),
         VolumeProperties(
-            float(found["exact_volume"]),
-            found["exact_centre"],
-            found["exact_inertia"],
-            float(found["exact_error"]),
+            float(arrays["exact_volume"]),
+            arrays["exact_centre"],
+            arrays["exact_inertia"],
+            float(arrays["exact_error"]),
         ),
         None,
-        float(found["gap"]),
-        float(found["unknown_share"]),
-        bool(found["by_curvature"]),
+        float(arrays["gap"]),
+        float(arrays["unknown_share"]),
+        bool(arrays["by_curvature"]),
     )

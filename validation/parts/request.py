@@ -1,4 +1,4 @@
-"""Interfaces and a material as typed at the command line: the tables of a robot file."""
+"""Interfaces and a material typed on the command line as tables of a robot file."""
 
 import tomllib
 from collections.abc import Sequence
@@ -16,13 +16,13 @@ from lumped.robot_file.rules.relations import interface_faults, material_faults
 from lumped.robot_file.rules.tables import INTERFACE, MATERIAL
 
 FEWEST_UNKNOWNS, MOST_UNKNOWNS = 1000, 10_000_000
-# More than any mesh of three that fits into memory resolves.
+# More modes than any mesh that fits into memory resolves.
 MOST_MODES = 100
 _EXAMPLE = "A = { cylinder = { radius = 0.04 } }"
 
 
 def faults_of_numbers(unknowns: int | None, modes: int | None) -> list[str]:
-    """A line for each number out of its range; None is the default."""
+    """Messages for numbers out of range. None stands for the default."""
     faults = []
     if unknowns is not None and not FEWEST_UNKNOWNS <= unknowns <= MOST_UNKNOWNS:
         allowed = f"from {FEWEST_UNKNOWNS} to {MOST_UNKNOWNS}"
@@ -33,63 +33,63 @@ def faults_of_numbers(unknowns: int | None, modes: int | None) -> list[str]:
 
 
 def part_of(robot_file: RobotFile, body: str) -> Body:
-    """The part that a body of the robot is; raises InputError if it is none."""
+    """CAD part with the name `body` in a robot file. Raises InputError if there is none."""
     parts = robot_file.mechanism.parts
     if body not in parts:
-        known = ", ".join(parts) or "none"
+        names = ", ".join(parts) or "none"
         raise InputError(
-            f"--body {body}: is not a part from a file; the parts of {robot_file.source}: {known}"
+            f"--body {body}: is not a CAD part; the CAD parts of {robot_file.source} are: {names}"
         )
     return parts[body]
 
 
 def interfaces_of(texts: Sequence[str]) -> tuple[dict[str, PartInterface], dict[str, Array]]:
-    """Interfaces and the points given, from texts such as the example.
+    """Interfaces, and the points of those that have one, from texts such as `_EXAMPLE`.
 
-    Raises InputError, all faults at once.
+    Raises InputError with the faults of all texts.
     """
     faults: list[str] = []
-    wanted: dict[str, PartInterface] = {}
+    interfaces: dict[str, PartInterface] = {}
     points: dict[str, Array] = {}
     for text in texts:
         tables = _table(text, "--interface", _EXAMPLE)
         if not tables:
-            faults.append(f"--interface {text!r}: names none; must be like {_EXAMPLE}")
+            faults.append(f"--interface {text!r}: has no interface; must be like {_EXAMPLE}")
         for name, table in tables.items():
             key = f"--interface {name}"
-            if name in wanted:
-                faults.append(f"{key}: given twice")
+            if name in interfaces:
+                faults.append(f"{key}: given twice; leave one out")
                 continue
             if not isinstance(table, dict):
-                faults.append(f"{key}: must be a table, {_EXAMPLE}")
+                faults.append(f"{key}: must be a table, for example {_EXAMPLE}")
                 continue
-            own = INTERFACE.faults_within(table, f"{key}.")
-            read = {} if own else INTERFACE.read(table)
-            own = own or [*interface_faults(read, key)]
-            if not own:
-                wanted[name] = interface_of(read)
-                if read["point"] is not None:
-                    points[name] = np.array(read["point"])
-            faults += own
+            table_faults = INTERFACE.faults_within(table, f"{key}.")
+            values = {} if table_faults else INTERFACE.read(table)
+            table_faults = table_faults or [*interface_faults(values, key)]
+            if not table_faults:
+                interfaces[name] = interface_of(values)
+                if values["point"] is not None:
+                    points[name] = np.array(values["point"])
+            faults += table_faults
     if not texts:
-        faults.append(f"--interface: missing; must be given, {_EXAMPLE!r} say")
+        faults.append(f"--interface: missing; add one, for example {_EXAMPLE!r}")
     if faults:
         raise InputError(faults)
-    return wanted, points
+    return interfaces, points
 
 
 def material_of(text: str) -> Material:
-    """The isotropic material of a text { E = …, nu = …, rho = … }; raises InputError."""
+    """Isotropic material from a text { E = …, nu = …, rho = … }. Raises InputError for others."""
     example = "{ E = 2.1e11, nu = 0.3, rho = 7850.0 }"
     tables = _table(f"material = {text}", "--material", example)
     table = tables["material"]
     if not isinstance(table, dict) or len(tables) > 1:
-        raise InputError(f"--material: must be a table, {example}")
+        raise InputError(f"--material: must be a table, for example {example}")
     faults = MATERIAL.faults_within(table, "--material ")
-    read = {} if faults else MATERIAL.read(table)
-    if faults := faults or [*material_faults(read, "--material ")]:
+    values = {} if faults else MATERIAL.read(table)
+    if faults := faults or [*material_faults(values, "--material ")]:
         raise InputError(faults)
-    return isotropic_of(read)
+    return isotropic_of(values)
 
 
 def _table(text: str, option: str, example: str) -> dict[str, Any]:

@@ -151,7 +151,7 @@ def identify(
 
     more = identifying.more_unknowns
     with stage(f"identifying {body or part}", _IDENTIFYING + _EACH_UNKNOWN * size):
-        found, reached = refined(size, at, identifying.left_open, more, accuracy or np.inf)
+        found, reached = refined(size, at, identifying.largest_half_width, more, accuracy or np.inf)
     text = identified_text.as_json if json else identified_text.as_text
     say(text(found, reached if accuracy else None))
     if out is not None:

@@ -92,7 +92,7 @@ def test_exported_matrices_have_closed_form_stiffness(tmp_path):
         ({"part": "leg.step"}, "material: missing"),
         ({"part": "leg.step", "material": STEEL, "unknowns": 10}, "unknowns = 10: must be from"),
         ({"part": BAR}, "body: missing; must name a part of the robot"),
-        ({"part": BAR, "body": "bar"}, "body bar: is not a part from a file"),
+        ({"part": BAR, "body": "bar"}, "body bar: is not a CAD part"),
         ({"part": BAR, "body": "bar", "material": STEEL}, "stand in the robot file"),
     ],
 )

@@ -1,8 +1,9 @@
-"""`flexproof identify` on a conical shaft, oblique in its file, against integrals over its drawing.
+"""Command `identify` on a conical shaft, oblique in its file, against integrals over sections.
 
-One end's point lies beside the axis, so that every transport of a twist or a wrench has a number to
-be wrong in. Ends take up shear evenly, as Saint-Venant's solution does not: a third of (r/L)²,
-4e-4; rod theory leaves out the square of the slope, 1e-4.
+The point of one end lies beside the axis, so that an error in any transport of a twist or a wrench
+changes a number. The references are approximate: averaged ends introduce shear uniformly, unlike
+Saint-Venant's solution, which makes a third of (r/L)², 4e-4; rod theory neglects the square of the
+slope, 1e-4.
 """
 
 import io
@@ -46,14 +47,15 @@ DRAWINGS = Path(__file__).resolve().parents[3] / "examples" / "make_parts.py"
 MATERIAL = "{ E = 2.1e11, nu = 0.3, rho = 7850.0 }"
 LENGTH, ROOT, TIP = 0.6, 0.020, 0.016
 START, ALONG = np.array([0.05, -0.02, 0.03]), np.array([0.8, 0.48, 0.36])
-# The second point, beside the axis.
+# Point of the second end, beside the axis.
 END = START + LENGTH * ALONG + np.array([0.0, 0.03, -0.04])
-RODS = 5e-4
+# Relative error of the references, from the two approximations above.
+REFERENCE_ERROR = 5e-4
 # Stiffness (N m/rad) of the crank's drive, its angle, and the mass (kg) at its tip.
 DRIVE, ANGLE, TIP_MASS = 4e5, 0.7, 5000.0
 PLANES = {
-    name: f"plane = {{ normal = {(way * ALONG).tolist()}, point = {place.tolist()} }}"
-    for name, way, place in (("A", -1.0, START), ("B", 1.0, START + LENGTH * ALONG))
+    name: f"plane = {{ normal = {(sign * ALONG).tolist()}, point = {point.tolist()} }}"
+    for name, sign, point in (("A", -1.0, START), ("B", 1.0, START + LENGTH * ALONG))
 }
 ENDS = [
     f'{name} = {{ {PLANES[name]}, coupling = "average", point = {point.tolist()} }}'
@@ -65,17 +67,17 @@ def cone(kernel):
     kernel.addCone(*(1e3 * START), *(1e3 * LENGTH * ALONG), 1e3 * ROOT, 1e3 * TIP)
 
 
-def across(r):
+def cross_matrix(r):
     return np.array([[0.0, -r[2], r[1]], [r[2], 0.0, -r[0]], [-r[1], r[0], 0.0]])
 
 
-def carried(r):
-    """A wrench at a point, seen from another from which that point is at `r`."""
-    return np.block([[np.eye(3), np.zeros((3, 3))], [across(r), np.eye(3)]])
+def wrench_transport(r):
+    """Matrix (6×6) that moves a wrench from a point at `r` to the origin."""
+    return np.block([[np.eye(3), np.zeros((3, 3))], [cross_matrix(r), np.eye(3)]])
 
 
 def sections():
-    """Place (3), radius and length (m) of each of twelve Gauss points of the smooth integrands."""
+    """Centre (3, m), radius (m) and length (m) at twelve Gauss points of smooth integrands."""
     points, weights = np.polynomial.legendre.leggauss(12)
     for s, weight in zip((points + 1.0) / 2.0, weights / 2.0, strict=True):
         yield START + s * LENGTH * ALONG, ROOT + s * (TIP - ROOT), LENGTH * weight
@@ -88,144 +90,146 @@ def compliance_of_sections():
     axial = np.outer(ALONG, ALONG)
     lateral = np.eye(3) - axial
     compliance = np.zeros((6, 6))
-    for place, radius, length in sections():
+    for centre, radius, length in sections():
         area, moment = np.pi * radius**2, np.pi / 4.0 * radius**4
         strains = np.zeros((6, 6))
         strains[:3, :3] = axial / (E * area) + lateral / (kappa * G * area)
         strains[3:, 3:] = axial / (2.0 * G * moment) + lateral / (E * moment)
-        lever = carried(END - place)
+        lever = wrench_transport(END - centre)
         compliance += length * lever.T @ strains @ lever
     return compliance
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """The drawing, and what keeps answers."""
-    place = tmp_path_factory.mktemp("shaft")
-    written(place / "shaft.step", cone)
-    meshed(place / "shaft.msh", cone, 60.0, 8.0)
+    """Folder with the CAD file, the mesh and the cache."""
+    path = tmp_path_factory.mktemp("shaft")
+    written(path / "shaft.step", cone)
+    meshed(path / "shaft.msh", cone, 60.0, 8.0)
     with pytest.MonkeyPatch.context() as patch:
         patch.delenv("FLEXPROOF_CACHE", raising=False)
-        patch.setenv("XDG_CACHE_HOME", str(place))
-        yield place
+        patch.setenv("XDG_CACHE_HOME", str(path))
+        yield path
 
 
-def asked(part, *more, ends=ENDS, material=MATERIAL):
-    chosen = [word for end in ends for word in ("--interface", end)]
-    return ["identify", str(part), *chosen, "--material", material, *more]
+def arguments(part, *options, ends=ENDS, material=MATERIAL):
+    interfaces = [word for end in ends for word in ("--interface", end)]
+    return ["identify", str(part), *interfaces, "--material", material, *options]
 
 
-FEW = ("--unknowns", "4000", "--modes", "1")
+SMALL = ("--unknowns", "4000", "--modes", "1")
 
 
 @pytest.fixture(scope="module")
 def shaft(folder):
     part = folder / "shaft.step"
-    with redirect_stdout(io.StringIO()) as said:
-        assert cli.main([*asked(part, *FEW, "--out", str(folder / "all.npz")), "--json"]) == 0
-    found = json.loads(said.getvalue())
-    arrays = {name: np.array(value) for name, value in found.items() if isinstance(value, list)}
+    with redirect_stdout(io.StringIO()) as stdout:
+        assert cli.main([*arguments(part, *SMALL, "--out", str(folder / "all.npz")), "--json"]) == 0
+    document = json.loads(stdout.getvalue())
+    arrays = {name: np.array(value) for name, value in document.items() if isinstance(value, list)}
     for name in ("uncertainty", "bracket"):
-        arrays[name] = np.array(found[name]["compliance"])
-        arrays[f"frequency_{name}"] = np.array(found[name]["frequencies"])
-    return found | arrays
+        arrays[name] = np.array(document[name]["compliance"])
+        arrays[f"frequency_{name}"] = np.array(document[name]["frequencies"])
+    return document | arrays
 
 
-def test_its_compliance_is_that_of_its_sections_within_what_is_stated(folder, shaft):
+def test_shaft_compliance_matches_section_integrals(folder, shaft):
     exact = compliance_of_sections()
-    off = np.diag(shaft["compliance"]) / np.diag(exact) - 1.0
-    stated = np.diag(shaft["uncertainty"]) / np.diag(exact)
-    assert (np.abs(off) <= stated + RODS).all()
-    assert (stated < 0.1).all()
-    assert scaled_difference(shaft["compliance"], exact) < 2.0 * RODS
-    told = np.load(folder / "all.npz")["compliance"]
-    np.testing.assert_allclose(told, shaft["compliance"], rtol=1e-15)
+    error = np.diag(shaft["compliance"]) / np.diag(exact) - 1.0
+    half_width = np.diag(shaft["uncertainty"]) / np.diag(exact)
+    assert (np.abs(error) <= half_width + REFERENCE_ERROR).all()
+    assert (half_width < 0.1).all()
+    assert scaled_difference(shaft["compliance"], exact) < 2.0 * REFERENCE_ERROR
+    stored = np.load(folder / "all.npz")["compliance"]
+    np.testing.assert_allclose(stored, shaft["compliance"], rtol=1e-15)
 
 
-def test_its_mass_centre_and_inertia_are_those_of_its_discs(shaft):
+def test_shaft_mass_and_inertia_match_sum_of_discs(shaft):
     masses = [STEEL.rho * np.pi * radius**2 * length for _, radius, length in sections()]
-    places = np.array([place for place, _, _ in sections()])
-    centre = masses @ places / sum(masses)
+    centres = np.array([disc_centre for disc_centre, _, _ in sections()])
+    centre = masses @ centres / sum(masses)
     # A disc's inertia about a diameter is half of that about its axis.
     inertia = np.zeros((3, 3))
-    for mass, (place, radius, _) in zip(masses, sections(), strict=True):
+    for mass, (disc_centre, radius, _) in zip(masses, sections(), strict=True):
         inertia += mass * radius**2 / 4.0 * (np.eye(3) + np.outer(ALONG, ALONG))
-        inertia -= mass * across(place - centre) @ across(place - centre)
-    # Circles of a few curved sides have lost 2e-3 of the volume, as is said.
+        inertia -= mass * cross_matrix(disc_centre - centre) @ cross_matrix(disc_centre - centre)
+    # Circles with few curved sides lack 2e-3 of the volume, which volume_deviation reports.
     meshed = 1.0 + shaft["volume_deviation"]
     assert shaft["mass"] == pytest.approx(meshed * sum(masses), rel=1e-5)
     assert shaft["centre"] == pytest.approx(centre, abs=1e-4 * LENGTH)
     assert shaft["inertia"] == pytest.approx(meshed * inertia, abs=1e-3 * np.abs(inertia).max())
 
 
-def test_condensed_it_moves_rigidly_with_its_own_mass_and_averaged_ends_give_more(shaft):
-    motions = np.vstack([np.eye(6), carried(END - START).T])
-    own = np.zeros((6, 6))
-    own[:3, :3], own[3:, 3:] = shaft["mass"] * np.eye(3), shaft["inertia"]
-    arm = carried(shaft["centre"] - START)
-    # Rounding, grown by the condition of a slender part.
+def test_condensed_shaft_has_its_rigid_motions_and_mass(shaft):
+    motions = np.vstack([np.eye(6), wrench_transport(END - START).T])
+    mass_at_centre = np.zeros((6, 6))
+    mass_at_centre[:3, :3], mass_at_centre[3:, 3:] = shaft["mass"] * np.eye(3), shaft["inertia"]
+    arm = wrench_transport(shaft["centre"] - START)
+    # Rounding, multiplied by the condition of a slender part.
     mass = motions.T @ shaft["condensed_mass"] @ motions
-    assert scaled_difference(mass, arm @ own @ arm.T) < 1e-9
+    assert scaled_difference(mass, arm @ mass_at_centre @ arm.T) < 1e-9
     assert np.abs(shaft["stiffness"] @ motions).max() < 1e-9 * np.abs(shaft["stiffness"]).max()
-    # Constraints take from what gives (Rayleigh).
+    # Rigid ends are more constrained than averaged ones and therefore stiffer (Rayleigh).
     scale = 1.0 / np.sqrt(np.diag(shaft["compliance"]))
     assert np.linalg.eigvalsh(shaft["bracket"] * np.outer(scale, scale))[0] > -1e-9
 
 
-def test_its_text_has_all_numbers_without_meshing_again(command, folder, shaft, monkeypatch):
+def test_text_has_all_numbers_from_the_cache(command, folder, shaft, monkeypatch):
     forget()
-    monkeypatch.setattr(identifying, "_computed", lambda *_: pytest.fail("computed again"))
-    said = command.told(*asked(folder / "shaft.step", *FEW))
-    rows = {line[:6].strip(): line.split() for line in said.splitlines()}
-    give, stated, bracket = (shaft[name][5, 5] for name in ("compliance", "uncertainty", "bracket"))
-    assert float(rows["B φz"][2]) == pytest.approx(give, rel=1e-5)
-    shares = [f"{100.0 * stated / give:.3f}", "%", f"{100.0 * bracket / give:.3f}", "%"]
-    assert rows["B φz"][3:] == ["±", *shares]
-    (hertz,) = shaft["frequencies"]
-    assert rows["1"][:3] == ["1", f"{hertz:.2f}", "±"]
+    monkeypatch.setattr(identifying, "_identification", lambda *_: pytest.fail("computed again"))
+    text = command.told(*arguments(folder / "shaft.step", *SMALL))
+    rows = {line[:6].strip(): line.split() for line in text.splitlines()}
+    compliance, half_width, bracket = (
+        shaft[name][5, 5] for name in ("compliance", "uncertainty", "bracket")
+    )
+    assert float(rows["B φz"][2]) == pytest.approx(compliance, rel=1e-5)
+    shares = [f"{100.0 * part / compliance:.3f}" for part in (half_width, bracket)]
+    assert rows["B φz"][3:] == ["±", shares[0], "%", shares[1], "%"]
+    (frequency,) = shaft["frequencies"]
+    assert rows["1"][:3] == ["1", f"{frequency:.2f}", "±"]
     below = shaft["modes_counted"]["below"]
-    assert hertz < below < 2.0 * hertz
-    assert f"1 counted below {below:.6g} Hz, none missing" in said
-    leg = tomllib.loads(said[said.index("[bodies.shaft]") :])["bodies"]["shaft"]
+    assert frequency < below < 2.0 * frequency
+    assert f"1 counted below {below:.6g} Hz, none missing" in text
+    leg = tomllib.loads(text[text.index("[bodies.shaft]") :])["bodies"]["shaft"]
     assert (leg["from"], leg["to"]) == ("A", "B")
     assert leg["mass"] == pytest.approx(shaft["mass"])
-    # As a robot file is read: x from point to point, z as near to "up" as it can be.
+    # Leg axes of a robot file: x from point to point, z as near to "up" as possible.
     axes = leg_frame(START, END, np.array(leg["up"])).rotation
-    read = turn_matrix(np.array(leg["compliance"]), axes)
-    assert read == pytest.approx(shaft["compliance"], rel=1e-8, abs=1e-16)
+    in_file_axes = turn_matrix(np.array(leg["compliance"]), axes)
+    assert in_file_axes == pytest.approx(shaft["compliance"], rel=1e-8, abs=1e-16)
 
 
-def test_what_a_given_mesh_leaves_open_is_not_known(command, folder):
-    said = command.told(*asked(folder / "shaft.msh", "--unit", "mm", "--modes", "1"))
-    assert "one mesh, as given, of " in said
-    assert re.search(r"^  1 +\d+\.\d\d  ± +–  ", said, re.MULTILINE)
+def test_given_mesh_has_no_half_width(command, folder):
+    text = command.told(*arguments(folder / "shaft.msh", "--unit", "mm", "--modes", "1"))
+    assert "one mesh, as given, of " in text
+    assert re.search(r"^  1 +\d+\.\d\d  ± +–  ", text, re.MULTILINE)
 
 
-def test_three_meshes_and_two_ways_of_holding_leave_open_what_is_stated(folder, shaft):
+def test_uncertainties_follow_from_meshes_and_couplings(folder, shaft):
     file = read_part(folder / "shaft.step")
     ends = find_interfaces(file, *interfaces_of(ENDS))
-    meshes = [part_mesh(file, ends, int(FEW[1]), level) for level in LEVELS]
+    meshes = [part_mesh(file, ends, int(SMALL[1]), level) for level in LEVELS]
     assert list(shaft["unknowns"]) == [mesh.unknowns for mesh in meshes]
 
-    def held(mesh, coupling):
+    def results(mesh, coupling):
         body = held_part(meshed_part(mesh, STEEL), grips_of(mesh, ends, coupling), "shaft")
         return body.compliance, body.uncounted_frequencies(1)
 
-    compliances, frequencies = zip(*(held(mesh, "average") for mesh in meshes), strict=True)
-    stated = shaft["uncertainty"], shaft["frequency_uncertainty"]
-    assert stated[0] == pytest.approx(compliance_uncertainty(*compliances), rel=1e-4)
-    assert stated[1] == pytest.approx(refinement_uncertainty(*frequencies), rel=1e-4)
-    # Averaged less rigid: averaged faces yield more and swing lower.
-    compliance, frequency = held(meshes[-1], "rigid")
-    apart = compliances[-1] - compliance
-    assert shaft["bracket"] == pytest.approx(apart, abs=1e-6 * compliance.max())
+    compliances, frequencies = zip(*(results(mesh, "average") for mesh in meshes), strict=True)
+    half_widths = shaft["uncertainty"], shaft["frequency_uncertainty"]
+    assert half_widths[0] == pytest.approx(compliance_uncertainty(*compliances), rel=1e-4)
+    assert half_widths[1] == pytest.approx(refinement_uncertainty(*frequencies), rel=1e-4)
+    # Averaged less rigid: averaged faces are more compliant, with lower frequencies.
+    compliance, frequency = results(meshes[-1], "rigid")
+    bracket = compliances[-1] - compliance
+    assert shaft["bracket"] == pytest.approx(bracket, abs=1e-6 * compliance.max())
     assert shaft["frequency_bracket"] == pytest.approx(frequencies[-1] - frequency, rel=1e-4)
     assert shaft["frequency_bracket"] < 0.0
 
 
 WRONG = [
     ([], MATERIAL, "", "--interface: missing"),
-    ([""], MATERIAL, "", "--interface '': names none"),
+    ([""], MATERIAL, "", "--interface '': has no interface"),
     (["A"], MATERIAL, "", "not TOML"),
     (["A = { face = [1] }"], MATERIAL, "", 'unknown key; did you mean "faces"?'),
     (["A = { faces = [99] }"], MATERIAL, "", "face 99 does not exist.*1 to 3"),
@@ -242,19 +246,22 @@ WRONG = [
 ]
 
 
-@pytest.mark.parametrize(("ends", "material", "more", "said"), WRONG, ids=lambda of: str(of)[-25:])
-def test_a_wrong_request_is_one_line_before_anything_is_computed(
-    command, folder, monkeypatch, ends, material, more, said
+@pytest.mark.parametrize(
+    ("ends", "material", "options", "message"), WRONG, ids=lambda value: str(value)[-25:]
+)
+def test_wrong_request_is_refused_before_computation(
+    command, folder, monkeypatch, ends, material, options, message
 ):
     monkeypatch.setattr(identifying, "identify", lambda *_: pytest.fail("computed"))
     part = folder / "shaft.step"
-    words = more.format(part=part).split()
-    assert re.search(said, command.refused(*asked(part, *words, ends=ends, material=material)))
+    words = options.format(part=part).split()
+    line = command.refused(*arguments(part, *words, ends=ends, material=material))
+    assert re.search(message, line)
 
 
 @pytest.fixture(scope="module")
 def crank(folder):
-    """The shaft on a drive about z, turned, with a heavy mass at its point beside the axis."""
+    """Posture of the shaft on a drive about z, with a mass at the point beside the axis."""
     ends = ", ".join(f'{name} = {{ {PLANES[name]}, coupling = "average" }}' for name in PLANES)
     file = folder / "crank.toml"
     file.write_text(
@@ -282,54 +289,56 @@ interfaces = {{ {ends} }}
     return posture(mechanism, mechanism.poses[0])
 
 
-def turned_compliance():
-    """Of the tool's point, base axes: the shaft turned, and its drive."""
+def crank_compliance():
+    """Compliance (6×6) of the tool's point, base axes, of the rotated shaft and its drive."""
     R = Rotation.from_euler("z", ANGLE).as_matrix()
     D = np.kron(np.eye(2), R)
-    upright = np.array([0.0, 0.0, 1.0])
-    swing = np.concatenate([np.cross(upright, R @ (END - START)), upright])
-    return D @ compliance_of_sections() @ D.T + np.outer(swing, swing) / DRIVE
+    axis = np.array([0.0, 0.0, 1.0])
+    twist = np.concatenate([np.cross(axis, R @ (END - START)), axis])
+    return D @ compliance_of_sections() @ D.T + np.outer(twist, twist) / DRIVE
 
 
 @pytest.mark.parametrize(
     ("model", "parts"),
     [("vjm", "equivalent"), *((model, "condensed") for model in ("links", "segments", "solid"))],
 )
-def test_as_the_crank_of_a_robot_it_gives_as_its_sections_and_its_drive(crank, model, parts):
-    (found,) = answers(model, [crank], 0, ModelOptions(parts=parts))
-    assert scaled_difference(found.compliance, turned_compliance()) < RODS
+def test_crank_compliance_is_shaft_plus_drive(crank, model, parts):
+    (answer,) = answers(model, [crank], 0, ModelOptions(parts=parts))
+    assert scaled_difference(answer.compliance, crank_compliance()) < REFERENCE_ERROR
 
 
-def test_a_heavy_mass_on_the_crank_swings_on_its_springs(crank):
-    """ω² = eigenvalues of C⁻¹/m, C the translations' compliance."""
-    (found,) = answers("segments", [crank], 3, ModelOptions(parts="condensed"))
-    springs = np.linalg.eigvalsh(turned_compliance()[:3, :3])[::-1]
-    expected = 1.0 / (2.0 * np.pi * np.sqrt(TIP_MASS * springs))
-    # The shaft's own mass, a thousandth, lowers them by half of it at most; and rod theory.
-    assert found.frequencies == pytest.approx(expected, rel=2e-3)
+def test_crank_frequencies_are_those_of_mass_on_springs(crank):
+    """ω² are the eigenvalues of C⁻¹/m with C the compliance of translations."""
+    (answer,) = answers("segments", [crank], 3, ModelOptions(parts="condensed"))
+    compliances = np.linalg.eigvalsh(crank_compliance()[:3, :3])[::-1]
+    expected = 1.0 / (2.0 * np.pi * np.sqrt(TIP_MASS * compliances))
+    # The mass of the shaft, a thousandth, lowers them by at most half of that, besides the error of
+    # rod theory.
+    assert answer.frequencies == pytest.approx(expected, rel=2e-3)
 
 
 @pytest.mark.exhaustive
-def test_a_condensed_leg_is_right_and_the_equivalent_one_is_not(tmp_path):
-    """A tapered hollow leg with lugs: what its solid says, and what its idealisations make of it.
+def test_condensed_leg_is_accurate_and_equivalent_is_not(tmp_path):
+    """Tapered hollow leg with lugs: its solid, and two equivalent legs of it.
 
-    Known values: measured beforehand with another program's meshes on the same drawing, compared
-    there with CalculiX. 0.3 %: both meshes leave 0.1 to 0.2 % at the edges of rigid bores.
+    The known values were computed with meshes of another program on the same drawing and compared
+    there with CalculiX. Tolerance 0.3 %: both meshes have errors of 0.1 to 0.2 % at the edges of
+    rigid bores.
     """
     drawing, path = runpy.run_path(str(DRAWINGS)), tmp_path / "leg.step"
     drawing["write"](path, lambda occ: drawing["leg"](occ, drawing["MEASURED"]))
     bores = (f"{n} = {{ cylinder = {{ radius = {r} }} }}" for n, r in (("A", 0.04), ("B", 0.028)))
     part = read_part(path)
     ends = find_interfaces(part, *interfaces_of(bores))
-    found = identifying.identify(part, ends, STEEL, 60_000, 2)
-    assert found.total == pytest.approx(82.84, rel=1e-4)
-    assert np.diag(found.compliance)[1:3] == pytest.approx([3.81e-8, 2.51e-8], rel=3e-3)
-    assert found.frequencies == pytest.approx([199.5, 245.1], rel=3e-3)
-    # With a platform at the tip, the root clamped.
-    loaded = found.mass[6:, 6:] + 46.0 * np.diag([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
-    squared = eigh(found.stiffness[6:, 6:], loaded, eigvals_only=True)[:2]
+    leg = identifying.identify(part, ends, STEEL, 60_000, 2)
+    assert leg.total == pytest.approx(82.84, rel=1e-4)
+    assert np.diag(leg.compliance)[1:3] == pytest.approx([3.81e-8, 2.51e-8], rel=3e-3)
+    assert leg.frequencies == pytest.approx([199.5, 245.1], rel=3e-3)
+    # With a platform of 46 kg at the tip and the root clamped.
+    loaded = leg.mass[6:, 6:] + 46.0 * np.diag([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
+    squared = eigh(leg.stiffness[6:, 6:], loaded, eigvals_only=True)[:2]
     assert np.sqrt(squared) / (2.0 * np.pi) == pytest.approx([103.2, 127.1], rel=3e-3)
-    given = GivenLeg(0.85, found.total, found.compliance)
+    given = GivenLeg(0.85, leg.total, leg.compliance)
     for by, expected, error in (
         ("stiffness", [140.6, 176.7], -0.28),
         ("compliance", [171.4, 205.6], -0.15),
@@ -337,7 +346,7 @@ def test_a_condensed_leg_is_right_and_the_equivalent_one_is_not(tmp_path):
         prism = equivalent_leg(given, by)
         frequencies = clamped_modes(beam_leg(prism.timoshenko, 0.85, 20), 2).frequencies
         assert frequencies == pytest.approx(expected, rel=3e-3)
-        assert frequencies / found.frequencies - 1.0 == pytest.approx([error, error], abs=0.02)
-    stiff = equivalent_leg(given, "stiffness")
-    softer = np.diag(tip_compliance(stiff.timoshenko, 0.85)) / np.diag(found.compliance)
-    assert softer[1:3] == pytest.approx([1.63, 1.54], abs=0.01)
+        assert frequencies / leg.frequencies - 1.0 == pytest.approx([error, error], abs=0.02)
+    by_stiffness = equivalent_leg(given, "stiffness")
+    ratios = np.diag(tip_compliance(by_stiffness.timoshenko, 0.85)) / np.diag(leg.compliance)
+    assert ratios[1:3] == pytest.approx([1.63, 1.54], abs=0.01)
