@@ -1,4 +1,5 @@
-"""`run --vary`: all models of robots that differ from the run's in one number of their file.
+"""Parameter variations: all models over the values of one number of the robot file.
 
-In: a robot file and ranges of its numbers. Out: curves, computed here or on a cluster.
+In: a robot file and ranges of its numbers. Out: curves and decisions, computed on this machine or
+on a cluster.
 """

@@ -1,4 +1,8 @@
-"""Decisions by models over a number of the robot file, judged by the reference: cases of a run."""
+"""Cases of a run: decisions by models over a number of the robot file, compared with the reference.
+
+A model decides well if the design that it chooses is good by the reference, and if it ranks the
+designs as the reference does.
+"""
 
 from collections.abc import Mapping, Sequence
 from math import isnan
@@ -14,12 +18,15 @@ from validation.exhibits import PARAMETERS
 from validation.variations.curves import VariedCurves, variation_study
 from validation.variations.decision import MEANING, OBJECTIVES, UNITS, Decision, Objective
 
-# Without two designs there is nothing to choose, without three no order that says anything.
-_TO_CHOOSE, _TO_ORDER = 2, 3
-_BY: Over = {"objective": OBJECTIVES, "model": lambda models, objective: models[objective]}
-_IN_ORDER: Over = {
+# Fewest designs for a choice, and for a rank correlation.
+_FEWEST_TO_CHOOSE, _FEWEST_TO_RANK = 2, 3
+_OVER_CHOICES: Over = {
     "objective": OBJECTIVES,
-    "model": lambda models, objective, count: models[objective] if count >= _TO_ORDER else (),
+    "model": lambda models, objective: models[objective],
+}
+_OVER_RANKINGS: Over = {
+    "objective": OBJECTIVES,
+    "model": lambda models, objective, count: models[objective] if count >= _FEWEST_TO_RANK else (),
 }
 
 _cases = CaseGroup(
@@ -27,32 +34,34 @@ _cases = CaseGroup(
     group="vary.{number}",
     figure="vary.{number}.decision",
     reference_kind="finer-model",
-    citation="the same robots with solids, given 6×6 and parts; the values as typed, none between",
+    citation="the same robots by their reference (solid legs, 6×6 of the file, CAD parts), at the "
+    "values of --vary only",
     effort=0.1,
 )
 
 
 def cases_over(robot_file: RobotFile, variations: Sequence[Variation]) -> tuple[Case, ...]:
-    """Cases of every number that is varied, of the models that the robot file relies on.
+    """Cases for each varied number and each model that the robot file relies on.
 
-    Where it relies on none, of all but the simplified one, which says nothing of the legs.
+    If it relies on none, the cases are for all models except the simplified one, which does not
+    depend on the legs.
     """
     rely = robot_file.requirement.rely
     models: dict[Objective, list[str]] = {}
     for objective, names in zip(OBJECTIVES, compared_models(robot_file.mechanism), strict=True):
         relied = [name for name in names if name in rely]
         models[objective] = relied or [name for name in names if name != "simplified"]
-    found: list[Case] = []
+    cases: list[Case] = []
     for number, variation in enumerate(variations, start=1):
-        if (count := len(variation.values)) >= _TO_CHOOSE:
-            found += _cases(variation=variation, number=number, models=models, count=count)
-    return tuple(found)
+        if (count := len(variation.values)) >= _FEWEST_TO_CHOOSE:
+            cases += _cases(variation=variation, number=number, models=models, count=count)
+    return tuple(cases)
 
 
 def varied_curves(context: Context, variation: Variation) -> Mapping[Objective, VariedCurves]:
-    """All models over the values of a variation, computed once for all that show them.
+    """All models over the values of a variation, computed once for all cases and figures.
 
-    Raises Skip where one of the robots has no reference.
+    Raises Skip if one of the robots has no reference.
     """
     try:
         return variation_study(context.robot_file, variation, context.preset)
@@ -63,11 +72,11 @@ def varied_curves(context: Context, variation: Variation) -> Mapping[Objective, 
 @_cases.case(
     "decision.{objective}.loss.{model}[{variation.key}]",
     "The {variation.key} that {model} chooses by {objective} is as good as the best",
-    over=_BY,
-    quantity=lambda objective: f"loss in the reference's {MEANING[objective]}",
+    over=_OVER_CHOICES,
+    quantity=lambda objective: f"loss in {MEANING[objective]}, by the reference",
     unit="%",
     tolerance=Absolute(1.0),
-    tolerance_reason="a design within 1 % of the best is a good one",
+    tolerance_reason="a design within 1 % of the best is good",
 )
 def _loss(context: Context, variation: Variation, objective: Objective, model: str) -> Measurement:
     decision = _decision(context, variation, objective, model)
@@ -87,8 +96,8 @@ def _loss(context: Context, variation: Variation, objective: Objective, model: s
 
 @_cases.case(
     "decision.{objective}.order.{model}[{variation.key}]",
-    "By {objective} {model} puts the values of {variation.key} into the right order",
-    over=_IN_ORDER,
+    "By {objective}, {model} ranks the values of {variation.key} in the right order",
+    over=_OVER_RANKINGS,
     quantity="Spearman's rank correlation with the reference",
     unit="1",
     tolerance=lambda count: Absolute(18.0 / (count * (count**2 - 1))),
@@ -103,14 +112,14 @@ def _order(context: Context, variation: Variation, objective: Objective, model: 
 
 
 def _decision(context: Context, variation: Variation, objective: Objective, model: str) -> Decision:
-    found = varied_curves(context, variation)[objective].decision
-    if model not in found.models:
-        raise Skip(f"{model} gives no answer for some value of {variation.key}")
-    return found
+    decision = varied_curves(context, variation)[objective].decision
+    if model not in decision.models:
+        raise Skip(f"{model} has no solution for some value of {variation.key}")
+    return decision
 
 
-def _indifference(variation: Variation, places: Sequence[int]) -> tuple[str, ...]:
-    if len(places) == 1:
+def _indifference(variation: Variation, designs: Sequence[int]) -> tuple[str, ...]:
+    if len(designs) == 1:
         return ()
-    values = ", ".join(f"{variation.values[place]:.6g}" for place in places)
-    return (f"{values} are equally good by this model; the best of them counts.",)
+    values = ", ".join(f"{variation.values[design]:.6g}" for design in designs)
+    return (f"{values} are equally good by this model; the best of them by the reference counts.",)

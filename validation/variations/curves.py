@@ -1,6 +1,6 @@
-"""All models over a number of the robot file: robots that differ in it, as units of work.
+"""All models over a number of the robot file. Each of its values is a robot and a unit of work.
 
-Finished units are kept in the cache and not computed again.
+Results of finished units are stored in the cache and not computed again.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -32,72 +32,78 @@ from validation.variations.decision import OBJECTIVES, Decision, Objective
 
 T = TypeVar("T")
 Result_co = TypeVar("Result_co", covariant=True)
-# Deflections (µm) under 1000 N of compliances in m/N.
+# Factor from a compliance in m/N to the deflection in µm under 1000 N.
 _MICROMETRES = 1e9
 
 
 @dataclass(frozen=True, eq=False)
 class VariedModels:
-    """What all models say of one robot: plain arrays, as the cache keeps them.
+    """Results of all models for one robot, as plain arrays for the cache.
 
-    Of c curves their `names`, in the `pose` in the middle of the path `values` (c×k, SI) and
-    `differences` (c×k) from curve number `against`; over the path the `extremes` (c; largest
-    deflection, µm, or smallest first frequency, Hz) and their relative `uncertainties`. From curve
-    `against` on they are the reference by every reading of what the robot file leaves open; those
-    before it are models, whose numbers are theirs without any uncertainty.
+    There are c curves with `names`. Curves from number `first_reference` on are the reference under
+    each reading that the robot file allows. Those before it are models, which have no uncertainty.
+    `values` (c×k, SI) and their relative `differences` (c×k) from the first reference hold in the
+    `pose` in the middle of the path. `extremes` over the path (c) are the largest deflection (µm)
+    or the smallest first frequency (Hz), and `uncertainties` (c) their relative half-widths.
     """
 
     pose: Array
     names: Array
     values: Array
     differences: Array
-    against: int
+    first_reference: int
     extremes: Array
     uncertainties: Array
 
 
 @dataclass(frozen=True)
 class VariedRobot:
-    """Deflections or frequencies of one robot on its path; `said` tells the value, for errors."""
+    """One robot of a variation as a unit of work: its deflections or frequencies on its path.
+
+    `value` is the varied number with its key, for messages.
+    """
 
     robot_file: RobotFile
     preset: Preset
-    said: str
+    value: str
     objective: Objective
 
     def postures(self) -> tuple[Posture, ...]:
-        """The robot on its path; raises InputError where it cannot be there."""
-        with naming(f"--vary {self.said}"):
+        """Postures on the path. Raises InputError, with the value, if one cannot be reached."""
+        with naming(f"--vary {self.value}"):
             return path_postures(self._context())
 
     def compute(self) -> VariedModels:
-        """All models; raises InputError, without reference, and ComputationError, which name it."""
-        at = self.postures()
-        with naming(f"--vary {self.said}"):
-            found, extremes = self._over_path(robot_at(self._context(), at))
-        middle, names = len(at) // 2, list(found.values)
-        values = np.array([one[middle] for one in found.values.values()])
-        none = np.full((len(at), values.shape[1]), np.nan)
-        differences = [found.differences.get(name, none)[middle] for name in names]
+        """Results of all models.
+
+        Raises InputError if there is no reference, and ComputationError, both with the value.
+        """
+        postures = self.postures()
+        with naming(f"--vary {self.value}"):
+            compared, extremes = self._over_path(robot_at(self._context(), postures))
+        middle, names = len(postures) // 2, list(compared.values)
+        values = np.array([curve[middle] for curve in compared.values.values()])
+        no_difference = np.full((len(postures), values.shape[1]), np.nan)
+        differences = [compared.differences.get(name, no_difference)[middle] for name in names]
         return VariedModels(
-            at[middle].pose,
+            postures[middle].pose,
             np.array(names),
             values,
             np.array(differences),
-            names.index(found.against),
+            names.index(compared.against),
             *extremes,
         )
 
     def _over_path(self, robot: RobotOnPath) -> tuple[Compared, tuple[Array, Array]]:
-        """What the models say in every pose, and the extremes with their uncertainties."""
+        """Results of the models in all poses, and their extremes with uncertainties."""
         if self.objective == "frequency":
             compared = compared_frequencies(robot)
-            first = {name: one[:, :1] for name, one in compared.values.items()}
+            first = {name: values[:, :1] for name, values in compared.values.items()}
             return compared, _extremes(first, compared.uncertainties, np.min)
         statics, uncertainties = compared_statics(robot)
         displacements = {
-            name: _MICROMETRES * np.linalg.norm(one.compliances[:, :3, :3], axis=1)
-            for name, one in statics.items()
+            name: _MICROMETRES * np.linalg.norm(of_model.compliances[:, :3, :3], axis=1)
+            for name, of_model in statics.items()
         }
         extremes = _extremes(displacements, uncertainties, np.max)
         return compared_compliances(statics, uncertainties), extremes
@@ -109,9 +115,9 @@ class VariedRobot:
 def checked_variations(
     robot_file: RobotFile, typed: Sequence[str], preset: Preset
 ) -> tuple[Variation, ...]:
-    """The variations as typed, each looked at by itself.
+    """Variations from typed texts, each checked for itself.
 
-    Raises InputError, naming the values, where a robot cannot be or cannot follow its path.
+    Raises InputError, with the values, if a robot is impossible or cannot follow its path.
     """
     variations = variations_of(robot_file, typed)
     for variation in variations:
@@ -123,7 +129,7 @@ def checked_variations(
 def varied_robots(
     robot_file: RobotFile, variation: Variation, preset: Preset
 ) -> tuple[VariedRobot, ...]:
-    """Units for each value: of deflections all, then of frequencies all."""
+    """Units of work for all values: first those of deflections, then those of frequencies."""
     robots = varied(robot_file, (variation,))
     return tuple(
         VariedRobot(robot, preset, told((variation,), values), objective)
@@ -134,46 +140,53 @@ def varied_robots(
 
 @memo(3)
 def _shared(preset: Preset) -> Context:
-    """A memo for all robots of a process: most of their bodies are the same."""
+    """Context whose memo all robots of a process share, because most of their bodies are equal."""
     return Context(load_robot(BUILT_IN), preset)
 
 
 def _extremes(
-    found: Mapping[str, Array], uncertainties: Mapping[str, Array], of: Callable[[Array], float]
+    curves: Mapping[str, Array],
+    uncertainties: Mapping[str, Array],
+    extreme: Callable[[Array], float],
 ) -> tuple[Array, Array]:
-    """Largest or smallest of the values (p×k) of each curve, and its relative uncertainty."""
-    extremes = np.array([of(values) for values in found.values()])
-    left_open = np.zeros(len(found))
-    for place, (name, values) in enumerate(found.items()):
-        if name in uncertainties and extremes[place] != 0.0:
-            part = uncertainties[name][:, : values.shape[1]]
-            moved = np.array([of(values * np.exp(way * part)) for way in (-1.0, 1.0)])
-            left_open[place] = np.abs(np.log(moved / extremes[place])).max()
-    return extremes, left_open
+    """Largest or smallest of the values (p×k) of each of c curves (c), and its uncertainty (c).
+
+    `extreme` computes it: np.min or np.max. The uncertainty is the largest change, relative, if
+    all values of the curve change by their relative `uncertainties` in one direction.
+    """
+    extremes = np.array([extreme(values) for values in curves.values()])
+    half_widths = np.zeros(len(curves))
+    for number, (name, values) in enumerate(curves.items()):
+        if name in uncertainties and extremes[number] != 0.0:
+            relative = uncertainties[name][:, : values.shape[1]]
+            changed = np.array([extreme(values * np.exp(sign * relative)) for sign in (-1.0, 1.0)])
+            half_widths[number] = np.abs(np.log(changed / extremes[number])).max()
+    return extremes, half_widths
 
 
 class Unit(Protocol[Result_co]):
-    """Plain data that stand for a result, and can be sent to other processes and machines."""
+    """Unit of work: plain data that can be sent to other processes and machines."""
 
     def compute(self) -> Result_co:
-        """The result."""
+        """Compute the result."""
 
 
 def computed(
-    units: Sequence[Unit[T]], kind: Callable[..., T], executor: Executor, what: str
+    units: Sequence[Unit[T]], kind: Callable[..., T], executor: Executor, task: str
 ) -> list[T]:
-    """What the units yield, a `kind` each (a dataclass of numbers and arrays), in their order.
+    """Results of the units in their order, each a `kind` (a dataclass of numbers and arrays).
 
-    Every finished unit is in the cache before the next one is looked at, so that what was
-    interrupted goes on where it stopped; equal units are computed once. `what` is being done, for
-    the progress on stderr if that is a terminal. Raises what the first failing unit raises.
+    Each result is stored in the cache before the next one is processed, so that an interrupted
+    computation continues after the last one. Equal units are computed once. `task` is the text of
+    the progress bar on stderr, which appears if stderr is a terminal. Raises the exception of the
+    first unit that fails.
     """
     keys = [key_of(program(), unit) for unit in units]
     work = dict(zip(keys, units, strict=True))
     names = set(signature(kind).parameters)
-    known = {key: arrays for key in work if (arrays := find(key)) and set(arrays) == names}
-    missing = [key for key in work if key not in known]
-    from rich.console import Console  # noqa: PLC0415  few runs vary anything
+    stored = {key: arrays for key in work if (arrays := find(key)) and set(arrays) == names}
+    missing = [key for key in work if key not in stored]
+    from rich.console import Console  # noqa: PLC0415  few runs have variations
     from rich.progress import track  # noqa: PLC0415
 
     console = Console(stderr=True)
@@ -181,24 +194,24 @@ def computed(
         with closing(executor([work[key].compute for key in missing])) as finished:
             for number, result in track(
                 finished,
-                f"  {what}",
+                f"  {task}",
                 total=len(missing),
                 console=console,
                 transient=True,
                 disable=not console.is_terminal,
             ):
                 arrays = {name: getattr(result, name) for name in names}
-                known[missing[number]] = keep(missing[number], arrays)
-    # Numbers are kept as arrays of no dimension.
-    return [kind(**{name: array[()] for name, array in known[key].items()}) for key in keys]
+                stored[missing[number]] = keep(missing[number], arrays)
+    # Numbers are stored as arrays without dimensions.
+    return [kind(**{name: array[()] for name, array in stored[key].items()}) for key in keys]
 
 
 @dataclass(frozen=True, eq=False)
 class VariedCurves:
     """Deflections or frequencies by all models over the n values of a variation.
 
-    `compared` (compliances, SI, or frequencies, Hz) in the middle of the path, where the robots are
-    in `poses` (n×m); the `decision` over the whole of it.
+    `compared` are the compliances (SI) or frequencies (Hz) in the middle of the path, in `poses`
+    (n×m). The `decision` is over the whole path.
     """
 
     poses: Array
@@ -212,55 +225,63 @@ def variation_study(
     preset: Preset,
     executor: Executor = in_turn,
 ) -> dict[Objective, VariedCurves]:
-    """All models of every robot of the variation, from the cache as far as it goes."""
+    """Curves of all models over a variation, by objective. Stored results are not recomputed."""
     units = varied_robots(robot_file, variation, preset)
-    found = computed(units, VariedModels, executor, f"varying {variation.key}")
+    results = computed(units, VariedModels, executor, f"varying {variation.key}")
     curves: dict[Objective, VariedCurves] = {}
     for number, objective in enumerate(OBJECTIVES):
-        robots = found[number * len(variation.values) :][: len(variation.values)]
+        robots = results[number * len(variation.values) :][: len(variation.values)]
         poses = np.array([robot.pose for robot in robots])
         curves[objective] = VariedCurves(poses, _stacked(robots), decision_of(objective, robots))
     return curves
 
 
 def _stacked(robots: Sequence[VariedModels]) -> Compared:
-    """Curves over the robots, of as many quantities as all have; NaN where one has no such."""
-    least = min(robot.values.shape[1] for robot in robots)
+    """Curves over the robots, of the quantities that all robots have.
 
-    def over(column: str) -> dict[str, Array]:
-        found: dict[str, Array] = {}
+    NaN for robots that lack a curve.
+    """
+    common = min(robot.values.shape[1] for robot in robots)
+
+    def stacked(column: str) -> dict[str, Array]:
+        curves: dict[str, Array] = {}
         for number, robot in enumerate(robots):
             for name, values in zip(robot.names.tolist(), getattr(robot, column), strict=True):
-                curve = found.setdefault(name, np.full((len(robots), least), np.nan))
-                curve[number] = values[:least]
-        return found
+                curve = curves.setdefault(name, np.full((len(robots), common), np.nan))
+                curve[number] = values[:common]
+        return curves
 
-    # A number of the file may make a solid of a leg known by its 6×6: there are then several.
-    references = list(dict.fromkeys(str(robot.names[robot.against]) for robot in robots))
-    differences = {name: one for name, one in over("differences").items() if name not in references}
-    return Compared(over("values"), differences, " or ".join(references))
+    # The first reference differs between robots if a varied number gives a leg known by its 6×6 a
+    # section, and thereby a solid.
+    references = list(dict.fromkeys(str(robot.names[robot.first_reference]) for robot in robots))
+    differences = {
+        name: curve for name, curve in stacked("differences").items() if name not in references
+    }
+    return Compared(stacked("values"), differences, " or ".join(references))
 
 
 def decision_of(objective: Objective, robots: Sequence[VariedModels]) -> Decision:
-    """By the models that answer for every robot, and by every reading of the references."""
-    models = [
+    """Decision over the robots by all models that each robot has, and by all readings."""
+    common_models = [
         str(name)
-        for name in robots[0].names[: robots[0].against]
-        if all(name in robot.names[: robot.against] for robot in robots)
+        for name in robots[0].names[: robots[0].first_reference]
+        if all(name in robot.names[: robot.first_reference] for robot in robots)
     ]
 
-    def read(column: str, at: Sequence[int]) -> Array:
-        return np.array([getattr(robot, column)[k] for robot, k in zip(robots, at, strict=True)])
+    def column(name: str, curves: Sequence[int]) -> Array:
+        pairs = zip(robots, curves, strict=True)
+        return np.array([getattr(robot, name)[curve] for robot, curve in pairs])
 
     references, uncertainties = {}, {}
-    for reading in range(max(len(robot.names) - robot.against for robot in robots)):
-        # Where a robot leaves less open than others, its last reading goes with all further ones.
-        at = [min(robot.against + reading, len(robot.names) - 1) for robot in robots]
-        kinds = set(read("names", at).tolist())
-        name = kinds.pop() if len(kinds) == 1 else f"reference, reading {reading + 1}"
-        references[name], uncertainties[name] = read("extremes", at), read("uncertainties", at)
-    own = {
-        name: read("extremes", [list(robot.names).index(name) for robot in robots])
-        for name in models
+    for reading in range(max(len(robot.names) - robot.first_reference for robot in robots)):
+        # If a robot has fewer readings than others, its last one also stands for the missing ones.
+        curves = [min(robot.first_reference + reading, len(robot.names) - 1) for robot in robots]
+        names = set(column("names", curves).tolist())
+        name = names.pop() if len(names) == 1 else f"reference, reading {reading + 1}"
+        references[name] = column("extremes", curves)
+        uncertainties[name] = column("uncertainties", curves)
+    models = {
+        name: column("extremes", [list(robot.names).index(name) for robot in robots])
+        for name in common_models
     }
-    return Decision(objective, own, references, uncertainties)
+    return Decision(objective, models, references, uncertainties)

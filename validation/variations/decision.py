@@ -1,7 +1,7 @@
-"""Decisions by a model among n designs, and what they cost in the terms of a better one.
+"""Decisions by a model among n designs, and their loss by a better model, the reference.
 
-Whoever designs with a model asks little of its absolute numbers: its order of the designs must be
-right, and its best design must be good. All tables of values here are arrays (n) over the designs.
+For a design decision the absolute values of a model matter little. Its ranking of the designs must
+be right, and its best design must be good. All values are arrays (n) over the designs.
 """
 
 from collections.abc import Callable, Mapping
@@ -20,17 +20,17 @@ MEANING: Mapping[Objective, str] = {
     "deflection": "largest deflection over the path under 1000 N along x, y or z",
     "frequency": "smallest first frequency over the path",
 }
-# Of the best value: designs whose values are closer are equally good. Rounding and the error of a
-# reduction to the ends are below it.
+# Relative difference from the best value below which designs are equally good. Rounding and the
+# error of a reduction to the ends are smaller.
 INDIFFERENT = 1e-6
 
 
 @dataclass(frozen=True)
 class Choice:
-    """The number of the `design` that a model chooses, and its `loss` in the reference's terms.
+    """Number of the `design` that a model chooses, and its relative `loss` by the reference.
 
-    Of all designs that are `equally_good` to the model (in their order) it is the one that the
-    reference finds best.
+    Among the designs that are `equally_good` by the model (ascending numbers) it is the best by the
+    reference.
     """
 
     design: int
@@ -40,10 +40,10 @@ class Choice:
 
 @dataclass(frozen=True, eq=False)
 class Decision:
-    """An objective of n designs (each number an array of n) by `models` and by a reference.
+    """Values (n) of an objective for n designs, by `models` and by the reference.
 
-    `references` has it by every reading of what the robot file leaves open, by name, the first of
-    which is told; `uncertainties` are their relative half-widths.
+    `references` contains the values under each reading that the robot file allows, by name. The
+    first is the one that decides. `uncertainties` are their relative half-widths (n).
     """
 
     objective: Objective
@@ -53,82 +53,87 @@ class Decision:
 
     @property
     def reference(self) -> Array:
-        """The reading that is told."""
+        """Values (n) under the first reading."""
         return next(iter(self.references.values()))
 
     @property
     def best(self) -> int:
-        """The number of the design that the reference chooses."""
+        """Number of the best design by the reference."""
         return choice(self.reference, self.reference, self.objective).design
 
     def choice(self, model: str) -> Choice:
-        """What a model chooses."""
+        """Design that a model chooses, with its loss."""
         return choice(self.models[model], self.reference, self.objective)
 
     def loss_uncertainty(self, design: int) -> float:
-        """What the reference leaves open of the loss at a design.
+        """Half-width of the loss at a design.
 
-        Its uncertainty moves the design one way, and all others the other way.
+        The reference changes by its half-width: the design in one direction, all others in the
+        opposite one. Other readings count as well.
         """
-        apart = np.full(len(self.reference), -1.0)
-        apart[design] = 1.0
-        return self._left_open(lambda one: losses(one, self.objective)[design], apart)
+        signs = np.full(len(self.reference), -1.0)
+        signs[design] = 1.0
+        return self._half_width(lambda values: losses(values, self.objective)[design], signs)
 
     def correlation(self, model: str) -> tuple[float, float]:
-        """Spearman's ρ of a model's order with the reference's, and what that leaves open.
+        """Spearman's ρ of the rankings by a model and by the reference, and its half-width.
 
-        Its uncertainty moves each design by its rank: towards the model's order, and away from it.
+        The reference changes by its half-width in proportion to the rank of each design: towards
+        the model's ranking, and away from it. Other readings count as well.
         """
-        own = self.models[model]
-        ranks = _ranks(own)
-        apart = ranks / max(ranks.max(), 1.0) * 2.0 - 1.0
-        found = spearman(own, self.reference)
-        return found, self._left_open(lambda one: spearman(own, one), apart)
+        model_values = self.models[model]
+        ranks = _ranks(model_values)
+        directions = ranks / max(ranks.max(), 1.0) * 2.0 - 1.0
+        correlation = spearman(model_values, self.reference)
+        half_width = self._half_width(lambda values: spearman(model_values, values), directions)
+        return correlation, half_width
 
-    def _left_open(self, number: Callable[[Array], float], apart: Array) -> float:
-        told = number(self.reference)
+    def _half_width(self, number: Callable[[Array], float], directions: Array) -> float:
+        """Largest change of a number if the reference varies along `directions` (n, −1 to 1)."""
+        nominal = number(self.reference)
         return max(
-            abs(number(values * np.exp(way * apart * self.uncertainties[name])) - told)
+            abs(number(values * np.exp(sign * directions * self.uncertainties[name])) - nominal)
             for name, values in self.references.items()
-            for way in (-1.0, 0.0, 1.0)
+            for sign in (-1.0, 0.0, 1.0)
         )
 
 
 def choice(values: Array, reference: Array, objective: Objective) -> Choice:
-    """What a model chooses by its values; `reference` are those of a better one."""
-    good, lost = equally_good(values, objective), losses(reference, objective)
-    design = int(good[np.argmin(lost[good])])
-    return Choice(design, tuple(good.tolist()), float(lost[design]))
+    """Design that a model chooses by its `values`, with its loss by the `reference` values."""
+    candidates, relative_losses = equally_good(values, objective), losses(reference, objective)
+    design = int(candidates[np.argmin(relative_losses[candidates])])
+    return Choice(design, tuple(candidates.tolist()), float(relative_losses[design]))
 
 
 def equally_good(values: Array, objective: Objective) -> NDArray[np.intp]:
-    """Numbers of the designs that a model finds best, ascending: `INDIFFERENT` of each other."""
-    better = values if objective == "deflection" else -values
-    best = better.min()
-    return np.flatnonzero(better <= best + INDIFFERENT * abs(best))
+    """Numbers of the best designs, ascending: those within `INDIFFERENT` of the best value."""
+    costs = values if objective == "deflection" else -values
+    lowest = costs.min()
+    return np.flatnonzero(costs <= lowest + INDIFFERENT * abs(lowest))
 
 
 def losses(reference: Array, objective: Objective) -> Array:
-    """Relative loss (n) of each design in the reference's terms: 0.02 for 2 % worse.
+    """Relative loss (n) of each design by the reference: 0.02 if it is 2 % worse than the best.
 
-    Its deflection over the smallest, less 1; of frequencies 1 less the ratio to the largest.
+    For deflections the ratio to the smallest, less 1. For frequencies 1 less the ratio to the
+    largest.
     """
     if objective == "deflection":
         return np.asarray(reference / reference.min() - 1.0)
     return np.asarray(1.0 - reference / reference.max())
 
 
-def spearman(one: Array, other: Array) -> float:
-    """Rank correlation (Spearman's ρ, −1 to 1) of two orders of the designs.
+def spearman(first: Array, second: Array) -> float:
+    """Rank correlation (Spearman's ρ, −1 to 1) of two sets of values (n) of the designs.
 
-    Designs equally good to one of them share their mean rank; NaN where all are.
+    Equally good designs share their mean rank. NaN if all designs are equally good by one set.
     """
     with np.errstate(divide="ignore", invalid="ignore"):
-        return float(np.corrcoef(_ranks(one), _ranks(other))[0, 1])
+        return float(np.corrcoef(_ranks(first), _ranks(second))[0, 1])
 
 
 def _ranks(values: Array) -> Array:
-    """Mean ranks from 0; neighbours in order that are `INDIFFERENT` to each other share theirs."""
+    """Ranks from 0. Values within `INDIFFERENT` of the next smaller one share their mean rank."""
     order = np.argsort(values, kind="stable")
     ascending, ties = values[order], np.zeros(len(values), dtype=int)
     ties[order[1:]] = np.cumsum(np.diff(ascending) > INDIFFERENT * np.abs(ascending[1:]))

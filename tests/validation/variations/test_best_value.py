@@ -1,7 +1,8 @@
-"""A number of a robot whose best value is known in closed form, as every model chooses it.
+"""Decisions over a number of a robot whose best value has a closed form.
 
-A bar on a slide. Along the slide it swings as a rigid body on the drive's spring, the more slowly
-the taller it is; across the slide it bends, the faster the taller it is.
+The robot is a bar on a slide. Along the slide it vibrates as a rigid body on the drive's spring;
+the frequency falls with its height. Perpendicular to the slide it bends; the frequency rises with
+its height.
 """
 
 import re
@@ -55,25 +56,25 @@ PRISM = ConstantLeg(LENGTH, Rectangle(WIDTH, 0.08), Material.isotropic(E, 0.0, R
 
 
 @pytest.fixture(scope="module")
-def given(tmp_path_factory):
-    """A light bar known by its 6×6, of which no solid is made."""
-    known = f"mass = 0.1\ncompliance = {tip_compliance(PRISM.timoshenko, LENGTH).tolist()}"
-    text = re.sub(r"section = .*\nmaterial = .*\nends = .*", known, BAR)
+def light_bar(tmp_path_factory):
+    """Robot with a light bar known by its 6×6, which has no solid."""
+    leg = f"mass = 0.1\ncompliance = {tip_compliance(PRISM.timoshenko, LENGTH).tolist()}"
+    text = re.sub(r"section = .*\nmaterial = .*\nends = .*", leg, BAR)
     return robot_of(text, tmp_path_factory.mktemp("given"))
 
 
 @pytest.fixture(scope="module")
-def found(tmp_path_factory):
+def curves_by_objective(tmp_path_factory):
     bar = robot_of(BAR, tmp_path_factory.mktemp("bar"))
     (variation,) = variations_of(bar, [VARY])
     with pytest.MonkeyPatch.context() as patch:
-        # Section meshes of a hundred nodes are enough for closed forms.
+        # Section meshes of a hundred nodes are accurate enough here.
         patch.setitem(UNKNOWNS, "quick", (150, 600))
         return variation_study(bar, variation, "quick")
 
 
-def bending(height, width=WIDTH):
-    """First frequency (Hz) of the clamped bar that bends by its height, the tool at its tip.
+def bending_frequency(height, width=WIDTH):
+    """First frequency (Hz) of the clamped bar with the tool at its tip, bending over its height.
 
     1 + cos λ cosh λ + λ m/(ρAL) (cos λ sinh λ − sin λ cosh λ) = 0 (Euler–Bernoulli).
     """
@@ -87,39 +88,41 @@ def bending(height, width=WIDTH):
     return root**2 / (2.0 * np.pi * LENGTH**2) * np.sqrt(E * height**2 / 12.0 / RHO)
 
 
-def swinging(height):
-    """Frequency (Hz) of bar and tool on the drive, rigid or as they bend along it (Dunkerley)."""
+def drive_frequency(height):
+    """Frequency (Hz) of bar and tool on the drive, with the bar's bending along it (Dunkerley)."""
     rigid = np.sqrt(DRIVE / (TOOL + RHO * WIDTH * height * LENGTH)) / (2.0 * np.pi)
-    return 1.0 / np.hypot(1.0 / rigid, 1.0 / bending(WIDTH, height))
+    return 1.0 / np.hypot(1.0 / rigid, 1.0 / bending_frequency(WIDTH, height))
 
 
-def test_the_best_height_is_where_both_modes_meet(found):
-    expected = np.array([min(bending(height), swinging(height)) for height in HEIGHTS])
+def test_best_height_has_equal_frequencies(curves_by_objective):
+    expected = np.array(
+        [min(bending_frequency(height), drive_frequency(height)) for height in HEIGHTS]
+    )
     best = int(expected.argmax())
     assert 0 < best < len(HEIGHTS) - 1
-    decision = found["frequency"].decision
-    # Shear and rotary inertia are left out of the closed form.
+    decision = curves_by_objective["frequency"].decision
+    # The closed form neglects shear and rotary inertia.
     assert decision.reference == pytest.approx(expected, rel=0.03)
     assert decision.best == best
     for model in ("segments", "beam", "beam-euler-bernoulli"):
         assert decision.choice(model).design == best
         assert decision.choice(model).loss == 0.0
         assert decision.correlation(model)[0] == pytest.approx(1.0)
-    # The simplified model's bar has no mass: all heights are one to it.
+    # The bar of the simplified model has no mass, so that all heights are equally good.
     assert decision.models["simplified"] == pytest.approx(np.sqrt(DRIVE / TOOL) / (2.0 * np.pi))
     simplified = decision.choice("simplified")
     assert (len(simplified.equally_good), simplified.design, simplified.loss) == (3, best, 0.0)
 
 
-def test_the_stiffest_is_the_tallest_and_rigid_bars_are_all_alike(found):
-    decision = found["deflection"].decision
+def test_tallest_bar_has_smallest_deflection(curves_by_objective):
+    decision = curves_by_objective["deflection"].decision
     area, inertia = WIDTH * HEIGHTS, WIDTH * HEIGHTS**3 / 12.0
     shear = LENGTH / (5.0 / 6.0 * area * E / 2.0)
     across = 1e9 * (LENGTH**3 / (3.0 * E * inertia) + shear)
     wide = HEIGHTS * WIDTH**3 / 12.0
     along = 1e9 * (1.0 / DRIVE + LENGTH**3 / (3.0 * E * wide) + shear)
     expected = np.maximum(across, along)
-    # For ν = 0 held ends take nothing of bending: the rest is the mesh.
+    # For ν = 0 rigid end faces do not stiffen bending. The remaining error is that of the mesh.
     for model in ("vjm", "links", "segments", "beam"):
         assert decision.models[model] == pytest.approx(expected, rel=1e-9)
     assert decision.reference == pytest.approx(expected, rel=1e-3)
@@ -130,117 +133,125 @@ def test_the_stiffest_is_the_tallest_and_rigid_bars_are_all_alike(found):
     assert np.isnan(decision.correlation("simplified")[0])
 
 
-def test_what_the_file_relies_on_is_judged(given):
-    variations = variations_of(given, ["tool.mass=2:4:3"])
-    ids = {case.id for case in cases_over(given, variations)}
+def test_cases_are_for_models_the_file_relies_on(light_bar):
+    variations = variations_of(light_bar, ["tool.mass=2:4:3"])
+    ids = {case.id for case in cases_over(light_bar, variations)}
     assert "decision.frequency.loss.beam[tool.mass]" in ids
     assert not any("simplified" in name or "frequency.loss.vjm" in name for name in ids)
-    relied = replace(given, requirement=replace(given.requirement, rely=("simplified",)))
-    cases = {case.id: case for case in cases_over(relied, variations)}
+    requirement = replace(light_bar.requirement, rely=("simplified",))
+    relying = replace(light_bar, requirement=requirement)
+    cases = {case.id: case for case in cases_over(relying, variations)}
     assert sorted(cases) == [
-        f"decision.{objective}.{what}.simplified[tool.mass]"
+        f"decision.{objective}.{criterion}.simplified[tool.mass]"
         for objective in ("deflection", "frequency")
-        for what in ("loss", "order")
+        for criterion in ("loss", "order")
     ]
-    # 4.0 kg are slower than 2.0 kg, which both know.
-    context = Context(relied, "quick")
+    # A tool of 4.0 kg has lower frequencies than one of 2.0 kg by the model and by the reference.
+    context = Context(relying, "quick")
     loss = cases["decision.frequency.loss.simplified[tool.mass]"].measure(context)
     assert (loss.value, loss.reference_uncertainty) == (0.0, 0.0)
     # One and a half exchanges of neighbours among three, each 12/(3 (9 − 1)).
     assert cases["decision.frequency.order.simplified[tool.mass]"].tolerance == Absolute(0.75)
-    # No mass changes a deflection: nothing is to choose, and there is no order.
-    stiff = cases["decision.deflection.loss.simplified[tool.mass]"].measure(context)
-    assert "2, 3, 4 are equally good by this model" in stiff.notes[1]
+    # Deflections do not depend on the mass: all values are equally good, without a ranking.
+    deflection = cases["decision.deflection.loss.simplified[tool.mass]"].measure(context)
+    assert "2, 3, 4 are equally good by this model" in deflection.notes[1]
     with pytest.raises(Skip, match="equally good by simplified or its reference"):
         cases["decision.deflection.order.simplified[tool.mass]"].measure(context)
-    two = cases_over(relied, variations_of(given, ["tool.mass=2:4:2"]))
-    assert [case.id.split(".")[2] for case in two] == ["loss", "loss"]
-    assert not cases_over(relied, variations_of(given, ["tool.mass=2:4:1"]))
+    of_two_values = cases_over(relying, variations_of(light_bar, ["tool.mass=2:4:2"]))
+    assert [case.id.split(".")[2] for case in of_two_values] == ["loss", "loss"]
+    assert not cases_over(relying, variations_of(light_bar, ["tool.mass=2:4:1"]))
 
 
 @pytest.mark.exhaustive
-def test_a_value_without_a_reference_is_told(tmp_path, monkeypatch):
-    """The thinner bar has more unknowns as a solid than the preset takes."""
+def test_value_without_reference_is_skipped(tmp_path, monkeypatch):
+    """The solid of the thinner bar has more unknowns than the preset allows."""
     monkeypatch.setitem(LARGEST, "quick", 6000)
     bar = robot_of(BAR, tmp_path)
     variations = variations_of(bar, ["bodies.bar.section.height=0.04:0.08:2"])
     case = next(c for c in cases_over(bar, variations) if "frequency.loss.beam" in c.id)
-    said = r"--vary bodies.bar.section.height=0.04: bar as a solid of 2 divisions has about"
-    with pytest.raises(Skip, match=said):
+    message = r"--vary bodies.bar.section.height=0.04: bar as a solid of 2 divisions has about"
+    with pytest.raises(Skip, match=message):
         case.measure(Context(bar, "quick"))
 
 
-def test_units_are_sent_kept_and_taken_up_with_all_their_digits(given, tmp_path, monkeypatch):
-    (variation,) = variations_of(given, ["tool.mass=2:4:2"])
+def test_stored_and_sent_units_keep_all_digits(light_bar, tmp_path, monkeypatch):
+    (variation,) = variations_of(light_bar, ["tool.mass=2:4:2"])
     monkeypatch.setenv("FLEXPROOF_CACHE", "off")
-    here = variation_study(given, variation, "quick")
+    in_process = variation_study(light_bar, variation, "quick")
     monkeypatch.setenv("FLEXPROOF_CACHE", str(tmp_path))
     forget()
     with on_cores(1) as cores:
-        there = variation_study(given, variation, "quick", cores)
+        in_worker = variation_study(light_bar, variation, "quick", cores)
     forget()
-    again = variation_study(given, variation, "quick", pytest.fail)
-    for objective, curves in here.items():
-        for other in (there, again):
-            np.testing.assert_equal(asdict(other[objective].decision), asdict(curves.decision))
+    from_cache = variation_study(light_bar, variation, "quick", pytest.fail)
+    for objective, curves in in_process.items():
+        for study in (in_worker, from_cache):
+            np.testing.assert_equal(asdict(study[objective].decision), asdict(curves.decision))
 
 
-def test_references_of_several_kinds_are_one_robot_each():
-    """A leg of its own 6×6 leaves nothing open, where others leave two readings."""
-    legs = np.array(["beam", "legs' own 6×6"]), np.array(["vjm", "beam", "solid, a", "solid, b"])
+def test_robot_with_one_reading_uses_it_for_all():
+    """The first robot, with legs known by their 6×6, has one reading; the second has two."""
+    names = np.array(["beam", "legs' own 6×6"]), np.array(["vjm", "beam", "solid, a", "solid, b"])
     extremes = np.array([2.0, 3.0]), np.array([7.0, 4.0, 5.0, 6.0])
     robots = [
-        VariedModels(np.zeros(1), name, np.ones((n, 1)), np.ones((n, 1)), n // 2, one, 0.1 * one)
-        for name, one, n in zip(legs, extremes, (2, 4), strict=True)
+        VariedModels(
+            np.zeros(1), curve_names, np.ones((n, 1)), np.ones((n, 1)), n // 2, values, 0.1 * values
+        )
+        for curve_names, values, n in zip(names, extremes, (2, 4), strict=True)
     ]
     decision = decision_of("deflection", robots)
-    assert {name: one.tolist() for name, one in decision.models.items()} == {"beam": [2.0, 4.0]}
-    assert [one.tolist() for one in decision.references.values()] == [[3.0, 5.0], [3.0, 6.0]]
-    left_open = np.array(list(decision.uncertainties.values()))
-    np.testing.assert_allclose(left_open, [[0.3, 0.5], [0.3, 0.6]])
+    models = {name: values.tolist() for name, values in decision.models.items()}
+    assert models == {"beam": [2.0, 4.0]}
+    references = [values.tolist() for values in decision.references.values()]
+    assert references == [[3.0, 5.0], [3.0, 6.0]]
+    half_widths = np.array(list(decision.uncertainties.values()))
+    np.testing.assert_allclose(half_widths, [[0.3, 0.5], [0.3, 0.6]])
 
 
-def test_uncertain_references_leave_losses_open(given, monkeypatch):
+def test_uncertain_reference_makes_losses_uncertain(light_bar, monkeypatch):
     values = {"first": np.array([1.0, 1.001, 2.0]), "second": np.array([1.02, 1.0, 2.0])}
-    uncertain = {"first": np.full(3, 0.002), "second": np.zeros(3)}
-    decision = Decision("deflection", {"model": values["second"]}, values, uncertain)
+    uncertainties = {"first": np.full(3, 0.002), "second": np.zeros(3)}
+    decision = Decision("deflection", {"model": values["second"]}, values, uncertainties)
     assert decision.choice("model").loss == pytest.approx(0.001)
-    # 0.2 % up and 0.2 % down; the second reading finds it the best.
+    # 0.2 % up and 0.2 % down. Under the second reading it is the best design.
     assert decision.loss_uncertainty(1) == pytest.approx(0.004, rel=0.01)
     assert decision.loss_uncertainty(0) == pytest.approx(0.02, rel=0.01)
-    # One exchange of three: ρ = 0.5; within its uncertainty, and by the second, the order is 1.
+    # One exchange among three gives ρ = 0.5. The correlation is 1 within the half-widths, and under
+    # the second reading.
     assert decision.correlation("model") == pytest.approx((0.5, 0.5))
     monkeypatch.setattr("validation.variations.cases._decision", lambda *_: decision)
     monkeypatch.setitem(decision.models, "beam", values["second"])
-    cases = cases_over(given, variations_of(given, ["tool.mass=2:4:3"]))
-    case = next(one for one in cases if "deflection.loss.beam" in one.id)
-    percent = case.measure(Context(given, "quick"))
+    cases = cases_over(light_bar, variations_of(light_bar, ["tool.mass=2:4:3"]))
+    case = next(case for case in cases if "deflection.loss.beam" in case.id)
+    percent = case.measure(Context(light_bar, "quick"))
     assert [percent.value, percent.reference_uncertainty] == pytest.approx([0.1, 0.4], rel=0.01)
 
 
-def test_what_is_open_moves_extremes_up_or_down():
-    """Of 1.0 (1 ± 10 %) and 1.01 the smaller is as much as 10 % smaller, and 1 % larger."""
-    values, unsure = np.array([[1.0], [1.01]]), np.array([[0.1], [0.0]])
-    found = _extremes({"beam": values, "solid": values}, {"solid": unsure}, np.min)
-    np.testing.assert_allclose(found, [[1.0, 1.0], [0.0, 0.1]])
+def test_uncertainty_of_extreme_covers_both_directions():
+    """The smaller of 1.0 (± 10 %) and 1.01 is at most 10 % smaller, or 1 % larger."""
+    values, uncertainties = np.array([[1.0], [1.01]]), np.array([[0.1], [0.0]])
+    extremes = _extremes({"beam": values, "solid": values}, {"solid": uncertainties}, np.min)
+    np.testing.assert_allclose(extremes, [[1.0, 1.0], [0.0, 0.1]])
 
 
-def test_losses_of_a_known_table():
-    # The first chooses its 1.0, where the reference has 2.0 instead of its best 1.6.
-    own, reference = np.array([1.0, 2.0, 4.0, 3.0]), np.array([2.0, 1.6, 3.0, 5.0])
-    assert choice(own, reference, "deflection") == Choice(0, (0,), pytest.approx(0.25))
-    # Of frequencies the largest is best: 4.0, where the reference has 3.0 of its 5.0.
-    assert choice(own, reference, "frequency") == Choice(2, (2,), pytest.approx(0.4))
-    # A model of rigid legs finds 1 µm throughout, but for rounding and one design: in its favour.
-    own, reference = 1.0 + np.array([3e-9, 0.5, 0.0, -2e-9]), np.array([4.0, 1.0, 3.0, 2.0])
-    assert choice(own, reference, "deflection") == Choice(3, (0, 2, 3), pytest.approx(1.0))
+def test_choice_and_loss_match_hand_calculation():
+    # The model chooses its 1.0. The reference has 2.0 there, and 1.6 at its best.
+    values, reference = np.array([1.0, 2.0, 4.0, 3.0]), np.array([2.0, 1.6, 3.0, 5.0])
+    assert choice(values, reference, "deflection") == Choice(0, (0,), pytest.approx(0.25))
+    # The largest frequency is best: 4.0, at which the reference has 3.0, with 5.0 at its best.
+    assert choice(values, reference, "frequency") == Choice(2, (2,), pytest.approx(0.4))
+    # By a model of rigid legs three designs have 1 µm except for rounding. The best of them by the
+    # reference counts.
+    values, reference = 1.0 + np.array([3e-9, 0.5, 0.0, -2e-9]), np.array([4.0, 1.0, 3.0, 2.0])
+    assert choice(values, reference, "deflection") == Choice(3, (0, 2, 3), pytest.approx(1.0))
     assert choice(np.zeros(4), reference, "deflection").design == 1
 
 
 @pytest.mark.parametrize("levels", [4, 1000])
-def test_spearman_is_scipys_and_rounding_makes_no_order(levels):
+def test_spearman_matches_scipy_and_ignores_rounding(levels):
     """With few levels there are ties, which share their mean rank."""
-    for one, other in np.random.default_rng(levels).integers(1, levels, (5, 2, 9)).astype(float):
-        due = scipy.stats.spearmanr(one, other).statistic
-        assert spearman(one, other) == pytest.approx(due, abs=1e-12)
-        assert np.isnan(spearman(1.0 + 1e-9 * one, other))
+    pairs = np.random.default_rng(levels).integers(1, levels, (5, 2, 9)).astype(float)
+    for first, second in pairs:
+        expected = scipy.stats.spearmanr(first, second).statistic
+        assert spearman(first, second) == pytest.approx(expected, abs=1e-12)
+        assert np.isnan(spearman(1.0 + 1e-9 * first, second))

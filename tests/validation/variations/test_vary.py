@@ -1,4 +1,4 @@
-"""`solve --vary` and `run --vary`: what files with those numbers would say, whoever computes it."""
+"""Options `solve --vary` and `run --vary`, compared with robot files with the varied numbers."""
 
 import csv
 import json
@@ -18,13 +18,13 @@ MASS = "tool.mass=1:3:2"
 
 
 def table(path):
-    """Columns of numbers by their heads."""
+    """Columns of numbers by heading."""
     rows = list(csv.DictReader(path.open(encoding="utf-8")))
     return {key: np.array([float(row[key]) for row in rows]) for key in rows[0]}
 
 
 @pytest.mark.parametrize(
-    ("name", "key", "was", "model"),
+    ("name", "key", "original", "model"),
     [
         ("five-bar", "bodies.crank1.section.thickness", "thickness = 0.006", "beam"),
         ("five-bar", "points.B1[1]", "B1 = [-0.35,", "segments"),
@@ -32,46 +32,46 @@ def table(path):
         ("biglide", "leg2.section.diameter", "diameter = 0.12,", "beam"),
     ],
 )
-def test_each_value_is_what_a_file_with_it_says(name, key, was, model, tmp_path, command):
-    """Held against a file with the number typed into it."""
+def test_varied_value_gives_result_of_edited_file(name, key, original, model, tmp_path, command):
     text = load_robot(name).text
-    assert was in text
-    old = was.rsplit(" ", 1)[-1].strip("[,")
+    assert original in text
+    old = original.rsplit(" ", 1)[-1].strip("[,")
     new = repr(1.1 * float(old))
-    typed = robot_of(text.replace(was, was.replace(old, new), 1), tmp_path).source
-    asked = ("--model", model, "--modes", 2)
-    found = command.json("solve", name, *asked, "--vary", f"{key}={old}:{new}:2")["results"]
-    for robot, value, one in zip((name, typed), (old, new), found, strict=True):
-        (expected,) = command.json("solve", robot, *asked)["results"]
-        assert one["vary"] == {key: float(value)}
+    edited = robot_of(text.replace(original, original.replace(old, new), 1), tmp_path).source
+    options = ("--model", model, "--modes", 2)
+    results = command.json("solve", name, *options, "--vary", f"{key}={old}:{new}:2")["results"]
+    for robot, value, result in zip((name, edited), (old, new), results, strict=True):
+        (expected,) = command.json("solve", robot, *options)["results"]
+        assert result["vary"] == {key: float(value)}
         for numbers in ("compliance", "frequencies"):
-            np.testing.assert_allclose(one[numbers], expected[numbers], rtol=1e-12, atol=0.0)
+            np.testing.assert_allclose(result[numbers], expected[numbers], rtol=1e-12, atol=0.0)
 
 
-def test_numbers_that_match_vary_together_and_several_in_every_combination(tmp_path, command):
-    """A Delta of six thicker rods keeps its symmetry: two first modes of one frequency."""
-    asked = ["delta", "--model", "beam", "--modes", "2", "--csv", tmp_path / "table.csv"]
+def test_two_variations_give_all_combinations(tmp_path, command):
+    """A * varies six rods together. The Delta stays symmetric: f1 and f2 are equal."""
+    arguments = ["delta", "--model", "beam", "--modes", "2", "--csv", tmp_path / "table.csv"]
     keys = ("bodies.rod*.section.diameter", "tool.mass")
-    asked += ["--vary", f"{keys[0]}=0.02:0.03:2", "--vary", f"{keys[1]}=1:2:3"]
-    found = command.json("solve", *asked)["results"]
+    arguments += ["--vary", f"{keys[0]}=0.02:0.03:2", "--vary", f"{keys[1]}=1:2:3"]
+    results = command.json("solve", *arguments)["results"]
     values = [(d, m) for d in (0.02, 0.03) for m in (1, 1.5, 2)]
-    assert [tuple(one["vary"].values()) for one in found] == values
-    frequencies = np.array([one["frequencies"] for one in found])
+    assert [tuple(result["vary"].values()) for result in results] == values
+    frequencies = np.array([result["frequencies"] for result in results])
     np.testing.assert_allclose(frequencies[:, 0], frequencies[:, 1], rtol=1e-9)
     assert (np.diff(frequencies[:3, 0]) < 0.0).all()
-    columns, compliances = table(tmp_path / "table.csv"), [one["compliance"] for one in found]
+    columns = table(tmp_path / "table.csv")
     np.testing.assert_array_equal(np.transpose([columns[key] for key in keys]), values)
     np.testing.assert_array_equal(columns["f1 (Hz)"], frequencies[:, 0])
+    compliances = [result["compliance"] for result in results]
     diagonals = np.diagonal(compliances, axis1=1, axis2=2)
-    for name, due in (
+    for name, expected in (
         ("z (µm at 1000 N)", 1e9 * diagonals[:, 2]),
         ("phi_x (µrad at 100 N m)", 1e8 * diagonals[:, 3]),
     ):
-        np.testing.assert_allclose(columns[name], due, rtol=1e-12)
+        np.testing.assert_allclose(columns[name], expected, rtol=1e-12)
 
 
 @pytest.mark.parametrize(
-    ("typed", "said"),
+    ("typed", "message"),
     [
         ("bodies.rodd.section.width=1:2:3", "five-bar has no such number; did you mean"),
         ("bodies.rod1.from=1:2:3", '"B1" in five-bar is no number; must name a number'),
@@ -85,57 +85,58 @@ def test_numbers_that_match_vary_together_and_several_in_every_combination(tmp_p
         ("*=1:1:1", "schema"),
     ],
 )
-def test_what_cannot_be_varied_is_one_clear_line(typed, said, command):
+def test_wrong_variation_is_refused_with_one_line(typed, message, command):
     line = command.refused("solve", "five-bar", "--model", "beam", "--vary", typed)
     assert line.startswith("flexproof: --vary ")
-    assert said in line
+    assert message in line
 
 
 @pytest.mark.parametrize(
-    ("typed", "said"),
+    ("typed", "message"),
     [
         (["--vary", MASS, "--vary", "points.A[2]=0.0:0.45:2"], "--vary points.A[2]=0.45: "),
         (["--cluster", "tcp://a:1"], "--cluster: computes the robots of --vary and the parts"),
     ],
 )
-def test_a_run_is_refused_before_anything_is_written(typed, said, tmp_path, command):
+def test_refused_run_writes_nothing(typed, message, tmp_path, command):
     arm, folder = robot_of(ARM, tmp_path).source, tmp_path / "report"
-    assert said in command.refused("run", arm, "--preset", "quick", "--out", folder, *typed)
+    assert message in command.refused("run", arm, "--preset", "quick", "--out", folder, *typed)
     assert not folder.exists()
 
 
 @pytest.mark.parametrize(
     ("model", "vary"), [("vjm", "tool.mass=1:2:2"), ("beam", "path.count=3:9:2")]
 )
-def test_a_number_that_changes_no_answer_is_told(model, vary, capsys):
+def test_variation_without_effect_has_a_message(model, vary, capsys):
     assert main(["solve", "five-bar", "--vary", vary, "--model", model]) == 0
-    said = f"flexproof: --vary {vary.partition('=')[0]}: changes no answer of the {model} model\n"
-    assert capsys.readouterr().err == said
+    key = vary.partition("=")[0]
+    message = f"flexproof: --vary {key}: changes no answer of the {model} model\n"
+    assert capsys.readouterr().err == message
 
 
 @pytest.mark.exhaustive
-def test_curves_of_a_run_are_what_the_models_answer(tmp_path, command):
-    """Those of `solve --vary`; a slender bar's solid is its beam but for what held ends take."""
+def test_curves_of_run_match_solve_vary(tmp_path, command):
+    """Models match `solve --vary`. Solid and beam of a slender bar differ by end restraint only."""
     arm, folder = robot_of(ARM, tmp_path).source, tmp_path / "report"
-    asked = ["run", arm, "--preset", "quick", "--only", "*y.*", "--out", folder]
-    command.told(*asked, "--vary", WIDTH, "--vary", MASS)
+    arguments = ["run", arm, "--preset", "quick", "--only", "*y.*", "--out", folder]
+    command.told(*arguments, "--vary", WIDTH, "--vary", MASS)
     deflections, frequencies, heavier = (
         table(folder / "figures" / f"vary.{name}.csv")
         for name in ("1.deflections", "1.frequencies", "2.frequencies")
     )
     np.testing.assert_allclose(deflections["bodies.arm.section.width (m)"], [0.04, 0.06, 0.08])
     for model in ("beam", "segments", "simplified"):
-        asked = ["solve", arm, "--model", model, "--pose", "0.1", "--vary", WIDTH, "--modes", "2"]
-        found = command.json(*asked)["results"]
-        diagonals = np.diagonal([one["compliance"] for one in found], axis1=1, axis2=2)
-        for name, due in (
+        options = ["--model", model, "--pose", "0.1", "--vary", WIDTH, "--modes", "2"]
+        results = command.json("solve", arm, *options)["results"]
+        diagonals = np.diagonal([result["compliance"] for result in results], axis1=1, axis2=2)
+        for name, expected in (
             ("along x (µm)", 1e9 * diagonals[:, 0]),
             ("about z (µrad)", 1e8 * diagonals[:, 5]),
         ):
-            np.testing.assert_allclose(deflections[f"{model}: {name}"], due, rtol=1e-9)
-        own = np.array([one["frequencies"] for one in found])
-        for mode, due in enumerate(own.T, start=1):
-            np.testing.assert_allclose(frequencies[f"{model}: f{mode} (Hz)"], due, rtol=1e-6)
+            np.testing.assert_allclose(deflections[f"{model}: {name}"], expected, rtol=1e-9)
+        solved = np.array([result["frequencies"] for result in results])
+        for mode, expected in enumerate(solved.T, start=1):
+            np.testing.assert_allclose(frequencies[f"{model}: f{mode} (Hz)"], expected, rtol=1e-6)
     solid = frequencies["solid, ends rigid: f1 (Hz)"]
     np.testing.assert_allclose(solid, frequencies["beam: f1 (Hz)"], rtol=5e-3)
     assert (np.diff(heavier["solid, ends free: f1 (Hz)"]) < 0.0).all()
@@ -160,5 +161,5 @@ def test_curves_of_a_run_are_what_the_models_answer(tmp_path, command):
         ("ifw", "accept.deflection", ""),
     ],
 )
-def test_units(robot, key, unit):
+def test_unit_of_number_in_robot_file(robot, key, unit):
     assert unit_of(load_robot(robot).tables, key) == unit
