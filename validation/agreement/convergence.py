@@ -12,13 +12,15 @@ Differences are d_k = f_{k+1} − f_k, ratios r_k = h_k / h_{k+1} > 1.
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import isfinite, log
-from typing import Literal, TypeAlias
+from typing import Literal, TypeAlias, TypeVar
 
 import numpy as np
 import scipy
 
 from lumped.arrays import Array
+from validation.agreement.mesh_half_widths import PROVEN, UNPROVEN, MeshPolicy, mesh_half_widths
 
+F = TypeVar("F", float, Array)
 Behaviour: TypeAlias = Literal["monotone", "oscillating", "diverging", "round-off plateau"]
 
 # Orders are sought up to 12: p-elements aside no method in use has a higher one.
@@ -28,9 +30,6 @@ LARGEST_ORDER = 12.0
 SETTLED = 0.25
 # ASME V&V 20: the smaller safety factor where the observed order is within 10 % of the formal one.
 CLOSE_TO_FORMAL = 0.10
-PROVEN = 1.25
-# The safety factor of everything else.
-UNPROVEN = 3.0
 # Below so many elements no series is expected to be asymptotic.
 COARSE_COUNT = 5
 
@@ -75,7 +74,7 @@ def three_grid_order(
     return float(scipy.optimize.brentq(misfit, 1e-6, LARGEST_ORDER))
 
 
-def richardson(middle: float, fine: float, ratio: float, order: float) -> float:
+def richardson(middle: F, fine: F, ratio: float, order: float) -> F:
     """Value at h → 0 from the two finest grids, `ratio` = h_middle/h_fine."""
     return fine + (fine - middle) / float(ratio**order - 1.0)
 
@@ -203,7 +202,8 @@ def analyse(
     extrapolated = richardson(values[-2], values[-1], ratio, min(order, formal_order))
     # 1.25 where the observed order is within 10 % of the formal one, else 3.
     proven = abs(order - formal_order) <= CLOSE_TO_FORMAL * formal_order
-    uncertainty = (PROVEN if proven else UNPROVEN) * abs(extrapolated - values[-1])
+    policy = MeshPolicy.to_limit(PROVEN if proven else UNPROVEN)
+    uncertainty = float(mesh_half_widths([np.abs(extrapolated - values[-1])], policy))
     return Convergence(values, orders, order, extrapolated, uncertainty)
 
 
@@ -231,7 +231,8 @@ def uncertainty_of(convergence: Convergence) -> float:
     """
     if convergence.uncertainty is not None:
         return convergence.uncertainty
-    return UNPROVEN * float(np.ptp(convergence.values[-3:]))
+    spread = np.ptp(convergence.values[-3:])
+    return float(mesh_half_widths([np.asarray(spread)], MeshPolicy.to_limit()))
 
 
 def uncertainty_of_known_orders(sizes: Array, values: Array, orders: tuple[float, ...]) -> float:
@@ -244,7 +245,8 @@ def uncertainty_of_known_orders(sizes: Array, values: Array, orders: tuple[float
     if len(values) < len(orders) + 2:
         raise ValueError(f"{len(orders)} orders need {len(orders) + 2} grids, not {len(values)}")
     fitted, deviations = _fitted(sizes, values, orders)
-    return PROVEN * float(abs(fitted[0] - values[-1])) + float(np.max(np.abs(deviations)))
+    proven = mesh_half_widths([np.abs(fitted[0] - values[-1])], MeshPolicy.to_limit(PROVEN))
+    return float(proven) + float(np.max(np.abs(deviations)))
 
 
 def _plateau(sizes: Array, values: Array, round_off: float) -> Convergence:

@@ -1,9 +1,9 @@
 """Half-widths of numbers due to their mesh, from changes between successive meshes.
 
-One formula for all meshes, s max(Δ, Δ₋₁/rᵖ)/(rᵖ − 1): the error of the finest mesh if errors fall
-by rᵖ from mesh to mesh, times a safety factor s. Δ is the last change, which counts as at least the
-share of the one before, Δ₋₁, that the order p leaves of it. A `MeshPolicy` states r, s and which
-orders are assumed (Roache, J. Fluids Eng. 116 (1994) 405).
+One formula for all meshes and element counts, s max(Δ, Δ₋₁/rᵖ)/|rᵖ − 1|: the error of the finest
+mesh if errors fall by rᵖ from mesh to mesh, times a safety factor s. Δ is the last change, which
+counts as at least the share of the one before, Δ₋₁, that the order p leaves of it. A `MeshPolicy`
+states r, s and which orders are assumed (Roache, J. Fluids Eng. 116 (1994) 405).
 """
 
 from collections.abc import Callable, Sequence
@@ -14,9 +14,10 @@ from typing import TypeVar
 import numpy as np
 
 from lumped.arrays import Array
-from validation.agreement.convergence import UNPROVEN
 
 A = TypeVar("A")
+# Safety factors of ASME V&V 20: 1.25 if the observed order is near the formal one, otherwise 3.
+PROVEN, UNPROVEN = 1.25, 3.0
 
 
 @dataclass(frozen=True)
@@ -24,9 +25,9 @@ class MeshPolicy:
     """Rule for half-widths from changes between similar meshes.
 
     `ratio`: size of the elements of a mesh over that of the next one; below one if the other mesh
-    is the finer one. `orders`: lowest and highest order of convergence. Two meshes show no order,
-    and the lowest counts; of three the order is that of the sums of all changes, within both.
-    `safety`: factor over the estimated error. `round_off`: least relative half-width.
+    is the finer one, 0 if its elements are infinitely fine. `orders`: lowest and highest order of
+    convergence. Two meshes show no order, and the lowest counts; of three the order is that of the
+    sums of all changes, within both. `safety`: factor over the estimated error. `round_off`: least relative half-width.
     """
 
     ratio: float
@@ -35,9 +36,14 @@ class MeshPolicy:
     round_off: float = 0.0
 
     @classmethod
-    def of_order(cls, ratio: float, order: float) -> "MeshPolicy":
-        """Policy for two meshes and a known formal order."""
-        return cls(ratio, (order, order))
+    def of_order(cls, ratio: float, order: float, safety: float = UNPROVEN) -> "MeshPolicy":
+        """Policy for two meshes and a known order."""
+        return cls(ratio, (order, order), safety)
+
+    @classmethod
+    def to_limit(cls, safety: float = UNPROVEN) -> "MeshPolicy":
+        """Policy for changes to the limit of infinitely fine elements: they are the error."""
+        return cls(0.0, (1.0, 1.0), safety)
 
     def order(self, before: float, after: float) -> float:
         """Order of convergence by the sums of two successive changes."""

@@ -23,11 +23,10 @@ from lumped.legs import Theory
 from validation.agreement.convergence import (
     CLOSE_TO_FORMAL,
     COARSE_COUNT,
-    PROVEN,
-    UNPROVEN,
     orders_to_limits,
     pairwise_orders,
 )
+from validation.agreement.mesh_half_widths import PROVEN, UNPROVEN, MeshPolicy, mesh_half_widths
 from validation.comparisons.discretisations import Discretisation
 
 # Relative errors whose smallest element counts are reported.
@@ -99,7 +98,7 @@ class ConvergenceSeries:
 
     def _half_widths(self, column: int) -> Array:
         sizes, values = 1.0 / np.array(self.counts, dtype=float), self.values[:, column]
-        widths = UNPROVEN * self.largest_errors[:, column]
+        widths = mesh_half_widths([self.largest_errors[:, column]], MeshPolicy.to_limit())
         if not np.isnan(self.orders[column]) or self.exact[column]:
             steps = np.abs(np.diff(self.errors[:, column]))
             ratios = sizes[:-1] / sizes[1:]
@@ -114,7 +113,10 @@ class ConvergenceSeries:
                 1.0,
             )
             used[0] = 1.0
-            widths[1:] = factors * steps / (ratios ** (used * self.formal_order) - 1.0)
+            orders = used * self.formal_order
+            for k, step in enumerate(steps):
+                policy = MeshPolicy.of_order(ratios[k], orders[k], factors[k])
+                widths[k + 1] = mesh_half_widths([step], policy)
         widths[0] = np.nan
         return np.asarray(widths + self.limit_half_widths[column] + self._round_off)
 

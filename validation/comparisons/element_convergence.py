@@ -21,7 +21,8 @@ from lumped.mechanism.mechanism import Posture
 from lumped.models.bodies import clamped_modes, legs_of, tip_compliance_of
 from lumped.system.assembly import assembly
 from lumped.system.solution import compliance, modes, solved
-from validation.agreement.convergence import UNPROVEN
+from validation.agreement.convergence import richardson
+from validation.agreement.mesh_half_widths import MeshPolicy, mesh_half_widths
 from validation.comparisons.convergence_series import (
     TARGETS,
     ConvergenceSeries,
@@ -226,9 +227,9 @@ def _beam_limit(evaluate: Evaluate, theory: Theory) -> tuple[Array, Array]:
     """Richardson's limit of the beam elements, and half-widths of three times its last step."""
     beams = Discretisation("beam", theory=theory)
     coarse, fine = (evaluate(beams.with_count(count)) for count in _LIMIT_COUNTS)
-    step = (fine - coarse) / ((_LIMIT_COUNTS[1] / _LIMIT_COUNTS[0]) ** BEAM_ORDER - 1.0)
-    limits = fine + step
-    return limits, UNPROVEN * np.abs(relative_errors(fine, limits))
+    limits = richardson(coarse, fine, _LIMIT_COUNTS[1] / _LIMIT_COUNTS[0], BEAM_ORDER)
+    errors = np.abs(relative_errors(fine, limits))
+    return limits, mesh_half_widths([errors], MeshPolicy.to_limit())
 
 
 def _values(frequencies: Array, tip: Array) -> Array:

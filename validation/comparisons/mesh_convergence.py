@@ -12,7 +12,8 @@ import numpy as np
 from lumped.arrays import Array
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg
-from validation.agreement.convergence import UNPROVEN, analyse
+from validation.agreement.convergence import analyse, richardson
+from validation.agreement.mesh_half_widths import MeshPolicy, mesh_half_widths
 from validation.comparisons.convergence_series import TARGETS, ConvergenceSeries
 from validation.comparisons.convergence_study import ConvergenceStudy
 from validation.comparisons.discretisations import Discretisation
@@ -83,8 +84,9 @@ def _values(leg: ConstantLeg, discretisation: Discretisation) -> Array:
 def _limits(counts: tuple[int, ...], values: Array, formal: float) -> tuple[Array, Array, Array]:
     """Limits (q), their half-widths (q, units of the values) and observed orders (q)."""
     ratio = counts[-1] / counts[-2]
-    step = (values[-1] - values[-2]) / (ratio**formal - 1.0)
-    limits, half_widths = values[-1] + step, UNPROVEN * np.abs(step)
+    policy = MeshPolicy.of_order(ratio, formal)
+    limits = richardson(values[-2], values[-1], ratio, formal)
+    half_widths = mesh_half_widths([np.abs(values[-1] - values[-2])], policy)
     orders = np.full(len(limits), np.nan)
     if len(counts) < _OBSERVED:
         return limits, half_widths, orders

@@ -24,6 +24,7 @@ from validation.adequacy.mechanism.path import coordinates, why_not_serial
 from validation.adequacy.models import judged_models
 from validation.adequacy.probability import COVERAGE, propagated
 from validation.adequacy.responses import UNSOLVED
+from validation.agreement.mesh_half_widths import MeshPolicy, mesh_half_widths
 from validation.case import failure_reason
 from validation.context import Context
 from validation.measured.modes import Partner, modal_answer
@@ -35,7 +36,7 @@ from validation.verdicts import Adequacy, Entry, Matrix, ModelNote, worst_of
 # Models of elements; the others have none and no discretisation.
 _OF_ELEMENTS = ("segments", "beam")
 # Second order in the number of elements: the error of n of them is 4/3 of what 2n change.
-_OF_A_DOUBLING = 4.0 / 3.0
+_DOUBLED = MeshPolicy.of_order(0.5, 2.0, safety=1.0)
 # No model is off by so much: accelerations in g are, and millimetres.
 _OF_UNITS = 5.0
 
@@ -226,7 +227,7 @@ def _compared(
         doubled = replace(options, elements=2 * options.elements)
         finer = _required(predicted(model, robot, one, doubled), f"{doubled.elements} elements")
         # The estimate is a half-width of 95 %.
-        numerical = _OF_A_DOUBLING * abs(value - finer) / COVERAGE
+        numerical = float(mesh_half_widths([np.abs(value - finer)], _DOUBLED)) / COVERAGE
     return Comparison(value, one.value, numerical, propagated(changes), one.uncertainty)
 
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from lumped.arrays import Array
 from meshes.part.volume import RATIO
+from validation.agreement.combiners import relative_sizes
 from validation.agreement.mesh_half_widths import MeshPolicy, mesh_half_widths
 
 # Relative rounding of compliances and frequencies. Changes below it have no order.
@@ -31,10 +32,7 @@ def refinement_uncertainty(
     with scale 0 has half-width 0. NaN stays NaN.
     """
     size = np.abs(fine) if scale is None else scale
-    changes = [
-        np.divide(np.abs(change), size, out=np.zeros_like(size), where=size != 0.0)
-        for change in (middle - coarse, fine - middle)
-    ]
+    changes = [relative_sizes(change, size) for change in (middle - coarse, fine - middle)]
     return np.asarray(mesh_half_widths(changes, TETRAHEDRA) * size)
 
 
