@@ -21,7 +21,6 @@ Electron. J. Stat. 8 (2014) 575).
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from math import hypot
 
 import numpy as np
 import scipy
@@ -33,6 +32,7 @@ from lumped.memo import memo
 from validation.adequacy.errors import Errors, ModelErrors
 from validation.adequacy.references import InputUncertainties
 from validation.adequacy.responses import Model
+from validation.agreement.combiners import Combiner, combined
 from validation.agreement.displacement import FLOOR, nearest_between
 from validation.agreement.responses import Statics
 from validation.verdicts import Adequacy
@@ -467,4 +467,5 @@ def propagated(changes: Iterable[Sequence[float] | Array]) -> float:
     `changes` are the model's values with one input at a time a standard uncertainty below and
     above what the file says.
     """
-    return hypot(*(0.5 * (above - below) for below, above in changes), 0.0)
+    slopes = np.array([0.5 * (above - below) for below, above in changes])
+    return float(combined(slopes, np.abs, Combiner.ROOT_OF_SQUARES))

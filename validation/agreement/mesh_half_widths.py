@@ -27,7 +27,8 @@ class MeshPolicy:
     `ratio`: size of the elements of a mesh over that of the next one; below one if the other mesh
     is the finer one, 0 if its elements are infinitely fine. `orders`: lowest and highest order of
     convergence. Two meshes show no order, and the lowest counts; of three the order is that of the
-    sums of all changes, within both. `safety`: factor over the estimated error. `round_off`: least relative half-width.
+    sums of all changes, within both. `safety`: factor over the estimated error. `round_off`: least
+    relative half-width.
     """
 
     ratio: float

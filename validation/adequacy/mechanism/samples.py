@@ -38,12 +38,14 @@ class Samples:
 
     def of_models(self, models: Mapping[str, BodyModel]) -> dict[str, Array]:
         """Displacements (3m×n) at the points from the unknowns of each leg's model."""
-        known: dict[int, Array] = {}
+        known: dict[tuple[BodyModel, bytes], Array] = {}
         found = {}
         for name, model in models.items():
-            if id(model) not in known:
-                known[id(model)] = model.displacements(self.points[name]).toarray()
-            found[name] = known[id(model)]
+            points = self.points[name]
+            key = model, points.tobytes()
+            if key not in known:
+                known[key] = model.displacements(points).toarray()
+            found[name] = known[key]
         return found
 
     def at(self, system: System, shapes: Array, of_models: Mapping[str, Array]) -> Array:
