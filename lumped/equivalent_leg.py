@@ -36,8 +36,8 @@ def require_positive_definite(leg: GivenLeg) -> None:
     """Raise InputError if the leg's compliance is not positive definite."""
     if np.linalg.eigvalsh(leg.compliance)[0] <= 0.0:
         raise InputError(
-            f"{leg.name or 'leg'}: its compliance is not positive definite, so that it has no "
-            "equivalent leg"
+            "its compliance is not positive definite, so that it has no equivalent leg",
+            part=leg.name or "leg",
         )
 
 

@@ -18,7 +18,12 @@ _LARGEST_FAULT_COUNT = 50
 
 
 class _SendableError(Exception):
-    """An error that survives pickling although its constructor takes more than a message."""
+    """An error that survives pickling although its constructor takes more than a message.
+
+    The message begins with the `part` of the model; "" if it names none.
+    """
+
+    part = ""
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _unpickled_error, (type(self), *self.args), self.__dict__
@@ -53,11 +58,13 @@ def remarks_to(receive: Callable[[Remark], object]) -> Iterator[None]:
 class InputError(_SendableError):
     """Wrong input: one line per fault, each with location, value and allowed values.
 
-    Long lines are shortened. Of more than fifty faults the remainder is counted.
+    Long lines are shortened. Of more than fifty faults the remainder is counted. Each line begins
+    with the `part` of the model; "" if there is none.
     """
 
-    def __init__(self, faults: str | Iterable[str]) -> None:
+    def __init__(self, faults: str | Iterable[str], part: str = "") -> None:
         lines = (faults,) if isinstance(faults, str) else tuple(faults)
+        self.part, lines = part, tuple(_prefixed(part, line) for line in lines)
         if len(lines) > _LARGEST_FAULT_COUNT:
             remainder = f"and {len(lines) - _LARGEST_FAULT_COUNT + 1} more faults"
             lines = (*lines[: _LARGEST_FAULT_COUNT - 1], remainder)
@@ -67,6 +74,14 @@ class InputError(_SendableError):
 
 class ComputationError(_SendableError):
     """A computation failed: the message names the part of the model and the likely cause."""
+
+    def __init__(self, message: str, part: str = "") -> None:
+        self.part = part
+        super().__init__(_prefixed(part, message))
+
+
+def _prefixed(part: str, message: str) -> str:
+    return f"{part}: {message}" if part else message
 
 
 def write_error(path: object, error: OSError, advice: str = "") -> InputError | ComputationError:
@@ -98,19 +113,15 @@ def collect_faults(
 def naming(part: str) -> Iterator[None]:
     """Prefix the messages of errors raised in this context with the `part` of the model.
 
-    Messages remain unchanged if `part` is "" or if they already have the prefix.
+    Errors of this part, and all errors if it is "", remain unchanged.
     """
     try:
         yield
     except InputError as error:
-        if not part:
+        if part in ("", error.part):
             raise
-        raise InputError(_prefixed(part, fault) for fault in error.faults) from error
+        raise InputError(error.faults, part) from error
     except ComputationError as error:
-        if not part:
+        if part in ("", error.part):
             raise
-        raise ComputationError(_prefixed(part, str(error))) from error
-
-
-def _prefixed(part: str, message: str) -> str:
-    return message if message.startswith(f"{part}: ") else f"{part}: {message}"
+        raise ComputationError(str(error), part) from error

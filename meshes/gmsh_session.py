@@ -59,13 +59,15 @@ def gmsh_model(part: str) -> Iterator[ModuleType]:
         import gmsh  # noqa: PLC0415  slow to load, and most answers need no mesh
     except ImportError as error:
         raise ComputationError(
-            f"{part}: needs gmsh, which cannot be loaded ({error}); install its Python module from "
-            "pip or from your distribution"
+            f"needs gmsh, which cannot be loaded ({error}); install its Python module from "
+            "pip or from your distribution",
+            part=part,
         ) from error
     except OSError as error:
         raise ComputationError(
-            f"{part}: needs gmsh, which cannot be loaded ({error}); install the system libraries "
-            f"that it links to, on Debian and Ubuntu the packages {' '.join(DEBIAN_PACKAGES)}"
+            f"needs gmsh, which cannot be loaded ({error}); install the system libraries "
+            f"that it links to, on Debian and Ubuntu the packages {' '.join(DEBIAN_PACKAGES)}",
+            part=part,
         ) from error
 
     with _LOCK:
@@ -84,7 +86,7 @@ def gmsh_model(part: str) -> Iterator[ModuleType]:
             # gmsh raises bare Exceptions; anything more specific is not gmsh's.
             if type(error) is not Exception:
                 raise
-            raise ComputationError(f"{part}: gmsh failed: {error}") from error
+            raise ComputationError(f"gmsh failed: {error}", part=part) from error
         finally:
             if outermost:
                 gmsh.finalize()

@@ -60,13 +60,16 @@ def check(mesh: SectionMesh | VolumeMesh, part: str) -> None:
     worst, longest = jacobians.min(), aspects.max()
     if worst < LEAST_SCALED_JACOBIAN:
         raise ComputationError(
-            f"{part}: the mesh has {mesh.element} elements of scaled Jacobian {worst:.2g}, below "
-            f"{LEAST_SCALED_JACOBIAN:g}: distorted or inverted; more divisions help on curved walls"
+            f"the mesh has {mesh.element} elements of scaled Jacobian {worst:.2g}, below "
+            f"{LEAST_SCALED_JACOBIAN:g}: distorted or inverted; more divisions help on curved "
+            "walls",
+            part=part,
         )
     if longest > LARGEST_ASPECT:
         raise ComputationError(
-            f"{part}: the mesh has {mesh.element} elements {longest:.3g} times as long as wide, "
-            f"above {LARGEST_ASPECT:g}: take more slices or divisions, or fewer across the wall"
+            f"the mesh has {mesh.element} elements {longest:.3g} times as long as wide, "
+            f"above {LARGEST_ASPECT:g}: take more slices or divisions, or fewer across the wall",
+            part=part,
         )
 
 

@@ -274,5 +274,6 @@ def _cholesky(matrix: Array, part: str) -> Array:
         return np.asarray(cholesky(matrix, lower=True))
     except LinAlgError as error:
         raise ComputationError(
-            f"{part}: not positive definite; the slices are too thin or too long for their section"
+            "not positive definite; the slices are too thin or too long for their section",
+            part=part,
         ) from error

@@ -61,8 +61,9 @@ def require_memory(unknowns: float, part: str) -> None:
     available = available_memory()
     if available is not None and needed > available:
         raise ComputationError(
-            f"{part}: {unknowns:.0f} unknowns need about {needed / 1e9:.1f} GB and "
-            f"{available / 1e9:.1f} GB are available: ask for fewer unknowns"
+            f"{unknowns:.0f} unknowns need about {needed / 1e9:.1f} GB and "
+            f"{available / 1e9:.1f} GB are available: ask for fewer unknowns",
+            part=part,
         )
 
 

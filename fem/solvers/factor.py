@@ -30,11 +30,11 @@ class NotPositiveDefiniteError(ComputationError):
     """A matrix that must be positive definite is not, or only to rounding."""
 
     def __init__(self, part: str) -> None:
-        self.part = part
         super().__init__(
-            f"{part}: the matrix is not positive definite (a part free to move as a rigid body, a "
-            "negative material constant, stiffnesses that differ by more than rounding allows, or "
-            "a shift above the first eigenvalue)"
+            "the matrix is not positive definite (a part free to move as a rigid body, a negative "
+            "material constant, stiffnesses that differ by more than rounding allows, or a shift "
+            "above the first eigenvalue)",
+            part,
         )
 
     def __reduce__(self) -> tuple[type, tuple[str]]:

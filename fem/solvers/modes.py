@@ -54,9 +54,9 @@ class CertifiedModes(Modes):
 class MissedModesError(ComputationError):
     """The count found `missing` modes more below its shift than the search."""
 
-    def __init__(self, message: str, missing: int) -> None:
+    def __init__(self, message: str, missing: int, part: str = "") -> None:
         self.missing = missing
-        super().__init__(message)
+        super().__init__(message, part)
 
 
 def certify(values: Array, beyond: float, count: Count, part: str) -> float:
@@ -77,18 +77,19 @@ def certify(values: Array, beyond: float, count: Count, part: str) -> float:
             continue
         missing = found.negative - wanted
         message = (
-            f"{part}: certificate of the modes failed: {found.negative} lie below "
+            f"certificate of the modes failed: {found.negative} lie below "
             f"{np.sqrt(sigma) / (2.0 * np.pi):.6g} Hz, {wanted} were found; the start vectors have "
             "no share in a mode or the factor of the stiffness is inaccurate"
         )
         if missing > 0:
-            raise MissedModesError(message, missing)
+            raise MissedModesError(message, missing, part)
         if missing < 0:
-            raise ComputationError(message)
+            raise ComputationError(message, part)
         return sigma
     raise ComputationError(
-        f"{part}: certificate of the modes failed: zero pivots near "
-        f"{np.sqrt(last) / (2.0 * np.pi):.6g} Hz; ask for another number of modes"
+        f"certificate of the modes failed: zero pivots near "
+        f"{np.sqrt(last) / (2.0 * np.pi):.6g} Hz; ask for another number of modes",
+        part=part,
     )
 
 
@@ -110,7 +111,7 @@ def lowest_modes(
     """
     n = M.shape[0]
     if mode_count < 1:
-        raise InputError(f"{part}: modes = {mode_count!r}: must be 1 or more")
+        raise InputError(f"modes = {mode_count!r}: must be 1 or more", part=part)
     rng = np.random.default_rng(_SEED)
     ritz = _searched(solve, M, _noise(n, rng), mode_count, part, space)
     for search in range(_SEARCHES):
@@ -156,8 +157,9 @@ def _searched(
         ritz = block_lanczos(solve, M, start, wanted, limit, _RESIDUAL, known, space)
     except NotConvergedError as error:
         raise ComputationError(
-            f"{part}: {min(error.converged, count)} of {counted(count, 'mode')} converged in "
-            f"{counted(error.solves, 'solve')}; fewer modes or a finer mesh are needed"
+            f"{min(error.converged, count)} of {counted(count, 'mode')} converged in "
+            f"{counted(error.solves, 'solve')}; fewer modes or a finer mesh are needed",
+            part=part,
         ) from error
     if len(ritz.values) < count:
         asked = count + (0 if known is None else known.shape[1])

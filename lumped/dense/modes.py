@@ -37,8 +37,9 @@ def solve_modes(
         values, vectors = eigh(m, k, subset_by_index=[max(n - count, 0), n - 1])
     except LinAlgError as error:
         raise ComputationError(
-            f"{part}: the stiffness matrix is not positive definite; "
-            "a part is free to move or a stiffness is negative"
+            "the stiffness matrix is not positive definite; "
+            "a part is free to move or a stiffness is negative",
+            part=part,
         ) from error
     values, vectors = values[::-1], vectors[:, ::-1] * scale[:, None]
     if len(values) < count or values[-1] <= np.finfo(float).eps * n * values[0]:
@@ -53,4 +54,4 @@ class FewerModesError(ComputationError):
 
 def too_few(part: str, count: int) -> FewerModesError:
     """Error for a request of more modes than have mass."""
-    return FewerModesError(f"{part}: {counted(count, 'mode')} asked for, but fewer have mass")
+    return FewerModesError(f"{counted(count, 'mode')} asked for, but fewer have mass", part=part)

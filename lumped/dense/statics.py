@@ -40,8 +40,9 @@ def solve_statics(stiffness: SparseMatrix, loads: Array, part: str) -> Array:
         factor = None
     if factor is None or np.min(np.diag(factor[0])) ** 2 < _SMALLEST_PIVOT:
         raise ComputationError(
-            f"{part}: the stiffness matrix is not positive definite; a part is free to move or a "
-            "stiffness is negative"
+            "the stiffness matrix is not positive definite; a part is free to move or a "
+            "stiffness is negative",
+            part=part,
         )
     displacements: Array = scale[:, None] * cho_solve(factor, scale[:, None] * loads)
     return displacements
@@ -66,8 +67,9 @@ def balanced_flexibility(loads: Array, displacements: Array, forces: Array, part
     worst = float(share.max(initial=0.0))
     if not worst <= _UNBALANCED:
         raise ComputationError(
-            f"{part}: the work of the loads and the energy stored differ by {100.0 * worst:.2g} %: "
-            "stiffnesses in the model differ by more than double precision resolves"
+            f"the work of the loads and the energy stored differ by {100.0 * worst:.2g} %: "
+            "stiffnesses in the model differ by more than double precision resolves",
+            part=part,
         )
     return np.asarray(0.5 * (flexibility + np.swapaxes(flexibility, -1, -2)))
 

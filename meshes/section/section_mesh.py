@@ -101,7 +101,7 @@ def symmetrised(nodes: Array, part: str) -> Array:
         images = nodes * mirror
         distance, partner = scipy.spatial.cKDTree(images).query(nodes)
         if distance.max() > tolerance:
-            raise ComputationError(f"{part}: the mesh is not symmetric about its section's axes")
+            raise ComputationError("the mesh is not symmetric about its section's axes", part=part)
         nodes = (nodes + images[partner]) / 2.0
     return nodes
 

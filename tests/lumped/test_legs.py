@@ -124,6 +124,10 @@ def test_a_leg_that_fails_is_named_once_and_alike_legs_are_equal_whatever_they_a
     with pytest.raises(InputError) as error, naming("leg 1"), naming("leg 1"):
         raise InputError(["length: too short", "width: too wide"])
     assert error.value.faults == ("leg 1: length: too short", "leg 1: width: too wide")
+    # The text of a message decides nothing: a section may be called as its leg is.
+    with pytest.raises(InputError) as error, naming("leg"):
+        raise InputError("leg: is no section")
+    assert error.value.faults == ("leg: leg: is no section",)
 
 
 def test_torsion_constants_of_rectangles():

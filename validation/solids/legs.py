@@ -363,8 +363,9 @@ def mesh_pair(leg: ConstantLeg, most: int) -> tuple[tuple[int, int], tuple[int, 
         return (coarse, static_slices(leg, coarse)), (fine, static_slices(leg, fine))
     if (unknowns := _coarsest_unknowns(leg)) > most:
         raise InputError(
-            f"{leg.name or 'leg'}: the coarsest section mesh of its {leg.section.shape} has "
-            f"{unknowns} unknowns, more than {most}"
+            f"the coarsest section mesh of its {leg.section.shape} has "
+            f"{unknowns} unknowns, more than {most}",
+            part=leg.name or "leg",
         )
     along = static_slices(leg, COARSEST_WALLS)
     return (COARSEST_WALLS, along), (COARSEST_WALLS, 2 * along)

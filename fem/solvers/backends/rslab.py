@@ -59,9 +59,10 @@ class RslabOrdering:
         available = available_memory()
         if available is not None and self.peak_bytes > available:
             raise ComputationError(
-                f"{part}: factorising {self._size} unknowns needs about "
+                f"factorising {self._size} unknowns needs about "
                 f"{self.peak_bytes / 1e9:.1f} GB and {available / 1e9:.1f} GB are available: use "
-                "fewer divisions, a shorter leg, or condensation by doubling (statics)"
+                "fewer divisions, a shorter leg, or condensation by doubling (statics)",
+                part=part,
             )
         # The values alone: given a matrix, rslab copies it and compares its pattern.
         handle = self._handle.factor(values, threads=threads(), force_accept=True)
