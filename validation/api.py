@@ -463,10 +463,10 @@ class Adequacy:
         from validation.report.figures.adequacy import error_curves  # noqa: PLC0415
 
         curves = error_curves(self.matrix)
-        if curves is None or curves.chart is None:
+        if curves is None:
             raise InputError("plot: no error of a deflection or a frequency was computed")
         with plot_style():
-            return drawn_chart(curves.chart)
+            return drawn_chart(curves)
 
     def __repr__(self) -> str:
         return f"Adequacy({self.matrix.robot}: {self.sentence})"

@@ -11,8 +11,9 @@ from validation.comparisons.convergence_study import (
     ConvergenceStudy,
 )
 from validation.context import Context
+from validation.drawing.chart import Chart
+from validation.drawing.figures import FigureGroup
 from validation.exhibits import CONVERGENCE
-from validation.report.declared import FigureGroup, Shown, curves
 
 # Legs drawn beside the robot; all of them are judged, and in the data of the figure.
 _MOST_LEGS = 2
@@ -22,7 +23,7 @@ figures = FigureGroup(CONVERGENCE, GROUP)
 
 
 @figures.figure(FIGURE, "Convergence with element count", effort=1.5)
-def element_convergence(context: Context) -> Shown:
+def element_convergence(context: Context) -> Chart:
     """A column for each of the first legs and for the robot, a row for each quantity."""
     bodies = subjects(context.robot_file.mechanism)
     if not bodies:
@@ -33,7 +34,7 @@ def element_convergence(context: Context) -> Shown:
     panels: list[ErrorPanel] = [study.panel(name) for name in drawn for study in studies]
     limits = context.robot_file.agreement
     chart = convergence_chart(panels, X_LABELS["elements"], limits, columns=len(studies))
-    shown = curves(chart, *_caption(studies, len(bodies) - 1 - len(legs)))
+    shown = chart.captioned(*_caption(studies, len(bodies) - 1 - len(legs)))
     records = [one for body in bodies for one in study_of(context, body).study_records()]
     return replace(shown, studies=records)
 

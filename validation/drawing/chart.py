@@ -119,7 +119,8 @@ class Panel:
 class Chart:
     """Panels row by row in `columns`, `high` inches each, all over one axis, one legend above.
 
-    `table` are the first columns of its data; every curve of a quantity adds its own.
+    `table` are the first columns of its data; every curve of a quantity adds its own. `title` if it
+    says more than that of the planned figure. `studies`: its entries in results.json.
     """
 
     panels: Sequence[Panel]
@@ -128,6 +129,18 @@ class Chart:
     high: float = 2.0
     table: Mapping[str, Column] = field(default_factory=dict)
     x_scale: Scale | None = None
+    caption: str = ""
+    title: str = ""
+    studies: Sequence[Mapping[str, Any]] = ()
+
+    def captioned(self, *sentences: str, title: str = "") -> "Chart":
+        """The chart with a title and a caption of the sentences that are not empty."""
+        return replace(self, caption=" ".join(filter(None, sentences)), title=title)
+
+
+def compared_with(against: str) -> str:
+    """Sentence of a caption on panels of differences."""
+    return f"Lower panels: difference from {against} in percent."
 
 
 def compared(panel: Panel, against: str) -> Panel:

@@ -10,6 +10,7 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from lumped.arrays import Array, IntArray
+from validation.drawing.style import WIDTH
 from validation.drawing.surfaces import Surface
 
 GREY, DARK = "#b8bcc2", "#4a4f57"
@@ -159,3 +160,21 @@ def readable_factor(largest: float, wanted: float) -> float:
     steps = np.array([1.0, 2.0, 5.0])
     # Rounding must not turn an exact 5 into 2.
     return float(steps[steps * decade <= exact * (1.0 + 1e-12)][-1] * decade)
+
+
+@dataclass(frozen=True, eq=False)
+class SceneGrid:
+    """Scenes with their caption in `columns`, each of a `height`, in a picture of `width` (in).
+
+    The height is that of what the scenes show if it is None. Each can be turned in the page if
+    `turned`. `data`: their numbers as CSV. `title` as of a chart.
+    """
+
+    caption: str
+    scenes: Sequence[Scene]
+    columns: int = 1
+    height: float | None = None
+    width: float = WIDTH
+    turned: bool = True
+    data: str = ""
+    title: str = ""

@@ -19,6 +19,7 @@ from validation.adequacy.mechanism.path import coordinates
 from validation.case import Skip
 from validation.context import Context, Preset
 from validation.drawing.chart import Chart, Column, Contours, Panel, few_ticks
+from validation.drawing.figures import FigureGroup
 from validation.drawing.style import plot_style
 from validation.drawing.text import number
 from validation.exhibits import PATH
@@ -32,7 +33,6 @@ from validation.maps.workspace import (
     workspace,
     worst_posture,
 )
-from validation.report.declared import FigureGroup, Shown
 from validation.report.words import capital
 from validation.solids.legs import SHARED_SOLIDS
 from validation.tables import ResultTable
@@ -173,12 +173,12 @@ def workspace_maps(context: Context) -> WorkspaceMaps:
 
 
 @figures.figure("mechanism.maps", "Maps over the workspace", effort=3.0)
-def maps(context: Context) -> Shown:
+def maps(context: Context) -> Chart:
     """Plot a column for each quantity and a row for each slice."""
     robot_maps = workspace_maps(context)
     space = robot_maps.space
     studies = [_study(space, *one_map) for one_map in robot_maps.maps]
-    return Shown(_caption(space, robot_maps.maps), robot_maps.chart(), studies=studies)
+    return replace(robot_maps.chart(), caption=_caption(space, robot_maps.maps), studies=studies)
 
 
 def _panels(space: Workspace, names: Sequence[str], maps: Sequence[Map]) -> list[Panel]:

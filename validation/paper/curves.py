@@ -16,11 +16,13 @@ from validation.drawing.chart import (
     Scale,
     Series,
     compared,
+    compared_with,
     from_zero,
     largest,
     lettered,
     plain_log,
 )
+from validation.drawing.figures import FigureGroup
 from validation.drawing.text import percent
 from validation.exhibits import FAMILY, STROKE
 from validation.models.options import DEFAULT_OPTIONS, ModelName, ModelOptions
@@ -35,7 +37,6 @@ from validation.paper.robot import (
     frequencies,
     stroke_of,
 )
-from validation.report.declared import FigureGroup, Shown, compared_with, curves
 
 T = TypeVar("T")
 _POINT_TITLES = {"centre": "centre of the stroke", "left": "left end", "right": "right end"}
@@ -80,7 +81,7 @@ EQUIVALENT_LEGS = (VJM_EQUIVALENT, SEGMENTS, BEAM)
     "Deflections over the stroke, all models (as the paper's Figs 3 and 5)",
     effort=1.5,
 )
-def all_deflections(context: Context) -> Shown:
+def all_deflections(context: Context) -> Chart:
     """Plot deflections over the stroke: planar under forces along x and y, and along z."""
     models = (SIMPLIFIED, VJM, *EQUIVALENT_LEGS)
     x, deflection = _over_the_stroke(context, models, _deflections)
@@ -93,8 +94,7 @@ def all_deflections(context: Context) -> Shown:
     difference = max(
         spread([getattr(deflection[model], name) for model in EQUIVALENT_LEGS]) for name in _LOADS
     )
-    return curves(
-        stroke_chart(x, lettered(panels)),
+    return stroke_chart(x, lettered(panels)).captioned(
         f"Deflections of the loaded point under {LOAD:g} N over its position on the stroke. With "
         "elastic drives and rigid legs (simplified) they are at most "
         f"{simplified.largest_planar:.2f} µm; under a force along x they are "
@@ -115,7 +115,7 @@ def all_deflections(context: Context) -> Shown:
     "Deflections of robots with longer legs (as the paper's Fig. 6)",
     effort=3.0,
 )
-def deflections_of_the_family(context: Context) -> Shown:
+def deflections_of_the_family(context: Context) -> Chart:
     """Plot deflections over α: a column for each point of the stroke, a row for each load."""
     by_point = _over_the_family(context, (SIMPLIFIED, *EQUIVALENT_LEGS), _deflections)
     panels = []
@@ -132,8 +132,7 @@ def deflections_of_the_family(context: Context) -> Shown:
             for point, by_model in by_point.items()
         ]
     planar, along_z = by_point["centre"][BEAM].planar_x, by_point["centre"][BEAM].along_z
-    return curves(
-        family_chart(panels, high=1.9),
+    return family_chart(panels, high=1.9).captioned(
         _FAMILY_CAPTION,
         "At the centre of the stroke, by beam elements, the planar deflection under a force along "
         f"x changes from {planar[0]:.1f} µm at α = 1 to {planar[-1]:.1f} µm at α = 2, and the "
@@ -148,7 +147,7 @@ def deflections_of_the_family(context: Context) -> Shown:
     "First natural frequencies over the stroke (as the paper's Figs 7 and 10)",
     effort=3.0,
 )
-def frequencies_over_the_stroke(context: Context) -> Shown:
+def frequencies_over_the_stroke(context: Context) -> Chart:
     """Plot two frequencies of models with elastic legs, and the first by all models."""
     models = (SIMPLIFIED, SEGMENTS, SEGMENTS_AS_PRINTED, BEAM)
     x, frequency = _over_the_stroke(context, models, _frequencies)
@@ -167,8 +166,7 @@ def frequencies_over_the_stroke(context: Context) -> Shown:
             Panel(first, "first frequency, all models", _FIRST, frequency_scale(first)),
         )
     ]
-    return curves(
-        stroke_chart(x, lettered(panels), high=2.8),
+    return stroke_chart(x, lettered(panels), high=2.8).captioned(
         "First and second natural frequency of the robot over the stroke, 20 elements in each leg. "
         f"Segments and beam elements agree to {percent(difference, signed=False)}; at "
         f"the centre they give {beam[0]:.0f} and {beam[1]:.0f} Hz. Eq. (25) as printed deletes row "
@@ -187,7 +185,7 @@ def frequencies_over_the_stroke(context: Context) -> Shown:
     "First natural frequencies of robots with longer legs (as the paper's Figs 12 and 13)",
     effort=4.0,
 )
-def frequencies_of_the_family(context: Context) -> Shown:
+def frequencies_of_the_family(context: Context) -> Chart:
     """Plot over α at three points two frequencies of elastic legs and the simplified first."""
     by_point = _over_the_family(context, (SIMPLIFIED, SEGMENTS, BEAM), _frequencies)
     alphas = np.array(ALPHAS)
@@ -215,8 +213,7 @@ def frequencies_of_the_family(context: Context) -> Shown:
     ]
     simplified = by_point["centre"][SIMPLIFIED][:, 0]
     first, second = by_point["centre"][BEAM].T
-    return curves(
-        family_chart(panels),
+    return family_chart(panels).captioned(
         _FAMILY_CAPTION,
         "At the centre of the stroke, by beam elements, the first frequency changes from "
         f"{first[0]:.0f} Hz at α = 1 to {first[-1]:.0f} Hz at α = 2, the second from "

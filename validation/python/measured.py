@@ -100,10 +100,10 @@ class MeasuredComparison:
         from validation.drawing.plot import drawn_chart  # noqa: PLC0415
 
         shown = measured_curves(self.matrix)
-        if shown is None or shown.chart is None:
+        if shown is None:
             raise InputError("plot: the robot has no measured value")
         with plot_style():
-            return drawn_chart(shown.chart)
+            return drawn_chart(shown)
 
     def __repr__(self) -> str:
         quantities = ", ".join(quantity.name for quantity in self.matrix.quantities)

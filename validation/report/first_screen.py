@@ -4,9 +4,9 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import sqrt
 
+from validation.drawing.figures import attempted, drawn_figure
 from validation.drawing.text import percent
 from validation.exhibits import Figure
-from validation.report.declared import attempted
 from validation.report.figures.adequacy import error_curves, measured_curves
 from validation.report.remedies import RemedyLine, remedies_of
 from validation.report.table import Table, csv_of_matrix, table_of
@@ -60,7 +60,7 @@ def first_screen(
     def errors() -> Figure | None:
         shown = measured_curves(matrix) if measured else error_curves(matrix)
         where = ("measured.values", "measured") if measured else ("adequacy.errors", "adequacy")
-        return shown.figure(where[0], shown.title, where[1]) if shown else None
+        return drawn_figure(shown, where[0], shown.title, where[1]) if shown else None
 
     table = table_of(matrix, [*rely] or [model for model, _ in models_to_use(matrix)])
     folded = [row.note.model for row in table.rows if row.folded]

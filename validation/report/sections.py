@@ -9,6 +9,7 @@ from functools import cached_property, partial
 from math import isnan
 
 from validation.case import Relation, Relative
+from validation.drawing.figures import attempted
 from validation.drawing.text import anchor
 from validation.exhibits import (
     AGREEMENT,
@@ -28,7 +29,6 @@ from validation.report.agreement import (
     agreement_tables,
 )
 from validation.report.agreement_parts import agreement_rows
-from validation.report.declared import attempted
 from validation.report.element_counts import ElementCounts, element_counts
 from validation.report.figures.budgets import budget_figure
 from validation.report.figures.studies import Family, families, study_figure

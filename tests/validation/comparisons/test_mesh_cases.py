@@ -121,7 +121,7 @@ def test_figure_shows_errors_orders_and_costs():
     """Panels, curves and data of the figure by a second reading of the cases."""
     (family,) = families(outcomes())
     shown = mesh_curves(family.studies)
-    panels = {panel.title: panel for panel in shown.chart.panels}
+    panels = {panel.title: panel for panel in shown.panels}
     assert set(panels) == {"deflection along y", "torsion", "f1", "CPU time"}
     rows = list(csv.DictReader(io.StringIO(study_figure(family).data)))
     for study in family.studies:

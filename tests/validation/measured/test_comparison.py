@@ -92,7 +92,7 @@ def test_measured_values_join_the_matrix_as_a_reference_of_their_own():
     entry = more.entry("beam", "leg1.c33")
     assert (entry.pose, entry.errors) == ((), (None, None))
     assert more.entry("simplified", "leg1.c33") is None
-    assert chart_svg(measured_curves(more).chart)
+    assert chart_svg(measured_curves(more))
     assert "leg1.c33" in sentence(more)
 
 
@@ -103,7 +103,7 @@ def test_leg_entries_alone_have_a_chart():
         Measured(measured_quantity(f"leg1.{name}"), 1e-6, 1e-8, "stand") for name in ("c22", "c33")
     )
     matrix = measured_matrix(Context(replace(biglide, measured=ones), "quick"))
-    chart = measured_curves(matrix).chart
+    chart = measured_curves(matrix)
     assert [panel.title for panel in chart.panels] == ["leg1.c22", "leg1.c33"]
     for panel, quantity in zip(chart.panels, matrix.quantities, strict=True):
         values = {one.label: one.y[0] for one in panel.series}
@@ -138,7 +138,7 @@ def test_value_that_one_model_refuses_costs_that_entry_alone(monkeypatch):
     assert (beam.verdict, beam.errors[1]) == ("undecided", None)
     assert "do not hold the tool" in beam.reason
     assert matrix.entry("vjm", "x").value == pytest.approx(links.value, rel=1e-6)
-    assert chart_svg(measured_curves(matrix).chart)
+    assert chart_svg(measured_curves(matrix))
 
 
 def test_error_of_the_program_costs_one_value_alone(monkeypatch, capsys):
@@ -264,7 +264,7 @@ def test_models_are_held_against_what_was_measured(tmp_path):
     )
     found = matrix.entry("simplified", "f1").uncertainties["inputs"]
     assert found == pytest.approx(1.959964 * 0.5 * (high - low) / 62.0)
-    assert chart_svg(measured_curves(matrix).chart)
+    assert chart_svg(measured_curves(matrix))
     assert "adequacy.measured" in {task.id for task in catalogue(robot_file)}
 
 

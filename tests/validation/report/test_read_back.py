@@ -205,7 +205,7 @@ def test_every_line_of_the_csv(matrix):
 
 @pytest.mark.parametrize("matrix", MATRICES)
 def test_every_curve_and_its_table(matrix):
-    chart = error_curves(matrix).chart
+    chart = error_curves(matrix)
     # Two coordinates: the number of the pose, from 1.
     assert chart.x_label == "pose"
     for panel in chart.panels:

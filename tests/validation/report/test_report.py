@@ -169,7 +169,7 @@ def test_only_equal_numbers_have_an_unexplained_difference_in_per_cent():
 def test_a_budget_shows_what_is_measured_explained_and_left():
     allowances = (Allowance("warping", -0.096),)
     outcome = measured("solid", 1.9, 2.0, 1e-4, exact=False, allowances=allowances)
-    whole, rest = budget_curves([(outcome, outcome.measurement)]).chart.panels
+    whole, rest = budget_curves([(outcome, outcome.measurement)]).panels
     # In % of the reference, and of the tolerance of 1 % of it.
     assert [(one.label, *one.y) for one in whole.bars] == [
         *(("warping", pytest.approx(-4.8)), ("unexplained", pytest.approx(-0.2)))

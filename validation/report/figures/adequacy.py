@@ -9,7 +9,6 @@ import numpy as np
 from lumped.acceptance.quantities import UNIT_LOADS, Quantity, QuantityKind
 from lumped.arrays import Array
 from validation.drawing.chart import Chart, Column, Panel, Series, few_ticks, percent, side_by_side
-from validation.report.declared import Shown, curves
 from validation.verdicts import Entry, Matrix
 
 _POSE = "pose"
@@ -19,7 +18,7 @@ _MODES = 2
 _COLUMNS = 3
 
 
-def error_curves(matrix: Matrix) -> Shown | None:
+def error_curves(matrix: Matrix) -> Chart | None:
     """A panel for each deflection and the first frequencies; None where nothing is known.
 
     Errors within the limit lie in the shaded band, on a linear scale; beyond it the scale is
@@ -30,8 +29,7 @@ def error_curves(matrix: Matrix) -> Shown | None:
     if not shown:
         return None
     panels = [_panel(matrix, q, leftmost=not i % _COLUMNS) for i, q in enumerate(shown)]
-    return curves(
-        _chart(panels, matrix, _table(matrix)),
+    return _chart(panels, matrix, _table(matrix)).captioned(
         "Error of the whole displacement of the loaded point (never negative) and of frequencies; "
         "bars: from the lowest to the highest error that the reference leaves open. Shaded: the "
         "accepted error, beyond which the scale is logarithmic.",
@@ -39,7 +37,7 @@ def error_curves(matrix: Matrix) -> Shown | None:
     )
 
 
-def measured_curves(matrix: Matrix) -> Shown | None:
+def measured_curves(matrix: Matrix) -> Chart | None:
     """A panel for each measured quantity: measured with its 95 % interval, models beside it."""
     if not matrix.quantities:
         return None
@@ -64,8 +62,7 @@ def measured_curves(matrix: Matrix) -> Shown | None:
         "95 % of the measurement": [_part(e, "measurement") for e in matrix.entries],
         "95 % of numerics and inputs": [_of_model(e) for e in matrix.entries],
     }
-    return curves(
-        _chart(panels, matrix, data),
+    return _chart(panels, matrix, data).captioned(
         "All values divided by the measured one. Black: measured, with its 95 % interval. Models: "
         "with the 95 % interval of numerics and uncertain inputs; where there are several poses, "
         "of the measurement, too.",

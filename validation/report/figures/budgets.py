@@ -13,9 +13,9 @@ import numpy as np
 
 from validation.case import Measurement
 from validation.drawing.chart import Bars, Chart, Panel, Series, around_zero
+from validation.drawing.figures import drawn_figure
 from validation.drawing.text import function_name
 from validation.exhibits import Figure
-from validation.report.declared import Shown, curves
 from validation.run.outcome import Outcome
 
 # Of the causes: the hatch tells them apart in black and white.
@@ -37,10 +37,10 @@ def budget_figure(
     if not found:
         return None
     makers = tuple(dict.fromkeys(function_name(outcome.case.compute) for outcome, _ in found))
-    return budget_curves(found).figure(identifier, title, section, makers)
+    return drawn_figure(budget_curves(found), identifier, title, section, makers)
 
 
-def budget_curves(found: Sequence[tuple[Outcome, Measurement]]) -> Shown:
+def budget_curves(found: Sequence[tuple[Outcome, Measurement]]) -> Chart:
     """Left the difference and its named causes, right what is left over the tolerance."""
     measured = [one for _, one in found]
     causes = {one.cause: np.zeros(len(found)) for own in measured for one in own.allowances}
@@ -84,8 +84,8 @@ def budget_curves(found: Sequence[tuple[Outcome, Measurement]]) -> Shown:
     table = {
         f"{name} (% of the reference)": (share * own).tolist() for name, own in columns.items()
     }
-    return curves(
-        Chart([whole, rest], "", 2, 0.0, {"case": [one.case.id for one, _ in found], **table}),
+    cases = {"case": [one.case.id for one, _ in found]}
+    return Chart([whole, rest], "", 2, 0.0, cases | table).captioned(
         "Left: the difference (diamond) and the named causes that explain it, each "
         "computed on its own. Right: what no cause explains, with the numerical uncertainty "
         "of both sides; the shaded band is the tolerance.",

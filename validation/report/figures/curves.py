@@ -20,10 +20,18 @@ from validation.adequacy.mechanism.path import coordinates, path_postures, robot
 from validation.adequacy.responses import UNSOLVED
 from validation.case import Skip
 from validation.context import Context
-from validation.drawing.chart import Chart, Column, Panel, Series, few_ticks, from_zero
+from validation.drawing.chart import (
+    Chart,
+    Column,
+    Panel,
+    Series,
+    compared_with,
+    few_ticks,
+    from_zero,
+)
+from validation.drawing.figures import FigureGroup
 from validation.exhibits import PARAMETERS, PATH, PlannedFigure
 from validation.models.mechanism import JUDGED_MODES
-from validation.report.declared import FigureGroup, Shown, compared_with, curves
 from validation.solids.legs import SHARED_SOLIDS
 from validation.variations.cases import varied_curves
 from validation.variations.curves import VariedCurves
@@ -47,7 +55,7 @@ figures = FigureGroup(PATH, SHARED_SOLIDS)
 
 
 @figures.figure("mechanism.deflections", _TITLE, effort=3.0)
-def deflections(context: Context) -> Shown:
+def deflections(context: Context) -> Chart:
     """A panel for each direction, under a force or a moment along it."""
     try:
         found = compared_compliances(*compared_statics(robot_on_path(context)))
@@ -55,18 +63,18 @@ def deflections(context: Context) -> Shown:
         raise Skip(str(error)) from error
     chart = deflection_chart(found, *_path(context))
     said = (f"{_OF_THE_POINT}. {_HELD}", compared_with(found.against))
-    return curves(chart, *said, title=f"{_TITLE} {_OWN_LOADS}")
+    return chart.captioned(*said, title=f"{_TITLE} {_OWN_LOADS}")
 
 
 @figures.figure("mechanism.frequencies", "Natural frequencies over the path", effort=3.0)
-def frequencies(context: Context) -> Shown:
+def frequencies(context: Context) -> Chart:
     """A panel for each of the first frequencies, in ascending order at each pose."""
     try:
         found = compared_frequencies(robot_on_path(context))
     except UNSOLVED as error:
         raise Skip(str(error)) from error
     chart = frequency_chart(found, *_path(context))
-    return curves(chart, _ONE_SHAPE, compared_with(found.against))
+    return chart.captioned(_ONE_SHAPE, compared_with(found.against))
 
 
 def deflection_chart(
@@ -131,11 +139,10 @@ def figures_over(variations: Sequence[Variation]) -> tuple[PlannedFigure, ...]:
     return tuple(planned)
 
 
-def _deflections(context: Context, variation: Variation) -> Shown:
+def _deflections(context: Context, variation: Variation) -> Chart:
     """A panel for each direction, under a force or a moment along it."""
     found = varied_curves(context, variation)["deflection"]
-    return curves(
-        deflection_chart(found.compared, *_over(context, variation)),
+    return deflection_chart(found.compared, *_over(context, variation)).captioned(
         f"{_OF_THE_POINT}, {_place(context, found)}.",
         f"{_HELD}{_alike(variation)}",
         compared_with(found.compared.against),
@@ -143,25 +150,23 @@ def _deflections(context: Context, variation: Variation) -> Shown:
     )
 
 
-def _frequencies(context: Context, variation: Variation) -> Shown:
+def _frequencies(context: Context, variation: Variation) -> Chart:
     """A panel for each of the first frequencies, in ascending order at each value."""
     found = varied_curves(context, variation)["frequency"]
     said = _place(context, found)
-    return curves(
-        frequency_chart(found.compared, *_over(context, variation)),
+    return frequency_chart(found.compared, *_over(context, variation)).captioned(
         f"{said[0].upper()}{said[1:]}.",
         f"{_ONE_SHAPE}{_alike(variation)}",
         compared_with(found.compared.against),
     )
 
 
-def _decisions(context: Context, variation: Variation) -> Shown:
+def _decisions(context: Context, variation: Variation) -> Chart:
     """A panel for each objective: all models over the values, what each finds best with a star."""
     found = varied_curves(context, variation)
     x, label, abscissa = _over(context, variation)
     panels = [objective_panel(one.decision, x) for one in found.values()]
-    return curves(
-        Chart(panels, label, 2, 3.2, abscissa, few_ticks),
+    return Chart(panels, label, 2, 3.2, abscissa, few_ticks).captioned(
         *(_verdict(one, variation) for one in found.values()),
         "Every robot over its whole path. Stars mark the best of the computed values by each "
         "curve; values between them were not searched.",
@@ -218,7 +223,7 @@ def _alike(variation: Variation) -> str:
 
 
 # What each is called, and what it shows.
-_FIGURES: Mapping[str, tuple[str, Callable[..., Shown]]] = {
+_FIGURES: Mapping[str, tuple[str, Callable[..., Chart]]] = {
     "deflections": ("Deflection", _deflections),
     "frequencies": ("Natural frequencies", _frequencies),
     "decision": ("What each model chooses", _decisions),

@@ -9,7 +9,6 @@ from lumped.arrays import Array
 from validation.drawing.chart import Chart, Column, Note, Panel, Series, octaves, powers
 from validation.drawing.text import number
 from validation.exhibits import Study
-from validation.report.declared import Shown, curves
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -22,7 +21,7 @@ GRIDS = 4
 _NEAR, _LINE = 2.0, 9.0
 
 
-def mesh_curves(studies: Sequence[Study]) -> Shown:
+def mesh_curves(studies: Sequence[Study]) -> Chart:
     """Studies with panels: sizes of the errors from the limits, or values if there is no order."""
     formal = {study.variant: study.formal_order for study in studies if study.formal_order}
     titles = list(dict.fromkeys(study.panel for study in studies))
@@ -38,8 +37,7 @@ def mesh_curves(studies: Sequence[Study]) -> Shown:
     }
     chart = Chart(panels, studies[0].x_label, min(2, len(panels)), 2.0, table)
     known = "; ".join(_limit(study) for study in studies if study.limits)
-    return curves(
-        chart,
+    return chart.captioned(
         "Relative error over the unknowns of the mesh, from the extrapolated limit of the "
         "hexahedra, and CPU time of mesh, factor and modes; bars: half-width of the finest value. "
         "Ends held plane, or free to warp and contract. Deflections and torsion by doubling, with "

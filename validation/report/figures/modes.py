@@ -32,6 +32,7 @@ from validation.agreement.responses import PathModes
 from validation.case import Skip
 from validation.context import Context
 from validation.drawing.chart import Bars, Chart, Column, Panel, Series
+from validation.drawing.figures import FigureGroup
 from validation.exhibits import MODES
 from validation.models.mechanism import (
     PostureModes,
@@ -41,7 +42,6 @@ from validation.models.mechanism import (
     modes_along,
 )
 from validation.models.options import DEFAULT_OPTIONS, ModelName, ModelOptions
-from validation.report.declared import FigureGroup, Shown, curves
 from validation.report.figures.mode_names import DRIVES, JOINTS, by_kind, summed
 from validation.solids.legs import SHARED_SOLIDS
 
@@ -99,7 +99,7 @@ def _with_condensed_parts(at: Posture, count: int) -> PostureModes:
 
 
 @figures.figure("mechanism.pairs", "Modes paired by shape with those of the reference", effort=2.0)
-def pairs(context: Context) -> Shown:
+def pairs(context: Context) -> Chart:
     """MAC of beams and segments with the reference, and by how much paired frequencies differ."""
     robot = robot_on_path(context)
     responses = Responses(robot)
@@ -135,8 +135,7 @@ def pairs(context: Context) -> Shown:
             f"{name}: MAC": found.likeness[0].tolist(),
         }
     panels.append(Panel(changes, "difference (%)", levels=(0.0,), staggered=False))
-    return curves(
-        Chart(panels, "mode of the reference", len(panels), 2.0, columns),
+    return Chart(panels, "mode of the reference", len(panels), 2.0, columns).captioned(
         f"In the middle of the path; reference: {held.name or 'solid'}. Left: energy-weighed modal "
         "assurance criterion (MAC), black where two shapes are equal; blocks are modes of nearly "
         "equal frequency, which may mix. Right: frequencies of paired modes; those without a "
@@ -159,7 +158,7 @@ def _in_the_middle(found: PathModes) -> PathModes:
 @figures.figure(
     "mechanism.strain-energy", "Where the strain energy of the first modes sits", effort=2.0
 )
-def energies(context: Context) -> Shown:
+def energies(context: Context) -> Chart:
     """A stacked bar for each mode: by kind of deformation, and by drives, joints and bodies."""
     mechanism = context.robot_file.mechanism
     if not (known_legs(mechanism) or mechanism.parts):
@@ -194,8 +193,7 @@ def energies(context: Context) -> Shown:
     table |= {f"{part} (%)": (100.0 * share).tolist() for part, share in found.strain.items()}
     count = len(frequencies)
     first = f"The first {count} modes" if count > 1 else "The first mode"
-    return curves(
-        Chart(panels, "mode", 1, 2.4, table),
+    return Chart(panels, "mode", 1, 2.4, table).captioned(
         f"{first} of the {model} in the middle of the path, "
         f"{frequencies[0]:.4g} to {frequencies[-1]:.4g} Hz.",
         kinds,

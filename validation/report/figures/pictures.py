@@ -12,14 +12,14 @@ from validation.adequacy.mechanism.path import path_postures
 from validation.agreement.mode_pairing import one_frequency
 from validation.case import Skip
 from validation.context import Context
-from validation.drawing.scene import Arrow, Marks, Scene, readable_factor
+from validation.drawing.figures import FigureGroup
+from validation.drawing.scene import Arrow, Marks, Scene, SceneGrid, readable_factor
 from validation.drawing.style import LOOKS, VERMILLION, csv_of
 from validation.drawing.text import number
 from validation.exhibits import PATH, PORTRAIT
 from validation.kinematics.picture import scene
 from validation.kinematics.solids import tool_position
 from validation.models.mechanism import PostureModes
-from validation.report.declared import FigureGroup, Shown
 from validation.report.figures.bodies import (
     compared_points,
     moved,
@@ -47,11 +47,11 @@ figures = FigureGroup(PATH, "pictures")
 
 
 @portraits.figure(PORTRAIT, "The mechanism")
-def portrait(context: Context) -> Shown:
+def portrait(context: Context) -> SceneGrid:
     """The middle pose in full, the first and the last as lines."""
     postures = path_postures(context)
     shown = [postures[0], postures[len(postures) // 2], postures[-1]]
-    return Shown(
+    return SceneGrid(
         "In the middle of its path; thin lines: first and last pose. Driven joints are orange, the "
         "loaded point red.",
         scenes=[scene(context.robot_file.mechanism, shown, named=False)],
@@ -61,7 +61,7 @@ def portrait(context: Context) -> Shown:
 
 
 @figures.figure("mechanism.mode-shapes", "First mode shapes of the mechanism", effort=4.0)
-def mode_shapes(context: Context) -> Shown:
+def mode_shapes(context: Context) -> SceneGrid:
     """A panel for each mode: beams coloured by displacement, places of the segments over them."""
     beam, lumped = _both(context)
     count = min(_MODES, len(beam.modes.frequencies))
@@ -95,13 +95,13 @@ def mode_shapes(context: Context) -> Shown:
     )
     mixture = "Any mixture of modes of equal frequency is a mode, too."
     caption = " ".join((said, *map(names.said, range(count)), mixture))
-    return Shown(caption, scenes=scenes, columns=2, height=_HEIGHT, data=csv_of(columns))
+    return SceneGrid(caption, scenes=scenes, columns=2, height=_HEIGHT, data=csv_of(columns))
 
 
 @figures.figure(
     "mechanism.deformed", f"The mechanism under {FORCE:g} N along x, y and z", effort=3.0
 )
-def deformed(context: Context) -> Shown:
+def deformed(context: Context) -> SceneGrid:
     """A panel for each force along x, y and z at the loaded point, each with its own scale."""
     beam, lumped = _both(context)
     size = beam.posture.mechanism.size
@@ -133,7 +133,7 @@ def deformed(context: Context) -> Shown:
         f"{model}, displacements enlarged as the titles say. The loaded point moves "
         f"{', '.join(moves)}. Red arrow: the force; orange outlines in 3-D: the same {beside}."
     )
-    return Shown(caption, scenes=scenes, columns=3, height=_SMALL_HEIGHT, data=csv_of(columns))
+    return SceneGrid(caption, scenes=scenes, columns=3, height=_SMALL_HEIGHT, data=csv_of(columns))
 
 
 def _both(context: Context) -> tuple[PostureModes, PostureModes]:

@@ -26,9 +26,9 @@ from validation.drawing.chart import (
     powers,
     round_angles,
 )
+from validation.drawing.figures import FigureGroup
 from validation.exhibits import PATH, PlannedFigure
 from validation.measured.modes import modal_answer
-from validation.report.declared import FigureGroup, Shown, curves
 from validation.solids.legs import SHARED_SOLIDS
 from validation.verdicts import MEASURED_RESPONSE
 
@@ -55,7 +55,7 @@ def measured_figures(robot_file: RobotFile) -> tuple[PlannedFigure, ...]:
     return group()
 
 
-def _measured(context: Context) -> Shown:
+def _measured(context: Context) -> Chart:
     robot_file, robot = context.robot_file, context.robot_file.mechanism
     one = next(one for one in robot_file.measured if one.response is not None)
     test, number = one.test, one.response
@@ -69,8 +69,7 @@ def _measured(context: Context) -> Shown:
         if responses and (told := responses[number].receptance(x)).any():
             found[name] = told
     place = shown_pose(robot, np.array(test.pose))
-    return curves(
-        _chart(x, found, round_angles),
+    return _chart(x, found, round_angles).captioned(
         f"Displacement of {own.name}{place and f', with the tool at {place}'}; black: as measured. "
         f"Models are damped as {'the robot file says' if robot.is_damped else 'measured'}.",
     )
@@ -98,7 +97,7 @@ def _chart(
     return Chart(panels, _FREQUENCY, 2, 3.0, {_FREQUENCY: x.tolist()}, octaves)
 
 
-def _response(context: Context, number: int) -> Shown:
+def _response(context: Context, number: int) -> Chart:
     """Size and phase over the frequency, in the middle of the path; the reference with its band."""
     robot = robot_on_path(context)
     responses = Responses(robot)
@@ -125,9 +124,9 @@ def _response(context: Context, number: int) -> Shown:
     band = np.array([np.min(bands, axis=0)[0], np.max(bands, axis=0)[1]]) if bands else None
     force = ", ".join(f"{one:.3g}" for one in asked.direction)
     place = shown_pose(robot.mechanism, robot.postures[at].pose)
-    return curves(
-        # From 0 to −180°: no force takes energy from where it acts.
-        _chart(asked.frequencies, found, degrees, {} if band is None else {_REFERENCE: band}),
+    # Phases from 0 to −180°: no force takes energy from where it acts.
+    shaded = {} if band is None else {_REFERENCE: band}
+    return _chart(asked.frequencies, found, degrees, shaded).captioned(
         f"Displacement of the loaded point along a force of 1 N along ({force})"
         f"{place and f', with the tool at {place}'}. Solid: {reference.title}; shaded, what it "
         "leaves open.",

@@ -8,9 +8,9 @@ import numpy as np
 
 from lumped.arrays import Array
 from validation.drawing.chart import Chart, Column, Panel, Series, refined
+from validation.drawing.figures import drawn_figure
 from validation.drawing.text import function_name
 from validation.exhibits import Figure, Study
-from validation.report.declared import Shown, curves
 from validation.report.figures.meshes import mesh_curves
 from validation.run.outcome import Outcome
 
@@ -103,10 +103,10 @@ def family_of(studies: Iterable[Study]) -> Family:
 def study_figure(family: Family) -> Figure:
     """The figure of `study_curves`, or of `mesh_curves` if the studies name panels."""
     shown = mesh_curves(family.studies) if family.panels else study_curves(family)
-    return shown.figure(family.id, family.title, "studies", family.computed_by)
+    return drawn_figure(shown, family.id, family.title, "studies", family.computed_by)
 
 
-def study_curves(family: Family) -> Shown:
+def study_curves(family: Family) -> Chart:
     """Left the deviation from the limit with its uncertainty, right its decay.
 
     Where no limit is known, the finest value stands in for it. A limit of zero means that the
@@ -130,7 +130,7 @@ def study_curves(family: Family) -> Shown:
     said = ["Left: deviation from the limit. Right: its decay; the legend names the order."]
     if any(curve.uncertainty is not None for curve in family.curves):
         said.append("The bar at the finest value is its numerical uncertainty.")
-    return curves(Chart(panels, label, 2, 2.2, table), *said, *family.notes)
+    return Chart(panels, label, 2, 2.2, table).captioned(*said, *family.notes)
 
 
 def _deviation(curve: Curve) -> tuple[Array, Array | None]:

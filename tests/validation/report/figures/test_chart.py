@@ -187,7 +187,7 @@ def test_panels_and_legend_agree_on_every_model(declare):
     entries = [
         entry(model, q, *errors.pop()) for q, models in quantities.items() for model in models
     ]
-    chart = declare(sample_matrix(quantities=tuple(quantities), entries=entries)).chart
+    chart = declare(sample_matrix(quantities=tuple(quantities), entries=entries))
     with plot_style():
         drawn = drawn_chart(chart)
     for axes, panel, models in zip(drawn.axes, chart.panels, quantities.values(), strict=False):

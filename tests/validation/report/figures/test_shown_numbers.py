@@ -51,7 +51,7 @@ def test_band_of_a_response_is_that_of_the_middle_pose(robot, monkeypatch):
     monkeypatch.setattr(responses, "solved_modes", lambda _: {"beam": vibration(2.0)})
     monkeypatch.setattr(responses, "dynamic_reference", lambda _: truth)
     shown = responses._response(Context(load_robot("five-bar"), "quick"), 0)
-    sizes = {one.label: one for one in shown.chart.panels[0].series}
+    sizes = {one.label: one for one in shown.panels[0].series}
     # In µm/N, of the second pose.
     assert sizes["beam"].y == pytest.approx([20.0, 40.0])
     assert sizes["solid"].y == pytest.approx([10.0, 20.0])
@@ -70,7 +70,7 @@ def test_band_below_reaches_down_to_the_reading_that_is_least(robot, monkeypatch
     monkeypatch.setattr(responses, "solved_modes", lambda _: {})
     monkeypatch.setattr(responses, "dynamic_reference", lambda _: truth)
     shown = responses._response(Context(load_robot("five-bar"), "quick"), 0)
-    (solid,) = shown.chart.panels[0].series
+    (solid,) = shown.panels[0].series
     assert solid.left_open == pytest.approx(np.array([[6.0, 12.0], [42.0, 84.0]]))
 
 
@@ -124,7 +124,7 @@ def measured_entry(poses):
 def test_measured_chart_has_bars_with_inputs():
     pose = ((0.4,),)
     matrix = sample_matrix(entries=(measured_entry(pose),), quantities=("z",), poses=pose)
-    chart = measured_curves(matrix).chart
+    chart = measured_curves(matrix)
     (panel,) = chart.panels
     bars = {one.label: float(np.squeeze(one.bars)) for one in panel.series}
     # √(2.4² + 3.2²) % of the model's own.
@@ -138,7 +138,7 @@ def test_measured_chart_has_bars_with_inputs():
 def test_measured_chart_over_poses_has_all_that_is_left_open():
     poses = ((0.4,), (0.5,))
     matrix = sample_matrix(entries=(measured_entry(poses),), quantities=("z",), poses=poses)
-    (panel,) = measured_curves(matrix).chart.panels
+    (panel,) = measured_curves(matrix).panels
     beam = next(one for one in panel.series if one.label == "beam")
     assert beam.y == pytest.approx([1.1, 1.1])
     assert beam.bars == pytest.approx(np.full((2, 2), 0.05))

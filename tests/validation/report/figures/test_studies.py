@@ -38,7 +38,7 @@ def test_study_shows_deviations_and_the_bar_in_percent():
         ({}, [100.0 * (value / values[-1] - 1.0) for value in values]),
     ):
         study = Study("s", "Study", "divisions", "f", "Hz", x, {"f1": values}, 2.0, **own)
-        chart = study_curves(family_of([study])).chart
+        chart = study_curves(family_of([study]))
         deviation, decay = (panel.series[0] for panel in chart.panels)
         np.testing.assert_allclose(deviation.y, deviations, atol=1e-12)
         shown = np.array(deviations)[np.array(deviations) != 0.0]
