@@ -18,13 +18,15 @@ import subprocess
 import sys
 from fnmatch import fnmatchcase
 from pathlib import Path
+from typing import get_args
 
 import pytest
 from toy_runs import run_here
 
 from lumped import sections
-from lumped.robot_file import built_in_robots, load_robot
+from lumped.robot_file import load_robot
 from lumped.robot_file.variation import variations_of
+from lumped.robots import RobotType
 from meshes.section import section_mesh
 from validation import cli
 from validation.case import Case
@@ -142,13 +144,18 @@ def test_guide_page_states_its_aim_and_the_next_page(page):
     assert re.match(r"\*\*Next:\*\* .*\]\([a-z./-]+\.md", paragraphs[-1])
 
 
-def test_the_mechanisms_of_the_guide_are_the_built_in_ones():
+def test_guide_lists_types_of_robots():
+    page = (ROOT / "docs" / "guide" / "describing.md").read_text(encoding="utf-8")
+    assert re.findall(r"^\| `([\w-]+)` \|", page, re.MULTILINE) == list(get_args(RobotType))
+
+
+def test_files_of_mechanisms_in_the_guide_are_the_built_in_ones():
     shown = {
         name.removesuffix(".toml"): text
         for language, name, text in blocks(ROOT / "docs" / "guide" / "mechanisms.md")
         if language == "toml" and name != "written-out.toml"
     }
-    assert set(shown) == set(built_in_robots()) - {"ifw", "biglide"}
+    assert set(shown) == {"five-bar", "3-rrr", "delta", "orthoglide", "hexapod"}
     files = {name: ROOT / "lumped" / "robots" / f"{name}.toml" for name in shown}
     assert shown == {name: file.read_text(encoding="utf-8") for name, file in files.items()}
 

@@ -102,8 +102,12 @@ def tool_position(posture: Posture) -> Array:
 
 
 def in_one_plane(posture: Posture) -> bool:
-    """True if all joints lie in one plane z = constant."""
-    heights = [interface_position(posture, joint.first)[2] for joint in posture.mechanism.joints]
+    """True if all bodies run in one plane z = constant."""
+    heights = [
+        (posture.frames[name] @ interface).position[2]
+        for name, body in posture.mechanism.bodies.items()
+        for interface in body.interfaces.values()
+    ]
     return bool(np.ptp(heights) <= 1e-6 * posture.mechanism.size)
 
 

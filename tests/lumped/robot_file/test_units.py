@@ -21,7 +21,11 @@ from lumped.robot_file.written import toml_of
 from validation import cli
 
 ROOT = Path(__file__).parents[3]
-FILES = sorted([*ROOT.glob("lumped/robots/*.toml"), *ROOT.glob("examples/*/*.toml")])
+FILES = [
+    path
+    for path in sorted([*ROOT.glob("lumped/robots/*.toml"), *ROOT.glob("examples/*/*.toml")])
+    if "units" not in tomllib.loads(path.read_text("utf-8"))
+]
 
 
 def in_millimetres(tables):
