@@ -5,7 +5,7 @@ from base64 import b64encode
 from collections.abc import Callable
 from functools import partial
 from inspect import unwrap
-from math import isfinite
+from math import isfinite, isinf
 from typing import Any, Protocol
 
 from markupsafe import escape
@@ -90,7 +90,7 @@ def error_parts(
     Readings that lie farther apart than their half-width are shown as such, the lowest and the
     highest, with their names if `named`. Of any other interval that contains zero the largest size
     is the bound of the error: "below 4.4 %". An interval wider than the half-width is shown by its
-    ends. What is left is an error with its half-width.
+    ends, an infinite one as "without bound". What is left is an error with its half-width.
     """
     error, half = stated.error, stated.uncertainty or 0.0
     if error is None:
@@ -100,6 +100,8 @@ def error_parts(
     apart = _apart(stated, written, named=named)
     far = apart and max(stated.readings.values()) - min(stated.readings.values()) > half
     largest = max(abs(low), abs(high))
+    if isinf(largest):
+        return written(error, signed=stated.signed), "without bound"
     if low <= 0.0 <= high and not far and largest - abs(error) >= _WORTH_SHOWING:
         return f"below {written(largest, signed=False)}", ""
     # More may be left open to one side, by other partners of a mode say.

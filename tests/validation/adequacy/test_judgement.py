@@ -328,6 +328,14 @@ def test_interval_wider_than_the_half_width_is_shown_by_its_ends():
     assert plain(error_with_spread(wider)) == "−20 to −9.1 %"
 
 
+@pytest.mark.parametrize("ends", [{"low": -np.inf}, {"low": -np.inf, "high": np.inf}])
+def test_infinite_interval_is_named(ends):
+    """No mode of the model has the shape of one that may stand at this place."""
+    known = entry(vibration([90.0, 150.0, 200.0, 300.0], *AXES), "f1", unsure=0.01)
+    told = structs.replace(known, **ends)
+    assert plain(error_with_spread(told)) == "−10 % without bound"
+
+
 def plain(text):
     return text.replace("\N{NO-BREAK SPACE}", " ")
 
