@@ -327,10 +327,7 @@ class Adequacy:
         'adequate'
         """
         matrix = self.matrix if within is None else self._within(model, quantity, within)
-        found = matrix.entry(model, quantity)
-        if found is None:
-            raise InputError(self._nothing_said(model, quantity))
-        return found
+        return matrix.known_entry(model, quantity)
 
     @checked
     def assert_adequate(self, model: str, quantity: str, within: float | None = None) -> None:
@@ -415,15 +412,6 @@ class Adequacy:
         robot = self.subject.responses.robot.mechanism
         asked = _accepting(self.requirement, {quantity: limit}, robot)
         return judged(replace(self.subject, models=models, parts=()), asked)
-
-    def _nothing_said(self, model: str, quantity: str) -> str:
-        models = [note.model for note in self.matrix.models]
-        if model not in models:
-            return f'model "{model}" is not judged; there are {", ".join(models)}'
-        names = [one.name for one in self.matrix.quantities]
-        if quantity not in names:
-            return f'quantity "{quantity}" is not judged; there are {", ".join(names)}'
-        return f'model "{model}" says nothing of "{quantity}"'
 
     def table(self) -> ResultTable:
         """Verdicts, a row for each model and quantity.

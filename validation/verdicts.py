@@ -9,6 +9,7 @@ import msgspec
 from msgspec import UNSET, UnsetType
 
 from lumped.acceptance.quantities import ROTATIONS, Quantity
+from lumped.errors import InputError
 from validation.context import PRESETS, Context, Preset
 
 Adequacy: TypeAlias = Literal["adequate", "inadequate", "undecided"]
@@ -231,6 +232,16 @@ class Matrix:
         """Entry of a model and a quantity by its name. None if the model does not define it."""
         entries = (one for one in self.of_model(model) if one.quantity.name == name)
         return next(entries, None)
+
+    def known_entry(self, model: str, name: str) -> Entry:
+        """Entry of a model and a quantity by its name; raises InputError if there is none."""
+        if found := self.entry(model, name):
+            return found
+        models, names = [one.model for one in self.models], [one.name for one in self.quantities]
+        for what, given, known in (("model", model, models), ("quantity", name, names)):
+            if given not in known:
+                raise InputError(f'{what} "{given}" is not judged; there are {", ".join(known)}')
+        raise InputError(f'model "{model}" does not define "{name}"')
 
     def of_model(self, model: str) -> tuple[Entry, ...]:
         """All entries of a model."""

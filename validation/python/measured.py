@@ -55,14 +55,7 @@ class MeasuredComparison:
         >>> compared.entry("beam", "z").verdict
         'adequate'
         """
-        found = self.matrix.entry(model, quantity)
-        if found is None:
-            models = ", ".join(note.model for note in self.matrix.models)
-            quantities = ", ".join(one.name for one in self.matrix.quantities)
-            raise InputError(
-                f"{model}, {quantity}: is not compared; models: {models}; quantities: {quantities}"
-            )
-        return found
+        return self.matrix.known_entry(model, quantity)
 
     def table(self) -> ResultTable:
         """Comparisons, a row for each model and quantity.

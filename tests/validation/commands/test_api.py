@@ -59,7 +59,7 @@ def test_a_wrong_name_is_an_input_error_that_lists_the_right_ones(judged):
     for model, quantity, said in (
         ("bem", "x", 'model "bem" is not judged; there are simplified'),
         ("beam", "f99", 'quantity "f99" is not judged; there are x, y'),
-        ("vjm", "f1", 'model "vjm" says nothing of "f1"'),
+        ("vjm", "f1", 'model "vjm" does not define "f1"'),
     ):
         with pytest.raises(InputError, match=said):
             judged.entry(model, quantity)
