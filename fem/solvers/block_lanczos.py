@@ -93,10 +93,12 @@ def _orthonormal(block: Any, basis: Any, M: Any, space: Space) -> tuple[Any, Any
         kept = squares > _DEPENDENT
         scaled = space.put(directions[:, kept] / np.sqrt(squares[kept]))
         block, weighted = block @ scaled, weighted @ scaled
-        along = basis.T @ weighted
-        block -= basis @ along
         rounding = np.finfo(float).eps / squares[kept].min(initial=1.0)
-        if max(rounding, np.abs(space.get(along)).max(initial=0.0)) < _ORTHONORMAL:
+        if basis.shape[1]:
+            along = basis.T @ weighted
+            block -= basis @ along
+            rounding = max(rounding, np.abs(space.get(along)).max(initial=0.0))
+        if rounding < _ORTHONORMAL:
             break
         weighted = M @ block
     return block, weighted

@@ -24,10 +24,11 @@ from fem.machine import threads
 from fem.solvers.backends.protocol import DeviceError
 from lumped.arrays import Array, SparseMatrix
 
-# Right-hand sides solved together: the library's deterministic mode takes no more than one.
-COLUMNS_AT_ONCE = 1
-# Right-hand sides copied to the card together.
-_COLUMNS_COPIED = 32
+# Right-hand sides solved together. The library's deterministic mode takes one at a time, which is
+# 20 times as long per column, and is therefore not used: bits differ from one factor to the next.
+_COLUMNS_AT_ONCE = 32
+# Kinds of errors that the card's libraries raise; those of cuBLAS, cuSPARSE and CUDA are the first.
+_FAILURES = (RuntimeError, OSError, ImportError, TypeError, ValueError, NotImplementedError)
 # Largest backward error ‖b − A x‖/(max|A| ‖x‖ + ‖b‖) of a factor whose signs are those of the
 # matrix. Solutions have 3e-16 to 5e-16; eigenvalues of K − σM are 1e-12 of its largest and more.
 _BACKWARD_ERROR = 1e-13
@@ -76,7 +77,7 @@ def _version() -> str:
 
 @contextmanager
 def _device_errors() -> Iterator[None]:
-    """Raise DeviceError for every error of the card and its libraries."""
+    """Raise DeviceError for every error of the card and its libraries, whatever its kind."""
     import cupy  # noqa: PLC0415
     from nvmath.bindings import cudss  # noqa: PLC0415
 
@@ -84,8 +85,8 @@ def _device_errors() -> Iterator[None]:
         yield
     except cupy.cuda.memory.OutOfMemoryError as error:
         raise DeviceError("its memory ran out") from error
-    except (cudss.cuDSSError, cupy.cuda.runtime.CUDARuntimeError) as error:
-        raise DeviceError(" ".join(str(error).split())) from error
+    except (cudss.cuDSSError, *_FAILURES) as error:
+        raise DeviceError(" ".join(str(error).split()) or type(error).__name__) from error
 
 
 class DeviceSpace:
@@ -156,12 +157,8 @@ class CudssNumeric:
         self._ordering.load(self._values)
         if type(columns) is not np.ndarray:
             return self._ordering.solved(columns)
-        solution = np.empty(columns.shape)
-        for start in range(0, columns.shape[1], _COLUMNS_COPIED):
-            some = slice(start, start + _COLUMNS_COPIED)
-            block = space().put(np.asarray(columns[:, some], dtype=np.float64))
-            solution[:, some] = space().get(self._ordering.solved(block))
-        return solution
+        block = space().put(np.asarray(columns, dtype=np.float64))
+        return np.ascontiguousarray(space().get(self._ordering.solved(block)))
 
 
 class CudssOrdering:
@@ -205,7 +202,6 @@ class CudssOrdering:
             # At the end of the process the card's memory is freed without it.
             finalize(self, _destroy, cudss, handle, *made).atexit = False
             self._configure(cudss.ConfigParam.HOST_NTHREADS, threads())
-            self._configure(cudss.ConfigParam.DETERMINISTIC_MODE, int(COLUMNS_AT_ONCE == 1))
             self._execute(cudss.Phase.ANALYSIS, self._vector, self._vector)
             estimates = np.zeros(16, dtype=np.uint64)
             self._read(cudss.DataParam.MEMORY_ESTIMATES, estimates)
@@ -249,8 +245,8 @@ class CudssOrdering:
         with _device_errors():
             right = cupy.asfortranarray(columns)
             solution = cupy.empty(columns.shape, order="F")
-            for start in range(0, columns.shape[1], COLUMNS_AT_ONCE):
-                some = slice(start, start + COLUMNS_AT_ONCE)
+            for start in range(0, columns.shape[1], _COLUMNS_AT_ONCE):
+                some = slice(start, start + _COLUMNS_AT_ONCE)
                 self._execute(cudss.Phase.SOLVE, solution[:, some], right[:, some])
             cupy.cuda.get_current_stream().synchronize()
         return solution

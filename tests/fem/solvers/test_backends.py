@@ -111,8 +111,11 @@ class TestContract:
         before = first.solve(load)
         other = both.shifted(-1e6).factorise()
         assert np.abs((K + 1e6 * M) @ other.solve(load) - load).max() <= 1e-6
-        np.testing.assert_array_equal(first.solve(load), before)
-        np.testing.assert_array_equal(both.symbolic.factorise().solve(load), before)
+        # Factored twice, the solutions differ by the condition number (1e6) times 1e-16.
+        size = np.abs(before).max()
+        np.testing.assert_allclose(first.solve(load), before, rtol=0.0, atol=1e-9 * size)
+        again = both.symbolic.factorise().solve(load)
+        np.testing.assert_allclose(again, before, rtol=0.0, atol=1e-9 * size)
 
     def test_counts_are_those_of_dense_eigenvalues(self, matrices):
         K, M = matrices
@@ -173,13 +176,16 @@ class TestContract:
             np.testing.assert_allclose(kind.frequencies, expected_kind.frequencies, rtol=1e-9)
             assert kind.counted == expected_kind.counted
 
-    def test_repeated_computation_has_equal_bits(self, leg):
+    def test_repeated_computation_agrees(self, leg):
+        """To the same tolerances; bits are equal by rslab alone (test_factor.py)."""
         first, second = (clamped_leg(leg) for _ in range(2))
-        np.testing.assert_array_equal(first.compliance, second.compliance)
-        np.testing.assert_array_equal(first.modes(6).frequencies, second.modes(6).frequencies)
+        size = np.abs(first.compliance).max()
+        np.testing.assert_allclose(second.compliance, first.compliance, rtol=0, atol=1e-10 * size)
+        frequencies = [body.modes(6).frequencies for body in (first, second)]
+        np.testing.assert_allclose(*frequencies, rtol=1e-9)
 
 
-CARD = Device("card", 80_000_000_000)
+CARD, SMALL = Device("card", 80_000_000_000), Device("small card", 4_000_000_000)
 
 
 @pytest.mark.parametrize(
@@ -189,6 +195,9 @@ CARD = Device("card", 80_000_000_000)
         ("auto", GAIN_FROM, CARD, "cudss"),
         ("auto", 10**7, CARD, "cudss"),
         ("auto", 10**7, None, "rslab"),
+        ("auto", 10**7, SMALL, "rslab"),
+        ("auto", 10**6, SMALL, "cudss"),
+        ("cudss", 10**7, SMALL, "cudss"),
         ("rslab", 10**7, CARD, "rslab"),
         ("rslab", 10**7, None, "rslab"),
         ("cudss", 1, CARD, "cudss"),
@@ -271,6 +280,7 @@ LOST = CuDSSError("EXECUTION_FAILED (5)")
         ("FACTORIZATION", OutOfMemoryError(), "its memory ran out"),
         ("synchronize", CUDARuntimeError("unspecified launch failure"), "launch failure"),
         ("empty", OutOfMemoryError(), "its memory ran out"),
+        ("empty", TypeError("no such\n layout"), "no such layout"),
     ],
 )
 @pytest.mark.parametrize("after", [0, 1, 6])

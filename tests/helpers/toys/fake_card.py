@@ -248,7 +248,7 @@ def insert_card(monkeypatch):
         vars(module).update(content)
         monkeypatch.setitem(sys.modules, name, module)
     library = SimpleNamespace(
-        ConfigParam=IntEnum("ConfigParam", ["HOST_NTHREADS", "DETERMINISTIC_MODE"]),
+        ConfigParam=IntEnum("ConfigParam", ["HOST_NTHREADS"]),
         DataParam=DataParam,
         DataType=IntEnum("DataType", ["R_32I", "R_64F"]),
         IndexBase=IntEnum("IndexBase", ["ZERO"]),
