@@ -16,7 +16,7 @@ from lumped.errors import InputError, Remark
 from lumped.solver_request import VARIABLE, Solver, requested_solver
 
 # Unknowns from which the card gains: its start takes 0.65 s (H200). By rslab on 16 cores, ordering,
-# two factors and 15 solutions of 134k unknowns take 4.3 s, about one second of 50k.
+# two factors and 14 solutions of 134k unknowns take 4.3 s, about one second of 50k.
 GAIN_FROM = 50_000
 # Bytes per unknown that every solid takes on a card: legs of tetrahedra take 9 to 22 thousand, and
 # their triangle alone 500.
