@@ -1,4 +1,4 @@
-"""What a robot's models are held to: the accuracy that its use asks for, and measured values.
+"""Requirements on a robot's models: accepted errors and measured values.
 
 In: tables [accept] and [[measured]] of robot files. Out: limits and measurements by quantity.
 """

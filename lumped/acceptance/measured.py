@@ -43,7 +43,7 @@ class Freedoms:
 class MeasuredResponse:
     """A frequency response function of a test: `receptance` (n, m/N) at `frequencies` (n, Hz).
 
-    Of the motion of the first of two freedoms, `ends`, by a force along the second.
+    Displacement along the first of two freedoms, `ends`, per force along the second.
     """
 
     name: str
@@ -56,7 +56,7 @@ class MeasuredResponse:
 class ModalTest:
     """Modes of a test in a `pose`: real `shapes` (k×m) of the freedoms `at`, `frequencies` (m, Hz).
 
-    `ratios` (m) are their damping ratios; `responses` those that are held against models.
+    `ratios` (m) are their damping ratios; `responses` those that are compared with models.
     """
 
     pose: tuple[float, ...]
@@ -71,10 +71,10 @@ class ModalTest:
 class Measured:
     """A measured value with its standard uncertainty, in the unit of the quantity, and source.
 
-    `pose` is where (empty for a leg alone), `load` the force (N) or moment (N m) of a deflection;
-    of a frequency that has a shape `column` is that of the mode in its `test`. A response of the
-    test has the number `response` there and a `phase` (rad); it is that at the mode, or at a
-    `frequency` (Hz).
+    `pose` is the pose of the robot (empty for a single leg), `load` the force (N) or moment (N m)
+    of a deflection. A frequency with a mode shape is that of the mode `column` of its `test`. A
+    response of the test has the number `response` in it and a `phase` (rad). It is measured at the
+    frequency of the mode, or at `frequency` (Hz).
     """
 
     quantity: Quantity
@@ -96,7 +96,7 @@ class Measured:
 
 
 def measured_value(table: Mapping[str, Any], place: str, responses: Sequence[str] = ()) -> Measured:
-    """Measured value of a table whose keys are sound; `place` names it in messages.
+    """Measured value of a table with valid keys; `place` is its location in messages.
 
     `responses` are the names of the robot's judged numbers of responses. Raises InputError with one
     line per fault.
@@ -114,7 +114,7 @@ def _names(responses: Sequence[str]) -> str:
     """Names of all quantities that can be measured of a robot."""
     names = ", ".join(
         (
-            *(one.name for one in response_quantities(responses)),
+            *(quantity.name for quantity in response_quantities(responses)),
             " ".join(AXES),
             f"f1 to f{MOST_MODES} or an entry of a leg's 6×6 like leg1.c22",
         )
@@ -122,17 +122,17 @@ def _names(responses: Sequence[str]) -> str:
     return names if responses else f"{names} (responses need [[responses]])"
 
 
-def _value_faults(one: Measured, place: str) -> list[str]:
+def _value_faults(measured: Measured, place: str) -> list[str]:
     """Faults of a measured value by itself, one line each, starting with its place."""
     faults = []
-    if one.of_leg and one.pose:
+    if measured.of_leg and measured.pose:
         faults.append(f"{place}.pose: must be left out, a leg alone has none")
-    positive = _why_positive(one.quantity)
-    if positive and one.value <= 0.0:
-        faults.append(f"{place}.value = {one.value}: must be above 0, {positive}")
-    elif abs(one.value) < SMALLEST_MEASURED:
+    positive = _why_positive(measured.quantity)
+    if positive and measured.value <= 0.0:
+        faults.append(f"{place}.value = {measured.value}: must be above 0, {positive}")
+    elif abs(measured.value) < SMALLEST_MEASURED:
         allowed = f"must be at least {SMALLEST_MEASURED:g} in size"
-        faults.append(f"{place}.value = {one.value}: {allowed}")
+        faults.append(f"{place}.value = {measured.value}: {allowed}")
     return faults
 
 
@@ -148,27 +148,27 @@ def _why_positive(quantity: Quantity) -> str:
     return "an entry on the diagonal of a compliance" if row == column else ""
 
 
-def digest(ones: Sequence[Measured]) -> str:
+def digest(values: Sequence[Measured]) -> str:
     """Digest (hexadecimal) of measured values: equal for equal ones."""
-    return fingerprint(tuple(ones))
+    return fingerprint(tuple(values))
 
 
-def pose_faults(robot: Mechanism, one: Measured, place: str) -> list[str]:
+def pose_faults(robot: Mechanism, measured: Measured, place: str) -> list[str]:
     """Reasons why the robot has no such leg, or cannot be in the pose of a measured value."""
-    if one.of_leg:
+    if measured.of_leg:
         legs = tuple(legs_of(robot))
-        known = one.quantity.leg in legs
+        is_leg = measured.quantity.leg in legs
         allowed = f"must be of one of {', '.join(legs) or 'no legs'}"
-        return [] if known else [f"{place}.quantity = {shown(one.quantity.name)}: {allowed}"]
-    return place_faults(robot, one.pose, place)
+        return [] if is_leg else [f"{place}.quantity = {shown(measured.quantity.name)}: {allowed}"]
+    return place_faults(robot, measured.pose, place)
 
 
 def place_faults(robot: Mechanism, pose: Sequence[float], place: str) -> list[str]:
     """Reasons why the robot cannot be in a pose, one line each."""
     moves = robot.tool.moves
     if len(pose) != len(moves):
-        said = f"as many numbers as the tool's moves ({', '.join(moves) or 'none'}; m, rad)"
-        return [f"{place}.pose: must hold {said}"]
+        required = f"as many numbers as the tool's moves ({', '.join(moves) or 'none'}; m, rad)"
+        return [f"{place}.pose: must hold {required}"]
     try:
         posture(robot, np.array(pose))
     except InputError as error:

@@ -1,7 +1,7 @@
 """Quantities by which models are judged or measured: kind, name, unit and place among numbers.
 
-Names stand in files and on the command line; `quantities` and `measured_quantity` are the two
-places that read them. Loads and responses have the names that the robot file gives them.
+Files and the command line contain the names. `quantities` and `measured_quantity` are the two
+functions that read them. Loads and responses have their names from the robot file.
 """
 
 import re
@@ -16,7 +16,7 @@ AXES = ("x", "y", "z", "phi_x", "phi_y", "phi_z")
 ROTATIONS = {"phi_x": "x", "phi_y": "y", "phi_z": "z"}
 AXIS_LABELS = {name: name.replace("phi_", "φ") for name in AXES}
 MOST_MODES = 10
-# Measured responses have this name, which no response of a robot file may have.
+# Name of measured responses, which no response of a robot file may have.
 TEST_RESPONSE = "hammer"
 _LEG_ENTRY = re.compile(r"([\w-]{1,40})\.c([1-6])([1-6])")
 
@@ -263,5 +263,5 @@ def measured_quantity(name: str, responses: Sequence[str] = ()) -> Quantity | No
     if entry := _LEG_ENTRY.fullmatch(name):
         column = 6 * (int(entry[2]) - 1) + int(entry[3]) - 1
         return Quantity(_KIND.COMPLIANCE, name, column)
-    known = (*_COMPONENTS, *FREQUENCIES, *response_quantities(responses))
-    return {one.name: one for one in known}.get(name)
+    known_quantities = (*_COMPONENTS, *FREQUENCIES, *response_quantities(responses))
+    return {quantity.name: quantity for quantity in known_quantities}.get(name)

@@ -11,9 +11,9 @@ from typing import Literal, TypeAlias, get_args
 from lumped.acceptance.quantities import Quantity, QuantityKind, quantities
 from lumped.legs import Ends
 
-# No model of a robot is known better than to this relative error.
+# Smallest accepted relative error: no model of a robot is more accurate.
 SMALLEST_SHARE = 1e-6
-# Of measured values and their uncertainties (SI): far below what any instrument resolves.
+# Smallest measured value or uncertainty (SI): far below the resolution of any instrument.
 SMALLEST_MEASURED = 1e-30
 ModelKind: TypeAlias = Literal[
     "simplified",
@@ -28,7 +28,7 @@ ModelKind: TypeAlias = Literal[
     "segments-stepped",
 ]
 SolidEnds: TypeAlias = Literal["as given", "rigid", "free"]
-# Elements per leg: more are dense matrices that take minutes.
+# Largest number of elements per leg. Dense matrices of more elements take minutes.
 MOST_ELEMENTS = 200
 MODEL_KINDS: tuple[ModelKind, ...] = get_args(ModelKind)
 
@@ -37,12 +37,12 @@ MODEL_KINDS: tuple[ModelKind, ...] = get_args(ModelKind)
 class Requirement:
     """Largest relative errors that are accepted, and the models that are relied on.
 
-    `deflection` holds for all static quantities, `frequency` for the first `modes` natural
-    frequencies and their order, `response` for what is judged of `responses` of the file, by name;
-    `limits` overrides them for single quantities by name. Of `loads` of the file, by name, an error
-    of `displacement` (m) is accepted in place of `deflection`, where it is given. `rely` are models
-    whose inadequacy makes a run fail. `accuracy` is what meshes of references may leave open of any
-    error; None: of an error that they leave undecided, a fifth of its limit.
+    `deflection` applies to all static quantities, `frequency` to the first `modes` natural
+    frequencies and their order, `response` to the judged numbers of `responses` of the file, by
+    name. `limits` overrides them for single quantities by name. If `displacement` (m) is given, it
+    replaces `deflection` for the `loads` of the file, by name. `rely` are models whose inadequacy
+    makes a run fail. `accuracy` is the largest half-width of an error due to meshes of references.
+    If it is None, the half-width of an undecided error may be a fifth of its limit.
     """
 
     deflection: float = 0.05
@@ -80,7 +80,7 @@ class AgreementLimits:
 
     `elements` per leg of segments and beams. `convergence`: error with that many elements.
     `compliance` and `frequency`: difference from solids of the same legs after its allowances.
-    `ends` of these solids; "as given": those of each leg, kept plane if the file does not say.
+    `ends` of these solids; "as given": those of each leg, or kept plane if the file has none.
     """
 
     elements: int = 20

@@ -1,16 +1,16 @@
-"""Units of length in robot files and in messages about them; everything else is in SI units."""
+"""Units of length in robot files and in messages. All other quantities are in SI units."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 
 # Unit of a coordinate of a pose, which the tool's moves make a length or an angle.
 COORDINATES = "m or rad"
-# Powers of a length by the unit that rules give them in.
+# Power of the length in each unit of a rule.
 POWERS: Mapping[str, int] = {
     COORDINATES: 1,
     **{unit: power for power, unit in enumerate(("m", "m²", "m³", "m⁴", "m⁵", "m⁶"), start=1)},
 }
-# Digits that survive the way from a file's unit to metres and back.
+# Significant digits after conversion from a file's unit to metres and back.
 _DIGITS = 12
 
 
@@ -22,11 +22,11 @@ class UnitOfLength:
     per_metre: float
 
     def of(self, metres: float) -> float:
-        """A length (m) in this unit, as its author typed it."""
+        """A length (m) converted to this unit, as its author typed it."""
         return float(f"{metres * self.per_metre:.{_DIGITS}g}")
 
     def shown(self, metres: float, digits: int = 6) -> str:
-        """A length (m) in words, in this unit."""
+        """Text of a length (m) in this unit."""
         return f"{metres * self.per_metre:.{digits}g} {self.name}"
 
 

@@ -1,4 +1,4 @@
-"""Robot files of schema 1: what they say of the biglide, said of bodies and joints."""
+"""Robot files of schema 1: the biglide as a mechanism of bodies and joints."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -30,18 +30,18 @@ def biglide_faults(tables: Mapping[str, Any]) -> list[str]:
 
 
 def biglide_of(read: Mapping[str, Any]) -> Mechanism:
-    """The biglide that tables without faults describe, its legs `alpha` times as long.
+    """Biglide of tables without faults, with legs `alpha` times as long.
 
-    Raises InputError where the legs cannot meet.
+    Raises InputError if the legs cannot meet.
     """
     a, alpha = read["geometry"]["a"], read["geometry"]["alpha"]
     leg1, leg2 = leg_of(read["leg1"], "leg 1"), leg_of(read["leg2"], "leg 2")
-    place = "geometry.a, leg1.length, leg2.length"
+    location = "geometry.a, leg1.length, leg2.length"
     if alpha != 1.0:
         a, leg1, leg2 = family_member(a, leg1, leg2, alpha)
-        place = f"geometry.alpha = {alpha:g}"
+        location = f"geometry.alpha = {alpha:g}"
     foot, tool = read["foot"], read["tool"]
-    with naming(place):
+    with naming(location):
         robot = biglide(
             read["name"],
             a,
@@ -62,10 +62,10 @@ def _with_losses(robot: Mechanism, read: Mapping[str, Any]) -> Mechanism:
         for name, body in robot.bodies.items()
     }
     foot, tool = (read[name]["loss"] if read[name] else 0.0 for name in ("foot", "tool"))
-    gives = {"foot1": foot, "foot2": foot, "spring": tool}
+    joint_losses = {"foot1": foot, "foot2": foot, "spring": tool}
     joints = []
     for joint in robot.joints:
         drive = joint.drive and replace(joint.drive, loss=read["actuators"]["loss"])
-        joints.append(replace(joint, drive=drive, loss=gives.get(joint.name, 0.0)))
+        joints.append(replace(joint, drive=drive, loss=joint_losses.get(joint.name, 0.0)))
     lengths = LENGTH_UNITS[read["units"]]
     return replace(robot, bodies=bodies, joints=tuple(joints), lengths=lengths)

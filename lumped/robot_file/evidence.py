@@ -1,4 +1,4 @@
-"""What a robot file says beside its robot: what is asked, measured, uncertain and misprinted."""
+"""Tables of a robot file on requirements, measured values, uncertain inputs and misprints."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -19,14 +19,14 @@ from lumped.robot_file.rules.rule import is_finite_number
 from lumped.robot_file.rules.tables import ACCEPT, MEASURED, MEASURED_VALUES
 from lumped.text import shown
 
-# What is no property of the robot: uncertain it would change nothing, or be refused in mid-run.
+# Tables that are no property of the robot, so that their numbers cannot be uncertain inputs.
 OF_NO_ROBOT = {"schema", "accept", "agree", "path", "hammer"}
 _COLUMNS = ("quantity", "pose", "value", "uncertainty", "source")
 
 
 @dataclass(frozen=True)
 class Correction:
-    """At `key` the source prints `printed`, the file uses `used`, for a `reason`."""
+    """A misprint at `key`: `printed` in the source, `used` in the file, with the `reason`."""
 
     key: str
     printed: float
@@ -47,25 +47,25 @@ def read_measured(
     with one line per fault.
     """
     rows = table_rows(path, "a CSV file of measured values", _COLUMNS, MEASURED_VALUES.most)
-    rules, found, faults = MEASURED.in_unit(unit, moves), [], []
+    rules, values, faults = MEASURED.in_unit(unit, moves), [], []
     for place, cells in rows:
         table = {name: _value(name, cells[name]) for name in _COLUMNS}
         if cells.get("load"):
             table["load"] = _value("load", cells["load"])
-        if own := rules.faults_within(table, f"{place}."):
-            faults += own
+        if row_faults := rules.faults_within(table, f"{place}."):
+            faults += row_faults
             continue
         try:
-            found.append(measured_value(rules.read(table), place, responses))
+            values.append(measured_value(rules.read(table), place, responses))
         except InputError as error:
             faults += error.faults
     if faults:
         raise InputError(faults)
-    return tuple(found)
+    return tuple(values)
 
 
 def _value(name: str, text: str) -> Any:
-    """What a cell says, as a robot file would: a text where it is no number."""
+    """Value of a CSV cell as in a robot file: a number, or a text if it is none."""
     if name == "pose":
         return [_value("", part) for part in text.split()]
     if name in {"quantity", "source"}:
@@ -74,17 +74,17 @@ def _value(name: str, text: str) -> Any:
 
 
 def requirement_of(accept: Mapping[str, Any] | None, robot: Mechanism) -> Requirement:
-    """What a file's [accept] asks of the models of its robot; the defaults without it."""
-    asked = Requirement(
+    """Requirement of the table [accept] on the models of a robot, or the defaults without it."""
+    requirement = Requirement(
         loads=tuple(load.name for load in robot.loads),
         responses=robot.judged_responses,
     )
     if accept is None:
-        return asked
+        return requirement
     names = [quantity.name for quantity in UNIT_LOADS]
     limits = {name: accept[name] for name in names if accept[name] is not None}
-    own = {name: value for name, value in accept.items() if name not in names}
-    return replace(asked, **own, limits=limits)
+    general = {name: value for name, value in accept.items() if name not in names}
+    return replace(requirement, **general, limits=limits)
 
 
 def with_options(
@@ -93,7 +93,7 @@ def with_options(
     rely: Sequence[str],
     unit: UnitOfLength = METRE,
 ) -> Requirement:
-    """The requirement as `--accept NAME=NUMBER` and `--rely MODEL` change it.
+    """The requirement with changes by `--accept NAME=NUMBER` and `--rely MODEL`.
 
     NAME is deflection, displacement (in `unit`), frequency, response, modes or a quantity; named
     models take the place of the file's. Raises InputError with one line per fault.
@@ -106,70 +106,79 @@ def with_options(
     general = ("deflection", "displacement", "frequency", "response", "modes")
     rules = ACCEPT.in_unit(unit, ())
     for text in accept:
-        name, _, given = text.partition("=")
+        name, _, typed = text.partition("=")
         rule = rules.keys[name if name in general else general[0]].kind
-        value = int(given[:9]) if given.isdecimal() else _value("", given)
-        if name not in (known := (*general, *(one.name for one in requirement.quantities))):
-            faults.append(f"--accept {text}: must be NAME=NUMBER with a name of {', '.join(known)}")
+        value = int(typed[:9]) if typed.isdecimal() else _value("", typed)
+        if name not in (
+            names := (*general, *(quantity.name for quantity in requirement.quantities))
+        ):
+            faults.append(f"--accept {text}: must be NAME=NUMBER with a name of {', '.join(names)}")
         elif rule.faults(value, name):
             faults.append(f"--accept {text}: must be NAME=NUMBER, {rule.allowed}")
         else:
             limits: dict[str, Any] = {"limits": {**requirement.limits, name: float(value)}}
-            changed = {name: rule.read(value)} if name in general else limits
-            requirement = replace(requirement, **changed)
+            changes = {name: rule.read(value)} if name in general else limits
+            requirement = replace(requirement, **changes)
     if faults:
         raise InputError(faults)
     return replace(requirement, rely=tuple(rely)) if rely else requirement
 
 
 def times(value: Any, factor: float) -> Any:
-    """A number, or every number of a matrix, times `factor`."""
-    return [times(one, factor) for one in value] if isinstance(value, list) else factor * value
+    """A number, or every number of a matrix, multiplied by `factor`."""
+    return [times(entry, factor) for entry in value] if isinstance(value, list) else factor * value
 
 
 def evidence_faults(
     tables: Mapping[str, Any], read: Mapping[str, Any], robot: Mechanism
 ) -> list[str]:
-    """Corrections of what the file does not say, values that this robot cannot have, one a line."""
+    """Faults of corrections, measured values, modal test and uncertain inputs, one line each."""
     faults: list[str] = []
-    for number, one in enumerate(read.get("corrections", ()), start=1):
-        faults += _correction_faults(tables, f"corrections[{number}]", Correction(**one))
-    for number, one in enumerate(read["measured"], start=1):
+    for number, table in enumerate(read.get("corrections", ()), start=1):
+        faults += _correction_faults(tables, f"corrections[{number}]", Correction(**table))
+    for number, table in enumerate(read["measured"], start=1):
         place = f"measured[{number}]"
         try:
-            value = measured_value(one, place, robot.judged_responses)
+            value = measured_value(table, place, robot.judged_responses)
         except InputError as error:
             faults += error.faults
         else:
             faults += pose_faults(robot, value, place)
     if read["hammer"] is not None:
         faults += hammer_faults(read["hammer"], robot)
-    keys = [one["key"] for one in read["input_uncertainty"]]
+    keys = [table["key"] for table in read["input_uncertainty"]]
     rely = (read["accept"] or {}).get("rely", ())
-    twice = (named_twice(keys, "input_uncertainty[{}].key"), named_twice(rely, "accept.rely[{}]"))
-    faults += [f"{fault}; must be named once" for one in twice for fault in one]
+    repeated = (
+        named_twice(keys, "input_uncertainty[{}].key"),
+        named_twice(rely, "accept.rely[{}]"),
+    )
+    faults += [f"{fault}; must be named once" for table in repeated for fault in table]
     return faults + [
-        f"input_uncertainty[{number}].key = {shown(one['key'])}: must name a number or a matrix "
+        f"input_uncertainty[{number}].key = {shown(table['key'])}: must name a number or a matrix "
         'of the robot in this file, like "leg1.length" or "foot.compliance"'
-        for number, one in enumerate(read["input_uncertainty"], start=1)
-        if one["key"].partition(".")[0].strip() in OF_NO_ROBOT
-        or not _are_numbers(_value_or_none(tables, one["key"]))
+        for number, table in enumerate(read["input_uncertainty"], start=1)
+        if table["key"].partition(".")[0].strip() in OF_NO_ROBOT
+        or not _are_numbers(_value_or_none(tables, table["key"]))
     ]
 
 
-def _correction_faults(tables: Mapping[str, Any], place: str, one: Correction) -> Iterator[str]:
-    value = _value_or_none(tables, one.key)
+def _correction_faults(
+    tables: Mapping[str, Any], place: str, correction: Correction
+) -> Iterator[str]:
+    value = _value_or_none(tables, correction.key)
     if not is_finite_number(value):
         yield (
-            f"{place}.key = {shown(one.key)}: must name a number of this file, "
+            f"{place}.key = {shown(correction.key)}: must name a number of this file, "
             'like "leg1.length" or "foot.compliance[6,6]"'
         )
         return
-    if value != one.used:
-        yield f"{place}.used = {one.used!r}: must be the value of {one.key}, {value!r}"
-    if one.printed == one.used:
-        said = "must differ from used, or there is nothing to correct"
-        yield f"{place}.printed = {one.printed!r}: {said}"
+    if value != correction.used:
+        yield (
+            f"{place}.used = {correction.used!r}: must be the value of {correction.key}, {value!r}"
+        )
+    if correction.printed == correction.used:
+        required = "must differ from used, or there is nothing to correct"
+        yield f"{place}.printed = {correction.printed!r}: {required}"
 
 
 def _value_or_none(tables: Mapping[str, Any], key: str) -> Any:

@@ -1,4 +1,4 @@
-"""Where a modal test was made, table [hammer]: nodes of a universal file as points of bodies."""
+"""Geometry of a modal test, table [hammer]: nodes of a universal file as points of bodies."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, NamedTuple
@@ -18,10 +18,9 @@ from lumped.text import shown
 class Hammer(NamedTuple):
     """A test in a `pose`, and its nodes by number.
 
-    Standard relative uncertainties: `uncertainty` of frequencies, `calibration` of responses, whose
-    coherence is that of so many `averages`.
-    A node is a body and a frame: its position in the body's axes, its own axes in base axes as they
-    were in the test.
+    Relative standard uncertainties: `uncertainty` of frequencies, `calibration` of responses. The
+    coherence of responses refers to `averages` averages. A node is a body and a frame: position in
+    the body's axes, and axes of the node in base axes during the test.
     """
 
     pose: tuple[float, ...]
@@ -32,48 +31,48 @@ class Hammer(NamedTuple):
 
     def freedoms(self, ends: Iterable[Iterable[int]]) -> Freedoms:
         """Motions of nodes, by number, along their axes (0 to 2)."""
-        along = [(*self.nodes[number], axis) for number, axis in ends]
+        motions = [(*self.nodes[number], axis) for number, axis in ends]
         return Freedoms(
-            tuple(body for body, _, _ in along),
-            np.array([frame.position for _, frame, _ in along]),
-            np.array([frame.rotation[:, axis] for _, frame, axis in along]),
+            tuple(body for body, _, _ in motions),
+            np.array([frame.position for _, frame, _ in motions]),
+            np.array([frame.rotation[:, axis] for _, frame, axis in motions]),
         )
 
 
 def hammer_of(read: Mapping[str, Any], robot: Mechanism) -> Hammer:
-    """What a table [hammer] without faults describes."""
+    """Modal test of a table [hammer] without faults."""
     nodes = {
-        int(number): (one["body"], Frame(_position(one, robot), axes_along(one["x"], one["y"])))
-        for number, one in read["nodes"].items()
+        int(number): (node["body"], Frame(_position(node, robot), axes_along(node["x"], node["y"])))
+        for number, node in read["nodes"].items()
     }
-    known = {name: read[name] for name in ("uncertainty", "calibration", "averages")}
-    return Hammer(_pose(read, robot), nodes=nodes, **known)
+    numbers = {name: read[name] for name in ("uncertainty", "calibration", "averages")}
+    return Hammer(_pose(read, robot), nodes=nodes, **numbers)
 
 
 def hammer_faults(read: Mapping[str, Any], robot: Mechanism) -> Iterator[str]:
-    """What is wrong with a table [hammer] whose keys are sound, one line each."""
+    """Faults of a table [hammer] with valid keys, one line each."""
     yield from place_faults(robot, _pose(read, robot), "hammer")
     legs, bodies = legs_of(robot), dict(robot.bodies)
     bodies.pop(GROUND, None)
-    for number, one in read["nodes"].items():
-        key, name, at = f"hammer.nodes.{number}", one["body"], one["at"]
+    for number, node in read["nodes"].items():
+        key, name, location = f"hammer.nodes.{number}", node["body"], node["at"]
         if name not in bodies:
             yield f"{key}.body = {shown(name)}: must be one of {', '.join(bodies)}"
-        elif isinstance(at, str) and at not in bodies[name].interfaces:
-            held = ", ".join(bodies[name].interfaces)
-            yield f"{key}.at = {shown(at)}: must be a point of {name} ({held}) or [x, y, z]"
-        elif name in legs and not 0 <= round(_position(one, robot)[0] / legs[name].length, 9) <= 1:
-            yield f"{key}.at = {shown(at)}: must lie between the ends of {name}"
-        if np.linalg.norm(np.cross(one["x"], one["y"])) < NO_DIRECTION:
-            yield f"{key}.y = {list(one['y'])}: must not lie along {key}.x"
+        elif isinstance(location, str) and location not in bodies[name].interfaces:
+            points = ", ".join(bodies[name].interfaces)
+            yield f"{key}.at = {shown(location)}: must be a point of {name} ({points}) or [x, y, z]"
+        elif name in legs and not 0 <= round(_position(node, robot)[0] / legs[name].length, 9) <= 1:
+            yield f"{key}.at = {shown(location)}: must lie between the ends of {name}"
+        if np.linalg.norm(np.cross(node["x"], node["y"])) < NO_DIRECTION:
+            yield f"{key}.y = {list(node['y'])}: must not lie along {key}.x"
 
 
 def _pose(read: Mapping[str, Any], robot: Mechanism) -> tuple[float, ...]:
     return tuple(robot.reference_pose.tolist()) if read["pose"] is None else read["pose"]
 
 
-def _position(one: Mapping[str, Any], robot: Mechanism) -> Array:
-    body = robot.bodies[one["body"]]
-    if isinstance(one["at"], str):
-        return body.interfaces[one["at"]].position
-    return (robot.reference[body.name].inverse() @ Frame(np.array(one["at"]))).position
+def _position(node: Mapping[str, Any], robot: Mechanism) -> Array:
+    body = robot.bodies[node["body"]]
+    if isinstance(node["at"], str):
+        return body.interfaces[node["at"]].position
+    return (robot.reference[body.name].inverse() @ Frame(np.array(node["at"]))).position

@@ -1,4 +1,4 @@
-"""Abaqus and CalculiX decks over several files: *INCLUDE stands for the lines of another file.
+"""Abaqus and CalculiX decks over several files: *INCLUDE inserts the lines of another file.
 
 File names count from the folder of the deck itself, in included files, too, as in both programs.
 """
@@ -14,7 +14,7 @@ from lumped.text import shown
 DECK = ".inp"
 # Deepest chain of included files: Abaqus allows five.
 _DEEPEST = 10
-# Of a deck with all that it includes, each file as often as it is included (bytes).
+# Largest size (bytes) of a deck with all included files, each counted as often as it is included.
 LARGEST_DECK = 500_000_000
 
 
@@ -26,12 +26,12 @@ class DeckLine(NamedTuple):
     text: str
 
     def fault(self, reason: str) -> InputError:
-        """The error of this line."""
+        """Error of this line with its `reason`."""
         return InputError(f"{self.file}: line {self.number}: {reason}")
 
 
 def part_content(path: Path) -> bytes:
-    """The content of a part's file, that of a deck with all that it includes.
+    """Content of a part's file; the content of a deck with all included files.
 
     Raises OSError if it cannot be read, InputError if an included file cannot.
     """
@@ -42,7 +42,7 @@ def part_content(path: Path) -> bytes:
 
 
 def deck_lines(path: Path) -> Iterator[DeckLine]:
-    """Lines of a deck, those of included files in place of each *INCLUDE.
+    """Lines of a deck, with the lines of included files instead of each *INCLUDE.
 
     Raises InputError with file and line of an *INCLUDE without a file in the folder of the deck or
     below it, of one that includes itself, and of too many or too large ones.
@@ -57,12 +57,12 @@ class _Includer:
         self.folder, self.size = folder, 0
 
     def lines(self, file: Path, content: bytes, chain: tuple[Path, ...]) -> Iterator[DeckLine]:
-        """Lines of a file; `chain`: it and all above that include it, the deck first."""
+        """Lines of a file. `chain`: the files that include it, from the deck to the file itself."""
         text = content.decode("utf-8-sig", "replace").replace("\r\n", "\n").replace("\r", "\n")
         numbered = iter(enumerate(text.split("\n"), start=1))
-        for number, own in numbered:
-            line = DeckLine(file, number, own)
-            fields = _include_fields(own)
+        for number, text_line in numbered:
+            line = DeckLine(file, number, text_line)
+            fields = _include_fields(text_line)
             if fields is None:
                 yield line
                 continue
@@ -73,54 +73,54 @@ class _Includer:
     def _included(
         self, line: DeckLine, fields: list[str], chain: tuple[Path, ...]
     ) -> Iterator[DeckLine]:
-        named = [
+        file_names = [
             value.strip()
-            for name, _, value in (one.partition("=") for one in fields)
+            for name, _, value in (field.partition("=") for field in fields)
             if name.strip().upper() == "INPUT"
         ]
-        name = named[0].strip('"') if named else ""
+        name = file_names[0].strip('"') if file_names else ""
         if not name:
             raise line.fault("*INCLUDE must name its file: INPUT=…")
-        what = f"*INCLUDE {shown(name)}"
-        place = self.folder / name.replace("\\", "/")
+        include = f"*INCLUDE {shown(name)}"
+        path = self.folder / name.replace("\\", "/")
         try:
-            file = place.resolve()
+            file = path.resolve()
         except (OSError, RuntimeError, ValueError):
-            raise line.fault(f"{what}: cannot be read") from None
+            raise line.fault(f"{include}: cannot be read") from None
         if not file.is_relative_to(self.folder):
-            raise line.fault(f"{what}: lies outside the folder of the deck; move it there")
+            raise line.fault(f"{include}: lies outside the folder of the deck; move it there")
         if file in chain:
-            circle = " includes ".join(one.name for one in (*chain[chain.index(file) :], file))
-            raise line.fault(f"{what}: includes itself ({circle})")
+            cycle = " includes ".join(one.name for one in (*chain[chain.index(file) :], file))
+            raise line.fault(f"{include}: includes itself ({cycle})")
         if len(chain) > _DEEPEST:
-            raise line.fault(f"{what}: is more than {_DEEPEST} files deep; write them into one")
+            raise line.fault(f"{include}: is more than {_DEEPEST} files deep; write them into one")
         try:
             content = read_ordinary(file, "a part of the deck", LARGEST_DECK)
         except FileNotFoundError:
             raise line.fault(
-                f"{what}: no such file; its name must count from the folder of the deck"
+                f"{include}: no such file; its name must count from the folder of the deck"
             ) from None
         except InputError as error:
-            raise line.fault(f"{what}: {error}") from None
+            raise line.fault(f"{include}: {error}") from None
         self.size += len(content)
         if self.size > LARGEST_DECK:
             raise line.fault(
-                f"{what}: all included files together are larger than {LARGEST_DECK / 1e6:g} MB"
+                f"{include}: all included files together are larger than {LARGEST_DECK / 1e6:g} MB"
             )
-        yield from self.lines(place, content, (*chain, file))
+        yield from self.lines(path, content, (*chain, file))
 
 
 def _include_fields(text: str) -> list[str] | None:
-    """Options of an *INCLUDE, the last one empty if it goes on; None for any other line."""
-    own = text.strip()
-    if not own.startswith("*") or own.startswith("**"):
+    """Options of an *INCLUDE, the last one empty if it continues. None for any other line."""
+    stripped = text.strip()
+    if not stripped.startswith("*") or stripped.startswith("**"):
         return None
-    keyword, *options = _fields(own)
+    keyword, *options = _fields(stripped)
     return (options or ["INPUT="]) if _plain(keyword) == "*INCLUDE" else None
 
 
 def _fields(text: str) -> list[str]:
-    return [one.strip() for one in text.split(",")]
+    return [field.strip() for field in text.split(",")]
 
 
 def _plain(word: str) -> str:

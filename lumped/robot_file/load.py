@@ -1,4 +1,4 @@
-"""Robot files: TOML with SI units, read into a robot or refused with every fault named."""
+"""Robot files: TOML in SI units, read into a robot or refused with a list of all faults."""
 
 import hashlib
 from collections.abc import Iterable, Mapping
@@ -48,18 +48,18 @@ from lumped.robots import FIRST_TYPE, RobotType
 from lumped.text import did_you_mean, visible
 
 _SUFFIX = ".toml"
-# Data that designers take from tables, data sheets and experience.
+# Keys of data that designers take from tables, data sheets and experience.
 _RARELY_KNOWN = ("E", "length", "stiffness", "compliance")
-# Bytes: ten thousand poses, or the matrices of a thousand legs. tomllib takes half a second.
+# Largest size (bytes): ten thousand poses, or the matrices of a thousand legs. tomllib takes half a
 _LARGEST = 1_000_000
-# Source of a robot that comes from no file, as messages name it.
+# Source, in messages, of a robot without a file.
 DICTIONARY = "dictionary"
 
 
 class UncertainInput(NamedTuple):
-    """An uncertain input by its key, and the robot with it one standard uncertainty off.
+    """An uncertain input by its key, and robots with its value changed by one standard uncertainty.
 
-    `relative` is that uncertainty, of the value in the file.
+    `relative` is the uncertainty relative to the value in the file.
     """
 
     key: str
@@ -70,14 +70,14 @@ class UncertainInput(NamedTuple):
 
 @dataclass(frozen=True)
 class RobotFile:
-    """A robot and the file it came from.
+    """A robot and its file.
 
-    `source` is the path as given or, if `built_in`, the robot's name; `text` the file's text and
-    `sha256` the digest (hexadecimal) of its bytes and those of files it names; `corrections` of
-    misprints in its source; `requirement` what is asked of its models, `measured` what was measured
-    of the robot; `agreement` limits the differences between its models. `supposed`: how well
-    moduli, lengths and stiffnesses are taken to be known where the file does not say it of any
-    number. `changes`: numbers or matrices in place of those of the text, by key.
+    `source` is the path as typed or, if `built_in`, the robot's name. `text` is the file's text and
+    `sha256` the digest (hexadecimal) of its bytes and those of files that it names. `corrections`
+    are misprints in the file's source. `requirement` applies to the robot's models, `measured` are
+    measured values of the robot, `agreement` limits the differences between formulations.
+    `supposed`: relative standard uncertainty of moduli, lengths and stiffnesses if the file states
+    none for any number. `changes`: numbers or matrices that replace those of the text, by key.
     """
 
     mechanism: Mechanism
@@ -103,9 +103,9 @@ class RobotFile:
         return self.mechanism.name
 
     def with_inputs_off(self) -> tuple[UncertainInput, ...]:
-        """Each uncertain input with the robot where it is a standard uncertainty off.
+        """Uncertain inputs with the robots at plus and minus one standard uncertainty.
 
-        Raises InputError where there is no such robot.
+        Raises InputError if such a robot is impossible.
         """
         return tuple(
             UncertainInput(
@@ -116,7 +116,7 @@ class RobotFile:
 
     @property
     def hammer(self) -> Hammer | None:
-        """Where a modal test was made, None where the file does not say it."""
+        """Geometry of a modal test. None if the file has no table [hammer]."""
         tables = self.tables
         read = rules_of(tables).read(tables)["hammer"]
         return hammer_of(read, self.mechanism) if read else None
@@ -126,34 +126,41 @@ class RobotFile:
         """Relative standard uncertainties of data of the file, by key."""
         tables = self.tables
         read = rules_of(tables).read(tables)
-        said = {one["key"]: one["relative"] for one in read["input_uncertainty"]}
-        if said or self.supposed is None:
-            return said
-        of_robot = {name: table for name, table in tables.items() if name not in OF_NO_ROBOT}
-        return dict.fromkeys(keys_named(of_robot, _RARELY_KNOWN), self.supposed)
+        stated = {entry["key"]: entry["relative"] for entry in read["input_uncertainty"]}
+        if stated or self.supposed is None:
+            return stated
+        robot_tables = {name: table for name, table in tables.items() if name not in OF_NO_ROBOT}
+        return dict.fromkeys(keys_named(robot_tables, _RARELY_KNOWN), self.supposed)
 
-    def with_factors(self, off: Mapping[str, float]) -> Mechanism:
-        """The robot with numbers or matrices at keys off by such shares of themselves.
+    def with_factors(self, relative_changes: Mapping[str, float]) -> Mechanism:
+        """The robot with numbers or matrices at keys changed by `relative_changes`.
 
-        Raises InputError where there is no such robot.
+        Raises InputError if such a robot is impossible.
         """
         try:
             tables = _changed(self.tables, self.changes)
-            values = {key: times(value_at(tables, key), 1.0 + off[key]) for key in off}
+            values = {
+                key: times(value_at(tables, key), 1.0 + relative_changes[key])
+                for key in relative_changes
+            }
             return self.with_values(values).mechanism
         except InputError as error:
-            said = ", ".join(f"{key} by {change:+.3g}" for key, change in off.items())
-            place = f"{self.source}: input_uncertainty, {said}"
-            raise InputError(f"{place}: {fault}" for fault in error.faults) from error
+            changes_text = ", ".join(
+                f"{key} by {change:+.3g}" for key, change in relative_changes.items()
+            )
+            location = f"{self.source}: input_uncertainty, {changes_text}"
+            raise InputError(f"{location}: {fault}" for fault in error.faults) from error
 
     def with_values(self, values: Mapping[str, Any]) -> "RobotFile":
         """The robot with other numbers or matrices at keys of its file.
 
-        Raises InputError where there is no such robot, LookupError where there is no such key.
+        Raises InputError if such a robot is impossible, LookupError if a key does not exist.
         """
-        # What was measured and what was misprinted is as the file says.
-        said = ("measured", "hammer", "corrections")
-        tables = {name: table for name, table in self.tables.items() if name not in said}
+        # Measured values and misprints do not change with the robot.
+        invariant_tables = ("measured", "hammer", "corrections")
+        tables = {
+            name: table for name, table in self.tables.items() if name not in invariant_tables
+        }
         changes = {**self.changes, **values}
         mechanism = described_by(_changed(tables, changes), self.folder)[0]
         return replace(self, mechanism=mechanism, changes=changes)
@@ -165,7 +172,7 @@ class RobotFile:
 
     @property
     def folder(self) -> Path:
-        """Where files that it names are sought."""
+        """Folder of the files that the robot file names."""
         return Path() if self.built_in else Path(self.source).parent
 
     @property
@@ -185,7 +192,7 @@ def _changed(tables: Mapping[str, Any], changes: Mapping[str, Any]) -> Mapping[s
 
 
 def _digest(content: bytes, files: Iterable[Path]) -> str:
-    """Digest of the text and of the files it names; who needs one that is missing says so then."""
+    """Digest of the text and of the files that it names, as far as they can be read."""
     digest = hashlib.sha256(content)
     for file in files:
         with suppress(OSError, InputError):
@@ -195,13 +202,13 @@ def _digest(content: bytes, files: Iterable[Path]) -> str:
 
 
 def built_in_robots() -> tuple[str, ...]:
-    """Names of the robots that come with the program."""
+    """Names of the built-in robots."""
     names = (entry.name for entry in _robots_folder().iterdir())
     return tuple(sorted(name.removesuffix(_SUFFIX) for name in names if name.endswith(_SUFFIX)))
 
 
 def load_robot(name_or_path: str | Path) -> RobotFile:
-    """The robot of a built-in name or of a robot file.
+    """Robot of a built-in name or of a robot file.
 
     Raises InputError with one line per fault, all faults at once, each with file, key, value,
     unit and what is allowed.
@@ -212,9 +219,9 @@ def load_robot(name_or_path: str | Path) -> RobotFile:
 
 
 def robot_of(tables: Mapping[str, Any]) -> RobotFile:
-    """The robot of a dictionary that has the keys of a robot file.
+    """Robot of a dictionary with the keys of a robot file.
 
-    Files that it names are sought in the working folder. Raises InputError as `load_robot` does.
+    Paths of files are relative to the working folder. Raises InputError like `load_robot`.
     """
     try:
         text = toml_of(tables)
@@ -254,7 +261,7 @@ def _described(source: str, content: bytes, *, built_in: bool = False) -> RobotF
 
 
 def as_printed(robot_file: RobotFile) -> Mapping[str, Any]:
-    """The file's tables with every correction undone: the data as their source prints them."""
+    """Tables of the file with all corrections undone: the data as printed in their source."""
     tables = robot_file.tables
     for correction in robot_file.corrections:
         tables = with_value(tables, correction.key, correction.printed)
@@ -262,10 +269,10 @@ def as_printed(robot_file: RobotFile) -> Mapping[str, Any]:
 
 
 def write_template(path: str | Path, kind: RobotType = FIRST_TYPE) -> None:
-    """Write a commented robot file to start from: the built-in robot of that name, all keys below.
+    """Write a commented template: the built-in robot of that name, followed by a list of all keys.
 
-    Raises InputError where `path` exists already or cannot be written, ComputationError if the disk
-    is full; nothing half-written stays.
+    Raises InputError if `path` exists already or cannot be written, ComputationError if the disk
+    is full. An incomplete file is removed.
     """
     target = Path(path)
     text = decoded(_built_in(kind), kind)
@@ -286,9 +293,9 @@ def write_template(path: str | Path, kind: RobotType = FIRST_TYPE) -> None:
 
 
 def described_by(tables: Mapping[str, Any], folder: Path) -> tuple[Mechanism, dict[str, Any]]:
-    """What the tables of a file of either schema describe, and the tables as they are read.
+    """Mechanism of the tables of either schema, and the tables with a value for every key.
 
-    Files that they name are sought in `folder`. Raises InputError with one line per fault.
+    Paths of files are relative to `folder`. Raises InputError with one line per fault.
     """
     written, rules = tables, rules_of(tables)
     any_robot = is_mechanism(tables)
@@ -307,20 +314,20 @@ def described_by(tables: Mapping[str, Any], folder: Path) -> tuple[Mechanism, di
     else:
         mechanism = mechanism_of(described, read["name"], folder)
     damping = read["damping"]["ratio"] if read["damping"] else 0.0
-    whole = replace(mechanism, damping=damping)
+    complete = replace(mechanism, damping=damping)
     faults = [
-        *load_faults(read["loads"], whole, folder),
-        *response_faults(read["responses"], whole),
+        *load_faults(read["loads"], complete, folder),
+        *response_faults(read["responses"], complete),
     ]
     if not faults:
-        loads = loads_of(read["loads"], whole, folder)
-        whole = replace(whole, loads=loads, excitations=excitations_of(read["responses"]))
-    # Of the robot as it is given: the postures that are tried here are remembered.
-    if faults := (motion_faults(whole) if any_robot else []) or faults:
+        loads = loads_of(read["loads"], complete, folder)
+        complete = replace(complete, loads=loads, excitations=excitations_of(read["responses"]))
+    # Of the complete robot, because the postures computed here are memoised for it.
+    if faults := (motion_faults(complete) if any_robot else []) or faults:
         raise InputError(faults)
-    if faults := evidence_faults(tables, read, whole):
+    if faults := evidence_faults(tables, read, complete):
         raise InputError(faults)
-    return whole, read
+    return complete, read
 
 
 def _built_in(name: str) -> bytes:
@@ -343,9 +350,9 @@ def _read(source: str) -> bytes:
 
 
 def with_measured(robot_file: RobotFile, path: Path) -> RobotFile:
-    """The robot file with the measured values of a CSV file after its own.
+    """Robot file with the measured values of a CSV file after its own.
 
-    Raises InputError with one line per fault, where the robot cannot be at a pose too.
+    Raises InputError with one line per fault, also for poses that the robot cannot reach.
     """
     robot = robot_file.mechanism
     ones = read_measured(path, robot.judged_responses, robot.lengths, robot.tool.moves)

@@ -1,4 +1,4 @@
-"""Places in a robot file by their keys, like "leg1.length" or "foot.compliance[6,6]" (from 1)."""
+"""Values of a robot file by their keys, like "leg1.length" or "foot.compliance[6,6]" (from 1)."""
 
 import re
 from collections.abc import Collection, Iterator, Mapping
@@ -17,13 +17,13 @@ _UNITS_OF_COMPLIANCE = ("m/N", "rad/N", "rad/(N m)")
 
 
 def value_at(tables: Mapping[str, Any], key: str) -> Any:
-    """What stands at a key; raises LookupError where nothing does."""
+    """Value at a key. Raises LookupError if there is none."""
     holder, last = _holder(tables, key)
     return holder[last]
 
 
 def with_value(tables: Mapping[str, Any], key: str, value: Any) -> dict[str, Any]:
-    """The tables with something else at a key; raises LookupError where there is no such place."""
+    """Tables with another value at a key. Raises LookupError if the key does not exist."""
     changed = deepcopy(dict(tables))
     holder, last = _holder(changed, key)
     holder[last] = value
@@ -54,9 +54,9 @@ def keys_named(tables: Mapping[str, Any], names: Collection[str]) -> list[str]:
 
 
 def unit_of(tables: Mapping[str, Any], key: str) -> str:
-    """Unit of the number at a key of sound tables; "" where it has none."""
+    """Unit of the number at a key of valid tables. "" if it has none."""
     names, indices = _steps(key)
-    rules = {place: rule for place, rule, _ in rules_of(tables).within(tables, "")}
+    rules = {rule_key: rule for rule_key, rule, _ in rules_of(tables).within(tables, "")}
     rule = rules.get(".".join(names))
     while isinstance(rule, Several):
         rule = rule.kind

@@ -1,9 +1,9 @@
-"""From a path to the tables of a TOML file, refused where it is none before it costs anything.
+"""Reading of TOML and CSV files into tables, with early refusal of other content.
 
-Of compliances also what the printed digits leave open, half a unit of the last one: 1.67e-10 lies
-between 1.665e-10 and 1.675e-10. Zeros, whole numbers and varied numbers are taken as exact, and so
-is a 6×6 of fewer than three digits throughout: a round figure that somebody chose, as a drive's
-stiffness is.
+For compliances also the uncertainty of printed digits, half a unit of the last one: 1.67e-10 lies
+between 1.665e-10 and 1.675e-10. Zeros, whole numbers and varied numbers count as exact. So does a
+6×6 with fewer than three digits in all entries: a round figure chosen by a designer, like a drive's
+stiffness.
 """
 
 import csv
@@ -26,7 +26,7 @@ from lumped.robot_file.rules.matrices import symmetric
 from lumped.robot_file.rules.rule import too_many
 from lumped.text import cut, shown
 
-# Of a key "a.b.c": tomllib takes the square of that time.
+# Largest number of parts of a key "a.b.c"; the time of tomllib grows with its square.
 _MOST_PARTS = 100
 _FEWEST_DIGITS = 3
 _BETWEEN_KEYS = re.compile(r"[=,\[\]{}\n]")
@@ -35,7 +35,7 @@ _BETWEEN_KEYS = re.compile(r"[=,\[\]{}\n]")
 class Printed(NamedTuple):
     """A 6×6 compliance of a robot file (SI), symmetric, and `half` units of its last digits (6×6).
 
-    An entry and its mirror image are one rounding.
+    An entry and its mirror image have the same rounding.
     """
 
     compliance: Array
@@ -43,32 +43,34 @@ class Printed(NamedTuple):
 
 
 class TableRow(NamedTuple):
-    """A row of a CSV file: where it stands, and its `cells` by the headings."""
+    """A row of a CSV file: its location `place` in messages, and its `cells` by heading."""
 
     place: str
     cells: Mapping[str, str]
 
 
 def table_rows(path: Path, kind: str, columns: Sequence[str], most: int) -> list[TableRow]:
-    """The rows of a CSV file that has such columns, one at least; `kind` is what it must be.
+    """Rows (at least one) of a CSV file with the required `columns`. Messages require `kind`.
 
     Raises InputError with one line per fault.
     """
     try:
         text = read_ordinary(path, kind).decode("utf-8-sig")
         reader = csv.DictReader(StringIO(text, newline=""), restval="")
-        lacking = [name for name in columns if name not in (reader.fieldnames or ())]
-        rows = [(f"{path}: line {reader.line_num}", row) for row in reader if not lacking]
+        missing = [name for name in columns if name not in (reader.fieldnames or ())]
+        rows = [(f"{path}: line {reader.line_num}", row) for row in reader if not missing]
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise InputError(f"{path}: cannot be read: {error}") from error
-    faults = [f"{path}: lacks the column {', '.join(lacking)}"] if lacking else []
-    twice = [name for name, count in Counter(reader.fieldnames or ()).items() if count > 1]
-    faults += [f"{path}: has the column {shown(name)} twice; must have it once" for name in twice]
+    faults = [f"{path}: lacks the column {', '.join(missing)}"] if missing else []
+    repeated = [name for name, count in Counter(reader.fieldnames or ()).items() if count > 1]
+    faults += [
+        f"{path}: has the column {shown(name)} twice; must have it once" for name in repeated
+    ]
     if not (rows or faults):
         faults = [f"{path}: holds no row; must be {kind}"]
     if len(rows) > most:
         faults = [too_many(str(path), len(rows), most)]
-    # A comma in the place of a decimal point makes two cells of one.
+    # A decimal comma splits a cell into two.
     faults += [f"{place}: more cells than headings" for place, row in rows if None in row]
     if faults:
         raise InputError(faults)
@@ -76,7 +78,7 @@ def table_rows(path: Path, kind: str, columns: Sequence[str], most: int) -> list
 
 
 def number_or_text(cell: str) -> int | float | str:
-    """What a cell of a CSV file says, as a robot file would: a text where it is no number."""
+    """Number in a cell of a CSV file, or its text if it is no number."""
     for kind in (int, float):
         try:
             return kind(cell)
@@ -86,7 +88,7 @@ def number_or_text(cell: str) -> int | float | str:
 
 
 def decoded(content: bytes, source: str) -> str:
-    """The text of a file in UTF-8, with or without a byte order mark; raises InputError."""
+    """Text of a file in UTF-8, with or without a byte order mark. Raises InputError."""
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -96,7 +98,7 @@ def decoded(content: bytes, source: str) -> str:
 
 
 def parsed(text: str, source: str) -> Mapping[str, Any]:
-    """The tables of a TOML text; raises InputError."""
+    """Tables of a TOML text. Raises InputError."""
     keys = _BETWEEN_KEYS.split(re.sub("#.*", "", text))
     if max(key.count(".") for key in keys) > _MOST_PARTS:
         raise InputError(f"{source}: a key of more than {_MOST_PARTS} parts; not a robot file")
@@ -110,7 +112,7 @@ def parsed(text: str, source: str) -> Mapping[str, Any]:
 
 @memo(16)
 def tables_of(text: str) -> Mapping[str, Any]:
-    """The tables of a sound TOML text, parsed once per process: nobody may change them."""
+    """Tables of a valid TOML text, parsed once per process. They must not be changed."""
     return tomllib.loads(text)
 
 

@@ -1,7 +1,7 @@
-"""Robots that differ from a file's in one number or several, named by their keys.
+"""Robots that differ from that of a file in one or several numbers, named by their keys.
 
 A variation is typed as KEY=FROM:TO:COUNT: "bodies.rod1.section.diameter=0.02:0.06:9". A * in the
-key stands for any part of a name: all numbers whose keys match take the same value.
+key matches any part of a name. All numbers with matching keys have the same value.
 """
 
 from collections.abc import Mapping, Sequence
@@ -24,7 +24,7 @@ _ALLOWED = "must be KEY=FROM:TO:COUNT, bodies.rod1.section.diameter=0.02:0.06:9 
 
 @dataclass(frozen=True)
 class Variation:
-    """The values that the numbers at `keys` take together; `key` as it was typed."""
+    """Common values of the numbers at `keys`; `key` as typed."""
 
     key: str
     keys: tuple[str, ...]
@@ -32,52 +32,56 @@ class Variation:
 
 
 def variations_of(robot_file: RobotFile, typed: Sequence[str]) -> tuple[Variation, ...]:
-    """The variations of a robot file as typed; raises InputError with one line per fault."""
+    """Variations of a robot file from typed texts. Raises InputError with one line per fault."""
     numbers = dict(numbers_of(robot_file.tables))
-    found, faults = collect_faults(lambda text: _variation(text, numbers, robot_file), typed)
-    keys = [key for one in found for key in one.keys]
+    variations, faults = collect_faults(lambda text: _variation(text, numbers, robot_file), typed)
+    keys = [key for variation in variations for key in variation.keys]
     faults += [
         f"--vary {key}: varied twice; must be named once"
         for key in dict.fromkeys(keys)
         if keys.count(key) > 1
     ]
-    count = int(np.prod([len(one.values) for one in found], dtype=float)) if found else 0
+    count = (
+        int(np.prod([len(variation.values) for variation in variations], dtype=float))
+        if variations
+        else 0
+    )
     if count > MOST_ROBOTS:
         faults.append(f"--vary: {count} robots; must be at most {MOST_ROBOTS} in all")
     if faults:
         raise InputError(faults)
-    return tuple(found)
+    return tuple(variations)
 
 
 def varied(
     robot_file: RobotFile, variations: Sequence[Variation]
 ) -> list[tuple[tuple[float, ...], RobotFile]]:
-    """Every combination of the values, with the robot file that has them.
+    """All combinations of the values, each with the robot file that has them.
 
-    Raises InputError, one line, for the first robot that cannot be: one number is one cause.
+    Raises InputError, one line, for the first impossible robot, since others have the same cause.
     """
     robots = []
-    for values in product(*(one.values for one in variations)):
+    for values in product(*(variation.values for variation in variations)):
         pairs = zip(variations, values, strict=True)
-        changes = {key: value for one, value in pairs for key in one.keys}
+        changes = {key: value for variation, value in pairs for key in variation.keys}
         try:
             robots.append((values, robot_file.with_values(changes)))
         except InputError as error:
-            place = f"--vary {told(variations, values)}"
+            place = f"--vary {assignments(variations, values)}"
             raise InputError(f"{place}: {error.faults[0]}") from error
     return robots
 
 
-def told(variations: Sequence[Variation], values: Sequence[float]) -> str:
+def assignments(variations: Sequence[Variation], values: Sequence[float]) -> str:
     """The values with their keys: "bodies.rod1.section.diameter=0.02"."""
     pairs = zip(variations, values, strict=True)
-    return ", ".join(f"{one.key}={value:.6g}" for one, value in pairs)
+    return ", ".join(f"{variation.key}={value:.6g}" for variation, value in pairs)
 
 
 def _variation(text: str, numbers: Mapping[str, float], robot_file: RobotFile) -> Variation:
-    key, _, given = text.partition("=")
+    key, _, range_text = text.partition("=")
     try:
-        first, last, number = given.split(":")
+        first, last, number = range_text.split(":")
         start, to, count = float(first), float(last), int(number)
     except ValueError:
         raise InputError(f"--vary {cut(text, 80)}: {_ALLOWED}") from None
@@ -86,22 +90,24 @@ def _variation(text: str, numbers: Mapping[str, float], robot_file: RobotFile) -
     if not 1 <= count <= MOST_VALUES:
         raise InputError(f"--vary {key}: COUNT = {count}: must be from 1 to {MOST_VALUES}")
     pattern = key.replace("[", "[[]")
-    keys = tuple(one for one in numbers if fnmatchcase(one, pattern))
+    keys = tuple(number_key for number_key in numbers if fnmatchcase(number_key, pattern))
     if not keys:
         raise InputError(f"--vary {key}: {_why_not(key, numbers, robot_file)}")
     values = np.linspace(start, to, count).tolist()
-    if all(isinstance(numbers[one], int) for one in keys) and all(v == round(v) for v in values):
+    if all(isinstance(numbers[number_key], int) for number_key in keys) and all(
+        v == round(v) for v in values
+    ):
         values = [int(value) for value in values]
     return Variation(key, keys, tuple(values))
 
 
 def _why_not(key: str, numbers: Mapping[str, float], robot_file: RobotFile) -> str:
-    held: Any = robot_file.tables
+    value: Any = robot_file.tables
     for part in key.split("."):
-        held = held.get(part) if isinstance(held, dict) else None
-    if held is not None:
+        value = value.get(part) if isinstance(value, dict) else None
+    if value is not None:
         return (
-            f"{shown(held)} in {robot_file.source} is no number; must name a number "
+            f"{shown(value)} in {robot_file.source} is no number; must name a number "
             "(entries of a list count from 1: points.P[1], compliance[2,2])"
         )
     return f"{robot_file.source} has no such number{did_you_mean(key, numbers)}"

@@ -1,4 +1,4 @@
-"""Robot files written from dictionaries: TOML of the numbers, texts, lists and tables in them."""
+"""TOML text of dictionaries with numbers, texts, lists and tables."""
 
 import json
 import re
@@ -16,7 +16,7 @@ _BARE = re.compile(r"[A-Za-z0-9_-]+")
 
 
 def toml_of(tables: Mapping[str, Any]) -> str:
-    """TOML text of the tables, a line for each entry at the top.
+    """TOML text of the tables, one line for each top-level entry.
 
     Arrays of numpy count as lists, paths as texts. Raises InputError with a line for each value
     that TOML cannot hold, with its key.
@@ -29,7 +29,7 @@ def toml_of(tables: Mapping[str, Any]) -> str:
 
 
 def toml_value(value: object) -> str:
-    """TOML text of one value, on one line; raises InputError as `toml_of` does."""
+    """TOML text of one value, on one line. Raises InputError like `toml_of`."""
     faults: list[str] = []
     text = _value(value, "value", faults)
     if faults:
@@ -42,7 +42,7 @@ def _key(key: object) -> str:
 
 
 def _text(text: str) -> str:
-    # Texts of TOML are those of JSON, but for this one control character.
+    # Texts in TOML equal those in JSON, except for this one control character.
     return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
@@ -51,13 +51,15 @@ def _value(value: object, place: str, faults: list[str]) -> str:
         value = value.tolist()
     match value:
         case Mapping():
-            values = [_value(one, f"{place}.{key}", faults) for key, one in value.items()]
+            values = [_value(entry, f"{place}.{key}", faults) for key, entry in value.items()]
             entries = (f"{_key(key)} = {text}" for key, text in zip(value, values, strict=True))
             return f"{{ {', '.join(entries)} }}"
         case str() | PurePath():
             return _text(str(value))
         case Sequence() if not isinstance(value, bytes | bytearray):
-            values = [_value(one, f"{place}[{n}]", faults) for n, one in enumerate(value, start=1)]
+            values = [
+                _value(entry, f"{place}[{n}]", faults) for n, entry in enumerate(value, start=1)
+            ]
             return f"[{', '.join(values)}]"
     return _number(value, place, faults)
 

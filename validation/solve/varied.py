@@ -13,7 +13,7 @@ from lumped.acceptance.quantities import AXES, ROTATIONS
 from lumped.errors import InputError, naming
 from lumped.robot_file import RobotFile
 from lumped.robot_file.places import unit_of
-from lumped.robot_file.variation import Variation, told, variations_of, varied
+from lumped.robot_file.variation import Variation, assignments, variations_of, varied
 from lumped.text import aligned, counted
 from validation.console.progress import stage
 from validation.console.streams import complain, mention, say
@@ -103,7 +103,7 @@ def solve_varied(
     robots = varied(question.robot_file, variations)
     units, seconds = [], 0.0
     for values, robot in robots:
-        said = told(variations, values)
+        said = assignments(variations, values)
         # Tables of many robots have no room for what digits leave open of each.
         asked = replace(question, robot_file=robot, digits=False)
         with naming(f"--vary {said}"):
@@ -242,7 +242,7 @@ def png(robot_file: RobotFile, found: VariedAnswers) -> bytes:
 
 def _curve(others: Sequence[Variation], values: Sequence[float], answer: Answer | None) -> str:
     """What tells a curve from the others: the values of the other numbers, and the place."""
-    said = [told(others, values)] if others else []
+    said = [assignments(others, values)] if others else []
     if answer is not None:
         ((name, place),) = answer.place.items()
         numbers = place if isinstance(place, list) else [place]

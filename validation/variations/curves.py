@@ -16,7 +16,7 @@ from lumped.errors import naming
 from lumped.mechanism.mechanism import Posture
 from lumped.memo import memo
 from lumped.robot_file import RobotFile, load_robot
-from lumped.robot_file.variation import Variation, told, variations_of, varied
+from lumped.robot_file.variation import Variation, assignments, variations_of, varied
 from validation.adequacy.compared import (
     Compared,
     compared_compliances,
@@ -132,7 +132,7 @@ def varied_robots(
     """Units of work for all values: first those of deflections, then those of frequencies."""
     robots = varied(robot_file, (variation,))
     return tuple(
-        VariedRobot(robot, preset, told((variation,), values), objective)
+        VariedRobot(robot, preset, assignments((variation,), values), objective)
         for objective in OBJECTIVES
         for values, robot in robots
     )

@@ -1,6 +1,6 @@
-"""From sound tables of a robot file to what they describe: legs, of either schema, mechanisms.
+"""Legs (of either schema) and mechanisms from valid tables of a robot file.
 
-A table is as it is read: a value for every key, None where left out.
+A table has a value for every key, None if the key is omitted.
 """
 
 from dataclasses import replace
@@ -31,15 +31,15 @@ from lumped.robot_file.mechanism.draft import Draft
 from lumped.robot_file.rules.relations import Entry
 
 
-def mechanism_of(given: Draft, name: str, folder: Path) -> Mechanism:
-    """The mechanism of a draft without faults; files of parts lie in `folder`."""
-    tool: Entry = given.tool or {}
-    joints = tuple(_joint(given, name) for name in given.joints)
+def mechanism_of(description: Draft, name: str, folder: Path) -> Mechanism:
+    """Mechanism of a draft without faults; files of parts lie in `folder`."""
+    tool: Entry = description.tool or {}
+    joints = tuple(_joint(description, name) for name in description.joints)
     sides = [side for joint in joints for side in (joint.first, joint.second)]
     base = dict.fromkeys(side.point for side in sides if side.body == GROUND)
     placed = [
-        place_rigid_body(GROUND, base, given.points, origin=np.zeros(3)),
-        *(_body(given, name, folder) for name in given.bodies),
+        place_rigid_body(GROUND, base, description.points, origin=np.zeros(3)),
+        *(_body(description, name, folder) for name in description.bodies),
     ]
     mechanism = Mechanism(
         name=name,
@@ -48,68 +48,73 @@ def mechanism_of(given: Draft, name: str, folder: Path) -> Mechanism:
         tool=Tool(**tool),
         reference={body.name: frame for body, frame in placed},
         poses=np.zeros((0, len(tool["moves"]))),
-        lengths=given.unit,
+        lengths=description.unit,
     )
-    if given.path is None:
+    if description.path is None:
         return replace(mechanism, poses=mechanism.reference_pose[None])
-    return replace(mechanism, poses=_poses(given.path), grid=_grid(given.path))
+    return replace(mechanism, poses=_poses(description.path), grid=_grid(description.path))
 
 
-def _body(given: Draft, name: str, folder: Path) -> tuple[Body, Frame]:
-    table = given.bodies[name]
+def _body(description: Draft, name: str, folder: Path) -> tuple[Body, Frame]:
+    table = description.bodies[name]
     if table["kind"] == "part":
-        return _part(given, name, table, folder)
+        return _part(description, name, table, folder)
     if table["kind"] == "rigid body":
-        return _rigid(given, name, table)
+        return _rigid(description, name, table)
     up = None if table["up"] is None else np.array(table["up"])
-    body, frame = place_leg(name, leg_of(table, name), table["held"], given.points, up)
+    body, frame = place_leg(
+        name, leg_of(table, name), table["interface_points"], description.points, up
+    )
     return replace(body, loss=loss_of(table)), frame
 
 
-def _place(given: Draft, place: Any) -> Array:
+def _point(description: Draft, place: Any) -> Array:
     """A point (3, m) by its name or its coordinates."""
-    return given.points[place] if isinstance(place, str) else np.array(place)
+    return description.points[place] if isinstance(place, str) else np.array(place)
 
 
-def _part(given: Draft, name: str, table: Entry, folder: Path) -> tuple[Body, Frame]:
-    place, frame = table["place"], Frame()
-    if place is not None:
-        frame = Frame(_place(given, place["at"]), axes_along(place["x"], place["y"]))
+def _part(description: Draft, name: str, table: Entry, folder: Path) -> tuple[Body, Frame]:
+    placement, frame = table["place"], Frame()
+    if placement is not None:
+        frame = Frame(
+            _point(description, placement["at"]), axes_along(placement["x"], placement["y"])
+        )
     shape = Part(
         file=folder / (table["step"] or table["mesh"]),
         material=isotropic_of(table["material"]),
         interfaces={point: interface_of(one) for point, one in table["interfaces"].items()},
         unit=table["unit"],
     )
-    seen = frame.inverse()
-    held = {
-        point: Frame((seen @ Frame(given.points[point])).position) for point in shape.interfaces
+    file_frame = frame.inverse()
+    interfaces = {
+        point: Frame((file_frame @ Frame(description.points[point])).position)
+        for point in shape.interfaces
     }
-    return Body(name, shape, held, loss_of(table)), frame
+    return Body(name, shape, interfaces, loss_of(table)), frame
 
 
-def _rigid(given: Draft, name: str, table: Entry) -> tuple[Body, Frame]:
-    origin = given.points[table["points"][0]]
-    centre = origin if table["centre"] is None else _place(given, table["centre"])
+def _rigid(description: Draft, name: str, table: Entry) -> tuple[Body, Frame]:
+    origin = description.points[table["points"][0]]
+    centre = origin if table["centre"] is None else _point(description, table["centre"])
     inertia = np.zeros((3, 3)) if table["inertia"] is None else table["inertia"]
     shape = Rigid(table["mass"] or 0.0, centre - origin, inertia)
-    return place_rigid_body(name, table["points"], given.points, shape)
+    return place_rigid_body(name, table["points"], description.points, shape)
 
 
-def _joint(given: Draft, name: str) -> Joint:
-    table = given.joints[name]
+def _joint(description: Draft, name: str) -> Joint:
+    table = description.joints[name]
     first, second = map(Side, table["between"], table["points"])
-    # Two points also say what six digits of a direction would leave open.
-    along = table["directions"] if table["way"] is None else table["way"]
-    axes = np.reshape(along, (-1, 3))
+    # Two points define the direction more accurately than six typed digits.
+    directions = table["directions"] if table["vector"] is None else table["vector"]
+    axes = np.reshape(directions, (-1, 3))
     drive = table["drive"]
     if drive is not None:
         stiffness = None if drive["stiffness"] == "rigid" else drive["stiffness"]
         inertia = (drive["inertia"] or 0.0) * (drive["ratio"] or 1.0) ** 2
         drive = Drive(stiffness, drive["simplified"], drive["loss"], inertia)
     unit = axes / np.linalg.norm(axes, axis=1)[:, None]
-    give = table["compliance"], table["loss"]
-    return Joint(name, table["type"], first, second, unit, drive, *give)
+    elasticity = table["compliance"], table["loss"]
+    return Joint(name, table["type"], first, second, unit, drive, *elasticity)
 
 
 def _poses(path: Entry) -> Array:
@@ -121,39 +126,41 @@ def _poses(path: Entry) -> Array:
 
 
 def _grid(path: Entry) -> tuple[Array, ...]:
-    """Values along each move; none where poses are no grid."""
+    """Values along each move. Empty if the poses are no grid."""
     if path["counts"] is None:
         return ()
     steps = zip(path["from"], path["to"], path["counts"], strict=True)
-    return tuple(np.linspace(*one) for one in steps)
+    return tuple(np.linspace(*step) for step in steps)
 
 
 def leg_of(table: Entry, name: str) -> Leg:
-    """The leg of a table."""
-    length, section, given, mass = (table[key] for key in ("length", "section", "material", "mass"))
+    """Leg of a table."""
+    length, section, material_table, mass = (
+        table[key] for key in ("length", "section", "material", "mass")
+    )
     if table["compliance"] is not None:
-        about = table["inertia"], table["mass_centre"]
-        return GivenLeg(length, mass, table["compliance"], *about, name)
-    density = given["rho"] if mass is None else mass / (section.area * length)
-    material = isotropic_of(given | {"rho": density})
-    if given["G"] is not None:
-        material = replace(material, G=given["G"])
+        mass_properties = table["inertia"], table["mass_centre"]
+        return GivenLeg(length, mass, table["compliance"], *mass_properties, name)
+    density = material_table["rho"] if mass is None else mass / (section.area * length)
+    material = isotropic_of(material_table | {"rho": density})
+    if material_table["G"] is not None:
+        material = replace(material, G=material_table["G"])
     return ConstantLeg(length, section, material, table["ends"], name)
 
 
 def loss_of(table: Entry) -> float:
-    """The loss factor of a leg or a part: its material's, or its own beside a compliance."""
-    own = table["loss"] if table["material"] is None else table["material"]["loss"]
-    return own or 0.0
+    """Loss factor of a leg or a part: that of its material, or its own next to a compliance."""
+    loss = table["loss"] if table["material"] is None else table["material"]["loss"]
+    return loss or 0.0
 
 
 def isotropic_of(material: Entry) -> Material:
-    """The isotropic material of a table."""
+    """Isotropic material of a table."""
     return Material.isotropic(material["E"], material["nu"], material["rho"])
 
 
 def interface_of(table: Entry) -> PartInterface:
-    """The interface of a part that a table describes."""
+    """Interface of a part from a table."""
     selection: Selection
     if table["faces"] is not None:
         selection = ByFaces(table["faces"])

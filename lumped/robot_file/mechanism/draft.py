@@ -1,6 +1,6 @@
-"""A description as far as it can be read: its sound entries with what follows of their keys.
+"""Draft of a mechanism: the valid entries of its description with derived values.
 
-Faults in one entry must not hide those of the others; so each entry is read on its own.
+Each entry is read individually, so that faults in one do not hide those of the others.
 """
 
 from collections.abc import Mapping
@@ -16,20 +16,22 @@ from lumped.robot_file.rules.relations import NO_DIRECTION, Entry
 from lumped.robot_file.rules.rule import Named
 from lumped.robot_file.rules.tables import MECHANISM, length_unit_of, rules_of
 
-_TELLING = {"from": "leg", "to": "leg", "points": "rigid body", "step": "part", "mesh": "part"}
+_KIND_OF_KEY = {"from": "leg", "to": "leg", "points": "rigid body", "step": "part", "mesh": "part"}
 
 
 @dataclass(frozen=True, eq=False)
 class Draft:
-    """The sound entries of a robot file's tables, by name; `names` of all, sound or not.
+    """Valid entries of a robot file's tables, by name; `names` of all entries, valid or not.
 
-    Beside the keys of an entry stand its own, `key`, and what follows from them. Of a body: its
-    `kind` (None where it is none or several), its material as a table where that is sound, and
-    where a named one stands (`material_key`), the points at which it can be `held` (None where
-    they have faults), from a leg's first point to its second the `way` (3, m) and its `length`
-    (m). Of bodies and joints: the unit of `lengths` in messages. Of a joint: the `points` of its
-    bodies, whether one is named twice (`one_twice`), which key its kind `wanted`, the `directions`
-    there, and the `way` between points that are apart. Of the path: the tool's `moves`.
+    An entry has its keys, its own `key`, and derived values:
+    a body its `kind` (None if it is none or several), its material as a table if that is valid, the
+    key of a named material (`material_key`), its `interface_points` (None if they have faults), and
+    for a leg the `vector` (3, m) from its first point to its second and its `length` (m);
+    bodies and joints the unit of `lengths` in messages;
+    a joint the `points` of its bodies, `repeated_point` if two equal names are given, the
+    `axis_key` required by its kind, the `directions` there, and the `vector` between points that
+    are apart;
+    the path the tool's `moves`.
     """
 
     points: Mapping[str, Array]
@@ -42,25 +44,26 @@ class Draft:
 
 
 def draft(tables: Mapping[str, Any]) -> Draft:
-    """What is sound in the tables of a robot file of schema 2."""
+    """Draft of the valid entries in the tables of a robot file of schema 2."""
     names = {key: tuple(_group(tables, key)) for key in MECHANISM.keys}
     unit = length_unit_of(tables)
-    places, materials, bodies, joints, tool, path = (
-        _sound(tables, key) for key in ("points", "materials", "bodies", "joints", "tool", "path")
+    coordinates, materials, bodies, joints, tool, path = (
+        _valid_entries(tables, key)
+        for key in ("points", "materials", "bodies", "joints", "tool", "path")
     )
-    points = {name: np.array(place) for name, place in places.items()}
+    points = {name: np.array(position) for name, position in coordinates.items()}
     return Draft(
         points=points,
         bodies={
-            name: one
+            name: entry
             | {"lengths": unit}
-            | _of_material(one["material"], materials, f"bodies.{name}")
-            | _of_points(one, points, names["points"])
-            for name, one in bodies.items()
+            | _material_values(entry["material"], materials, f"bodies.{name}")
+            | _body_values(entry, points, names["points"])
+            for name, entry in bodies.items()
         },
         joints={
-            name: one | {"lengths": unit} | _of_joint(one, points, name)
-            for name, one in joints.items()
+            name: entry | {"lengths": unit} | _joint_values(entry, points, name)
+            for name, entry in joints.items()
         },
         tool=tool or None,
         path=path | {"moves": tool["moves"]} if path and tool else None,
@@ -74,52 +77,73 @@ def _group(tables: Mapping[str, Any], key: str) -> Mapping[str, Any]:
     return group if isinstance(group, dict) else {}
 
 
-def _sound(tables: Mapping[str, Any], key: str) -> dict[str, Any]:
-    """The sound entries of a table of named ones; of [tool] and [path] all or nothing."""
+def _valid_entries(tables: Mapping[str, Any], key: str) -> dict[str, Any]:
+    """Valid entries of a table of named entries. Tables [tool] and [path] are valid or empty."""
     group, rule = _group(tables, key), rules_of(tables).keys[key].kind
     if isinstance(rule, Named):
         kind = rule.kind
         if len(group) > rule.most:
             return {}
-        return {name: kind.read(one) for name, one in group.items() if not kind.faults(one, name)}
+        return {
+            name: kind.read(entry) for name, entry in group.items() if not kind.faults(entry, name)
+        }
     return {} if rule.faults(tables.get(key), key) else rule.read(group)
 
 
-def _of_material(material: Any, materials: Mapping[str, Entry], key: str) -> dict[str, Any]:
+def _material_values(material: Any, materials: Mapping[str, Entry], key: str) -> dict[str, Any]:
     if isinstance(material, str):
-        found = materials.get(material, material)
-        return {"key": key, "material": found, "material_key": f"materials.{material}"}
+        table = materials.get(material, material)
+        return {"key": key, "material": table, "material_key": f"materials.{material}"}
     return {"key": key}
 
 
-def _of_points(body: Entry, points: Mapping[str, Array], names: tuple[str, ...]) -> dict[str, Any]:
-    kinds = {kind for key, kind in _TELLING.items() if body[key] is not None}
+def _body_values(
+    body: Entry, points: Mapping[str, Array], names: tuple[str, ...]
+) -> dict[str, Any]:
+    kinds = {kind for key, kind in _KIND_OF_KEY.items() if body[key] is not None}
     kind = kinds.pop() if len(kinds) == 1 else None
     ends = (body["from"], body["to"])
-    held = {"leg": ends, "rigid body": body["points"], "part": tuple(body["interfaces"] or ())}
-    found = held.get(kind or "") or ()
-    known = found and set(found) <= set(names) and (kind != "leg" or ends[0] != ends[1])
-    way = _way(ends, points)
-    length = None if way is None else float(np.linalg.norm(way))
-    return {"kind": kind, "held": found if known else None, "way": way, "length": length}
-
-
-def _of_joint(joint: Entry, points: Mapping[str, Array], name: str) -> dict[str, Any]:
-    at = joint["at"]
-    wanted = ("", "axis", "axes")[AXES[joint["type"]]]
-    given = joint[wanted] if wanted else None
-    pair = (at, at) if isinstance(at, str) else at
-    way = _way(pair, points)
+    points_by_kind = {
+        "leg": ends,
+        "rigid body": body["points"],
+        "part": tuple(body["interfaces"] or ()),
+    }
+    interface_points = points_by_kind.get(kind or "") or ()
+    valid = (
+        interface_points
+        and set(interface_points) <= set(names)
+        and (kind != "leg" or ends[0] != ends[1])
+    )
+    vector = _vector_between(ends, points)
+    length = None if vector is None else float(np.linalg.norm(vector))
     return {
-        "key": f"joints.{name}",
-        "points": pair,
-        "one_twice": pair == at and at[0] == at[1],
-        "wanted": wanted,
-        "directions": () if given is None else given if wanted == "axes" else (given,),
-        "way": way if way is not None and np.linalg.norm(way) > NO_DIRECTION else None,
+        "kind": kind,
+        "interface_points": interface_points if valid else None,
+        "vector": vector,
+        "length": length,
     }
 
 
-def _way(ends: tuple[str, str], points: Mapping[str, Array]) -> Array | None:
+def _joint_values(joint: Entry, points: Mapping[str, Array], name: str) -> dict[str, Any]:
+    at = joint["at"]
+    axis_key = ("", "axis", "axes")[AXES[joint["type"]]]
+    directions = joint[axis_key] if axis_key else None
+    pair = (at, at) if isinstance(at, str) else at
+    vector = _vector_between(pair, points)
+    return {
+        "key": f"joints.{name}",
+        "points": pair,
+        "repeated_point": pair == at and at[0] == at[1],
+        "axis_key": axis_key,
+        "directions": ()
+        if directions is None
+        else directions
+        if axis_key == "axes"
+        else (directions,),
+        "vector": vector if vector is not None and np.linalg.norm(vector) > NO_DIRECTION else None,
+    }
+
+
+def _vector_between(ends: tuple[str, str], points: Mapping[str, Array]) -> Array | None:
     first, second = map(points.get, ends)
     return None if first is None or second is None else second - first

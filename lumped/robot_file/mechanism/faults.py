@@ -1,6 +1,6 @@
-"""Every fault of a robot file of schema 2: those of what is said, then those of how it moves.
+"""Faults of a robot file of schema 2: those of the description, then those of the mobility.
 
-Only closing the loops shows drives that do not hold the tool and poses out of reach.
+Loop closure reveals drives that do not hold the tool, and poses out of reach.
 """
 
 from collections.abc import Collection, Iterator, Mapping
@@ -23,37 +23,45 @@ from lumped.robot_file.rules.rule import Text
 from lumped.robot_file.rules.tables import MECHANISM, rules_of
 from lumped.text import counted, did_you_mean, shown
 
-# Poses of a path that are tried before anything is computed; the others are when they come up.
-_TRIED = 32
+# Number of poses of a path that are checked beforehand; the others are checked when needed.
+_CHECKED_POSES = 32
 
 
-def description_faults(tables: Mapping[str, Any], given: Draft) -> list[str]:
-    """Faults of keys, of what they say together, and of names; without any, those of the whole.
+def description_faults(tables: Mapping[str, Any], description: Draft) -> list[str]:
+    """Faults of keys, of relations between keys, and of names. If there are none, of the topology.
 
-    `given` is the draft of the tables.
+    `description` is the draft of the tables.
     """
     faults = rules_of(tables).faults_within(tables)
     for relations, entries in (
-        (body_faults, given.bodies.values()),
-        (joint_faults, given.joints.values()),
-        (tool_faults, [given.tool] if given.tool else []),
-        (path_faults, [given.path] if given.path else []),
+        (body_faults, description.bodies.values()),
+        (joint_faults, description.joints.values()),
+        (tool_faults, [description.tool] if description.tool else []),
+        (path_faults, [description.path] if description.path else []),
     ):
         faults += [fault for entry in entries for fault in relations(entry)]
-    faults += [*_unknown_names(given), *_not_held(given)]
+    faults += [*_unknown_names(description), *_missing_interfaces(description)]
     if faults:
         return faults
-    # Who is connected to whom is known once every joint says what it joins.
-    loaded = {one.get("at") for one in tables.get("loads", ())}
-    return [*_loose_bodies(given), *_idle_interfaces(given, loaded), *_idle_points(given, loaded)]
+    # The topology is defined only if all joints are valid.
+    loaded = {load.get("at") for load in tables.get("loads", ())}
+    return [
+        *_unconnected_bodies(description),
+        *_idle_interfaces(description, loaded),
+        *_idle_points(description, loaded),
+    ]
 
 
-def _unknown_names(given: Draft) -> Iterator[str]:
-    """Names of entries that no entry of the table has that they must be of."""
-    entries_of = {"bodies": given.bodies, "joints": given.joints, "tool": given.tool or {}}
+def _unknown_names(description: Draft) -> Iterator[str]:
+    """Faults of names that refer to no entry of the required table."""
+    entries_of = {
+        "bodies": description.bodies,
+        "joints": description.joints,
+        "tool": description.tool or {},
+    }
     for table, entries in entries_of.items():
         for key, name, among in _references(table, entries):
-            known = given.names[among] + ((GROUND,) if among == "bodies" else ())
+            known = description.names[among] + ((GROUND,) if among == "bodies" else ())
             yield from _wrong_name(key, name, known, f"the name of one of [{among}]")
 
 
@@ -65,52 +73,56 @@ def _references(table: str, entries: Mapping[str, Any]) -> Iterator[tuple[str, s
 
 
 def _wrong_name(key: str, name: str, known: tuple[str, ...], allowed: str) -> Iterator[str]:
-    """The fault of a name that is not among the known ones, with the closest that is."""
+    """Fault of a name that is not among the known ones, with the most similar one."""
     if name not in known:
         advice = did_you_mean(name, known, otherwise=f": {', '.join(known) or 'none'}")
         yield f"{key} = {shown(name)}: must be {allowed}{advice}"
 
 
-def _not_held(given: Draft) -> Iterator[str]:
-    """Points of joints and the tool that their bodies do not have."""
-    held_at = [
+def _missing_interfaces(description: Draft) -> Iterator[str]:
+    """Faults of points of joints and the tool that their bodies do not have."""
+    references = [
         (f"{joint['key']}.at" + (f"[{i}]" if joint["at"] == joint["points"] else ""), body, point)
-        for joint in given.joints.values()
-        if not joint["one_twice"]
+        for joint in description.joints.values()
+        if not joint["repeated_point"]
         for i, (body, point) in enumerate(zip(joint["between"], joint["points"], strict=True), 1)
     ]
-    if given.tool is not None:
-        held_at.append(("tool.point", given.tool["body"], given.tool["point"]))
-    for key, body, point in held_at:
-        held = given.bodies[body]["held"] if body in given.bodies and body != GROUND else None
-        if held is not None and point in given.names["points"]:
-            yield from _wrong_name(key, point, held, f"a point of {body}")
+    if description.tool is not None:
+        references.append(("tool.point", description.tool["body"], description.tool["point"]))
+    for key, body, point in references:
+        interface_points = (
+            description.bodies[body]["interface_points"]
+            if body in description.bodies and body != GROUND
+            else None
+        )
+        if interface_points is not None and point in description.names["points"]:
+            yield from _wrong_name(key, point, interface_points, f"a point of {body}")
 
 
-def _loose_bodies(given: Draft) -> Iterator[str]:
-    """Bodies from which no way of joints leads to ground."""
-    pairs = [joint["between"] for joint in given.joints.values()]
-    reached: set[str] = set()
+def _unconnected_bodies(description: Draft) -> Iterator[str]:
+    """Faults of bodies without a chain of joints to ground."""
+    pairs = [joint["between"] for joint in description.joints.values()]
+    connected: set[str] = set()
     new = {GROUND}
     while new:
-        reached |= new
-        new = {body for pair in pairs if reached & set(pair) for body in pair} - reached
-    for name in given.bodies:
-        if name not in reached:
+        connected |= new
+        new = {body for pair in pairs if connected & set(pair) for body in pair} - connected
+    for name in description.bodies:
+        if name not in connected:
             yield f"bodies.{name}: no chain of joints leads to ground; must be connected to it"
 
 
-def _idle_interfaces(given: Draft, loaded: Collection[str | None]) -> Iterator[str]:
+def _idle_interfaces(description: Draft, loaded: Collection[str | None]) -> Iterator[str]:
     used = {
-        held
-        for joint in given.joints.values()
-        for held in zip(joint["between"], joint["points"], strict=True)
+        interface
+        for joint in description.joints.values()
+        for interface in zip(joint["between"], joint["points"], strict=True)
     }
-    if given.tool is not None:
-        used.add((given.tool["body"], given.tool["point"]))
+    if description.tool is not None:
+        used.add((description.tool["body"], description.tool["point"]))
     joined = {body for body, _ in used}
-    for name, body in given.bodies.items():
-        for point in body["held"] or ():
+    for name, body in description.bodies.items():
+        for point in body["interface_points"] or ():
             if name in joined and (name, point) not in used and point not in loaded:
                 yield (
                     f'bodies.{name}: no joint holds it at "{point}"; must be joined there, '
@@ -118,61 +130,61 @@ def _idle_interfaces(given: Draft, loaded: Collection[str | None]) -> Iterator[s
                 )
 
 
-def _idle_points(given: Draft, loaded: Collection[str | None]) -> Iterator[str]:
+def _idle_points(description: Draft, loaded: Collection[str | None]) -> Iterator[str]:
     used = {
         name
-        for table, entries in (("bodies", given.bodies), ("joints", given.joints))
+        for table, entries in (("bodies", description.bodies), ("joints", description.joints))
         for _, name, _ in _references(table, entries)
     }
-    for point in given.points:
+    for point in description.points:
         if point not in used and point not in loaded:
             yield f"points.{point}: used by no body and no joint; must be used or left out"
 
 
 def motion_faults(mechanism: Mechanism) -> list[str]:
-    """Faults of the mobility in the reference posture, else of the poses of the path."""
-    found = mobility(reference_posture(mechanism))
-    return list(_mobility_faults(mechanism, found)) or list(_path_faults(mechanism))
+    """Faults of the mobility in the reference posture. If there are none, of the path's poses."""
+    result = mobility(reference_posture(mechanism))
+    return list(_mobility_faults(mechanism, result)) or list(_path_faults(mechanism))
 
 
-def _mobility_faults(mechanism: Mechanism, found: Mobility) -> Iterator[str]:
+def _mobility_faults(mechanism: Mechanism, result: Mobility) -> Iterator[str]:
     moves = f"tool.moves = {list(mechanism.tool.moves)}"
-    left = indeterminacy(found, mechanism.size, singular=True)
-    if len(found.uncontrolled_twists):
-        yield f"joints: {left}"
-    if found.at_limit and not generic_mobility(mechanism).at_limit:
+    free_motions = indeterminacy(result, mechanism.size, singular=True)
+    if len(result.uncontrolled_twists):
+        yield f"joints: {free_motions}"
+    if result.at_limit and not generic_mobility(mechanism).at_limit:
         yield (
-            f"points: the reference posture is singular, drives {', '.join(found.stirring)} move "
-            f"while the tool cannot move along {', '.join(found.barred)}; must be a posture inside "
-            "the workspace"
+            f"points: the reference posture is singular, drives {', '.join(result.stirring)} move "
+            f"while the tool cannot move along {', '.join(result.barred)}; must be a posture "
+            "inside the workspace"
         )
         return
-    if found.barred:
+    if result.barred:
         allowed = (
-            f"{counted(found.almost_redundant, 'constraint repeats', 'constraints repeat')} others "
-            "almost; are parallel axes given with all their digits?"
-            if found.almost_redundant
+            f"{counted(result.almost_redundant, 'constraint repeats', 'constraints repeat')} "
+            "others almost; are parallel axes given with all their digits?"
+            if result.almost_redundant
             else "must name motions that they allow, each by itself"
         )
         yield (
-            f"{moves}: the joints do not let the tool move along {', '.join(found.barred)}; "
+            f"{moves}: the joints do not let the tool move along {', '.join(result.barred)}; "
             f"{allowed}"
         )
-    if left and not len(found.uncontrolled_twists):
-        yield f"{moves}: {left}"
+    if free_motions and not len(result.uncontrolled_twists):
+        yield f"{moves}: {free_motions}"
 
 
 def _path_faults(mechanism: Mechanism) -> Iterator[str]:
     count = len(mechanism.poses)
-    tried = np.unique(np.linspace(0, count - 1, min(count, _TRIED)).round().astype(int))
+    checked = np.unique(np.linspace(0, count - 1, min(count, _CHECKED_POSES)).round().astype(int))
     faults: dict[int, list[str]] = {}
-    for i in tried:
+    for i in checked:
         try:
             posture(mechanism, mechanism.poses[i])
         except PoseError as error:
             faults[i] = [f"path, pose {i + 1}, {error.pose}: {error.reason}"]
         except InputError as error:
             faults[i] = [f"path, pose {i + 1}, {fault}" for fault in error.faults]
-    # Of a grid what is out of reach is left out, as long as something is not.
-    if len(faults) == len(tried) or not mechanism.grid:
-        yield from (fault for own in faults.values() for fault in own)
+    # Poses of a grid out of reach are omitted, unless all are.
+    if len(faults) == len(checked) or not mechanism.grid:
+        yield from (fault for pose_faults in faults.values() for fault in pose_faults)

@@ -1,4 +1,4 @@
-"""The one table of what a robot file may contain, and everything that is made from it.
+"""Table of rules for robot files, and everything that is derived from it.
 
 In: values as read from TOML. Out: faults, the values as models need them, a JSON schema, lists of
 keys.

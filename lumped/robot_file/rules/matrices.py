@@ -1,6 +1,6 @@
-"""What is wrong with a compliance or inertia matrix, told by entries and numbers.
+"""Faults of compliance and inertia matrices, with entries and numbers.
 
-The loader of robot files and the audit ask the same questions here.
+The loader of robot files and the audit use the same checks.
 """
 
 from dataclasses import dataclass
@@ -12,14 +12,14 @@ from lumped.arrays import Array
 from lumped.robot_file.rules.rule import Number, Rule, Several, is_finite_number
 from lumped.text import shown
 
-# Relative to √(k_ii k_jj): finite element programs print seven digits, so symmetric entries may
-# differ in the last; a lost sign or exponent differs by far more.
+# Largest asymmetry relative to √(k_ii k_jj). Finite element programs print seven digits, so
+# symmetric entries may differ in the last. A lost sign or exponent differs by far more.
 SYMMETRY_TOLERANCE = 1e-6
-# Of the matrix scaled to unit diagonal; below it rounding alone decides the sign.
+# Smallest eigenvalue of the matrix scaled to unit diagonal; below it, rounding decides the sign.
 DEFINITENESS_TOLERANCE = 1e-12
-# Stiffer than any part; an "infinite" stiffness would only cost digits.
+# Stiffer than any part. An "infinite" stiffness would only increase round-off.
 SMALLEST_COMPLIANCE = 1e-15
-# 1 N or 1 N m that moves a part by 1 m or 1 rad: a stiffness (1e5 and more) was given.
+# Displacement of 1 m or 1 rad under 1 N or 1 N m. A larger entry is a stiffness (1e5 and more).
 LARGEST_COMPLIANCE = 1.0
 _DIAGONAL = tuple(
     Number(
@@ -34,7 +34,7 @@ _DIAGONAL = tuple(
 )
 # From a grain of 1e-9 kg to 1e5 kg at 100 m, the largest mass and length of a body.
 _INERTIA = Number("kg m²", above=0.0, slip=1e-20, most=1e9, high="is this in kg mm²?")
-# A single entry above it is a slip, more of them are another matrix.
+# Number of entries above it that indicate a stiffness matrix; a single one is a typing error.
 _ENTRIES_OF_A_STIFFNESS = 2
 
 
@@ -65,7 +65,7 @@ def smallest_eigenvalue(matrix: Array) -> float:
 
 
 def is_positive_definite(matrix: Array) -> bool:
-    """Whether the symmetric part is positive definite, whatever the units of its rows."""
+    """True if the symmetric part is positive definite, for any units of its rows."""
     diagonal = np.diag(matrix)
     if np.any(diagonal <= 0.0):
         return False
@@ -74,7 +74,7 @@ def is_positive_definite(matrix: Array) -> bool:
 
 
 def symmetric(rows: Any) -> Array:
-    """The matrix with what rounding left of asymmetry averaged away."""
+    """Symmetric part of a matrix, without asymmetry from rounding."""
     matrix: Array = np.array(rows, dtype=float)
     mean: Array = 0.5 * (matrix + matrix.T)
     return mean
@@ -105,7 +105,7 @@ class SquareMatrix(Rule):
 
 
 def _matrix_faults(value: object, kind: SquareMatrix) -> list[str]:
-    """Faults of a matrix as read from a file, each to be put behind its key: "[1,2] = …"."""
+    """Faults of a matrix as read from a file, each to follow its key: "[1,2] = …"."""
     faults = _shape_faults(value, kind)
     if faults:
         return faults
@@ -151,7 +151,7 @@ def _diagonal_faults(matrix: Array, kind: SquareMatrix) -> list[str]:
 
 
 def _stiffness_fault(matrix: Array) -> str:
-    """One line in place of many where a stiffness matrix was typed as a compliance."""
+    """Single fault, instead of many, for a stiffness matrix typed as a compliance."""
     diagonal = np.diag(matrix)
     above = np.flatnonzero(diagonal > LARGEST_COMPLIANCE)
     if len(above) < _ENTRIES_OF_A_STIFFNESS:

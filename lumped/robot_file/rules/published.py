@@ -34,17 +34,17 @@ def _of_both_schemas(unit: UnitOfLength) -> dict[str, Any]:
 
 def key_table() -> str:
     """All keys of schema 2 as a table of Markdown."""
-    rows = (f"| `{name}` | {allowed} | {says} |" for name, allowed, says in _lines(MECHANISM))
+    rows = (f"| `{name}` | {allowed} | {meaning} |" for name, allowed, meaning in _lines(MECHANISM))
     return "\n".join(("| key | must be | meaning |", "|---|---|---|", *rows))
 
 
 def key_comments(tables: Mapping[str, Any]) -> str:
-    """All keys of a file of the schema of `tables`, as comments to stand at its end."""
+    """All keys of a file of the schema of `tables`, as comments for its end."""
     rules = rules_of(tables)
     lines = ["# All keys, permitted values and meaning:"]
-    for name, allowed, says in _lines(rules):
+    for name, allowed, meaning in _lines(rules):
         lines += wrap(
-            f"{name}: {allowed}; {says}", _WIDTH, initial_indent="# ", subsequent_indent="#     "
+            f"{name}: {allowed}; {meaning}", _WIDTH, initial_indent="# ", subsequent_indent="#     "
         )
     return "\n".join(lines) + "\n"
 
@@ -54,14 +54,14 @@ def _lines(rule: Rule, path: str = "") -> Iterator[tuple[str, str, str]]:
     match rule:
         case TableRule():
             for name, key in rule.keys.items():
-                whole = f"{path}.{name}" if path else name
-                says = f"{' or '.join(key.of)}: {key.says}" if key.of else key.says
+                full_name = f"{path}.{name}" if path else name
+                meaning = f"{' or '.join(key.owners)}: {key.meaning}" if key.owners else key.meaning
                 if key.required:
-                    says += "; required"
+                    meaning += "; required"
                 elif key.default not in (None, (), {}):
-                    says += f"; default {json.dumps(key.default)}"
-                yield whole, key.kind.allowed, says
-                yield from _lines(key.kind, whole)
+                    meaning += f"; default {json.dumps(key.default)}"
+                yield full_name, key.kind.allowed, meaning
+                yield from _lines(key.kind, full_name)
         case Named():
             yield from _lines(rule.kind, f"{path}.NAME")
         case Several():

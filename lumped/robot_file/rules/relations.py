@@ -1,7 +1,7 @@
-"""What the keys of one entry of a robot file must say together.
+"""Relations between the keys of one entry of a robot file.
 
-Beside the keys of an entry stand those that follow from them, as `Draft` says. Each fault is a
-line that starts with its key.
+An entry has its keys and the derived values of `Draft`. Each fault is a line that starts with its
+key.
 """
 
 from collections.abc import Iterator, Sequence
@@ -17,20 +17,20 @@ from lumped.robot_file.rules.rule import too_many
 from lumped.robot_file.rules.tables import BODY, MOST_POSES
 from lumped.text import counted, shown
 
-# A sound table as it is read: a value for every key, None where left out.
+# A valid table with a value for every key, None if the key is omitted.
 Entry: TypeAlias = dict[str, Any]
 
-# Distance (m) below which two points of a leg are one.
+# Distance (m) below which two points of a leg coincide.
 _TOGETHER = 1e-6
-# Sine of the angle below which a leg's z axis is not told from its x axis.
+# Sine of the angle below which a leg's z axis is parallel to its x axis.
 _ALONG_LEG = 1e-6
-# A leg of length L whose tip turns by c66 under 1 N m deflects by about c66 L²/3 under 1 N. With
-# metres written as millimetres the ratio falls by 1e-6; a leg that shears or gives way at its root
-# a thousand times more than it bends is none.
+# Smallest ratio of the deflection c66 L²/3 of a leg of length L under 1 N, estimated from its tip
+# rotation c66 under 1 N m, to its actual deflection. Metres typed as millimetres reduce the ratio
+# by 1e-6. No leg shears, or yields at its root, a thousand times more than it bends.
 _SMALLEST_BENDING_SHARE = 1e-3
 # Kinds of joints whose two points may lie apart, along the axis.
 _EXTENDED = ("prismatic", "cylindrical")
-# Length of a direction below which it is none: its square would be lost.
+# Length of a direction vector below which it counts as zero: its square would be round-off.
 NO_DIRECTION = 1e-9
 
 
@@ -39,10 +39,14 @@ def leg_faults(leg: Entry) -> Iterator[str]:
     key, mass, material = leg["key"], leg["mass"], leg["material"]
     compliance, length = leg["compliance"], leg["length"]
     unit: UnitOfLength = leg["lengths"]
-    given = _given(leg, "compliance", "section", "material")
-    if given not in (["compliance"], ["section", "material"]):
-        said = f"has {' and '.join(given)}" if given else "neither compliance nor section"
-        yield f"{key}: {said}; must have either compliance and mass, or section and material"
+    present_keys = _present_keys(leg, "compliance", "section", "material")
+    if present_keys not in (["compliance"], ["section", "material"]):
+        reason = (
+            f"has {' and '.join(present_keys)}"
+            if present_keys
+            else "neither compliance nor section"
+        )
+        yield f"{key}: {reason}; must have either compliance and mass, or section and material"
     elif leg["ends"] is not None and compliance is not None:
         yield f"{key}.ends: must be left out beside {key}.compliance, whose ends are in its numbers"
     elif leg["loss"] is not None and material is not None:
@@ -70,9 +74,9 @@ def leg_faults(leg: Entry) -> Iterator[str]:
             )
     for i, j in ((2, 6), (3, 5)) if compliance is not None else ():
         deflection, rotation = float(compliance[i - 1, i - 1]), float(compliance[j - 1, j - 1])
-        if deflection > (most := rotation * length**2 / _SMALLEST_BENDING_SHARE):
+        if deflection > (largest := rotation * length**2 / _SMALLEST_BENDING_SHARE):
             yield (
-                f"{key}.compliance[{i},{i}] = {deflection!r}: must be at most {most:.3g} m/N "
+                f"{key}.compliance[{i},{i}] = {deflection!r}: must be at most {largest:.3g} m/N "
                 f"beside [{j},{j}] = {rotation!r} rad/(N m) and a length of "
                 f"{unit.shown(length)}; "
                 "is this in mm/N and rad/(N mm)?"
@@ -95,10 +99,11 @@ def body_faults(body: Entry) -> Iterator[str]:
             "and only one of them"
         )
         return
-    own = [name for name, rule in BODY.keys.items() if kind in rule.of]
-    for name in _given(body, *BODY.keys):
-        if name not in own:
-            yield f"{key}.{name}: does not belong to a {kind}; its keys are {', '.join(own)}"
+    allowed_keys = [name for name, rule in BODY.keys.items() if kind in rule.owners]
+    for name in _present_keys(body, *BODY.keys):
+        if name not in allowed_keys:
+            names = ", ".join(allowed_keys)
+            yield f"{key}.{name}: does not belong to a {kind}; its keys are {names}"
     yield from {"leg": _placed_leg, "rigid body": _rigid_body, "part": _part}[kind](body, key)
 
 
@@ -112,7 +117,7 @@ def _placed_leg(leg: Entry, key: str) -> Iterator[str]:
             f'{key}.to = "{leg["to"]}": must be apart from "{leg["from"]}", where the leg begins '
             f"(they are {leg['lengths'].shown(length, 3)} apart)"
         )
-    elif length is not None and up is not None and _parallel(up, leg["way"], _ALONG_LEG):
+    elif length is not None and up is not None and _parallel(up, leg["vector"], _ALONG_LEG):
         yield f"{key}.up = {list(up)}: must be a direction that does not lie along the leg"
     yield from leg_faults(leg)
 
@@ -123,7 +128,7 @@ def _rigid_body(body: Entry, key: str) -> Iterator[str]:
     yield from named_twice(body["points"], f"{key}.points[{{}}]")
     if body["mass"] and body["centre"] is None:
         yield f"{key}.centre: missing; must be a point's name or [x, y, z], given with {key}.mass"
-    for name in () if body["mass"] else _given(body, "centre", "inertia"):
+    for name in () if body["mass"] else _present_keys(body, "centre", "inertia"):
         yield f"{key}.mass: missing; must be above 0 kg, given with {key}.{name}"
 
 
@@ -137,17 +142,20 @@ def _part(part: Entry, key: str) -> Iterator[str]:
     if not part["interfaces"]:
         yield f"{key}.interfaces: missing; must name the points at which the part is held"
     for point, interface in (part["interfaces"] or {}).items():
-        own = f"{key}.interfaces.{point}"
-        yield from interface_faults(interface, own)
+        interface_key = f"{key}.interfaces.{point}"
+        yield from interface_faults(interface, interface_key)
         if interface["point"] is not None:
-            yield f"{own}.point: does not belong here; the reference point is that of [points]"
-    place = part["place"]
-    if place and _parallel(place["x"], place["y"], 0.0):
-        yield f"{key}.place.y = {list(place['y'])}: must not lie along {key}.place.x"
+            yield (
+                f"{interface_key}.point: does not belong here; the reference point is that of "
+                "[points]"
+            )
+    placement = part["place"]
+    if placement and _parallel(placement["x"], placement["y"], 0.0):
+        yield f"{key}.place.y = {list(placement['y'])}: must not lie along {key}.place.x"
 
 
 def material_faults(material: Entry, path: str) -> Iterator[str]:
-    """Why a material is none of a part; `path` goes before each key."""
+    """Faults of a material for a part; `path` precedes each key."""
     if material["rho"] is None:
         yield f"{path}rho: missing; a part's mass follows from its density"
     if material["G"] is not None:
@@ -155,17 +163,17 @@ def material_faults(material: Entry, path: str) -> Iterator[str]:
 
 
 def interface_faults(interface: Entry, key: str) -> Iterator[str]:
-    """The fault of an interface whose faces are said in no way or in several."""
+    """Fault of an interface with no selection of faces or several."""
     choices = ("faces", "name", "cylinder", "plane")
-    given = _given(interface, *choices)
-    if len(given) != 1:
-        said = f"has {' and '.join(given)}" if given else "does not say which faces"
-        yield f"{key}: {said}; must have one of {', '.join(choices)}"
+    present_keys = _present_keys(interface, *choices)
+    if len(present_keys) != 1:
+        reason = f"has {' and '.join(present_keys)}" if present_keys else "does not say which faces"
+        yield f"{key}: {reason}; must have one of {', '.join(choices)}"
 
 
 def joint_faults(joint: Entry) -> Iterator[str]:
     """Faults of a joint."""
-    key, kind, at = joint["key"], joint["type"], joint["at"]
+    key, kind, points = joint["key"], joint["type"], joint["at"]
     first, second = joint["between"]
     if first == second:
         yield f'{key}.between: "{first}" twice; must be two different bodies'
@@ -177,45 +185,45 @@ def joint_faults(joint: Entry) -> Iterator[str]:
     if joint["loss"] and joint["compliance"] is None:
         yield f"{key}.loss: must be left out without {key}.compliance, to which it belongs"
     yield from _rotor_faults(joint["drive"] or {}, f"{key}.drive")
-    if joint["one_twice"]:
-        yield f"{key}.at = {list(at)}: must be two different points, or one name"
-    elif not isinstance(at, str) and kind not in _EXTENDED:
+    if joint["repeated_point"]:
+        yield f"{key}.at = {list(points)}: must be two different points, or one name"
+    elif not isinstance(points, str) and kind not in _EXTENDED:
         yield (
-            f"{key}.at = {list(at)}: only {' and '.join(_EXTENDED)} joints may name two points; "
-            "must be one point of both bodies"
+            f"{key}.at = {list(points)}: only {' and '.join(_EXTENDED)} joints may name two "
+            "points; must be one point of both bodies"
         )
-    wanted, way, directions = joint["wanted"], joint["way"], joint["directions"]
-    for name in _given(joint, "axis", "axes"):
-        if name != wanted:
-            instead = f"must have {wanted}" if wanted else "must have none"
+    axis_key, vector, directions = joint["axis_key"], joint["vector"], joint["directions"]
+    for name in _present_keys(joint, "axis", "axes"):
+        if name != axis_key:
+            instead = f"must have {axis_key}" if axis_key else "must have none"
             yield f"{key}.{name}: does not belong to a {kind} joint; {instead}"
-    slides = way is not None and kind in _EXTENDED
-    if wanted and not directions and not slides:
-        allowed = "a direction [x, y, z]" if wanted == "axis" else "two directions"
-        yield f"{key}.{wanted}: missing; must be {allowed}"
+    slides = vector is not None and kind in _EXTENDED
+    if axis_key and not directions and not slides:
+        allowed = "a direction [x, y, z]" if axis_key == "axis" else "two directions"
+        yield f"{key}.{axis_key}: missing; must be {allowed}"
     for direction in directions:
         if np.linalg.norm(direction) < NO_DIRECTION:
-            yield f"{key}.{wanted} = {list(direction)}: must not be zero, it is a direction"
+            yield f"{key}.{axis_key} = {list(direction)}: must not be zero, it is a direction"
             return
     if len(directions) == 2 and _parallel(directions[0], directions[1], SMALLEST_SINE):
         yield (
             f"{key}.axes = {list(map(list, directions))}: must not be parallel; "
             "a universal joint turns about two directions"
         )
-    if slides and directions and not _parallel(directions[0], way, SMALLEST_SINE):
-        apart = joint["lengths"].shown(float(np.linalg.norm(way)), 3)
+    if slides and directions and not _parallel(directions[0], vector, SMALLEST_SINE):
+        apart = joint["lengths"].shown(float(np.linalg.norm(vector)), 3)
         yield (
-            f"{key}.axis = {list(directions[0])}: must point from {at[0]} to {at[1]} or back, "
-            f"which are {apart} apart; or be left out"
+            f"{key}.axis = {list(directions[0])}: must point from {points[0]} to {points[1]} or "
+            f"back, which are {apart} apart; or be left out"
         )
 
 
 def _rotor_faults(drive: Entry, key: str) -> Iterator[str]:
-    """Keys of a rotor that would change nothing."""
+    """Faults of keys of a rotor without effect."""
     if drive.get("ratio") is not None and drive["inertia"] is None:
         yield f"{key}.ratio: must be left out without `inertia`, which it multiplies"
-    held = drive.get("stiffness") == "rigid" and drive["simplified"] is None
-    if held and drive["inertia"] is not None:
+    rigid = drive.get("stiffness") == "rigid" and drive["simplified"] is None
+    if rigid and drive["inertia"] is not None:
         yield (
             f"{key}.inertia: the rotor of a rigid drive stands still; "
             "must be left out, or the drive be given a stiffness"
@@ -230,19 +238,19 @@ def tool_faults(tool: Entry) -> Iterator[str]:
 
 
 def path_faults(path: Entry) -> Iterator[str]:
-    """Faults of the path beside the tool's `moves`."""
-    moves, given = path["moves"], _given(path, "from", "to", "count", "counts")
+    """Faults of the path for the tool's `moves`."""
+    moves, present_keys = path["moves"], _present_keys(path, "from", "to", "count", "counts")
     if path["poses"] is not None:
-        yield from (f"path.{name}: must not be given beside path.poses" for name in given)
+        yield from (f"path.{name}: must not be given beside path.poses" for name in present_keys)
         if not path["poses"]:
             yield "path.poses = []: must hold at least one pose"
         lists = {f"poses[{i}]": pose for i, pose in enumerate(path["poses"], start=1)}
     else:
         for name in ("from", "to"):
-            if name not in given:
+            if name not in present_keys:
                 numbers = f"{counted(len(moves), 'number')} ({', '.join(moves)})"
                 yield f"path.{name}: missing; must be a pose, {numbers}"
-        if ("count" in given) == ("counts" in given):
+        if ("count" in present_keys) == ("counts" in present_keys):
             yield (
                 "path.count: must be given for a line (how many poses), or path.counts for a grid "
                 "(how many along each move), and only one of them"
@@ -250,25 +258,27 @@ def path_faults(path: Entry) -> Iterator[str]:
         poses = prod(path["counts"] or ())
         if poses > MOST_POSES:
             yield too_many(f"path.counts = {list(path['counts'])}", poses, MOST_POSES)
-        lists = {name: path[name] for name in given if name != "count"}
-    wanted = f"one for each of tool.moves ({', '.join(moves)})" if moves else "none: no tool.moves"
+        lists = {name: path[name] for name in present_keys if name != "count"}
+    required = (
+        f"one for each of tool.moves ({', '.join(moves)})" if moves else "none: no tool.moves"
+    )
     for name, values in lists.items():
         if len(values) != len(moves):
-            yield f"path.{name}: {counted(len(values), 'number')}; must be {len(moves)}, {wanted}"
+            yield f"path.{name}: {counted(len(values), 'number')}; must be {len(moves)}, {required}"
 
 
-def _given(entry: Entry, *names: str) -> list[str]:
+def _present_keys(entry: Entry, *names: str) -> list[str]:
     return [name for name in names if entry[name] is not None]
 
 
 def named_twice(names: Sequence[str], key: str) -> Iterator[str]:
-    """Names that stand before already; in the `key` {} is the number of the name."""
+    """Faults of repeated names; {} in `key` stands for the number of the name."""
     for i, name in enumerate(names):
         if name in names[:i]:
             yield f"{key.format(i + 1)} = {shown(name)}: named twice"
 
 
 def _parallel(first: object, second: object, sine: float) -> bool:
-    """Whether two directions are one or opposite to such a sine, or one of them is none."""
+    """True if two directions are parallel within the sine of an angle, or one is zero."""
     a, b = np.array(first, dtype=float), np.array(second, dtype=float)
     return bool(np.linalg.norm(np.cross(a, b)) <= sine * np.linalg.norm(a) * np.linalg.norm(b))

@@ -1,4 +1,4 @@
-"""What a value of a robot file may be: its faults, how it is read, and how it is told to others."""
+"""Rules for the values of a robot file: allowed values, faults, reading, and JSON schema."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
@@ -12,13 +12,13 @@ from lumped.mechanism.length_unit import COORDINATES, METRE, POWERS, UnitOfLengt
 from lumped.mechanism.mechanism import LENGTHS
 from lumped.text import cut, did_you_mean, shown
 
-# Further unknown keys of one table are only named: to look for what was meant takes its time.
-_ADVISED = 50
+# Number of unknown keys of a table with a suggestion, whose search takes time.
+_LARGEST_SUGGESTION_COUNT = 50
 _LONGEST_KEY = 40
 
 
 def is_finite_number(entry: object) -> TypeGuard[float]:
-    """Whether a value of a TOML file is a number that a float can hold; true and false are not."""
+    """True for a number of a TOML file that a float can hold. Booleans are no numbers."""
     if isinstance(entry, bool) or not isinstance(entry, int | float):
         return False
     try:
@@ -28,40 +28,40 @@ def is_finite_number(entry: object) -> TypeGuard[float]:
 
 
 def too_many(key: str, count: int, most: int) -> str:
-    """The fault of a list or table that is longer than any robot's."""
+    """Fault of a list or table that is longer than that of any robot."""
     return f"{key}: {count} entries; must be at most {most}"
 
 
 class Rule(ABC):
-    """What a value may be. `written`: what TOML reads such a value as."""
+    """Rule for a value. `written`: Python types of such a value as read from TOML."""
 
     written: ClassVar[tuple[type, ...]] = ()
 
     @property
     def many(self) -> str:
-        """Several such values, for "must be a list of …"."""
+        """Description of several such values, to complete "must be a list of …"."""
         return "entries"
 
     @property
     @abstractmethod
     def allowed(self) -> str:
-        """What the value may be, for "must be …"."""
+        """Description of allowed values, to complete "must be …"."""
 
     @property
     @abstractmethod
     def schema(self) -> dict[str, Any]:
-        """The same as a JSON schema."""
+        """JSON schema of the rule."""
 
     def faults(self, value: object, key: str) -> list[str]:
-        """Faults of a value, each line starting with its key; empty if it is sound."""
+        """Faults of a value, each line starting with its key. Empty if it is valid."""
         return [] if isinstance(value, self.written) else [self.refused(value, key)]
 
     def read(self, value: Any) -> Any:
-        """A sound value as it is computed with."""
+        """Conversion of a valid value for computations."""
         return value
 
     def within(self, value: Any, key: str) -> Iterator[tuple[str, "Rule", Any]]:
-        """A sound value, or one as it is read, and all that stands in it: key, rule and value."""
+        """Yield key, rule and value of a valid or converted value and of all values in it."""
         yield key, self, value
 
     def in_unit(self, unit: UnitOfLength, moves: Sequence[str]) -> Self:  # noqa: ARG002
@@ -72,7 +72,7 @@ class Rule(ABC):
         return self
 
     def refused(self, value: object, key: str) -> str:
-        """The fault of a value that is something else."""
+        """Fault of a value that violates the rule."""
         return f"{key} = {shown(value)}: must be {self.allowed}"
 
 
@@ -80,8 +80,9 @@ class Rule(ABC):
 class Number(Rule):
     """A number in `unit`: `above` or at `least`, `below` or at `most`.
 
-    `low` and `high` ask whose number is out of bounds; above 0 but below `slip` is a slip of the
-    exponent. `example` stands behind the unit. A value is divided by `divisor` when it is read.
+    `low` and `high` are questions for a number out of bounds. A number above 0 but below `slip` has
+    a mistyped exponent. `example` follows the unit in messages. Reading divides a value by
+    `divisor`.
     """
 
     written = (int, float)
@@ -103,8 +104,8 @@ class Number(Rule):
         if self.least is not None and self.most is not None:
             return f"{kind} from {self.least:g} to {self.most:g}{self._unit}"
         limits = {"above": self.above, "below": self.below, "at most": self.most}
-        told = [f"{word} {x:g}{self._unit}" for word, x in limits.items() if x is not None]
-        return f"{kind} {' and '.join(told)}".strip()
+        bounds = [f"{word} {x:g}{self._unit}" for word, x in limits.items() if x is not None]
+        return f"{kind} {' and '.join(bounds)}".strip()
 
     @property
     def many(self) -> str:
@@ -148,7 +149,7 @@ class Number(Rule):
             return must_be
         if isinstance(value, float) and not isfinite(value):
             return f"not finite; {must_be}"
-        # A negative modulus is no question of units.
+        # The sign of a modulus is not a matter of units.
         positive = value > 0.0
         low = self.low if self.least is not None and positive == (self.least > 0.0) else ""
         bounds = (
@@ -167,9 +168,9 @@ class Number(Rule):
 
 @dataclass(frozen=True)
 class Text(Rule):
-    """A text that matches `pattern`, in words what is `allowed`.
+    """A text that matches `pattern`; `allowed` describes it.
 
-    `among`: the table of the file, one of whose names it must be.
+    `among`: the table of the file with the allowed names.
     """
 
     written = (str,)
@@ -207,14 +208,17 @@ class OneOf(Rule):
         return {"enum": list(self.values)}
 
     def faults(self, value: object, key: str) -> list[str]:
-        # True is 1 to Python.
-        same = (type(one) is type(value) and one == value for one in self.values)
-        return [] if any(same) else [self.refused(value, key)]
+        # Python treats True as 1.
+        matches = (
+            type(allowed_value) is type(value) and allowed_value == value
+            for allowed_value in self.values
+        )
+        return [] if any(matches) else [self.refused(value, key)]
 
 
 @dataclass(frozen=True)
 class Several(Rule):
-    """A list of values of one kind: `count` of them, or at `most` so many."""
+    """A list of values of one kind: exactly `count`, or `most` at most."""
 
     written = (list, tuple)
     kind: Rule
@@ -251,8 +255,8 @@ class Several(Rule):
 
     def within(self, value: Any, key: str) -> Iterator[tuple[str, Rule, Any]]:
         yield key, self, value
-        for i, one in enumerate(value, start=1):
-            yield from self.kind.within(one, f"{key}[{i}]")
+        for i, entry in enumerate(value, start=1):
+            yield from self.kind.within(entry, f"{key}[{i}]")
 
     def in_unit(self, unit: UnitOfLength, moves: Sequence[str]) -> Self:
         return replace(self, kind=self.kind.in_unit(unit, moves))
@@ -260,15 +264,18 @@ class Several(Rule):
 
 @dataclass(frozen=True)
 class Pose(Several):
-    """The coordinates of a pose, read as m and rad: each is divided by its one of `divisors`."""
+    """Coordinates of a pose, converted to m and rad: each is divided by its entry of `divisors`."""
 
     divisors: tuple[float, ...] = ()
 
     def read(self, value: Any) -> tuple[Any, ...]:
-        found = super().read(value)
-        if len(found) != len(self.divisors):
-            return found
-        return tuple(one / divisor for one, divisor in zip(found, self.divisors, strict=True))
+        coordinates = super().read(value)
+        if len(coordinates) != len(self.divisors):
+            return coordinates
+        return tuple(
+            coordinate / divisor
+            for coordinate, divisor in zip(coordinates, self.divisors, strict=True)
+        )
 
     def in_unit(self, unit: UnitOfLength, moves: Sequence[str]) -> Self:
         divisors = tuple(unit.per_metre if move in LENGTHS else 1.0 for move in moves)
@@ -277,7 +284,7 @@ class Pose(Several):
 
 @dataclass(frozen=True)
 class Either(Rule):
-    """A value of one of two kinds that are written differently: a text or a list, say."""
+    """A value of one of two kinds with different TOML types, such as a text or a list."""
 
     first: Rule
     second: Rule
@@ -314,7 +321,7 @@ class Either(Rule):
 
 @dataclass(frozen=True)
 class Named(Rule):
-    """A table of at `most` so many entries of one kind, their names chosen by the author."""
+    """A table of entries of one kind, `most` at most, with names chosen by the author."""
 
     written = (dict,)
     allowed = "a table of named entries"
@@ -337,10 +344,10 @@ class Named(Rule):
         if len(value) > self.most:
             return [too_many(key, len(value), self.most)]
         faults = []
-        for one, entry in value.items():
-            if self.name.faults(one, ""):
-                faults.append(f"{key}.{one}: a name must be {self.name.allowed}")
-            faults += self.kind.faults(entry, f"{key}.{one}")
+        for entry_name, entry in value.items():
+            if self.name.faults(entry_name, ""):
+                faults.append(f"{key}.{entry_name}: a name must be {self.name.allowed}")
+            faults += self.kind.faults(entry, f"{key}.{entry_name}")
         return faults
 
     def read(self, value: Any) -> dict[str, Any]:
@@ -357,26 +364,26 @@ class Named(Rule):
 
 @dataclass(frozen=True)
 class Key:
-    """A key of a table: what it may be, what it `says`, and its value where it is left out.
+    """A key of a table: rule of its values, `meaning`, and `default` value if it is omitted.
 
-    `of`: which entries have it, where not all do.
+    `owners`: kinds of entries that have the key; empty if all have it.
     """
 
     name: str
     kind: Rule
-    says: str
+    meaning: str
     default: Any = None
-    of: tuple[str, ...] = ()
+    owners: tuple[str, ...] = ()
     required: bool = False
 
 
-def needed(name: str, kind: Rule, says: str) -> Key:
-    """A key that must not be left out."""
-    return Key(name, kind, says, required=True)
+def needed(name: str, kind: Rule, meaning: str) -> Key:
+    """A required key."""
+    return Key(name, kind, meaning, required=True)
 
 
 class TableRule(Rule):
-    """A table with the keys that it may have."""
+    """A table with its allowed keys."""
 
     written = (dict,)
     allowed = "a table"
@@ -389,7 +396,7 @@ class TableRule(Rule):
     def schema(self) -> dict[str, Any]:
         described = {
             name: key.kind.schema
-            | {"description": key.says}
+            | {"description": key.meaning}
             | ({} if key.default is None else {"default": key.default})
             for name, key in self.keys.items()
         }
@@ -407,12 +414,16 @@ class TableRule(Rule):
         return self.faults_within(value, f"{key}.")
 
     def faults_within(self, table: Mapping[str, object], path: str = "") -> list[str]:
-        """Faults of what stands in a table; `path` ("leg1.") goes before each key."""
+        """Faults of the entries of a table; `path` ("leg1.") precedes each key."""
         unknown = [name for name in table if name not in self.keys]
         faults = []
         for i, name in enumerate(unknown):
             known = f"; known here: {', '.join(self.keys)}"
-            advice = did_you_mean(name, self.keys, otherwise=known) if i < _ADVISED else ""
+            advice = (
+                did_you_mean(name, self.keys, otherwise=known)
+                if i < _LARGEST_SUGGESTION_COUNT
+                else ""
+            )
             faults.append(f"{path}{cut(name, _LONGEST_KEY)}: unknown key{advice}")
         for name, key in self.keys.items():
             if name in table:
@@ -428,9 +439,9 @@ class TableRule(Rule):
         }
 
     def within(self, value: Any, key: str) -> Iterator[tuple[str, Rule, Any]]:
-        for name, one in self.keys.items():
+        for name, rule in self.keys.items():
             if value.get(name) is not None:
-                yield from one.kind.within(value[name], f"{key}.{name}" if key else name)
+                yield from rule.kind.within(value[name], f"{key}.{name}" if key else name)
 
     def in_unit(self, unit: UnitOfLength, moves: Sequence[str]) -> Self:
         keys = (replace(key, kind=key.kind.in_unit(unit, moves)) for key in self.keys.values())

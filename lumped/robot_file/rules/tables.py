@@ -1,6 +1,6 @@
 """Rules of robot files: every key with its permitted values and its meaning.
 
-Bounds that only catch wrong units are wide: nothing that has been built lies outside, and the
+Bounds that only detect wrong units are wide: nothing that has been built lies outside, and the
 usual mistake (millimetres, gigapascals, a stiffness for a compliance) does.
 """
 
@@ -122,7 +122,7 @@ class SectionRule(Rule):
             advice = did_you_mean(str(shape), SHAPES)
             return [f"{key}.shape = {shown(shape)}: {shapes}{advice}"]
         faults = _shape_table(shape, self.unit).faults(value, key)
-        # Sizes as they are typed: a shape is possible or not in any unit.
+        # Sizes as typed, since the faults of a shape do not depend on the unit.
         typed = faults or SectionRule().read(value).faults(self.unit.name)
         return faults or [f"{key}.{fault}" for fault in typed]
 
@@ -190,33 +190,38 @@ _COPIES = Key("pattern", Either(_PATTERN_NAME, PATTERN), "repeat as NAME1, NAME2
 _REPEATED_POINT = TableRule(needed("at", _POINT, "point of the first copy"), _COPIES)
 _PLACE_OR_COPIES = Either(_POINT, _REPEATED_POINT)
 BODY = TableRule(
-    Key("from", _POINT_NAME, "point at the root", of=_LEG),
-    Key("to", _POINT_NAME, "point at the tip; x points from root to tip", of=_LEG),
-    Key("up", _DIRECTION, _UP, of=_LEG),
-    Key("section", SectionRule(), "cross-section; width along y, height along z", of=_LEG),
-    Key("material", _MATERIAL, "a name in [materials], or a table", of=_LEG + _PART),
-    Key("mass", _MASS_OR_NONE, "mass; replaces a density", of=_LEG + _RIGID),
-    Key("compliance", _COMPLIANCE, _TIP, of=_LEG),
-    Key("loss", _LOSS, "loss factor for a `compliance`; prisms: that of the material", of=_LEG),
-    Key("ends", OneOf(get_args(Ends)), _ENDS, of=_LEG),
-    Key("mass_centre", _OFFSET, "position of the mass centre along x, for a `compliance`", of=_LEG),
-    Key("points", Several(_POINT_NAME), "points of the body, for joints and loads", of=_RIGID),
-    Key("centre", Either(_POINT_NAME, _POINT), "mass centre: a point or [x, y, z]", of=_RIGID),
+    Key("from", _POINT_NAME, "point at the root", owners=_LEG),
+    Key("to", _POINT_NAME, "point at the tip; x points from root to tip", owners=_LEG),
+    Key("up", _DIRECTION, _UP, owners=_LEG),
+    Key("section", SectionRule(), "cross-section; width along y, height along z", owners=_LEG),
+    Key("material", _MATERIAL, "a name in [materials], or a table", owners=_LEG + _PART),
+    Key("mass", _MASS_OR_NONE, "mass; replaces a density", owners=_LEG + _RIGID),
+    Key("compliance", _COMPLIANCE, _TIP, owners=_LEG),
+    Key("loss", _LOSS, "loss factor for a `compliance`; prisms: that of the material", owners=_LEG),
+    Key("ends", OneOf(get_args(Ends)), _ENDS, owners=_LEG),
+    Key(
+        "mass_centre",
+        _OFFSET,
+        "position of the mass centre along x, for a `compliance`",
+        owners=_LEG,
+    ),
+    Key("points", Several(_POINT_NAME), "points of the body, for joints and loads", owners=_RIGID),
+    Key("centre", Either(_POINT_NAME, _POINT), "mass centre: a point or [x, y, z]", owners=_RIGID),
     Key(
         "inertia",
         _INERTIA,
         "inertia about the mass centre; base axes, for a leg: leg axes",
-        of=_LEG + _RIGID,
+        owners=_LEG + _RIGID,
     ),
-    Key("step", _FILE, "STEP or BREP file, relative to the robot file", of=_PART),
-    Key("mesh", _FILE, "mesh file, instead of `step`", of=_PART),
-    Key("unit", OneOf(get_args(LengthUnit)), "unit of length, for files without one", of=_PART),
-    Key("place", _PLACE, "position of the file's axes; default: base axes", of=_PART),
+    Key("step", _FILE, "STEP or BREP file, relative to the robot file", owners=_PART),
+    Key("mesh", _FILE, "mesh file, instead of `step`", owners=_PART),
+    Key("unit", OneOf(get_args(LengthUnit)), "unit of length, for files without one", owners=_PART),
+    Key("place", _PLACE, "position of the file's axes; default: base axes", owners=_PART),
     Key(
         "interfaces",
         Named(_POINT_NAME, INTERFACE),
         "interfaces by the name of their point",
-        of=_PART,
+        owners=_PART,
     ),
     _COPIES,
 )
@@ -434,7 +439,7 @@ _BIGLIDE_LEG = TableRule(
     needed("length", _LENGTH, "distance between its joints"),
     Key("mass", _MASS, "mass; replaces a density"),
     Key("material", MATERIAL, "material of the section"),
-    *(replace(BODY.keys[name], of=()) for name in _OF_LEGS),
+    *(replace(BODY.keys[name], owners=()) for name in _OF_LEGS),
 )
 _GEOMETRY = TableRule(
     needed("a", _LENGTH, "distance between the slides along x"),
@@ -484,7 +489,7 @@ BIGLIDE = TableRule(
 
 
 def rules_of(tables: Mapping[str, Any]) -> TableRule:
-    """The rules for a file's tables: those of its schema, in its unit of length."""
+    """Rules for a file's tables: those of its schema, in its unit of length."""
     unit = length_unit_of(tables)
     rules = MECHANISM if is_mechanism(tables) else BIGLIDE
     return rules if unit == METRE else _in_unit(rules, unit, _moves_of(tables))
@@ -493,7 +498,7 @@ def rules_of(tables: Mapping[str, Any]) -> TableRule:
 def is_mechanism(tables: Mapping[str, Any]) -> bool:
     """True if a file's tables are those of schema 2."""
     schema = tables.get("schema")
-    # True is 1 to Python, and is no number in the file.
+    # Python treats True as 1, but it is no number in the file.
     schema = None if isinstance(schema, bool) else schema
     # With a mistyped number, the tables show which of the two is meant.
     any_robot = not tables.keys().isdisjoint(("points", "bodies", "joints"))
@@ -501,13 +506,13 @@ def is_mechanism(tables: Mapping[str, Any]) -> bool:
 
 
 def length_unit_of(tables: Mapping[str, Any]) -> UnitOfLength:
-    """The unit of lengths in a file's tables; metres if it has none or a wrong one."""
+    """Unit of lengths in a file's tables. Metres if it has none or a wrong one."""
     name = tables.get("units")
     return LENGTH_UNITS.get(name, METRE) if isinstance(name, str) else METRE
 
 
 def _moves_of(tables: Mapping[str, Any]) -> tuple[str, ...]:
-    """Moves of the tool, those of the biglide in its own files; none if they are unsound."""
+    """Moves of the tool; for schema 1 those of the biglide. Empty if they are invalid."""
     if not is_mechanism(tables):
         return _BIGLIDE_MOVES
     tool = tables.get("tool")
