@@ -60,6 +60,7 @@ BASICS = {
     "lumped.mechanism.free_twists": "what kinds of joints let free; Ritz has a list of its own",
     "lumped.mechanism.joint": "data of a mechanism",
     "lumped.mechanism.kinematics.postures:shown_pose": "messages",
+    "lumped.mechanism.length_unit": "messages",
     "lumped.mechanism.load": "data of a load",
     "lumped.mechanism.mechanism": "data of a mechanism",
     "meshes": "one mesh for both",
