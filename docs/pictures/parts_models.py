@@ -66,7 +66,7 @@ def numbers() -> str:
     lines += [
         "",
         f"The equivalent leg misses the displacement under a force by {_percent(plain[0])} and f1 "
-        f"to f3 by {_percent(plain[2])}. It is not the lumped formulation that does: the condensed "
+        f"to f3 by {_percent(plain[2])}. The lumped formulation is not the cause: the condensed "
         f"leg has the part's own statics ({_percent(max(condensed[:2]))}) and f1 to f3 to "
         f"{_percent(condensed[2])}, but with its mass on its interfaces alone f4 is "
         f"{_percent(condensed[3])} off. Stepped legs miss forces by {_percent(stepped[0])} and "
