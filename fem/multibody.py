@@ -38,7 +38,7 @@ def exudyn_version() -> str:
 
 
 def require_beams(mechanism: Mechanism) -> None:
-    """Raise InputError, one line per fault, for what is no prism, rigid body or rigid joint."""
+    """Raise InputError, one line per fault, for what EXUDYN does not take."""
     faults = [
         f"{name}: EXUDYN's beams need a section; this body is a {what}"
         for kind, what in ((GivenLeg, "leg given by its 6×6"), (Part, "part"))
@@ -49,6 +49,11 @@ def require_beams(mechanism: Mechanism) -> None:
         f"{name}: EXUDYN takes no body without mass"
         for name, body in mechanism.bodies.items()
         if isinstance(body.shape, Rigid) and name != GROUND and not body.shape.mass
+    ]
+    faults += [
+        f"{name}: EXUDYN's beams have two axes of symmetry, a {body.shape.section.shape} has not"
+        for name, body in mechanism.bodies.items()
+        if isinstance(body.shape, ConstantLeg) and _is_coupled(body.shape)
     ]
     faults += [
         f"{joint.name}: joints with a compliance are not written for EXUDYN"
@@ -62,6 +67,11 @@ def require_beams(mechanism: Mechanism) -> None:
     ]
     if faults:
         raise InputError(faults)
+
+
+def _is_coupled(leg: ConstantLeg) -> bool:
+    beam = leg.properties("euler-bernoulli")
+    return beam.couples_bending or beam.couples_torsion
 
 
 def frequencies(posture: Posture, elements: int, count: int) -> Array:

@@ -56,11 +56,15 @@ class Material:
 
 @dataclass(frozen=True)
 class BeamProperties:
-    """What a beam model knows of a prismatic leg.
+    """Stiffnesses and inertias of a prismatic leg along the line of its centroids.
 
     EA, GAy, GAz (N; κGA for shear along y and z, infinite without shear deformation), EIy, EIz,
     GJ (N m²), mass per length `mu` (kg/m), rotary inertia per length `rho_J` about x, `rho_Iy`
     and `rho_Iz` (kg m; the latter two zero in Euler–Bernoulli theory).
+
+    A section without two axes of symmetry has besides: EIyz = E∫yz dA (N m²) and `rho_Iyz` (kg m),
+    `shear_yz` (1/N), the shear strain along z by a unit force along y, and the shear centre at
+    (`centre_y`, `centre_z`) (m) from the centroid: forces through it do not twist the leg.
     """
 
     EA: float
@@ -73,18 +77,50 @@ class BeamProperties:
     rho_J: float
     rho_Iy: float
     rho_Iz: float
+    EIyz: float = 0.0
+    rho_Iyz: float = 0.0
+    shear_yz: float = 0.0
+    centre_y: float = 0.0
+    centre_z: float = 0.0
+
+    @property
+    def couples_bending(self) -> bool:
+        """Whether a force along y deflects the leg along z too."""
+        return bool(self.EIyz or self.shear_yz)
+
+    @property
+    def couples_torsion(self) -> bool:
+        """Whether forces through the centroid twist the leg."""
+        return bool(self.centre_y or self.centre_z)
+
+    @property
+    def bending(self) -> Array:
+        """[EIz EIyz; EIyz EIy] (N m²): (Mz, −My) from the curvatures along y and along z."""
+        return np.array([[self.EIz, self.EIyz], [self.EIyz, self.EIy]])
+
+    @property
+    def to_shear_centre(self) -> Array:
+        """6×6: the centroid's twist, its deflections replaced with those of the shear centre."""
+        moved = np.eye(6)
+        moved[1, 3], moved[2, 3] = -self.centre_z, self.centre_y
+        return moved
 
     def as_euler_bernoulli(self) -> "BeamProperties":
         """The same beam without shear deformation and without rotary inertia of bending."""
-        return replace(self, GAy=np.inf, GAz=np.inf, rho_Iy=0.0, rho_Iz=0.0)
+        return replace(
+            self, GAy=np.inf, GAz=np.inf, shear_yz=0.0, rho_Iy=0.0, rho_Iz=0.0, rho_Iyz=0.0
+        )
 
     def piece_compliance(self, length: float) -> Array:
-        """6×6 compliance of a piece of `length` (m), referred to its middle: diagonal, leg axes.
+        """6×6 compliance of a piece of `length` (m), referred to the centroid in its middle.
 
-        (l/EA, l³/12EIz + l/κGA, l³/12EIy + l/κGA, l/GJ, l/EIy, l/EIz): the spring between two
-        rigid elements that makes a chain of them exact in statics for any number of elements.
+        (l/EA, l³/12EIz + l/κGA, l³/12EIy + l/κGA, l/GJ, l/EIy, l/EIz) on the diagonal of a section
+        with two axes of symmetry: the spring between two rigid elements that makes a chain of them
+        exact in statics for any number of elements. Otherwise bending and shear are 2×2 blocks,
+        and the shear centre's offset adds a term of torsion: its deflections, not the centroid's,
+        are free of the twist, C = T⁻¹ C_s T⁻ᵀ.
         """
-        return np.diag(
+        compliance = np.diag(
             [
                 length / self.EA,
                 length**3 / (12.0 * self.EIz) + length / self.GAy,
@@ -94,11 +130,22 @@ class BeamProperties:
                 length / self.EIz,
             ]
         )
+        if self.couples_bending:
+            flexibility = np.linalg.inv(self.bending)
+            shear = np.array([[1.0 / self.GAy, self.shear_yz], [self.shear_yz, 1.0 / self.GAz]])
+            compliance[1:3, 1:3] = length**3 / 12.0 * flexibility + length * shear
+            # φz turns with the deflection along y, φy against that along z.
+            signs = np.array([[1.0, -1.0], [-1.0, 1.0]])
+            compliance[4:, 4:] = length * signs * flexibility[::-1, ::-1]
+        if self.couples_torsion:
+            from_shear_centre = np.linalg.inv(self.to_shear_centre)
+            compliance = from_shear_centre @ compliance @ from_shear_centre.T
+        return np.asarray(compliance)
 
 
 @dataclass(frozen=True)
 class ConstantLeg:
-    """Prismatic leg of `length` (m) with one section and one material.
+    """Prismatic leg of `length` (m) with one section and one material, centroids along its axis.
 
     `ends`: whether its end faces are kept plane by what they are bolted to or may warp; None where
     nobody said so. `name` serves messages alone: alike legs are equal whatever they are called.
@@ -135,6 +182,8 @@ class ConstantLeg:
         section, material = self.section, self.material
         kappa_y, kappa_z = kappas
         area, iy, iz = section.area, section.second_moment_y, section.second_moment_z
+        product, (centre_y, centre_z) = section.product_moment, section.shear_centre
+        coupling = section.shear_coupling(material.shear_nu) / (material.G * area)
         return BeamProperties(
             EA=material.E * area,
             EIy=material.E * iy,
@@ -146,6 +195,11 @@ class ConstantLeg:
             rho_J=material.rho * (iy + iz),
             rho_Iy=material.rho * iy,
             rho_Iz=material.rho * iz,
+            EIyz=material.E * product,
+            rho_Iyz=material.rho * product,
+            shear_yz=coupling,
+            centre_y=centre_y,
+            centre_z=centre_z,
         )
 
     def properties(self, theory: Theory) -> BeamProperties:
@@ -177,8 +231,8 @@ Leg: TypeAlias = GivenLeg | ConstantLeg
 def tip_compliance(properties: BeamProperties, length: float) -> Array:
     """6×6 compliance (SI, leg axes) at the tip of a prismatic cantilever of `length` (m).
 
-    The compliance of the whole piece, diagonal at its middle, moved to its end: c22 = L³/3EIz +
-    L/κGA, c26 = L²/2EIz, c35 = −L²/2EIy.
+    The compliance of the whole piece, at its middle, moved to its end: c22 = L³/3EIz + L/κGA, c26 =
+    L²/2EIz, c35 = −L²/2EIy with two axes of symmetry.
     """
     return move_compliance(properties.piece_compliance(length), np.array([length / 2.0, 0.0, 0.0]))
 

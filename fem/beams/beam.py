@@ -20,14 +20,27 @@ with constant V, that is
 
 so the four such pairs (w, θ), taken by their end values, hold every static solution under nodal
 loads: exact at the nodes and free of shear locking. Λ = 0 is Hermite's element (Euler, Bernoulli).
+
+If the section has no two axes of symmetry, both planes are coupled by EIyz θy′θz′, by the shear
+strains and by ρIyz θyθz. The deflections v_s and w_s that bend and shear the leg are those of its
+shear centre (y_s, z_s), which a torque does not move. The mass moves with the centroid, v = v_s +
+z_s φx and w = w_s − y_s φx along the whole element. The nodes have the twists of the centroid.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from scipy.sparse import block_array, block_diag, coo_matrix, csr_array, csr_matrix, hstack
+from scipy.sparse import (
+    block_array,
+    block_diag,
+    coo_matrix,
+    csr_array,
+    csr_matrix,
+    eye_array,
+    hstack,
+)
 from skfem import Basis, Element, ElementLineP2, MeshLine
 from skfem.element import DiscreteField
 from skfem.quadrature import get_quadrature
@@ -89,27 +102,44 @@ def beam_leg(properties: BeamProperties, length: float, elements: int) -> LegMat
     # Equal elements have equal matrices: one is integrated.
     mesh = MeshLine(np.array([0.0, length / elements]))
     p = properties
+    GAy, GAz, GAyz = _shear_stiffnesses(p)
+    # About the shear centre.
+    rho_J = p.rho_J + p.mu * (p.centre_y**2 + p.centre_z**2)
     members = {
         "tension": _bar(mesh, p.EA, p.mu, component=0),
-        "torsion": _bar(mesh, p.GJ, p.rho_J, component=3),
+        "torsion": _bar(mesh, p.GJ, rho_J, component=3),
         "bending y": _bending(
-            mesh, EI=p.EIy, GA=p.GAz, mu=p.mu, rho_I=p.rho_Iy, components=(2, 4), signs=(1.0, -1.0)
+            mesh, EI=p.EIy, GA=GAz, mu=p.mu, rho_I=p.rho_Iy, components=(2, 4), signs=(1.0, -1.0)
         ),
         "bending z": _bending(
-            mesh, EI=p.EIz, GA=p.GAy, mu=p.mu, rho_I=p.rho_Iz, components=(1, 5), signs=(1.0, 1.0)
+            mesh, EI=p.EIz, GA=GAy, mu=p.mu, rho_I=p.rho_Iz, components=(1, 5), signs=(1.0, 1.0)
         ),
     }
     places, size = _places(members, elements)
 
-    def assembled(matrix: Array, name: str) -> SparseMatrix:
-        signs = members[name].unknown_signs
-        values = np.repeat((signs[:, None] * matrix * signs)[None], elements, axis=0)
-        own = places[name]
-        rows, columns = np.broadcast_arrays(own[:, :, None], own[:, None, :])
+    def assembled(matrix: Array, row: str, column: str) -> SparseMatrix:
+        signs = np.outer(members[row].unknown_signs, members[column].unknown_signs)
+        values = np.repeat((signs * matrix)[None], elements, axis=0)
+        rows, columns = np.broadcast_arrays(places[row][:, :, None], places[column][:, None, :])
         entries = (values.ravel(), (rows.ravel(), columns.ravel()))
         return csr_matrix(coo_matrix(entries, shape=(size, size)))
 
-    parts = {name: assembled(member.stiffness, name) for name, member in members.items()}
+    def coupled(matrix: Array, row: str, column: str) -> SparseMatrix:
+        one = assembled(matrix, row, column)
+        return csr_matrix(one + one.T)
+
+    parts = {name: assembled(one.stiffness, name, name) for name, one in members.items()}
+    mass = sum(assembled(one.mass, name, name) for name, one in members.items())
+    y, z = members["bending z"], members["bending y"]
+    if p.couples_bending:
+        both = coupled(_coupling_stiffness(y, z, p.EIyz, GAyz), "bending z", "bending y")
+        parts["bending"] = csr_matrix(parts.pop("bending y") + parts.pop("bending z") + both)
+        mass += coupled(_coupling_mass(y, z, 1, p.rho_Iyz), "bending z", "bending y")
+    if p.couples_torsion:
+        turned = members["torsion"]
+        along_y = _coupling_mass(y, turned, 0, p.mu * p.centre_z)
+        along_z = _coupling_mass(z, turned, 0, -p.mu * p.centre_y)
+        mass += coupled(along_y, "bending z", "torsion") + coupled(along_z, "bending y", "torsion")
 
     def centreline(stations: Array) -> SparseMatrix:
         return sum(
@@ -117,11 +147,69 @@ def beam_leg(properties: BeamProperties, length: float, elements: int) -> LegMat
             for name, member in members.items()
         )
 
-    return LegMatrices(
+    leg = LegMatrices(
         model="beam",
         length=length,
         stiffness=sum(parts.values()),
-        mass=csr_matrix(sum(assembled(member.mass, name) for name, member in members.items())),
+        mass=csr_matrix(mass),
+        centreline=centreline,
+        parts=parts,
+    )
+    return _on_centroids(leg, elements + 1, p.to_shear_centre) if p.couples_torsion else leg
+
+
+def _shear_stiffnesses(p: BeamProperties) -> tuple[float, float, float]:
+    """Shear stiffnesses (N) along y, along z, and between both."""
+    if not p.shear_yz:
+        return p.GAy, p.GAz, 0.0
+    flexibility = np.array([[1.0 / p.GAy, p.shear_yz], [p.shear_yz, 1.0 / p.GAz]])
+    stiffness = np.linalg.inv(flexibility)
+    return float(stiffness[0, 0]), float(stiffness[1, 1]), float(stiffness[0, 1])
+
+
+def _coupling_stiffness(first: _Member, second: _Member, EI: float, GA: float) -> Array:
+    """∫ EI θ₁′θ₂′ + GA γ₁γ₂ (k₁×k₂) of the unknowns of two bending members."""
+    weights, (one, two) = _integrated(first, second)
+    (w1, theta1), (w2, theta2) = one, two
+    gamma1, gamma2 = w1[1] - theta1[0], w2[1] - theta2[0]
+    return np.asarray(EI * (theta1[1] * weights) @ theta2[1].T + GA * (gamma1 * weights) @ gamma2.T)
+
+
+def _coupling_mass(first: _Member, second: _Member, field: int, inertia: float) -> Array:
+    """∫ `inertia` u₁u₂ (k₁×k₂) of one field of each of two members."""
+    weights, (one, two) = _integrated(first, second)
+    return np.asarray(inertia * (one[field][0] * weights) @ two[field][0].T)
+
+
+def _integrated(*members: _Member) -> tuple[Array, list[list[tuple[Array, Array]]]]:
+    """Weights (m, in m) of integration points, and there the fields of each member."""
+    points, weights = get_quadrature(RefLine, _INTEGRATION_ORDER)
+    fields = [_fields(one.element, one.mesh, points) for one in members]
+    return weights * members[0].mesh.p[0, -1], fields
+
+
+def _on_centroids(leg: LegMatrices, nodes: int, to_shear_centre: Array) -> LegMatrices:
+    """A leg whose deflections are those of its shear centre, on the twists of its centroids.
+
+    Its first unknowns are the twists of so many `nodes`.
+    """
+    rest = leg.size - 6 * nodes
+    moved = csr_array(block_diag([*[to_shear_centre] * nodes, eye_array(rest)], format="csr"))
+    back = np.linalg.inv(to_shear_centre)
+
+    def on_centroids(matrix: SparseMatrix) -> SparseMatrix:
+        return csr_matrix(moved.T @ csr_array(matrix) @ moved)
+
+    def centreline(stations: Array) -> SparseMatrix:
+        of_shear_centre = csr_array(leg.centreline(stations))
+        count = of_shear_centre.shape[0] // 6
+        return csr_matrix(block_diag([back] * count, format="csr") @ of_shear_centre @ moved)
+
+    parts = {kind: on_centroids(part) for kind, part in leg.parts.items()}
+    return replace(
+        leg,
+        stiffness=csr_matrix(sum(parts.values())),
+        mass=on_centroids(leg.mass),
         centreline=centreline,
         parts=parts,
     )

@@ -7,6 +7,9 @@ pieces, which has the same roots but neither two cases around the second spectru
 overflowing hyperbolic functions: with every piece below its own first clamped–clamped frequency,
 the k-th smallest eigenvalue of K falls steadily with ω and is zero at the k-th frequency alone
 (Wittrick & Williams, Q. J. Mech. Appl. Math. 24 (1971) 263). No root can be missed.
+
+Sections without two axes of symmetry couple bending in both planes, or bending and torsion
+(`BeamProperties`): one kind "coupled", with the same method on all deflections and rotations.
 """
 
 from collections.abc import Iterator
@@ -15,7 +18,7 @@ from heapq import merge
 from itertools import count as naturals
 from itertools import islice
 from math import pi, sqrt
-from typing import Literal, TypeAlias, get_args
+from typing import Literal, TypeAlias
 
 import numpy as np
 import scipy
@@ -27,8 +30,7 @@ from lumped.legs import BeamProperties
 from lumped.memo import memo
 
 Plane: TypeAlias = Literal["y", "z"]
-Kind: TypeAlias = Literal["tension", "torsion", "bending y", "bending z"]
-_KINDS: tuple[Kind, ...] = get_args(Kind)
+Kind: TypeAlias = Literal["tension", "torsion", "bending y", "bending z", "coupled"]
 
 # Roots to a few units in the last place; brentq takes no relative tolerance below 4 eps.
 _ROOT_TOLERANCE = 4.0 * np.finfo(float).eps
@@ -61,8 +63,15 @@ def cantilever_frequencies(
 ) -> tuple[CantileverFrequency, ...]:
     """The lowest `count` frequencies of the clamped–free leg of `length` (m), ascending."""
     # Of each kind no more than one is computed that is not among the lowest.
-    kinds = (_ascending(properties, length, kind) for kind in _KINDS)
+    kinds = (_ascending(properties, length, kind) for kind in kinds_of(properties))
     return tuple(islice(merge(*kinds, key=lambda item: item.frequency), count))
+
+
+def kinds_of(properties: BeamProperties) -> tuple[Kind, ...]:
+    """Kinds of deformation that vibrate by themselves."""
+    if properties.couples_bending or properties.couples_torsion:
+        return "tension", "coupled"
+    return "tension", "torsion", "bending y", "bending z"
 
 
 def _ascending(
@@ -85,6 +94,8 @@ def frequency_of_kind(properties: BeamProperties, length: float, kind: Kind, ord
             return _bending_frequency(_plane(properties, "y"), length, order)
         case "bending z":
             return _bending_frequency(_plane(properties, "z"), length, order)
+        case "coupled":
+            return _coupled_frequency(properties, length, order)
 
 
 def tension_frequencies(properties: BeamProperties, length: float, count: int) -> Array:
@@ -228,3 +239,91 @@ def _piece_stiffness(beam: _Plane, l: float, omega: float) -> Array:
     uu, uf, fu, ff = transfer[:2, :2], transfer[:2, 2:], transfer[2:, :2], transfer[2:, 2:]
     flexible = np.linalg.inv(uf)
     return np.block([[flexible @ uu, -flexible], [fu - ff @ flexible @ uu, ff @ flexible]])
+
+
+@dataclass(frozen=True, eq=False)
+class _Coupled:
+    """State equations of bending in both planes with torsion, in units of `size` and EI.
+
+    Unknowns are v_s and w_s of the shear centre, φx, θ of deflection along y and along z; forces
+    are conjugate to these: with `flexibility` (5×5) and `mass` (5×5), and θ in v_s′ and w_s′.
+    """
+
+    flexibility: Array
+    mass: Array
+    unit_squared: float
+
+
+def _coupled(p: BeamProperties, size: float) -> _Coupled:
+    """The equations, lengths in `size` (m), ω² in EI/(μ size⁴)."""
+    EI, mu = max(p.EIy, p.EIz), p.mu
+    flexibility = np.zeros((5, 5))
+    shear = np.array([[1.0 / p.GAy, p.shear_yz], [p.shear_yz, 1.0 / p.GAz]])
+    flexibility[:2, :2] = shear * EI / size**2
+    flexibility[2, 2] = EI / p.GJ
+    flexibility[3:, 3:] = EI * np.linalg.inv(p.bending)
+    # The centroid moves by v_s + z_s φx and w_s − y_s φx.
+    arm = np.array([p.centre_z, -p.centre_y]) / size
+    mass = np.zeros((5, 5))
+    mass[:2, :2] = np.eye(2)
+    mass[:2, 2] = mass[2, :2] = arm
+    mass[2, 2] = p.rho_J / (mu * size**2) + arm @ arm
+    rotary = np.array([[p.rho_Iz, p.rho_Iyz], [p.rho_Iyz, p.rho_Iy]])
+    mass[3:, 3:] = rotary / (mu * size**2)
+    return _Coupled(flexibility, mass, EI / (mu * size**4))
+
+
+def _coupled_frequency(p: BeamProperties, length: float, order: int) -> float:
+    """Frequency (Hz) number `order` of bending in both planes with torsion."""
+    lower, upper = 0.0, np.pi / (2.0 * length) ** 2 * sqrt(max(p.EIy, p.EIz) / p.mu)
+    while _coupled_count(p, length, upper, upper) < order:
+        lower, upper = upper, 1.5 * upper
+
+    def eigenvalue(omega: float) -> float:
+        return float(eigvalsh(_coupled_stiffness(p, length, omega, upper))[order - 1])
+
+    root = scipy.optimize.brentq(eigenvalue, lower, upper, xtol=1e-300, rtol=_ROOT_TOLERANCE)
+    return float(root) / (2.0 * pi)
+
+
+def _coupled_count(p: BeamProperties, length: float, omega: float, highest: float) -> int:
+    """Number of frequencies below ω (rad/s)."""
+    return int(np.count_nonzero(eigvalsh(_coupled_stiffness(p, length, omega, highest)) < 0.0))
+
+
+def _coupled_pieces(p: BeamProperties, length: float, omega: float) -> int:
+    """Pieces that have their first frequency, clamped at both ends, above ω (rad/s).
+
+    From below: |v_c|² ≤ 2|v_s|² + 2 r² φx² with r the distance of the shear centre parts bending
+    and torsion, and the softer of both planes with the more inert one bounds bending.
+    """
+    bending = np.linalg.eigvalsh(p.bending)[0]
+    shear = np.array([[1.0 / p.GAy, p.shear_yz], [p.shear_yz, 1.0 / p.GAz]])
+    rotary = np.array([[p.rho_Iz, p.rho_Iyz], [p.rho_Iyz, p.rho_Iy]])
+    largest = (float(np.linalg.eigvalsh(one)[-1]) for one in (shear, rotary))
+    plane = _Plane(float(bending), next(largest), 2.0 * p.mu, next(largest))
+    polar = p.rho_J + 2.0 * p.mu * (p.centre_y**2 + p.centre_z**2)
+    by_torsion = int(length * omega / (np.pi * sqrt(p.GJ / polar))) + 1
+    return max(_pieces(plane, length, omega), by_torsion)
+
+
+def _coupled_stiffness(p: BeamProperties, length: float, omega: float, highest: float) -> Array:
+    """K(ω) of the clamped–free beam on five motions of the cuts and the tip, in units of EI/l."""
+    pieces = _coupled_pieces(p, length, highest)
+    size = length / pieces
+    equations = _coupled(p, size)
+    state = np.zeros((10, 10))
+    state[0, 3] = state[1, 4] = 1.0
+    state[:5, 5:] = equations.flexibility
+    state[5:, :5] = -(omega**2) / equations.unit_squared * equations.mass
+    # M′ = −V − ω²ρIθ.
+    state[8, 5] = state[9, 6] = -1.0
+    transfer = expm(state)
+    uu, uf, fu, ff = transfer[:5, :5], transfer[:5, 5:], transfer[5:, :5], transfer[5:, 5:]
+    flexible = np.linalg.inv(uf)
+    piece = np.block([[flexible @ uu, -flexible], [fu - ff @ flexible @ uu, ff @ flexible]])
+    assembled = np.zeros((5 * pieces + 5, 5 * pieces + 5))
+    for first in range(0, 5 * pieces, 5):
+        assembled[first : first + 10, first : first + 10] += piece
+    clamped = assembled[5:, 5:]
+    return np.asarray(0.5 * (clamped + clamped.T))

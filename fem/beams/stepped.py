@@ -3,14 +3,10 @@
 The pieces begin and end where the part leaves what is held at its interfaces; what lies before and
 behind is rigid, with the mass that it has. Sections are taken in the middle of the pieces: second
 order in 1/k.
-
-A piece stretches and has its mass at its centroid, but bends without twisting where forces pass
-through its shear centre: there v′ = v − z_s φx and w′ = w + y_s φx of every section take the place
-of the deflections v and w of the centroid in the stiffness.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.sparse import block_diag, csr_array, eye_array, lil_array, vstack
@@ -23,17 +19,15 @@ from lumped.screws import shift, turn
 
 @dataclass(frozen=True, eq=False)
 class Piece:
-    """A prism from `start` to `end` (3, m, leg axes); `axes` (3×3, columns): along it, principal.
+    """A prism from `start` to `end` (3, m, leg axes), where the centroids of its end sections are.
 
-    `properties` about the principal axes of its section, from whose centroid its `shear_centre`
-    (y_s, z_s, m) is away.
+    `properties` in its own `axes` (3×3, columns), the first along it.
     """
 
     start: Array
     end: Array
     axes: Array
     properties: BeamProperties
-    shear_centre: tuple[float, float]
 
     @property
     def length(self) -> float:
@@ -86,27 +80,6 @@ def stepped_leg(leg: SteppedLeg, build: Callable[[Piece], LegMatrices]) -> LegMa
         mass=csr_array(mass + ends),
         centreline=centreline,
     )
-
-
-def about_shear_centre(
-    one: LegMatrices, nodes: int, shear_centre: tuple[float, float]
-) -> LegMatrices:
-    """A piece whose deflections are those of its shear centre, by the twists of its centroid.
-
-    Its first unknowns are the twists of so many `nodes`. Its mass is at the centroid already.
-    """
-    y, z = shear_centre
-    to_centre = np.eye(6)
-    to_centre[1, 3], to_centre[2, 3] = -z, y
-    rest = one.size - 6 * nodes
-    moved = csr_array(block_diag([*[to_centre] * nodes, eye_array(rest)], format="csr"))
-
-    def centreline(stations: Array) -> SparseMatrix:
-        back = block_diag([np.linalg.inv(to_centre)] * len(stations), format="csr")
-        return csr_array(back @ csr_array(one.centreline(stations)) @ moved)
-
-    stiffness = csr_array(moved.T @ csr_array(one.stiffness) @ moved)
-    return replace(one, stiffness=stiffness, centreline=centreline, parts={})
 
 
 def _node(node: int, count: int, length: float) -> tuple[int, Array | None]:

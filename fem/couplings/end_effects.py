@@ -37,8 +37,8 @@ def restrained_compliance(mesh: SectionMesh, material: Material, length: float) 
 
     Tip compliance with plane, rigid faces at root and tip less that with Saint-Venant's tractions
     on both, work conjugate: negative semidefinite. Exact in x for any length, so that both ends may
-    interact. Raises InputError for a section that is not symmetric about both of its axes,
-    ComputationError if round-off dominates: moduli, or walls and sides, that differ by too much.
+    interact. Raises ComputationError if round-off dominates: moduli, or walls and sides, that
+    differ by too much.
     """
     change = np.zeros((6, 6))
     for fields in section_fields(mesh, material):
@@ -49,14 +49,14 @@ def restrained_compliance(mesh: SectionMesh, material: Material, length: float) 
 class _Squares:
     """Solutions of L z = r and Lᵀy = r, L = [C 0; Bᵀ F] as in `SectionFields.squares_problem`.
 
-    C or F has the first rigid motion in its null space. Loads have no resultant along it.
+    C and F have the unstrained rigid motions as null space. Loads have no resultant along them.
     """
 
     def __init__(self, fields: SectionFields) -> None:
         p = self.axial = fields.axial
         self.left, self.right = fields.squares_problem()
         self.coupling = self.right[:p, p:]
-        rigid = fields.rigid[:, 0]
+        rigid = fields.unstrained
         self.solve_axial = _solver(self.left[:p, :p], rigid[:p])
         self.solve_in_plane = _solver(self.left[p:, p:], rigid[p:])
 
@@ -67,30 +67,38 @@ class _Squares:
         return np.concatenate([axial, in_plane])
 
     def solve_transposed(self, load: Array) -> Array:
-        """Solution y (n) of Lᵀy = `load`."""
+        """Solution y (n or n×k) of Lᵀy = `load`."""
         in_plane = self.solve_in_plane(load[self.axial :])
         axial = self.solve_axial(load[: self.axial] - self.coupling @ in_plane)
         return np.concatenate([axial, in_plane])
 
     def zeros(self, fields: SectionFields) -> tuple[Array, Array]:
-        """Chains of γ² = 0 (n×`chain`): z of L z₀ = 0, L z₁ = R z₀, and y of the transposes."""
-        rigid, p = fields.rigid[:, 0], self.axial
+        """Chains of γ² = 0: z of L z₀ = 0, of a deflection L z₁ = R z₀, and y of the transposes.
+
+        L z₁ = R z₀ has a solution if R z₀ is orthogonal to all y₀: tension and torsion, whose
+        chains end there, are taken out of the deflections.
+        """
+        rigid, p = fields.unstrained, self.axial
         ahead, behind = rigid.copy(), rigid.copy()
         ahead[p:] -= self.solve_in_plane(self.coupling.T @ rigid[:p])
         behind[:p] -= self.solve_axial(self.coupling @ rigid[p:])
-        fields_chain, adjoint_chain = [ahead], [behind]
-        for _ in range(fields.chain - 1):
-            fields_chain.append(self.solve(self.right @ fields_chain[-1]))
-            adjoint_chain.append(self.solve_transposed(self.right.T @ adjoint_chain[-1]))
-        return np.column_stack(fields_chain), np.column_stack(adjoint_chain)
+        on = np.array(fields.deflects)
+        if on.any() and not on.all():
+            pairing = behind.T @ self.right @ ahead
+            ends = pairing[np.ix_(~on, ~on)]
+            ahead[:, on] -= ahead[:, ~on] @ np.linalg.solve(ends, pairing[np.ix_(~on, on)])
+            behind[:, on] -= behind[:, ~on] @ np.linalg.solve(ends.T, pairing[np.ix_(on, ~on)].T)
+        following = self.solve(self.right @ ahead[:, on])
+        adjoint = self.solve_transposed(self.right.T @ behind[:, on])
+        return np.hstack([ahead, following]), np.hstack([behind, adjoint])
 
 
 def _solver(block: Array, rigid: Array) -> Callable[[Array], Array]:
-    """Solution of a symmetric `block` that is positive definite across `rigid` (0: everywhere)."""
-    size = np.linalg.norm(rigid)
-    if size > 0.0:
-        unit = rigid / size
-        block = block + np.trace(block) / len(block) * np.outer(unit, unit)
+    """Solution of a symmetric `block` that is positive definite across `rigid` (n×k)."""
+    moving = rigid[:, np.linalg.norm(rigid, axis=0) > 0.0]
+    if moving.size:
+        unit = np.linalg.qr(moving)[0]
+        block = block + np.trace(block) / len(block) * unit @ unit.T
     return partial(cho_solve, cho_factor(block))
 
 
@@ -105,7 +113,7 @@ def _decays(fields: SectionFields) -> tuple[Array, Array]:
     chain, adjoint = squares.zeros(fields)
     # Bi-orthogonal to the adjoint chain, as all decaying fields are.
     across = adjoint.T @ squares.right
-    basis = np.linalg.qr(across.T, mode="complete")[0][:, fields.chain :]
+    basis = np.linalg.qr(across.T, mode="complete")[0][:, len(across) :]
     images = squares.solve(squares.right @ basis)
     images -= chain @ np.linalg.solve(across @ chain, across @ images)
     inverses, shapes = eig(basis.T @ images)

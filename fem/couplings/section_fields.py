@@ -4,9 +4,12 @@ Semi-analytical finite elements, u the 3N displacements of a section and ′ the
 prism. G couples axial (p) with in-plane (q) displacements alone, G = [0 B; −Bᵀ 0], E₀ = [A 0; 0 D]
 and E₂ − ω²M = [C 0; 0 F], so that with p′ = γp the squares of exponents e^{γx} solve a problem of
 size 3N, [C 0; Bᵀ F] (p′, q) = γ² [A B; 0 D] (p′, q). Sections symmetric about y and z fall into
-four problems of a quarter of the size: tension, torsion, bending z and bending y.
+four problems of a quarter of the size: tension, torsion, bending z and bending y. With one axis of
+symmetry these are two problems, tension and bending along the axis, torsion and bending across it;
+without any they are one.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import factorial
 
@@ -18,42 +21,43 @@ from fem.couplings.grips import rigid_motions
 from fem.sections.saint_venant import section_quadrature
 from fem.sections.waveguide import assembled, elasticity, mass_matrix, strains
 from lumped.arrays import Array, IntArray, SparseMatrix
-from lumped.errors import InputError
 from lumped.legs import Material
 from meshes.section.section_mesh import SectionMesh
 
-# Of a section without its own size a mirror image is found within this.
+# Share of the section's size within which a mirror image lies.
 _SAME_PLACE = 1e-6
 
 
 @dataclass(frozen=True)
 class _Class:
-    """Fields of one symmetry.
+    """Fields of one symmetry in a section that is symmetric about y and z.
 
-    `parity` of u_x under y → −y and z → −z, the `twists` (x y z φx φy φz) among its rigid motions,
-    and `chain`: how many squares γ² = 0 its polynomials take.
+    `parity` of u_x under y → −y and z → −z, and the `twists` (x y z φx φy φz) among its rigid
+    motions.
     """
 
     name: str
     parity: tuple[int, int]
     twists: tuple[int, ...]
-    chain: int
 
 
 _CLASSES = (
-    _Class("tension", (1, 1), (0,), 1),
-    _Class("torsion", (-1, -1), (3,), 1),
-    _Class("bending z", (-1, 1), (1, 5), 2),
-    _Class("bending y", (1, -1), (2, 4), 2),
+    _Class("tension", (1, 1), (0,)),
+    _Class("torsion", (-1, -1), (3,)),
+    _Class("bending z", (-1, 1), (1, 5)),
+    _Class("bending y", (1, -1), (2, 4)),
 )
+# Twists that strain no section by themselves: solutions of γ² = 0, of which the deflections start
+# a chain of two.
+_UNSTRAINED, _DEFLECTIONS = (0, 1, 2, 3), (1, 2)
 
 
 @dataclass(frozen=True, eq=False)
 class SectionFields:
     """Matrices (n×n) of one symmetry, ∫ ε·σ = u′E₀u′ + 2u′E₁u + uE₂u; the `axial` u_x first.
 
-    `mass`: that per length; `rigid` (n×m): its rigid motions about the centroid of a section;
-    `name`, `twists` and `chain` as above.
+    `mass`: that per length; `rigid` (n×m): its rigid motions about the centroid of a section, its
+    `twists`; `name`: of its kinds of deformation.
     """
 
     name: str
@@ -64,7 +68,21 @@ class SectionFields:
     axial: int
     rigid: Array
     twists: tuple[int, ...]
-    chain: int
+
+    @property
+    def chain(self) -> int:
+        """Number of squares γ² = 0 that one of its polynomials takes at most."""
+        return 2 if any(twist in _DEFLECTIONS for twist in self.twists) else 1
+
+    @property
+    def unstrained(self) -> Array:
+        """Rigid motions (n×k) that strain no section by themselves."""
+        return self.rigid[:, [twist in _UNSTRAINED for twist in self.twists]]
+
+    @property
+    def deflects(self) -> list[bool]:
+        """Whether each of these is a deflection, which starts a chain of two γ² = 0."""
+        return [twist in _DEFLECTIONS for twist in self.twists if twist in _UNSTRAINED]
 
     @property
     def coupling(self) -> Array:
@@ -93,9 +111,10 @@ class SectionState:
 
 
 def section_fields(mesh: SectionMesh, material: Material) -> list[SectionFields]:
-    """Fields of a section in each symmetry: "tension", "torsion", "bending y", "bending z".
+    """Fields of a section in each symmetry that its mesh has.
 
-    Raises InputError for a section that is not symmetric about both of its axes.
+    "tension", "torsion", "bending y", "bending z" of a mesh with two axes of symmetry, and what
+    is coupled of these together of another one.
     """
     quad = section_quadrature(mesh)
     in_section = strains(quad, 0.0)
@@ -114,76 +133,100 @@ def section_fields(mesh: SectionMesh, material: Material) -> list[SectionFields]
     centred = mesh.nodes - quad.centroid
     points = np.column_stack([np.zeros(len(centred)), centred])
     motions = rigid_motions(points, np.zeros(3))
-    mirrors = _mirror(centred, (-1.0, 1.0)), _mirror(centred, (1.0, -1.0))
+    mirrors = [
+        None if (images := _mirror(centred, signs)) is None else (axis, images)
+        for axis, signs in enumerate(((-1.0, 1.0), (1.0, -1.0)))
+    ]
+    present = [one for one in mirrors if one is not None]
     found = []
-    for kind in _CLASSES:
-        basis, axial = _symmetric(mirrors, kind.parity)
+    for kinds in _coupled_kinds([axis for axis, _ in present]):
+        basis, axial = _symmetric(len(centred), present, kinds[0].parity)
         e0, e1, e2, m = (basis.T @ (basis.T @ one.T).T for one in (E0, E1, E2, mass))
-        rigid = basis.T @ motions[:, kind.twists]
-        found.append(SectionFields(kind.name, e0, e1, e2, m, axial, rigid, kind.twists, kind.chain))
+        twists = tuple(twist for kind in kinds for twist in kind.twists)
+        name = " with ".join(kind.name for kind in kinds)
+        rigid = basis.T @ motions[:, twists]
+        found.append(SectionFields(name, e0, e1, e2, m, axial, rigid, twists))
     return found
 
 
+def _coupled_kinds(axes: Sequence[int]) -> list[list[_Class]]:
+    """Kinds of deformation that have one parity under the mirrors of these axes."""
+    groups: dict[tuple[int, ...], list[_Class]] = {}
+    for kind in _CLASSES:
+        groups.setdefault(tuple(kind.parity[axis] for axis in axes), []).append(kind)
+    return list(groups.values())
+
+
 def _symmetric(
-    mirrors: tuple[IntArray, IntArray], parity: tuple[int, int]
+    count: int, mirrors: Sequence[tuple[int, IntArray]], parity: tuple[int, int]
 ) -> tuple[SparseMatrix, int]:
     """Orthonormal basis (3N×n) of the fields of one symmetry, and how many are of u_x (first)."""
     parts = []
     for component in range(3):
         # u_y changes sign with y → −y where u_x does not, u_z likewise with z.
-        signs = [s * (-1 if component == i + 1 else 1) for i, s in enumerate(parity)]
-        parts.append(_orbits(mirrors, signs, component))
+        signed = [
+            (images, parity[axis] * (-1 if component == axis + 1 else 1))
+            for axis, images in mirrors
+        ]
+        parts.append(_orbits(count, signed, component))
     return csr_array(np.hstack(parts)), parts[0].shape[1]
 
 
-def _mirror(nodes: Array, signs: tuple[float, float]) -> IntArray:
-    """The node (N) at each node's mirror image."""
+def _mirror(nodes: Array, signs: tuple[float, float]) -> IntArray | None:
+    """The node (N) at each node's mirror image; None if the mesh is not symmetric."""
     size = float(np.ptp(nodes, axis=0).max())
     distance, partner = scipy.spatial.cKDTree(nodes).query(nodes * np.array(signs))
     if distance.max() > _SAME_PLACE * size:
-        raise InputError("end effects: the section is not symmetric about its axes")
+        return None
     return np.asarray(partner)
 
 
-def _orbits(mirrors: tuple[IntArray, IntArray], signs: list[int], component: int) -> Array:
+def _orbits(count: int, mirrors: Sequence[tuple[IntArray, int]], component: int) -> Array:
     """Normalised sums (3N×n) over the mirror images of each node, signs of the symmetry."""
-    in_y, in_z = mirrors
-    count = len(in_y)
-    images = np.stack([np.arange(count), in_y, in_z, in_z[in_y]])
+    images, weights = np.arange(count)[None], np.ones(1)
+    for mirror, sign in mirrors:
+        images = np.vstack([images, mirror[images]])
+        weights = np.concatenate([weights, sign * weights])
     own = np.flatnonzero(images.min(axis=0) == np.arange(count))
     columns = np.zeros((3 * count, len(own)))
-    for image, weight in zip(images, (1, signs[0], signs[1], signs[0] * signs[1]), strict=True):
+    for image, weight in zip(images, weights, strict=True):
         np.add.at(columns, (3 * image[own] + component, np.arange(len(own))), weight)
     norms = np.linalg.norm(columns, axis=0)
     # Nodes on an axis of antisymmetry do not move.
     return np.asarray(columns[:, norms > 0.5] / norms[norms > 0.5])
 
 
-def _polynomial(fields: SectionFields, degree: int) -> list[Array]:
+def _polynomial(fields: SectionFields, unstrained: int, degree: int) -> list[Array]:
     """Coefficients a_k (n) of x^k/k! of a state of Saint-Venant, lowest first.
 
-    From the highest, a rigid motion, downwards: E₂a_k = E₀a_{k+2} + Ga_{k+1}.
+    From the highest, the rigid motion of this number, downwards: E₂a_k = E₀a_{k+2} + Ga_{k+1}. Mean
+    motions of a_k are none, as weighted with the moduli: sections turn about the centroid, so that
+    flexure has no axial force.
     """
-    null = fields.rigid[:, :1]
-    bordered = np.block([[fields.E2, null], [null.T, np.zeros((1, 1))]])
-    coefficients = [null[:, 0], np.zeros(len(null))]
+    null = fields.unstrained
+    own = null.shape[1]
+    means = null.T @ fields.E0
+    bordered = np.block([[fields.E2, null], [means, np.zeros((own, own))]])
+    coefficients = [null[:, unstrained], np.zeros(len(null))]
     for _ in range(degree):
         load = fields.E0 @ coefficients[1] + fields.coupling @ coefficients[0]
-        coefficients.insert(0, np.linalg.solve(bordered, np.append(load, 0.0))[: len(null)])
+        solution = np.linalg.solve(bordered, np.append(load, np.zeros(own)))
+        coefficients.insert(0, solution[: len(null)])
     return coefficients[:-1]
 
 
 def saint_venant_states(fields: SectionFields, x: float) -> SectionState:
-    """Saint-Venant's states at x: tension or torsion, or pure bending and flexure."""
+    """Saint-Venant's states at x: of each deflection pure bending and flexure, tension, torsion."""
     columns, warping, slopes = [], [], []
-    for degree in (1,) if fields.chain == 1 else (2, 3):
-        terms = np.array(_polynomial(fields, degree))
-        powers = np.array([x**k / factorial(k) for k in range(degree + 1)])
-        columns.append(powers @ terms)
-        # The highest terms are rigid motions, which need no forces.
-        own = len(terms) - fields.chain
-        warping.append(powers[:own] @ terms[:own])
-        slopes.append(powers[:own] @ terms[1 : own + 1])
+    for number, deflects in enumerate(fields.deflects):
+        for degree in (2, 3) if deflects else (1,):
+            terms = np.array(_polynomial(fields, number, degree))
+            powers = np.array([x**k / factorial(k) for k in range(degree + 1)])
+            columns.append(powers @ terms)
+            # The highest terms are rigid motions, which need no forces.
+            own = len(terms) - (2 if deflects else 1)
+            warping.append(powers[:own] @ terms[:own])
+            slopes.append(powers[:own] @ terms[1 : own + 1])
     warped = np.column_stack(warping)
     forces = fields.E0 @ np.column_stack(slopes) + fields.E1 @ warped
     return SectionState(np.column_stack(columns), warped, forces)

@@ -16,10 +16,12 @@ from scipy.linalg import lu_factor, lu_solve
 
 from fem.couplings.section_fields import SectionFields, saint_venant_states, section_fields
 from lumped.arrays import Array, IntArray
-from lumped.errors import ComputationError
+from lumped.errors import ComputationError, InputError
 from lumped.legs import Material
 from meshes.section.section_mesh import SectionMesh
 
+# Tension, torsion and bending in two planes.
+_KINDS = 4
 # Factors, the second where the first iterations have led, and iterations with each.
 _SHIFTS, _ITERATIONS = 2, 20
 # Relative distance of a shift from what may be an eigenvalue to the last digit.
@@ -66,8 +68,11 @@ def prism_waves(mesh: SectionMesh, material: Material) -> tuple[PrismWaves, ...]
 
     Raises InputError where it is not symmetric about both axes.
     """
+    symmetries = section_fields(mesh, material)
+    if len(symmetries) != _KINDS:
+        raise InputError("waves: the section is not symmetric about both of its axes")
     kinds = []
-    for fields in section_fields(mesh, material):
+    for fields in symmetries:
         forces = saint_venant_states(fields, 0.0).forces
         resultants = fields.rigid.T @ forces
         # The first state has unit strain, twist or curvature.

@@ -5,7 +5,8 @@ Rotation θ(x) and warping intensity χ(x), u_x = χ ω(y, z) (E. Reissner, J. M
 
     2V = ∫ G I_p θ'² − 2 G(I_p − J) θ'χ + G(I_p − J) χ² + EΓ χ'²,   2T = ∫ ρI_p θ̇² + ρΓ χ̇².
 
-With χ = θ' and no EΓ it is Saint-Venant's rod, with χ = θ' Vlasov's.
+With χ = θ' and no EΓ it is Saint-Venant's rod, with χ = θ' Vlasov's. ω and the polar moment I_p are
+those about the shear centre.
 """
 
 from dataclasses import dataclass
@@ -38,8 +39,10 @@ class WarpingRod:
 
 
 def warping_rod(constants: SectionConstants, material: Material) -> WarpingRod:
-    """What torsion with warping needs of a section and a material."""
+    """Torsion with warping of a section and a material, about the section's shear centre."""
+    offset = np.subtract(constants.shear_centre, constants.centroid)
     polar = constants.second_moment_y + constants.second_moment_z
+    polar += constants.area * float(offset @ offset)
     return WarpingRod(
         twist=material.G * polar,
         shear=material.G * (polar - constants.torsion_constant),

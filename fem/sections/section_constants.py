@@ -29,6 +29,8 @@ from meshes.section.section_mesh import SectionMesh
 
 # Of the strain ν s that is asked for: rounding of interpolation, beneath any error of a mesh.
 _ROUNDING = 1e-12
+# Of a coupling's own scale: beneath it stand rounding and mirror images of meshes, found to 1e-10.
+_SYMMETRIC = 1e-8
 
 
 @dataclass(frozen=True)
@@ -49,6 +51,9 @@ class SectionConstants:
                           (Cowper, J. Appl. Mech. 33 (1966) 335): the measure of dynamics. The two
                           are equal for ν = 0.
 
+    `shear_coupling` is A ∫τ_y·τ_z dA of the unit forces of the first definition, through the shear
+    centre: beside 1/κ_y and 1/κ_z the coupling of both shears.
+
     `held_contraction` (m⁴) is what a prism of this very mesh has in bending over the second moments
     about y and z, zero but for curved cells (`fem.sections.section_constants`).
     """
@@ -63,6 +68,7 @@ class SectionConstants:
     shear_centre: tuple[float, float]
     shear_coefficients: tuple[float, float]
     cowper_coefficients: tuple[float, float]
+    shear_coupling: float
     held_contraction: tuple[float, float]
 
 
@@ -98,6 +104,8 @@ def constants_of(solution: SaintVenant, held: Array) -> SectionConstants:
         1.0 / (solution.area * float(quad.integral((stress**2).sum(axis=0))))
         for stress in solution.flexure_stress
     ]
+    along_y, along_z = solution.flexure_stress
+    mixed = (along_y * along_z).sum(axis=0)
     # A unit force through the shear centre has the moment −z_s (along y) or y_s (along z).
     offset_z, offset_y = -solution.flexure_torque[0], solution.flexure_torque[1]
     y, z = quad.points
@@ -113,6 +121,7 @@ def constants_of(solution: SaintVenant, held: Array) -> SectionConstants:
         shear_centre=(float(quad.centroid[0] + offset_y), float(quad.centroid[1] + offset_z)),
         shear_coefficients=(kappa[0], kappa[1]),
         cowper_coefficients=(_cowper(solution, 0), _cowper(solution, 1)),
+        shear_coupling=solution.area * float(quad.integral(mixed)),
         held_contraction=(float(held[1, 1]), float(held[0, 0])),
     )
 
@@ -133,14 +142,22 @@ def _cowper(solution: SaintVenant, axis: int) -> float:
 
 
 def beam_properties(constants: SectionConstants, material: Material) -> BeamProperties:
-    """Timoshenko beam of a section symmetric about both axes, shear by strain energy.
+    """Timoshenko beam of a section along the line of its centroids, shear by strain energy.
 
     Of the prism with the section's very mesh: bent cells that cannot contract are stiffer than EI.
+    What rounding leaves of couplings about an axis of symmetry is none.
     """
     E, G, rho = material.E, material.G, material.rho
     kappa_y, kappa_z = constants.shear_coefficients
     iy, iz = constants.second_moment_y, constants.second_moment_z
     held_y, held_z = constants.held_contraction
+    product, coupling = constants.product_moment, constants.shear_coupling
+    offset = np.subtract(constants.shear_centre, constants.centroid)
+    if abs(product) <= _SYMMETRIC * (iy + iz):
+        product = 0.0
+    if abs(coupling) <= _SYMMETRIC * (1.0 / kappa_y + 1.0 / kappa_z):
+        coupling = 0.0
+    offset[np.abs(offset) <= _SYMMETRIC * np.sqrt(constants.area)] = 0.0
     return BeamProperties(
         EA=E * constants.area,
         EIy=E * (iy + held_y),
@@ -152,6 +169,11 @@ def beam_properties(constants: SectionConstants, material: Material) -> BeamProp
         rho_J=rho * (iy + iz),
         rho_Iy=rho * iy,
         rho_Iz=rho * iz,
+        EIyz=E * product,
+        rho_Iyz=rho * product,
+        shear_yz=coupling / (G * constants.area),
+        centre_y=float(offset[0]),
+        centre_z=float(offset[1]),
     )
 
 

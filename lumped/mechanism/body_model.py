@@ -48,8 +48,9 @@ class LegMatrices(BodyModel):
 
     `length` (m) from root to tip. `centreline(stations)` gives the sparse 6m × n matrix from
     unknowns to the section's twist at `stations` (m from the root, m values). Sections remain
-    plane. `parts` are "tension", "torsion", "bending y" and "bending z" with their shear;
-    bending y is deflection along z (EIy), bending z along y (EIz).
+    plane. `parts` are "tension", "torsion", "bending y" and "bending z" with their shear; bending
+    y is deflection along z (EIy), bending z along y (EIz). Both are one part, "bending", if the
+    section couples them.
     """
 
     interfaces: tuple[str, ...] = field(init=False, default=ENDS)

@@ -1,7 +1,8 @@
 """Rigid segments joined by 6-DOF springs, eqs (13)–(23), as one free leg.
 
 A spring between two rigid elements represents the beam piece between their centres. Referred to the
-middle of that piece its compliance is diagonal. Two layouts of n equal elements:
+middle of that piece its compliance is diagonal if the section has two axes of symmetry. Two layouts
+of n equal elements:
 
 half     full springs (length L/n) between elements and springs of length L/2n at both ends:
          second order in 1/n in the frequencies, exact in statics for every n;
@@ -72,15 +73,24 @@ def segment_chain(
         places = np.array([0.0, *centres[1:-1], length])
         levers = _shift_along_leg(centres - places)
         masses = levers.swapaxes(1, 2) @ masses @ levers
-    springs = [np.diag(1.0 / np.diag(properties.piece_compliance(part))) for part in pieces]
+    springs = [_spring(properties, part) for part in pieces]
     return SegmentChain(length, places, masses, middles, np.array(springs))
+
+
+def _spring(properties: BeamProperties, piece: float) -> Array:
+    """6×6 stiffness of the spring that stands for a piece, referred to its middle."""
+    compliance = properties.piece_compliance(piece)
+    if properties.couples_bending or properties.couples_torsion:
+        stiffness = np.linalg.inv(compliance)
+        return np.asarray(0.5 * (stiffness + stiffness.T))
+    return np.diag(1.0 / np.diag(compliance))
 
 
 def _element_mass(properties: BeamProperties, piece: float) -> Array:
     """6×6 mass of a rigid element about its centre: a prism with the section's rotary inertia."""
     mass = properties.mu * piece
     slender = mass * piece**2 / 12.0
-    return np.diag(
+    inertia = np.diag(
         [
             mass,
             mass,
@@ -90,6 +100,8 @@ def _element_mass(properties: BeamProperties, piece: float) -> Array:
             properties.rho_Iz * piece + slender,
         ]
     )
+    inertia[4, 5] = inertia[5, 4] = -properties.rho_Iyz * piece
+    return inertia
 
 
 def _shift_along_leg(offsets: Array | float) -> Array:
@@ -126,7 +138,8 @@ def segment_leg(chain: SegmentChain) -> LegMatrices:
     mass = _scatter(block[:, None], chain.masses, 6 * count)
     full = _spring_matrix(chain, block, tuple(range(6)))
     parts = {kind: _spring_matrix(chain, block, rows) for kind, rows in KINDS.items()}
-    # A printed joint couples the kinds, so that the springs do not split into parts.
+    # A printed joint or a section without two axes of symmetry couples the kinds, so that the
+    # springs do not split into parts.
     splits = not (chain.stiffnesses * (1.0 - np.eye(6))).any()
 
     def centreline(stations: Array) -> SparseMatrix:

@@ -6,24 +6,35 @@ bounding box:
 - rectangle: that number across the smaller side, along the larger as many as makes them nearly
   square, of strips fewer (`side_ratio`); or two numbers, along y and along z;
 - circle: across a diameter, at least three (a curved core and a ring of four blocks around it);
-- walls (hollow rectangle, tube, I): one element across the thickness per four divisions, as many
+- walls (hollow rectangle, tube, I, channel, angle, tee, and polygons whose edges all run along y or
+  z): one element across the thickness per four divisions, as many
   more as a thick wall needs (`_across`); along the wall, elements of the size of smaller
   side / divisions, but never longer than `WALL_ASPECT` times their thickness.
 
-So divisions of 4, 8, 16, … are uniform refinements of each other, for every shape.
+So divisions of 4, 8, 16, … are uniform refinements of each other, for every shape. Polygons with
+other edges have no blocks (`meshes.section.section_mesh`).
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from math import ceil, pi, prod, radians, sqrt, tan
+from math import ceil, log2, pi, prod, radians, sqrt, tan
 from typing import TypeAlias
 
 import numpy as np
 
 from lumped.arrays import Array
 from lumped.errors import InputError
-from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Section, Tube
+from lumped.sections import (
+    Circle,
+    HollowRectangle,
+    ISection,
+    OutlinedSection,
+    Rectangle,
+    Section,
+    Tube,
+    is_inside,
+)
 
 Divisions: TypeAlias = int | tuple[int, int]
 Edge: TypeAlias = tuple[int, int]
@@ -36,6 +47,10 @@ _CORE_SHARE = 0.5
 _CORE_BULGE = radians(15.0)
 # Keeps ratios such as 0.3 / 0.1 from being rounded up past the whole number that is meant.
 _ROUND_OFF = 1e-9
+# Divisions of the coarsest mesh of a polygon without blocks: fewer give the same mesh.
+_COARSEST = 4
+# Share of a section's size: edges that are nearer to each other lie on one line of blocks.
+_SAME_LINE = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +81,22 @@ def section_blocks(section: Section, divisions: Divisions) -> Blocks:
             return _tube(tube, count)
         case ISection() as i_section, int() as count:
             return _i_section(i_section, count)
+        case OutlinedSection() as outlined, int() as count if has_blocks(outlined):
+            return _rectilinear(outlined, count)
     raise InputError(f"{section.shape}: divisions = {divisions} do not suit it")
+
+
+def has_blocks(section: OutlinedSection) -> bool:
+    """Whether all edges of an outline and its holes run along y or along z."""
+    gap = _SAME_LINE * max(section.extent)
+    ways = [np.abs(np.roll(loop, -1, axis=0) - loop) for loop in section.loops]
+    return bool((np.vstack(ways).min(axis=1) <= gap).all())
+
+
+def refinements(divisions: Divisions) -> int:
+    """How often each element of the coarsest mesh of a polygon is cut into four."""
+    count = min(divisions) if isinstance(divisions, tuple) else divisions
+    return max(0, ceil(log2(count / _COARSEST)))
 
 
 def side_ratio(section: Section) -> float:
@@ -89,7 +119,13 @@ def element_length(section: Section, divisions: int) -> float:
 
 
 def element_count(section: Section, divisions: Divisions) -> int:
-    """Elements of a section's mesh; raises InputError as `section_blocks` does."""
+    """Elements of a section's mesh; raises InputError as `section_blocks` does.
+
+    Of a polygon without blocks about so many: squares that fill its area.
+    """
+    if isinstance(section, OutlinedSection) and not has_blocks(section):
+        size = min(section.extent) / (_COARSEST * 2 ** refinements(divisions))
+        return int(np.ceil(section.area / size**2))
     blocks = section_blocks(section, divisions)
     return sum(prod(sides_of(blocks, corners)) for corners in blocks.corners)
 
@@ -161,6 +197,50 @@ def _i_section(section: ISection, divisions: int) -> Blocks:
         [across_flange, along_web, across_flange],
         [[True, True, True], [False, True, False], [True, True, True]],
     )
+
+
+def _rectilinear(section: OutlinedSection, divisions: int) -> Blocks:
+    """Blocks between the lines of all edges, as far as they lie in the section."""
+    loops = section.centred_loops
+    lines = [_lines(np.concatenate([loop[:, axis] for loop in loops]), section) for axis in (0, 1)]
+    ys, zs = lines
+    middles_y, middles_z = (0.5 * (one[:-1] + one[1:]) for one in lines)
+    filled = np.array([[is_inside(loops, np.array([y, z])) for y in middles_y] for z in middles_z])
+    side = min(section.extent)
+    return _grid(
+        ys.tolist(),
+        zs.tolist(),
+        _strip_counts(np.diff(ys), np.diff(zs), filled.T, side, divisions),
+        _strip_counts(np.diff(zs), np.diff(ys), filled, side, divisions),
+        filled.tolist(),
+    )
+
+
+def _lines(coordinates: Array, section: OutlinedSection) -> Array:
+    """Different coordinates, ascending."""
+    ordered = np.sort(coordinates)
+    steps = np.diff(ordered, prepend=-np.inf)
+    return np.asarray(ordered[steps > _SAME_LINE * max(section.extent)])
+
+
+def _strip_counts(
+    widths: Array, across: Array, filled: Array, side: float, divisions: int
+) -> list[int]:
+    """Elements along each of the strips of `widths`, cut by strips `across` into `filled` blocks.
+
+    A strip is a wall's thickness, or a length along the thinnest wall that crosses it.
+    """
+    counts = []
+    for width, blocks in zip(widths.tolist(), filled, strict=True):
+        edges = np.flatnonzero(np.diff(np.concatenate([[False], blocks, [False]]).astype(int)))
+        runs = [float(across[a:b].sum()) for a, b in edges.reshape(-1, 2)]
+        thinnest = min(runs)
+        # A wall that is thinner along the strip than across it.
+        if width <= thinnest:
+            counts.append(_across(width, side, divisions))
+        else:
+            counts.append(_along(width, thinnest, side, divisions))
+    return counts
 
 
 def _mirrored(*sizes: float) -> list[float]:

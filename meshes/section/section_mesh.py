@@ -1,6 +1,7 @@
 """Finite-element meshes of cross-sections, made by gmsh.
 
-Nine-node quadrilaterals, structured in blocks and symmetric about both axes.
+Nine-node quadrilaterals, structured in blocks; polygons with edges in other directions than y and z
+are filled with quadrilaterals that are as large as the walls are thick. The centroid is the origin.
 """
 
 from dataclasses import dataclass
@@ -12,10 +13,16 @@ import scipy
 from lumped.arrays import Array, IntArray
 from lumped.errors import ComputationError, InputError
 from lumped.memo import memo
-from lumped.sections import Rectangle, Section
+from lumped.sections import OutlinedSection, Rectangle, Section, distances_to_edges
 from meshes.elements import ELEMENTS, SectionElement
 from meshes.gmsh_session import connectivity, gmsh_model, numbered
-from meshes.section.section_blocks import Blocks, Divisions, section_blocks
+from meshes.section.section_blocks import (
+    Blocks,
+    Divisions,
+    has_blocks,
+    refinements,
+    section_blocks,
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,13 +47,19 @@ def section_mesh(section: Section, divisions: Divisions) -> SectionMesh:
     """
     require_section(section, divisions)
     part = f"section mesh ({section.shape})"
+    free = isinstance(section, OutlinedSection) and not has_blocks(section)
     with gmsh_model(part) as gmsh:
-        _add_blocks(gmsh, section_blocks(section, divisions))
-        gmsh.model.mesh.generate(2)
+        if isinstance(section, OutlinedSection) and free:
+            _fill(gmsh, section, refinements(divisions))
+        else:
+            _add_blocks(gmsh, section_blocks(section, divisions))
+            gmsh.model.mesh.generate(2)
         gmsh.model.mesh.setOrder(2)
         tagged = connectivity(gmsh, "quad9")
         tags, places = numbered(gmsh, tagged)
-    nodes = symmetrised(places[:, 1:], part)
+    nodes = places[:, 1:]
+    if section.is_doubly_symmetric:
+        nodes = symmetrised(nodes, part)
     cells = counter_clockwise(nodes, np.searchsorted(tags, tagged), "quad9")
     return SectionMesh(nodes, cells, "quad9")
 
@@ -72,6 +85,61 @@ def _add_blocks(gmsh: ModuleType, blocks: Blocks) -> None:
         geo.mesh.setRecombine(2, surface)
     geo.synchronize()
 
+
+def _fill(gmsh: ModuleType, section: OutlinedSection, refinements: int) -> None:
+    """Quadrilaterals within a polygon, each cut into four so many times.
+
+    Triangles and pairs of them are cut into quadrilaterals of half their size.
+    """
+    geo = gmsh.model.geo
+    curves = []
+    for loop, sizes in zip(section.centred_loops, _corner_sizes(section), strict=True):
+        points = [
+            geo.addPoint(0.0, *place, 2.0 * size)
+            for place, size in zip(loop.tolist(), sizes.tolist(), strict=True)
+        ]
+        ends = [*points[1:], points[0]]
+        lines = [geo.addLine(start, end) for start, end in zip(points, ends, strict=True)]
+        curves.append(geo.addCurveLoop(lines))
+    geo.addPlaneSurface(curves)
+    geo.synchronize()
+    for option, value in _QUADRILATERALS.items():
+        gmsh.option.setNumber(option, value)
+    gmsh.model.mesh.generate(2)
+    for _ in range(refinements):
+        gmsh.model.mesh.refine()
+
+
+def _corner_sizes(section: OutlinedSection) -> list[Array]:
+    """Size of the elements (m) at each corner: the distance to the nearest edge elsewhere.
+
+    That is the wall's thickness there; a quarter of the section's smaller side at most.
+    """
+    largest = 0.25 * min(section.extent)
+    sizes = []
+    for which, loop in enumerate(section.centred_loops):
+        own = []
+        for number, corner in enumerate(loop):
+            nearest = largest
+            for other, rim in enumerate(section.centred_loops):
+                away = distances_to_edges(corner, rim)
+                if other == which:
+                    # Its own two edges meet in it.
+                    away[[number - 1, number]] = np.inf
+                nearest = min(nearest, float(away.min()))
+            own.append(nearest)
+        sizes.append(np.array(own))
+    return sizes
+
+
+# Sizes from the corners; triangles paired into quadrilaterals and all cut into four-sided cells.
+_QUADRILATERALS = {
+    "Mesh.MeshSizeFromPoints": 1,
+    "Mesh.MeshSizeExtendFromBoundary": 1,
+    "Mesh.RecombineAll": 1,
+    "Mesh.RecombinationAlgorithm": 1,
+    "Mesh.SubdivisionAlgorithm": 1,
+}
 
 _REVERSED: dict[SectionElement, list[int]] = {
     "quad9": [0, 3, 2, 1, 7, 6, 5, 4, 8],

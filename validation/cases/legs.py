@@ -290,6 +290,11 @@ def _wave_number(leg: ConstantLeg, order: int) -> float:
 
 def not_a_beam(leg: ConstantLeg, mode: CantileverFrequency) -> str:
     """Reason why beam theory does not apply to a mode, from the section alone; or ""."""
+    if not leg.section.is_doubly_symmetric:
+        return (
+            "waves of 3-D elasticity are computed for sections that are symmetric about y and z, "
+            f"not for a {leg.section.shape}"
+        )
     width, height = leg.section.extent
     depth = {"bending y": height, "bending z": width}.get(mode.kind, max(width, height))
     heights = 2.0 * np.pi / _wave_number(leg, mode.order) / depth

@@ -35,6 +35,9 @@ _MASSLESS = 1e-14
 _CLOSED = 1e-9
 
 
+_EXCHANGE = np.array([[0.0, 1.0], [1.0, 0.0]])
+
+
 @dataclass(frozen=True, eq=False)
 class RitzLeg:
     """A leg on n coefficients, SI, leg axes.
@@ -58,25 +61,35 @@ def of_beam(beam: BeamProperties, length: float, degree: int) -> RitzLeg:
 
     Deflections follow from the shear strains and rotations: were they unknowns, strains would be
     their differences, and bending lost beside what a material hardly shears. Euler and Bernoulli
-    have no shear strains.
+    have no shear strains. Shear strains and the deflections that they bend with are those of the
+    shear centre, v − z_s φx and w + y_s φx; the mass moves with the centroid.
     """
     points, weights = legendre.leggauss(degree + 2)
     weights = 0.5 * length * weights
     q, slopes = fields(beam, length, points, degree)
-    shears = slopes[1] - q[5], slopes[2] + q[4]
-    strains = (
-        (beam.EA, slopes[0]),
-        (beam.GJ, slopes[3]),
-        (beam.EIy, slopes[4]),
-        (beam.EIz, slopes[5]),
-        *((k, e) for k, e in zip((beam.GAy, beam.GAz), shears, strict=True) if np.isfinite(k)),
+    shears = (
+        slopes[1] - beam.centre_z * slopes[3] - q[5],
+        slopes[2] + beam.centre_y * slopes[3] + q[4],
     )
+    flexibilities = np.diag([1.0 / beam.GAy, 1.0 / beam.GAz]) + beam.shear_yz * _EXCHANGE
+    shear = np.linalg.inv(flexibilities) if np.isfinite(beam.GAy) else np.zeros((2, 2))
+    terms = [
+        (beam.EA, slopes[0], slopes[0]),
+        (beam.GJ, slopes[3], slopes[3]),
+        (beam.EIy, slopes[4], slopes[4]),
+        (beam.EIz, slopes[5], slopes[5]),
+        (-beam.EIyz, slopes[4], slopes[5]),
+        (-beam.EIyz, slopes[5], slopes[4]),
+        *((shear[i, j], shears[i], shears[j]) for i in range(2) for j in range(2)),
+    ]
     inertias = (beam.mu, beam.mu, beam.mu, beam.rho_J, beam.rho_Iy, beam.rho_Iz)
+    products = [(m, f, f) for m, f in zip(inertias, q, strict=True)]
+    products += [(-beam.rho_Iyz, q[4], q[5]), (-beam.rho_Iyz, q[5], q[4])]
     size = q.shape[2]
     ends, _ = fields(beam, length, np.array([-1.0, 1.0]), degree)
     return RitzLeg(
-        stiffness=_sum([k * (e.T * weights) @ e for k, e in strains], size),
-        mass=_sum([m * (f.T * weights) @ f for m, f in zip(inertias, q, strict=True)], size),
+        stiffness=_sum([k * (one.T * weights) @ other for k, one, other in terms], size),
+        mass=_sum([m * (one.T * weights) @ other for m, one, other in products], size),
         root=ends[:, 0],
         tip=ends[:, 1],
     )
@@ -110,6 +123,9 @@ def fields(beam: BeamProperties, length: float, at: Array, degree: int) -> tuple
         q[component, :, turning], moving[component, :, turning] = sign * integrals, sign * values
         if sheared[component - 1] > 1:
             q[component, :, own], moving[component, :, own] = integrals, values
+    for field in (q, moving):
+        field[1] += beam.centre_z * field[3]
+        field[2] -= beam.centre_y * field[3]
     return q, moving
 
 

@@ -418,6 +418,11 @@ def _require_waves(context: Context, legs: Sequence[ConstantLeg], meshes: SolidM
     if reason := too_large(legs, numbers, context.preset):
         raise Skip(reason)
     for leg, number in zip(legs, numbers, strict=True):
+        if not leg.section.is_doubly_symmetric:
+            raise Skip(
+                f"{leg.name}: waves of 3-D elasticity are computed for sections that are symmetric "
+                f"about y and z, not for a {leg.section.shape}"
+            )
         if decay_of_warping(leg, number) > _WARPING * leg.length:
             raise Skip(
                 f"{leg.name}: warping of its open section reaches over more than a fifth of its "

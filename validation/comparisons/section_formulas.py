@@ -1,7 +1,9 @@
 """Known inaccuracy of textbook section constants: how far a correct formula may be off.
 
 Areas and second moments of area are exact for all sections, and so are the torsion constants and
-Cowper's shear coefficients of rectangle, circle and tube (`lumped.sections`). Formulas for thin
+Cowper's shear coefficients of rectangle, circle and tube (`lumped.sections`). Those of outlines are
+computed on the rim by boundary elements, shear coefficients by strain energy.
+Formulas for thin
 walls count them on their middle lines, which is wrong in the first order of thickness over width:
 
 box     J by Bredt counts the corners, t×t, as walls. They are stiffer, at most rigid, which
@@ -27,7 +29,7 @@ from typing import NamedTuple
 
 from fem.sections.section_constants import SectionConstants
 from lumped.legs import BeamProperties, ConstantLeg
-from lumped.sections import HollowRectangle, ISection
+from lumped.sections import HollowRectangle, ISection, OutlinedSection
 
 
 class Limits(NamedTuple):
@@ -102,4 +104,4 @@ def shear_limits(leg: ConstantLeg, axis: int) -> ShearLimits:
         of_nu = 12.0 * (1.0 + nu) / (12.0 + 11.0 * nu)
         limits = Limits(min(1.0, of_nu) - stiffened, max(1.0, of_nu) + stiffened)
         return ShearLimits(limits, of_mean_displacement=False)
-    return ShearLimits(_EXACT)
+    return ShearLimits(_EXACT, of_mean_displacement=not isinstance(section, OutlinedSection))

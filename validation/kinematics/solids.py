@@ -20,7 +20,14 @@ from lumped.mechanism.free_twists import across_axis, interface_position, rotati
 from lumped.mechanism.joint import Joint, Side
 from lumped.mechanism.mechanism import GROUND, Mechanism, Posture
 from lumped.models.bodies import legs_of
-from lumped.sections import Circle, HollowRectangle, ISection, Section, Tube
+from lumped.sections import (
+    Circle,
+    HollowRectangle,
+    ISection,
+    OutlinedSection,
+    Section,
+    Tube,
+)
 from validation.drawing.scene import DARK
 from validation.drawing.style import ORANGE
 from validation.drawing.surfaces import (
@@ -33,6 +40,7 @@ from validation.drawing.surfaces import (
     prism,
     rectangle,
 )
+from validation.drawing.walls import walled
 from validation.models.parts import found_in
 
 Matter: TypeAlias = Literal["leg", "rigid", "joint", "drive"]
@@ -72,6 +80,16 @@ def solids(posture: Posture) -> list[Solid]:
     bodies = (_body(posture, name) for name in mechanism.bodies if name != GROUND)
     symbols = (_symbol(posture, joint) for joint in mechanism.joints)
     return [solid for solid in (*bodies, *symbols) if solid]
+
+
+def section_prism(
+    section: Section, stations: Array, *, scale: float = 1.0, rims: bool = False
+) -> Surface:
+    """A prism of a section times `scale`, cut at `stations` (m); edges as of `prism`."""
+    if isinstance(section, OutlinedSection):
+        return walled([scale * loop for loop in section.centred_loops], stations, rims=rims)
+    outline, bore = outlines(section)
+    return prism(scale * outline, stations, None if bore is None else scale * bore, rims=rims)
 
 
 def outlines(section: Section) -> tuple[Array, Array | None]:
@@ -125,8 +143,8 @@ def _body(posture: Posture, name: str) -> Solid | None:
     # The models report a file that cannot be read.
     with suppress(InputError):
         if isinstance(body.shape, ConstantLeg | GivenLeg):
-            outline, bore = outlines(equivalent_leg(body.shape).section)
-            surface = prism(outline, np.linspace(0.0, body.shape.length, STATIONS), bore)
+            stations = np.linspace(0.0, body.shape.length, STATIONS)
+            surface = section_prism(equivalent_leg(body.shape).section, stations)
             return Solid(name, surface.placed(frame.position, frame.rotation), "leg")
         if isinstance(body.shape, Part):
             file, _ = found_in(body)

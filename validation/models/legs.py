@@ -5,7 +5,7 @@ from functools import partial
 from typing import TypeVar
 
 from fem.beams.beam import beam_leg
-from fem.beams.stepped import Piece, SteppedLeg, about_shear_centre, stepped_leg
+from fem.beams.stepped import Piece, SteppedLeg, stepped_leg
 from fem.bodies import solid
 from fem.bodies.rooted import RootedBody
 from fem.reduction.craig_bampton import CraigBampton, craig_bampton
@@ -55,10 +55,8 @@ def _piece(model: ModelName, options: ModelOptions, count: int, piece: Piece) ->
         properties = properties.as_euler_bernoulli()
     elements = max(1, round(options.elements / count))
     if model == "segments":
-        chain = segment_chain(properties, piece.length, elements, options.layout)
-        return about_shear_centre(segment_leg(chain), len(chain.places), piece.shear_centre)
-    leg = beam_leg(properties, piece.length, elements)
-    return about_shear_centre(leg, elements + 1, piece.shear_centre)
+        return segment_leg(segment_chain(properties, piece.length, elements, options.layout))
+    return beam_leg(properties, piece.length, elements)
 
 
 def filled(model: Model) -> Model:

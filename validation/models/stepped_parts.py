@@ -1,5 +1,6 @@
 """Parts as stepped legs: prismatic pieces with the part's own sections along its centre line."""
 
+from dataclasses import astuple
 from itertools import pairwise
 from typing import Any
 
@@ -25,8 +26,6 @@ from validation.run.cache import Arrays, CacheEntry, require_shape
 PIECES = 10
 # Each round cuts across the line through the centroids of the round before.
 _ROUNDS = 3
-# Axes turned by less than leaves this share of the moments as their product are principal.
-_PRINCIPAL = 1e-6
 # By Saint-Venant a section is that of a prism where it holds for its own size at least. One that is
 # weaker by this factor than others on both sides, nearer than half its size, adds a tenth of the
 # leg too soft by a quarter: 2.5 % of its give, half of what models are judged at.
@@ -80,13 +79,12 @@ def stepped_entry(body: Body, pieces: int = PIECES) -> CacheEntry[SteppedLeg]:
         return SteppedLeg(
             length=length,
             pieces=tuple(
-                Piece(start, end, axes, BeamProperties(*numbers.tolist()), tuple(centre.tolist()))
-                for start, end, axes, numbers, centre in zip(
+                Piece(start, end, axes, BeamProperties(*numbers.tolist()))
+                for start, end, axes, numbers in zip(
                     found["line"][:-1],
                     found["line"][1:],
                     found["axes"],
                     found["properties"],
-                    found["shear_centres"],
                     strict=True,
                 )
             ),
@@ -120,26 +118,20 @@ def _fitted(
     for _ in range(_ROUNDS):
         line = _through_centroids(own, facets, line)
     _require_prisms(own, facets, line)
-    axes, properties, shear_centres = [], [], []
     across = [_across(end - start) for start, end in pairwise(line)]
     middles = 0.5 * (line[:-1] + line[1:])
     sections = slice_meshes(
         [slices_of(own, facets, *place)[0] for place in zip(middles, across, strict=True)]
     )
-    for section, own_axes in zip(sections, across, strict=True):
-        turned, values, centre = _section(section, own_axes, material)
-        axes.append(turned)
-        properties.append(values)
-        shear_centres.append(centre)
+    properties = [astuple(_properties(section, material)) for section in sections]
     masses = material.rho * cell_volumes(mesh)
     centres = own[mesh.cells].mean(axis=1)
-    before = (centres - line[0]) @ axes[0][:, 0] < 0.0
-    behind = (centres - line[-1]) @ axes[-1][:, 0] > 0.0
+    before = (centres - line[0]) @ across[0][:, 0] < 0.0
+    behind = (centres - line[-1]) @ across[-1][:, 0] > 0.0
     return {
         "line": line,
-        "axes": np.array(axes),
+        "axes": np.array(across),
         "properties": np.array(properties),
-        "shear_centres": np.array(shear_centres),
         "root_mass": _mass(masses[before], centres[before]),
         "tip_mass": _mass(masses[behind], centres[behind]),
     }
@@ -213,31 +205,10 @@ def _across(direction: Array) -> Array:
     return np.column_stack([x, y, np.cross(x, y)])
 
 
-def _section(
-    mesh: SectionMesh, axes: Array, material: Material
-) -> tuple[Array, list[float], Array]:
-    """Principal axes (3×3) of a section, and about them the fields of its `BeamProperties`.
-
-    And where its shear centre is, from its centroid (2, m).
-    """
-    ratio = material.G / material.E
-    constants = section_constants(mesh, material.nu, ratio)
-    iy, iz, product = (
-        constants.second_moment_y,
-        constants.second_moment_z,
-        constants.product_moment,
-    )
-    if abs(product) > _PRINCIPAL * max(iy, iz):
-        angle = 0.5 * np.arctan2(2.0 * product, iz - iy)
-        c, s = np.cos(angle), np.sin(angle)
-        turn = np.array([[c, -s], [s, c]])
-        axes = np.column_stack([axes[:, 0], axes[:, 1:] @ turn])
-        constants = section_constants(
-            SectionMesh(mesh.nodes @ turn, mesh.cells, mesh.element), material.nu, ratio
-        )
-    found = beam_properties(constants, material)
-    values = [getattr(found, name) for name in BeamProperties.__dataclass_fields__]
-    return axes, values, np.subtract(constants.shear_centre, constants.centroid)
+def _properties(mesh: SectionMesh, material: Material) -> BeamProperties:
+    """Beam of a section in the axes of its mesh."""
+    constants = section_constants(mesh, material.nu, material.G / material.E)
+    return beam_properties(constants, material)
 
 
 def _mass(masses: Array, places: Array) -> Array:

@@ -21,7 +21,7 @@ from lumped.legs import BeamProperties, ConstantLeg
 from lumped.mechanism.body_model import LegMatrices
 from lumped.memo import memo
 from lumped.models.bodies import clamped_modes
-from lumped.sections import HollowRectangle, ISection, Rectangle
+from lumped.sections import HollowRectangle, ISection, OutlinedSection, Rectangle, Section
 from meshes.prism import hexahedra
 from meshes.section.section_blocks import Divisions, element_length, side_ratio
 from meshes.section.section_mesh import SectionMesh, section_mesh
@@ -131,8 +131,14 @@ class SolidModes:
 def formal_order(leg: ConstantLeg, ends: Ends) -> float:
     """Lowest order with which a leg's compliances and frequencies converge."""
     edges = edge_order(leg.material.nu) if ends == "rigid" else FORMAL_ORDER
-    corners = isinstance(leg.section, HollowRectangle | ISection)
-    return min(edges, CORNER_ORDER if corners else FORMAL_ORDER)
+    return min(edges, corner_order(leg.section))
+
+
+def corner_order(section: Section) -> float:
+    """Order of energies 2π/α by the largest inward angle α of a section's corners."""
+    if isinstance(section, OutlinedSection):
+        return min(FORMAL_ORDER, 2.0 * np.pi / section.largest_angle)
+    return CORNER_ORDER if isinstance(section, HollowRectangle | ISection) else FORMAL_ORDER
 
 
 def edge_order(nu: float) -> float:

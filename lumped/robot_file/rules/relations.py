@@ -15,6 +15,7 @@ from lumped.mechanism.length_unit import METRE, UnitOfLength
 from lumped.mechanism.mechanism import GROUND
 from lumped.robot_file.rules.rule import too_many
 from lumped.robot_file.rules.tables import BODY, MOST_POSES
+from lumped.sections import Polygon
 from lumped.text import counted, shown
 
 # A valid table with a value for every key, None if the key is omitted.
@@ -66,12 +67,7 @@ def leg_faults(leg: Entry) -> Iterator[str]:
         )
     if length is None or length < _TOGETHER:
         return
-    for name in ("width", "height", "diameter"):
-        if (size := getattr(leg["section"], name, 0.0)) >= length:
-            yield (
-                f"{key}.section.{name} = {unit.of(size)!r}: must be below the leg's length, "
-                f"{unit.shown(length)}; {_doubt(unit)}"
-            )
+    yield from _size_faults(leg["section"], length, key, unit)
     for i, j in ((2, 6), (3, 5)) if compliance is not None else ():
         deflection, rotation = float(compliance[i - 1, i - 1]), float(compliance[j - 1, j - 1])
         if deflection > (largest := rotation * length**2 / _SMALLEST_BENDING_SHARE):
@@ -86,6 +82,21 @@ def leg_faults(leg: Entry) -> Iterator[str]:
 def _doubt(unit: UnitOfLength) -> str:
     """Question after the unit of a length that is too large."""
     return "is this in mm?" if unit == METRE else "is this in µm?"
+
+
+def _size_faults(section: Any, length: float, key: str, unit: UnitOfLength) -> Iterator[str]:
+    """Faults of a section, if any, that is larger than its leg of `length` (m)."""
+    if isinstance(section, Polygon) and (largest := max(section.extent)) >= length:
+        yield (
+            f"{key}.section.outline: {unit.shown(largest)} from side to side; must be below the "
+            f"leg's length, {unit.shown(length)}; {_doubt(unit)}"
+        )
+    for name in ("width", "height", "diameter"):
+        if (size := getattr(section, name, 0.0)) >= length:
+            yield (
+                f"{key}.section.{name} = {unit.of(size)!r}: must be below the leg's length, "
+                f"{unit.shown(length)}; {_doubt(unit)}"
+            )
 
 
 def body_faults(body: Entry) -> Iterator[str]:

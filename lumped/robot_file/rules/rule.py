@@ -218,16 +218,18 @@ class OneOf(Rule):
 
 @dataclass(frozen=True)
 class Several(Rule):
-    """A list of values of one kind: exactly `count`, or `most` at most."""
+    """A list of values of one kind: exactly `count`, or `least` to `most`."""
 
     written = (list, tuple)
     kind: Rule
     count: int | None = None
     most: int = 1000
+    least: int = 0
 
     @property
     def allowed(self) -> str:
-        return f"{self.count or 'a list of'} {self.kind.many}"
+        several = f"a list of {self.least} or more" if self.least else "a list of"
+        return f"{self.count or several} {self.kind.many}"
 
     @property
     def many(self) -> str:
@@ -235,7 +237,8 @@ class Several(Rule):
 
     @property
     def schema(self) -> dict[str, Any]:
-        least = {} if self.count is None else {"minItems": self.count}
+        fewest = self.count or self.least
+        least = {"minItems": fewest} if fewest else {}
         return {"type": "array", "items": self.kind.schema, "maxItems": self.count or self.most} | (
             least
         )
@@ -244,6 +247,8 @@ class Several(Rule):
         if not isinstance(value, list) and isinstance(self.kind, TableRule):
             return [f"{key} = {shown(value)}: must be an array of tables, [[{key}]]"]
         if not isinstance(value, list) or self.count not in {None, len(value)}:
+            return [self.refused(value, key)]
+        if len(value) < self.least:
             return [self.refused(value, key)]
         if len(value) > self.most:
             return [too_many(key, len(value), self.most)]

@@ -138,13 +138,26 @@ class SectionRule(Rule):
         return replace(self, unit=unit)
 
 
+# 100 m as of points; a section in mm is far beyond its leg's length, and refused for that.
+_CORNER = Several(Number("m", least=-100.0, most=100.0, low=_MM, high=_MM), 2)
+# Corners of a polygon: a curve of 200 is computed in seconds.
+_CORNERS = Several(_CORNER, most=200, least=3)
+_OUTLINED: dict[str, tuple[Key, ...]] = {
+    "polygon": (
+        needed("outline", _CORNERS, "its corners [y, z] in order, from any origin"),
+        Key("holes", Several(_CORNERS, most=20), "the corners of each hole", default=()),
+    ),
+}
+
+
 def _shape_table(shape: str, unit: UnitOfLength) -> TableRule:
     """Rules of a shape with its sizes in a unit, in their usual order."""
     kind: Any = SHAPES[shape]
     sizes = (
         needed(field.name, _SIZE, "outer dimension or wall thickness") for field in fields(kind)
     )
-    table = TableRule(needed("shape", OneOf((shape,)), "kind of section"), *sizes)
+    own = _OUTLINED.get(shape) or tuple(sizes)
+    table = TableRule(needed("shape", OneOf((shape,)), "kind of section"), *own)
     return table.in_unit(unit, ())
 
 
@@ -193,7 +206,12 @@ BODY = TableRule(
     Key("from", _POINT_NAME, "point at the root", owners=_LEG),
     Key("to", _POINT_NAME, "point at the tip; x points from root to tip", owners=_LEG),
     Key("up", _DIRECTION, _UP, owners=_LEG),
-    Key("section", SectionRule(), "cross-section; width along y, height along z", owners=_LEG),
+    Key(
+        "section",
+        SectionRule(),
+        "cross-section about its centroid; width along y, height along z",
+        owners=_LEG,
+    ),
     Key("material", _MATERIAL, "a name in [materials], or a table", owners=_LEG + _PART),
     Key("mass", _MASS_OR_NONE, "mass; replaces a density", owners=_LEG + _RIGID),
     Key("compliance", _COMPLIANCE, _TIP, owners=_LEG),

@@ -215,11 +215,11 @@ def test_end_effects_of_distant_faces_do_not_interact():
         assert change[1, 1] == near(square * length**2 + lever * length + shear)
 
 
-def test_end_effects_of_asymmetric_sections_are_refused():
+def test_waves_of_asymmetric_sections_are_refused():
     mesh = section_mesh(BLOCK.section, (2, 3))
     skew = replace(mesh, nodes=mesh.nodes + 0.1 * np.square(mesh.nodes[:, ::-1]))
     with pytest.raises(InputError, match="not symmetric"):
-        restrained_compliance(skew, STEEL, 0.5)
+        prism_waves(skew, STEEL)
 
 
 def test_end_effects_lost_in_rounding_are_refused(monkeypatch):

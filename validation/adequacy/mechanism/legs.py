@@ -113,12 +113,15 @@ def own_spring(context: Context, leg: Leg, divisions: int = SECTION_DIVISIONS) -
 
 
 def held_spring(context: Context, leg: Leg, ends: Ends) -> Array:
-    """The own spring; where ends are held, c44 by non-uniform torsion."""
+    """The own spring; if ends are held, with the twist by non-uniform torsion."""
     spring = own_spring(context, leg)
     if isinstance(leg, ConstantLeg) and ends == "rigid":
-        spring = spring.copy()
         constants = context.get(own_constants, leg)
-        spring[3, 3] = held_torsion_compliance(constants, leg.material, leg.length)
+        beam = beam_properties(constants, leg.material)
+        # Motion of the tip's centroid as the tip turns about its shear centre.
+        turned = np.array([0.0, beam.centre_z, -beam.centre_y, 1.0, 0.0, 0.0])
+        held = held_torsion_compliance(constants, leg.material, leg.length)
+        spring = spring + (held - leg.length / beam.GJ) * np.outer(turned, turned)
     return spring
 
 

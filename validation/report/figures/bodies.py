@@ -15,8 +15,8 @@ from lumped.models.bodies import leg_of, legs_of
 from lumped.system.assembly import System
 from validation.drawing.scene import DARK, DrawnBody, Wire
 from validation.drawing.style import LOOKS
-from validation.drawing.surfaces import Surface, faceted, joined, prism
-from validation.kinematics.solids import COLOURS, Solid, on_ground, outlines, solids
+from validation.drawing.surfaces import Surface, faceted, joined
+from validation.kinematics.solids import COLOURS, Solid, on_ground, section_prism, solids
 from validation.models.parts import coarsest_mesh, identified
 
 # Places along a leg where another model's outlines are drawn over it, slightly larger.
@@ -117,8 +117,8 @@ def outlines_of(system: System, displaced: Array) -> Wire:
     own = {name: _of_mesh(part) for name, part in mechanism.parts.items()}
     for name in legs_of(mechanism):
         leg = leg_of(mechanism.bodies[name])
-        corners, _ = outlines(equivalent_leg(leg).section)
-        own[name] = prism(_OUTSET * corners, _SHARES * leg.length, rims=True)
+        section, stations = equivalent_leg(leg).section, _SHARES * leg.length
+        own[name] = section_prism(section, stations, scale=_OUTSET, rims=True)
     frames = system.posture.frames
     whole = joined([one.placed(frames[n].position, frames[n].rotation) for n, one in own.items()])
     motion = np.vstack([displacements(system, n, one.points, displaced) for n, one in own.items()])

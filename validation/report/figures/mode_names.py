@@ -25,8 +25,9 @@ from validation.kinematics.solids import in_one_plane
 from validation.models.parts import identified
 
 IN_THE_PLANE = "in the plane"
-# Kinds of deformation of a leg about its axes y and z (lumped.models.segments).
-_BENDING = ("bending y", "bending z")
+# Kinds of deformation of a leg about its axes y and z, or about both if its section couples them
+# (lumped.mechanism.body_model).
+_BENDING = ("bending y", "bending z", "bending")
 DRIVES, JOINTS, PARTS = "drives", "give of joints", "parts"
 # Stations along a leg, and corners about its centreline that have a section's second moments.
 _STATIONS = 12

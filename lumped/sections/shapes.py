@@ -2,9 +2,10 @@
 
 A section lies in the leg's y–z plane, width along y, height along z, centroid at the origin.
 Iy = ∫z² dA bends the leg in its x–z plane, Iz = ∫y² dA in its x–y plane.
-Torsion constants and shear coefficients are closed forms: exact for rectangle (series), circle
-and tube; thin-wall formulas for hollow rectangle and I (`fem.sections.section_constants` computes
-those without that assumption). Shear coefficients: Cowper, J. Appl. Mech. 33 (1966) 335.
+Shapes of this module are symmetric about y and z. Torsion constants and shear coefficients are
+closed forms: exact for rectangle (series), circle and tube; thin-wall formulas for hollow rectangle
+and I (`fem.sections.section_constants` computes those without that assumption). Shear coefficients:
+Cowper, J. Appl. Mech. 33 (1966) 335.
 """
 
 from abc import ABC, abstractmethod
@@ -46,7 +47,29 @@ class Section(ABC):
 
     @abstractmethod
     def shear_coefficients(self, nu: float) -> tuple[float, float]:
-        """Cowper's κ for shear along y and along z, Poisson's ratio `nu`."""
+        """κ for shear along y and along z, Poisson's ratio `nu`; Cowper's in closed forms."""
+
+    @property
+    def is_doubly_symmetric(self) -> bool:
+        """Whether the shape is symmetric about y and about z whatever its sizes are."""
+        return True
+
+    @property
+    def product_moment(self) -> float:
+        """Iyz = ∫yz dA (m⁴) about the centroid; 0 if y or z is an axis of symmetry."""
+        return 0.0
+
+    @property
+    def shear_centre(self) -> tuple[float, float]:
+        """Shear centre (y, z, m) from the centroid: that itself in doubly symmetric shapes."""
+        return 0.0, 0.0
+
+    def shear_coupling(self, nu: float) -> float:  # noqa: ARG002
+        """GA times the shear strain along z by a unit force along y, Poisson's ratio `nu`.
+
+        Beside 1/κ of both directions; 0 if y or z is an axis of symmetry.
+        """
+        return 0.0
 
     def faults(self, unit: str = "m") -> list[str]:
         """What makes the shape impossible, one line each; empty if it is sound.
@@ -63,7 +86,7 @@ class Section(ABC):
 
 
 @dataclass(frozen=True)
-class _Boxed(Section):
+class Boxed(Section):
     """A shape in a rectangle of `width` along y and `height` along z (m)."""
 
     width: float
@@ -123,7 +146,7 @@ def rectangle_torsion_constant(width: float, height: float) -> float:
 
 
 @dataclass(frozen=True)
-class Rectangle(_Boxed):
+class Rectangle(Boxed):
     """Solid rectangle, `width` along y, `height` along z (m)."""
 
     shape: ClassVar[str] = "rectangle"
@@ -150,7 +173,7 @@ class Rectangle(_Boxed):
 
 
 @dataclass(frozen=True)
-class HollowRectangle(_Boxed):
+class HollowRectangle(Boxed):
     """Rectangular tube of outer `width` (y), `height` (z) and wall `thickness` (m)."""
 
     thickness: float
@@ -240,7 +263,7 @@ class Tube(_Round):
 
 
 @dataclass(frozen=True)
-class ISection(_Boxed):
+class ISection(Boxed):
     """Doubly symmetric I: flanges `width` (y) by `flange`, a `web` thick, `height` along z (m)."""
 
     flange: float
@@ -295,8 +318,3 @@ class ISection(_Boxed):
         if self.web >= self.width:
             faults.append(f"web = {self.web!r}: must be below the width, {self.width:g} {unit}")
         return faults
-
-
-SHAPES: dict[str, type[Section]] = {
-    cls.shape: cls for cls in (Rectangle, HollowRectangle, Circle, Tube, ISection)
-}

@@ -1,0 +1,56 @@
+"""Cross-sections of legs and their constants.
+
+In: sizes in m. Out: area, moments of area, torsion constant, shear centre and shear coefficients.
+"""
+
+from lumped.sections.outlined import (
+    Angle,
+    Channel,
+    OutlinedSection,
+    Polygon,
+    Tee,
+    distances_to_edges,
+)
+from lumped.sections.saint_venant import is_inside
+from lumped.sections.shapes import (
+    Circle,
+    HollowRectangle,
+    ISection,
+    Rectangle,
+    Section,
+    Tube,
+    rectangle_torsion_constant,
+)
+
+SHAPES: dict[str, type[Section]] = {
+    cls.shape: cls
+    for cls in (
+        Rectangle,
+        HollowRectangle,
+        Circle,
+        Tube,
+        ISection,
+        Channel,
+        Angle,
+        Tee,
+        Polygon,
+    )
+}
+
+__all__ = [
+    "SHAPES",
+    "Angle",
+    "Channel",
+    "Circle",
+    "HollowRectangle",
+    "ISection",
+    "OutlinedSection",
+    "Polygon",
+    "Rectangle",
+    "Section",
+    "Tee",
+    "Tube",
+    "distances_to_edges",
+    "is_inside",
+    "rectangle_torsion_constant",
+]

@@ -1,0 +1,305 @@
+"""Sections with corners: a polygon with holes, and the open profiles channel, angle and tee.
+
+The leg's axis goes through the centroid, wherever the outline has its origin. Area and moments of
+area are exact; torsion constant, shear centre and shear compliance are computed on the rim
+(`lumped.sections.saint_venant`), without thin-wall assumptions. Profiles have sharp corners.
+"""
+
+from abc import abstractmethod
+from dataclasses import dataclass
+from typing import ClassVar, TypeAlias
+
+import numpy as np
+
+from lumped.arrays import Array
+from lumped.memo import memo
+from lumped.sections.saint_venant import (
+    Loop,
+    RimSolution,
+    area_moments,
+    inner_angles,
+    is_inside,
+    rim_solution,
+)
+from lumped.sections.shapes import Boxed, Section
+
+Points: TypeAlias = tuple[tuple[float, float], ...]
+
+# Share of the section's size: parts of its rim that are nearer to each other touch.
+_TOUCHING = 1e-6
+# Share of Iy + Iz: a smaller product of inertia is rounding about an axis of symmetry.
+_SYMMETRIC = 1e-9
+# Share of the section's size: a shear centre nearer to the centroid is the boundary elements' error
+# about an axis of symmetry; likewise of a shear coupling beside the shear coefficients.
+_OFF_CENTRE = 1e-7
+
+
+class OutlinedSection(Section):
+    """A section within closed lines of straight edges."""
+
+    @property
+    @abstractmethod
+    def loops(self) -> tuple[Loop, ...]:
+        """The outline (n×2, y and z, m) counter-clockwise, and holes clockwise."""
+
+    @property
+    def is_doubly_symmetric(self) -> bool:
+        return False
+
+    @property
+    def largest_angle(self) -> float:
+        """Largest inner angle of a corner (rad), above π where an edge turns back into the wall."""
+        return max(float(inner_angles(loop).max()) for loop in self.loops)
+
+    @property
+    def centred_loops(self) -> tuple[Loop, ...]:
+        """The loops in coordinates from the centroid."""
+        _, centroid, _ = _moments(self)
+        return tuple(loop - centroid for loop in self.loops)
+
+    @property
+    def area(self) -> float:
+        return _moments(self)[0]
+
+    @property
+    def second_moment_y(self) -> float:
+        return float(_moments(self)[2][1, 1])
+
+    @property
+    def second_moment_z(self) -> float:
+        return float(_moments(self)[2][0, 0])
+
+    @property
+    def product_moment(self) -> float:
+        product = float(_moments(self)[2][0, 1])
+        negligible = _SYMMETRIC * (self.second_moment_y + self.second_moment_z)
+        return product if abs(product) > negligible else 0.0
+
+    @property
+    def torsion_constant(self) -> float:
+        solution, size = _solution(self)
+        return solution.torsion_constant * size**4
+
+    @property
+    def shear_centre(self) -> tuple[float, float]:
+        solution, size = _solution(self)
+        y, z = np.where(np.abs(solution.shear_centre) > _OFF_CENTRE, solution.shear_centre, 0.0)
+        return float(y * size), float(z * size)
+
+    @property
+    def extent(self) -> tuple[float, float]:
+        width, height = np.ptp(self.loops[0], axis=0)
+        return float(width), float(height)
+
+    def shear_coefficients(self, nu: float) -> tuple[float, float]:
+        """κ for shear along y and along z by strain energy, ∫τ²/G dA = V²/κGA."""
+        flexibility = self._shear_flexibility(nu)
+        return 1.0 / float(flexibility[0, 0]), 1.0 / float(flexibility[1, 1])
+
+    def shear_coupling(self, nu: float) -> float:
+        flexibility = self._shear_flexibility(nu)
+        coupling = float(flexibility[0, 1])
+        return coupling if abs(coupling) > _OFF_CENTRE * np.trace(flexibility) else 0.0
+
+    def _shear_flexibility(self, nu: float) -> Array:
+        """GA/V² times twice the strain energy per length (2×2), unit forces along y and z."""
+        solution, _ = _solution(self)
+        ratio = nu / (2.0 * (1.0 + nu))
+        powers = np.array([1.0, ratio, ratio**2])
+        return np.asarray(solution.area * np.tensordot(powers, solution.shear_energies, axes=1))
+
+
+@memo(64)
+def _moments(section: OutlinedSection) -> tuple[float, Array, Array]:
+    return area_moments(section.loops)
+
+
+@memo(64)
+def _solution(section: OutlinedSection) -> tuple[RimSolution, float]:
+    """Torsion and flexure of the section in units of its size, and the size (m)."""
+    size = max(section.extent)
+    return rim_solution([loop / size for loop in section.centred_loops]), size
+
+
+@dataclass(frozen=True)
+class _Profile(Boxed, OutlinedSection):
+    """An open profile in a box of `width` along y and `height` along z, of two wall thicknesses.
+
+    `flange`: thickness (m) of the walls along y, `web`: of the wall along z.
+    """
+
+    flange: float
+    web: float
+
+    @property
+    def extent(self) -> tuple[float, float]:
+        return self.width, self.height
+
+    def _web_fault(self, unit: str) -> list[str]:
+        if self.web < self.width:
+            return []
+        return [f"web = {self.web!r}: must be below the width, {self.width:g} {unit}"]
+
+    def _flange_fault(self, flanges: int, unit: str) -> list[str]:
+        most = self.height / flanges
+        if self.flange < most:
+            return []
+        part = "the height" if flanges == 1 else "half the height"
+        return [f"flange = {self.flange!r}: leaves no web; must be below {part}, {most:g} {unit}"]
+
+
+@dataclass(frozen=True)
+class Channel(_Profile):
+    """Channel: a `web` along z at the smaller y, flanges from its ends towards +y."""
+
+    shape: ClassVar[str] = "channel"
+
+    @property
+    def loops(self) -> tuple[Loop, ...]:
+        b, h, f, w = self.width, self.height, self.flange, self.web
+        corners = [(0, 0), (b, 0), (b, f), (w, f), (w, h - f), (b, h - f), (b, h), (0, h)]
+        return (np.array(corners, dtype=float),)
+
+    def _own_faults(self, unit: str) -> list[str]:
+        return self._flange_fault(2, unit) + self._web_fault(unit)
+
+
+@dataclass(frozen=True)
+class Angle(_Profile):
+    """Angle: a `flange` along y at the smaller z and a `web` along z at the smaller y."""
+
+    shape: ClassVar[str] = "angle"
+
+    @property
+    def loops(self) -> tuple[Loop, ...]:
+        b, h, f, w = self.width, self.height, self.flange, self.web
+        return (np.array([(0, 0), (b, 0), (b, f), (w, f), (w, h), (0, h)], dtype=float),)
+
+    def _own_faults(self, unit: str) -> list[str]:
+        return self._flange_fault(1, unit) + self._web_fault(unit)
+
+
+@dataclass(frozen=True)
+class Tee(_Profile):
+    """Tee: a `flange` along y at the larger z and a `web` along z below its middle."""
+
+    shape: ClassVar[str] = "tee"
+
+    @property
+    def loops(self) -> tuple[Loop, ...]:
+        b, h, f, w = self.width / 2.0, self.height, self.flange, self.web / 2.0
+        right = [(w, 0), (w, h - f), (b, h - f), (b, h)]
+        return (np.array(right + [(-y, z) for y, z in reversed(right)], dtype=float),)
+
+    def _own_faults(self, unit: str) -> list[str]:
+        return self._flange_fault(1, unit) + self._web_fault(unit)
+
+
+@dataclass(frozen=True)
+class Polygon(OutlinedSection):
+    """A polygon: `outline` and `holes` as points (y, z) in m, in either direction.
+
+    The coordinates have any origin: the centroid lies on the leg's axis.
+    """
+
+    outline: Points
+    holes: tuple[Points, ...] = ()
+    shape: ClassVar[str] = "polygon"
+
+    @property
+    def loops(self) -> tuple[Loop, ...]:
+        outline, *holes = (np.array(points, dtype=float) for points in self._all)
+        return _turned(outline, 1.0), *(_turned(hole, -1.0) for hole in holes)
+
+    @property
+    def _all(self) -> tuple[Points, ...]:
+        return self.outline, *self.holes
+
+    def faults(self, unit: str = "m") -> list[str]:  # noqa: ARG002
+        names = ["outline", *(f"holes[{i}]" for i in range(1, len(self.holes) + 1))]
+        loops = [np.array(points, dtype=float) for points in self._all]
+        size = float(np.ptp(loops[0], axis=0).max())
+        if not size > 0.0:
+            return ["outline: all points are one; must enclose an area"]
+        gap = _TOUCHING * size
+        named = list(zip(names, loops, strict=True))
+        faults = [fault for name, loop in named for fault in _loop_faults(name, loop, gap)]
+        return faults or _hole_faults(named, gap)
+
+
+def _turned(loop: Loop, direction: float) -> Loop:
+    """The loop counter-clockwise for a positive direction, else clockwise."""
+    return loop if _signed_area(loop) * direction > 0.0 else loop[::-1]
+
+
+def _signed_area(loop: Loop) -> float:
+    ends = np.roll(loop, -1, axis=0)
+    return 0.5 * float((loop[:, 0] * ends[:, 1] - loop[:, 1] * ends[:, 0]).sum())
+
+
+def _loop_faults(name: str, loop: Loop, gap: float) -> list[str]:
+    """Faults of one closed line: its first crossing alone, since one error makes many."""
+    count = len(loop)
+    lengths = np.linalg.norm(np.roll(loop, -1, axis=0) - loop, axis=1)
+    for i in np.flatnonzero(lengths <= gap):
+        if i == count - 1:
+            return [f"{name}[{count}]: repeats the first point; leave it out, the line is closed"]
+        return [f"{name}[{i + 2}]: repeats the point before it; leave it out"]
+    distances = _edge_distances(loop, loop)
+    neighbours = (np.arange(count)[:, None] - np.arange(count)) % count
+    apart = (neighbours > 1) & (neighbours < count - 1)
+    for i, j in np.argwhere(np.triu(apart & (distances <= gap))):
+        return [
+            f"{name}: the edges from points {i + 1} and {j + 1} cross or touch; "
+            "must be points in order along a line that does not meet itself"
+        ]
+    before, after = loop - np.roll(loop, 1, axis=0), np.roll(loop, -1, axis=0) - loop
+    cross = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
+    back = (before * after).sum(axis=1) < 0.0
+    sizes = np.linalg.norm(before, axis=1) * np.linalg.norm(after, axis=1)
+    for i in np.flatnonzero(back & (np.abs(cross) <= _TOUCHING * sizes)):
+        return [f"{name}[{i + 1}]: the line turns back on itself; must enclose an area"]
+    return []
+
+
+def _hole_faults(named: list[tuple[str, Loop]], gap: float) -> list[str]:
+    (_, outline), *holes = named
+    faults = []
+    for k, (name, hole) in enumerate(holes):
+        if np.min(_edge_distances(hole, outline)) <= gap:
+            faults.append(f"{name}: meets the outline; must lie inside it, with a wall between")
+        elif not is_inside([outline], hole[0]):
+            faults.append(f"{name}: lies outside the outline; must lie inside it")
+        for other, earlier in holes[:k]:
+            if np.min(_edge_distances(hole, earlier)) <= gap:
+                faults.append(f"{name}: meets {other}; must be apart from it, with a wall between")
+            elif is_inside([earlier], hole[0]) or is_inside([hole], earlier[0]):
+                faults.append(f"{name}: one of it and {other} lies in the other; leave one out")
+    return faults
+
+
+def _edge_distances(first: Loop, second: Loop) -> Array:
+    """Smallest distances (n×m, m) between the edges of two closed lines; 0 where they cross."""
+    a, b = first[:, None], np.roll(first, -1, axis=0)[:, None]
+    c, d = second[None], np.roll(second, -1, axis=0)[None]
+    found = np.minimum.reduce(
+        [_to_edge(a, c, d), _to_edge(b, c, d), _to_edge(c, a, b), _to_edge(d, a, b)]
+    )
+    crossing = (_side(a, b, c) * _side(a, b, d) < 0.0) & (_side(c, d, a) * _side(c, d, b) < 0.0)
+    return np.where(crossing, 0.0, found)
+
+
+def distances_to_edges(point: Array, loop: Loop) -> Array:
+    """Distance (n, m) of a point from each edge of a closed line, that from its corner i first."""
+    return _to_edge(point, loop, np.roll(loop, -1, axis=0))
+
+
+def _to_edge(point: Array, start: Array, end: Array) -> Array:
+    way = end - start
+    share = np.clip(((point - start) * way).sum(axis=-1) / (way**2).sum(axis=-1), 0.0, 1.0)
+    return np.asarray(np.linalg.norm(point - start - share[..., None] * way, axis=-1))
+
+
+def _side(start: Array, end: Array, point: Array) -> Array:
+    way, away = end - start, point - start
+    return np.asarray(way[..., 0] * away[..., 1] - way[..., 1] * away[..., 0])

@@ -1,0 +1,363 @@
+"""Saint-Venant's torsion and flexure of a polygon, by boundary elements on its rim.
+
+Coordinates s = (y, z) from the centroid, Σ = ∫ s sᵀ dA, c = Σ⁻¹F for a transverse force F. The
+stresses of unit twist Gθ′ = 1 and of F are
+
+    torsion   τ = ∇ω + (−z, y)             ∂ω/∂n = z n_y − y n_z
+    flexure   τ = ∇χ + P_0 + r P_1         ∂χ/∂n = −(P_0 + r P_1)·n,  r = νG/E
+              P_0 = −½ (c₁y², c₂z²)        P_1 = ½ (y² + z²) c − yz (c₂, c₁)
+
+with harmonic ω and χ, so that div τ = −c·s in the section and τ·n = 0 on its rim (A. E. H. Love, A
+Treatise on the Mathematical Theory of Elasticity, ch. XV). All constants are integrals over the
+rim: by Green's formula, with ∇²g = c·s, g = (c₁y³ + c₂z³)/6,
+
+    J = I_p − ∮ ω ∂ω/∂n ds,     ∫ ω c·s dA = ∮ (ω ∂g/∂n − g ∂ω/∂n) ds.
+
+The harmonic functions solve c(p) u(p) = ∮ (G ∂u/∂n − u ∂G/∂n) ds, G = −ln r/2π, on quadratic
+elements whose kernels are integrated in closed form. Elements shrink geometrically towards corners,
+where u has a term r^(π/α), α the inner angle. `fem.sections` computes the same by finite elements.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+from numpy.polynomial import legendre
+
+from lumped.arrays import Array, IntArray
+
+# Points (n×2, y and z) of a closed line, the section on its left.
+Loop: TypeAlias = Array
+# Values (… × n) at n places y and z.
+_Integrand: TypeAlias = Callable[[Array, Array], Array]
+
+# Largest length of an element over its distance from the nearest corner: J of an angle whose walls
+# are a fiftieth of its sides is right to 3e-6.
+_GRADING = 0.25
+# Error of the constants that the smallest element leaves, ε^(2π/α) of a corner's singular term.
+_LEFT = 1e-7
+# Below this change of direction (rad) a corner is one of a curve that is drawn as a polygon.
+_WEAK = np.pi / 6.0
+# Smallest element there and share of each edge that an element may take: curves have many edges.
+_SMALLEST_WEAK, _SHARE = 0.3, 0.5
+# Gauss points: exact for all products of polynomials; kernels at a distance of so many lengths.
+_POINTS, _NEAR = 6, 3.0
+# Of an element's length: nearer than this a point lies on its line.
+_ON_LINE = 1e-12
+# Rows of the matrix that are integrated at a time.
+_CHUNK = 256
+
+
+@dataclass(frozen=True, eq=False)
+class _Rim:
+    """Quadratic elements (E) on the rim, N nodes.
+
+    `nodes` (N×2), `cells` (E×3: start, middle, end), unit vectors `along` and `outward` (E×2),
+    `lengths` (E).
+    """
+
+    nodes: Array
+    cells: IntArray
+    along: Array
+    outward: Array
+    lengths: Array
+
+    def on(self, values: Array) -> Array:
+        """Nodal values (N×m) at the Gauss points of all elements (E×q×m)."""
+        return np.asarray(np.einsum("qk,ekm->eqm", _shapes(_GAUSS), values[self.cells]))
+
+    def integral(self, values: Array) -> Array:
+        """∮ of values at the Gauss points (E×q×…) ds."""
+        weighted = np.einsum("eq...,q->e...", values, _WEIGHTS)
+        return np.asarray(np.einsum("e...,e->...", weighted, self.lengths))
+
+    @property
+    def points(self) -> Array:
+        """Gauss points (E×q×2)."""
+        return self.on(self.nodes)
+
+
+def _unit_gauss() -> tuple[Array, Array]:
+    """Gauss points and weights on an element from 0 to 1."""
+    points, weights = legendre.leggauss(_POINTS)
+    return np.asarray(0.5 * (1.0 + points), float), np.asarray(0.5 * weights, float)
+
+
+_GAUSS, _WEIGHTS = _unit_gauss()
+
+
+def _shapes(at: Array) -> Array:
+    """Quadratic shape functions (q×3) of start, middle and end at places 0 … 1 of an element."""
+    return np.column_stack([(1 - at) * (1 - 2 * at), 4 * at * (1 - at), at * (2 * at - 1)])
+
+
+@dataclass(frozen=True, eq=False)
+class RimSolution:
+    """Torsion and flexure of a polygon with sides of the order of 1.
+
+    `area`, `centroid` (2), `moments` (2×2) Σ, `torsion_constant` J, `shear_centre` (2) from the
+    centroid. `shear_energies` (3×2×2): coefficients of 1, r, r² of ∫ τ_f·τ_g dA of the unit forces
+    f, g through the shear centre, whose work with the stress of twisting vanishes.
+    """
+
+    area: float
+    centroid: Array
+    moments: Array
+    torsion_constant: float
+    shear_centre: Array
+    shear_energies: Array
+
+
+def area_moments(loops: Sequence[Loop]) -> tuple[float, Array, Array]:
+    """Area, centroid (2) and Σ (2×2) about it of the polygon within `loops`."""
+    area = float(_polygon_integral(loops, lambda y, _: np.ones((1, *y.shape)))[0])
+    centroid = _polygon_integral(loops, lambda y, z: np.array([y, z])) / area
+    centred = [loop - centroid for loop in loops]
+    yy, yz, zz = _polygon_integral(centred, lambda y, z: np.array([y * y, y * z, z * z]))
+    return area, centroid, np.array([[yy, yz], [yz, zz]])
+
+
+def rim_solution(loops: Sequence[Loop]) -> RimSolution:
+    """Torsion and flexure of the polygon within `loops`: its outline, and its holes clockwise."""
+    area, centroid, moments = area_moments(loops)
+    centred = [loop - centroid for loop in loops]
+    rim = _rim(centred)
+    slopes: Array = np.asarray(np.linalg.inv(moments), dtype=float)
+    y, z = rim.points.transpose(2, 0, 1)
+    n_y, n_z = rim.outward.T[:, :, None]
+    twist_flux = z * n_y - y * n_z
+    # Index order of fields: force, power of r, direction, then points.
+    fluxes = np.einsum("fpdeq,ed->eqfp", _polynomials(slopes, y, z), rim.outward)
+    data = np.concatenate([twist_flux[:, :, None], -fluxes.reshape(*fluxes.shape[:2], 4)], axis=2)
+    potentials = rim.on(_potentials(rim, data))
+    omega, chi = potentials[:, :, 0], potentials[:, :, 1:].reshape(fluxes.shape)
+
+    polar = moments[0, 0] + moments[1, 1]
+    torsion_constant = polar - float(rim.integral(omega * twist_flux))
+    g = np.array([y, z]) ** 3 / 6.0
+    g_flux = np.array([y**2 * n_y, z**2 * n_z]) / 2.0
+    warped = slopes @ [
+        float(rim.integral(omega * flux - value * twist_flux))
+        for flux, value in zip(g_flux, g, strict=True)
+    ]
+
+    torques = _polygon_integral(
+        centred,
+        lambda y, z: np.einsum("fpdq,dq->fpq", _polynomials(slopes, y, z), np.array([-z, y])),
+    )
+    torques -= rim.integral(chi * twist_flux[:, :, None, None])
+    # Only the part without r has a divergence.
+    torques[:, 0] += warped
+
+    # X_fpg = ∫ χ_fp c_g·s dA, and its symmetric sum with ∮ χ P·n and ∫ P·P.
+    c_g = np.einsum("gd,deq->eqg", slopes, g)
+    c_flux = np.einsum("gd,deq->eqg", slopes, g_flux)
+    of_divergence = rim.integral(
+        chi[..., None] * c_flux[:, :, None, None, :] + fluxes[..., None] * c_g[:, :, None, None, :]
+    )
+    energies = np.zeros((3, 2, 2))
+    energies[:2] += of_divergence.transpose(1, 0, 2) + of_divergence.transpose(1, 2, 0)
+    on_rim = rim.integral(np.einsum("eqgp,eqfs->eqpsfg", chi, fluxes))
+    inside = _polygon_integral(
+        centred,
+        lambda y, z: np.einsum(
+            "fpdq,gsdq->psfgq", _polynomials(slopes, y, z), _polynomials(slopes, y, z)
+        ),
+    )
+    shares = np.einsum("fp,gs->psfg", torques, torques) / torsion_constant
+    for p in range(2):
+        for s in range(2):
+            energies[p + s] += on_rim[p, s] + inside[p, s] - shares[p, s]
+    energies = 0.5 * (energies + energies.transpose(0, 2, 1))
+    return RimSolution(
+        area=area,
+        centroid=centroid,
+        moments=moments,
+        torsion_constant=torsion_constant,
+        shear_centre=np.array([-warped[1], warped[0]]),
+        shear_energies=energies,
+    )
+
+
+def _polynomials(slopes: Array, y: Array, z: Array) -> Array:
+    """P_0 and P_1 (force × power of r × direction × …) of the unit forces along y and z."""
+    found = np.zeros((2, 2, 2, *y.shape))
+    for force, (c1, c2) in enumerate(slopes):
+        found[force, 0] = -0.5 * c1 * y**2, -0.5 * c2 * z**2
+        half = 0.5 * (y**2 + z**2)
+        found[force, 1] = c1 * half - c2 * y * z, c2 * half - c1 * y * z
+    return found
+
+
+def _polygon_integral(loops: Sequence[Loop], of: _Integrand) -> Array:
+    """∫ of a polynomial up to the tenth degree over the polygon, by triangles from the origin."""
+    total: Array | float = 0.0
+    for loop in loops:
+        ends = np.roll(loop, -1, axis=0)
+        twice = loop[:, 0] * ends[:, 1] - loop[:, 1] * ends[:, 0]
+        edges = loop[:, None] + _GAUSS[:, None] * (ends - loop)[:, None]
+        places = _GAUSS[:, None, None, None] * edges
+        weights = np.multiply.outer(_GAUSS * _WEIGHTS, np.multiply.outer(twice, _WEIGHTS))
+        y, z = places[..., 0].ravel(), places[..., 1].ravel()
+        total = total + of(y, z) @ weights.ravel()
+    return np.asarray(total)
+
+
+def _rim(loops: Sequence[Loop]) -> _Rim:
+    """Elements on all edges, graded towards the corners of all loops."""
+    corners = np.vstack(loops)
+    smallest = np.concatenate([_smallest_elements(loop) for loop in loops])
+    nodes, cells, along, lengths = [], [], [], []
+    begun = 0
+    for loop in loops:
+        starts = []
+        for start, end in zip(loop, np.roll(loop, -1, axis=0), strict=True):
+            way = end - start
+            starts += [start + share * way for share in _graded(start, way, corners, smallest)]
+        places = np.array(starts)
+        count = len(places)
+        ends = np.roll(places, -1, axis=0)
+        first = begun + 2 * np.arange(count)
+        cells.append(np.column_stack([first, first + 1, begun + np.roll(first - begun, -1)]))
+        nodes.append(np.stack([places, 0.5 * (places + ends)], axis=1).reshape(-1, 2))
+        length = np.linalg.norm(ends - places, axis=1)
+        along.append((ends - places) / length[:, None])
+        lengths.append(length)
+        begun += 2 * count
+    tangents = np.vstack(along)
+    return _Rim(
+        nodes=np.vstack(nodes),
+        cells=np.vstack(cells),
+        along=tangents,
+        outward=np.column_stack([tangents[:, 1], -tangents[:, 0]]),
+        lengths=np.concatenate(lengths),
+    )
+
+
+def inner_angles(loop: Loop) -> Array:
+    """Angle of the section (n, rad) at each corner of a closed line, the section on its left."""
+    before, after = loop - np.roll(loop, 1, axis=0), np.roll(loop, -1, axis=0) - loop
+    cross = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
+    return np.asarray(np.pi - np.arctan2(cross, (before * after).sum(axis=1)))
+
+
+def is_inside(loops: Sequence[Loop], point: Array) -> bool:
+    """Whether a point lies within closed lines: an odd number of crossings of a ray along +y."""
+    crossings = 0
+    for loop in loops:
+        y, z = (loop - point).T
+        next_y, next_z = np.roll(y, -1), np.roll(z, -1)
+        crossed = (z > 0.0) != (next_z > 0.0)
+        at = y - z * (next_y - y) / np.where(crossed, next_z - z, 1.0)
+        crossings += int(np.count_nonzero(crossed & (at > 0.0)))
+    return bool(crossings % 2)
+
+
+def _smallest_elements(loop: Loop) -> Array:
+    """Length (n) of the elements at each corner, as its singular term r^(π/α) needs it."""
+    lengths = np.linalg.norm(np.roll(loop, -1, axis=0) - loop, axis=1)
+    shorter = np.minimum(lengths, np.roll(lengths, 1))
+    inner = inner_angles(loop)
+    weak = np.abs(inner - np.pi) < _WEAK
+    share = np.where(weak, _SMALLEST_WEAK, _LEFT ** (inner / (2.0 * np.pi)))
+    return np.asarray(np.minimum(share, _SMALLEST_WEAK) * shorter)
+
+
+def _graded(start: Array, way: Array, corners: Array, smallest: Array) -> list[float]:
+    """Where the elements of an edge begin, as shares of it, ascending."""
+    length = float(np.linalg.norm(way))
+    along = (corners - start) @ way / length**2
+    across = np.linalg.norm(corners - start - along[:, None] * way, axis=1)
+    starts, todo = [], [(0.0, 1.0)]
+    while todo:
+        first, last = todo.pop()
+        away = np.hypot(across, length * np.maximum(0.0, np.maximum(first - along, along - last)))
+        allowed = np.minimum(np.min(np.maximum(_GRADING * away, smallest)), _SHARE * length)
+        if (last - first) * length > allowed * (1.0 + _ON_LINE):
+            middle = 0.5 * (first + last)
+            todo += [(middle, last), (first, middle)]
+        else:
+            starts.append(first)
+    return starts
+
+
+def _potentials(rim: _Rim, fluxes: Array) -> Array:
+    """Harmonic functions (N×m) of mean zero on the rim with `fluxes` ∂u/∂n (E×q×m, Gauss points).
+
+    Fluxes are quadratic along each element.
+    """
+    fit = np.linalg.pinv(_shapes(_GAUSS))
+    nodal = np.einsum("kq,eqm->ekm", fit, fluxes).reshape(-1, fluxes.shape[-1])
+    count, elements = len(rim.nodes), len(rim.cells)
+    places = rim.cells.ravel()
+    # Double layer of unknown values: three columns of each element into those of its nodes.
+    matrix, load = np.zeros((count, count)), np.zeros((count, nodal.shape[1]))
+    for first in range(0, count, _CHUNK):
+        rows = slice(first, min(first + _CHUNK, count))
+        single, double = _layers(rim, rim.nodes[rows])
+        load[rows] = single.reshape(-1, 3 * elements) @ nodal
+        columns = double.reshape(-1, 3 * elements)
+        block = matrix[rows]
+        np.add.at(block.T, places, columns.T)
+    # A constant has no flux: its own value at a node is what the others leave.
+    matrix[np.diag_indices(count)] -= matrix.sum(axis=1)
+    weights = np.zeros(count)
+    np.add.at(weights, rim.cells, np.outer(rim.lengths, [1.0, 4.0, 1.0]) / 6.0)
+    mean = weights / weights.sum()
+    return np.asarray(np.linalg.solve(matrix + mean, load))
+
+
+def _layers(rim: _Rim, points: Array) -> tuple[Array, Array]:
+    """∫ N_k G ds and ∫ N_k ∂G/∂n ds (p×E×3) over all elements for `points` (p×2)."""
+    starts = rim.nodes[rim.cells[:, 0]]
+    away = points[:, None] - starts
+    foot = np.einsum("ped,ed->pe", away, rim.along)
+    height = -np.einsum("ped,ed->pe", away, rim.outward)
+    lengths = rim.lengths
+    height = np.where(np.abs(height) <= _ON_LINE * lengths, 0.0, height)
+    middle = 0.5 * lengths
+    near = np.hypot(foot - middle, height) < _NEAR * lengths
+    v = _GAUSS * lengths[:, None] - foot[:, :, None]
+    squared = v**2 + height[:, :, None] ** 2
+    squared[near] = 1.0
+    weighted = _shapes(_GAUSS) * _WEIGHTS[:, None]
+    single = 0.5 * np.log(squared) @ weighted * lengths[:, None]
+    double = (height[:, :, None] / squared) @ weighted * lengths[:, None]
+    rows, columns = np.nonzero(near)
+    exact = _exact_layers(foot[rows, columns], height[rows, columns], lengths[columns])
+    single[rows, columns], double[rows, columns] = exact
+    return single / (-2.0 * np.pi), double / (-2.0 * np.pi)
+
+
+def _exact_layers(foot: Array, height: Array, length: Array) -> tuple[Array, Array]:
+    """∫ N_k ln r ds and ∫ N_k h/r² ds (m×3), points at `foot` along and `height` h off an element.
+
+    With v = s − foot: ∫ vᵏ ln r and ∫ vᵏ h/r², k = 0, 1, 2, at both ends.
+    """
+    logs, angles = [], []
+    for v in (length - foot, -foot):
+        squared = v**2 + height**2
+        log = 0.5 * np.log(np.where(squared > 0.0, squared, 1.0))
+        angle = np.arctan2(v, np.abs(height)) * np.sign(height)
+        logs.append(
+            [
+                v * log - v + height * angle,
+                0.5 * squared * log - 0.25 * squared,
+                v**3 / 3.0 * log - v**3 / 9.0 + height**2 * v / 3.0 - height**3 / 3.0 * angle,
+            ]
+        )
+        angles.append([angle, height * log, height * v - height**2 * angle])
+    of_log, of_angle = (np.array(last) - np.array(first) for last, first in (logs, angles))
+    # N_k of v: places (v + foot)/length.
+    a, b = foot / length, 1.0 / length
+    powers = (
+        (1.0 - 3.0 * a + 2.0 * a**2, (4.0 * a - 3.0) * b, 2.0 * b**2),
+        (4.0 * a - 4.0 * a**2, (4.0 - 8.0 * a) * b, -4.0 * b**2),
+        (2.0 * a**2 - a, (4.0 * a - 1.0) * b, 2.0 * b**2),
+    )
+    shapes = np.array(powers)
+    return (
+        np.einsum("kim,im->mk", shapes, of_log),
+        np.einsum("kim,im->mk", shapes, of_angle),
+    )

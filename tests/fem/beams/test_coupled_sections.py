@@ -1,0 +1,138 @@
+"""Legs whose sections have no two axes of symmetry: bending in both planes and torsion couple."""
+
+from math import sqrt
+
+import numpy as np
+import pytest
+from scipy.linalg import eigh, null_space
+
+from fem.beams.beam import beam_leg
+from fem.beams.beam_theory import cantilever_frequencies, frequency_of_kind
+from fem.bodies import doubling
+from fem.couplings.end_effects import restrained_compliance
+from fem.sections.section_constants import beam_properties, section_constants
+from lumped.legs import ConstantLeg, Material, tip_compliance
+from lumped.models.bodies import clamped_modes, tip_compliance_of
+from lumped.models.segments import segment_chain, segment_leg, static_leg
+from lumped.sections import Angle, Channel, Polygon, Rectangle, Tee
+from meshes.section.section_mesh import section_mesh
+from validation.cases.ritz import of_beam
+
+STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
+CHANNEL = Channel(0.05, 0.1, 0.006, 0.005)
+ANGLE = Angle(0.06, 0.1, 0.006, 0.005)
+SECTIONS = [CHANNEL, ANGLE, Tee(0.06, 0.1, 0.006, 0.005)]
+LENGTH = 1.0
+# Statics of a few elements: sums of 1e5 times smaller terms, exact but for rounding.
+ROUNDING = 1e-10
+
+
+def scaled(difference, compliance):
+    size = np.sqrt(np.diag(compliance))
+    return np.abs(difference / np.outer(size, size)).max()
+
+
+@pytest.mark.parametrize("theory", ["timoshenko", "euler-bernoulli"])
+@pytest.mark.parametrize("section", SECTIONS, ids=lambda one: one.shape)
+def test_force_at_the_shear_centre_does_not_twist(section, theory):
+    """A force through the centroid twists by F e L/(G J), a torque moves the centroid as much."""
+    beam = ConstantLeg(LENGTH, section, STEEL).properties(theory)
+    compliance = tip_compliance(beam, LENGTH)
+    y, z = section.shear_centre
+    twist = LENGTH / (STEEL.G * section.torsion_constant)
+    assert compliance[3, 3] == pytest.approx(twist, rel=1e-12)
+    # At the centroid a force along z has the moment −y_s F about the shear centre, one along y z_s.
+    assert compliance[3, 2] == pytest.approx(-y * twist, rel=1e-12)
+    assert compliance[3, 1] == pytest.approx(z * twist, rel=1e-12, abs=1e-12 * twist)
+    for at, moment in ((1, -z), (2, y)):
+        force = np.zeros(6)
+        force[at], force[3] = 1.0, moment
+        assert abs((compliance @ force)[3]) < 1e-12 * twist * max(section.extent)
+
+
+def test_equal_angle_deflects_along_its_principal_axes():
+    """Axes at 45°: L³/3EI of I = t b³/3 and t b³/12 in the first order of thin legs."""
+    t, b, length = 0.001, 0.1, 2.0
+    leg = ConstantLeg(length, Angle(b, b, t, t), STEEL)
+    beam = leg.properties("euler-bernoulli")
+    compliance = tip_compliance(beam, length)
+    # About the shear centre: without the twist.
+    to_shear_centre = beam.to_shear_centre
+    bent = (to_shear_centre @ compliance @ to_shear_centre.T)[1:3, 1:3]
+    softer, stiffer = (np.array([1.0, 1.0]), np.array([1.0, -1.0]))
+    for force, divisor in ((softer, 12.0), (stiffer, 3.0)):
+        unit = force / sqrt(2.0)
+        moved = bent @ unit
+        assert moved == pytest.approx(unit * (unit @ moved), rel=1e-9)
+        exact = length**3 / (3.0 * STEEL.E * t * b**3 / divisor)
+        assert unit @ moved == pytest.approx(exact, rel=2.0 * t / b)
+
+
+@pytest.mark.parametrize("theory", ["timoshenko", "euler-bernoulli"])
+@pytest.mark.parametrize("section", SECTIONS, ids=lambda one: one.shape)
+def test_elements_and_segments_are_exact_in_statics(section, theory):
+    beam = ConstantLeg(LENGTH, section, STEEL).properties(theory)
+    exact = tip_compliance(beam, LENGTH)
+    for count in (1, 3):
+        chain = segment_chain(beam, LENGTH, count)
+        for leg in (beam_leg(beam, LENGTH, count), segment_leg(chain), static_leg(chain)):
+            assert scaled(tip_compliance_of(leg) - exact, exact) < ROUNDING
+
+
+@pytest.mark.parametrize("theory", ["timoshenko", "euler-bernoulli"])
+@pytest.mark.parametrize("section", SECTIONS, ids=lambda one: one.shape)
+def test_coupled_frequencies_converge_to_the_exact_ones(section, theory):
+    """Beams with the fourth order, segments with the second, polynomials by Ritz at once."""
+    beam = ConstantLeg(LENGTH, section, STEEL).properties(theory)
+    exact = np.array([one.frequency for one in cantilever_frequencies(beam, LENGTH, 4)])
+    ritz = of_beam(beam, LENGTH, 10)
+    free = null_space(ritz.root)
+    squares = eigh(free.T @ ritz.stiffness @ free, free.T @ ritz.mass @ free, eigvals_only=True)
+    assert np.sqrt(squares[:4]) / (2.0 * np.pi) == pytest.approx(exact, rel=1e-8)
+
+    def errors(legs):
+        return np.array([np.abs(clamped_modes(one, 4).frequencies / exact - 1.0) for one in legs])
+
+    coarse, fine = errors(beam_leg(beam, LENGTH, count) for count in (8, 16))
+    assert (np.log2(coarse / fine) > 3.7).all()
+    assert fine.max() < 2e-5
+    coarse, fine = errors(segment_leg(segment_chain(beam, LENGTH, n)) for n in (16, 32))
+    assert np.log2(coarse / fine) == pytest.approx(np.full(4, 2.0), abs=0.1)
+
+
+def test_coupled_theory_without_coupling_is_that_of_each_plane():
+    """A rectangle, whose planes and torsion vibrate by themselves, as one problem."""
+    beam = ConstantLeg(LENGTH, Rectangle(0.1, 0.2), STEEL).timoshenko
+    kinds = ("torsion", "bending y", "bending z")
+    alone = sorted(frequency_of_kind(beam, LENGTH, one, n) for one in kinds for n in (1, 2, 3, 4))
+    coupled = [frequency_of_kind(beam, LENGTH, "coupled", n) for n in range(1, 7)]
+    assert coupled == pytest.approx(alone[:6], rel=1e-10)
+
+
+@pytest.mark.parametrize(
+    "section",
+    [
+        Channel(0.05, 0.1, 0.02, 0.02),
+        Angle(0.06, 0.1, 0.02, 0.02),
+        Polygon(((0.0, 0.0), (0.1, 0.0), (0.03, 0.08))),
+    ],
+    ids=lambda one: one.shape,
+)
+def test_beam_of_any_section_is_the_solid_of_the_same_mesh(section):
+    """Ends free to warp: to rounding. Rigid faces: less what decays from them, by other fields.
+
+    Solids of slices far thinner than walls; at the edges of rigid faces 1e-6 is left of them.
+    """
+    length = 0.3
+    mesh = section_mesh(section, 4)
+    leg = ConstantLeg(length, section, STEEL)
+    piece = doubling.condensed_leg(leg, mesh, 512)
+    free, rigid = (doubling.tip_compliance(piece, ends) for ends in ("free", "rigid"))
+    constants = section_constants(mesh, STEEL.nu)
+    beam = tip_compliance(beam_properties(constants, STEEL), length)
+    assert scaled(free - beam, beam) < 1e-8
+    restrained = restrained_compliance(mesh, STEEL, length)
+    assert scaled(rigid - beam - restrained, beam) < 3e-6
+    # Neither is small, and the section's own constants are near those of the rim.
+    assert scaled(restrained, beam) > 0.01
+    assert scaled(tip_compliance(leg.timoshenko, length) - beam, beam) < 0.03
