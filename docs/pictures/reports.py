@@ -15,7 +15,7 @@ from validation import cli
 PICTURES = Path(__file__).resolve().parent
 # Picture, robot, and how much of its page is shown, in px.
 SHOWN = (
-    ("report.png", "ifw", 1130),
+    ("report.png", "ifw", 560),
     ("parts-report.png", "examples/tapered-biglide/robot.toml", 1000),
 )
 WIDTH = 1280
