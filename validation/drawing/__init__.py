@@ -1,4 +1,1 @@
-"""Surfaces, views, scenes, text and the style of plots: what is drawn, and how.
-
-Knows nothing of robots.
-"""
+"""Charts, scenes of surfaces, text and the style of plots. Nothing here depends on robots."""

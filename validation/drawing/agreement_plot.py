@@ -9,14 +9,15 @@ from matplotlib.figure import Figure
 from validation.drawing.chart import percent
 from validation.drawing.style import WIDTH, looks_of, plot_style
 
-# % around zero in which the scale is linear; in, of a panel; share of a column that markers take.
-_LINEAR, _HIGH, _SPREAD = 0.1, 2.2, 0.6
+# Range around zero (%) in which the scale is linear; height of a panel (inches); share of the
+# width of a column over which markers are spread.
+_LINEAR, _PANEL_HEIGHT, _SPREAD = 0.1, 2.2, 0.6
 _GREY, _BAND = "#999999", "#009E73"
 
 
 @dataclass(frozen=True)
 class Difference:
-    """A formulation and the solid in one quantity; all numbers in per cent of the solid's value."""
+    """Difference of a formulation from the solid in one quantity, in % of the solid's value."""
 
     quantity: str
     model: str
@@ -27,19 +28,28 @@ class Difference:
 
 
 def agreement_plot(panels: Mapping[str, Sequence[Difference]]) -> Figure:
-    """One panel for each title: quantities side by side, a marker for each formulation."""
-    models = list(dict.fromkeys(one.model for found in panels.values() for one in found))
+    """Plot differences with a panel for each title and a column for each quantity.
+
+    Each model has a marker. Bands are the tolerances.
+    """
+    models = list(
+        dict.fromkeys(difference.model for panel in panels.values() for difference in panel)
+    )
     looks = looks_of(models)
+    height = 0.5 + _PANEL_HEIGHT * max(len(panels), 1)
     with plot_style():
-        figure = Figure(figsize=(WIDTH, 0.5 + _HIGH * max(len(panels), 1)), layout="constrained")
+        figure = Figure(figsize=(WIDTH, height), layout="constrained")
         grid = figure.subplots(max(len(panels), 1), 1, squeeze=False)[:, 0]
-        for axes, (title, found) in zip(grid, panels.items(), strict=False):
-            quantities = list(dict.fromkeys(one.quantity for one in found))
-            for place, quantity in enumerate(quantities):
-                of_quantity = [one for one in found if one.quantity == quantity]
-                tolerance = max(one.tolerance for one in of_quantity)
+        for axes, (title, differences) in zip(grid, panels.items(), strict=False):
+            quantities = list(dict.fromkeys(difference.quantity for difference in differences))
+            for column, quantity in enumerate(quantities):
+                tolerance = max(
+                    difference.tolerance
+                    for difference in differences
+                    if difference.quantity == quantity
+                )
                 axes.fill_between(
-                    [place - 0.45, place + 0.45],
+                    [column - 0.45, column + 0.45],
                     -tolerance,
                     tolerance,
                     color=_BAND,
@@ -48,17 +58,22 @@ def agreement_plot(panels: Mapping[str, Sequence[Difference]]) -> Figure:
                     label="tolerance",
                 )
             for rank, model in enumerate(models):
-                of_model = [one for one in found if one.model == model]
+                of_model = [difference for difference in differences if difference.model == model]
                 if not of_model:
                     continue
                 offset = _SPREAD * ((rank + 0.5) / len(models) - 0.5)
-                x = np.array([quantities.index(one.quantity) for one in of_model]) + offset
-                whole = [one.whole for one in of_model]
-                axes.plot(x, whole, "D", color=_GREY, markersize=3.0, label="whole difference")
+                x = (
+                    np.array([quantities.index(difference.quantity) for difference in of_model])
+                    + offset
+                )
+                whole_differences = [difference.whole for difference in of_model]
+                axes.plot(
+                    x, whole_differences, "D", color=_GREY, markersize=3.0, label="whole difference"
+                )
                 axes.errorbar(
                     x,
-                    [one.unexplained for one in of_model],
-                    [one.half_width for one in of_model],
+                    [difference.unexplained for difference in of_model],
+                    [difference.half_width for difference in of_model],
                     fmt=looks[model].marker,
                     color=looks[model].colour,
                     capsize=2.5,

@@ -1,8 +1,8 @@
-"""A figure of curves, declared: a table, and panels of curves, bars or a matrix over one axis.
+"""Charts as data: a table, and panels of curves, bars or a matrix over one axis; scales of axes.
 
-`validation.drawing.plot` draws it; what a figure is about stands in neither. Scales of axes: from
-zero, logarithmic with plain numbers, percent around zero; those of y are set once the curves are
-drawn.
+`validation.drawing.plot` draws charts. Both modules are independent of the content of figures.
+A scale is a function of drawn axes, for example from zero, logarithmic with plain numbers, or
+percent around zero.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -21,19 +21,20 @@ if TYPE_CHECKING:
 
 Scale: TypeAlias = Callable[["Axes"], None]
 Column: TypeAlias = Sequence[float | str | None]
+# Number of decades of a logarithmic axis below which it has ticks at 1, 2 and 5, too.
 _FEW_DECADES = 1.5
-# Least distance of two labels as a share of the axis.
-_LEAST_GAP = 0.07
+# Smallest distance of two labels as a share of the axis.
+_SMALLEST_GAP = 0.07
 
 
 @dataclass(frozen=True, eq=False)
 class Series:
-    """One curve: `y` over `x` (n; NaN leaves a gap), its entry in the legend.
+    """One curve: `y` over `x` (n; NaN is a gap), with its `label` in the legend.
 
-    It looks as the model `of` does, or the one that its label names. `bars` (n, or 2×n down and up)
-    are the uncertainty of its points, a star marks the `best` of them. In the table it has a column
-    "label: quantity (unit)", none without a `quantity`. `left_open` (2×n, lowest and highest) is
-    shaded.
+    It has the look of the model `of`, or of the model with the name `label`. `bars` (n, or 2×n for
+    down and up) are the uncertainty of its points. A star marks point number `best`. `interval`
+    (2×n, lowest and highest) is shaded. The table has a column "label: quantity (unit)" if there
+    is a `quantity`.
     """
 
     label: str
@@ -43,17 +44,17 @@ class Series:
     of: str = ""
     bars: Array | None = None
     best: int | None = None
-    left_open: Array | None = None
+    interval: Array | None = None
 
     @property
     def look(self) -> str:
-        """The name whose look it has."""
+        """Name of the model whose look the curve has."""
         return self.of or self.label
 
 
 @dataclass(frozen=True, eq=False)
 class Bars:
-    """A part of every bar of a panel, `y` (n) long; parts stack away from zero in their order."""
+    """Part of each bar of a panel, of length `y` (n). Parts are stacked in order from zero."""
 
     label: str
     y: Array
@@ -62,9 +63,9 @@ class Bars:
 
 @dataclass(frozen=True, eq=False)
 class Contours:
-    """Values (n×m, NaN: blank) over x (n) and y (m), shaded in steps; a `star` marks (x, y).
+    """Values (n×m, NaN is blank) over x (n) and y (m), shaded in steps. A `star` marks (x, y).
 
-    Panels of one quantity have one `span`, from the lowest value to the highest.
+    `span` is the lowest and the highest value of all panels of the quantity.
     """
 
     x: Array
@@ -76,24 +77,24 @@ class Contours:
 
 @dataclass(frozen=True)
 class Note:
-    """A small text `away` (pt) from a point of the axes."""
+    """Small text at an `offset` (pt) from a point of the axes."""
 
     text: str
     x: float
     y: float
-    away: tuple[float, float] = (5.0, -3.0)
+    offset: tuple[float, float] = (5.0, -3.0)
 
 
 @dataclass(frozen=True, eq=False)
 class Panel:
-    """One pair of axes: curves, `below` them curves of what these differ by in percent.
+    """One pair of axes with curves. `below` are curves of differences in percent, in lower axes.
 
-    Curves of one label (of several modes, say) share their look and their entry in the legend.
-    Their markers are `staggered` unless each point says something. `bars` stand on 1, 2, … or lie
-    in rows from above (`lying`), each with its name; curves in lying panels have a value for each
-    row. A `matrix` of values from 0 to 1 is shaded, or `contours`. `levels` are grey lines, `band`
-    a shaded stripe, in the legend if it is named; `place` heads the columns of the table; `x_label`
-    if it is not the chart's.
+    Curves with equal labels, for example of several modes, share their look and their entry in the
+    legend. Their markers are `staggered`, unless each point is a result of its own. `bars` are
+    vertical at 1, 2, …, or horizontal in rows from the top (`lying`), with `names`; curves in lying
+    panels have a value for each row. A `matrix` of values from 0 to 1, or `contours`, are shaded.
+    `levels` are grey lines. `band` is a shaded stripe, with `band_label` in the legend. `place` is
+    the first part of headings in the table. `x_label` replaces that of the chart.
     """
 
     series: Sequence[Series] = ()
@@ -117,10 +118,11 @@ class Panel:
 
 @dataclass(frozen=True, eq=False)
 class Chart:
-    """Panels row by row in `columns`, `high` inches each, all over one axis, one legend above.
+    """Panels over one axis, row by row in `columns`, each `high` inches high, with one legend.
 
-    `table` are the first columns of its data; every curve of a quantity adds its own. `title` if it
-    says more than that of the planned figure. `studies`: its entries in results.json.
+    `table` has the first columns of the data. Each curve with a quantity adds a column. `title` is
+    set if it contains more than that of the planned figure. `studies` are its entries in
+    results.json.
     """
 
     panels: Sequence[Panel]
@@ -144,23 +146,23 @@ def compared_with(against: str) -> str:
 
 
 def compared(panel: Panel, against: str) -> Panel:
-    """The panel with what its other curves differ from those of label `against`, in percent."""
-    references = {one.quantity: one.y for one in panel.series if one.label == against}
+    """Panel with differences (%) of its curves from those of equal quantity labelled `against`."""
+    references = {curve.quantity: curve.y for curve in panel.series if curve.label == against}
     below = [
-        replace(one, y=_percent_of(one.y, references[one.quantity]))
-        for one in panel.series
-        if one.label != against and one.quantity in references
+        replace(curve, y=_difference_in_percent(curve.y, references[curve.quantity]))
+        for curve in panel.series
+        if curve.label != against and curve.quantity in references
     ]
     return replace(panel, below=below)
 
 
-def _percent_of(values: Array, reference: Array) -> Array:
-    known = np.where(np.isfinite(reference) & (reference != 0.0), reference, np.nan)
-    return np.asarray(100.0 * (values / known - 1.0))
+def _difference_in_percent(values: Array, reference: Array) -> Array:
+    divisor = np.where(np.isfinite(reference) & (reference != 0.0), reference, np.nan)
+    return np.asarray(100.0 * (values / divisor - 1.0))
 
 
 def lettered(panels: Sequence[Panel]) -> list[Panel]:
-    """The panels with (a), (b), … before their titles."""
+    """Panels with (a), (b), … before their titles."""
     return [
         replace(panel, title=f"({letter}) {panel.title}")
         for letter, panel in zip("abcdefghi", panels, strict=False)
@@ -168,18 +170,18 @@ def lettered(panels: Sequence[Panel]) -> list[Panel]:
 
 
 def chart_table(chart: Chart) -> str:
-    """The table and the curves as CSV, each with its name and unit."""
+    """Table and curves of a chart as CSV, with names and units as headings."""
     columns = {
-        f"{panel.place and f'{panel.place}: '}{one.label}: {one.quantity}": one.y.tolist()
+        f"{panel.place and f'{panel.place}: '}{curve.label}: {curve.quantity}": curve.y.tolist()
         for panel in chart.panels
-        for one in panel.series
-        if one.quantity and np.isfinite(one.y).any()
+        for curve in panel.series
+        if curve.quantity and np.isfinite(curve.y).any()
     }
     return csv_of({**chart.table, **columns})
 
 
 def _ticker() -> Any:
-    # Slow to import, and makes folders: not for those who only list what could be drawn.
+    # matplotlib is slow to import and makes folders. Listing figures does not need it.
     from matplotlib import ticker  # noqa: PLC0415
 
     return ticker
@@ -191,7 +193,7 @@ def from_zero(axes: "Axes", *, top: float | None = None) -> None:
 
 
 def largest(curves: Iterable[Array]) -> float:
-    """The largest value of any curve; one where none is finite."""
+    """Largest value of all curves. 1 if none is finite, or if it is 0."""
     values = np.concatenate([np.ravel(curve) for curve in curves])
     return float(np.max(values[np.isfinite(values)], initial=0.0)) or 1.0
 
@@ -205,41 +207,41 @@ def plain_log(axes: "Axes", *, low: float, high: float) -> None:
 
 
 def powers(axes: "Axes") -> None:
-    """A logarithmic y axis with ticks at powers of ten, or at 1, 2 and 5 of these."""
+    """Logarithmic y axis with ticks at powers of ten, or at 1, 2 and 5 times these."""
     axes.set_yscale("log")
     power_ticks(axes.yaxis)
 
 
 def octaves(axes: "Axes") -> None:
-    """A logarithmic x axis likewise."""
+    """Logarithmic x axis with ticks at powers of ten, or at 1, 2 and 5 times these."""
     axes.set_xscale("log")
     power_ticks(axes.xaxis)
 
 
 def degrees(axes: "Axes") -> None:
-    """A y axis of phases from 0 to −180°."""
+    """Linear y axis of phases from 0 to −180°, for a response at the point of the force."""
     axes.set_ylim(-190.0, 10.0)
     axes.set_yticks([0.0, -45.0, -90.0, -135.0, -180.0])
 
 
 def round_angles(axes: "Axes") -> None:
-    """A y axis of any phases: of motions elsewhere than where the force is."""
+    """Linear y axis of phases from −270° to 90°, for responses at other points than the force."""
     axes.set_ylim(-280.0, 100.0)
     axes.set_yticks([-270.0, -180.0, -90.0, 0.0, 90.0])
 
 
 def percent(axes: "Axes", *, limit: float = 1.0, steps: Sequence[float] = (1.0,)) -> None:
-    """Linear within ± `limit`, logarithmic beyond: curves that agree and such that do not.
+    """Y axis that is linear within ± `limit` and logarithmic beyond, for differences of any size.
 
-    Ticks at zero, at the limit, and at `steps` of every power of ten beyond it.
+    Ticks at zero, at the limit, and at `steps` times each power of ten beyond it.
     """
     axes.axhline(0.0, color="#999999", linewidth=0.8)
-    drawn = np.concatenate([[0.0], *(np.asarray(line.get_ydata()) for line in axes.get_lines())])
-    # Nothing of note on one side of zero needs no room there.
-    low, high = 1.6 * min(np.nanmin(drawn), -limit), 1.6 * max(np.nanmax(drawn), limit)
+    values = np.concatenate([[0.0], *(np.asarray(line.get_ydata()) for line in axes.get_lines())])
+    # A side of zero without large values gets no more room than the linear range.
+    low, high = 1.6 * min(np.nanmin(values), -limit), 1.6 * max(np.nanmax(values), limit)
     axes.set_yscale("symlog", linthresh=limit, linscale=0.6)
-    beyond = (step * 10.0**power for power in range(-6, 7) for step in steps)
-    sizes = [limit, *(size for size in beyond if size >= 1.9 * limit)]
+    candidates = (step * 10.0**power for power in range(-6, 7) for step in steps)
+    sizes = [limit, *(size for size in candidates if size >= 1.9 * limit)]
     axes.set_yticks([0.0, *(s for size in sizes for s in (-size, size) if low <= s <= high)])
     axes.yaxis.set_major_formatter(
         _ticker().FuncFormatter(lambda value, _: f"{value:+g}" if value else "0")
@@ -249,55 +251,56 @@ def percent(axes: "Axes", *, limit: float = 1.0, steps: Sequence[float] = (1.0,)
 
 
 def few_ticks(axes: "Axes", *, count: int = 4, whole: bool = False) -> None:
-    """At most `count` intervals of the x axis, of `whole` numbers if these count something."""
+    """X axis with at most `count` intervals. Ticks are `whole` numbers if it counts something."""
     fewest = 1 if whole else 2
     axes.xaxis.set_major_locator(_ticker().MaxNLocator(count, integer=whole, min_n_ticks=fewest))
     axes.xaxis.set_major_formatter(_ticker().FuncFormatter(lambda value, _: short_number(value)))
 
 
 def side_by_side(axes: "Axes") -> None:
-    """An x axis on which things stand beside each other, without numbers."""
+    """X axis without ticks, for items side by side."""
     axes.set_xticks([])
 
 
 def refined(axes: "Axes", *, x: Array, decay: bool = False) -> None:
-    """A logarithmic x axis with ticks at `x`, as far as labels do not meet; so y in a `decay`."""
+    """Logarithmic x axis with ticks at `x`, labelled if there is room. Logarithmic y if `decay`."""
     axes.set_xscale("log")
     if decay:
         axes.set_yscale("log")
         power_ticks(axes.yaxis)
     labels: list[str] = []
     last = -np.inf
-    for place, value in zip(np.abs(np.log(x / x[0])) / (np.ptp(np.log(x)) or 1.0), x, strict=True):
-        free = place - last > _LEAST_GAP or not labels
-        labels.append(f"{value:.3g}" if free else "")
-        last = place if free else last
+    positions = np.abs(np.log(x / x[0])) / (np.ptp(np.log(x)) or 1.0)
+    for position, value in zip(positions, x, strict=True):
+        has_room = position - last > _SMALLEST_GAP or not labels
+        labels.append(f"{value:.3g}" if has_room else "")
+        last = position if has_room else last
     axes.set_xticks(x, labels)
     axes.minorticks_off()
 
 
 def around_zero(axes: "Axes", *, least: float) -> None:
-    """An x axis from `least` below zero to as much above it, farther where something is drawn."""
-    drawn = [np.abs(np.asarray(line.get_xdata(), dtype=float)) for line in axes.get_lines()]
-    limit = max(least, 1.1 * largest(drawn))
+    """X axis symmetric about zero that contains all curves and reaches at least ± `least`."""
+    values = [np.abs(np.asarray(line.get_xdata(), dtype=float)) for line in axes.get_lines()]
+    limit = max(least, 1.1 * largest(values))
     axes.set_xlim(-limit, limit)
 
 
 def power_ticks(axis: "Axis") -> None:
-    """Ticks of a logarithmic axis: powers of ten, or 1, 2 and 5 where there are few of these.
+    """Ticks of a logarithmic axis: powers of ten, and 2 and 5 times these if there are few.
 
-    Labels are plain text: parsing formulas takes longer than all the rest of a plot.
+    Labels are plain text, because parsing formulas takes longer than the rest of a plot.
     """
     low, high = axis.get_view_interval()
     decades = np.log10(high / low) if 0.0 < low < high else 0.0
-    parts = (1.0, 2.0, 5.0) if decades < _FEW_DECADES else (1.0,)
-    axis.set_major_locator(_ticker().LogLocator(10.0, subs=parts, numticks=8))
+    multiples = (1.0, 2.0, 5.0) if decades < _FEW_DECADES else (1.0,)
+    axis.set_major_locator(_ticker().LogLocator(10.0, subs=multiples, numticks=8))
     axis.set_major_formatter(_ticker().FuncFormatter(lambda value, _: short_number(value)))
     axis.set_minor_locator(_ticker().NullLocator())
 
 
 def short_number(value: float) -> str:
-    """A tick as in print: "0.02", "500", "10⁻⁶", "2 × 10⁻⁶"."""
+    """Label of a tick: "0.02", "500", "10⁻⁶", "2 × 10⁻⁶"."""
     if 1e-3 <= abs(value) < 1e4 or value == 0.0:
         return f"{value:.4g}"
     mantissa, _, exponent = f"{value:.2e}".partition("e")

@@ -1,7 +1,7 @@
-"""Whether this machine can draw 3-D pictures: tried elsewhere, since VTK dies without OpenGL.
+"""Test for usable OpenGL, which 3-D pictures need.
 
-VTK ends the whole process where no usable OpenGL is found, so that it must not be tried here.
-Scenes that are turned in a browser need neither.
+VTK ends the whole process if it finds no usable OpenGL. Therefore the test runs in another process.
+Scenes that are turned in a browser need neither VTK nor OpenGL.
 """
 
 import os
@@ -11,7 +11,7 @@ from lumped.errors import ComputationError
 from lumped.memo import memo
 from meshes.processes import in_own_process
 
-# "off": no pictures, whatever the machine can do.
+# Environment variable that suppresses 3-D pictures if it is "off".
 SWITCH = "FLEXPROOF_OPENGL"
 WINDOW = "VTK_DEFAULT_OPENGL_WINDOW"
 MESSAGE = (
@@ -22,9 +22,9 @@ _TIME_LIMIT = 60.0  # s: importing VTK from a cold disk takes up to ten
 
 
 def can_draw() -> bool:
-    """Whether pictures can be drawn here; if so, VTK is made to draw off-screen in this process.
+    """True if this machine can draw 3-D pictures. VTK is then set to draw off-screen.
 
-    Call it before pyvista is imported.
+    Call this function before pyvista is imported.
     """
     window = usable_window()
     if window is None:
@@ -32,13 +32,13 @@ def can_draw() -> bool:
     if window:
         os.environ[WINDOW] = window
     os.environ["PYVISTA_OFF_SCREEN"] = "true"
-    # What can be drawn has been found out here; pyvista would ask again for every picture.
+    # Without this variable pyvista would repeat the test for each picture.
     os.environ["ALLOW_PLOTTING"] = "true"
     return True
 
 
 def usable_window() -> str | None:
-    """VTK's class of window that works here, "" for its default, None where none works."""
+    """VTK's class of window that works on this machine. "" for its default, None if none works."""
     if os.environ.get(SWITCH, "").lower() == "off":
         return None
     return _first_usable()
@@ -46,28 +46,28 @@ def usable_window() -> str | None:
 
 @memo(1)
 def _first_usable() -> str | None:
-    return next(filter(_is_drawn_elsewhere, _windows()), None)
+    return next(filter(_draws_in_other_process, _windows()), None)
 
 
 def _windows() -> tuple[str, ...]:
-    """Windows to try: EGL needs no display and, unlike X, complains to nobody."""
-    chosen = os.environ.get(WINDOW)
-    if chosen:
-        return (chosen,)
+    """Classes of windows to try. EGL is first: it needs no display and, unlike X, writes nothing."""
+    user_choice = os.environ.get(WINDOW)
+    if user_choice:
+        return (user_choice,)
     if sys.platform != "linux":
         return ("",)
     return ("vtkEGLRenderWindow", *([""] if os.environ.get("DISPLAY") else []))
 
 
-def _is_drawn_elsewhere(window: str) -> bool:
+def _draws_in_other_process(window: str) -> bool:
     try:
-        return in_own_process(_is_drawn, window, patience=_TIME_LIMIT)
+        return in_own_process(_draws, window, patience=_TIME_LIMIT)
     except ComputationError:
         return False
 
 
-def _is_drawn(kind: str) -> bool:
-    """Draw a sphere into a window ("" for VTK's default), and see whether it is there."""
+def _draws(kind: str) -> bool:
+    """Draw a sphere into a window ("" for VTK's default). True if the image is not uniform."""
     if kind:
         os.environ[WINDOW] = kind
     from vtkmodules import (  # noqa: PLC0415
@@ -88,8 +88,8 @@ def _is_drawn(kind: str) -> bool:
     renderer.AddActor(actor)
     window.AddRenderer(renderer)
     window.Render()
-    grabbed = vtkRenderingCore.vtkWindowToImageFilter()
-    grabbed.SetInput(window)
-    grabbed.Update()
-    low, high = grabbed.GetOutput().GetScalarRange()
+    image = vtkRenderingCore.vtkWindowToImageFilter()
+    image.SetInput(window)
+    image.Update()
+    low, high = image.GetOutput().GetScalarRange()
     return bool(high > low)

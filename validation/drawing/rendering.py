@@ -1,4 +1,4 @@
-"""From scenes to a picture: VTK draws the bodies, matplotlib everything that is written on them."""
+"""Pictures of scenes: VTK draws the bodies, matplotlib the marks, labels and colour bars."""
 
 import io
 from collections.abc import Sequence
@@ -22,13 +22,16 @@ from validation.drawing.style import COLOUR_MAP, ORANGE, VERMILLION, WIDTH, plot
 
 DOTS_PER_INCH = 180
 _PER_POINT = DOTS_PER_INCH / 72.0
-# in, of a title, and of a colour bar with its label.
+# Heights (inches) of a title, and of a colour bar with its label.
 _TITLE, _BAR = 0.3, 0.5
+# Smallest channel of colours that are replaced by white.
 _NEARLY_WHITE = 246
-_SMALL = (DARK, ORANGE, VERMILLION)
-# Letters of a title in an inch; size (pt) of what is written in a picture.
+# Colours of marks and arrows.
+_MARK_COLOURS = (DARK, ORANGE, VERMILLION)
+# Number of characters of a title per inch; size (pt) of labels in a picture.
 _LETTERS, _TEXT = 14.0, 7.5
-# A foot with its tip a little below the point, and hatches: corners, and how they are joined.
+# Symbol of ground: triangle with its tip a little below the point, and hatches. Corners and codes
+# of matplotlib paths (1: move, 2: line).
 _FOOT = mpl.path.Path(
     [(0.0, -0.15), (-0.5, -0.8), (0.5, -0.8), (0.0, -0.15)]
     + [end for x in (-0.3, -0.05, 0.2, 0.45) for end in ((x, -0.8), (x - 0.18, -1.0))],
@@ -40,14 +43,15 @@ _MARKS: dict[MarkKind, dict[str, Any]] = {
     "cross": {"marker": "P", "ms": 8.0, "mec": "white", "mew": 0.8},
     "ground": {"marker": _FOOT, "ms": 34.0, "mfc": "none", "mew": 0.8},
 }
-# Where a triad may stand, in the order of preference (shares of width and height).
+# Possible origins of the triad in order of preference (shares of width and height).
 _CORNERS = ((0.08, 0.92), (0.78, 0.92), (0.08, 0.3), (0.78, 0.3))
-_TRIAD, _CLEAR = 24.0, 26.0  # pt
+# Length of the triad's axes, and smallest distance of its centre from bodies (pt).
+_TRIAD, _CLEARANCE = 24.0, 26.0
 
 
 @dataclass(frozen=True)
 class Picture:
-    """A picture as PNG, or why there is none."""
+    """Picture as PNG. `left_out` is the reason if there is none."""
 
     png: bytes = b""
     left_out: str = ""
@@ -60,9 +64,10 @@ def pictured(
     width: float = WIDTH,
     title: str = "",
 ) -> Picture:
-    """The scenes in so many columns, `height` inches each or as high as what they show is.
+    """Picture of scenes in `columns`, each `height` inches high.
 
-    Where this machine can draw them.
+    None for the height gives the proportions of the first scene. The picture is left out if this
+    machine cannot draw it.
     """
     if not can_draw():
         return Picture(left_out=MESSAGE)
@@ -77,21 +82,21 @@ def drawn_scenes(
     width: float = WIDTH,
     title: str = "",
 ) -> Canvas:
-    """The figure of `pictured`, or one that states why this machine cannot draw it."""
+    """Figure of `pictured`, or one with the reason why this machine cannot draw it."""
     if not can_draw():
         figure = Canvas(figsize=(width, 1.0))
         figure.text(0.02, 0.5, MESSAGE, va="center", wrap=True)
         return figure
-    rows, high = -(-len(scenes) // columns), height or width * _shape(scenes[0])
+    rows, scene_height = -(-len(scenes) // columns), height or width * _shape(scenes[0])
     bars = any(scene.bar for scene in scenes)
-    size = width, rows * (high + _TITLE + _BAR * bars) + _TITLE * bool(title)
+    size = width, rows * (scene_height + _TITLE + _BAR * bars) + _TITLE * bool(title)
     with plot_style():
         picture = Canvas(figsize=size, layout=ConstrainedLayoutEngine(h_pad=0.07))
-        places = picture.subplots(rows, columns, squeeze=False).ravel()
-        for axes in places:
+        all_axes = picture.subplots(rows, columns, squeeze=False).ravel()
+        for axes in all_axes:
             axes.set_axis_off()
-        for axes, scene in zip(places, scenes, strict=False):
-            _show(axes, scene, panel_size(columns, high, width))
+        for axes, scene in zip(all_axes, scenes, strict=False):
+            _draw_scene(axes, scene, panel_size(columns, scene_height, width))
             letters = round(_LETTERS * width / columns)
             axes.set_title(fill(scene.title, letters), fontsize=9.0 if columns > 2 else 10.5)
             if scene.bar:
@@ -104,21 +109,21 @@ def drawn_scenes(
 
 
 def panel_size(columns: int, height: float, width: float = WIDTH) -> tuple[int, int]:
-    """Pixels (width, height) of one of `columns` panels, lengths in inches."""
+    """Size in pixels (width, height) of one of `columns` panels. `height`, `width` in inches."""
     return round(width / columns * DOTS_PER_INCH), round(height * DOTS_PER_INCH)
 
 
 def _shape(scene: Scene) -> float:
-    """Height over width of what is shown, within reason."""
+    """Height over width of the scene's contents, from 0.45 to 1.2."""
     view = scene.view((1000, 1000))
-    spread = np.vstack([*(body.surface.points for body in scene.bodies), *scene.inside])
-    wide, high = np.ptp(view.pixels(spread), axis=0)
-    return float(np.clip(high / wide, 0.45, 1.2))
+    points = np.vstack([*(body.surface.points for body in scene.bodies), *scene.inside])
+    width, height = np.ptp(view.pixels(points), axis=0)
+    return float(np.clip(height / width, 0.45, 1.2))
 
 
 def render(scene: Scene, view: View) -> NDArray[np.uint8]:
-    """The scene as pixels (height × width × 3) on white, where this machine can draw."""
-    import pyvista  # noqa: PLC0415  VTK must not be loaded where it cannot draw
+    """Pixels (height × width × 3) of the scene on white. Requires `can_draw`."""
+    import pyvista  # noqa: PLC0415  VTK must not be loaded on a machine that cannot draw
 
     plotter = pyvista.Plotter(off_screen=True, window_size=list(view.size))
     plotter.background_color = pyvista.Color("white")
@@ -144,7 +149,7 @@ def render(scene: Scene, view: View) -> NDArray[np.uint8]:
 def _add_body(plotter: Any, body: DrawnBody, limits: tuple[float, float]) -> None:
     import pyvista  # noqa: PLC0415
 
-    faces: Any = body.surface.faces  # any integers will do
+    faces: Any = body.surface.faces  # pyvista accepts all integers, its annotation does not
     mesh = pyvista.PolyData.from_regular_faces(body.surface.points, faces)
     look: dict[str, Any] = {"color": body.colour}
     if body.values is not None:
@@ -153,50 +158,52 @@ def _add_body(plotter: Any, body: DrawnBody, limits: tuple[float, float]) -> Non
     plotter.add_mesh(mesh, ambient=0.35, diffuse=0.7, specular=0.05, show_scalar_bar=False, **look)
 
 
-def _show(axes: Axes, scene: Scene, size: tuple[int, int]) -> None:
-    """Fill the axes with the scene and all that is written on it, without frame and ticks."""
+def _draw_scene(axes: Axes, scene: Scene, size: tuple[int, int]) -> None:
+    """Draw the scene with marks, arrows, triad and labels, without frame and ticks."""
     view = scene.view(size)
     axes.imshow(render(scene, view), interpolation="antialiased")
     for marks in scene.marks:
-        _mark(axes, view, marks)
-    for one in scene.arrows:
-        start, end = view.pixels(np.array([one.tail, one.head]))
+        _draw_marks(axes, view, marks)
+    for arrow in scene.arrows:
+        start, end = view.pixels(np.array([arrow.tail, arrow.head]))
         tip = "-|>,head_width=0.3,head_length=0.6"
         axes.annotate(
-            "", end, xytext=start, arrowprops={"arrowstyle": tip, "color": one.colour, "lw": 2.2}
+            "", end, xytext=start, arrowprops={"arrowstyle": tip, "color": arrow.colour, "lw": 2.2}
         )
-    _triad(axes, view, clear_corner(scene, view))
-    _write(axes, view, scene.labels)
+    _draw_triad(axes, view, clear_corner(scene, view))
+    _write_labels(axes, view, scene.labels)
     axes.set(xlim=(0.0, size[0]), ylim=(size[1], 0.0))
 
 
-def _mark(axes: Axes, view: View, marks: Marks) -> None:
+def _draw_marks(axes: Axes, view: View, marks: Marks) -> None:
     look = {"color": marks.colour, "mfc": marks.colour, **_MARKS[marks.kind]}
     look |= {"linestyle": "", "clip_on": False}
     axes.plot(*view.pixels(marks.points).T, **look)
 
 
-def _write(axes: Axes, view: View, labels: Sequence[Label]) -> None:
-    """Texts, each on its point or where it covers the fewest others, with a line to it."""
-    taken: list[Array] = []
+def _write_labels(axes: Axes, view: View, labels: Sequence[Label]) -> None:
+    """Write each label at its point, or beside it with a line, overlapping the others least."""
+    occupied: list[Array] = []
     for label in labels:
         (point,) = view.pixels(label.place[None])
-        half = 0.5 * _PER_POINT * _TEXT * np.array([0.62 * len(label.text), 1.25])
-        spots = [point]
+        half_size = 0.5 * _PER_POINT * _TEXT * np.array([0.62 * len(label.text), 1.25])
+        centres = [point]
         if label.beside:
-            spots = [
-                point + np.array(side) * (half + 7.0 * _PER_POINT * away)
-                for away in (1.0, 2.0, 3.5)
+            centres = [
+                point + np.array(side) * (half_size + 7.0 * _PER_POINT * distance)
+                for distance in (1.0, 2.0, 3.5)
                 for side in ((1, -1), (-1, -1), (1, 1), (-1, 1), (0, -1), (0, 1), (1, 0), (-1, 0))
             ]
-        boxes = [np.concatenate([spot - half, spot + half]) for spot in spots]
-        best = int(np.argmin([_covered(box, taken) + 1e-3 * i for i, box in enumerate(boxes)]))
-        taken.append(boxes[best])
+        boxes = [np.concatenate([centre - half_size, centre + half_size]) for centre in centres]
+        # The small term prefers the first of equally good centres.
+        costs = [_overlap(box, occupied) + 1e-3 * number for number, box in enumerate(boxes)]
+        best = int(np.argmin(costs))
+        occupied.append(boxes[best])
         line = {"arrowstyle": "-", "color": label.colour, "lw": 0.4, "shrinkA": 0, "shrinkB": 1}
         axes.annotate(
             label.text,
             xy=tuple(point),
-            xytext=tuple(spots[best]),
+            xytext=tuple(centres[best]),
             ha="center",
             va="center",
             fontsize=_TEXT,
@@ -208,75 +215,78 @@ def _write(axes: Axes, view: View, labels: Sequence[Label]) -> None:
         )
 
 
-def _covered(box: Array, taken: Sequence[Array]) -> float:
-    """Share of the box (low, high) that lies on others."""
+def _overlap(box: Array, boxes: Sequence[Array]) -> float:
+    """Share of the box (low, high) that other boxes cover."""
     area = 0.0
-    for other in taken:
+    for other in boxes:
         sides = np.minimum(box[2:], other[2:]) - np.maximum(box[:2], other[:2])
         area += float(np.prod(np.maximum(sides, 0.0)))
     return area / float(np.prod(box[2:] - box[:2]))
 
 
-def _triad(axes: Axes, view: View, place: tuple[float, float]) -> None:
-    """The directions of x, y and z from `place` (shares of width and height).
+def _draw_triad(axes: Axes, view: View, corner: tuple[float, float]) -> None:
+    """Draw the directions of x, y and z from `corner` (shares of width and height).
 
-    An axis that points nearly along the line of sight is left out.
+    An axis nearly along the line of sight is left out.
     """
-    origin = np.array(place) * view.size
+    origin = np.array(corner) * view.size
     for name, direction in zip("xyz", np.eye(3), strict=True):
-        seen = np.array([direction @ view.right, -(direction @ view.up)])
-        size = float(np.linalg.norm(seen))
+        projection = np.array([direction @ view.right, -(direction @ view.up)])
+        size = float(np.linalg.norm(projection))
         if size < 0.4:
             continue
         axes.annotate(
             "",
-            tuple(origin + _PER_POINT * _TRIAD * seen),
+            tuple(origin + _PER_POINT * _TRIAD * projection),
             xytext=tuple(origin),
             arrowprops={"arrowstyle": "-|>", "color": "black", "lw": 1.1, "shrinkA": 0},
         )
-        tip = origin + _PER_POINT * (_TRIAD + 8.0 / size) * seen
+        tip = origin + _PER_POINT * (_TRIAD + 8.0 / size) * projection
         axes.text(tip[0], tip[1], name, ha="center", va="center", fontsize=9.0)
 
 
 def clear_corner(scene: Scene, view: View) -> tuple[float, float]:
-    """The first place for a triad that no body covers, else the one farthest from all."""
-    drawn = view.pixels(np.vstack([body.surface.points for body in scene.bodies]))
+    """First corner for the triad that no body covers, otherwise the one farthest from bodies."""
+    points = view.pixels(np.vstack([body.surface.points for body in scene.bodies]))
 
-    def away(place: tuple[float, float]) -> float:
-        centre = np.array(place) * view.size + 0.75 * _PER_POINT * _TRIAD * np.array([1.0, -1.0])
-        return float(np.linalg.norm(drawn - centre, axis=1).min()) / _PER_POINT
+    def distance(corner: tuple[float, float]) -> float:
+        centre = np.array(corner) * view.size + 0.75 * _PER_POINT * _TRIAD * np.array([1.0, -1.0])
+        return float(np.linalg.norm(points - centre, axis=1).min()) / _PER_POINT
 
-    clear = [place for place in _CORNERS if away(place) > _CLEAR]
-    return clear[0] if clear else max(_CORNERS, key=away)
+    clear = [corner for corner in _CORNERS if distance(corner) > _CLEARANCE]
+    return clear[0] if clear else max(_CORNERS, key=distance)
 
 
 def _colour_bar(picture: Canvas, axes: Axes, scene: Scene) -> None:
-    """A horizontal colour bar under the axes, unit in its label."""
+    """Draw a horizontal colour bar under the axes, with the unit in its label."""
     mappable = mpl.cm.ScalarMappable(mpl.colors.Normalize(*scene.limits), COLOUR_MAP)
-    place: dict[str, Any] = {"fraction": 0.05, "pad": 0.02, "aspect": 28.0, "shrink": 0.8}
-    bar = picture.colorbar(mappable, ax=axes, orientation="horizontal", **place)
+    layout: dict[str, Any] = {"fraction": 0.05, "pad": 0.02, "aspect": 28.0, "shrink": 0.8}
+    bar = picture.colorbar(mappable, ax=axes, orientation="horizontal", **layout)
     bar.set_label(scene.bar)
     bar.outline.set_visible(False)
 
 
 def _png_of(picture: Canvas) -> bytes:
-    """The picture as PNG in 256 dithered colours, half the size of full colour; no date in it."""
+    """PNG with 256 dithered colours and without date. It is half as large as in full colour."""
     from PIL import Image  # noqa: PLC0415  comes with matplotlib, needed for pictures alone
 
     picture.set_dpi(DOTS_PER_INCH)
-    drawn: Any = FigureCanvasAgg(picture)  # untyped in matplotlib
-    drawn.draw()
-    colours = Image.fromarray(np.asarray(drawn.buffer_rgba())).convert("RGB")
-    # A sixteenth of the pixels has the same colours: choosing 256 of them is the slow part.
-    reduced = colours.resize((colours.width // 4, colours.height // 4)).quantize(256 - len(_SMALL))
-    # Marks and arrows are too small to be among them.
-    own = [round(255.0 * share) for colour in _SMALL for share in mpl.colors.to_rgb(colour)]
-    reduced.putpalette([*(reduced.getpalette() or [])[: 3 * (256 - len(_SMALL))], *own])
+    canvas: Any = FigureCanvasAgg(picture)  # untyped in matplotlib
+    canvas.draw()
+    colours = Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
+    # The palette is chosen from a sixteenth of the pixels, which saves most of the time.
+    count = 256 - len(_MARK_COLOURS)
+    reduced = colours.resize((colours.width // 4, colours.height // 4)).quantize(count)
+    # Marks and arrows are too small to affect the choice: their colours are added.
+    mark_colours = [
+        round(255.0 * share) for colour in _MARK_COLOURS for share in mpl.colors.to_rgb(colour)
+    ]
+    reduced.putpalette([*(reduced.getpalette() or [])[: 3 * count], *mark_colours])
     reduced = colours.quantize(palette=reduced, dither=Image.Dither.FLOYDSTEINBERG)
-    # Without tints of white: a palette of means shades the background.
+    # Tints of white become white, because a palette of means shades the background.
     palette = np.array(reduced.getpalette() or []).reshape(-1, 3)
     palette[palette.min(axis=1) >= _NEARLY_WHITE] = 255
     reduced.putpalette([int(value) for value in palette.ravel()])
-    small = io.BytesIO()
-    reduced.save(small, format="png", optimize=True)
-    return small.getvalue()
+    content = io.BytesIO()
+    reduced.save(content, format="png", optimize=True)
+    return content.getvalue()

@@ -1,6 +1,7 @@
-"""A scene: bodies and lines in space, what is written on them, and from where they are seen.
+"""Scenes: bodies and lines in space with marks, labels and a camera.
 
-`rendering` takes its picture, `turnable` makes of it what a browser turns.
+`rendering` draws pictures of scenes. `turnable` encodes them for a browser, in which they can be
+turned.
 """
 
 from collections.abc import Sequence
@@ -14,19 +15,20 @@ from validation.drawing.style import WIDTH
 from validation.drawing.surfaces import Surface
 
 GREY, DARK = "#b8bcc2", "#4a4f57"
-_MARGIN = 0.07  # free share of a picture on each side
+_MARGIN = 0.07  # empty share of a picture on each side
+# Camera above the x-y plane: direction towards the viewer, and upward direction.
 ABOVE = (np.array([0.0, 0.0, 1.0]), np.array([0.0, 1.0, 0.0]))
 
-# How what is displaced moves: a mode swings to both sides, a load pushes to one and lets go.
+# Animation of displacements: a mode swings to both sides, a load pushes to one side and releases.
 Motion: TypeAlias = Literal["swing", "push"]
 MarkKind: TypeAlias = Literal["square", "dot", "cross", "ground"]
 
 
 @dataclass(frozen=True, eq=False)
 class DrawnBody:
-    """A surface, coloured by `values` of its points (n) where it has any.
+    """Surface with one colour, or coloured by `values` (n) at its points.
 
-    `motion` (n×3, m) is how far its points are drawn from where they are at rest, if they move.
+    `motion` (n×3, m) are the largest displacements of its points. None if it does not move.
     """
 
     surface: Surface
@@ -37,7 +39,7 @@ class DrawnBody:
 
 @dataclass(frozen=True, eq=False)
 class Wire:
-    """Straight pieces between pairs (e×2) of points (n×3, m); `width` in pixels."""
+    """Straight lines between pairs (e×2) of points (n×3, m). `width` in pixels."""
 
     points: Array
     pairs: IntArray
@@ -48,7 +50,7 @@ class Wire:
 
 @dataclass(frozen=True, eq=False)
 class Marks:
-    """Signs of one kind at points (n×3, m), on top of everything."""
+    """Symbols of one kind at points (n×3, m), in front of all bodies."""
 
     points: Array
     kind: MarkKind
@@ -57,7 +59,7 @@ class Marks:
 
 @dataclass(frozen=True, eq=False)
 class Arrow:
-    """An arrow between two points (3, m)."""
+    """Arrow between two points (3, m)."""
 
     tail: Array
     head: Array
@@ -66,7 +68,7 @@ class Arrow:
 
 @dataclass(frozen=True, eq=False)
 class Label:
-    """A text at a point (3, m), or beside it where it covers the fewest others."""
+    """Text at a point (3, m). If `beside`, it is moved beside the point to overlap others least."""
 
     text: str
     place: Array
@@ -77,10 +79,11 @@ class Label:
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """What one panel shows, seen from `camera`: the direction (3) of the viewer, and upwards (3).
+    """Contents of one panel, and `camera`: directions to the viewer (3) and upwards (3).
 
-    `limits` are the values at both ends of the colours, whose bar has the label `bar`. `turned`
-    joins it where it is turned, `inside` (n×3, m) are further points that must be seen.
+    `limits` are the values at both ends of the colour map, `bar` is the label of its bar. `turned`
+    are bodies and lines of the turnable scene only. `inside` (n×3, m) are further points that must
+    be within the picture.
     """
 
     bodies: Sequence[DrawnBody]
@@ -97,17 +100,17 @@ class Scene:
     inside: Sequence[Array] = ()
 
     def view(self, size: tuple[int, int]) -> "View":
-        """The view that fills a picture of `size` pixels."""
+        """View in which the scene fills a picture of `size` pixels."""
         points = np.vstack([*(body.surface.points for body in self.bodies), *self.inside])
         return fitted_view(points, *self.camera, size)
 
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """Camera at infinity.
+    """Parallel projection onto a picture of `size` pixels (width, height).
 
-    Unit vectors `right`, `up`, `toward` (to the viewer); `centre` (3, m) is shown in the middle of
-    a picture of `size` pixels (width, height), which shows `half_height` (m) above and below it.
+    Unit vectors `right`, `up` and `toward` (to the viewer). `centre` (3, m) is in the middle of the
+    picture, which extends `half_height` (m) above and below it.
     """
 
     right: Array
@@ -118,7 +121,7 @@ class View:
     size: tuple[int, int]
 
     def pixels(self, points: Array) -> Array:
-        """Where points (n×3, m) come to lie (n×2, pixels from the left and from the top)."""
+        """Positions of points (n×3, m) in the picture (n×2, pixels from the left and the top)."""
         offset = np.asarray(points, dtype=float) - self.centre
         scale = self.size[1] / (2.0 * self.half_height)
         x = self.size[0] / 2.0 + scale * (offset @ self.right)
@@ -127,7 +130,7 @@ class View:
 
 
 def fitted_view(points: Array, toward: Array, up: Array, size: tuple[int, int]) -> View:
-    """The view from `toward` (3) that shows all `points` (n×3, m); `up` (3) points upwards."""
+    """View from direction `toward` (3) with all `points` (n×3, m) in it. `up` (3) is upwards."""
     toward = np.asarray(toward, dtype=float) / np.linalg.norm(toward)
     right = np.cross(up, toward)
     right /= np.linalg.norm(right)
@@ -148,14 +151,14 @@ def fitted_view(points: Array, toward: Array, up: Array, size: tuple[int, int]) 
     )
 
 
-def readable_factor(largest: float, wanted: float) -> float:
-    """Factor 1, 2 or 5 · 10ᵏ that brings `largest` closest below `wanted` (same unit).
+def readable_factor(largest: float, target: float) -> float:
+    """Largest factor 1, 2 or 5 · 10ᵏ with which `largest` stays below `target` (same unit).
 
-    1 where nothing moves.
+    1 if `largest` is zero.
     """
     if not largest > 0.0:
         return 1.0
-    exact = wanted / largest
+    exact = target / largest
     decade = 10.0 ** np.floor(np.log10(exact))
     steps = np.array([1.0, 2.0, 5.0])
     # Rounding must not turn an exact 5 into 2.

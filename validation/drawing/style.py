@@ -1,8 +1,8 @@
-"""One style for all plots: a model has the same colour, marker and line wherever it appears.
+"""Style of all plots: a model has the same colour, marker and line in all figures.
 
-Colours of Okabe and Ito (Color Universal Design, 2008), told apart by colour-blind readers; line
-style and marker tell the models apart in black and white. Text is drawn as outlines, so that a
-plot looks the same everywhere, and equal plots give equal files.
+Colours are those of Okabe and Ito (Color Universal Design, 2008), which colour-blind readers can
+distinguish. In black and white, line style and marker distinguish the models. Text is drawn as
+outlines, so that a plot looks the same on all machines and equal plots give equal files.
 """
 
 import csv
@@ -17,11 +17,12 @@ from typing import Any
 WIDTH = 7.4  # in, of every plot
 BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
 YELLOW, BLUE, VERMILLION, PURPLE = "#F0E442", "#0072B2", "#D55E00", "#CC79A7"
-COLOUR_MAP = "viridis"  # told apart by colour-blind readers, and light against dark in grey
+COLOUR_MAP = "viridis"  # legible for colour-blind readers, and monotonic in grey
 BROWN = "#6B4226"  # dark, as orange and vermillion are not
 
-# Beginnings of cells that spreadsheets take for formulas (OWASP, CSV injection), in the wide forms
-# of East Asian text, too; and texts that are numbers, coordinates or percentages all the same.
+# First characters of cells that spreadsheets evaluate as formulas (OWASP, CSV injection), also in
+# the wide forms of East Asian text; pattern of such texts that are numbers, coordinates or
+# percentages and stay unchanged.
 _FORMULA = ("=", "+", "-", "@", "\uff1d", "\uff0b", "\uff0d", "\uff20")
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?"
 _NUMBERS = re.compile(rf"{_NUMBER}(?:[, ]+{_NUMBER})*(?:\s?%)?", re.IGNORECASE)
@@ -29,14 +30,14 @@ _NUMBERS = re.compile(rf"{_NUMBER}(?:[, ]+{_NUMBER})*(?:\s?%)?", re.IGNORECASE)
 
 @dataclass(frozen=True)
 class Look:
-    """How a curve is drawn."""
+    """Colour, marker and line style of a curve."""
 
     colour: str
     marker: str
     line: str = "-"
 
 
-# Every model and reference of every figure by its name; no two have the same marker and line.
+# Looks of all models and references by name. No two have the same marker and line.
 LOOKS: Mapping[str, Look] = {
     "simplified": Look("#666666", "x", ":"),
     "vjm": Look(BLUE, "o", "--"),
@@ -49,8 +50,8 @@ LOOKS: Mapping[str, Look] = {
     "segments-condensed": Look(SKY, "X", "-."),
     "beam": Look(GREEN, "^", "-."),
     "beam-euler-bernoulli": Look(GREEN, "P", ":"),
-    # References: rigid ends and interfaces, or as the file says; free or averaged ones; with the
-    # masses that legs known by a 6×6 plausibly have.
+    # References: ends and interfaces rigid or as specified in the robot file; free or averaged;
+    # with the plausible mass distributions of legs known by a 6×6.
     "solid": Look(VERMILLION, "D"),
     "solid, free": Look(VERMILLION, "p", "--"),
     "legs' own 6×6": Look(BLACK, "H"),
@@ -60,25 +61,25 @@ LOOKS: Mapping[str, Look] = {
     "measured response": Look(BLACK, "d"),
     "tetrahedra, held ends": Look(SKY, "^"),
     "tetrahedra, free ends": Look(SKY, "v", "--"),
-    # Of comparisons: the difference as measured, and what no cause explains of it.
+    # Comparisons: the difference, and the uncertainty of its unexplained part.
     "difference E": Look(BLACK, "D", "none"),
     "numerical uncertainty of both sides": Look(BLACK, "o", "none"),
     "slope": Look("#999999", ""),
-    # Of convergence with element count: its limits, and the layout of the paper's text.
+    # Convergence with element count: the paper's layout, and the stated limits.
     "segments, literal layout": Look(VERMILLION, "h", "--"),
     "segments-euler-bernoulli, literal layout": Look(VERMILLION, "8", ":"),
     "stated error": Look("#777777", "", "--"),
     "stated count": Look("#777777", "", ":"),
 }
-# Names in the figures of the paper.
-_AS_WELL = {
+# Names of `LOOKS` by the labels in the figures of the paper and of meshes.
+_LABELS = {
     "VJM, legs as given": "vjm",
     "VJM, equivalent legs": "vjm-equivalent",
     "beam FE": "beam",
     "hexahedra, held ends": "solid",
     "hexahedra, free ends": "solid, free",
 }
-# Fills of bars by what they stand for; anything else takes the first colours that are free.
+# Fill colours of bars by label. Other labels have the first unused colours of `_OTHER_FILLS`.
 FILLS: Mapping[str, str] = {
     "drives": BLUE,
     "give of joints": GREEN,
@@ -93,18 +94,19 @@ _OTHER_FILLS = (
     *(BLUE, ORANGE, GREEN, PURPLE, SKY, "#666666", YELLOW),
     *("#8c6d46", "#b9a7d6", "#7f9f3f", "#444444", "#a8c7c9", "#c98ca7", "#5b5ea6"),
 )
-# End conditions in names of references, which look as references with rigid ends or free ones.
-_HELD: Mapping[str, str] = {
+# Suffix of the look by the end conditions in the name of a reference.
+_END_CONDITIONS: Mapping[str, str] = {
     f"{bodies} {ends}": free
     for bodies in ("ends", "interfaces", "ends and interfaces")
     for ends, free in {"as given": "", "rigid": "", "free": ", free", "averaged": ", free"}.items()
 }
 _MASS = "mass along the legs"
 _REFERENCES: Mapping[str, str] = {
-    **{f"solid, {held}": f"solid{free}" for held, free in _HELD.items()},
-    **{f"{held}, {_MASS}": f"{_MASS}{free}" for held, free in _HELD.items()},
+    **{f"solid, {ends}": f"solid{free}" for ends, free in _END_CONDITIONS.items()},
+    **{f"{ends}, {_MASS}": f"{_MASS}{free}" for ends, free in _END_CONDITIONS.items()},
 }
-# For curves that are no models (modes, components), unlike any of these; yellow is too pale.
+# Looks of curves that are no models (modes, components), different from those above. Yellow is too
+# pale.
 OTHERS: tuple[Look, ...] = (
     Look(BLUE, "o"),
     Look(VERMILLION, "s", "-."),
@@ -116,25 +118,25 @@ OTHERS: tuple[Look, ...] = (
 )
 
 
-def known_as(name: str) -> str:
-    """The entry in `LOOKS` of a model or of an alternative of the reference, else the name."""
-    return _AS_WELL.get(name) or _REFERENCES.get(name, name)
+def look_key(name: str) -> str:
+    """Key in `LOOKS` of a model or of a reference under some reading. Other names are unchanged."""
+    return _LABELS.get(name) or _REFERENCES.get(name, name)
 
 
 def looks_of(names: Iterable[str]) -> Mapping[str, Look]:
-    """A look for every name: that of the model in `LOOKS`, else one that no other has."""
-    others = cycle(OTHERS)
-    return {name: LOOKS.get(known_as(name)) or next(others) for name in dict.fromkeys(names)}
+    """Look of each name: that of the model in `LOOKS`, otherwise an unused one."""
+    other_looks = cycle(OTHERS)
+    return {name: LOOKS.get(look_key(name)) or next(other_looks) for name in dict.fromkeys(names)}
 
 
 def fills_of(names: Collection[str]) -> Mapping[str, str]:
-    """A colour for every name: its own in `FILLS`, else one that no other of them has."""
-    taken = {FILLS[name] for name in names if name in FILLS}
-    free = cycle([colour for colour in _OTHER_FILLS if colour not in taken])
-    return {name: FILLS.get(name) or next(free) for name in dict.fromkeys(names)}
+    """Fill colour of each name: that in `FILLS`, otherwise an unused one."""
+    used = {FILLS[name] for name in names if name in FILLS}
+    unused = cycle([colour for colour in _OTHER_FILLS if colour not in used])
+    return {name: FILLS.get(name) or next(unused) for name in dict.fromkeys(names)}
 
 
-# Any: the type of the settings is a list of all their names, which says no more.
+# Any: matplotlib's type of the settings is a list of all their names.
 _SETTINGS: Any = {
     "svg.fonttype": "path",
     "svg.hashsalt": "flexproof",
@@ -161,26 +163,27 @@ _SETTINGS: Any = {
 
 @contextmanager
 def plot_style() -> Iterator[None]:
-    """The style of all plots while the context lasts; create, draw and save inside it."""
+    """Context with the style of all plots. Create, draw and save plots inside it."""
     from matplotlib import rc_context  # noqa: PLC0415  slow to import, and makes folders
 
     with rc_context(_SETTINGS):
         yield
 
 
-def marked(points: int, rank: int, ranks: int) -> tuple[int, int]:
-    """Which of `points` points carry a marker of line `rank` of `ranks`: the first, and every nth.
+def marker_positions(points: int, rank: int, ranks: int) -> tuple[int, int]:
+    """First point with a marker, and spacing of markers, for line number `rank` of `ranks`.
 
-    About four per line, and no point has markers of two lines while there are points enough.
+    Each line of `points` points has about four markers. If there are enough points, none has
+    markers of two lines.
     """
     spacing = max(ranks, (points - 1) // 4)
     return (round(rank * spacing / ranks) if points >= ranks else rank % points), spacing
 
 
 def csv_of(columns: Mapping[str, Sequence[float | str | None]]) -> str:
-    """Columns of equal length as CSV, numbers with all their digits, nothing for None.
+    """Columns of equal length as CSV. Numbers have all their digits; None is an empty cell.
 
-    A text that a spreadsheet would compute gets an apostrophe in front, which makes it a text.
+    A text that a spreadsheet would evaluate as a formula gets an apostrophe in front.
     """
     buffer = io.StringIO()
     writer = csv.writer(buffer, lineterminator="\n")

@@ -1,4 +1,4 @@
-"""Surfaces of points and quadrangles: prisms, balls and plates; arrays in, arrays out."""
+"""Surfaces of quadrangles: prisms, balls and plates."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -7,14 +7,15 @@ import numpy as np
 
 from lumped.arrays import Array, IntArray
 
+# Circles of latitude of a ball; corners of a circle.
 _RINGS, _FACETS = 9, 20
 
 
 @dataclass(frozen=True, eq=False)
 class Surface:
-    """Points (n×3, m), quadrangles (q×4 point numbers) and the edges (e×2) that are drawn as lines.
+    """Points (n×3, m), quadrangles (q×4 point numbers) and edges (e×2) that are drawn as lines.
 
-    A triangle is a quadrangle that has its last corner twice.
+    A triangle is a quadrangle with its last corner repeated.
     """
 
     points: Array
@@ -22,27 +23,27 @@ class Surface:
     edges: IntArray
 
     def placed(self, origin: Array, rotation: Array) -> "Surface":
-        """In the axes in which its own are `rotation` (3×3) at `origin` (3, m)."""
+        """Surface rotated by `rotation` (3×3), then moved by `origin` (3, m)."""
         return replace(self, points=origin + self.points @ rotation.T)
 
     def moved(self, displacements: Array) -> "Surface":
-        """With its points displaced (n×3, m)."""
+        """Surface with displaced points (n×3, m)."""
         return replace(self, points=self.points + displacements)
 
 
 def prism(
     corners: Array, stations: Array, bore: Array | None = None, *, rims: bool = False
 ) -> Surface:
-    """A prism along x with an outline of k `corners` (k×2, y and z, k even), normals outwards.
+    """Prism along x with an outline of k `corners` (k×2, y and z, k even), normals outwards.
 
-    Cut at `stations` (m); a `bore` (k×2) is seen at both ends. Its edges are the rims of both ends,
-    or of all stations, and four or fewer along it.
+    It is divided at `stations` (m). A `bore` (k×2) is open at both ends. Edges are the outlines of
+    both ends, or with `rims` of all stations, and at most four lines along the prism.
     """
     count, last = len(corners), len(stations) - 1
     sides = _sides(count, len(stations))
     ring = np.arange(count)
-    kept = [0, *range(1, last), last] if rims else [0, last]
-    edges = [np.column_stack([ring, np.roll(ring, -1)]) + count * number for number in kept]
+    outlined = [0, *range(1, last), last] if rims else [0, last]
+    edges = [np.column_stack([ring, np.roll(ring, -1)]) + count * number for number in outlined]
     lengthwise = ring if count <= 4 else ring[:: count // 4]
     edges += [np.column_stack([lengthwise, lengthwise + count]) + count * k for k in range(last)]
     points = _along(corners, stations)
@@ -50,7 +51,7 @@ def prism(
         strips = np.array([[k, k + 1, count - 2 - k, count - 1 - k] for k in range(count // 2 - 1)])
         caps = [strips[:, ::-1], strips + count * last]
     else:
-        # Between the outline's rims and those of the bore, which come after all other points.
+        # End faces between the outline and the bore, whose points follow all others.
         following, inner = np.roll(ring, -1), len(points)
         points = np.vstack([points, _along(bore, stations[[0, -1]])])
         near = np.column_stack([following, ring, inner + ring, inner + following])
@@ -60,17 +61,17 @@ def prism(
 
 
 def ball(radius: float) -> Surface:
-    """A ball (m) about the origin, normals outwards."""
-    turn = np.linspace(np.pi, 0.0, _RINGS)
+    """Ball of a radius (m) about the origin, normals outwards."""
+    polar_angles = np.linspace(np.pi, 0.0, _RINGS)
     rings = [
-        radius * np.column_stack([np.sin(t) * circle(1.0), np.full(_FACETS, np.cos(t))])
-        for t in turn
+        radius * np.column_stack([np.sin(angle) * circle(1.0), np.full(_FACETS, np.cos(angle))])
+        for angle in polar_angles
     ]
     return Surface(np.vstack(rings), _sides(_FACETS, _RINGS), np.zeros((0, 2), dtype=np.int64))
 
 
 def plate(rim: Array) -> Surface:
-    """A flat polygon (n×3, m) with its middle within."""
+    """Flat polygon with corners `rim` (n×3, m) that contains their mean."""
     count = len(rim)
     ring = np.arange(count)
     edges = np.column_stack([ring, np.roll(ring, -1)])
@@ -79,7 +80,7 @@ def plate(rim: Array) -> Surface:
 
 
 def faceted(points: Array, faces: Sequence[IntArray]) -> Surface:
-    """Faces of triangles or quadrangles (f×c point numbers each), with the edges between them."""
+    """Surface of faces, each of triangles or quadrangles (f×c point numbers), with their edges."""
     return Surface(
         points,
         np.vstack([face[:, [0, 1, 2, -1]] for face in faces]),
@@ -88,36 +89,36 @@ def faceted(points: Array, faces: Sequence[IntArray]) -> Surface:
 
 
 def _rim(corners: IntArray) -> IntArray:
-    """Edges (e×2) of the facets (f×c) of a face that one of them alone has."""
+    """Edges (e×2) that belong to one facet only, of the facets (f×c) of a face."""
     sides = np.stack([corners, np.roll(corners, -1, axis=1)], axis=2).reshape(-1, 2)
     edges, counts = np.unique(np.sort(sides, axis=1), axis=0, return_counts=True)
     return np.asarray(edges[counts == 1])
 
 
 def joined(surfaces: Sequence[Surface]) -> Surface:
-    """Several as one."""
-    begun = np.cumsum([0, *(len(one.points) for one in surfaces)])
+    """One surface from several."""
+    offsets = np.cumsum([0, *(len(surface.points) for surface in surfaces)])[:-1]
     return Surface(
-        np.vstack([one.points for one in surfaces]),
-        np.vstack([one.faces + k for one, k in zip(surfaces, begun[:-1], strict=True)]),
-        np.vstack([one.edges + k for one, k in zip(surfaces, begun[:-1], strict=True)]),
+        np.vstack([surface.points for surface in surfaces]),
+        np.vstack([surface.faces + k for surface, k in zip(surfaces, offsets, strict=True)]),
+        np.vstack([surface.edges + k for surface, k in zip(surfaces, offsets, strict=True)]),
     )
 
 
 def circle(radius: float) -> Array:
-    """Corners (n×2, m) of a polygon in place of a circle."""
+    """Corners (n×2, m) of a regular polygon that approximates a circle."""
     angles = 2.0 * np.pi * np.arange(_FACETS) / _FACETS
     return radius * np.column_stack([np.cos(angles), np.sin(angles)])
 
 
 def rectangle(width: float, height: float) -> Array:
-    """Corners (4×2, m)."""
+    """Corners (4×2, m) of a rectangle about the origin."""
     return 0.5 * np.array([[-width, -height], [width, -height], [width, height], [-width, height]])
 
 
 def _along(corners: Array, stations: Array) -> Array:
-    along = np.repeat(stations, len(corners))
-    return np.column_stack([along, np.tile(corners, (len(stations), 1))])
+    x = np.repeat(stations, len(corners))
+    return np.column_stack([x, np.tile(corners, (len(stations), 1))])
 
 
 def _sides(corners: int, stations: int) -> IntArray:

@@ -1,4 +1,4 @@
-"""Numbers, names and files as the page shows them."""
+"""Numbers, names and files as text for the report."""
 
 import re
 from base64 import b64encode
@@ -16,14 +16,14 @@ from validation.verdicts import EntryRecord
 
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _MINUS = "−"
-# Ratios below this are rounding: their digits say nothing.
+# Ratios below this are rounding, with meaningless digits.
 _ROUNDING = 1e-8
-# Half-widths below this share of the reference are not shown.
-_WORTH_SHOWING = 5e-4
+# Share of the reference below which half-widths are not written.
+_SMALLEST_SPREAD = 5e-4
 
 
 def number(value: Any, digits: int = 5) -> str:
-    """A number with `digits` significant ones: "1.06 × 10⁻⁶", "0.4975"; texts stay as they are."""
+    """Number with `digits` significant digits: "1.06 × 10⁻⁶", "0.4975". Texts are unchanged."""
     if value is None:
         return "–"
     if isinstance(value, str):
@@ -36,17 +36,20 @@ def number(value: Any, digits: int = 5) -> str:
         return mantissa
     if 0 < int(exponent) < 6:
         return f"{float(f'{value:.{digits}g}'):.0f}".replace("-", _MINUS)
-    # No-break spaces: a number is never torn apart.
+    # No-break spaces prevent a line break within a number.
     return f"{mantissa}\u00a0×\u00a0{power_of_ten(int(exponent))}"
 
 
 def power_of_ten(exponent: int) -> str:
-    """As in print: "10⁻⁶"."""
+    """Power of ten with superscripts: "10⁻⁶"."""
     return f"10{str(exponent).translate(_SUPERSCRIPTS)}"
 
 
 def engineering(value: float) -> tuple[float, str]:
-    """The number with its SI prefix, "n" to "": 1 to 1000 if a prefix reaches it."""
+    """Number and SI prefix, from "n" to "", with which the number is between 1 and 1000.
+
+    Values out of the range of the prefixes have smaller or larger numbers.
+    """
     for prefix, factor in (("", 1.0), ("m", 1e3), ("µ", 1e6)):
         if abs(value) * factor >= 1.0:
             return value * factor, prefix
@@ -54,7 +57,7 @@ def engineering(value: float) -> tuple[float, str]:
 
 
 def percent(fraction: float, *, signed: bool = True) -> str:
-    """A ratio as percentage with two significant digits: "+1.3 %", "−2 × 10⁻⁷ %", "120 %"."""
+    """Ratio as percentage with two significant digits: "+1.3 %", "−2 × 10⁻⁷ %", "120 %"."""
     if not isfinite(fraction):
         return ""
     if abs(fraction) < _ROUNDING:
@@ -64,86 +67,91 @@ def percent(fraction: float, *, signed: bool = True) -> str:
 
 
 def error_text(error: float, *, signed: bool = True) -> str:
-    """An error in percent, two digits, none behind hundredths; "0 %" below these."""
+    """Error in percent with two significant digits, rounded to hundredths of a percent."""
     return percent(round(error, 4), signed=signed)
 
 
 def spread_text(uncertainty: float | None) -> str:
-    """A half-width of an error: "± 0.3 %"; "" if it is too small to be shown."""
-    if uncertainty is None or uncertainty < _WORTH_SHOWING:
+    """Half-width of an error: "± 0.3 %". "" if it is below 0.05 %."""
+    if uncertainty is None or uncertainty < _SMALLEST_SPREAD:
         return ""
     return f"±\u00a0{error_text(uncertainty, signed=False)}"
 
 
 class ErrorText(Protocol):
-    """An error in percent, with its sign if it is `signed`."""
+    """Function that formats an error in percent, with its sign if it is `signed`."""
 
     def __call__(self, error: float, *, signed: bool = True) -> str:
-        """The text."""
+        """Format the error."""
 
 
 def error_parts(
-    stated: EntryRecord[Any, Any], *, named: bool = True, written: ErrorText = error_text
+    entry: EntryRecord[Any, Any], *, named: bool = True, written: ErrorText = error_text
 ) -> tuple[str, str]:
-    """An error and the half-width beside it as text; ("", "") without an error.
+    """Texts of an entry's error and of its half-width. ("", "") without an error.
 
-    Readings that lie farther apart than their half-width are shown as such, the lowest and the
-    highest, with their names if `named`. Of any other interval that contains zero the largest size
-    is the bound of the error: "below 4.4 %". An interval wider than the half-width is shown by its
-    ends, an infinite one as "without bound". What is left is an error with its half-width.
+    There are five forms. If readings differ by more than their half-width, the text has the lowest
+    and the highest error, with the names of the readings if `named`. Otherwise, if the interval
+    contains zero, it has the bound of the error: "below 4.4 %". If the interval is wider than the
+    half-width, it has the ends of the interval. If an end is infinite, it has the error "without
+    bound". In all other cases it has the error with the half-width. `written` formats the numbers.
     """
-    error, half = stated.error, stated.uncertainty or 0.0
+    error, half_width = entry.error, entry.uncertainty or 0.0
     if error is None:
         return "", ""
-    low = error - half if stated.low is None else stated.low
-    high = error + half if stated.high is None else stated.high
-    apart = _apart(stated, written, named=named)
-    far = apart and max(stated.readings.values()) - min(stated.readings.values()) > half
+    low = error - half_width if entry.low is None else entry.low
+    high = error + half_width if entry.high is None else entry.high
+    readings = _readings_text(entry, written, named=named)
+    differ = readings and max(entry.readings.values()) - min(entry.readings.values()) > half_width
     largest = max(abs(low), abs(high))
     if isinf(largest):
-        return written(error, signed=stated.signed), "without bound"
-    if low <= 0.0 <= high and not far and largest - abs(error) >= _WORTH_SHOWING:
+        return written(error, signed=entry.signed), "without bound"
+    if low <= 0.0 <= high and not differ and largest - abs(error) >= _SMALLEST_SPREAD:
         return f"below {written(largest, signed=False)}", ""
-    # More may be left open to one side, by other partners of a mode say.
-    if max(error - low, high - error) - half >= _WORTH_SHOWING and not apart:
-        return _range(low, high, written, signed=stated.signed), ""
-    spread = f"±\u00a0{written(half, signed=False)}" if half >= _WORTH_SHOWING else ""
-    return apart or written(error, signed=stated.signed), spread
+    # The interval may extend farther to one side, for example by other partners of a mode.
+    if max(error - low, high - error) - half_width >= _SMALLEST_SPREAD and not readings:
+        return _range(low, high, written, signed=entry.signed), ""
+    shown = half_width >= _SMALLEST_SPREAD
+    spread = f"±\u00a0{written(half_width, signed=False)}" if shown else ""
+    return readings or written(error, signed=entry.signed), spread
 
 
-def error_with_spread(stated: EntryRecord[Any, Any], written: ErrorText = error_text) -> str:
-    """An error in one text: "+1.2 % ± 0.3 %", "below 4.4 %"; readings with their names."""
-    return " ".join(filter(None, error_parts(stated, written=written)))
+def error_with_spread(entry: EntryRecord[Any, Any], written: ErrorText = error_text) -> str:
+    """Error in one text: "+1.2 % ± 0.3 %", "below 4.4 %"; readings with their names."""
+    return " ".join(filter(None, error_parts(entry, written=written)))
 
 
-def bound(stated: EntryRecord[Any, Any]) -> float:
-    """The largest size of an error that is left open."""
-    ends = (stated.error, stated.low, stated.high)
+def bound(entry: EntryRecord[Any, Any]) -> float:
+    """Largest size of the error that the reference allows."""
+    ends = (entry.error, entry.low, entry.high)
     return max(abs(end) for end in ends if end is not None)
 
 
-def _apart(stated: EntryRecord[Any, Any], written: ErrorText, *, named: bool) -> str:
-    """The lowest and the highest reading; "" if there is one, or both read alike."""
-    ranked = sorted(stated.readings.items(), key=lambda reading: reading[1])
+def _readings_text(entry: EntryRecord[Any, Any], written: ErrorText, *, named: bool) -> str:
+    """Errors under the lowest and the highest reading.
+
+    "" if there is one reading, or if the two texts are equal.
+    """
+    ranked = sorted(entry.readings.items(), key=lambda reading: reading[1])
     if len(ranked) < 2:
         return ""
     (first, low), (last, high) = ranked[0], ranked[-1]
-    texts = [written(one, signed=stated.signed) for one in (low, high)]
-    if texts[0] == texts[1] or high - low < _WORTH_SHOWING:
+    texts = [written(error, signed=entry.signed) for error in (low, high)]
+    if texts[0] == texts[1] or high - low < _SMALLEST_SPREAD:
         return ""
     if named:
         return f"{texts[0]} with {first}, {texts[1]} with {last}"
-    return _range(low, high, written, signed=stated.signed)
+    return _range(low, high, written, signed=entry.signed)
 
 
 def _range(low: float, high: float, written: ErrorText, *, signed: bool) -> str:
-    """Two errors with one sign of percent: "0 to 33 %"."""
+    """Range of errors with one percent sign: "0 to 33 %"."""
     first, last = (written(end, signed=signed) for end in (low, high))
     return f"{first.removesuffix('%').rstrip()} to {last}"
 
 
 def share_text(share: float) -> str:
-    """How much of the tolerance an error uses."""
+    """Share of the tolerance that an error uses."""
     if share < 0.0:
         return "inside the bound"
     if share > 1.0:
@@ -152,28 +160,28 @@ def share_text(share: float) -> str:
 
 
 def tolerance(allowed: Tolerance, unit: str) -> str:
-    """The tolerance as "±0.5 µm" or "±1 %"."""
+    """Tolerance as "±0.5 µm" or "±1 %"."""
     if isinstance(allowed, Absolute):
         return f"±{number(allowed.amount, 3)}\u00a0{unit}".removesuffix("\u00a01")
     return f"±{number(100.0 * allowed.fraction, 3)}\u00a0%"
 
 
 def seconds(time: float) -> str:
-    """A time in s or min."""
+    """Time in ms, s or min."""
     if time < 0.05:
         return f"{1000.0 * time:.0f} ms"
     return f"{time:.1f} s" if time < 100.0 else f"{time / 60.0:.1f} min"
 
 
 def anchor(identifier: str) -> str:
-    """An id as it may stand in a link."""
+    """Identifier in the form for a link."""
     return re.sub(r"[^\w.+-]+", "_", identifier).rstrip("_")
 
 
 def function_name(function: Callable[..., object]) -> str:
-    """Where a function is found: module and name, for a closure those of the outer function.
+    """Module and name of a function. For a closure those of the outer function.
 
-    A partial, and what wraps a function (functools.wraps), is told by that.
+    For a partial, or a wrapper made by functools.wraps, those of the wrapped function.
     """
     function = unwrap(function)
     while isinstance(function, partial):
@@ -184,19 +192,19 @@ def function_name(function: Callable[..., object]) -> str:
 
 
 def base64(content: bytes) -> str:
-    """Bytes as text that a page can carry."""
+    """Bytes as base64 text."""
     return b64encode(content).decode("ascii")
 
 
 def data_uri(content: str | bytes, kind: str) -> str:
-    """Content as a link that needs no file; `kind` as "text/csv;charset=utf-8"."""
+    """Content as a data URI with the media type `kind`, for example "text/csv;charset=utf-8"."""
     data = content.encode("utf-8") if isinstance(content, str) else content
     return f"data:{kind};base64,{base64(data)}"
 
 
 def inline_svg(figure: Figure) -> str:
-    """The figure's SVG with ids of its own, so that plots on one page do not mix them up."""
-    own = f"{anchor(figure.id)}--"
-    markup = re.sub(r'\bid="', f'id="{own}', figure.svg)
-    markup = re.sub(r'(href="#|url\(#)', rf"\g<1>{own}", markup)
+    """SVG of a figure with a prefix in all ids, so that ids of several plots on a page differ."""
+    prefix = f"{anchor(figure.id)}--"
+    markup = re.sub(r'\bid="', f'id="{prefix}', figure.svg)
+    markup = re.sub(r'(href="#|url\(#)', rf"\g<1>{prefix}", markup)
     return markup.replace("<svg ", f'<svg role="img" aria-label="{escape(figure.title)}" ', 1)

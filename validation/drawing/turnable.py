@@ -1,6 +1,6 @@
-"""Scenes that can be turned in a browser, each a compact and reproducible text for `viewer.js`.
+"""Scenes that can be turned in a browser, as compact and reproducible data for `viewer.js`.
 
-Neither OpenGL nor VTK is needed for them, so that they exist where pictures cannot be drawn.
+They need neither OpenGL nor VTK and therefore also exist on machines that cannot draw pictures.
 """
 
 import gzip
@@ -17,26 +17,28 @@ from validation.drawing.style import COLOUR_MAP
 from validation.drawing.text import base64
 from validation.exhibits import InteractiveScene
 
-# Of the picture that it opens with.
+# Size (pixels) of the first view.
 _SIZE = (400, 300)
 
 
 def turnable(scene: Scene) -> InteractiveScene:
-    """The scene with what joins it where it is turned; the camera starts as its view.
+    """Encode a scene, with the bodies and lines that only the turnable scene has.
 
-    A header in JSON and the numbers it points to, compressed. Equal scenes give equal bytes.
+    The first view is that of the scene's camera. The data are a header in JSON and the numbers to
+    which it refers, compressed. Equal scenes give equal bytes.
     """
     view, numbers = scene.view(_SIZE), _Numbers()
     header = {
         "title": scene.title,
         "motion": scene.motion,
         "camera": {
-            "axes": [one.tolist() for one in (view.right, view.up, view.toward)],
+            "axes": [axis.tolist() for axis in (view.right, view.up, view.toward)],
             "centre": view.centre.tolist(),
             "half": view.half_height,
         },
         "parts": [
-            numbers.part(one, scene.limits) for one in (*scene.bodies, *scene.wires, *scene.turned)
+            numbers.part(part, scene.limits)
+            for part in (*scene.bodies, *scene.wires, *scene.turned)
         ],
     }
     text = json.dumps(header).encode()
@@ -46,12 +48,12 @@ def turnable(scene: Scene) -> InteractiveScene:
 
 
 def viewer() -> str:
-    """The script that shows scenes, once for all of a page."""
+    """Script that draws scenes, needed once per page."""
     return files("validation.drawing").joinpath("viewer.js").read_text(encoding="utf-8")
 
 
 def page(scene: Scene, title: str) -> str:
-    """A page of its own that shows a scene, offline in any browser."""
+    """HTML page with one scene that opens offline in any browser."""
     state = base64(turnable(scene).state)
     head = '<meta charset="utf-8"><link rel="icon" href="data:,">'
     style = "#scene, canvas { position: fixed; inset: 0; width: 100%; height: 100%; }"
@@ -64,13 +66,13 @@ def page(scene: Scene, title: str) -> str:
 
 
 class _Numbers:
-    """Arrays one behind the other, each known by its first byte and its length."""
+    """Concatenated arrays. Each is identified by its first byte and its length."""
 
     def __init__(self) -> None:
         self.content = bytearray()
 
     def part(self, part: DrawnBody | Wire, limits: tuple[float, float]) -> dict[str, Any]:
-        """What the viewer is told of a part; points are multiples of a step finer than a pixel."""
+        """Header of a part for the viewer. Points are multiples of a step finer than a pixel."""
         import matplotlib as mpl  # noqa: PLC0415  slow to import, and makes folders
 
         colour = [round(255.0 * share) for share in mpl.colors.to_rgb(part.colour)]
@@ -91,9 +93,9 @@ class _Numbers:
         return {"step": step, "values": self.add(np.round(lengths / step), "<i2")}
 
     def add(self, values: Any, kind: str) -> tuple[int, int]:
-        """Where the values stand, and how many they are."""
+        """Append values. Returns their first byte and their number."""
         array = np.ascontiguousarray(values, dtype=kind)
-        place = len(self.content)
+        first_byte = len(self.content)
         self.content += array.tobytes()
         self.content += bytes(-len(self.content) % 4)
-        return place, array.size
+        return first_byte, array.size

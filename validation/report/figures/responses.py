@@ -87,7 +87,7 @@ def _chart(
     """
     size, phase, open_of = "size (µm/N)", "phase (°)", left_open or {}
     sizes = [
-        Series(name, x, 1e6 * np.abs(one), size, left_open=open_of.get(name))
+        Series(name, x, 1e6 * np.abs(one), size, interval=open_of.get(name))
         for name, one in found.items()
     ]
     angles = [

@@ -26,7 +26,7 @@ from validation.drawing.chart import (
     short_number,
 )
 from validation.drawing.plot import drawn_chart
-from validation.drawing.style import LOOKS, OTHERS, known_as, marked, plot_style
+from validation.drawing.style import LOOKS, OTHERS, look_key, marker_positions, plot_style
 from validation.models.loads.leg_masses import MASSES
 from validation.report.figures.adequacy import error_curves, measured_curves
 
@@ -151,9 +151,9 @@ def test_ticks_say_the_number_and_logarithmic_axes_have_plain_ones():
 
 
 def test_every_line_has_a_marker_even_where_there_are_more_lines_than_points():
-    assert [marked(1, rank, 3)[0] for rank in range(3)] == [0, 0, 0]
-    assert [marked(2, rank, 4)[0] for rank in range(4)] == [0, 1, 0, 1]
-    assert [marked(41, rank, 2) for rank in range(2)] == [(0, 10), (5, 10)]
+    assert [marker_positions(1, rank, 3)[0] for rank in range(3)] == [0, 0, 0]
+    assert [marker_positions(2, rank, 4)[0] for rank in range(4)] == [0, 1, 0, 1]
+    assert [marker_positions(41, rank, 2) for rank in range(2)] == [(0, 10), (5, 10)]
 
 
 def test_every_model_has_a_look_that_no_other_curve_has():
@@ -173,7 +173,7 @@ def test_alternatives_of_a_reference_have_looks_of_their_own():
     curves = [[f"solid, {name}" for name in names] for names in held]
     curves += [[f"{name}, {MASSES[0]}" for name in names] for names in held]
     for together in (*curves, ["solid", "solid, ends free"]):
-        found = [LOOKS[known_as(name)] for name in together]
+        found = [LOOKS[look_key(name)] for name in together]
         assert all(a != b for a, b in combinations(found, 2))
     for robot in ("five-bar", "examples/tapered-biglide/robot.toml"):
         assert tuple(holding(load_robot(robot).mechanism).alternatives) in held

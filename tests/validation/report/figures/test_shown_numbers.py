@@ -57,7 +57,7 @@ def test_band_of_a_response_is_that_of_the_middle_pose(robot, monkeypatch):
     assert sizes["solid"].y == pytest.approx([10.0, 20.0])
     # 10 (1 − 0.25) and 15 (1 − 0.5), 20 (1 − 0.125) and 30 (1 − 0.25): the lower ones below,
     # 10 (1 + 0.25) and 15 (1 + 0.5), 20 (1 + 0.125) and 30 (1 + 0.25): the higher ones above.
-    low, high = sizes["solid"].left_open
+    low, high = sizes["solid"].interval
     assert low == pytest.approx([7.5, 17.5])
     assert high == pytest.approx([22.5, 37.5])
     assert "with the tool at x = 0 m, y = 0.55 m" in shown.caption
@@ -71,7 +71,7 @@ def test_band_below_reaches_down_to_the_reading_that_is_least(robot, monkeypatch
     monkeypatch.setattr(responses, "dynamic_reference", lambda _: truth)
     shown = responses._response(Context(load_robot("five-bar"), "quick"), 0)
     (solid,) = shown.panels[0].series
-    assert solid.left_open == pytest.approx(np.array([[6.0, 12.0], [42.0, 84.0]]))
+    assert solid.interval == pytest.approx(np.array([[6.0, 12.0], [42.0, 84.0]]))
 
 
 def test_note_on_masses_has_numbers_of_the_middle_pose(robot):
