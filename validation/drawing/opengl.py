@@ -50,7 +50,7 @@ def _first_usable() -> str | None:
 
 
 def _windows() -> tuple[str, ...]:
-    """Classes of windows to try. EGL is first: it needs no display and, unlike X, writes nothing."""
+    """Classes of windows to try, first EGL, which needs no display and, unlike X, logs nothing."""
     user_choice = os.environ.get(WINDOW)
     if user_choice:
         return (user_choice,)
