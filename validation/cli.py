@@ -29,17 +29,17 @@ from validation.comparisons.command import converge
 from validation.console import streams
 from validation.console.docs import docs
 from validation.console.extras import extras
-from validation.console.streams import complain, say
+from validation.console.streams import write_messages, write_results
 from validation.console.typed import (
     AsJson,
     Force,
-    Place,
+    PathArgument,
     ProcessCount,
     RobotName,
     SolverName,
     WholeNumber,
-    require_apart,
-    require_place,
+    require_distinct,
+    require_writable,
 )
 from validation.export.command import export as export_model
 from validation.kinematics import commands as kinematics
@@ -73,20 +73,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
             signal.signal(signal.SIGTERM, _interrupted)
         with (
             _home(),
-            remarks_to(lambda remark: streams.mention(str(remark))),
+            remarks_to(lambda remark: streams.write_message(str(remark))),
             _own_variable(VARIABLE),
         ):
             return _run(list(sys.argv[1:] if arguments is None else arguments))
     except CycloptsError as error:
-        return complain([shortened(_one_line(error))], 2)
+        return write_messages([shortened(_one_line(error))], 2)
     except InputError as error:
-        return complain(error.faults, 2)
+        return write_messages(error.faults, 2)
     except (ComputationError, KeyboardInterrupt) as error:
-        return complain([str(error) or "interrupted"], 3)
+        return write_messages([str(error) or "interrupted"], 3)
     except MemoryError:
-        return complain(["memory ran out"], 3)
+        return write_messages(["memory ran out"], 3)
     except Exception as error:  # noqa: BLE001  whatever it is, code 1 would pass for a disagreement
-        return complain(
+        return write_messages(
             [
                 *"".join(format_exception(error)).splitlines(),
                 "this is a fault of flexproof itself; please report it",
@@ -142,7 +142,7 @@ def _run(arguments: list[str]) -> int:
     except OSError as error:
         # Help and version are printed elsewhere.
         if command.__module__.startswith("cyclopts"):
-            streams.lost(error)
+            streams.raise_lost_results(error)
         elif error.errno in EXHAUSTED:
             raise ComputationError(f"the system refuses: {error.strerror}") from error
         elif not _in_a_folder():
@@ -172,10 +172,10 @@ def run(
     *,
     preset: Literal["quick", "standard", "fine"] = "standard",
     only: str | None = None,
-    out: Place = Path("report"),
+    out: PathArgument = Path("report"),
     jobs: ProcessCount = None,
     resume: bool = False,
-    baseline: Place | None = None,
+    baseline: PathArgument | None = None,
     export: bool = False,
     cluster: str | None = None,
     accept: tuple[str, ...] = (),
@@ -183,7 +183,7 @@ def run(
     accuracy: float | None = None,
     inputs: float | None = None,
     strict: bool = False,
-    measured: Place | None = None,
+    measured: PathArgument | None = None,
     vary: tuple[str, ...] = (),
     solver: SolverName = None,
 ) -> int:
@@ -265,23 +265,23 @@ def run(
     try:
         gathered = validate(request, catalogue)
     except (StoreError, ComputationError) as error:
-        return complain([str(error), go_on], 3)
+        return write_messages([str(error), go_on], 3)
     except KeyboardInterrupt:
-        return complain(["interrupted", go_on], 3)
-    complain([*gathered.remarks, *summary.left_out(gathered)], 0)
+        return write_messages(["interrupted", go_on], 3)
+    write_messages([*gathered.remarks, *summary.left_out(gathered)], 0)
     changes, worsened = summary.changes(gathered)
     if said := [*summary.verdicts(gathered), *changes]:
-        say("\n".join(said))
-    say(f"report: {visible(str(gathered.path / 'report.html'))}")
+        write_results("\n".join(said))
+    write_results(f"report: {visible(str(gathered.path / 'report.html'))}")
     for line in (*summary.adequacy(gathered), *summary.cross_validation(gathered)):
-        say(line)
+        write_results(line)
     if gathered.unfinished:
-        complain(["interrupted", go_on], 3)
+        write_messages(["interrupted", go_on], 3)
     return max(gathered.standing.exit_code, int(worsened))
 
 
 @app.command
-def compare(before: Place, after: Place, *, json: AsJson = False) -> int:
+def compare(before: PathArgument, after: PathArgument, *, json: AsJson = False) -> int:
     """Say what changed between two runs; exit code 1 if a verdict worsened.
 
     Verdicts of two different robots (by name) are not compared: exit code 0.
@@ -305,9 +305,9 @@ def compare(before: Place, after: Place, *, json: AsJson = False) -> int:
     if not (comparison.seconds or judged or comparison.different_robots):
         raise InputError(f"{before} and {after} have no case in common: nothing compares them")
     if json:
-        say(dumps(as_dict(comparison), indent=1))
+        write_results(dumps(as_dict(comparison), indent=1))
     else:
-        say(as_text(*runs, comparison))
+        write_results(as_text(*runs, comparison))
     return 1 if comparison.worsened else 0
 
 
@@ -336,8 +336,8 @@ def solve(
     vary: tuple[str, ...] = (),
     jobs: ProcessCount = None,
     cluster: str | None = None,
-    csv: Place | None = None,
-    picture: Place | None = None,
+    csv: PathArgument | None = None,
+    picture: PathArgument | None = None,
     solver: SolverName = None,
     force: Force = False,
     json: AsJson = False,
@@ -411,9 +411,9 @@ def solve(
     request_solver(solver)
     if cluster is not None:
         require_extra("cluster", "--cluster")
-    require_place(csv, ".csv", force=force)
-    require_place(picture, ".png", force=force)
-    require_apart(csv, picture)
+    require_writable(csv, ".csv", force=force)
+    require_writable(picture, ".png", force=force)
+    require_distinct(csv, picture)
     robot_file = load_robot(robot)
     choices = {
         "legs": legs,
@@ -442,7 +442,7 @@ def solve(
     with stage(f"{model} model{size}", cost.seconds):
         long = cost.seconds > _PATIENCE
         solution = in_own_process(solved, question) if long else solved(question)
-    say(as_json(solution) if json else as_text(solution))
+    write_results(as_json(solution) if json else as_text(solution))
     return 0
 
 
@@ -465,15 +465,15 @@ def check(robot: RobotName) -> int:
 
         of_parts = parts_text(mechanism)
     findings = (*audit(robot_file), *paper_findings(robot_file), *robot_findings(mechanism))
-    say(audit_text(robot, mechanism, findings, reached))
+    write_results(audit_text(robot, mechanism, findings, reached))
     if of_parts:
-        say(of_parts)
+        write_results(of_parts)
     return 0
 
 
 @app.command
 def new(
-    file: Place,
+    file: PathArgument,
     *,
     robot_type: Annotated[RobotType, Parameter(name="--type")] = FIRST_TYPE,
 ) -> int:
@@ -490,7 +490,7 @@ def new(
 
     write_template(file, robot_type)
     name = visible(str(file))
-    say(f"{name} written; describe your robot in it, then: flexproof check {name}")
+    write_results(f"{name} written; describe your robot in it, then: flexproof check {name}")
     return 0
 
 
@@ -501,7 +501,7 @@ def schema() -> int:
 
     from lumped.robot_file.rules.published import json_schema  # noqa: PLC0415
 
-    say(dumps(json_schema(), indent=1))
+    write_results(dumps(json_schema(), indent=1))
     return 0
 
 
@@ -514,7 +514,7 @@ def cases(robot: RobotName = "ifw", *, json: AsJson = False) -> int:
 
     robot_file = load_robot(robot)
     tasks = catalogue(robot_file)
-    say(as_json(tasks) if json else as_text(tasks))
+    write_results(as_json(tasks) if json else as_text(tasks))
     return 0
 
 

@@ -18,7 +18,7 @@ from lumped.robot_file.evidence import with_options
 from lumped.robot_file.variation import Variation
 from validation.agreement.accuracy import accuracy_faults
 from validation.console.progress import stage
-from validation.console.streams import mention
+from validation.console.streams import write_message
 from validation.context import Context, Preset
 from validation.paper.errata import paper_findings
 from validation.report.listing import junit_xml
@@ -163,7 +163,7 @@ def validate(request: Request, catalogue: runner.Catalogue) -> Results:
         if request.cluster is not None:
             from validation.run.cluster import on_cluster  # noqa: PLC0415
 
-            executor = stack.enter_context(on_cluster(request.cluster, mention))
+            executor = stack.enter_context(on_cluster(request.cluster, write_message))
         folder = stack.enter_context(open_folder(request.out, header, request.start))
         stack.enter_context(some_cache())
         header |= {"seconds": 0.0, "planned": len(tasks)} | folder.begun
@@ -287,7 +287,9 @@ def _compute(
         gathered.add(record)
         if record["id"] == ADEQUACY and gathered.matrix:
             # Long before the report is whole.
-            mention(sentence(gathered.matrix, gathered.rely).replace("\N{NO-BREAK SPACE}", " "))
+            write_message(
+                sentence(gathered.matrix, gathered.rely).replace("\N{NO-BREAK SPACE}", " ")
+            )
         gathered.header = dict(gathered.header) | {"seconds": now - begun}
         # All records are kept; this file is for who looks on, and grows with the run.
         if now >= due:

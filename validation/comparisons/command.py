@@ -6,15 +6,15 @@ from typing import Literal
 
 from fem.solvers.backends.choice import request_solver
 from lumped.errors import InputError
-from validation.console.streams import complain, say
+from validation.console.streams import write_messages, write_results
 from validation.console.typed import (
     AsJson,
     Force,
-    Place,
+    PathArgument,
     RobotName,
     SolverName,
-    require_apart,
-    require_place,
+    require_distinct,
+    require_writable,
     write,
 )
 
@@ -33,8 +33,8 @@ def converge(
     quantity: str = "f1",
     within: float | None = None,
     json: AsJson = False,
-    csv: Place | None = None,
-    picture: Place | None = None,
+    csv: PathArgument | None = None,
+    picture: PathArgument | None = None,
     solver: SolverName = None,
     force: Force = False,
 ) -> int:
@@ -68,10 +68,10 @@ def converge(
     from validation.comparisons.requested import convergence  # noqa: PLC0415
 
     request_solver(solver)
-    require_place(csv, ".csv", force=force)
+    require_writable(csv, ".csv", force=force)
     kind = _picture_kind(picture)
-    require_place(picture, kind, force=force)
-    require_apart(csv, picture)
+    require_writable(picture, kind, force=force)
+    require_distinct(csv, picture)
     if within is not None and not 0.0 < within < 1.0:
         raise InputError(f"--within = {within:g}: must be above 0 and below 1 (1 % is 0.01)")
     if quantity not in QUANTITIES:
@@ -87,12 +87,12 @@ def converge(
         limits=robot_file.agreement,
     )
     missed = study.missed(quantity, within)
-    say(study.json() if json else study.text(quantity))
+    write_results(study.json() if json else study.text(quantity))
     if csv is not None:
         write(csv, study.csv().encode(), ".csv")
     if picture is not None:
         write(picture, study.picture(kind, _DOTS), kind)
-    return complain(missed, 1) if missed else 0
+    return write_messages(missed, 1) if missed else 0
 
 
 def _counts(option: str, typed: str | None) -> tuple[int, ...] | None:

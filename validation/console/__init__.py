@@ -1,4 +1,4 @@
-"""What lies between commands and shell: streams, and the numbers and files that people type.
+"""Command line: streams, progress, typed arguments, result files, extras and documentation.
 
-Everything the commands print goes through here, whatever became of the terminal.
+All output of the commands passes through `streams`, which handles closed or full streams.
 """

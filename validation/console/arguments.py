@@ -1,4 +1,4 @@
-"""Arguments of functions that people call from Python, checked against their annotations."""
+"""Check of the arguments of public Python functions against their annotations."""
 
 import inspect
 from collections.abc import Callable, Mapping, Sequence
@@ -27,20 +27,20 @@ _WORDS: Mapping[Any, str] = {
 
 
 def checked(function: Callable[P, T]) -> Callable[P, T]:
-    """The function, raising InputError with a line for each argument of a wrong type or name.
+    """Wrap a function so that it raises InputError with a line for each wrong argument.
 
-    Keyword arguments without a name of their own are left to the function, which computes with one
-    thread of BLAS, as commands and runs do.
+    Arguments in **kwargs are not checked. The function runs with one thread of BLAS, as commands
+    and runs do.
     """
     signature = inspect.signature(function)
 
     @wraps(function)
     def call(*args: P.args, **kwargs: P.kwargs) -> T:
         hints = inspect.get_annotations(function)
-        given = signature.bind(*args, **kwargs).arguments
+        arguments = signature.bind(*args, **kwargs).arguments
         faults = [
             fault
-            for name, value in given.items()
+            for name, value in arguments.items()
             if name in hints
             and signature.parameters[name].kind is not inspect.Parameter.VAR_KEYWORD
             for fault in faults_of(name, value, hints[name])
@@ -54,11 +54,11 @@ def checked(function: Callable[P, T]) -> Callable[P, T]:
 
 
 def faults_of(name: str, value: object, hint: Any) -> list[str]:
-    """The fault of an argument whose value is not of the type `hint`, if it is not."""
+    """Message if the value of an argument is not of the type `hint`. Empty if it is."""
     if _fits(value, hint):
         return []
-    near = did_you_mean(value, _choices(hint)) if isinstance(value, str) else ""
-    return [f"{name} = {shown(value)}: must be {_allowed(hint)}{near}"]
+    suggestion = did_you_mean(value, _choices(hint)) if isinstance(value, str) else ""
+    return [f"{name} = {shown(value)}: must be {_allowed(hint)}{suggestion}"]
 
 
 def _fits(value: object, hint: Any) -> bool:
@@ -71,21 +71,21 @@ def _fits(value: object, hint: Any) -> bool:
         return isinstance(value, str) and value in parts
     if origin is Sequence:
         entries: Any = value.tolist() if isinstance(value, np.ndarray) else value
-        sound = isinstance(entries, Sequence) and not isinstance(entries, str | bytes)
-        return sound and all(_fits(one, parts[0]) for one in entries)
+        is_list = isinstance(entries, Sequence) and not isinstance(entries, str | bytes)
+        return is_list and all(_fits(entry, parts[0]) for entry in entries)
     if origin is Mapping:
         pairs = value.items() if isinstance(value, Mapping) else ()
-        fits = all(_fits(name, parts[0]) and _fits(one, parts[1]) for name, one in pairs)
+        fits = all(_fits(name, parts[0]) and _fits(entry, parts[1]) for name, entry in pairs)
         return fits and isinstance(value, Mapping)
     kind = {int: Integral, float: Real}.get(hint, hint)
     return isinstance(value, kind) and (hint is bool or not isinstance(value, bool))
 
 
 def _choices(hint: Any) -> list[str]:
-    """Texts that are allowed by name."""
+    """Texts that a hint allows by `Literal`."""
     if get_origin(hint) is Literal:
         return list(get_args(hint))
-    return [one for part in get_args(hint) for one in _choices(part)]
+    return [choice for part in get_args(hint) for choice in _choices(part)]
 
 
 def _allowed(hint: Any) -> str:

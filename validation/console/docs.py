@@ -1,4 +1,4 @@
-"""The command `docs`: the documentation site, built by Sphinx from docs/."""
+"""Command `docs`: build the documentation site with Sphinx from docs/."""
 
 import os
 import sys
@@ -10,15 +10,15 @@ from cyclopts import Parameter
 
 from fem.extras import require_extra
 from lumped.errors import ComputationError, InputError
-from validation.console.streams import mention
+from validation.console.streams import write_message
 
 SOURCES = Path(__file__).resolve().parents[2] / "docs"
-# Sphinx writes it into each folder that it builds.
+# File that Sphinx writes to each folder that it builds.
 MARK = ".buildinfo"
 
 
 def docs(*, out: Annotated[Path, Parameter(show_default=True)] = Path("site")) -> int:
-    """Build the documentation site: static pages with search, read offline in any browser.
+    """Build the documentation site: static pages with search that open offline in any browser.
 
     Parameters
     ----------
@@ -26,10 +26,10 @@ def docs(*, out: Annotated[Path, Parameter(show_default=True)] = Path("site")) -
         Folder for the pages. A folder that contains anything but an earlier site is refused.
     """
     if not (SOURCES / "conf.py").is_file():
-        raise InputError("docs: the site is built in a clone of the sources, which has docs/")
+        raise InputError("docs: no folder docs/ here; run the command in a clone of the sources")
     require_extra("docs", "docs")
     if out.exists() and not (out.is_dir() and (not any(out.iterdir()) or (out / MARK).is_file())):
-        raise InputError(f"docs: {out} exists and is no earlier site; choose another --out")
+        raise InputError(f"docs: {out} exists and is not an earlier site; choose another --out")
     # Examples of the gallery solve small matrices, on which more threads of BLAS lose time.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     # Sphinx takes half a second to import.
@@ -41,5 +41,5 @@ def docs(*, out: Annotated[Path, Parameter(show_default=True)] = Path("site")) -
     sys.stdout.flush()
     if failed:
         raise ComputationError("docs: Sphinx reports warnings or errors (above)")
-    mention(f"{out / 'index.html'} written")
+    write_message(f"{out / 'index.html'} written")
     return 0

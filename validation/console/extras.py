@@ -1,8 +1,8 @@
-"""The command `extras`: optional packages for the environment of the launcher.
+"""Command `extras`: install optional packages in the environment of the launcher.
 
-They are those of requirements-dev.lock and requirements-gpu.lock, pinned by hash, with all that
-they depend on. The environment notes their names, and the launcher adds them again after a later
-set-up.
+The packages and their dependencies are pinned by hash in requirements-dev.lock and
+requirements-gpu.lock. Their names are stored in the environment, so that the launcher installs them
+again after a later set-up.
 """
 
 import sys
@@ -14,49 +14,50 @@ from fem.extras import EXTRAS
 from lumped.errors import InputError
 from lumped.posix import fcntl
 from lumped.text import did_you_mean
-from validation.console.streams import mention, say
+from validation.console.streams import write_message, write_results
 
 ROOT = Path(__file__).resolve().parents[2]
-# In the folder of the environment: names of extras, one a line.
+# File in the folder of the environment with the names of extras, one per line.
 NOTE = "flexproof-extras"
 
 
 def extras(*names: str) -> int:
-    """Add optional packages to the environment of ./flexproof; without names list them.
+    """Add optional packages to the environment of ./flexproof. List them if no name is given.
 
     Parameters
     ----------
     names
-        cluster, docs, exudyn, gpu, hammer, nastran; several at once are allowed.
+        One or more of cluster, docs, exudyn, gpu, hammer, nastran.
     """
     if not names:
         width = max(map(len, EXTRAS))
         for name, extra in EXTRAS.items():
             state = "installed" if extra.installed else "not installed"
-            say(f"{name:{width}}  {state:13}  {extra.needed_for}")
+            write_results(f"{name:{width}}  {state:13}  {extra.needed_for}")
         return 0
     if unknown := [name for name in names if name not in EXTRAS]:
-        known = f"must be of {', '.join(EXTRAS)}"
+        allowed = f"must be one of {', '.join(EXTRAS)}"
         raise InputError(
-            f"extras {name}: no such extra; {known}{did_you_mean(name, EXTRAS)}" for name in unknown
+            f"extras {name}: no such extra; {allowed}{did_you_mean(name, EXTRAS)}"
+            for name in unknown
         )
     if Path(sys.prefix).resolve() != (ROOT / ".venv").resolve():
         raise InputError(
-            "extras: adds to the environment of ./flexproof alone; in this one type, beside the "
-            f"sources, pip install '.[{','.join(names)}]'"
+            "extras: adds packages to the environment of ./flexproof only; for this environment "
+            f"type pip install '.[{','.join(names)}]' in the folder of the sources"
         )
-    # Every other command starts sooner without.
+    # Imported here, so that other commands start sooner.
     from validation.console.locked import add  # noqa: PLC0415
 
-    with _alone():
+    with _setup_lock():
         added = add(ROOT, names)
-        _note(names)
-    told = f"added {', '.join(added)}" if added else "installed already, nothing to do"
-    mention(f"extras {' '.join(dict.fromkeys(names))}: {told}")
+        _store_names(names)
+    result = f"added {', '.join(added)}" if added else "installed already, nothing to do"
+    write_message(f"extras {' '.join(dict.fromkeys(names))}: {result}")
     return 0
 
 
-def _note(names: Iterable[str]) -> None:
+def _store_names(names: Iterable[str]) -> None:
     note = Path(sys.prefix) / NOTE
     earlier = note.read_text("utf-8").split() if note.exists() else []
     text = "".join(f"{name}\n" for name in sorted({*earlier, *names}))
@@ -64,10 +65,10 @@ def _note(names: Iterable[str]) -> None:
 
 
 @contextmanager
-def _alone() -> Iterator[None]:
-    """The lock of set-ups of this clone, which the launcher takes, too."""
+def _setup_lock() -> Iterator[None]:
+    """Hold the lock of set-ups of this clone, which the launcher uses, too."""
     if fcntl is None:
-        raise InputError("extras: belongs to the launcher, for Linux; type pip install '.[NAME]'")
+        raise InputError("extras: needs the launcher and Linux; type pip install '.[NAME]' instead")
     with (ROOT / "pyproject.toml").open("rb") as file:
         fcntl.flock(file, fcntl.LOCK_EX)
         yield

@@ -1,4 +1,4 @@
-"""Packages of an environment brought to what a lock says, with all that they depend on."""
+"""Installation of packages and their dependencies in the versions of lock files."""
 
 import os
 import re
@@ -16,28 +16,29 @@ from packaging.utils import canonicalize_name
 
 from lumped.errors import ComputationError
 
-# The files of the sources: the locks that hold all extras together, and the extras by name.
+# Lock files that together contain all extras, and the file with the requirements of each extra.
 LOCKS, PROJECT = ("requirements-dev.lock", "requirements-gpu.lock"), "pyproject.toml"
-# By name: a package as it is locked, and the lines that say so.
+# Requirement and lines of each package of a lock, by name.
 Locked: TypeAlias = Mapping[str, tuple[Requirement, str]]
 
 
 def add(root: Path, names: Iterable[str]) -> list[str]:
-    """Install what extras lack or have in another version than the lock, and return its names.
+    """Install the packages of extras that are missing or in another version than in the locks.
 
-    `root` is the folder of the sources.
-
-    Raises ComputationError if the lock or pip fails.
+    `root` is the folder of the sources. Returns the names of the installed packages. Raises
+    ComputationError if a lock lacks a package or if pip fails.
     """
     optional = loads((root / PROJECT).read_text("utf-8"))["project"]["optional-dependencies"]
     texts = [text for name in dict.fromkeys(names) for text in optional.get(name, ())]
-    wanted = [one for one in map(Requirement, texts) if _applies(one, ("",))]
+    requirements = [
+        requirement for requirement in map(Requirement, texts) if _applies(requirement, ("",))
+    ]
     locked: dict[str, tuple[Requirement, str]] = {}
     for lock in LOCKS:
         locked |= locked_packages((root / lock).read_text("utf-8"))
     added: list[str] = []
-    # What a package depends on is known when it is installed.
-    while missing := missing_packages(wanted, locked):
+    # The dependencies of a package are known only after its installation.
+    while missing := missing_packages(requirements, locked):
         if set(missing) & set(added):
             raise ComputationError(f"pip did not install {', '.join(missing)}")
         _install([locked[name][1] for name in missing])
@@ -46,45 +47,46 @@ def add(root: Path, names: Iterable[str]) -> list[str]:
 
 
 def locked_packages(lock: str) -> Locked:
-    """Requirement and lines of each package of a lock, by its name."""
-    found: dict[str, tuple[Requirement, str]] = {}
+    """Requirement and lines of each package of a lock file, by name."""
+    packages: dict[str, tuple[Requirement, str]] = {}
     for lines in re.split(r"\n(?=[A-Za-z0-9])", lock):
         if re.match(r"[A-Za-z0-9]", lines):
-            one = Requirement(lines.partition(" \\\n")[0])
-            found[canonicalize_name(one.name)] = one, f"{lines.rstrip()}\n"
-    return found
+            requirement = Requirement(lines.partition(" \\\n")[0])
+            packages[canonicalize_name(requirement.name)] = requirement, f"{lines.rstrip()}\n"
+    return packages
 
 
-def missing_packages(wanted: Iterable[Requirement], locked: Locked) -> list[str]:
-    """Packages that requirements need, directly or not, and that are not there as locked.
+def missing_packages(requirements: Iterable[Requirement], locked: Locked) -> list[str]:
+    """Packages required, directly or not, that are not installed in the locked version.
 
-    Raises ComputationError for a package that no lock has for this machine.
+    Raises ComputationError for a package that no lock contains for this machine.
     """
-    queue, seen, missing = list(wanted), set(), []
+    queue, seen, missing = list(requirements), set(), []
     while queue:
-        one = queue.pop()
-        name = canonicalize_name(one.name)
-        if (name, *sorted(one.extras)) in seen:
+        requirement = queue.pop()
+        name = canonicalize_name(requirement.name)
+        if (name, *sorted(requirement.extras)) in seen:
             continue
-        seen.add((name, *sorted(one.extras)))
+        seen.add((name, *sorted(requirement.extras)))
         if name not in locked or not _applies(locked[name][0], ("",)):
             raise ComputationError(f"no {name} for this machine in {' and '.join(LOCKS)}")
         try:
-            there = distribution(name)
+            installed = distribution(name)
         except PackageNotFoundError:
             missing.append(name)
             continue
-        if not locked[name][0].specifier.contains(there.version, prereleases=True):
+        if not locked[name][0].specifier.contains(installed.version, prereleases=True):
             missing.append(name)
             continue
-        needed = map(Requirement, there.requires or ())
-        queue += [other for other in needed if _applies(other, ("", *one.extras))]
+        dependencies = map(Requirement, installed.requires or ())
+        extras = ("", *requirement.extras)
+        queue += [dependency for dependency in dependencies if _applies(dependency, extras)]
     return sorted(set(missing))
 
 
-def _applies(requirement: Requirement, extras_of_it: Iterable[str]) -> bool:
+def _applies(requirement: Requirement, extras: Iterable[str]) -> bool:
     marker = requirement.marker
-    return marker is None or any(marker.evaluate({"extra": extra}) for extra in extras_of_it)
+    return marker is None or any(marker.evaluate({"extra": extra}) for extra in extras)
 
 
 def _install(blocks: Iterable[str]) -> None:
@@ -92,7 +94,7 @@ def _install(blocks: Iterable[str]) -> None:
         file = Path(folder) / "requirements.txt"
         file.write_text("".join(blocks), encoding="utf-8")
         command = [sys.executable, "-m", "pip", "install", "--disable-pip-version-check"]
-        # Wheels only: building from source would fetch and run what the lock does not name.
+        # Wheels only: a build from source would download and run packages that are not locked.
         command += ["--quiet", "--no-deps", "--only-binary", ":all:", "--require-hashes"]
         done = subprocess.run(  # noqa: S603  our own command
             [*command, "--requirement", str(file)],

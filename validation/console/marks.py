@@ -1,9 +1,8 @@
-"""Marks in files that commands write, by which an earlier result is told from a user's own file.
+"""Marks in result files, which distinguish earlier results from files of the user.
 
-A mark stands where the format has room for a remark and holds a digest of the rest: neither a file
-of somebody else nor a result that was changed since carries one that fits. CSV has no such room: of
-a table the first line alone ends in CR LF, which all readers take, and editors and spreadsheets
-change as they write.
+A mark is a comment in the file and contains a digest of the rest of the file. A file of the user,
+or a result that was edited, has no valid mark. CSV has no comments. A table is marked by CR LF at
+the end of its first line only. All readers accept this; editors and spreadsheets change it.
 """
 
 import zlib
@@ -20,21 +19,21 @@ _LENGTH = len(_MARK.format(digest(b"")))
 
 
 class _Format(Protocol):
-    """A format with room for a mark, ASCII of a fixed length."""
+    """File format with room for a mark (ASCII, fixed length)."""
 
     def plain(self, content: bytes) -> bytes:
-        """The content without what the mark replaces."""
+        """Content without the part that the mark replaces."""
 
-    def marked(self, plain: bytes, mark: bytes) -> bytes:
-        """The content with a mark."""
+    def with_mark(self, plain: bytes, mark: bytes) -> bytes:
+        """Content with a mark."""
 
     def split(self, content: bytes) -> tuple[bytes, bytes]:
-        """The content without its mark, and the mark; b"" if there is none."""
+        """Content without its mark, and the mark. b"" without a mark."""
 
 
 @dataclass(frozen=True)
 class _Text:
-    """A text whose second line is a comment: `begin`, the mark and `end`."""
+    """Text with a comment as second line: `begin`, the mark and `end`."""
 
     begin: bytes
     end: bytes = b""
@@ -42,20 +41,20 @@ class _Text:
     def plain(self, content: bytes) -> bytes:
         return content
 
-    def marked(self, plain: bytes, mark: bytes) -> bytes:
+    def with_mark(self, plain: bytes, mark: bytes) -> bytes:
         first, line_end, rest = plain.partition(b"\n")
         return first + line_end + self.begin + mark + self.end + b"\n" + rest
 
     def split(self, content: bytes) -> tuple[bytes, bytes]:
-        first, _, others = content.partition(b"\n")
-        second, _, rest = others.partition(b"\n")
+        first, _, remainder = content.partition(b"\n")
+        second, _, rest = remainder.partition(b"\n")
         if not (second.startswith(self.begin) and second.endswith(self.end)):
             return content, b""
         return first + b"\n" + rest, second[len(self.begin) : len(second) - len(self.end)]
 
 
 class _Png:
-    """A chunk of text after the header (PNG, third edition, 11.3.3)."""
+    """PNG with the mark in a text chunk after the header (PNG, third edition, 11.3.3)."""
 
     _header = 33  # bytes: signature and IHDR
     _keyword = b"tEXtComment\x00"
@@ -63,7 +62,7 @@ class _Png:
     def plain(self, content: bytes) -> bytes:
         return content
 
-    def marked(self, plain: bytes, mark: bytes) -> bytes:
+    def with_mark(self, plain: bytes, mark: bytes) -> bytes:
         return plain[: self._header] + self._chunk(mark) + plain[self._header :]
 
     def split(self, content: bytes) -> tuple[bytes, bytes]:
@@ -81,14 +80,14 @@ class _Png:
 
 
 class _Zip:
-    """The comment at the end of an archive (.npz)."""
+    """Archive (.npz) with the mark in the comment at its end."""
 
     _size = _LENGTH.to_bytes(2, "little")
 
     def plain(self, content: bytes) -> bytes:
         return content
 
-    def marked(self, plain: bytes, mark: bytes) -> bytes:
+    def with_mark(self, plain: bytes, mark: bytes) -> bytes:
         return plain[:-2] + self._size + mark
 
     def split(self, content: bytes) -> tuple[bytes, bytes]:
@@ -98,7 +97,7 @@ class _Zip:
 
 
 class _Matlab:
-    """The text with which a MAT file of level 5 begins."""
+    """MAT file of level 5 with the mark in the text of its header."""
 
     _begin = b"MATLAB 5.0 MAT-file, "
     _text = 116  # bytes
@@ -106,13 +105,13 @@ class _Matlab:
     def plain(self, content: bytes) -> bytes:
         return content[self._text :]
 
-    def marked(self, plain: bytes, mark: bytes) -> bytes:
+    def with_mark(self, plain: bytes, mark: bytes) -> bytes:
         return (self._begin + mark).ljust(self._text) + plain
 
     def split(self, content: bytes) -> tuple[bytes, bytes]:
         text = content[: self._text]
-        found = text[len(self._begin) :].rstrip() if text.startswith(self._begin) else b""
-        return content[self._text :], found
+        mark = text[len(self._begin) :].rstrip() if text.startswith(self._begin) else b""
+        return content[self._text :], mark
 
 
 _MARKUP = _Text(b"<!-- ", b" -->")
@@ -127,26 +126,26 @@ _FORMATS: Mapping[str, _Format] = {
 }
 
 
-def marked(content: bytes, kind: str) -> bytes:
-    """The content of a file of a `kind` (its ending) with a mark."""
+def with_mark(content: bytes, kind: str) -> bytes:
+    """Content of a file of a `kind` (its ending) with a mark."""
     if kind == _TABLE:
         return content.replace(b"\n", b"\r\n", 1)
-    own = _FORMATS[kind]
-    plain = own.plain(content)
-    return own.marked(plain, _mark(plain))
+    file_format = _FORMATS[kind]
+    plain = file_format.plain(content)
+    return file_format.with_mark(plain, _mark(plain))
 
 
 def is_marked(path: Path, kind: str) -> bool:
-    """Whether a file is one that a command wrote, unchanged since; False if it cannot be read."""
+    """True if a command wrote the file and nobody changed it. False if it cannot be read."""
     content = read_regular(path.resolve())
     if content is None:
         return False
     if kind == _TABLE:
         first, _, rest = content.partition(b"\n")
         return first.endswith(b"\r") and bool(rest) and b"\r" not in first[:-1] + rest
-    own = _FORMATS[kind]
-    plain, mark = own.split(content)
-    return mark == _mark(plain) and own.marked(plain, mark) == content
+    file_format = _FORMATS[kind]
+    plain, mark = file_format.split(content)
+    return mark == _mark(plain) and file_format.with_mark(plain, mark) == content
 
 
 def _mark(plain: bytes) -> bytes:

@@ -1,4 +1,7 @@
-"""How far work is that takes its time: its forecast, what runs on a terminal, lines elsewhere."""
+"""Progress of long work on stderr: an estimate of its time, and an animation or lines.
+
+A terminal shows an animation. Other streams receive a line per second.
+"""
 
 import sys
 from collections.abc import Callable, Iterator
@@ -12,90 +15,93 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lumped.text import visible
-from validation.console.streams import mention
+from validation.console.streams import write_message
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
-# Seconds of work that says nothing where nobody may be looking on; what takes longer is forecast,
-# so many seconds after its beginning: what is kept from an earlier time is there by then.
-_QUIET, _SOON, _MINUTES = 5.0, 1.0, 120.0
-# Seconds that the work by which speed is measured takes on an idle core such as costs are told of.
-_ON_ITS_CORE = 0.03
+# Work with a shorter estimate (s) has no estimate on stderr, and no lines before that time.
+_SILENT_SECONDS = 5.0
+# Time (s) from the start to the estimate. Results from the cache are ready before.
+_ESTIMATE_DELAY = 1.0
+# Estimates from this time on (s) are in minutes.
+_MINUTES = 120.0
+# Time (s) of the test computation on an idle core of the machine on which costs were measured.
+_REFERENCE_SECONDS = 0.03
 
 
 @contextmanager
-def stage(doing: str, seconds: float = 0.0) -> Iterator[None]:
-    """Say on stderr what is being done while the context lasts, and how long it will take.
+def stage(task: str, seconds: float = 0.0) -> Iterator[None]:
+    """Write the name of a task, and an estimate of its time, to stderr while the context lasts.
 
-    `seconds` is its time on an idle core such as costs are told of, 0 where nobody knows.
+    `seconds` is the time of the task on an idle core of the reference machine. 0 if unknown.
     """
 
-    def line(left: str) -> str:
-        return f"{doing}: {perf_counter() - begun:.0f} s elapsed{left}"
+    def line(remaining: str) -> str:
+        return f"{task}: {perf_counter() - start:.0f} s elapsed{remaining}"
 
-    begun = perf_counter()
-    with told(doing, seconds, line):
+    start = perf_counter()
+    with progress_shown(task, seconds, line):
         yield
 
 
 @contextmanager
-def told(
-    doing: str,
+def progress_shown(
+    task: str,
     seconds: float,
     line: Callable[[str], str],
-    drawn: "RenderableType | None" = None,
+    display: "RenderableType | None" = None,
 ) -> Iterator[None]:
-    """Forecast long work; show `drawn` on a terminal, elsewhere write a line a second.
+    """Show `display` on a terminal while the context lasts. Other streams receive lines.
 
-    `line` has what it says after how long is left; `seconds` as of `stage`.
+    `line` makes a line from a text with the remaining time. `seconds` is that of `stage`.
     """
-    on_terminal, over, begun = sys.stderr.isatty(), Event(), perf_counter()
-    forecast = seconds * slowness() if seconds > _SOON else 0.0
+    on_terminal, finished, start = sys.stderr.isatty(), Event(), perf_counter()
+    estimate = seconds * slowness() if seconds > _ESTIMATE_DELAY else 0.0
 
-    def tell() -> None:
-        if over.wait(_SOON):
+    def write_lines() -> None:
+        if finished.wait(_ESTIMATE_DELAY):
             return
-        if forecast > _QUIET:
-            about = f"{forecast:.0f} s" if forecast < _MINUTES else f"{forecast / 60.0:.0f} min"
-            mention(f"{doing}: about {about} on this machine")
-        pause = _QUIET - _SOON
-        while not (on_terminal or over.wait(pause)):
-            left = begun + forecast - perf_counter()
-            mention(line(f", about {left:.0f} s left" if left > 0.0 else ""))
+        if estimate > _SILENT_SECONDS:
+            time = f"{estimate:.0f} s" if estimate < _MINUTES else f"{estimate / 60.0:.0f} min"
+            write_message(f"{task}: about {time} on this machine")
+        pause = _SILENT_SECONDS - _ESTIMATE_DELAY
+        while not (on_terminal or finished.wait(pause)):
+            remaining = start + estimate - perf_counter()
+            write_message(line(f", about {remaining:.0f} s left" if remaining > 0.0 else ""))
             pause = 1.0
 
-    shown = _shown(doing, drawn) if on_terminal else nullcontext()
-    telling = Thread(target=tell, daemon=True)
-    telling.start()
+    animation = _animation(task, display) if on_terminal else nullcontext()
+    writer = Thread(target=write_lines, daemon=True)
+    writer.start()
     try:
-        with shown:
+        with animation:
             yield
     finally:
-        over.set()
-        telling.join()
+        finished.set()
+        writer.join()
 
 
-def _shown(doing: str, drawn: "RenderableType | None") -> AbstractContextManager[object]:
-    """What runs on a terminal while work lasts; a fortieth of a second to load."""
+def _animation(task: str, display: "RenderableType | None") -> AbstractContextManager[object]:
+    """Animation on a terminal: `display`, or the name of the task. Imports take 25 ms."""
     from rich.console import Console  # noqa: PLC0415
     from rich.live import Live  # noqa: PLC0415
     from rich.text import Text  # noqa: PLC0415
 
     console = Console(stderr=True)
-    # Names of files are no markup.
+    # Text, because names of files may contain characters of rich's markup.
     return (
-        Live(drawn, console=console, transient=True)
-        if drawn
-        else console.status(Text(visible(doing)))
+        Live(display, console=console, transient=True)
+        if display
+        else console.status(Text(visible(task)))
     )
 
 
 @lru_cache(maxsize=1)
 def slowness() -> float:
-    """How many times as long as on that core computing takes here and now, in one thread."""
+    """Ratio of the present computing time in one thread to that on the reference machine."""
     numbers = np.random.default_rng(0).random(300_000)
-    begun = perf_counter()
+    start = perf_counter()
     sum(map(sqrt, range(300_000)))
     np.sort(numbers)
-    return (perf_counter() - begun) / _ON_ITS_CORE
+    return (perf_counter() - start) / _REFERENCE_SECONDS

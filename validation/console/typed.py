@@ -1,8 +1,9 @@
-"""What people type: whole numbers, and files for results, refused at once and written afterwards.
+"""Typed arguments of commands: whole numbers, and paths of result files with their checks.
 
-A file that is there is replaced if it is an earlier result (`validation.console.marks`), or by
-`--force`, and only by one of its kind, as its name ends: never a robot file or a drawing by the
-table made of it.
+Paths are checked before the computation, and files are written after it. An existing file is
+replaced if it is an earlier result (`validation.console.marks`), or with `--force`. A foreign file
+is only replaced by a file of its kind (ending), so that a table never replaces a robot file or a
+CAD file.
 """
 
 import os
@@ -16,15 +17,15 @@ from cyclopts import Parameter, Token
 
 from lumped.errors import InputError, write_error
 from lumped.files import write_whole
-from validation.console.marks import is_marked, marked
-from validation.console.streams import complain
+from validation.console.marks import is_marked, with_mark
+from validation.console.streams import write_messages
 
-# Of a run: more than any machine has cores.
+# Largest number of processes of a run, more than any machine has cores.
 MOST_PROCESSES = 1024
 
 
 def _whole_number(_type: object, tokens: Sequence[Token]) -> int:
-    # int() of the parser's own cuts 1.5 down to 1.
+    # The parser's own conversion by int() would truncate 1.5 to 1.
     text = tokens[0].value
     if not re.fullmatch(r"[+-]?\d{1,15}", text, re.ASCII):
         option = tokens[0].keyword
@@ -40,27 +41,27 @@ def _process_count(_type: object, tokens: Sequence[Token]) -> int:
     return count
 
 
-def _place(_type: object, tokens: Sequence[Token]) -> Path:
+def _path(_type: object, tokens: Sequence[Token]) -> Path:
     path = Path(text := tokens[0].value)
     try:
         path.stat()
     except OSError as error:
-        # Whether it is there, and may be used, is for those to say who use it.
+        # Existence and permissions are checked by the commands that use the path.
         if error.errno == ENAMETOOLONG:
             raise ValueError(f'"{text[:40]}…": {error.strerror}.') from None
     return path
 
 
 LengthUnit: TypeAlias = Literal["m", "mm", "cm", "inch"]
-Place: TypeAlias = Annotated[Path, Parameter(converter=_place)]
+PathArgument: TypeAlias = Annotated[Path, Parameter(converter=_path)]
 WholeNumber: TypeAlias = Annotated[int, Parameter(converter=_whole_number)]
 ProcessCount: TypeAlias = Annotated[int | None, Parameter(converter=_process_count)]
 SolverName: TypeAlias = Annotated[
     Literal["auto", "rslab", "cudss"] | None,
     Parameter(
         help="Library that factorises large systems: rslab; cudss, on a graphics card (needs the "
-        "extra gpu); or auto, which takes the card for large ones. FLEXPROOF_SOLVER, or auto, if "
-        "left out."
+        "extra gpu); or auto, which uses the card for large systems. Default: FLEXPROOF_SOLVER, or "
+        "auto."
     ),
 ]
 RobotName: TypeAlias = Annotated[str, Parameter(help="A built-in robot or a robot file.")]
@@ -70,11 +71,12 @@ Force: TypeAlias = Annotated[
 ]
 
 
-def require_place(path: Path | None, kind: str, *, force: bool = False) -> None:
-    """Raise InputError where no file can be written to `path`, before anything is computed for it.
+def require_writable(path: Path | None, kind: str, *, force: bool = False) -> None:
+    """Raise InputError if no file can be written to `path`, before its content is computed.
 
-    Folders that it lacks count as there: `write` makes them. Earlier results are replaced, whatever
-    their names, with `force` any file with the ending `kind` (".csv", say). None asks for no file.
+    Missing folders are allowed, because `write` makes them. Earlier results are replaced under any
+    name. With `force` other files are replaced if they have the ending `kind`, such as ".csv".
+    None stands for no file.
     """
     if path is None:
         return
@@ -84,41 +86,41 @@ def require_place(path: Path | None, kind: str, *, force: bool = False) -> None:
     if foreign and path.resolve().suffix.lower() != kind:
         raise InputError(
             f"{path}: exists already, and only {kind} files are replaced; must be the name of a "
-            "new file or end so"
+            f"new file or of a {kind} file"
         )
     if foreign and not force:
         raise InputError(
             f"{path}: exists already and was not written by flexproof, or was changed since; "
             "must be the name of a new file, or be replaced with --force"
         )
-    nearest = next(place for place in (path, *path.absolute().parents) if place.exists())
+    nearest = next(parent for parent in (path, *path.absolute().parents) if parent.exists())
     if nearest != path and not nearest.is_dir():
         raise InputError(f"{path}: cannot be written ({nearest} is no folder)")
     if not os.access(nearest, os.W_OK):
-        raise InputError(f"{path}: cannot be written ({nearest} is not yours to write to)")
+        raise InputError(f"{path}: cannot be written (no write permission for {nearest})")
 
 
-def require_apart(*paths: Path | None) -> None:
-    """Raise InputError where two results are to go into one file."""
-    named = [path.absolute() for path in paths if path is not None]
-    if len(set(named)) < len(named):
+def require_distinct(*paths: Path | None) -> None:
+    """Raise InputError if two results have the same file."""
+    files = [path.absolute() for path in paths if path is not None]
+    if len(set(files)) < len(files):
         raise InputError(f"{paths[0]}: is named for two results; each must have a file of its own")
 
 
 def write(path: Path, content: bytes, kind: str) -> None:
-    """Write a file of a kind (its ending) whole, with a mark, and say so.
+    """Write a file of a `kind` (its ending) with a mark, and a message to stderr.
 
-    What was there stays until all is written; a link is replaced, not what it leads to. Raises
-    InputError with the system's reason, ComputationError if it is out of room.
+    An existing file is replaced after the new one is complete. A link is replaced, not its target.
+    Raises InputError with the system's reason, and ComputationError if the disk is full.
     """
-    content = marked(content, kind)
+    content = with_mark(content, kind)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         if path.exists() and not path.is_file():
-            # A device or a pipe.
+            # A device or a pipe cannot be replaced.
             path.write_bytes(content)
         else:
             write_whole(path, content)
     except OSError as error:
         raise write_error(path, error) from error
-    complain([f"{path} written"], 0)
+    write_messages([f"{path} written"], 0)

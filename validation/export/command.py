@@ -9,11 +9,11 @@ from fem.solvers.backends.choice import request_solver
 from lumped.errors import InputError
 from validation.console.typed import (
     Force,
-    Place,
+    PathArgument,
     RobotName,
     SolverName,
     WholeNumber,
-    require_place,
+    require_writable,
     write,
 )
 
@@ -35,7 +35,7 @@ def export(
     body: str | None = None,
     modes: WholeNumber = 20,
     solver: SolverName = None,
-    out: Place | None = None,
+    out: PathArgument | None = None,
     force: Force = False,
 ) -> int:
     """Write a body, or the robot about one pose, as a reduced model with a bound on its error.
@@ -106,7 +106,7 @@ def write_export(
         ending = ".mat"
     if place.suffix != ending:
         raise InputError(f"--out {place}: must end in {ending}")
-    require_place(place, ending, force=force)
+    require_writable(place, ending, force=force)
     with stage("meshing and reducing", _seconds(mechanism, body, modes)):
         content = in_own_process(_content, robot_file, to, pose, body, modes, ending)
     write(place, content, ending)

@@ -4,15 +4,15 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from validation.console.streams import complain, say
-from validation.console.typed import AsJson, Force, Place, RobotName, require_place, write
+from validation.console.streams import write_messages, write_results
+from validation.console.typed import AsJson, Force, PathArgument, RobotName, require_writable, write
 
 
 def kinematics(
     robot: RobotName,
     *,
     pose: Annotated[tuple[str, ...], Parameter(allow_leading_hyphen=True)] = (),
-    picture: Place | None = None,
+    picture: PathArgument | None = None,
     force: Force = False,
     json: AsJson = False,
 ) -> int:
@@ -34,20 +34,20 @@ def kinematics(
         postures_on_path,
     )
 
-    require_place(picture, ".png", force=force)
+    require_writable(picture, ".png", force=force)
     mechanism = load_robot(robot).mechanism
     if pose:
         postures = postures_of(mechanism, parsed_poses(mechanism, pose))
     else:
         postures = postures_on_path(mechanism, mechanism.poses)
-    say((listing.as_json if json else listing.as_text)(mechanism, postures))
+    write_results((listing.as_json if json else listing.as_text)(mechanism, postures))
     if picture is not None:
         from validation.drawing.rendering import pictured  # noqa: PLC0415
         from validation.kinematics.picture import scene  # noqa: PLC0415
 
         drawn = pictured([scene(mechanism, postures)])
         if drawn.left_out:
-            complain([drawn.left_out], 3)
+            write_messages([drawn.left_out], 3)
         else:
             write(picture, drawn.png, ".png")
     return 0

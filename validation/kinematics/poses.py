@@ -10,7 +10,7 @@ from lumped.arrays import Array
 from lumped.errors import InputError, collect_faults
 from lumped.mechanism.kinematics.postures import posture
 from lumped.mechanism.mechanism import Mechanism, Posture
-from validation.console.streams import mention
+from validation.console.streams import write_message
 
 # Number of poses from whose computation the time of the rest is estimated, and the largest
 # estimate (s) for which no message is written.
@@ -73,6 +73,6 @@ def _postures_and_faults(
     postures, faults = collect_faults(find, poses[:_TIMED_POSES])
     seconds = (perf_counter() - start) * (len(poses) / _TIMED_POSES - 1.0)
     if seconds > _SILENT_SECONDS:
-        mention(f"{len(poses)} poses, about {seconds:.2g} s")
+        write_message(f"{len(poses)} poses, about {seconds:.2g} s")
     later_postures, later_faults = collect_faults(find, poses[_TIMED_POSES:])
     return [*postures, *later_postures], [*faults, *later_faults]

@@ -15,7 +15,7 @@ from rich.progress import (
 
 from lumped.text import counted
 from validation.case import Case
-from validation.console.progress import told
+from validation.console.progress import progress_shown
 from validation.run.outcome import Record, Task
 
 # Seconds over which the pace is measured: all of the run.
@@ -78,5 +78,5 @@ def showing(tasks: Sequence[Task], seconds: float) -> Iterator[RunProgress]:
     """The progress of the tasks on stderr while the context lasts; `seconds` as of `stage`."""
     progress = RunProgress(tasks)
     doing = counted(len(tasks), "comparison or figure", "comparisons, figures and verdicts")
-    with told(doing, seconds, progress.line, progress):
+    with progress_shown(doing, seconds, progress.line, progress):
         yield progress

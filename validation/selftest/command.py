@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 from fem.machine import TO_COMPUTE, require_room
 from fem.solvers.backends.choice import request_solver
-from validation.console.streams import say
+from validation.console.streams import write_results
 from validation.console.typed import SolverName
 
 if TYPE_CHECKING:
@@ -26,17 +26,17 @@ def selftest(*, solver: SolverName = None) -> int:
     require_room(TO_COMPUTE)
     request_solver(solver)
     begun = perf_counter()
-    say(_ROW.format("", "known", "here", "difference", "explained", ""))
+    write_results(_ROW.format("", "known", "here", "difference", "explained", ""))
     outcomes = []
     for benchmark in benchmarks():
         outcomes.append(outcome(benchmark))
-        say(_text(outcomes[-1]))
+        write_results(_text(outcomes[-1]))
     bad = sum(one.verdict in {"differs", "failed"} for one in outcomes)
     keep_selftest(passed=not bad)
     numbers = [compared for one in outcomes for compared in one.compared]
     agreeing = sum(one.agrees for one in numbers)
     skipped = [one.benchmark.title for one in outcomes if one.verdict == "skipped"]
-    say(
+    write_results(
         f"\nselftest {'FAILED' if bad else 'passed'}: {agreeing} of {len(numbers)} numbers agree"
         + (f"; skipped: {', '.join(skipped)}" if skipped else "")
         + f" ({perf_counter() - begun:.0f} s)\n"

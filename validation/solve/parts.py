@@ -6,15 +6,15 @@ from typing import Any
 
 from fem.solvers.backends.choice import request_solver
 from lumped.errors import InputError
-from validation.console.streams import complain, say
+from validation.console.streams import write_messages, write_results
 from validation.console.typed import (
     AsJson,
     Force,
     LengthUnit,
-    Place,
+    PathArgument,
     SolverName,
     WholeNumber,
-    require_place,
+    require_writable,
     write,
 )
 
@@ -23,10 +23,10 @@ _READING_A_BYTE, _IDENTIFYING, _EACH_UNKNOWN = 1e-5, 5.0, 2e-4
 
 
 def faces(
-    part: Place,
+    part: PathArgument,
     *,
     unit: LengthUnit | None = None,
-    out: Place | None = None,
+    out: PathArgument | None = None,
     force: Force = False,
     json: bool = False,
 ) -> int:
@@ -50,21 +50,21 @@ def faces(
     folder = Path() if out is None else out
     drawing, scene = (folder / f"{part.name}.faces{kind}" for kind in (".png", ".html"))
     if not json:
-        require_place(drawing, ".png", force=force)
-        require_place(scene, ".html", force=force)
+        require_writable(drawing, ".png", force=force)
+        require_writable(scene, ".html", force=force)
     size = part.stat().st_size if part.is_file() else 0
     with stage(f"reading {part.name}", _READING_A_BYTE * size):
         found = part_file(part, unit)
     if json:
-        say(face_list.as_json(found))
+        write_results(face_list.as_json(found))
         return 0
-    say(face_list.as_text(found))
+    write_results(face_list.as_text(found))
     from validation.parts import face_pictures  # noqa: PLC0415
 
     with stage("drawing the faces"):
         drawn = face_pictures.picture(found)
     if drawn.left_out:
-        complain([drawn.left_out], 0)
+        write_messages([drawn.left_out], 0)
     else:
         write(drawing, drawn.png, ".png")
     write(scene, face_pictures.scene_page(found).encode(), ".html")
@@ -82,7 +82,7 @@ def identify(
     modes: WholeNumber | None = None,
     accuracy: float | None = None,
     solver: SolverName = None,
-    out: Place | None = None,
+    out: PathArgument | None = None,
     force: Force = False,
     json: AsJson = False,
 ) -> int:
@@ -124,7 +124,7 @@ def identify(
     from validation.parts.meshes import part_file  # noqa: PLC0415
 
     request_solver(solver)
-    require_place(out, ".npz", force=force)
+    require_writable(out, ".npz", force=force)
     faults = [] if accuracy is None else accuracy_faults(accuracy)
     faults += request.faults_of_numbers(unknowns, modes)
     if body is None and material is None:
@@ -153,7 +153,7 @@ def identify(
     with stage(f"identifying {body or part}", _IDENTIFYING + _EACH_UNKNOWN * size):
         found, reached = refined(size, at, identifying.largest_half_width, more, accuracy or np.inf)
     text = identified_text.as_json if json else identified_text.as_text
-    say(text(found, reached if accuracy else None))
+    write_results(text(found, reached if accuracy else None))
     if out is not None:
         buffer = BytesIO()
         named: Any = identified_text.as_arrays(found)

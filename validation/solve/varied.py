@@ -16,7 +16,7 @@ from lumped.robot_file.places import unit_of
 from lumped.robot_file.variation import Variation, assignments, variations_of, varied
 from lumped.text import aligned, counted
 from validation.console.progress import stage
-from validation.console.streams import complain, mention, say
+from validation.console.streams import write_message, write_messages, write_results
 from validation.console.typed import write
 from validation.drawing.style import OTHERS, csv_of
 from validation.run.cluster import on_cluster
@@ -84,8 +84,8 @@ def tell_varied(
     if picture is not None:
         require_few_curves(variations, max(1, len(question.x) + len(question.poses)))
     found = solve_varied(question, variations, jobs, cluster)
-    say(as_json(found) if json else as_text(found))
-    complain(without_say(found), 0)
+    write_results(as_json(found) if json else as_text(found))
+    write_messages(without_say(found), 0)
     if csv is not None:
         write(csv, csv_of(columns(found)).encode(), ".csv")
     if picture is not None:
@@ -112,7 +112,7 @@ def solve_varied(
     with ExitStack() as stack, stage(counted(len(units), "robot"), seconds / jobs):
         executor: Executor = in_turn
         if cluster is not None:
-            executor = stack.enter_context(on_cluster(cluster, mention))
+            executor = stack.enter_context(on_cluster(cluster, write_message))
         elif jobs > 1:
             executor = stack.enter_context(on_cores(jobs))
         solved = dict(executor(units))

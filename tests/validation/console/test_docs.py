@@ -1,4 +1,4 @@
-"""The documentation site builds without a warning, reads offline, and its search finds pages."""
+"""Documentation site: it builds without warnings, opens offline, and its search finds pages."""
 
 import re
 import shutil
@@ -19,7 +19,7 @@ ROOT = Path(__file__).resolve().parents[3]
 
 
 class Addresses(HTMLParser):
-    """Addresses that a page loads by itself, and those that it links to."""
+    """Addresses that a page loads, those to which it links, and its anchors."""
 
     def __init__(self):
         super().__init__()
@@ -77,19 +77,19 @@ def test_links_of_the_site_lead_to_files_and_anchors(site):
             target, _, anchor = address.partition("#")
             if "://" in target or address == "#":
                 continue
-            reached = (file.parent / target).resolve() if target else file
-            assert reached.is_file(), (file, address)
-            if anchor and reached in pages:
-                assert anchor in pages[reached].anchors, (file, address)
+            linked = (file.parent / target).resolve() if target else file
+            assert linked.is_file(), (file, address)
+            if anchor and linked in pages:
+                assert anchor in pages[linked].anchors, (file, address)
             checked += 1
     assert checked > 500
 
 
 @pytest.mark.exhaustive
-def test_links_out_of_the_site_are_whole_addresses(site):
-    """They are not followed: a test does not need the network."""
+def test_external_links_are_complete_addresses(site):
+    """The links are not followed, so that the test needs no network."""
     _, pages = site
-    addresses = {one for page in pages.values() for one in page.linked if "://" in one}
+    addresses = {address for page in pages.values() for address in page.linked if "://" in address}
     for address in addresses:
         parts = urlsplit(address)
         assert parts.scheme == "https", address
@@ -102,17 +102,17 @@ def test_links_out_of_the_site_are_whole_addresses(site):
 def test_gallery_shows_a_picture_of_each_example(site):
     folder, pages = site
     scripts = {path.stem for path in (ROOT / "examples/gallery").glob("plot_*.py")}
-    shown = pages[folder / "gallery" / "index.html"].loaded
-    assert {name for name in scripts if any(f"{name}_thumb" in one for one in shown)} == scripts
+    thumbnails = pages[folder / "gallery" / "index.html"].loaded
     for name in scripts:
+        assert any(f"{name}_thumb" in address for address in thumbnails), name
         loaded = pages[folder / "gallery" / f"{name}.html"].loaded
-        assert any(f"sphx_glr_{name}_001" in one for one in loaded), name
+        assert any(f"sphx_glr_{name}_001" in address for address in loaded), name
 
 
 @pytest.mark.exhaustive
 def test_api_reference_has_every_public_name(site):
     folder, pages = site
-    anchors = {one.rpartition(".")[2] for one in pages[folder / "api.html"].anchors}
+    anchors = {anchor.rpartition(".")[2] for anchor in pages[folder / "api.html"].anchors}
     assert set(fp.__all__) <= anchors
 
 
@@ -154,14 +154,14 @@ def test_search_answers_question_of_newcomer(site, question, tmp_path):
     line = [CHROMIUM, *flags, *offline, "--virtual-time-budget=20000", "--dump-dom", address]
     done = subprocess.run(line, capture_output=True, text=True, check=True, timeout=120.0)
     results = done.stdout.partition('id="search-results"')[2]
-    found = [one.partition("#")[0] for one in re.findall(r'<a href="([^"?]+)', results)]
-    assert page in list(dict.fromkeys(found))[:3]
+    pages = [link.partition("#")[0] for link in re.findall(r'<a href="([^"?]+)', results)]
+    assert page in list(dict.fromkeys(pages))[:3]
     assert answer in unescape(re.sub("<[^>]*>", "", (folder / page).read_text("utf-8")))
 
 
 def test_folder_of_another_kind_is_refused(command, tmp_path):
     (tmp_path / "notes.txt").write_text("mine", "utf-8")
-    assert "is no earlier site" in command.refused("docs", "--out", str(tmp_path))
+    assert "is not an earlier site" in command.refused("docs", "--out", str(tmp_path))
     assert [file.name for file in tmp_path.iterdir()] == ["notes.txt"]
 
 

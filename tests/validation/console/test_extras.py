@@ -1,4 +1,4 @@
-"""Optional packages: what needs one says so before it computes, and the launcher adds them."""
+"""Optional packages: messages before the computation, and installation from the locks."""
 
 import sys
 import tomllib
@@ -31,23 +31,23 @@ windows==1.0 ; sys_platform == 'win32' \\
 @pytest.fixture
 def packages(monkeypatch):
     """Installed packages: version and requirements by name."""
-    there = {}
+    installed = {}
 
     def distribution(name):
-        if name not in there:
+        if name not in installed:
             raise PackageNotFoundError(name)
-        version, *requires = there[name]
+        version, *requires = installed[name]
         return SimpleNamespace(version=version, requires=requires)
 
     monkeypatch.setattr(locked, "distribution", distribution)
-    return there
+    return installed
 
 
-def missing(*wanted):
-    return locked.missing_packages(map(Requirement, wanted), locked.locked_packages(LOCK))
+def missing(*requirements):
+    return locked.missing_packages(map(Requirement, requirements), locked.locked_packages(LOCK))
 
 
-def test_packages_are_missing_with_all_that_they_need(packages):
+def test_missing_packages_include_dependencies(packages):
     assert missing("First>=1") == ["first"]
     packages["first"] = ("1.0", "second[more]>2", "windows; sys_platform == 'win32'")
     assert missing("first") == ["second"]
@@ -55,7 +55,7 @@ def test_packages_are_missing_with_all_that_they_need(packages):
     assert missing("first") == ["third"]
     packages["third"] = ("3.0",)
     assert missing("first") == []
-    # Of another version than the lock: an earlier set-up's.
+    # A version of an earlier set-up, which is not that of the lock.
     packages["third"] = ("2.9",)
     assert missing("first") == ["third"]
 
@@ -99,27 +99,28 @@ def test_lock_has_every_extra_of_the_project():
     project = tomllib.loads((extras.ROOT / locked.PROJECT).read_text("utf-8"))["project"]
     optional = project["optional-dependencies"]
     assert set(EXTRAS) == set(optional) - {"test", "dev"}
-    there = {}
+    packages = {}
     for lock in locked.LOCKS:
-        there |= locked.locked_packages((extras.ROOT / lock).read_text("utf-8"))
+        packages |= locked.locked_packages((extras.ROOT / lock).read_text("utf-8"))
     for name in EXTRAS:
-        for one in map(Requirement, optional[name]):
-            package, lines = there[canonicalize_name(one.name)]
-            assert one.specifier.contains(next(iter(package.specifier)).version)
+        for requirement in map(Requirement, optional[name]):
+            package, lines = packages[canonicalize_name(requirement.name)]
+            assert requirement.specifier.contains(next(iter(package.specifier)).version)
             assert "--hash=sha256:" in lines
 
 
 def test_extras_are_listed_and_names_checked(command, monkeypatch):
-    listed = command.told("extras").splitlines()
-    assert [line.split()[0] for line in listed] == list(EXTRAS)
-    said = command.refused("extras", "nastrn")
-    assert 'must be of cluster, docs, exudyn, gpu, hammer, nastran; did you mean "nastran"?' in said
+    lines = command.told("extras").splitlines()
+    assert [line.split()[0] for line in lines] == list(EXTRAS)
+    message = command.refused("extras", "nastrn")
+    allowed = "must be one of cluster, docs, exudyn, gpu, hammer, nastran"
+    assert f'{allowed}; did you mean "nastran"?' in message
     monkeypatch.setattr(sys, "prefix", "/usr")
     assert "pip install '.[hammer]'" in command.refused("extras", "hammer")
 
 
 @pytest.mark.parametrize(
-    ("module", "words", "said"),
+    ("module", "words", "message"),
     [
         (
             "pyyeti",
@@ -141,9 +142,7 @@ def test_extras_are_listed_and_names_checked(command, monkeypatch):
         ),
     ],
 )
-def test_missing_extra_is_said_before_anything_is_computed(
-    module, words, said, command, monkeypatch
-):
-    """Before the robot is read, too, which is none."""
+def test_missing_extra_is_reported_before_computation(module, words, message, command, monkeypatch):
+    """The robot file, which does not exist, is not read either."""
     monkeypatch.setitem(sys.modules, module, None)
-    assert said in command.refused(*words)
+    assert message in command.refused(*words)

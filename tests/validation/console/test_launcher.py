@@ -1,4 +1,4 @@
-"""The launcher's set-up with a stand-in for Python: extras come back after every later set-up."""
+"""Set-up by the launcher with a stand-in for Python: later set-ups install the extras again."""
 
 import os
 import shutil
@@ -9,7 +9,7 @@ import pytest
 from validation.console.extras import NOTE, ROOT
 
 LAUNCHER = ROOT / "flexproof"
-# Answers what the launcher asks of Python, makes environments of itself and logs what is installed.
+# Answers the launcher's queries, makes environments of itself and logs installations.
 PYTHON = """#!/bin/sh
 case "$*" in
 *realpath*) echo "$STANDIN" ;;
@@ -28,7 +28,10 @@ esac
 
 @pytest.fixture
 def start(tmp_path):
-    """`start(*words, **environment)`: the launcher in a clone of its own; the lines of its log."""
+    """Function `start(*words, **environment)` that runs the launcher in a new clone.
+
+    It returns the lines of the log.
+    """
     root, programs = tmp_path / "clone", tmp_path / "programs"
     root.mkdir()
     programs.mkdir()
@@ -39,43 +42,43 @@ def start(tmp_path):
     (programs / "python3").chmod(0o755)
     log = tmp_path / "log"
 
-    def run(*words, code=0, **more):
+    def run(*words, code=0, **environment):
         log.write_text("")
         path = os.pathsep.join([str(programs), os.environ["PATH"]])
-        own = {"PATH": path, "STANDIN": str(programs / "python3"), "ROOT": str(root)}
+        variables = {"PATH": path, "STANDIN": str(programs / "python3"), "ROOT": str(root)}
         done = subprocess.run(
             [root / "flexproof", *words],
-            env=os.environ | own | {"LOG": str(log)} | more,
+            env=os.environ | variables | {"LOG": str(log)} | environment,
             capture_output=True,
             text=True,
             check=False,
         )
         assert done.returncode == code, done.stderr
-        run.said = done.stderr
-        run.told = done.stdout
+        run.stderr = done.stderr
+        run.stdout = done.stdout
         return log.read_text().splitlines()
 
     run.root = root
     return run
 
 
-def added(log):
-    """The names of extras that were installed, and where."""
+def extras_lines(log):
+    """Lines of the log about installed extras, with folder and names."""
     return [line for line in log if "validation.console.locked" in line]
 
 
-def test_set_up_without_extras_adds_none(start):
+def test_first_set_up_installs_no_extras(start):
     log = start("check", "ifw")
-    assert start.told == "runs check ifw\n"
+    assert start.stdout == "runs check ifw\n"
     assert any("--require-hashes --requirement" in line for line in log)
     assert any("--editable" in line for line in log)
-    assert added(log) == []
-    # A finished one is not made again.
+    assert extras_lines(log) == []
+    # A complete environment is not made again.
     assert start("check", "ifw") == []
 
 
 @pytest.mark.parametrize("again", ["new-recipe", "unfinished", "broken-environment"])
-def test_later_set_up_adds_extras_again(start, again):
+def test_later_set_up_installs_extras_again(start, again):
     start("check", "ifw")
     environment = start.root / ".venv"
     (environment / NOTE).write_text("hammer\nnastran\n")
@@ -87,25 +90,25 @@ def test_later_set_up_adds_extras_again(start, again):
     else:
         (environment / "bin" / "python").unlink()
     command = "-m validation.console.locked . hammer nastran"
-    assert added(start("check", "ifw")) == [f"{start.root}: {command}"]
-    assert "adding extras again: hammer nastran" in start.said
+    assert extras_lines(start("check", "ifw")) == [f"{start.root}: {command}"]
+    assert "adding extras again: hammer nastran" in start.stderr
     assert (environment / NOTE).read_text() == "hammer\nnastran\n"
-    assert start.told == "runs check ifw\n"
+    assert start.stdout == "runs check ifw\n"
     assert start("check", "ifw") == []
 
 
-def test_extras_that_cannot_be_added_are_tried_again(start):
+def test_failed_extras_are_installed_at_next_start(start):
     start("check", "ifw")
     (start.root / ".venv" / NOTE).write_text("hammer\n")
     (start.root / "requirements.lock").write_text("other packages")
     start("check", "ifw", code=3, LOCKED="3")
-    assert "extras could not be installed (see above); start again to try again" in start.said
-    assert start.told == ""
-    # The note outlives the environment, which is made anew.
-    assert len(added(start("check", "ifw"))) == 1
-    assert start.told == "runs check ifw\n"
+    assert "extras could not be installed (see above); start again to try again" in start.stderr
+    assert start.stdout == ""
+    # The stored names survive the environment, which is made anew.
+    assert len(extras_lines(start("check", "ifw"))) == 1
+    assert start.stdout == "runs check ifw\n"
 
 
 def test_extras_command_goes_to_the_program(start):
     start("extras", "hammer")
-    assert start.told == "runs extras hammer\n"
+    assert start.stdout == "runs extras hammer\n"

@@ -1,4 +1,4 @@
-"""Files that a command writes replace earlier results, and nothing of the user's own."""
+"""Marks of result files: commands replace earlier results and no files of the user."""
 
 import ast
 import csv
@@ -13,8 +13,8 @@ from report_sample import PIXEL
 from scipy.io import loadmat, savemat
 
 from lumped.errors import InputError
-from validation.console.marks import is_marked, marked
-from validation.console.typed import require_place, write
+from validation.console.marks import is_marked, with_mark
+from validation.console.typed import require_writable, write
 
 ROBOT = "robot.toml"
 FOREIGN = b"written by flexproof? No, by me.\n"
@@ -32,7 +32,7 @@ def matlab():
     return content.getvalue()
 
 
-# A small file of each kind, and its content as programs read it.
+# A small file of each kind, and a function that reads its content.
 KINDS = {
     ".py": (b"# -*- coding: utf-8 -*-\n\nK = 1\n", lambda text: ast.dump(ast.parse(text))),
     ".bdf": (
@@ -58,36 +58,37 @@ KINDS = {
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_marked_file_is_read_as_before(kind):
+def test_mark_does_not_change_the_content_read(kind):
     content, read = KINDS[kind]
-    assert marked(content, kind) != content
-    assert read(marked(content, kind)) == read(content)
+    assert with_mark(content, kind) != content
+    assert read(with_mark(content, kind)) == read(content)
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_mark_holds_for_the_unchanged_file_alone(kind, tmp_path):
-    content, own = KINDS[kind][0], tmp_path / f"own{kind}"
-    whole = marked(content, kind)
-    own.write_bytes(whole)
-    assert is_marked(own, kind)
-    # The mark of a table, which has no room for one, is no digest.
-    for place in () if kind == ".csv" else range(0, len(whole), max(1, len(whole) // 40)):
-        changed = bytearray(whole)
-        changed[place] ^= 0x01
-        own.write_bytes(changed)
-        assert not is_marked(own, kind), place
-    foreign_ones = [content, b"", FOREIGN, b"\n", b"\r\n", b"a\nb", b"a\r\nb\r\n", b"a\rb\rc\r"]
+def test_mark_is_valid_for_unchanged_file_only(kind, tmp_path):
+    content, path = KINDS[kind][0], tmp_path / f"own{kind}"
+    result = with_mark(content, kind)
+    path.write_bytes(result)
+    assert is_marked(path, kind)
+    # The mark of a table is no digest, because CSV has no comments.
+    for position in () if kind == ".csv" else range(0, len(result), max(1, len(result) // 40)):
+        changed = bytearray(result)
+        changed[position] ^= 0x01
+        path.write_bytes(changed)
+        assert not is_marked(path, kind), position
+    foreign_contents = [content, b"", FOREIGN, b"\n", b"\r\n", b"a\nb"]
+    foreign_contents += [b"a\r\nb\r\n", b"a\rb\rc\r"]
     if kind != ".csv":
-        foreign_ones += [whole[:-1], whole + b"\n", whole[:40]]
-    for foreign in foreign_ones:
-        own.write_bytes(foreign)
-        assert not is_marked(own, kind), foreign
+        foreign_contents += [result[:-1], result + b"\n", result[:40]]
+    for foreign in foreign_contents:
+        path.write_bytes(foreign)
+        assert not is_marked(path, kind), foreign
     assert not is_marked(tmp_path, kind)
-    # A mark of one format means nothing in another.
+    # A mark of one format is not valid in another, except in two formats with equal comments.
     for other in KINDS:
-        own.write_bytes(marked(KINDS[other][0], other))
-        alike = {kind, other} <= {".svg", ".html"}
-        assert is_marked(own, kind) is (kind == other or alike), other
+        path.write_bytes(with_mark(KINDS[other][0], other))
+        equal_comments = {kind, other} <= {".svg", ".html"}
+        assert is_marked(path, kind) is (kind == other or equal_comments), other
 
 
 @pytest.fixture
@@ -114,12 +115,12 @@ WRITTEN = {
 
 
 @pytest.mark.parametrize("name", WRITTEN)
-def test_command_replaces_its_own_result_and_no_other(name, folder, command):
+def test_command_replaces_only_its_own_result(name, folder, command):
     path, words = folder / name, WRITTEN[name]
     path.write_bytes(FOREIGN)
-    said = command.refused(*words)
-    assert said.startswith(f"flexproof: {name}: exists already and was not written by flexproof")
-    assert said.endswith("must be the name of a new file, or be replaced with --force")
+    message = command.refused(*words)
+    assert message.startswith(f"flexproof: {name}: exists already and was not written by flexproof")
+    assert message.endswith("must be the name of a new file, or be replaced with --force")
     assert path.read_bytes() == FOREIGN
     command.told(*words, "--force")
     first = path.read_bytes()
@@ -134,18 +135,18 @@ def test_command_replaces_its_own_result_and_no_other(name, folder, command):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_own_result_is_replaced_whatever_its_name(kind, folder):
-    """`identify --out matrices` refused its own file, and called it a foreign one."""
+def test_own_result_is_replaced_under_any_name(kind, folder):
+    """`identify --out matrices` refused to replace its own file, as if it were a foreign one."""
     path, (content, _) = folder / "matrices", KINDS[kind]
     for _ in range(2):
-        require_place(path, kind)
+        require_writable(path, kind)
         write(path, content, kind)
     assert is_marked(path, kind)
-    # Without the ending no foreign file is replaced, not even by force.
+    # A foreign file without the ending is not replaced, even with --force.
     path.write_bytes(FOREIGN)
     for force in (False, True):
         with pytest.raises(InputError, match=rf"only \{kind} files are replaced"):
-            require_place(path, kind, force=force)
+            require_writable(path, kind, force=force)
 
 
 @pytest.mark.parametrize(
@@ -161,10 +162,10 @@ def test_own_result_is_replaced_whatever_its_name(kind, folder):
         (ROBOT, ("new", ROBOT)),
     ],
 )
-def test_no_command_writes_over_a_foreign_file(name, words, folder, command):
-    """Refused before anything is computed: none of these robots and parts has such results."""
+def test_no_command_replaces_a_foreign_file(name, words, folder, command):
+    """The refusal comes before the computation, which would fail for these robots and parts."""
     path = folder / name
     path.write_bytes(FOREIGN)
     command.refused(*words)
     assert path.read_bytes() == FOREIGN
-    assert {one.name for one in folder.iterdir()} == {ROBOT, name}
+    assert {file.name for file in folder.iterdir()} == {ROBOT, name}

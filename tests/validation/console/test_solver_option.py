@@ -1,4 +1,4 @@
-"""The option `--solver` and its variable: validated, passed to processes, undone afterwards."""
+"""Option `--solver` and its environment variable: checked, passed to processes, then reset."""
 
 import os
 import warnings
@@ -30,17 +30,17 @@ def test_unknown_solver_is_refused_in_one_line(command, monkeypatch):
             *words, "--solver", "pardiso"
         )
     monkeypatch.setenv(VARIABLE, "pardiso")
-    said = command.refused(*SOLVE)
-    assert said == 'flexproof: FLEXPROOF_SOLVER = "pardiso": must be auto, rslab or cudss'
+    message = command.refused(*SOLVE)
+    assert message == 'flexproof: FLEXPROOF_SOLVER = "pardiso": must be auto, rslab or cudss'
 
 
 def test_cudss_without_its_extra_is_refused(command, monkeypatch):
     monkeypatch.setattr("fem.extras.find_spec", lambda _: None)
     forget_card()
-    said = command.refused(*SOLVE, "--solver", "cudss")
-    assert "solver cudss: needs cupy and nvmath, not installed; ./flexproof extras gpu" in said
+    message = command.refused(*SOLVE, "--solver", "cudss")
+    assert "solver cudss: needs cupy and nvmath, not installed; ./flexproof extras gpu" in message
     monkeypatch.setenv(VARIABLE, "cudss")
-    assert command.refused(*SOLVE) == said
+    assert command.refused(*SOLVE) == message
 
 
 def test_option_overrules_variable_for_one_command(command, monkeypatch):
@@ -59,22 +59,24 @@ def test_request_reaches_processes(monkeypatch):
         assert list(cores([requested_solver])) == [(0, Solver.RSLAB)]
 
 
-def remark():
+def warn_of_fallback():
     warnings.warn("graphics card: lost", SolverFallbackWarning, stacklevel=1)
     warnings.warn("of no interest", RuntimeWarning, stacklevel=1)
     return 1
 
 
-def test_remark_of_process_is_made_here():
+def test_solver_warning_of_process_is_repeated():
     with pytest.warns(SolverFallbackWarning, match="graphics card: lost") as caught:
-        assert in_own_process(remark) == 1
+        assert in_own_process(warn_of_fallback) == 1
     assert len(caught) == 1
 
 
-def test_remark_is_one_line_of_command(command, monkeypatch, capsys):
-    """Also if it is made several times; results and exit code are unchanged."""
+def test_solver_warnings_are_one_line_of_command(command, monkeypatch, capsys):
+    """Three equal warnings give one line. Results and exit code are unchanged."""
     plain = command.told(*SOLVE)
-    monkeypatch.setattr("validation.cli.require_room", lambda _: [remark() for _ in range(3)])
+    monkeypatch.setattr(
+        "validation.cli.require_room", lambda _: [warn_of_fallback() for _ in range(3)]
+    )
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)
         assert cli.main(SOLVE) == 0

@@ -79,7 +79,7 @@ def test_whatever_happens_in_a_case_is_its_verdict(troubled_run):
 def test_a_resumed_run_computes_only_what_is_missing(robot_file, troubled_run, capfd, monkeypatch):
     first, path = troubled_run
     # A busy machine takes as long as it likes: no line says how far the work is.
-    monkeypatch.setattr(telling, "_QUIET", 1e6)
+    monkeypatch.setattr(telling, "_SILENT_SECONDS", 1e6)
     again = validate(asked(robot_file, path, start="resumed"), toys.troubled)
     # Whatever goes wrong in it, nothing is printed where the user looks.
     assert capfd.readouterr() == ("", "")
@@ -141,8 +141,8 @@ def test_a_long_run_says_how_far_it_is_and_a_short_one_nothing(monkeypatch, caps
     with progress.showing(tasks, 0.0) as shown:
         shown.started(tasks[0])
     assert capsys.readouterr().err == ""
-    monkeypatch.setattr(telling, "_QUIET", 0.05)
-    monkeypatch.setattr(telling, "_SOON", 0.02)
+    monkeypatch.setattr(telling, "_SILENT_SECONDS", 0.05)
+    monkeypatch.setattr(telling, "_ESTIMATE_DELAY", 0.02)
     with progress.showing(tasks, 0.0) as shown:
         shown.started(tasks[0])
         time.sleep(0.2)
@@ -170,11 +170,11 @@ def test_a_file_on_a_terminal_may_have_any_name(monkeypatch, capsys):
 def test_long_work_is_forecast_by_the_speed_of_the_machine(monkeypatch, capsys):
     """A hundred seconds elsewhere are 200 here, and three minutes are told as such."""
     monkeypatch.setattr(telling, "slowness", lambda: 2.0)
-    monkeypatch.setattr(telling, "_SOON", 0.02)
+    monkeypatch.setattr(telling, "_ESTIMATE_DELAY", 0.02)
     with telling.stage("meshing", 100.0):
         time.sleep(0.1)
     assert capsys.readouterr().err == "flexproof: meshing: about 3 min on this machine\n"
-    monkeypatch.setattr(telling, "_QUIET", 0.05)
+    monkeypatch.setattr(telling, "_SILENT_SECONDS", 0.05)
     with telling.stage("meshing", 50.0):
         time.sleep(0.2)
     forecast, line = capsys.readouterr().err.splitlines()

@@ -95,7 +95,7 @@ def test_every_body_and_joint_is_drawn_where_it_is(robot):
 
 def test_an_enlargement_is_a_round_number_and_not_too_large():
     factors = {1e-5: 1e4, 1.9e-5: 5e3, 2e-5: 5e3, 0.3: 0.2, 0.0: 1.0}
-    assert {one: readable_factor(one, wanted=0.1) for one in factors} == pytest.approx(factors)
+    assert {one: readable_factor(one, target=0.1) for one in factors} == pytest.approx(factors)
 
 
 def test_a_fitted_view_shows_every_point_and_fills_the_picture():
