@@ -64,7 +64,7 @@ def section(number: int, found: BenchmarkOutcome) -> str:
         "",
         "| quantity | known | flexproof | difference | explained | allowed |",
         "|---|---|---|---|---|---|",
-        *map(_row, found.compared),
+        *map(_row, found.numbers),
         "",
         fill(f"Known from: {benchmark.source}.", WIDTH),
         "",
@@ -89,7 +89,7 @@ def _row(one: KnownNumber) -> str:
     cells = (
         one.quantity,
         f"{one.known:.6g}{unit}",
-        f"{one.ours:.6g}{unit}",
+        f"{one.computed:.6g}{unit}",
         _share(one.difference),
         _share(one.explained) if one.explained else "",
         f"{one.tolerance:.1g}",

@@ -1,4 +1,5 @@
-"""What a user's machine can fail: published benchmarks, meshers, solvers and programs beside it.
+"""Self-test of an installation: published benchmarks that use meshers, solvers and other programs.
 
-In: nothing but what is installed. Out: a table of known numbers beside ours, and an exit code.
+In: the installed packages and programs. Out: a table of known and computed numbers, and an exit
+code.
 """

@@ -1,9 +1,9 @@
-"""Problems with known answers, and what this program answers on this machine.
+"""Benchmarks with known numbers, computed on this machine.
 
 MacNeal–Harder's cantilever and NAFEMS FV5 as solids, torsion of rectangles by finite elements, a
-hexapod and a drawn part in closed form, a leg by CalculiX and a five-bar by EXUDYN. Solids are held
-and loaded as Saint-Venant's theory has it, by means over their end faces, so that beam theory's own
-approximation is all that keeps the two apart.
+hexapod and a CAD part in closed form, a leg by CalculiX and a five-bar by EXUDYN. Constraints and
+loads of solids are those of Saint-Venant's theory: averages over the end faces. Solid and beam
+theory then differ only by the approximation of beam theory.
 """
 
 from collections.abc import Callable, Sequence
@@ -43,32 +43,32 @@ TOLERANCE = 1e-3
 
 @dataclass(frozen=True)
 class KnownNumber:
-    """One known number in `unit` and ours: the same within `tolerance` (relative).
+    """Known and computed number in `unit`, equal within `tolerance` (relative).
 
-    `explained` is the part of the relative difference that the two theories are known to have.
+    `explained` is the known relative difference of the two theories.
     """
 
     quantity: str
     unit: str
     known: float
-    ours: float
+    computed: float
     tolerance: float
     explained: float = 0.0
 
     @property
     def difference(self) -> float:
-        """Ours less the known number, relative."""
-        return self.ours / self.known - 1.0
+        """Computed number less the known number, relative to the latter."""
+        return self.computed / self.known - 1.0
 
     @property
     def agrees(self) -> bool:
-        """Whether what is not explained is within the tolerance; never for what is no number."""
+        """True if the unexplained difference is within the tolerance. False for NaN."""
         return abs(self.difference - self.explained) <= self.tolerance
 
 
 @dataclass(frozen=True)
 class Benchmark:
-    """A problem, where its numbers are from, why they may differ so far, and what compares them."""
+    """Problem with the source of its numbers, the reason of the tolerances, and the computation."""
 
     title: str
     problem: str
@@ -79,48 +79,51 @@ class Benchmark:
 
 @dataclass(frozen=True)
 class BenchmarkOutcome:
-    """What became of a benchmark; `message` says why nothing was compared."""
+    """Result of a benchmark. `message` is the reason if it has no numbers."""
 
     benchmark: Benchmark
     verdict: Literal["agrees", "differs", "failed", "skipped"]
-    compared: tuple[KnownNumber, ...] = ()
+    numbers: tuple[KnownNumber, ...] = ()
     message: str = ""
 
 
 def outcome(benchmark: Benchmark) -> BenchmarkOutcome:
-    """Compute a benchmark: whatever goes wrong on this machine is its outcome."""
+    """Compute a benchmark. An exception gives an outcome as well."""
     try:
-        compared = tuple(benchmark.compare())
+        numbers = tuple(benchmark.compare())
     except (CalculixMissing, ExudynMissing) as missing:
         return BenchmarkOutcome(benchmark, "skipped", message=str(missing))
-    except Exception as error:  # noqa: BLE001  libraries of this machine are on trial
+    except Exception as error:  # noqa: BLE001  the libraries of this machine are tested
         return BenchmarkOutcome(benchmark, "failed", message=f"{type(error).__name__}: {error}")
-    # A benchmark that compared nothing has shown nothing.
-    agrees = bool(compared) and all(one.agrees for one in compared)
-    return BenchmarkOutcome(benchmark, "agrees" if agrees else "differs", compared)
+    # A benchmark without numbers proves nothing and does not agree.
+    agrees = bool(numbers) and all(number.agrees for number in numbers)
+    return BenchmarkOutcome(benchmark, "agrees" if agrees else "differs", numbers)
 
 
 @dataclass(frozen=True)
 class Cluster:
-    """Modes `first` to `last` (from 1) of one frequency `target` (Hz)."""
+    """Modes number `first` to `last` (from 1) with one frequency, `target` (Hz)."""
 
     first: int
     last: int
     target: float
     meaning: str
 
-    def compared(self, frequencies: Array, explained: float = 0.0) -> KnownNumber:
-        """Of all `frequencies` (Hz) the one of the cluster that is farthest from its target."""
-        own = frequencies[self.first - 1 : self.last]
-        ours = float(own[np.argmax(np.abs(own - self.target))])
-        numbers = f"f{self.first}" + (f" to f{self.last}" if self.last > self.first else "")
-        quantity = f"{numbers}, {self.meaning}"
-        return KnownNumber(quantity, "Hz", self.target, ours, TOLERANCE, explained)
+    def known_number(self, frequencies: Array, explained: float = 0.0) -> KnownNumber:
+        """Target, and the frequency of the cluster that is farthest from it.
+
+        `frequencies` (Hz) are those of all modes.
+        """
+        cluster = frequencies[self.first - 1 : self.last]
+        farthest = float(cluster[np.argmax(np.abs(cluster - self.target))])
+        names = f"f{self.first}" + (f" to f{self.last}" if self.last > self.first else "")
+        quantity = f"{names}, {self.meaning}"
+        return KnownNumber(quantity, "Hz", self.target, farthest, TOLERANCE, explained)
 
 
-# Statics: any density.
+# The density has no effect on statics.
 STRAIGHT = ConstantLeg(6.0, Rectangle(0.2, 0.1), Material.isotropic(1e7, 0.3, 1.0))
-# Component of the tip, what it is, unit, target (m or rad per N or N m).
+# Component of the tip's compliance, its name, unit and target (m or rad per N or N m).
 MACNEAL_TARGETS = (
     (0, "extension under a unit force", "m", 3.0e-5),
     (1, "deflection in the plane of the larger side under a unit force", "m", 0.1081),
@@ -133,8 +136,8 @@ MACNEAL_HARDER = (
 )
 FV5 = "NAFEMS, The Standard NAFEMS Benchmarks, TNSB rev. 3 (1990), Test FV5"
 DEEP = ConstantLeg(10.0, Rectangle(2.0, 2.0), Material.isotropic(2e11, 0.3, 8000.0))
-# Modes, and what beam theory neglects in waves so short, relative: a test computes it from the
-# prism's exact waves.
+# Modes, and the relative error of beam theory for waves of their length. A test computes the errors
+# from the exact waves of the prism.
 FV5_MODES = (
     (Cluster(1, 2, 42.650, "bending 1"), 1.1453e-3),
     (Cluster(3, 3, 71.20, "torsion 1"), -9.4e-6),
@@ -150,21 +153,22 @@ TORSION_CONSTANTS = {
     10.0: 0.312325,
 }
 TIMOSHENKO = "S. P. Timoshenko, J. N. Goodier, Theory of Elasticity, §109, table of k1, six digits"
-# Elements across the section, and slices along the whole beam per element: errors alike.
+# Elements across the section, and slices along the beam for each of them, so that the errors of
+# both directions are similar.
 _STRAIGHT_DIVISIONS, _STRAIGHT_SLICES = 4, 5
 _DEEP_DIVISIONS, _DEEP_SLICES = 5, 3
 _TORSION_DIVISIONS = 16
 _STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 _BLOCK = ConstantLeg(0.4, Rectangle(0.08, 0.12), _STEEL)
 _MODES = 3
-# Beams a leg: EXUDYN's are of second order, so that extrapolated ones are of fourth.
+# Beams per leg. EXUDYN's beams converge with second order, the extrapolation with fourth order.
 _ELEMENTS = (4, 8)
-# Along x, y and z (m), and elements' size (m).
+# Extents along x, y and z (m), and element size (m).
 _BAR, _SIZE = (0.12, 0.04, 0.024), 0.02
 
 
 def benchmarks() -> tuple[Benchmark, ...]:
-    """Solids and sections, a mechanism, a part, and two other programs."""
+    """Benchmarks of solids and sections, a mechanism, a part, and two other programs."""
     return (
         Benchmark(
             "MacNeal–Harder's straight cantilever as a solid",
@@ -234,64 +238,67 @@ def benchmarks() -> tuple[Benchmark, ...]:
 
 
 def straight_cantilever() -> list[KnownNumber]:
-    """The diagonal of the tip's compliance."""
+    """Diagonal of the tip's compliance."""
     beam = extruded(STRAIGHT, _STRAIGHT_DIVISIONS, _STRAIGHT_SLICES * _STRAIGHT_DIVISIONS)
-    found = np.diag(solid.clamped_leg(beam, "free").compliance)
+    compliances = np.diag(solid.clamped_leg(beam, "free").compliance)
     return [
-        KnownNumber(quantity, unit, target, float(found[component]), TOLERANCE)
+        KnownNumber(quantity, unit, target, float(compliances[component]), TOLERANCE)
         for component, quantity, unit, target in MACNEAL_TARGETS
     ]
 
 
 def extruded(leg: ConstantLeg, divisions: int, slices: int) -> solid.SolidLeg:
-    """The beam as a solid, `divisions` elements across its smaller side, `slices` along it."""
+    """Beam as a solid with `divisions` elements across its smaller side and `slices` along it."""
     section = section_mesh(leg.section, divisions)
     return solid.solid_leg(leg, extrude(section, stations(leg.length, slices)))
 
 
 def deep_beam() -> list[KnownNumber]:
-    """FV5's nine modes, and that there are no more below the shift above them."""
+    """Nine modes of FV5, and their number from Sturm's count below the shift above them."""
     beam = extruded(DEEP, _DEEP_DIVISIONS, _DEEP_SLICES * _DEEP_DIVISIONS)
     count = FV5_MODES[-1][0].last
-    found = simply_supported(beam).modes(count)
-    counted = KnownNumber("modes up to bending 3", "1", count, found.count, TOLERANCE)
-    return [counted, *(one.compared(found.frequencies, wave) for one, wave in FV5_MODES)]
+    modes = simply_supported(beam).modes(count)
+    counted = KnownNumber("modes up to bending 3", "1", count, modes.count, TOLERANCE)
+    return [
+        counted,
+        *(cluster.known_number(modes.frequencies, explained) for cluster, explained in FV5_MODES),
+    ]
 
 
 def simply_supported(beam: solid.SolidLeg) -> RootedBody:
-    """The beam held in x, y, z, φx at its root and in y, z at its tip, on average over the faces.
+    """Beam fixed in x, y, z, φx at its root and in y, z at its tip, on average over the faces.
 
-    The averages C are the conjugates of Saint-Venant's tractions, so warping, contraction and both
-    bending rotations are free. The six are statically determinate: L = C (RᵀC)⁻¹ takes the place
-    of the root's six loads, with LᵀR = I for the rigid motions R.
+    The averages C are the conjugates of Saint-Venant's tractions, so that warping, contraction and
+    both bending rotations are free. The six constraints are statically determinate: L = C (RᵀC)⁻¹
+    replaces the six loads at the root, with LᵀR = I for the rigid motions R.
     """
     free = solid.coupled_leg(beam, "free")
     averages = free.twists[:, [0, 1, 2, 3, 7, 8]]
-    held = averages @ np.linalg.inv(free.motions.T @ averages)
-    return rooted_body(replace(free, twists=held), "NAFEMS FV5 as a solid")
+    constraints = averages @ np.linalg.inv(free.motions.T @ averages)
+    return rooted_body(replace(free, twists=constraints), "NAFEMS FV5 as a solid")
 
 
 def torsion_constant(ratio: float) -> KnownNumber:
-    """J/(b h³) of a rectangle with b/h = `ratio`."""
+    """Torsion constant J/(b h³) of a rectangle with b/h = `ratio`."""
     mesh = section_mesh(Rectangle(ratio, 1.0), _TORSION_DIVISIONS)
-    found = section_constants(mesh, nu=0.0).torsion_constant / ratio
+    computed = section_constants(mesh, nu=0.0).torsion_constant / ratio
     known = TORSION_CONSTANTS[ratio]
-    return KnownNumber(f"J/(b h³), b/h = {ratio:g}", "1", known, found, 2e-6 / known)
+    return KnownNumber(f"J/(b h³), b/h = {ratio:g}", "1", known, computed, 2e-6 / known)
 
 
 def hexapod() -> list[KnownNumber]:
-    """Deflections of the platform's point, beside a stiffness summed over the legs."""
+    """Deflections of the platform's point, known from the stiffness summed over the legs."""
     mechanism = load_robot("hexapod").mechanism
-    at = posture(mechanism, mechanism.poses[0])
-    (own,) = answers("beam", [at], 0, ModelOptions(elements=1))
-    known = np.linalg.inv(hexapod_stiffness(mechanism, at.pose))
-    return _deflections(np.diag(known), np.diag(own.compliance), 1e-8)
+    first_posture = posture(mechanism, mechanism.poses[0])
+    (answer,) = answers("beam", [first_posture], 0, ModelOptions(elements=1))
+    known = np.linalg.inv(hexapod_stiffness(mechanism, first_posture.pose))
+    return _deflections(np.diag(known), np.diag(answer.compliance), 1e-8)
 
 
 def hexapod_stiffness(mechanism: Mechanism, pose: Array) -> Array:
-    """Σ k j jᵀ (6×6, SI, base axes) of the built-in hexapod at its platform's point."""
+    """Stiffness Σ k j jᵀ (6×6, SI, base axes) of the built-in hexapod at its platform's point."""
     centre = mechanism.reference_pose[:3]
-    turn = Rotation.from_rotvec(pose[3:]).as_matrix()
+    rotation = Rotation.from_rotvec(pose[3:]).as_matrix()
     drives = {joint.name: joint.drive for joint in mechanism.joints}
     stiffness = np.zeros((6, 6))
     for number in range(1, 7):
@@ -299,26 +306,26 @@ def hexapod_stiffness(mechanism: Mechanism, pose: Array) -> Array:
         rod, drive = f"rod{number}", drives[f"drive{number}"]
         tip = mechanism.bodies[rod].interfaces[f"Q{number}"]
         joint = (mechanism.reference[rod] @ tip).position
-        end = pose[:3] + turn @ (joint - centre)
+        end = pose[:3] + rotation @ (joint - centre)
         shapes = [mechanism.bodies[name].shape for name in (f"strut{number}", rod)]
-        give = sum(
+        compliance = sum(
             shape.length / (shape.material.E * shape.section.area)
             for shape in shapes
             if isinstance(shape, ConstantLeg)
         )
-        give += 1.0 / (drive.stiffness or np.inf) if drive else 0.0
-        along = (end - base) / np.linalg.norm(end - base)
-        screw = np.concatenate([along, np.cross(end - pose[:3], along)])
-        stiffness += np.outer(screw, screw) / give
+        compliance += 1.0 / (drive.stiffness or np.inf) if drive else 0.0
+        direction = (end - base) / np.linalg.norm(end - base)
+        screw = np.concatenate([direction, np.cross(end - pose[:3], direction)])
+        stiffness += np.outer(screw, screw) / compliance
     return stiffness
 
 
 def bar() -> list[KnownNumber]:
-    """Columns of pull and bending of one end of a bar from the other, by gmsh and back."""
+    """Stretching and bending of a bar that gmsh draws, writes, reads and meshes."""
     length, width, height = _BAR
     ends = {
-        name: PartInterface(ByPlane((way, 0.0, 0.0), (x, 0.0, 0.0)), "average")
-        for name, way, x in (("A", -1.0, 0.0), ("B", 1.0, length))
+        name: PartInterface(ByPlane((sign, 0.0, 0.0), (x, 0.0, 0.0)), "average")
+        for name, sign, x in (("A", -1.0, 0.0), ("B", 1.0, length))
     }
     with TemporaryDirectory(prefix="flexproof-bar-") as folder:
         path = Path(folder) / "bar.brep"
@@ -329,11 +336,10 @@ def bar() -> list[KnownNumber]:
         part = read_part(path, "m")
         interfaces = find_interfaces(part, ends)
         mesh = volume_mesh(part, interfaces, Grading(_SIZE))
-    held = held_part(meshed_part(mesh, _STEEL), grips_of(mesh, interfaces), "bar")
+    clamped = held_part(meshed_part(mesh, _STEEL), grips_of(mesh, interfaces), "bar")
     E, I = _STEEL.E, height * width**3 / 12.0
-    found = held.compliance
     return [
-        KnownNumber(quantity, unit, known, float(found[row, column]), 1e-8)
+        KnownNumber(quantity, unit, known, float(clamped.compliance[row, column]), 1e-8)
         for quantity, unit, row, column, known in (
             ("stretching under a unit force", "m", 0, 0, length / (E * width * height)),
             ("deflection under a unit moment", "m", 1, 5, length**2 / (2.0 * E * I)),
@@ -343,34 +349,33 @@ def bar() -> list[KnownNumber]:
 
 
 def by_calculix() -> list[KnownNumber]:
-    """Deflections and frequencies of one mesh by both programs."""
+    """Deflections and frequencies of one mesh, known from CalculiX."""
     mesh = tetrahedra(_BLOCK.section, _BLOCK.length, 1)
-    theirs, their_frequencies = compliance_and_frequencies(mesh, _STEEL, _MODES)
+    calculix_compliance, calculix_frequencies = compliance_and_frequencies(mesh, _STEEL, _MODES)
     clamped = solid.clamped_leg(solid.solid_leg(_BLOCK, mesh))
-    own, own_frequencies = clamped.compliance, clamped.modes(_MODES).frequencies
     return [
-        *_deflections(np.diag(theirs), np.diag(own), 1e-6),
-        *_frequencies(their_frequencies, own_frequencies, 5e-4),
+        *_deflections(np.diag(calculix_compliance), np.diag(clamped.compliance), 1e-6),
+        *_frequencies(calculix_frequencies, clamped.modes(_MODES).frequencies, 5e-4),
     ]
 
 
 def by_exudyn() -> list[KnownNumber]:
-    """Frequencies of a mechanism in a multibody code."""
-    at = reference_posture(load_robot("five-bar").mechanism)
-    coarse, fine = (frequencies(at, number, _MODES) for number in _ELEMENTS)
-    (own,) = answers("beam", [at], _MODES)
-    return _frequencies(fine + (fine - coarse) / 3.0, own.frequencies, 1e-5)
+    """Frequencies of a mechanism, known from a multibody code."""
+    reference = reference_posture(load_robot("five-bar").mechanism)
+    coarse, fine = (frequencies(reference, elements, _MODES) for elements in _ELEMENTS)
+    (answer,) = answers("beam", [reference], _MODES)
+    return _frequencies(fine + (fine - coarse) / 3.0, answer.frequencies, 1e-5)
 
 
-def _deflections(known: Array, found: Array, tolerance: float) -> list[KnownNumber]:
+def _deflections(known: Array, computed: Array, tolerance: float) -> list[KnownNumber]:
     return [
-        KnownNumber(f"{name} under a unit force", "m", known[i], found[i], tolerance)
+        KnownNumber(f"{name} under a unit force", "m", known[i], computed[i], tolerance)
         for i, name in enumerate("xyz")
     ]
 
 
-def _frequencies(known: Array, found: Array, tolerance: float) -> list[KnownNumber]:
+def _frequencies(known: Array, computed: Array, tolerance: float) -> list[KnownNumber]:
     return [
         KnownNumber(f"f{number}", "Hz", *pair, tolerance)
-        for number, pair in enumerate(zip(known, found, strict=True), start=1)
+        for number, pair in enumerate(zip(known, computed, strict=True), start=1)
     ]

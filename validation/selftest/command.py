@@ -1,4 +1,4 @@
-"""The command `selftest`: known numbers beside those of this machine, as a table."""
+"""Command `selftest`: table of known numbers and those computed on this machine."""
 
 from time import perf_counter
 from typing import TYPE_CHECKING
@@ -15,9 +15,10 @@ _ROW = "  {:<62} {:>16} {:>13} {:>11} {:>11}  {}"
 
 
 def selftest(*, solver: SolverName = None) -> int:
-    """Solve published benchmarks here: solvers, meshers and programs beside flexproof.
+    """Solve published benchmarks on this machine, to test its solvers, meshers and programs.
 
-    Exit code 1 where a number differs or cannot be computed. Reports of runs say when it passed.
+    Exit code 1 if a number differs or cannot be computed. Reports of runs contain the date and the
+    result of the last selftest.
     """
     from fem.solvers.backends.choice import solver_name  # noqa: PLC0415
     from validation.run.provenance import keep_selftest, machine, versions  # noqa: PLC0415
@@ -25,38 +26,39 @@ def selftest(*, solver: SolverName = None) -> int:
 
     require_room(TO_COMPUTE)
     request_solver(solver)
-    begun = perf_counter()
+    start = perf_counter()
     write_results(_ROW.format("", "known", "here", "difference", "explained", ""))
     outcomes = []
     for benchmark in benchmarks():
         outcomes.append(outcome(benchmark))
         write_results(_text(outcomes[-1]))
-    bad = sum(one.verdict in {"differs", "failed"} for one in outcomes)
-    keep_selftest(passed=not bad)
-    numbers = [compared for one in outcomes for compared in one.compared]
-    agreeing = sum(one.agrees for one in numbers)
-    skipped = [one.benchmark.title for one in outcomes if one.verdict == "skipped"]
+    failures = sum(result.verdict in {"differs", "failed"} for result in outcomes)
+    keep_selftest(passed=not failures)
+    numbers = [number for result in outcomes for number in result.numbers]
+    agreeing = sum(number.agrees for number in numbers)
+    skipped = [result.benchmark.title for result in outcomes if result.verdict == "skipped"]
     write_results(
-        f"\nselftest {'FAILED' if bad else 'passed'}: {agreeing} of {len(numbers)} numbers agree"
+        f"\nselftest {'FAILED' if failures else 'passed'}: "
+        f"{agreeing} of {len(numbers)} numbers agree"
         + (f"; skipped: {', '.join(skipped)}" if skipped else "")
-        + f" ({perf_counter() - begun:.0f} s)\n"
+        + f" ({perf_counter() - start:.0f} s)\n"
         f"flexproof {versions().get('flexproof', '')}, {machine()}, {solver_name()}"
     )
-    return int(bad > 0)
+    return int(failures > 0)
 
 
-def _text(found: "BenchmarkOutcome") -> str:
-    """The benchmark, its source, and its numbers or why there are none."""
+def _text(result: "BenchmarkOutcome") -> str:
+    """Title and source of a benchmark, and its numbers or the reason why there are none."""
     rows = [
         _ROW.format(
-            one.quantity,
-            f"{one.known:.6g} {one.unit}".removesuffix(" 1"),
-            f"{one.ours:.6g}",
-            f"{one.difference:+.1e}",
-            f"{one.explained:+.1e}" if one.explained else "",
-            "agrees" if one.agrees else "DIFFERS",
+            number.quantity,
+            f"{number.known:.6g} {number.unit}".removesuffix(" 1"),
+            f"{number.computed:.6g}",
+            f"{number.difference:+.1e}",
+            f"{number.explained:+.1e}" if number.explained else "",
+            "agrees" if number.agrees else "DIFFERS",
         )
-        for one in found.compared
+        for number in result.numbers
     ]
-    rows += [f"  {found.verdict}: {found.message}"] if found.message else []
-    return "\n".join([f"\n{found.benchmark.title}\n  {found.benchmark.source}", *rows])
+    rows += [f"  {result.verdict}: {result.message}"] if result.message else []
+    return "\n".join([f"\n{result.benchmark.title}\n  {result.benchmark.source}", *rows])

@@ -82,14 +82,14 @@ def deep_beam() -> list[KnownNumber]:
     free = np.delete(np.arange(beam.size), [0, 1, 2, 3, 7, 8])
     stiffness, mass = (dense(matrix)[np.ix_(free, free)] for matrix in (beam.stiffness, beam.mass))
     found = solve_modes(stiffness, mass, FV5_CLUSTERS[-1].last, "NAFEMS FV5").frequencies
-    return [cluster.compared(found) for cluster in FV5_CLUSTERS]
+    return [cluster.known_number(found) for cluster in FV5_CLUSTERS]
 
 
 def slender_cantilever() -> list[KnownNumber]:
     """Test 71: Euler–Bernoulli bending in one plane."""
     beam = beam_leg(SLENDER.properties("euler-bernoulli"), SLENDER.length, 32)
     found = kind_frequencies(beam, "bending z", len(TEST_71_CLUSTERS))
-    return [cluster.compared(found) for cluster in TEST_71_CLUSTERS]
+    return [cluster.known_number(found) for cluster in TEST_71_CLUSTERS]
 
 
 def pinned_cross() -> list[KnownNumber]:
@@ -116,4 +116,4 @@ def pinned_cross() -> list[KnownNumber]:
     cross = Mechanism("FV2", bodies, joints, tool, reference, np.zeros((1, 0)))
     options = ModelOptions(theory="euler-bernoulli")
     (found,) = answers("beam", [reference_posture(cross)], FV2_CLUSTERS[-1].last, options)
-    return [cluster.compared(found.frequencies) for cluster in FV2_CLUSTERS]
+    return [cluster.known_number(found.frequencies) for cluster in FV2_CLUSTERS]
