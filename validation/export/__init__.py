@@ -1,4 +1,4 @@
-"""A robot's models as files for other programs.
+"""Export of a robot's models to files for other programs.
 
-Models go in; VTU, VTP, npz and Matrix Market files come out.
+In: models of a robot. Out: VTU, VTP, npz and Matrix Market files, decks and reduced models.
 """

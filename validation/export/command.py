@@ -1,4 +1,4 @@
-"""The command `export`, as the command line takes it up."""
+"""Command `export` of the command line."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 Kind: TypeAlias = Literal["exudyn", "simscape", "nastran", "statespace", "npz"]
 _ENDINGS = {"exudyn": ".py", "nastran": ".bdf", "simscape": ".mat"}
-# More than any reduction keeps.
+# More modes than any reduction keeps.
 _MOST_MODES = 200
 
 
@@ -40,23 +40,23 @@ def export(
 ) -> int:
     """Write a body, or the robot about one pose, as a reduced model with a bound on its error.
 
-    Legs with a section and CAD parts are solids. SI units throughout.
+    Legs with a section and CAD parts are solids. All numbers are in SI units.
 
     Parameters
     ----------
     to
-        npz: matrices for numpy. exudyn: a script that runs. statespace: A, B, C, D from drives and
-        wrench at the tool to the tool's twist, of a robot. simscape: a Reduced Order Flexible Solid
-        (.mat), nastran: DMIG (needs the extra "nastran"), both of a body.
+        npz: matrices for numpy. exudyn: a Python script for EXUDYN. statespace: matrices A, B, C, D
+        of a robot from drive forces and wrench at the tool to the tool's twist. simscape: a Reduced
+        Order Flexible Solid (.mat) of a body. nastran: DMIG of a body (needs the extra "nastran").
     pose
-        Pose of the tool, numbers separated by commas; the reference posture if left out.
+        Pose of the tool, numbers separated by commas. Default: the reference posture.
     body
-        A leg with a section, or a CAD part; the whole robot if left out.
+        A leg with a section, or a CAD part. Default: the whole robot.
     modes
-        How many frequencies of the robot the model is good for.
+        Number of frequencies of the robot for which the model is accurate.
     out
-        The file; if left out named by robot and body, with the ending of its kind, in this folder.
-        The state space takes .npz and .mat.
+        File to write. Default: a file in this folder, named after robot and body, with the ending
+        of its kind. The state space may be .npz or .mat.
     """
     request_solver(solver)
     write_export(robot, to, pose=pose, body=body, modes=modes, out=out, force=force)
@@ -73,9 +73,9 @@ def write_export(
     out: Path | None,
     force: bool,
 ) -> Path:
-    """Write the reduced model of a robot or of its `body`, and return the file's path.
+    """Write the reduced model of a robot or of its `body`, and return the path of the file.
 
-    Arguments as of `export`. Raises InputError, ComputationError.
+    Arguments are those of `export`. Raises InputError and ComputationError.
     """
     from fem.extras import require_extra  # noqa: PLC0415
     from lumped.robot_file import load_robot  # noqa: PLC0415
@@ -85,10 +85,10 @@ def write_export(
     if not 1 <= modes <= _MOST_MODES:
         raise InputError(f"--modes {modes}: must be from 1 to {_MOST_MODES}")
     if body is None and to in {"simscape", "nastran"}:
-        raise InputError(f"--to {to}: takes one body; name it with --body")
+        raise InputError(f"--to {to}: writes one body; name it with --body")
     if body is not None and (to == "statespace" or pose is not None):
-        whole = "--to statespace" if to == "statespace" else "--pose"
-        raise InputError(f"--body: must be left out with {whole}, which is of the whole robot")
+        option = "--to statespace" if to == "statespace" else "--pose"
+        raise InputError(f"--body: must be left out with {option}, which is for the whole robot")
     if to == "nastran":
         require_extra("nastran", "--to nastran")
     robot_file = load_robot(robot) if isinstance(robot, str) else robot
@@ -96,32 +96,32 @@ def write_export(
     if body is not None and body not in mechanism.bodies:
         raise InputError(f"--body {body}: must be one of {', '.join(mechanism.bodies)}")
     ending = _ENDINGS.get(to, ".npz")
-    what = [
+    name_parts = [
         Path(robot_file.source).stem,
         *([body] if body else []),
         *(["statespace"] if to == "statespace" else []),
     ]
-    place = out or Path(".".join(what) + ending)
-    if to == "statespace" and place.suffix == ".mat":
+    path = out or Path(".".join(name_parts) + ending)
+    if to == "statespace" and path.suffix == ".mat":
         ending = ".mat"
-    if place.suffix != ending:
-        raise InputError(f"--out {place}: must end in {ending}")
-    require_writable(place, ending, force=force)
+    if path.suffix != ending:
+        raise InputError(f"--out {path}: must end in {ending}")
+    require_writable(path, ending, force=force)
     with stage("meshing and reducing", _seconds(mechanism, body, modes)):
         content = in_own_process(_content, robot_file, to, pose, body, modes, ending)
-    write(place, content, ending)
-    return place
+    write(path, content, ending)
+    return path
 
 
 def _seconds(mechanism: "Mechanism", body: str | None, modes: int) -> float:
-    """How long the solids take, a leg known by its 6×6 being none."""
+    """Estimated time (s) of the solids. Legs known by their 6×6 have none."""
     from lumped.legs import ConstantLeg  # noqa: PLC0415
     from lumped.models.bodies import legs_of  # noqa: PLC0415
     from validation.models.options import DEFAULT_OPTIONS  # noqa: PLC0415
     from validation.solve.cost import PER_PART, solid_cost  # noqa: PLC0415
 
-    own = {name: leg for name, leg in legs_of(mechanism).items() if body in (None, name)}
-    prisms = dict.fromkeys(leg for leg in own.values() if isinstance(leg, ConstantLeg))
+    legs = [leg for name, leg in legs_of(mechanism).items() if body in (None, name)]
+    prisms = dict.fromkeys(leg for leg in legs if isinstance(leg, ConstantLeg))
     parts = sum(body in (None, name) for name in mechanism.parts)
     return solid_cost(tuple(prisms), DEFAULT_OPTIONS.divisions, modes).seconds + PER_PART * parts
 
@@ -129,27 +129,28 @@ def _seconds(mechanism: "Mechanism", body: str | None, modes: int) -> float:
 def _content(
     robot_file: "RobotFile", to: str, pose: str | None, body: str | None, count: int, ending: str
 ) -> bytes:
-    """What the file holds; computed in a process of its own."""
+    """Content of the file. This function runs in a process of its own."""
     from lumped.mechanism.kinematics.postures import posture, reference_posture  # noqa: PLC0415
     from validation.export import formats, reduced  # noqa: PLC0415
     from validation.kinematics.poses import parsed_pose  # noqa: PLC0415
     from validation.models.mechanism import highest_frequency  # noqa: PLC0415
 
     mechanism = robot_file.mechanism
-    at = reference_posture(mechanism)
+    robot_posture = reference_posture(mechanism)
     if pose is not None:
-        at = posture(mechanism, parsed_pose(mechanism, pose))
+        robot_posture = posture(mechanism, parsed_pose(mechanism, pose))
     if body is not None:
-        one = reduced.reduced_body(mechanism, body, highest_frequency([at], count))
+        highest = highest_frequency([robot_posture], count)
+        matrices = reduced.reduced_body(mechanism, body, highest)
     else:
-        robot = reduced.reduced_robot(at, count)
+        robot = reduced.reduced_robot(robot_posture, count)
         if to == "statespace":
             return formats.as_statespace(robot, ending)
-        one = robot.matrices
-    write_as = {
+        matrices = robot.matrices
+    encoders = {
         "npz": formats.as_npz,
         "exudyn": formats.as_exudyn,
         "simscape": formats.as_simscape,
         "nastran": formats.as_nastran,
     }
-    return write_as[to](one)
+    return encoders[to](matrices)

@@ -1,4 +1,4 @@
-"""Reduced bodies and robots as files of other programs: their content, nothing written here."""
+"""Content of files with reduced bodies and robots, in the formats of other programs."""
 
 from collections.abc import Mapping
 from io import BytesIO, StringIO
@@ -10,15 +10,15 @@ from lumped.system.response import modal_losses
 from lumped.text import counted, visible
 from validation.export.reduced import TWIST, Reduced, ReducedRobot
 
-# The first scalar point of Nastran that stands for the amplitude of a mode.
+# Number of the first scalar point of Nastran. Scalar points are the amplitudes of modes.
 _SCALARS = 100_001
 _WRENCH = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
-# Python takes the encoding of a script from its first two lines (PEP 263), editors their settings
-# from the first five: no text of the robot file stands there. Further down it is a comment.
+# Python reads the encoding of a script from its first two lines (PEP 263), editors read settings
+# from the first five. Therefore these lines contain no text of the robot file.
 _EXUDYN = '''\
 # -*- coding: utf-8 -*-
 # Reduced model for EXUDYN, {unknowns}, SI units.
-# Frequencies (Hz) that it must show, too high by these at most:
+# Frequencies (Hz) of the model, with the largest amount by which each may be too high:
 {frequencies}
 
 import exudyn as exu
@@ -28,13 +28,13 @@ from exudyn.itemInterface import MarkerNodeCoordinates, NodeGenericODE2, ObjectG
 # {name}: {about}.
 stiffness = np.array({stiffness})
 mass = np.array({mass})
-# How the unknowns move a place (rows x y z phi_x phi_y phi_z, or along a drive), and what a force
-# there does to them: ports["tool"].T @ wrench.
+# Twists of the ports per unit of the unknowns (rows x y z phi_x phi_y phi_z, or displacement along
+# a drive). A wrench at a port gives the forces ports["tool"].T @ wrench on the unknowns.
 ports = {ports}
 
 
 def add_to(mbs, forces=np.zeros({n})):
-    """The object with these forces (n) on its unknowns, and its node."""
+    """Add the object with `forces` (n) on its unknowns. Returns the object and its node."""
     node = mbs.AddNode(
         NodeGenericODE2(
             numberOfODE2Coordinates={n},
@@ -62,23 +62,23 @@ if __name__ == "__main__":
 
 
 def as_npz(reduced: Reduced) -> bytes:
-    """Arrays for numpy: K, M, unknowns, ports, points, frequencies and their bounds."""
-    return _zipped(_arrays(reduced))
+    """Arrays for numpy (.npz): K, M, unknowns, ports, points, frequencies and their bounds."""
+    return _npz(_arrays(reduced))
 
 
 def as_exudyn(reduced: Reduced) -> bytes:
-    """A script that adds the matrices to a system of EXUDYN; run alone it prints frequencies."""
+    """Script that adds the matrices to a system of EXUDYN. Run by itself it prints frequencies."""
     ports = "".join(
         f"\n    {name!r}: np.array({rows.tolist()})," for name, rows in reduced.ports.items()
     )
     pairs = zip(reduced.frequencies, reduced.bounds, strict=True)
-    told = "\n".join(f"#     {one:.9g} (-{off:.2g})" for one, off in pairs)
+    frequencies = "\n".join(f"#     {frequency:.9g} (-{bound:.2g})" for frequency, bound in pairs)
     text = _EXUDYN.format(
         name=visible(reduced.name),
         about=reduced.about,
         unknowns=counted(len(reduced.unknowns), "unknown"),
         n=len(reduced.unknowns),
-        frequencies=told,
+        frequencies=frequencies,
         stiffness=reduced.stiffness.tolist(),
         mass=reduced.mass.tolist(),
         ports=f"{{{ports}\n}}",
@@ -87,9 +87,10 @@ def as_exudyn(reduced: Reduced) -> bytes:
 
 
 def as_simscape(reduced: Reduced) -> bytes:
-    """Variables of the block Reduced Order Flexible Solid: origins, stiffness, mass, damping.
+    """Variables (.mat) of the block Reduced Order Flexible Solid.
 
-    A .mat file; frames all turned as the body's axes, in the order of the unknowns.
+    They are origins, stiffness, mass and damping. All frames have the body's axes. Their order is
+    that of the unknowns.
     """
     return _mat(
         {
@@ -106,11 +107,11 @@ def as_simscape(reduced: Reduced) -> bytes:
 
 
 def as_nastran(reduced: Reduced) -> bytes:
-    """Bulk data: a GRID at every interface, an SPOINT for every mode, K and M as DMIG.
+    """Bulk data: a GRID at each interface, an SPOINT for each mode, K and M as DMIG.
 
-    To be taken by K2GG = KRED and M2GG = MRED. Needs the extra "nastran".
+    The case control has K2GG = KRED and M2GG = MRED. Needs the extra "nastran".
     """
-    from pandas import DataFrame, MultiIndex  # noqa: PLC0415  of the optional extra
+    from pandas import DataFrame, MultiIndex  # noqa: PLC0415  installed with the extra
     from pyyeti.nastran import wtdmig  # noqa: PLC0415
 
     grids = range(1, len(reduced.points) + 1)
@@ -128,39 +129,40 @@ def as_nastran(reduced: Reduced) -> bytes:
         text.write(f"SPOINT  {_SCALARS:8d}THRU    {_SCALARS + inner - 1:8d}\n")
     for name, matrix in (("KRED", reduced.stiffness), ("MRED", reduced.mass)):
         wtdmig(text, {name: DataFrame(matrix, index=index, columns=index)})
-    # Decks are ASCII; names stand in comments alone.
+    # Decks are ASCII. Names are in comments only and may be escaped.
     return text.getvalue().encode("ascii", "backslashreplace")
 
 
 def as_statespace(robot: ReducedRobot, kind: str) -> bytes:
-    """A, B, C, D of the robot about its pose, in a .npz or .mat (`kind`) file.
+    """State space (A, B, C, D) of the robot about its pose, in a .npz or .mat (`kind`) file.
 
     States: modal amplitudes q (kg^½ m) and their rates. Inputs: forces of the elastic drives along
-    their axes, then the wrench at the tool. Outputs: the tool's twist. Every mode is damped by
-    what it loses at its own frequency; D holds what all modes that are left out give statically, so
-    that the static answer is exact.
+    their axes, then the wrench at the tool. Outputs: the tool's twist. The damping of each mode is
+    its loss at its own frequency. D is the static compliance of all modes that are left out, so
+    that the static response is exact.
     """
-    reduced, solution, found = robot.matrices, robot.solution, robot.modes
-    speeds = 2.0 * np.pi * found.frequencies
-    squared, damping = speeds**2, modal_losses(solution, found) * speeds
+    reduced, solution, modes = robot.matrices, robot.solution, robot.modes
+    angular_frequencies = 2.0 * np.pi * modes.frequencies
+    squared = angular_frequencies**2
+    damping = modal_losses(solution, modes) * angular_frequencies
     count, tool = len(squared), reduced.ports["tool"]
     drives = {name: rows for name, rows in reduced.ports.items() if name != "tool"}
     inputs = np.vstack([*drives.values(), tool])
-    felt, seen = inputs @ found.shapes, tool @ found.shapes
+    input_shapes, output_shapes = inputs @ modes.shapes, tool @ modes.shapes
     static = solution.displacements(tool.T).T @ inputs.T
-    none = np.zeros((count, count))
+    zeros = np.zeros((count, count))
     arrays = {
-        "A": np.block([[none, np.eye(count)], [-np.diag(squared), -np.diag(damping)]]),
-        "B": np.vstack([np.zeros_like(felt.T), felt.T]),
-        "C": np.hstack([seen, np.zeros_like(seen)]),
-        "D": static - seen / squared @ felt.T,
+        "A": np.block([[zeros, np.eye(count)], [-np.diag(squared), -np.diag(damping)]]),
+        "B": np.vstack([np.zeros_like(input_shapes.T), input_shapes.T]),
+        "C": np.hstack([output_shapes, np.zeros_like(output_shapes)]),
+        "D": static - output_shapes / squared @ input_shapes.T,
         "inputs": np.array([*drives, *(f"tool {name}" for name in _WRENCH)]),
         "outputs": np.array([f"tool {name}" for name in TWIST]),
         "frequencies": reduced.frequencies,
         "bounds": reduced.bounds,
         "about": np.array(f"{reduced.name}: {reduced.about}; SI units"),
     }
-    return _zipped(arrays) if kind == ".npz" else _mat(arrays)
+    return _npz(arrays) if kind == ".npz" else _mat(arrays)
 
 
 def _arrays(reduced: Reduced) -> dict[str, Array]:
@@ -169,22 +171,22 @@ def _arrays(reduced: Reduced) -> dict[str, Array]:
         "M": reduced.mass,
         "unknowns": np.array(reduced.unknowns),
         **{f"port {name}": rows for name, rows in reduced.ports.items()},
-        **{f"point {name}": place for name, place in reduced.points.items()},
+        **{f"point {name}": point for name, point in reduced.points.items()},
         "frequencies": reduced.frequencies,
         "bounds": reduced.bounds,
-        "counted": np.array([[name, *kept] for name, kept in reduced.counted.items()], dtype=str),
+        "counted": np.array([[name, *count] for name, count in reduced.counted.items()], dtype=str),
         "about": np.array(f"{reduced.name}: {reduced.about}; SI units"),
     }
 
 
-def _zipped(arrays: Mapping[str, Array]) -> bytes:
+def _npz(arrays: Mapping[str, Array]) -> bytes:
     file = BytesIO()
     np.savez_compressed(file, allow_pickle=False, **arrays)
     return file.getvalue()
 
 
 def _mat(arrays: Mapping[str, object]) -> bytes:
-    from scipy.io import savemat  # noqa: PLC0415  for few
+    from scipy.io import savemat  # noqa: PLC0415  few exports need it
 
     file = BytesIO()
     savemat(file, dict(arrays), do_compression=True, oned_as="column")

@@ -1,8 +1,9 @@
-"""A body, or a robot in one pose, as small matrices that other programs take, with their bound.
+"""Reduced matrices of a body, or of a robot in one pose, with bounds on the error of frequencies.
 
-K q + M q̈ = Σ Pᵀ f: every port P (k×n) is what q moves somewhere, and Pᵀ what a force does there.
-Prisms and CAD parts are solids, reduced as in `fem.reduction.craig_bampton`; a leg known by its 6×6
-has that, and its mass along it.
+K q + M q̈ = Σ Pᵀ f. Each port P (k×n) gives the motion of a point, or along a drive, due to q, and
+Pᵀ the forces on q due to a wrench, or a drive force, f there. Prisms and CAD parts are solids,
+reduced as in `fem.reduction.craig_bampton`. A leg known by its 6×6 has this compliance, and its
+mass along the leg.
 """
 
 from collections.abc import Iterator, Mapping
@@ -33,22 +34,23 @@ from validation.models.mechanism import CUTOFF, constant_legs, with_enough_modes
 from validation.models.options import DEFAULT_OPTIONS
 
 TWIST = ("x", "y", "z", "phi_x", "phi_y", "phi_z")
-# Of a cut-off: frequencies of a body alone that are spoken of.
-_WELL_BELOW = 0.8
-# How many modes of a body with its interfaces held, and below which frequency (Hz).
+# Share of the cut-off frequency up to which frequencies of a free body are exported.
+_HIGHEST_SHARE = 0.8
+# Number of modes of a body with its interfaces fixed, and the frequency (Hz) below which they lie.
 Count: TypeAlias = tuple[int, float]
-# A body as a solid, what bounds its reduction, and its modes.
+# Model of a body as a solid, its reduction with error bounds, and its count of modes.
 _Solid: TypeAlias = tuple[BodyModel, Truncated, Count]
 
 
 @dataclass(frozen=True, eq=False)
 class Reduced:
-    """Stiffness and mass (n×n, SI, symmetric) on the `unknowns` q (n), by name.
+    """Stiffness and mass (n×n, SI, symmetric) for `unknowns` q (n names).
 
-    `ports`: rows (6×n twists, 1×n displacements of drives) by name; `points` (3, m) are where the
-    twists are, in the axes that `about` names. `frequencies` (m, Hz, ascending) are too high by
-    `bounds` (m, Hz) at most, held as `about` says; `counted`: how many modes of a body with its
-    interfaces held lie below a frequency (Hz), all of which are kept.
+    `ports` have rows (6×n for twists, 1×n for displacements of drives), by name. `points` (3, m)
+    are the points of the twists. `about` describes the axes, and the boundary conditions of the
+    `frequencies` (m, Hz, ascending), which are at most `bounds` (m, Hz) too high. `counted` is, by
+    body, the number of modes with all interfaces fixed and the frequency (Hz) below which all of
+    them are kept.
     """
 
     name: str
@@ -65,7 +67,7 @@ class Reduced:
 
 @dataclass(frozen=True, eq=False)
 class ReducedRobot:
-    """A robot reduced, and solved: what its state space is made of."""
+    """Reduced robot with its solution and modes, for the state space."""
 
     matrices: Reduced
     solution: Solved
@@ -73,30 +75,31 @@ class ReducedRobot:
 
 
 def reduced_body(mechanism: Mechanism, name: str, highest: float) -> Reduced:
-    """One body, free, good up to `highest` (Hz); frequencies are those with its first point held.
+    """Free body, accurate up to `highest` (Hz). Frequencies hold with its first interface clamped.
 
-    Raises InputError where it is neither a prism nor a part, ComputationError where it cannot be
-    meshed or solved.
+    Raises InputError if the body is neither a prism nor a CAD part, and ComputationError if it
+    cannot be meshed or solved.
     """
     solids = dict(_solids(mechanism, highest, only=name))
     if name not in solids:
-        known = "a rigid body" if name not in legs_of(mechanism) else "known by its 6×6 alone"
-        raise InputError(f"--body {name}: is {known}; must be a leg with a section, or a CAD part")
-    model, truncated, kept = solids[name]
+        kind = "a rigid body" if name not in legs_of(mechanism) else "known by its 6×6 only"
+        raise InputError(f"--body {name}: is {kind}; must be a leg with a section, or a CAD part")
+    model, truncated, count = solids[name]
     stiffness, mass = dense(model.stiffness), dense(model.mass)
-    held = slice(6, None)
+    clamped = slice(6, None)
 
-    def squares(softer: Array, heavier: Array) -> Array:
-        loose = (stiffness + softer)[held, held], (mass + heavier)[held, held]
-        return np.asarray(eigh(*loose, eigvals_only=True))
+    def eigenvalues(added_stiffness: Array, added_mass: Array) -> Array:
+        changed_stiffness = (stiffness + added_stiffness)[clamped, clamped]
+        changed_mass = (mass + added_mass)[clamped, clamped]
+        return np.asarray(eigh(changed_stiffness, changed_mass, eigvals_only=True))
 
-    none = np.zeros_like(stiffness)
-    upper = squares(none, none)
-    upper = upper[np.sqrt(upper) < 2.0 * np.pi * _WELL_BELOW * truncated.cutoff]
-    lower = [squares(*truncated.loosened(one))[j] for j, one in enumerate(upper)]
+    zeros = np.zeros_like(stiffness)
+    upper = eigenvalues(zeros, zeros)
+    upper = upper[np.sqrt(upper) < 2.0 * np.pi * _HIGHEST_SHARE * truncated.cutoff]
+    lower = [eigenvalues(*truncated.loosened(value))[j] for j, value in enumerate(upper)]
     frequencies = np.sqrt(upper) / (2.0 * np.pi)
     points = {key: frame.position for key, frame in mechanism.bodies[name].interfaces.items()}
-    twists = [f"{point} {way}" for point in points for way in TWIST]
+    twists = [f"{point} {component}" for point in points for component in TWIST]
     ports = np.eye(len(stiffness))[: len(twists)].reshape(len(points), 6, -1)
     first = next(iter(points))
     return Reduced(
@@ -109,14 +112,15 @@ def reduced_body(mechanism: Mechanism, name: str, highest: float) -> Reduced:
         points=points,
         frequencies=frequencies,
         bounds=np.maximum(0.0, frequencies - np.sqrt(lower) / (2.0 * np.pi)),
-        counted={name: kept},
+        counted={name: count},
     )
 
 
 def reduced_robot(posture: Posture, count: int) -> ReducedRobot:
-    """The robot about one pose, good for its first `count` frequencies, as many as have mass.
+    """Robot about one pose, accurate for its first `count` frequencies.
 
-    Raises InputError and ComputationError as `reduced_body` does.
+    There are fewer frequencies if fewer modes move mass. Raises InputError and ComputationError as
+    `reduced_body` does.
     """
     mechanism = posture.mechanism
 
@@ -132,21 +136,22 @@ def reduced_robot(posture: Posture, count: int) -> ReducedRobot:
         return solution, modes_with_mass(solution, count), solids
 
     solution, modes, solids = with_enough_modes(
-        solve, lambda found: found[1].frequencies, [posture], count
+        solve, lambda solved_robot: solved_robot[1].frequencies, [posture], count
     )
     system = solution.system
-    found = modes.frequencies
-    bounds = np.zeros_like(found)
-    if solids and len(found):
-        truncated = {name: one for name, (_, one, _) in solids.items()}
-        bounds = found - frequency_bounds(system, truncated, len(found)).lower
+    frequencies = modes.frequencies
+    bounds = np.zeros_like(frequencies)
+    if solids and len(frequencies):
+        truncated = {name: reduction for name, (_, reduction, _) in solids.items()}
+        bounds = frequencies - frequency_bounds(system, truncated, len(frequencies)).lower
     drives = {
         f"drive {joint.name}": system.motions.springs[Portion(joint.name, "drive")]
         / np.sqrt(joint.drive.stiffness)
         for joint in mechanism.joints
         if joint.drive is not None and joint.drive.stiffness is not None
     }
-    inside = np.zeros((1, system.size - system.outer))
+    # Drives have no rows for the inner unknowns of bodies.
+    inner_zeros = np.zeros((1, system.size - system.outer))
     pose = shown_pose(mechanism, posture.pose) or "the reference posture"
     masses = ", legs known by their 6×6 with their mass along them" if given else ""
     matrices = Reduced(
@@ -156,15 +161,15 @@ def reduced_robot(posture: Posture, count: int) -> ReducedRobot:
         stiffness=dense(system.stiffness),
         mass=dense(system.mass),
         ports={
-            **{name: np.hstack([rows, inside]) for name, rows in drives.items()},
+            **{name: np.hstack([rows, inner_zeros]) for name, rows in drives.items()},
             "tool": system.tool,
         },
         points={
             "tool": interface_position(posture, Side(mechanism.tool.body, mechanism.tool.point))
         },
-        frequencies=found,
+        frequencies=frequencies,
         bounds=bounds,
-        counted={name: kept for name, (_, _, kept) in solids.items()},
+        counted={name: body_count for name, (_, _, body_count) in solids.items()},
     )
     return ReducedRobot(matrices, solution, modes)
 
@@ -172,12 +177,12 @@ def reduced_robot(posture: Posture, count: int) -> ReducedRobot:
 def _solids(
     mechanism: Mechanism, highest: float, only: str | None = None
 ) -> Iterator[tuple[str, _Solid]]:
-    """Every prism and part good up to `highest` (Hz), or `only` one."""
-    cutoff, described = CUTOFF["solid"] * highest, legs_of(mechanism)
-    for name, leg, own in constant_legs(mechanism, DEFAULT_OPTIONS):
-        if only in {None, name} and not isinstance(described[name], GivenLeg):
-            found = reduced_superelement("solid", leg, own, highest, cutoff)
-            yield name, (filled(found.matrices), found, (len(found.frequencies), cutoff))
+    """Prisms and CAD parts as solids accurate up to `highest` (Hz), by name, or `only` one."""
+    cutoff, legs = CUTOFF["solid"] * highest, legs_of(mechanism)
+    for name, leg, options in constant_legs(mechanism, DEFAULT_OPTIONS):
+        if only in {None, name} and not isinstance(legs[name], GivenLeg):
+            reduced = reduced_superelement("solid", leg, options, highest, cutoff)
+            yield name, (filled(reduced.matrices), reduced, (len(reduced.frequencies), cutoff))
     for name, body in mechanism.parts.items():
         if only in {None, name}:
             part = parts.reduced(body, highest, cutoff)

@@ -1,4 +1,4 @@
-"""Exported files, read back by other programs or plain linear algebra, say what the models say."""
+"""Exported files, read by other programs or evaluated by linear algebra, match the models."""
 
 import subprocess
 import sys
@@ -37,7 +37,7 @@ from validation.models.mechanism import answers, mechanism_modes, static_bodies
 from validation.models.options import ModelOptions
 from validation.models.parts import identified
 
-# A body may be called what the files of all bodies are called.
+# A body may have the name of the files of the whole mechanism.
 MECHANISM = described(load_robot("delta").text.replace("arm1", "mechanism"))
 LEG = legs_of(MECHANISM)["mechanism"]
 
@@ -56,18 +56,18 @@ def folder(tmp_path_factory):
     return path
 
 
-def test_every_file_is_read_back_and_legs_that_are_alike_are_written_once(folder):
+def test_files_are_readable_and_equal_legs_written_once(folder):
     assert_read_back(folder)
     solids = {path.name for path in folder.glob("*_solid.vtu")}
     assert solids == {"mechanism_solid.vtu", "rod1l_solid.vtu"}
-    said = (folder / "README.txt").read_text(encoding="utf-8")
-    assert "rod1l, rod1r, rod2l, rod2r, rod3l, rod3r" in said
-    assert "{" not in said
+    readme = (folder / "README.txt").read_text(encoding="utf-8")
+    assert "rod1l, rod1r, rod2l, rod2r, rod3l, rod3r" in readme
+    assert "{" not in readme
     deck = (folder / "mechanism.inp").read_text(encoding="ascii")
     assert (deck.count("*STEP\n"), deck.count("*FREQUENCY\n"), deck.count("*CLOAD")) == (7, 1, 6)
 
 
-def test_the_tip_of_the_solid_moves_by_its_compliance(folder):
+def test_solid_tip_displacement_matches_compliance(folder):
     mesh = read_vtk(folder / "mechanism_solid.vtu")
     assert mesh.bounds[1] == pytest.approx(LEG.length, rel=1e-12)
     assert mesh.volume == pytest.approx(LEG.section.area * LEG.length, rel=1e-9)
@@ -77,8 +77,8 @@ def test_the_tip_of_the_solid_moves_by_its_compliance(folder):
     for column, wrench in enumerate(WRENCHES):
         # The end face is rigid.
         expected = compliance[:3, column] + np.cross(compliance[3:, column], arms)
-        moved = mesh.point_data[f"displacement {wrench}"][end]
-        np.testing.assert_allclose(moved, expected, atol=1e-7 * np.abs(expected).max())
+        displacement = mesh.point_data[f"displacement {wrench}"][end]
+        np.testing.assert_allclose(displacement, expected, atol=1e-7 * np.abs(expected).max())
     root = np.isclose(mesh.points[:, 0], 0.0)
     assert root.sum() > 8
     assert not mesh.point_data["displacement Mz"][root].any()
@@ -86,7 +86,7 @@ def test_the_tip_of_the_solid_moves_by_its_compliance(folder):
 
 
 @pytest.mark.parametrize("model", ["segments", "beam"])
-def test_centrelines_deflect_as_a_cantilever(folder, model):
+def test_centreline_deflects_as_timoshenko_cantilever(folder, model):
     line = read_vtk(folder / f"mechanism_{model}.vtp")
     assert (line.n_lines, line.length) == (1, pytest.approx(LEG.length))
     tip = [
@@ -99,38 +99,39 @@ def test_centrelines_deflect_as_a_cantilever(folder, model):
     assert pytest.approx(closed, rel=1e-8, abs=1e-8 * closed.diagonal().min()) == np.hstack(tip).T
 
 
-def test_the_matrices_give_the_models_compliance_and_frequencies(folder):
+def test_leg_matrices_give_compliance_and_frequency(folder):
     leg = leg_matrices("beam", LEG)
     K, M = (load_npz(folder / f"mechanism_beam_{letter}.npz").toarray()[6:, 6:] for letter in "KM")
-    found = np.linalg.inv(K)[:6, :6]
-    assert found == pytest.approx(tip_compliance_of(leg), rel=1e-6, abs=1e-20)
+    compliance = np.linalg.inv(K)[:6, :6]
+    assert compliance == pytest.approx(tip_compliance_of(leg), rel=1e-6, abs=1e-20)
     first = np.sqrt(1.0 / np.linalg.eigvals(np.linalg.solve(K, M)).real.max()) / (2.0 * np.pi)
     written = read_vtk(folder / "mechanism_beam.vtp").field_data["frequencies"][0]
     assert [first, written] == pytest.approx(2 * [clamped_modes(leg, 1).frequencies[0]], rel=1e-6)
 
 
-def test_ends_of_rods_meet_on_the_platform_which_moves_by_the_compliance(folder):
-    """Three ball joints on a rigid platform: their motions are one twist, that of the tool."""
-    at = postures_of(MECHANISM, MECHANISM.poses[4:5])[0]
-    (expected,) = answers("beam", [at], 6)
+def test_rod_ends_move_with_the_rigid_platform(folder):
+    """The motions of the joints on a rigid platform belong to one twist, that of the tool."""
+    posture = postures_of(MECHANISM, MECHANISM.poses[4:5])[0]
+    (expected,) = answers("beam", [posture], 6)
     data = read_vtk(folder / "mechanism.vtp")
     assert data.n_lines == len(legs_of(MECHANISM))
     np.testing.assert_allclose(data.field_data["frequencies"], expected.frequencies, rtol=1e-9)
     for number, (name, leg) in enumerate(legs_of(MECHANISM).items(), start=1):
         (line,) = np.flatnonzero(data.cell_data["leg"] == number)
-        root, along = at.frames[name].position, at.frames[name].rotation[:, 0]
+        root, direction = posture.frames[name].position, posture.frames[name].rotation[:, 0]
         ends = data.get_cell(line).points[[0, -1]]
-        np.testing.assert_allclose(ends, [root, root + leg.length * along], atol=1e-6)
-    frame, places = at.frames["platform"], dict(MECHANISM.bodies["platform"].interfaces)
-    tool = (frame @ places.pop("P")).position
-    for place in places.values():
-        point = (frame @ place).position
-        found = data.find_closest_point(point)
-        np.testing.assert_allclose(data.points[found], point, atol=1e-9)
+        np.testing.assert_allclose(ends, [root, root + leg.length * direction], atol=1e-6)
+    frame = posture.frames["platform"]
+    interfaces = dict(MECHANISM.bodies["platform"].interfaces)
+    tool = (frame @ interfaces.pop("P")).position
+    for interface in interfaces.values():
+        point = (frame @ interface).position
+        node = data.find_closest_point(point)
+        np.testing.assert_allclose(data.points[node], point, atol=1e-9)
         for wrench, twist in zip(WRENCHES, expected.compliance.T, strict=True):
-            moved = twist[:3] + np.cross(twist[3:], point - tool)
-            written = data.point_data[f"displacement {wrench}"][found]
-            np.testing.assert_allclose(written, moved, atol=1e-8 * np.abs(twist).max())
+            displacement = twist[:3] + np.cross(twist[3:], point - tool)
+            written = data.point_data[f"displacement {wrench}"][node]
+            np.testing.assert_allclose(written, displacement, atol=1e-8 * np.abs(twist).max())
 
 
 # On the end face of the crane's arm.
@@ -145,7 +146,7 @@ FACE = "radius = 0.010 } }, C = { plane = { normal = [1.0, 0.0, 0.0] } } }"
 
 @pytest.fixture(scope="module")
 def part(tmp_path_factory):
-    """A crane's arm between three interfaces, and its files."""
+    """Identified arm of a crane with three interfaces, and the folder with its files."""
     file = write_meshed_crane(tmp_path_factory.mktemp("crane"))
     text = file.read_text("utf-8").replace("\n[points]\n", HOOK)
     file.write_text(text.replace("radius = 0.010 } } }", FACE), "utf-8")
@@ -155,48 +156,48 @@ def part(tmp_path_factory):
     return identified(mechanism.parts["arm"]), folder
 
 
-def test_reduced_matrices_of_a_part_have_its_frequencies_and_stiffness(part):
-    """With the first interface clamped; what the reduction drops leaves 1e-5 (CUTOFF_FACTOR)."""
-    found, folder = part
+def test_reduced_part_has_its_frequencies_and_stiffness(part):
+    """The first interface is clamped. The reduction has an error of 1e-5 (CUTOFF_FACTOR)."""
+    arm, folder = part
     assert_read_back(folder)
-    K, M = (load_npz(folder / f"arm_reduced_{one}.npz").toarray() for one in "KM")
-    frequencies = clamped(K, M)[: len(found.frequencies)]
-    np.testing.assert_allclose(frequencies, found.frequencies, rtol=3e-5)
-    scale = np.abs(found.stiffness).max()
-    np.testing.assert_allclose(K[:18, :18], found.stiffness, atol=1e-9 * scale)
+    K, M = (load_npz(folder / f"arm_reduced_{letter}.npz").toarray() for letter in "KM")
+    frequencies = clamped(K, M)[: len(arm.frequencies)]
+    np.testing.assert_allclose(frequencies, arm.frequencies, rtol=3e-5)
+    scale = np.abs(arm.stiffness).max()
+    np.testing.assert_allclose(K[:18, :18], arm.stiffness, atol=1e-9 * scale)
 
 
-def test_a_part_leaves_its_first_interface_and_moves_with_the_others(part):
-    """Nodes on a rigid face move as its twist."""
-    found, folder = part
+def test_part_displacements_match_identified_compliance(part):
+    """Nodes on a rigid face move with its twist. Those on the first interface do not move."""
+    arm, folder = part
     mesh = read_vtk(folder / "arm_part.vtu")
-    np.testing.assert_allclose(mesh.field_data["frequencies"], found.frequencies, rtol=1e-9)
-    assert sum(key.startswith("mode ") for key in mesh.point_data) == len(found.frequencies)
+    np.testing.assert_allclose(mesh.field_data["frequencies"], arm.frequencies, rtol=1e-9)
+    assert sum(key.startswith("mode ") for key in mesh.point_data) == len(arm.frequencies)
     x, y, _ = mesh.points.T
-    first = np.isclose(np.hypot(x, y), 0.016)
-    others = {"B": np.isclose(np.hypot(x - 0.4, y), 0.01), "C": np.isclose(x, 0.43)}
-    for place, (name, on_face) in enumerate(others.items()):
-        arms = mesh.points[on_face] - found.interfaces[place + 1].point
+    on_first = np.isclose(np.hypot(x, y), 0.016)
+    faces = {"B": np.isclose(np.hypot(x - 0.4, y), 0.01), "C": np.isclose(x, 0.43)}
+    for number, (name, on_face) in enumerate(faces.items()):
+        arms = mesh.points[on_face] - arm.interfaces[number + 1].point
         for column, wrench in enumerate(WRENCHES):
-            moved = mesh.point_data[f"displacement {name} {wrench}"]
-            twist = found.compliance[6 * place : 6 * place + 6, 6 * place + column]
+            displacement = mesh.point_data[f"displacement {name} {wrench}"]
+            twist = arm.compliance[6 * number : 6 * number + 6, 6 * number + column]
             expected = twist[:3] + np.cross(twist[3:], arms)
-            largest = np.abs(moved).max()
-            np.testing.assert_allclose(moved[on_face], expected, atol=1e-6 * largest)
-            assert np.abs(moved[first]).max() <= 1e-9 * largest
+            largest = np.abs(displacement).max()
+            np.testing.assert_allclose(displacement[on_face], expected, atol=1e-6 * largest)
+            assert np.abs(displacement[on_first]).max() <= 1e-9 * largest
 
 
-# Walls would make the meshes finer.
+# Solid bars, because walls would need finer meshes.
 FIVE_BAR = with_bars(reference_posture(load_robot("five-bar").mechanism)).mechanism
 CRANK = np.hypot(0.2, 0.25)
-COUNT, ROUGH = 6, ModelOptions(divisions=1)
+COUNT, COARSE = 6, ModelOptions(divisions=1)
 
 
 @pytest.fixture(scope="module", autouse=True)
-def rough():
-    """Meshes of one element across."""
+def coarse_meshes():
+    """Use meshes with one element across the section."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("validation.export.reduced.DEFAULT_OPTIONS", ROUGH)
+        patch.setattr("validation.export.reduced.DEFAULT_OPTIONS", COARSE)
         yield
 
 
@@ -217,7 +218,7 @@ def test_calculix_reads_the_deck(folder, tmp_path):
     except CalculixMissing as missing:
         pytest.skip(str(missing))
     text = (folder / "mechanism.inp").read_text(encoding="utf-8")
-    # Statics alone: modes of the deck are compared elsewhere.
+    # Statics only: test_other_solvers.py compares modes of such decks.
     (tmp_path / "deck.inp").write_text(text[: text.rindex("*STEP")], encoding="utf-8")
     done = subprocess.run(
         [program, "deck"], cwd=tmp_path, capture_output=True, text=True, check=False, timeout=300
@@ -226,104 +227,108 @@ def test_calculix_reads_the_deck(folder, tmp_path):
     assert "*ERROR" not in done.stdout
 
 
-def test_the_state_space_rings_as_the_solids_do_and_rests_where_statics_say(robot):
-    found = np.load(BytesIO(as_statespace(robot, ".npz")))
-    A, B, C, D = (found[name] for name in "ABCD")
-    (solid,) = mechanism_modes("solid", [reference_posture(FIVE_BAR)], COUNT, ROUGH)
-    rings = np.sort(np.abs(eigvals(A).imag))[::2] / (2.0 * np.pi)
-    # Both reduce for as many frequencies, this one for those of the robot as it stands.
-    assert np.allclose(rings, solid.modes.frequencies, rtol=1e-6)
-    assert np.allclose(rings, found["frequencies"], rtol=1e-9)
-    # Legs on their ends alone, which is exact in statics, and no mode at all.
-    bodies = static_bodies("solid", FIVE_BAR, ROUGH)
+def test_state_space_matches_solid_modes_and_statics(robot):
+    arrays = np.load(BytesIO(as_statespace(robot, ".npz")))
+    A, B, C, D = (arrays[name] for name in "ABCD")
+    (solid,) = mechanism_modes("solid", [reference_posture(FIVE_BAR)], COUNT, COARSE)
+    frequencies = np.sort(np.abs(eigvals(A).imag))[::2] / (2.0 * np.pi)
+    # Both sides are reduced for the same number of frequencies of the robot.
+    assert np.allclose(frequencies, solid.modes.frequencies, rtol=1e-6)
+    assert np.allclose(frequencies, arrays["frequencies"], rtol=1e-9)
+    # Legs condensed to their ends without modes are exact in statics.
+    bodies = static_bodies("solid", FIVE_BAR, COARSE)
     statics = compliance(solved(assemble(reference_posture(FIVE_BAR), bodies)))
     system = pytest.importorskip("control").ss(A, B, C, D)
     poles = np.sort(np.abs(system.poles().imag))[::2] / (2.0 * np.pi)
-    assert np.allclose(poles, found["frequencies"], rtol=1e-9)
+    assert np.allclose(poles, arrays["frequencies"], rtol=1e-9)
     assert np.allclose(system.dcgain()[:, -6:], statics, rtol=1e-7, atol=1e-9 * statics.max())
 
 
-def test_the_state_space_is_damped_as_each_mode_at_its_own_frequency():
-    """Slides that do not touch each other: at √(k/m) by 1/iηk, η of the drive and 2ζ."""
+def test_state_space_has_modal_damping():
+    """Independent slides have the receptance 1/iηk at √(k/m), with η of the drive plus 2ζ."""
     lossy = GANTRY.replace(f"{STIFFNESSES[0]}", f"{STIFFNESSES[0]}, loss = 0.06")
     gantry = described(f"damping.ratio = 0.01\n{lossy}")
-    found = np.load(BytesIO(as_statespace(reduced_robot(reference_posture(gantry), 3), ".npz")))
-    A, B, C, D = (found[name] for name in "ABCD")
-    tool = list(found["inputs"]).index("tool Fx")
+    arrays = np.load(BytesIO(as_statespace(reduced_robot(reference_posture(gantry), 3), ".npz")))
+    A, B, C, D = (arrays[name] for name in "ABCD")
+    tool = list(arrays["inputs"]).index("tool Fx")
     springs = zip(STIFFNESSES, MASSES, (0.08, 0.02, 0.02), strict=True)
     for axis, (stiffness, mass, loss) in enumerate(springs):
-        speed = np.sqrt(stiffness / mass)
-        answer = C @ np.linalg.solve(1j * speed * np.eye(6) - A, B) + D
-        assert answer[axis, tool + axis] == pytest.approx(-1j / (loss * stiffness), rel=1e-9)
+        angular_frequency = np.sqrt(stiffness / mass)
+        receptance = C @ np.linalg.solve(1j * angular_frequency * np.eye(6) - A, B) + D
+        assert receptance[axis, tool + axis] == pytest.approx(-1j / (loss * stiffness), rel=1e-9)
 
 
-def test_a_drive_pushes_as_its_stiffness_gives(robot):
+def test_drive_deflection_times_stiffness_is_its_torque(robot):
     ports, solution = robot.matrices.ports, robot.solution
-    joint = next(one for one in FIVE_BAR.joints if one.name == "motor1")
-    at, step = reference_posture(FIVE_BAR), 1e-6
+    joint = next(joint for joint in FIVE_BAR.joints if joint.name == "motor1")
+    reference, step = reference_posture(FIVE_BAR), 1e-6
     slopes = []
-    for way in np.eye(2) * step:
-        ahead, behind = (posture(FIVE_BAR, at.pose + sign * way, at) for sign in (1.0, -1.0))
-        turned = [
-            ahead.coordinates[name] - behind.coordinates[name] for name in ("motor1", "motor2")
+    for change in np.eye(2) * step:
+        plus, minus = (
+            posture(FIVE_BAR, reference.pose + sign * change, reference) for sign in (1.0, -1.0)
+        )
+        rotations = [
+            plus.coordinates[name] - minus.coordinates[name] for name in ("motor1", "motor2")
         ]
-        slopes.append(np.ravel(turned) / (2.0 * step))
-    # Virtual work of the tool's rigid motions, J = dθ/dp: f = Jᵀ τ, and the drive gives τ/k.
+        slopes.append(np.ravel(rotations) / (2.0 * step))
+    # Virtual work of the tool's rigid motions, J = dθ/dp: f = Jᵀ τ, and the drive deflects by τ/k.
     torques = np.linalg.inv(np.array(slopes))
-    given = (ports["drive motor1"] @ solution.displacements(ports["tool"].T))[0, :2]
-    assert np.allclose(joint.drive.stiffness * given, torques[0], rtol=1e-6)
+    deflections = (ports["drive motor1"] @ solution.displacements(ports["tool"].T))[0, :2]
+    assert np.allclose(joint.drive.stiffness * deflections, torques[0], rtol=1e-6)
 
 
-def test_bounds_hold_against_a_reduction_that_keeps_more(crank):
+def test_frequency_bounds_cover_a_finer_reduction(crank):
     finer = reduced_body(FIVE_BAR, "crank1", 4000.0)
     count = len(crank.frequencies)
     assert count >= 2
-    off = crank.frequencies - finer.frequencies[:count]
-    assert (off >= -1e-9 * crank.frequencies).all()
-    assert (off <= crank.bounds + 1e-9 * crank.frequencies).all()
-    # They are worth something: 8e-7 and 5e-5 of the frequencies.
+    errors = crank.frequencies - finer.frequencies[:count]
+    assert (errors >= -1e-9 * crank.frequencies).all()
+    assert (errors <= crank.bounds + 1e-9 * crank.frequencies).all()
+    # The bounds are narrow: 8e-7 and 5e-5 of the frequencies.
     assert (crank.bounds < 1e-4 * crank.frequencies).all()
 
 
-def test_matrices_of_a_body_come_back(crank):
-    plain = np.load(BytesIO(as_npz(crank)))
-    assert np.array_equal(plain["K"], crank.stiffness)
-    assert np.array_equal(plain["M"], crank.mass)
-    ways = ("x", "y", "z", "phi_x", "phi_y", "phi_z")
-    assert list(plain["unknowns"][:7]) == [*(f"A1 {way}" for way in ways), "B1 x"]
+def test_npz_and_simscape_files_have_the_matrices(crank):
+    arrays = np.load(BytesIO(as_npz(crank)))
+    assert np.array_equal(arrays["K"], crank.stiffness)
+    assert np.array_equal(arrays["M"], crank.mass)
+    components = ("x", "y", "z", "phi_x", "phi_y", "phi_z")
+    unknowns = [*(f"A1 {component}" for component in components), "B1 x"]
+    assert list(arrays["unknowns"][:7]) == unknowns
     block = loadmat(BytesIO(as_simscape(crank)))
-    found = clamped(block["stiffness"], block["mass"])[: len(crank.frequencies)]
-    assert np.allclose(found, crank.frequencies, rtol=1e-9)
+    frequencies = clamped(block["stiffness"], block["mass"])[: len(crank.frequencies)]
+    assert np.allclose(frequencies, crank.frequencies, rtol=1e-9)
     assert np.allclose(block["origins"], [[0.0, 0.0, 0.0], [CRANK, 0.0, 0.0]])
     assert not block["damping"].any()
 
 
-def test_nastran_reads_the_matrices(crank):
+def test_nastran_deck_has_the_matrices(crank):
     nastran = pytest.importorskip("pyyeti.nastran", reason="pyyeti is not installed")
     text = as_nastran(crank).decode()
-    found = nastran.rddmig(StringIO(text))
-    stiffness, mass = found["kred"].to_numpy(), found["mred"].to_numpy()
-    # Ten digits are written.
+    matrices = nastran.rddmig(StringIO(text))
+    stiffness, mass = matrices["kred"].to_numpy(), matrices["mred"].to_numpy()
+    # The deck has ten digits.
     frequencies = clamped(stiffness, mass)[: len(crank.frequencies)]
     assert np.allclose(frequencies, crank.frequencies, rtol=1e-6)
-    places = [line[40:72] for line in text.splitlines() if line.startswith("GRID*")]
-    assert [float(place[:16]) for place in places] == pytest.approx([0.0, CRANK], abs=1e-9)
+    coordinates = [line[40:72] for line in text.splitlines() if line.startswith("GRID*")]
+    x = [float(fields[:16]) for fields in coordinates]
+    assert x == pytest.approx([0.0, CRANK], abs=1e-9)
 
 
-def test_exudyn_finds_the_frequencies(robot, tmp_path):
+def test_exudyn_script_prints_the_frequencies(robot, tmp_path):
     pytest.importorskip("exudyn", reason="EXUDYN (extra exudyn) is not installed")
     script = tmp_path / "robot.py"
     named = replace(robot.matrices, name='end""" + 1 / 0 \\N{')
     script.write_bytes(as_exudyn(named))
     line = [sys.executable, str(script)]
-    printed = subprocess.run(line, capture_output=True, text=True, check=True, timeout=120).stdout
-    found = np.array(literal_eval(printed.splitlines()[-1]))[:COUNT]
-    assert np.allclose(found, robot.matrices.frequencies, rtol=1e-6)
+    output = subprocess.run(line, capture_output=True, text=True, check=True, timeout=120).stdout
+    frequencies = np.array(literal_eval(output.splitlines()[-1]))[:COUNT]
+    assert np.allclose(frequencies, robot.matrices.frequencies, rtol=1e-6)
 
 
 @pytest.mark.exhaustive
-def test_the_command_writes_as_many_modes_as_there_are(tmp_path, monkeypatch, command):
-    """Twenty are asked for of the gantry."""
+def test_export_has_all_modes_if_there_are_few(tmp_path, monkeypatch, command):
+    """The gantry has three modes. The default is twenty."""
     monkeypatch.chdir(tmp_path)
     Path("gantry.toml").write_text(GANTRY)
     command.told("export", "gantry.toml", "--to", "npz")
@@ -334,15 +339,15 @@ def test_the_command_writes_as_many_modes_as_there_are(tmp_path, monkeypatch, co
     assert "stiffness" in loadmat("arm.arm.mat")
 
 
-def test_its_forecast_is_that_of_the_solids_that_differ(tmp_path, monkeypatch, command):
-    """Cranks are alike, and so are rods; legs known by their 6×6 are no solids."""
+def test_time_estimate_counts_different_solids(tmp_path, monkeypatch, command):
+    """The cranks are equal, and so are the rods. Legs known by their 6×6 have no solids."""
     seconds = []
     monkeypatch.setattr(
         "validation.console.progress.stage", lambda _, time: seconds.append(time) or nullcontext()
     )
     monkeypatch.setattr("meshes.processes.in_own_process", lambda *_: b"")
     for number, words in enumerate(
-        (["five-bar"], *(["five-bar", "--body", f"{one}1"] for one in ("crank", "rod")))
+        (["five-bar"], ["five-bar", "--body", "crank1"], ["five-bar", "--body", "rod1"])
     ):
         command.told("export", *words, "--to", "npz", "--out", tmp_path / f"{number}.npz")
     assert 0.0 < seconds[0] == pytest.approx(sum(seconds[1:]))

@@ -1,6 +1,7 @@
-"""Texts of a robot file in scripts, decks, tables and pages: shown, and never run.
+"""Texts of a robot file in scripts, decks, tables and pages are never executed.
 
-A name may be a declaration of Python (PEP 263), end a comment or a text, or be a formula.
+A name may be an encoding declaration of Python (PEP 263), end a comment or a string, or be a
+formula.
 """
 
 import ast
@@ -32,7 +33,7 @@ from validation.parts import face_list
 from validation.report.page import render
 
 ROCKER = Path(__file__).parents[3] / "examples/rocker/rocker.step"
-# The first is a second line for Python: "+AAo-" is the end of one in UTF-7.
+# In the first name "+AAo-" is a line end in UTF-7, after which Python would run the rest.
 NAMES = (
     "coding: utf-7 +AAo-import os+ADs-os.abort()+ACM-",
     "coding=rot13",
@@ -53,7 +54,7 @@ def reduced():
 @pytest.mark.parametrize("name", NAMES)
 def test_script_runs_the_same_under_any_name(name, reduced):
     script = as_exudyn(replace(reduced, name=name))
-    # As Python takes up a file, its declared encoding included.
+    # ast.parse decodes bytes as Python decodes a file, with the declared encoding.
     assert ast.dump(ast.parse(script)) == ast.dump(ast.parse(as_exudyn(reduced)))
     first, *lines = script.decode("utf-8").split("\n")
     assert first == "# -*- coding: utf-8 -*-"
@@ -91,21 +92,22 @@ def test_deck_has_the_same_cards_under_any_name(name, body):
     assert cards(deck) == cards(as_nastran(body))
 
 
-def test_deck_has_a_point_for_each_unknown_and_no_other(body):
-    """A scalar point that no matrix names would be a free motion of no mass: singular."""
+def test_deck_has_exactly_one_point_for_each_unknown(body):
+    """A scalar point in no matrix would be a free motion without mass: a singular system."""
     nastran = pytest.importorskip("pyyeti.nastran", reason="pyyeti is not installed")
     text = as_nastran(body).decode()
     matrix = nastran.rddmig(io.StringIO(text))["kred"]
-    # Ten digits are written.
+    # The deck has ten digits.
     assert np.allclose(matrix.to_numpy(), body.stiffness, rtol=0.0, atol=1e-8)
     freedoms = list(matrix.index)
     (card,) = (line for line in text.splitlines() if line.startswith("SPOINT"))
     # Fields of eight characters.
     first, through, last = card[8:16], card[16:24], card[24:32]
     assert through.split() == ["THRU"]
-    assert list(range(int(first), int(last) + 1)) == [one for one, way in freedoms if way == 0]
+    scalar_points = [point for point, component in freedoms if component == 0]
+    assert list(range(int(first), int(last) + 1)) == scalar_points
     grids = [int(line[8:24]) for line in text.splitlines() if line.startswith("GRID*")]
-    assert [(one, way) for one in grids for way in range(1, 7)] == freedoms[:12]
+    assert [(grid, component) for grid in grids for component in range(1, 7)] == freedoms[:12]
     assert len(freedoms) == 15
 
 
@@ -119,7 +121,7 @@ def test_arrays_hold_any_name_without_pickle(name, reduced):
 
 
 @pytest.mark.parametrize("sign", ["\\u0085", "\\u009b2J", "\\u2028", "\\u202e", "\\u2066", "\\n"])
-def test_name_that_steers_a_terminal_is_refused(sign, tmp_path):
+def test_name_with_control_characters_is_refused(sign, tmp_path):
     with pytest.raises(
         InputError, match=r"name = .*: must be a text of 1 to 100 characters on one"
     ):
@@ -133,14 +135,14 @@ def test_formulas_in_tables_are_texts():
     (heading,), *rows = csv.reader(io.StringIO(csv_of(columns)))
     assert heading == "'=HYPERLINK(A1)"
     cells = [row[0] if row else "" for row in rows]
-    assert cells == [*(f"'{one}" for one in formulas), *numbers, "-1.5", ""]
+    assert cells == [*(f"'{formula}" for formula in formulas), *numbers, "-1.5", ""]
 
 
 def test_names_of_faces_leave_json_valid(tmp_path, command):
     part = read_part(ROCKER)
     named = replace(part.faces[0], name="\x85\x9b\u202e\U000e0001\"</script>'")
     part = replace(part, faces=(named, *part.faces[1:]))
-    # The terminal shows what is not printable written out, which JSON does not know.
+    # On terminals unprintable characters are escaped in a form that JSON does not allow.
     assert face_list.as_json(part).isascii()
     assert json.loads(face_list.as_json(part))["faces"][0]["name"] == named.name
     robot = tmp_path / "robot.toml"
@@ -154,45 +156,47 @@ HOSTILE = '</text><script>alert(1)</script> --><svg onload="x"> id="a" &amp; ]]>
 def test_drawing_shows_markup_as_text():
     curve = np.array([0.0, 1.0])
     panels = [Panel([Series(HOSTILE, curve, curve)], HOSTILE, y_label=HOSTILE)]
-    drawn = Figure("a", "A", "", "Toys", svg=chart_svg(Chart(panels, HOSTILE)))
-    kinds = {element.tag.rpartition("}")[2] for element in ET.fromstring(drawn.svg).iter()}  # noqa: S314  our own
-    assert "path" in kinds
-    assert "script" not in kinds
+    figure = Figure("a", "A", "", "Toys", svg=chart_svg(Chart(panels, HOSTILE)))
+    tags = {element.tag.rpartition("}")[2] for element in ET.fromstring(figure.svg).iter()}  # noqa: S314  our own
+    assert "path" in tags
+    assert "script" not in tags
 
 
 class Elements(HTMLParser):
-    """The elements of a page with the names of their attributes."""
+    """Elements of a page with the names of their attributes."""
 
     def __init__(self, markup):
         super().__init__()
-        self.found = []
+        self.elements = []
         self.feed(markup)
 
     def handle_starttag(self, tag, attributes):
-        self.found.append((tag, [name for name, _ in attributes]))
+        self.elements.append((tag, [name for name, _ in attributes]))
 
 
 @pytest.mark.usefixtures("undrawn")
 def test_page_has_the_same_elements_under_any_text(monkeypatch):
     def page(text):
-        def said(one, *names):
-            return replace(one, **{name: text for name in names if getattr(one, name)})
+        def with_text(record, *names):
+            return replace(record, **{name: text for name in names if getattr(record, name)})
 
         matrix = replace(
-            said(MATRIX, "robot"),
+            with_text(MATRIX, "robot"),
             notes=(text,),
-            entries=tuple(said(one, "reason", "reference", "remedy") for one in MATRIX.entries),
-            models=tuple(said(one, "title") for one in MATRIX.models),
+            entries=tuple(
+                with_text(entry, "reason", "reference", "remedy") for entry in MATRIX.entries
+            ),
+            models=tuple(with_text(model, "title") for model in MATRIX.models),
         )
-        figures = [said(FIG_5, "title", "caption")]
-        finding = said(FINDING, "where", "printed", "wrong", "evidence", "used")
+        figures = [with_text(FIG_5, "title", "caption")]
+        finding = with_text(FINDING, "where", "printed", "wrong", "evidence", "used")
         for name in ("robot", "robot_file", "machine"):
             monkeypatch.setitem(HEADER, name, text)
         outcomes = [unmeasured("a", "failed", text), unmeasured("b", "skipped", text)]
         report = sample_report(
             outcomes=outcomes, figures=figures, matrix=matrix, findings=(finding,)
         )
-        return Elements(render(report)).found
+        return Elements(render(report)).elements
 
     plain = page("plain")
     assert ("script", []) in plain
@@ -217,6 +221,6 @@ def test_page_has_the_same_elements_under_any_text(monkeypatch):
         "<g",
     ],
 )
-def test_drawing_of_an_earlier_run_cannot_act(markup):
+def test_drawing_with_active_content_is_refused(markup):
     with pytest.raises(ValueError, match="has no place in a drawing"):
         Figure("a", "A", "", "Toys", svg=f"<svg >{markup}</svg>")
