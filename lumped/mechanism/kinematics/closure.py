@@ -60,6 +60,8 @@ class Closure:
         self._reference_gaps = self._gaps(self.reference)[2]
         # Joint of each constraint, in the order of the rows.
         self.joint_of = np.concatenate([self._sliding, self._turning])
+        # Constraints on translations, in the order of the rows; the others are on rotations.
+        self.is_sliding = np.arange(len(self.joint_of)) < len(self._sliding)
         self._driven = np.array([i for i, j in enumerate(joints) if j.drive is not None], dtype=int)
         driven = [axes_of_drive(joint) for joint in joints if joint.drive is not None]
         self._drive_axes = np.array(driven).reshape(-1, 2, 3).swapaxes(0, 1)
@@ -178,6 +180,21 @@ class Closure:
             _cross(arm, along) + about,
         )
         return self._unknowns(rows)
+
+    def relative_motion(self, placement: Placement, number: int, *, slides: bool) -> Array:
+        """Rates (3 × unknowns, base axes) of the second body of a joint relative to the first.
+
+        Translations of the interfaces if `slides`, rotations (weighted with the size) otherwise.
+        """
+        joints = np.full(3, number)
+        first, second, gap = (each[joints] for each in self._gaps(placement))
+        axes = np.eye(3)
+        if slides:
+            blocks = (-axes, -_cross(first + gap, axes), axes, _cross(second, axes))
+        else:
+            nothing = np.zeros((3, 3))
+            blocks = (nothing, -self.size * axes, nothing, self.size * axes)
+        return self._unknowns(self._rows(joints, *blocks))
 
     def tool_twists(self, placement: Placement) -> Array:
         """Twist (6 × unknowns, base axes, rotations weighted with the size) of the loaded point."""

@@ -79,7 +79,7 @@ def generic_mobility(mechanism: Mechanism) -> Mobility:
     """
     closure = closure_of(mechanism)
     placement = closure.reference
-    free = _null_space(closure.jacobian(placement))
+    free = null_space(closure.jacobian(placement))
     step = _NEIGHBOUR_DISTANCE * closure.size * free @ np.linspace(1.0, 2.0, free.shape[1])
     for _ in range(_ITERATIONS):
         placement = closure.displaced(placement, step)
@@ -97,10 +97,10 @@ def mobility_at(closure: Closure, placement: Placement) -> Mobility:
     tool = closure.tool_twists(placement) @ free_motions
     unit = np.array([1.0] * 3 + [closure.size] * 3)
     moves = closure.pose_jacobian(placement) @ free_motions
-    undriven = _null_space(drives)
-    uncontrolled_twists = _row_space((tool @ undriven).T)
-    constant_pose = _null_space(moves)
-    barred = _null_space(moves.T)
+    undriven = null_space(drives)
+    uncontrolled_twists = row_space((tool @ undriven).T)
+    constant_pose = null_space(moves)
+    barred = null_space(moves.T)
     names = (joint.name for joint in closure.mechanism.joints if joint.drive is not None)
     return Mobility(
         mobility=free_motions.shape[1],
@@ -110,7 +110,7 @@ def mobility_at(closure: Closure, placement: Placement) -> Mobility:
         idle=undriven.shape[1] - len(uncontrolled_twists),
         moves=len(moves),
         uncontrolled_twists=uncontrolled_twists / unit,
-        unprescribed_twists=_row_space((tool @ constant_pose).T) / unit,
+        unprescribed_twists=row_space((tool @ constant_pose).T) / unit,
         stirring=_touched(names, drives @ constant_pose),
         barred=_touched((MOVES[move] for move in closure.moves), barred),
     )
@@ -145,14 +145,14 @@ def indeterminacy(result: Mobility, size: float, *, singular: bool = False) -> s
     return f"with these held {free_motions}; must prescribe every free motion"
 
 
-def _null_space(matrix: Array) -> Array:
+def null_space(matrix: Array) -> Array:
     """Orthonormal basis (columns) of the null space."""
     _, values, right = svd(matrix, check_finite=False)
     basis: Array = right[np.count_nonzero(values > _ZERO) :].T
     return basis
 
 
-def _row_space(matrix: Array) -> Array:
+def row_space(matrix: Array) -> Array:
     """Orthonormal basis (rows) of the row space."""
     _, values, right = svd(matrix, check_finite=False)
     basis: Array = right[: np.count_nonzero(values > _ZERO)]

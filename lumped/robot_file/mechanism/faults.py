@@ -3,12 +3,13 @@
 Loop closure reveals drives that do not hold the tool, and poses out of reach.
 """
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from lumped.errors import InputError
+from lumped.mechanism.kinematics.diagnosis import legs_in_line, off_axes
 from lumped.mechanism.kinematics.mobility import (
     Mobility,
     generic_mobility,
@@ -25,6 +26,10 @@ from lumped.text import counted, did_you_mean, shown
 
 # Number of poses of a path that are checked beforehand; the others are checked when needed.
 _CHECKED_POSES = 32
+# Joints of a mechanism whose axes are tried one by one: a second.
+_DIAGNOSED = 60
+# Component of a unit vector that is rounding.
+_NO_SHARE = 1e-9
 
 
 def description_faults(tables: Mapping[str, Any], description: Draft) -> list[str]:
@@ -142,36 +147,81 @@ def _idle_points(description: Draft, loaded: Collection[str | None]) -> Iterator
 
 
 def motion_faults(mechanism: Mechanism) -> list[str]:
-    """Faults of the mobility in the reference posture. If there are none, of the path's poses."""
-    result = mobility(reference_posture(mechanism))
-    return list(_mobility_faults(mechanism, result)) or list(_path_faults(mechanism))
+    """Faults of the mobility in the reference posture, else of the poses of the path."""
+    found = mobility(reference_posture(mechanism))
+    if faults := list(_mobility_faults(mechanism, found)):
+        return faults
+    if faults := list(_path_faults(mechanism)):
+        # An axis may let the tool move in the reference posture alone.
+        barred = generic_mobility(mechanism).barred
+        return [*_axis_faults(mechanism, barred), *faults] if barred else faults
+    return []
 
 
-def _mobility_faults(mechanism: Mechanism, result: Mobility) -> Iterator[str]:
+def _mobility_faults(mechanism: Mechanism, found: Mobility) -> Iterator[str]:
     moves = f"tool.moves = {list(mechanism.tool.moves)}"
-    free_motions = indeterminacy(result, mechanism.size, singular=True)
-    if len(result.uncontrolled_twists):
-        yield f"joints: {free_motions}"
-    if result.at_limit and not generic_mobility(mechanism).at_limit:
-        yield (
-            f"points: the reference posture is singular, drives {', '.join(result.stirring)} move "
-            f"while the tool cannot move along {', '.join(result.barred)}; must be a posture "
-            "inside the workspace"
+    left = indeterminacy(found, mechanism.size, singular=True)
+    uncontrolled = bool(len(found.uncontrolled_twists))
+    if uncontrolled or found.barred:
+        nearby = generic_mobility(mechanism)
+        if not (nearby.barred or nearby.at_limit or len(nearby.uncontrolled_twists)):
+            yield _singular(mechanism, found, left)
+            return
+    if uncontrolled:
+        yield f"joints: {left}"
+    if found.barred:
+        yield from _axis_faults(mechanism, found.barred) or [_barred(moves, found)]
+    if left and not uncontrolled:
+        yield f"{moves}: {left}"
+
+
+def _singular(mechanism: Mechanism, found: Mobility, left: str) -> str:
+    """Fault of a posture that is singular, with the legs that lie in one line."""
+    why = [
+        f"{first} and {second} are {'stretched out in' if stretched else 'folded into'} one line"
+        for first, second, stretched in legs_in_line(mechanism)
+    ]
+    if found.at_limit:
+        why.append(
+            f"drives {', '.join(found.stirring)} move while the tool cannot move along "
+            f"{', '.join(found.barred)}"
         )
-        return
-    if result.barred:
-        allowed = (
-            f"{counted(result.almost_redundant, 'constraint repeats', 'constraints repeat')} "
-            "others almost; are parallel axes given with all their digits?"
-            if result.almost_redundant
-            else "must name motions that they allow, each by itself"
-        )
-        yield (
-            f"{moves}: the joints do not let the tool move along {', '.join(result.barred)}; "
-            f"{allowed}"
-        )
-    if free_motions and not len(result.uncontrolled_twists):
-        yield f"{moves}: {free_motions}"
+    elif found.barred:
+        why.append(f"the tool cannot move along {', '.join(found.barred)}")
+    if len(found.uncontrolled_twists):
+        why.append(left)
+    return (
+        f"points: the reference posture is singular: {'; '.join(why)}; must be a posture inside "
+        "the workspace"
+    )
+
+
+def _barred(moves: str, found: Mobility) -> str:
+    allowed = (
+        f"{counted(found.almost_redundant, 'constraint repeats', 'constraints repeat')} others "
+        "almost; are parallel axes given with all their digits?"
+        if found.almost_redundant
+        else "must name motions that they allow, each by itself"
+    )
+    barred = ", ".join(found.barred)
+    return f"{moves}: the joints do not let the tool move along {barred}; {allowed}"
+
+
+def _axis_faults(mechanism: Mechanism, barred: Sequence[str]) -> list[str]:
+    """The joint whose axis prevents the moves, with others that could be it. Empty if none is."""
+    if len(mechanism.joints) > _DIAGNOSED:
+        return []
+    first, *others = off_axes(mechanism) or (None,)
+    if first is None:
+        return []
+    needed = [float(f"{x:.6g}") for x in np.where(np.abs(first.axis) < _NO_SHARE, 0.0, first.axis)]
+    names = " or ".join(one.joint.name for one in others)
+    also = f" (or the axis of {names} is off as much)" if others else ""
+    return [
+        f"joints.{first.joint.name}.axis = {[float(f'{x:.6g}') for x in first.joint.axes[0]]}: "
+        f"keeps the tool from moving along {', '.join(barred)}; along {needed}, "
+        f"{np.degrees(first.angle):.3g}° from it, it would move{also}"
+    ]
 
 
 def _path_faults(mechanism: Mechanism) -> Iterator[str]:

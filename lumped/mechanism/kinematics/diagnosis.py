@@ -1,0 +1,124 @@
+"""Causes of a mechanism that does not move: a joint's axis that is off, legs in one line.
+
+Of a joint with a wrong axis, the rows of the constraints that depend on the axis are left out (a
+revolute joint becomes a spherical one, a slide moves along all axes). If the tool can then move as
+prescribed, the relative motion at the joint has the direction that its axis should have. The joint
+is named only if the mechanism with this axis moves in the reference posture and near it.
+"""
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from lumped.arrays import Array
+from lumped.mechanism.joint import Joint
+from lumped.mechanism.kinematics.closure import Closure, closure_of
+from lumped.mechanism.kinematics.mobility import generic_mobility, mobility, null_space, row_space
+from lumped.mechanism.kinematics.postures import reference_posture
+from lumped.mechanism.mechanism import Mechanism
+
+# Share of a direction that counts as none: axes typed with four digits.
+_NOTHING = 1e-4
+# Angle (rad) below which an axis is not off: digits of a direction.
+_SMALLEST_ANGLE = 1e-5
+# Candidates within this factor of the smallest angle are all named.
+_COMPARABLE = 1.5
+# Sine of the angle below which two legs lie in one line.
+_IN_LINE = 1e-3
+
+
+class OffAxis(NamedTuple):
+    """A joint whose axis prevents the tool's moves, the `axis` with which it would not.
+
+    `angle` (rad) lies between the two.
+    """
+
+    joint: Joint
+    axis: Array
+    angle: float
+
+
+def off_axes(mechanism: Mechanism) -> list[OffAxis]:
+    """Joints, each of which alone could be the cause, with the smallest change of their axes.
+
+    First those whose needed axis is that of most other joints.
+    """
+    closure = closure_of(mechanism)
+    jacobian = closure.jacobian(closure.reference)
+    candidates = (
+        _candidate(closure, jacobian, number)
+        for number, joint in enumerate(mechanism.joints)
+        if joint.kind in {"revolute", "prismatic"} and joint.first.point == joint.second.point
+    )
+    found = [one for one in candidates if one is not None and _moves_with(mechanism, one)]
+    smallest = min((one.angle for one in found), default=0.0)
+    comparable = (one for one in found if one.angle <= _COMPARABLE * smallest)
+    return sorted(comparable, key=lambda one: -_parallel_axes(mechanism, one))
+
+
+def _candidate(closure: Closure, jacobian: Array, number: int) -> OffAxis | None:
+    """The axis that a joint would need. None if no axis of this joint alone is enough."""
+    joint = closure.mechanism.joints[number]
+    slides = joint.kind == "prismatic"
+    own = (closure.joint_of == number) & (closure.is_sliding == slides)
+    free = null_space(jacobian[~own])
+    moves = closure.pose_jacobian(closure.reference) @ free
+    if len(row_space(moves)) < len(moves):
+        return None
+    relative = closure.relative_motion(closure.reference, number, slides=slides) @ free
+    # Motions that leave the tool alone turn the joint as well.
+    idle = row_space((relative @ null_space(moves)).T)
+    across = relative - idle.T @ (idle @ relative)
+    axis = joint.axes[0]
+    needed = row_space(across.T)
+    if len(needed) != 1:
+        return None
+    plane = np.vstack([needed, idle])
+    nearest = plane.T @ (plane @ axis)
+    size = float(np.linalg.norm(nearest))
+    if size <= _NOTHING:
+        return None
+    direction = nearest / size
+    angle = float(np.arctan2(np.linalg.norm(np.cross(axis, direction)), axis @ direction))
+    return OffAxis(joint, direction, angle) if angle > _SMALLEST_ANGLE else None
+
+
+def _parallel_axes(mechanism: Mechanism, one: OffAxis) -> int:
+    """Number of axes of other joints along the axis that a joint would need."""
+    axes = np.vstack([joint.axes for joint in mechanism.joints if joint is not one.joint])
+    return int(np.count_nonzero(np.linalg.norm(np.cross(axes, one.axis), axis=1) < _NOTHING))
+
+
+def _moves_with(mechanism: Mechanism, one: OffAxis) -> bool:
+    """Whether the tool can move as prescribed with another axis of a joint, also near there."""
+    joints = tuple(
+        replace(joint, axes=one.axis[None]) if joint is one.joint else joint
+        for joint in mechanism.joints
+    )
+    changed = replace(mechanism, joints=joints)
+    found = (mobility(reference_posture(changed)), generic_mobility(changed))
+    return not any(each.barred or each.at_limit for each in found)
+
+
+def legs_in_line(mechanism: Mechanism) -> list[tuple[str, str, bool]]:
+    """Pairs of bodies of two points that lie in one line at a joint which turns them.
+
+    The third entry is True if they are stretched and False if they are folded.
+    """
+    found = []
+    for joint in mechanism.joints:
+        if joint.kind not in {"revolute", "universal", "spherical"}:
+            continue
+        ways = []
+        for side in (joint.first, joint.second):
+            body = mechanism.bodies[side.body]
+            others = [frame for point, frame in body.interfaces.items() if point != side.point]
+            if len(others) == 1:
+                way = others[0].position - body.interfaces[side.point].position
+                ways.append(mechanism.reference[side.body].rotation @ way)
+        if len(ways) == 2:
+            first, second = (way / np.linalg.norm(way) for way in ways)
+            if np.linalg.norm(np.cross(first, second)) < _IN_LINE:
+                found.append((joint.first.body, joint.second.body, bool(first @ second < 0.0)))
+    return found

@@ -1,0 +1,93 @@
+"""Mechanisms that do not move: the joint whose axis is off, and legs in one line."""
+
+from copy import deepcopy
+from math import cos, radians, sin
+
+import numpy as np
+import pytest
+
+from lumped.errors import InputError
+from lumped.robot_file import load_robot, robot_of
+
+FIVE_BAR = load_robot("five-bar").tables
+ORTHOGLIDE = load_robot("orthoglide").tables
+# Hinge and wrist of a leg need parallel axes: either may be the one that is off.
+TWINS = {"hinge_x": "wrist_x", "wrist_x": "hinge_x"}
+
+
+def faults(tables):
+    with pytest.raises(InputError) as refused:
+        robot_of(tables)
+    return refused.value.faults
+
+
+def tilted(tables, joint, towards):
+    """The robot with the axis of a joint one degree off, and what `check` says of it."""
+    new = deepcopy(dict(tables))
+    axis = np.array(new["joints"][joint]["axis"])
+    across = np.roll(axis, towards)
+    new["joints"][joint]["axis"] = (cos(radians(1)) * axis + sin(radians(1)) * across).tolist()
+    return faults(new)
+
+
+@pytest.mark.parametrize("towards", [1, 2])
+@pytest.mark.parametrize("joint", FIVE_BAR["joints"])
+def test_axis_off_in_five_bar_is_named(joint, towards):
+    """All axes are parallel: four others say where the fifth must point."""
+    (fault,) = tilted(FIVE_BAR, joint, towards)
+    assert fault.startswith(f"dictionary: joints.{joint}.axis = ")
+    assert "keeps the tool from moving along " in fault
+    assert fault.endswith("; along [0.0, 0.0, 1.0], 1° from it, it would move")
+
+
+@pytest.mark.parametrize("joint", ["hinge_x", "pin_x1", "eye_x1", "pin_x2", "eye_x2", "wrist_x"])
+def test_axis_off_in_orthoglide_is_named(joint):
+    fault = tilted(ORTHOGLIDE, joint, 1 if joint in TWINS else 2)[0]
+    named = f"joints.{joint}.axis"
+    if joint in TWINS:
+        assert named in fault or f"(or the axis of {joint} is off as much)" in fault
+        assert TWINS[joint] in fault
+    else:
+        assert fault.startswith(f"dictionary: {named} = ")
+    assert "1° from it, it would move" in fault
+
+
+def test_moves_that_no_axis_allows_are_blamed_on_the_moves():
+    new = deepcopy(dict(FIVE_BAR))
+    new["tool"] = FIVE_BAR["tool"] | {"moves": ["x", "z"]}
+    new.pop("path")
+    assert any("tool.moves = ['x', 'z']" in fault for fault in faults(new))
+
+
+def placed(tables, points):
+    new = deepcopy(dict(tables))
+    new.pop("path")
+    new["points"] |= {name: list(map(float, place)) for name, place in points.items()}
+    return new
+
+
+def test_stretched_arm_of_five_bar_is_named():
+    """The elbow in the middle between motor and tool, and beyond the tool."""
+    (fault,) = faults(placed(FIVE_BAR, {"B1": [-0.075, 0.275, 0.0]}))
+    assert fault == (
+        "dictionary: points: the reference posture is singular: crank1 and rod1 are stretched out "
+        "in one line; drives motor1 move while the tool cannot move along x, y; must be a posture "
+        "inside the workspace"
+    )
+    (fault,) = faults(placed(FIVE_BAR, {"B1": [0.075, 0.825, 0.0]}))
+    assert "singular: crank1 and rod1 are folded into one line; drives motor1 move" in fault
+
+
+def test_rods_in_one_line_are_named():
+    """Both rods pull along x: with the drives held the tool gives way across them."""
+    (fault,) = faults(placed(FIVE_BAR, {"B1": [-0.35, 0.55, 0.0], "B2": [0.35, 0.55, 0.0]}))
+    assert "singular: rod1 and rod2 are stretched out in one line; with all drives held" in fault
+
+
+def test_flat_3rrr_with_stretched_legs_is_explained():
+    points = load_robot("3-rrr").tables["points"]
+    middles = {f"B{i}": 0.5 * (np.array(points[f"A{i}"]) + points[f"C{i}"]) for i in (1, 2, 3)}
+    (fault,) = faults(placed(load_robot("3-rrr").tables, middles))
+    for i in (1, 2, 3):
+        assert f"crank{i} and rod{i} are stretched out in one line" in fault
+    assert "the tool cannot move along x, y; with all drives held the tool is free to turn" in fault
