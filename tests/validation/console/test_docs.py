@@ -120,11 +120,7 @@ def test_api_reference_has_every_public_name(site):
 # answer that it contains.
 QUESTIONS = {
     "How do I install it?": ("install", "guide/start.html", "./flexproof run"),
-    "How do I describe a leg that is a tube?": (
-        "section",
-        "guide/robot-files.html",
-        'shape = "tube"',
-    ),
+    "How do I describe a leg that is a tube?": ("section", "guide/sections.html", "thickness"),
     "How many elements does a leg need?": (
         "elements needed",
         "guide/convergence.html",
