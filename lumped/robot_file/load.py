@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from importlib import resources
 from importlib.resources.abc import Traversable
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from lumped.acceptance.measured import Measured, measured_value, pose_faults
 from lumped.acceptance.requirement import DEFAULT_LIMITS, AgreementLimits, Requirement
@@ -56,18 +56,6 @@ _LARGEST = 1_000_000
 DICTIONARY = "dictionary"
 
 
-class UncertainInput(NamedTuple):
-    """An uncertain input by its key, and robots with its value changed by one standard uncertainty.
-
-    `relative` is the uncertainty relative to the value in the file.
-    """
-
-    key: str
-    relative: float
-    below: Mechanism
-    above: Mechanism
-
-
 @dataclass(frozen=True)
 class RobotFile:
     """A robot and its file.
@@ -101,18 +89,6 @@ class RobotFile:
     def name(self) -> str:
         """The robot's name."""
         return self.mechanism.name
-
-    def with_inputs_off(self) -> tuple[UncertainInput, ...]:
-        """Uncertain inputs with the robots at plus and minus one standard uncertainty.
-
-        Raises InputError if such a robot is impossible.
-        """
-        return tuple(
-            UncertainInput(
-                key, share, self.with_factors({key: -share}), self.with_factors({key: share})
-            )
-            for key, share in self.uncertain_inputs.items()
-        )
 
     @property
     def hammer(self) -> Hammer | None:

@@ -6,8 +6,9 @@ u_val² = u_num² + u_input² + u_D², three independent standard uncertainties.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from math import hypot, isfinite
+from typing import Any, NamedTuple
 
 import numpy as np
 from msgspec import structs
@@ -17,19 +18,24 @@ from lumped.acceptance.quantities import AXES, Quantity
 from lumped.acceptance.requirement import Requirement
 from lumped.errors import ComputationError
 from lumped.mechanism.kinematics.postures import posture
-from lumped.mechanism.mechanism import Mechanism
+from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.models.bodies import legs_of
-from lumped.robot_file.load import UncertainInput
-from validation.adequacy.mechanism.path import coordinates, why_not_serial
-from validation.adequacy.models import judged_models
+from validation.adequacy.mechanism.path import (
+    NOMINAL,
+    Reading,
+    coordinates,
+    robot_at,
+    why_not_serial,
+)
+from validation.adequacy.mechanism.solids import formulation, with_elements
+from validation.adequacy.models import JudgedModel, judged_models
 from validation.adequacy.probability import COVERAGE, propagated
-from validation.adequacy.responses import UNSOLVED
+from validation.adequacy.responses import UNSOLVED, Model, Responses
 from validation.agreement.mesh_half_widths import MeshPolicy, mesh_half_widths
 from validation.case import failure_reason
 from validation.context import Context
 from validation.measured.modes import Partner, modal_answer
 from validation.models.legs import leg_compliance
-from validation.models.mechanism import answers, mechanism_modes
 from validation.models.options import STATIC, ModelName, ModelOptions
 from validation.verdicts import Adequacy, Entry, Matrix, ModelNote, worst_of
 
@@ -87,16 +93,102 @@ class Comparison:
         return "inadequate" if size - self.uncertainty > limit else "undecided"
 
 
+class _Place(NamedTuple):
+    """The robot in one pose, and its models by name."""
+
+    responses: Responses
+    models: Mapping[str, Model]
+
+
+@dataclass(frozen=True, eq=False)
+class Predictions:
+    """Numbers of a robot's models for its measured values.
+
+    `recipes` of the models by name; `inputs`: relative standard uncertainties of uncertain inputs.
+    """
+
+    context: Context
+    recipes: Mapping[str, JudgedModel]
+    inputs: Mapping[str, float]
+    _places: dict[tuple[float, ...], _Place] = field(default_factory=dict, repr=False)
+
+    @classmethod
+    def of(cls, context: Context) -> "Predictions":
+        """Predictions of all models that are judged; InputError if an input leads to no robot."""
+        robot_file = context.robot_file
+        inputs = robot_file.uncertain_inputs
+        for key, share in inputs.items():
+            for direction in (-1, 1):
+                robot_file.with_factors({key: direction * share})
+        return cls(context, judged_models(robot_file.mechanism), inputs)
+
+    def value(self, name: str, one: Measured, reading: Reading = NOMINAL) -> float | None:
+        """Number of a model for a measured value, in its unit. None if the model has none.
+
+        Raises InputError or ComputationError if it cannot be computed.
+        """
+        quantity = one.quantity
+        if one.of_leg or one.test is not None:
+            return self._of_mechanism(self.recipes[name], one, reading)
+        responses, models = self._place(one.pose)
+        model = models[name]
+        if quantity.static and model.statics:
+            statics = responses.required_statics(model, reading)
+            return one.load * float(statics.compliances[0, quantity.column, quantity.column])
+        if quantity.static or not model.modes or not responses.modes(model, reading):
+            return None
+        modes = responses.required_modes(model, reading)
+        values = modes.peaks if quantity.harmonic else modes.frequencies
+        number = float(values[0, quantity.column])
+        return number if isfinite(number) else None
+
+    @property
+    def faults(self) -> tuple[str, ...]:
+        """Names of the models with a response that ended with an error of the program."""
+        return tuple(name for place in self._places.values() for name in place.responses.faults)
+
+    def _of_mechanism(self, recipe: JudgedModel, one: Measured, reading: Reading) -> float | None:
+        """Number for an entry of a leg's 6×6 or for a modal test."""
+        robot_file, options = self.context.robot_file, with_elements(recipe.options, reading)
+        robot = robot_file.mechanism
+        if reading.factors:
+            robot = robot_file.with_factors(dict(reading.factors))
+        if one.test is not None:
+            return _of_test(recipe.kind, robot, one, one.test, options)
+        place = divmod(one.quantity.column, len(AXES))
+        leg = legs_of(robot)[one.quantity.leg]
+        rigid = recipe.kind == "simplified"
+        return None if rigid else float(leg_compliance(recipe.kind, leg, options)[place])
+
+    def _place(self, pose: tuple[float, ...]) -> _Place:
+        """The robot in a pose; raises InputError if it cannot take it."""
+        if pose not in self._places:
+            at = [posture(self.context.robot_file.mechanism, np.array(pose))]
+            robot = robot_at(self.context, at)
+            models = {
+                name: _defined(at, formulation(name, recipe.kind, recipe.options), recipe)
+                for name, recipe in self.recipes.items()
+            }
+            self._places[pose] = _Place(Responses(robot), models)
+        return self._places[pose]
+
+
+def _defined(at: Sequence[Posture], model: Model, recipe: JudgedModel) -> Model:
+    """The model without the halves that it does not define."""
+    if recipe.kind == "vjm" and why_not_serial(at):
+        return replace(model, statics=None, modes=None)
+    return replace(model, modes=None) if recipe.kind in STATIC else model
+
+
 def measured_matrix(context: Context) -> Matrix:
     """Every model by every measured quantity; the poses are those of the measurements."""
     robot_file, robot = context.robot_file, context.robot_file.mechanism
-    candidates = judged_models(robot)
+    predictions = Predictions.of(context)
     ones = robot_file.measured
-    off = robot_file.with_inputs_off()
     quantities = tuple(dict.fromkeys(one.quantity for one in ones))
     poses = tuple(sorted({one.pose for one in ones if one.pose}))
     entries, faults = [], []
-    for name, (model, _, options) in candidates.items():
+    for name in predictions.recipes:
         for quantity in quantities:
             alike = [one for one in ones if one.quantity == quantity]
             found: dict[Measured, Comparison] = {}
@@ -104,8 +196,8 @@ def measured_matrix(context: Context) -> Matrix:
             refused: dict[Measured, str] = {}
             for one in alike:
                 try:
-                    if comparison := _compared(model, robot, one, options, off):
-                        pairs[one] = _partner(model, robot, one, options)
+                    if comparison := _compared(predictions, name, one):
+                        pairs[one] = _partner(predictions, name, one)
                         found[one] = comparison
                 except UNSOLVED as error:
                     refused[one] = str(error)
@@ -121,10 +213,10 @@ def measured_matrix(context: Context) -> Matrix:
         robot=robot.name,
         coordinates=coordinates(robot),
         poses=poses,
-        models=tuple(ModelNote(name, title) for name, (_, title, _) in candidates.items()),
+        models=tuple(ModelNote(name, one.title) for name, one in predictions.recipes.items()),
         quantities=quantities,
         entries=tuple(entries),
-        faults=tuple(dict.fromkeys(faults)),
+        faults=tuple(dict.fromkeys((*faults, *predictions.faults))),
     )
 
 
@@ -153,33 +245,6 @@ def _with_refusals(entry: Entry, refused: Mapping[Measured, str]) -> Entry:
     return structs.replace(entry, verdict="undecided", reason=reason)
 
 
-def predicted(
-    model: ModelName, robot: Mechanism, one: Measured, options: ModelOptions
-) -> float | None:
-    """Number of the model for a measured value, in its unit. None if the model has none."""
-    quantity = one.quantity
-    if one.of_leg:
-        place = divmod(quantity.column, len(AXES))
-        rigid = model == "simplified"
-        leg = legs_of(robot)[quantity.leg]
-        return None if rigid else float(leg_compliance(model, leg, options)[place])
-    if one.test is not None:
-        return _of_test(model, robot, one, one.test, options)
-    at = [posture(robot, np.array(one.pose))]
-    if (not quantity.static and model in STATIC) or (model == "vjm" and why_not_serial(at)):
-        return None
-    if quantity.harmonic:
-        (modes,) = mechanism_modes(model, at, 1, options)
-        numbers = [number for response in modes.responses for number in response.judged]
-        number = numbers[quantity.column]
-        return number if len(modes.modes.frequencies) and isfinite(number) else None
-    (found,) = answers(model, at, quantity.mode or 0, options)
-    if quantity.mode:
-        known = len(found.frequencies) >= quantity.mode
-        return float(found.frequencies[quantity.column]) if known else None
-    return one.load * float(found.compliance[quantity.column, quantity.column])
-
-
 def _of_test(
     model: ModelName, robot: Mechanism, one: Measured, test: ModalTest, options: ModelOptions
 ) -> float | None:
@@ -196,36 +261,32 @@ def _of_test(
     return size if isfinite(size) else None
 
 
-def _partner(
-    model: ModelName, robot: Mechanism, one: Measured, options: ModelOptions
-) -> Partner | None:
+def _partner(predictions: Predictions, name: str, one: Measured) -> Partner | None:
     """The mode of the model that a mode of a test is."""
     if one.test is None or one.frequency is not None:
         return None
-    return modal_answer(model, robot, one.test, options).partners[one.column]
+    recipe, robot = predictions.recipes[name], predictions.context.robot_file.mechanism
+    return modal_answer(recipe.kind, robot, one.test, recipe.options).partners[one.column]
 
 
-def _compared(
-    model: ModelName,
-    robot: Mechanism,
-    one: Measured,
-    options: ModelOptions,
-    off: Sequence[UncertainInput],
-) -> Comparison | None:
-    value = predicted(model, robot, one, options)
+def _compared(predictions: Predictions, name: str, one: Measured) -> Comparison | None:
+    value = predictions.value(name, one)
     if value is None:
         return None
+
+    def perturbed(what: str, **changes: Any) -> float:
+        return _required(predictions.value(name, one, replace(NOMINAL, **changes)), what)
+
     changes = [
-        tuple(
-            _required(predicted(model, changed, one, options), f"{by.key} a standard deviation off")
-            for changed in (by.below, by.above)
-        )
-        for by in off
+        [
+            perturbed(f"{key} a standard deviation off", factors=((key, direction * share),))
+            for direction in (-1, 1)
+        ]
+        for key, share in predictions.inputs.items()
     ]
     numerical = 0.0
-    if model in _OF_ELEMENTS:
-        doubled = replace(options, elements=2 * options.elements)
-        finer = _required(predicted(model, robot, one, doubled), f"{doubled.elements} elements")
+    if (recipe := predictions.recipes[name]).kind in _OF_ELEMENTS:
+        finer = perturbed(f"{2 * recipe.options.elements} elements", elements=2)
         # The estimate is a half-width of 95 %.
         numerical = float(mesh_half_widths([np.abs(value - finer)], _DOUBLED)) / COVERAGE
     return Comparison(value, one.value, numerical, propagated(changes), one.uncertainty)

@@ -60,8 +60,8 @@ def test_a_robot_file_says_what_is_asked_measured_and_uncertain(tmp_path):
     assert own.measured == (
         Measured(measured_quantity("z"), 27.0e-6, 0.3e-6, "dial gauge", (0.4975,), 1000.0),
     )
-    ((key, _, *off),) = own.with_inputs_off()
-    assert key == "foot.compliance"
+    assert own.uncertain_inputs == {"foot.compliance": 0.05}
+    off = [own.with_factors({"foot.compliance": share}) for share in (-0.05, 0.05)]
     foot, less, more = (
         next(joint.compliance for joint in one.joints if joint.name == "foot1")
         for one in (given.mechanism, *off)

@@ -14,12 +14,14 @@ from lumped.errors import ComputationError
 from lumped.legs import tip_compliance
 from lumped.models.bodies import legs_of
 from lumped.robot_file import load_robot
+from validation.adequacy.mechanism import solids
+from validation.adequacy.mechanism.path import NOMINAL
 from validation.adequacy.probability import propagated
 from validation.catalogue import catalogue
 from validation.context import Context
 from validation.drawing.plot import chart_svg
 from validation.kinematics.poses import postures_of
-from validation.measured.matrix import Comparison, measured_matrix, predicted
+from validation.measured.matrix import Comparison, Predictions, measured_matrix
 from validation.models.mechanism import answers
 from validation.models.options import ModelOptions
 from validation.report.figures.adequacy import measured_curves
@@ -58,7 +60,8 @@ def test_measured_values_join_the_matrix_as_a_reference_of_their_own():
     robot = robot_file.mechanism
     (x,), (first,) = robot.reference_pose, robot.poses[0]
     given = Measured(measured_quantity("z"), 1.0, 1.0, "gauge", (x,), LOAD)
-    truth = predicted("vjm", robot, given, ModelOptions())
+    predictions = Predictions.of(Context(robot_file, "quick"))
+    truth = predictions.value("vjm", given)
     good = replace(given, value=truth, uncertainty=1e-3 * truth)
     wrong = replace(good, value=1.2 * truth, pose=(first,))
     of_leg = Measured(measured_quantity("leg1.c33"), 0.9, 1e-3, "stand")
@@ -80,7 +83,7 @@ def test_measured_values_join_the_matrix_as_a_reference_of_their_own():
     assert more.poses == ((first,), (x,))
     entry = more.entry("vjm", "z")
     assert (entry.verdict, entry.pose) == ("inadequate", (first,))
-    there = predicted("vjm", robot, wrong, ModelOptions())
+    there = predictions.value("vjm", wrong)
     assert entry.errors == pytest.approx([there / wrong.value - 1.0, 0.0])
     # Every pose has its own interval, of 95 %: the gauge alone is uncertain.
     halves = [1.959964 * 1e-3 * truth / abs(one.value) for one in (wrong, good)]
@@ -120,12 +123,14 @@ def test_value_that_one_model_refuses_costs_that_entry_alone(monkeypatch):
         Measured(measured_quantity("x"), 1e-6, 1e-9, "gauge", pose) for pose in (first, last)
     )
 
-    def refusing(model, robot, one, options):
+    value = Predictions.value
+
+    def refusing(self, model, one, *reading):
         if model == "simplified" or (model == "beam" and one.pose == last):
             raise ComputationError("the drives do not hold the tool")
-        return predicted(model, robot, one, options)
+        return value(self, model, one, *reading)
 
-    monkeypatch.setattr("validation.measured.matrix.predicted", refusing)
+    monkeypatch.setattr(Predictions, "value", refusing)
     requirement = replace(robot_file.requirement, deflection=0.99)
     robot_file = replace(robot_file, measured=ones, requirement=requirement)
     matrix = measured_matrix(Context(robot_file, "quick"))
@@ -146,14 +151,16 @@ def test_error_of_the_program_costs_one_value_alone(monkeypatch, capsys):
     pose = tuple(map(float, robot_file.mechanism.poses[0]))
     ones = tuple(Measured(measured_quantity(axis), 1e-6, 1e-9, "gauge", pose) for axis in "xy")
 
-    def faulty(model, robot, one, options):
-        if (model, options.theory, one.quantity.name) == ("beam", "timoshenko", "x"):
+    value = Predictions.value
+
+    def faulty(self, model, one, *reading):
+        if (model, one.quantity.name) == ("beam", "x"):
             return 1 / 0
-        return predicted(model, robot, one, options)
+        return value(self, model, one, *reading)
 
     robot_file = replace(robot_file, measured=ones)
     due = measured_matrix(Context(robot_file, "quick"))
-    monkeypatch.setattr("validation.measured.matrix.predicted", faulty)
+    monkeypatch.setattr(Predictions, "value", faulty)
     matrix = measured_matrix(Context(robot_file, "quick"))
     lost = matrix.entry("beam", "x")
     assert (lost.verdict, lost.error) == ("undecided", None)
@@ -169,15 +176,16 @@ def test_error_of_the_program_costs_one_value_alone(monkeypatch, capsys):
 def test_missing_value_of_a_changed_model_decides_nothing(monkeypatch, tmp_path, lacking):
     """As zeros they were no uncertainty at all, or all of the value: adequate, or open by 67 %."""
     robot_file = robot_of(load_robot("five-bar").text + OWN, tmp_path)
-    robot, options = robot_file.mechanism, ModelOptions()
+    predictions = Predictions.of(Context(robot_file, "quick"))
     (f1,) = (one for one in robot_file.measured if one.quantity.name == "f1")
-    one = replace(f1, value=predicted("beam", robot, f1, options), uncertainty=1e-3)
+    one = replace(f1, value=predictions.value("beam", f1), uncertainty=1e-3)
+    value = Predictions.value
 
-    def without(model, mechanism, one, options):
-        changed = mechanism is not robot if lacking == "inputs" else options.elements != 20
-        return None if changed else predicted(model, mechanism, one, options)
+    def without(self, model, one, reading=NOMINAL):
+        changed = reading.factors if lacking == "inputs" else reading.elements != 1
+        return None if changed else value(self, model, one, reading)
 
-    monkeypatch.setattr("validation.measured.matrix.predicted", without)
+    monkeypatch.setattr(Predictions, "value", without)
     matrix = measured_matrix(Context(replace(robot_file, measured=(one,)), "quick"))
     entry = matrix.entry("beam", "f1")
     assert (entry.verdict, entry.error) == ("undecided", None)
@@ -257,7 +265,8 @@ def test_models_are_held_against_what_was_measured(tmp_path):
     left = matrix.entry("segments", "f1").uncertainties["numerics"]
     assert left == pytest.approx(4.0 / 3.0 * abs(coarse - fine) / 62.0, rel=1e-6)
     # The drive turns the first frequency by what solving both robots says, in every model.
-    ((_, _, *robots),) = robot_file.with_inputs_off()
+    ((key, share),) = robot_file.uncertain_inputs.items()
+    robots = [robot_file.with_factors({key: way * share}) for way in (-1, 1)]
     low, high = (
         answers("simplified", postures_of(robot, at[0].pose[None]), 1)[0].frequencies[0]
         for robot in robots
@@ -269,14 +278,16 @@ def test_models_are_held_against_what_was_measured(tmp_path):
 
 
 def test_an_entry_of_a_leg_a_load_and_a_mode_are_those_that_were_measured():
-    mechanism = load_robot("five-bar").mechanism
+    five_bar = load_robot("five-bar")
+    mechanism = five_bar.mechanism
+    predictions = Predictions.of(Context(five_bar, "quick"))
     leg = legs_of(mechanism)["rod1"]
     exact = tip_compliance(leg.timoshenko, leg.length)
     pose = tuple(mechanism.poses[0])
 
     def told(quantity, model, *where):
         one = Measured(measured_quantity(quantity), 1.0, 1.0, "gauge", *where)
-        return predicted(model, mechanism, one, ModelOptions())
+        return predictions.value(model, one)
 
     for i, j in np.ndindex(6, 6):
         for model in ("vjm", "beam"):
@@ -287,6 +298,24 @@ def test_an_entry_of_a_leg_a_load_and_a_mode_are_those_that_were_measured():
     (beam,) = answers("beam", postures_of(mechanism, np.array([pose])), 4)
     assert told("f3", "beam", pose) == pytest.approx(beam.frequencies[2], rel=1e-6)
     # Virtual joints that branch have no number.
-    delta = load_robot("delta").mechanism
-    one = Measured(measured_quantity("z"), 1e-6, 1e-8, "gauge", tuple(delta.poses[0]), 1.0)
-    assert predicted("vjm", delta, one, ModelOptions()) is None
+    delta = load_robot("delta")
+    pose = tuple(delta.mechanism.poses[0])
+    one = Measured(measured_quantity("z"), 1e-6, 1e-8, "gauge", pose, 1.0)
+    assert Predictions.of(Context(delta, "quick")).value("vjm", one) is None
+
+
+def test_error_of_the_program_in_a_model_is_a_fault(monkeypatch, capsys):
+    robot_file = load_robot("five-bar")
+    pose = tuple(map(float, robot_file.mechanism.poses[0]))
+    one = Measured(measured_quantity("x"), 1e-6, 1e-9, "gauge", pose)
+    model_statics = solids.model_statics
+
+    def faulty(postures, model, options):
+        return 1 / 0 if model == "links" else model_statics(postures, model, options)
+
+    monkeypatch.setattr(solids, "model_statics", faulty)
+    matrix = measured_matrix(Context(replace(robot_file, measured=(one,)), "quick"))
+    assert matrix.faults == ("links",)
+    assert "ZeroDivisionError" in matrix.entry("links", "x").reason
+    assert matrix.entry("vjm", "x").value > 0.0
+    assert "return 1 / 0" in capsys.readouterr().err

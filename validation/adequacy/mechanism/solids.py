@@ -76,17 +76,18 @@ def with_parts(parts: PartLegs) -> Model:
 def _formulation_statics(
     kind: ModelName, options: ModelOptions, robot: RobotOnPath, reading: Reading
 ) -> Statics:
-    return model_statics(robot.postures, kind, _with_elements(options, reading))
+    return model_statics(robot.postures, kind, with_elements(options, reading))
 
 
 def formulation_modes(
     kind: ModelName, options: ModelOptions, robot: RobotOnPath, reading: Reading
 ) -> PathModes | None:
     """Modes of a kind of model, whose element count is that of the options times the reading's."""
-    return modes_by_model(robot, kind, _with_elements(options, reading))
+    return modes_by_model(robot, kind, with_elements(options, reading))
 
 
-def _with_elements(options: ModelOptions, reading: Reading) -> ModelOptions:
+def with_elements(options: ModelOptions, reading: Reading) -> ModelOptions:
+    """Options with their element count times the factor of the reading."""
     return replace(options, elements=reading.elements * options.elements)
 
 
