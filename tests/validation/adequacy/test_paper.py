@@ -210,7 +210,7 @@ def at_poses(robot_file, poses):
 
 
 def half_widths_of_digits(robot_file, poses):
-    return sources.DIGITS.half_widths(Responses(at_poses(robot_file, poses)), NOMINAL)
+    return sources.STATIC_DIGITS(Responses(at_poses(robot_file, poses)), NOMINAL).displacements
 
 
 def test_95_percent_of_all_robots_with_these_digits_lie_within(printed, draws):
@@ -251,20 +251,20 @@ def test_a_digit_moves_frequencies_as_solving_the_robot_with_it_changed_does(pri
 def test_more_digits_leave_less_and_those_of_no_leg_nothing(printed):
     poses = printed.mechanism.poses[[4]]
 
-    def left_with(digits):
+    def printed_with(digits):
         def longer(number):
             return f"{float(number[0]):.{digits - 1}e}"
 
         text = MATRIX.sub(lambda block: NUMBER.sub(longer, block[0]), printed.text)
-        return half_widths_of_digits(replace(printed, text=text), poses).max()
+        return replace(printed, text=text)
 
     # Two or three digits leave 1e-3.
-    assert 0.0 < left_with(5) < 1e-4
-    assert left_with(12) == 0.0
+    assert 0.0 < half_widths_of_digits(printed_with(5), poses).max() < 1e-4
+    assert not at_poses(printed_with(12), poses).roundings
     # Legs of a section have no 6×6; those of another file have another one.
     five_bar = load_robot("five-bar")
     for one in (five_bar, replace(five_bar, text=printed.text)):
-        assert not half_widths_of_digits(one, five_bar.mechanism.poses[:2]).any()
+        assert not at_poses(one, five_bar.mechanism.poses[:2]).roundings
 
 
 @pytest.mark.parametrize(

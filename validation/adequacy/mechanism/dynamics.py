@@ -2,27 +2,21 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import partial
 from itertools import product
 
 import numpy as np
 
-from lumped.arrays import Array
 from lumped.legs import ConstantLeg
 from lumped.models.bodies import links, tip_compliances
 from lumped.system.assembly import assembly
-from validation.adequacy.mechanism.meshes import frequency_half_widths, response_half_widths
 from validation.adequacy.mechanism.parts import FINER_PARTS, PART_STEPS, part_kinds
 from validation.adequacy.mechanism.path import Reading, RobotOnPath
 from validation.adequacy.mechanism.solids import HELD, OWN, SOLID, formulation_modes, with_parts
-from validation.adequacy.mechanism.sources import modes_by_digits
+from validation.adequacy.mechanism.sources import MODAL_ROWS, budget
 from validation.adequacy.mechanism.vibration import modes_of_solids, solid_meshes
-from validation.adequacy.partners import amounts_by_shape
 from validation.adequacy.references import (
     TIMOSHENKO,
     USE_SOLID,
-    Budget,
-    HalfWidths,
     Interpretation,
     Reference,
     Remedy,
@@ -36,15 +30,13 @@ from validation.adequacy.references import (
 from validation.adequacy.responses import Model, Responses
 from validation.agreement.responses import PathModes
 from validation.context import Preset
-from validation.models.loads.leg_masses import Masses, plausible_insides
+from validation.models.loads.leg_masses import plausible_insides
 from validation.models.mechanism import modes_along
 from validation.models.options import ModelOptions
 from validation.parts.meshes import MIDDLE
 from validation.solids.legs import ELEMENTS
 from validation.solids.size import larger_preset, too_large
 
-# m/N: a logarithm has no zero.
-_NO_SIZE = 1e-30
 _SUPPOSED = "for every plausible distribution of the legs' mass and stiffness"
 
 
@@ -64,7 +56,7 @@ def dynamic_reference(responses: Responses) -> Reference:
             Interpretation(
                 ", ".join(filter(None, (stated, str(inside or "")))),
                 reading,
-                _budget(responses, reading),
+                budget(MODAL_ROWS, responses, reading),
             )
         )
     mass_unsaid = Source.MASSES if robot.given else ""
@@ -80,32 +72,6 @@ def dynamic_reference(responses: Responses) -> Reference:
         supposed=_SUPPOSED if robot.given else "",
         computed_by=("validation.adequacy.mechanism.vibration.solid_vibration",),
     )
-
-
-def _budget(responses: Responses, reading: Reading) -> Budget:
-    """Half-widths of modes and of responses to harmonic forces by source."""
-    robot = responses.robot
-    fine = responses.required_modes(SOLID, reading)
-    meshes = frequency_half_widths(responses, reading)
-    budget = {Source.MESHES: HalfWidths(frequencies=meshes)}
-    digits = _digit_uncertainty(robot, fine, reading.masses)
-    if digits is not None:
-        budget[Source.DIGITS] = HalfWidths(frequencies=digits)
-    if not robot.mechanism.excitations:
-        return budget
-    no_digits = np.zeros((len(robot.postures), robot.judged))
-    peaks, receptances = _digits_of_responses(robot, fine, no_digits if digits is None else digits)
-    return {
-        Source.MESHES: HalfWidths(
-            frequencies=meshes,
-            peaks=response_half_widths(responses, reading, _peaks),
-            receptances=[
-                response_half_widths(responses, reading, partial(_sizes, number))
-                for number in range(len(robot.mechanism.excitations))
-            ],
-        ),
-        Source.DIGITS: HalfWidths(frequencies=digits, peaks=peaks, receptances=receptances),
-    }
 
 
 def _title(robot: RobotOnPath) -> str:
@@ -127,62 +93,6 @@ def _why_unmeshed(prisms: Sequence[ConstantLeg], preset: Preset) -> str:
 def _finer_preset(prisms: Sequence[ConstantLeg], preset: Preset) -> str:
     """What would leave less of the meshes of these legs: a larger preset, if one meshes them."""
     return finer_by(larger_preset(preset, lambda one: not _why_unmeshed(prisms, one)))
-
-
-def _peaks(modes: PathModes) -> Array:
-    return modes.peaks
-
-
-def _sizes(excitation: int, modes: PathModes) -> Array:
-    return np.abs(modes.receptances[excitation])
-
-
-def _digits_of_responses(
-    robot: RobotOnPath, fine: PathModes, digits: Array
-) -> tuple[Array, list[Array]]:
-    """Half-widths of peaks (P×q) and receptances (P×n each) by `digits` of frequencies (P×K)."""
-    of_peaks: list[Array] = []
-    receptances = []
-    for number, one in enumerate(robot.mechanism.excitations):
-        peak = fine.peaks[:, [len(of_peaks) + 1]]
-        nearest, left = _left_by_digits(fine, digits, one.frequencies, _sizes(number, fine), peak)
-        of_peaks += [2.0 * nearest, nearest]
-        if one.at is not None:
-            of_peaks.append(np.array([np.interp(one.at, one.frequencies, row) for row in left]))
-        receptances.append(left)
-    return np.stack(of_peaks, axis=1), receptances
-
-
-def _left_by_digits(
-    fine: PathModes, digits: Array, frequencies: Array, sizes: Array, peak: Array
-) -> tuple[Array, Array]:
-    """What printed digits leave open of the frequency of a peak (p) and of sizes (p×n), relative.
-
-    `sizes` at `frequencies` (n, Hz), `peak` (p×1, Hz). As if all stiffness were off together by
-    what `digits` leave of the frequency nearest to each: h(ω) becomes h(ω(1 − s))/(1 + 2s).
-    """
-    modes = np.nan_to_num(fine.frequencies[:, : digits.shape[1]], nan=np.inf)
-    asked = np.hstack([peak, np.broadcast_to(frequencies, sizes.shape)])
-    nearest = np.argmin(np.abs(modes[:, None] - asked[:, :, None]), axis=2)
-    shares = np.take_along_axis(digits, nearest, axis=1)
-    slopes = np.gradient(np.log(np.maximum(sizes, _NO_SIZE)), np.log(frequencies), axis=1)
-    return shares[:, 0], shares[:, 1:] * (2.0 + np.abs(slopes))
-
-
-def _digit_uncertainty(robot: RobotOnPath, fine: PathModes, masses: Masses) -> Array | None:
-    """What printed digits leave open of the judged frequencies of `fine` (p×K, relative).
-
-    As of the beams' modes of the same shape; of a mode that beams do not have the most of all
-    judged.
-    """
-    found = robot.context.get(modes_by_digits, robot.printed, robot.postures, robot.offered, masses)
-    if found is None:
-        return None
-    beams, share = found
-    amounts = np.broadcast_to(share[:, None, :], (*fine.frequencies.shape, share.shape[1]))
-    by_shape = amounts_by_shape(fine, beams, amounts, robot.judged)
-    most = share[:, : robot.judged].max(axis=1, keepdims=True)
-    return np.where(np.isnan(by_shape), most, by_shape)
 
 
 def mass_notes(responses: Responses, reference: Reference) -> tuple[str, ...]:

@@ -6,12 +6,7 @@ they are given.
 
 from collections.abc import Mapping, Sequence
 
-import numpy as np
-
-from lumped.acceptance.quantities import UNIT_LOADS
-from lumped.arrays import Array
 from validation.adequacy.mechanism.legs import finer_statics, solid_leg
-from validation.adequacy.mechanism.meshes import displacement_half_widths
 from validation.adequacy.mechanism.parts import FINER_PARTS, PART_STEPS, part_kinds
 from validation.adequacy.mechanism.path import Reading, RobotOnPath
 from validation.adequacy.mechanism.solids import (
@@ -24,26 +19,19 @@ from validation.adequacy.mechanism.solids import (
     STRAIGHT,
     with_parts,
 )
-from validation.adequacy.mechanism.sources import DIGITS, MASSES
+from validation.adequacy.mechanism.sources import STATIC_ROWS, budget
 from validation.adequacy.references import (
     TIMOSHENKO,
     USE_SOLID,
-    Budget,
-    HalfWidths,
     Interpretation,
     Reference,
-    Source,
     Steps,
     StepTexts,
     ladders,
     use,
 )
 from validation.adequacy.responses import Responses
-from validation.case import failure_reason
-from validation.models.loads.stability import stabilities
 
-# A displacement that a load's own softening changes by less is a linear one.
-_LINEAR = 1e-3
 _BY = {"vjm": "virtual joints with ", "links": "links with "}
 
 
@@ -54,9 +42,8 @@ def static_reference(responses: Responses) -> Reference:
     # The reason for solids that cannot be meshed names a preset that takes them.
     for leg in robot.prisms:
         solid_leg(context, leg)
-    linearity = _linearity_half_widths(robot)
     interpretations = [
-        Interpretation(name, reading, _budget(responses, reading, linearity))
+        Interpretation(name, reading, budget(STATIC_ROWS, responses, reading))
         for name, ends in robot.holding.alternatives.items()
         for reading in [Reading(ends)]
     ]
@@ -76,39 +63,6 @@ def static_reference(responses: Responses) -> Reference:
             "lumped.system.solution.compliance",
         ),
     )
-
-
-def _budget(responses: Responses, reading: Reading, linearity: Array | None) -> Budget:
-    robot = responses.robot
-    budget = {Source.MESHES: displacement_half_widths(responses, reading)}
-    rows = [DIGITS] if robot.printed else []
-    if robot.given and any(load.acts_on_mass for load in robot.mechanism.loads):
-        rows.append(MASSES)
-    budget |= {row.source: row.half_widths(responses, reading) for row in rows}
-    if linearity is not None:
-        budget[Source.LINEARITY] = linearity
-    return {source: HalfWidths(half_widths) for source, half_widths in budget.items()}
-
-
-def _linearity_half_widths(robot: RobotOnPath) -> Array | None:
-    """Change of the stiffness by the loads that act on it (P×(7+L)), if it is not negligible.
-
-    All of it if the robot has buckled, and if the stability cannot be computed. None without loads.
-    """
-    if not robot.mechanism.loads:
-        return None
-    try:
-        found = robot.context.get(stabilities, "links", robot.postures)
-    except Exception as error:  # noqa: BLE001  loses no model: it leaves their errors open
-        failure_reason("stability under loads", error)
-        left = np.ones((len(robot.postures), len(robot.mechanism.loads)))
-    else:
-        farther = np.array(
-            [[abs(one.extra_displacement) if one else 0.0 for one in row] for row in found]
-        )
-        left = np.nan_to_num(farther, nan=1.0)
-    left[left < _LINEAR] = 0.0
-    return np.pad(left, ((0, 0), (len(UNIT_LOADS), 0)))
 
 
 def _title(robot: RobotOnPath) -> str:
