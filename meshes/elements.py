@@ -1,10 +1,10 @@
-"""The element kinds of sections and solids: their nodes, and how other programs number them.
+"""Element kinds of sections and solids: nodes, and node orders of other programs.
 
 Reference cells are the unit square, unit cube and unit simplex. Quadrilaterals and simplices are
 numbered as in scikit-fem: corners counter-clockwise, then edge midpoints, then the centre. A
-hexahedron is a quadrilateral times a line: the quadrilateral's nodes at ζ = 0, (½,) 1; that of 20
-nodes, which is no such product, has its corners and then the midpoints of its edges. An extruded
-leg has its ξ, η in the section (y, z) and its ζ along x, which is right-handed.
+hexahedron is the product of a quadrilateral and a line: the quadrilateral's nodes at ζ = 0, (½,) 1.
+The hexahedron of 20 nodes is no such product; it has its corners, then the midpoints of its edges.
+An extruded leg has ξ, η in the section (y, z) and ζ along x, which is right-handed.
 """
 
 from dataclasses import dataclass
@@ -26,8 +26,8 @@ class ElementKind:
 
     `nodes` (k×d) are the reference coordinates in our node order, `corner_nodes` the local
     numbers of the cell's vertices. `vtk_order` lists our local numbers in VTK's order, so that
-    `cells[:, vtk_order]` is VTK's connectivity. `abaqus`: what Abaqus and CalculiX call it,
-    whose nodes they number as we do; None where they have none.
+    `cells[:, vtk_order]` is VTK's connectivity. `abaqus` is the name in Abaqus and CalculiX, which
+    have our node order; None if they have no such element.
     """
 
     name: ElementName
@@ -45,12 +45,12 @@ class ElementKind:
 
     @property
     def node_count(self) -> int:
-        """Nodes per element k."""
+        """Number k of nodes per element."""
         return int(self.nodes.shape[0])
 
 
-# Corners at the ends of the edges whose middles follow the corners of triangles and tetrahedra, by
-# how many corners there are.
+# Corners at the ends of the edges of triangles (3 corners) and tetrahedra (4), in the order of the
+# edge midpoints, which follow the corners.
 SIMPLEX_EDGES = {
     3: np.array([(0, 1), (1, 2), (0, 2)]),
     4: np.array([(0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3)]),

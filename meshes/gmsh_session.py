@@ -1,6 +1,6 @@
-"""One way into gmsh, which is a single library-wide state, and from its tags to arrays.
+"""Access to gmsh, which has one global state, and conversion of its tags to arrays.
 
-Sessions are silent, repeatable and always closed.
+Sessions print nothing, are repeatable and are always closed.
 """
 
 import ctypes
@@ -24,7 +24,7 @@ _OPTIONS = {
     "Mesh.RandomFactor": 1e-9,
     "Mesh.Algorithm": 6,  # frontal Delaunay
     "Mesh.Algorithm3D": 1,  # Delaunay
-    # Removes the slivers that Delaunay leaves and that curved sides would fold.
+    # Removes slivers of Delaunay's algorithm, which curved sides would fold.
     "Mesh.OptimizeNetgen": 1,
     "Mesh.MeshSizeFromPoints": 0,
     "Mesh.SecondOrderIncomplete": 0,
@@ -41,19 +41,19 @@ _GMSH_TYPE: dict[ElementName, int] = {
     "quad9": 10,
     "tet10": 11,
 }
-# gmsh lists the edges (2,3) and (1,3) of a tetrahedron the other way round.
+# gmsh lists the edges (2,3) and (1,3) of a tetrahedron in reverse order.
 _GMSH_TET10 = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]
 
-# gmsh has one current model per process; whoever meshes in another thread waits.
+# gmsh has one current model per process, so other threads wait.
 _LOCK = RLock()
 
 
 @contextmanager
 def gmsh_model(part: str) -> Iterator[ModuleType]:
-    """A fresh, empty gmsh model; yields the gmsh module.
+    """Open a new, empty gmsh model and yield the gmsh module.
 
-    Works in any thread, one model at a time, and may be nested: the inner model is removed and the
-    outer one current again at the end. Raises ComputationError naming `part` where gmsh fails.
+    Works in any thread, one model at a time. Models may be nested: at the end the inner model is
+    removed and the outer one is current again. Raises ComputationError with `part` if gmsh fails.
     """
     try:
         import gmsh  # noqa: PLC0415  slow to load, and most answers need no mesh
@@ -73,9 +73,9 @@ def gmsh_model(part: str) -> Iterator[ModuleType]:
     with _LOCK:
         outermost = not gmsh.isInitialized()
         if outermost:
-            # gmsh's signal handler can only be set in the main thread, and is not wanted there.
+            # gmsh can set its signal handler only in the main thread, where it would interfere.
             gmsh.initialize(["gmsh", "-v", "0"], readConfigFiles=False, interruptible=False)
-            _ignore_again()
+            _restore_ignored_signals()
         outer = gmsh.model.getCurrent()
         try:
             for option, value in _OPTIONS.items():
@@ -95,10 +95,10 @@ def gmsh_model(part: str) -> Iterator[ModuleType]:
                 gmsh.model.setCurrent(outer)
 
 
-def _ignore_again() -> None:
-    # gmsh gives these signals back their default action. Writing to another process that has just
-    # ended then ends this one without a word, and so does a hang-up that nohup had it ignore.
-    # Python's own setter works in the main thread alone.
+def _restore_ignored_signals() -> None:
+    # gmsh resets these signals to their default action. Writing to a process that has just ended
+    # would then end this process without a message, and so would a hang-up ignored by nohup.
+    # Python's own setter works only in the main thread.
     for name in ("SIGPIPE", "SIGHUP"):
         number = getattr(signal, name, None)
         if number is not None and signal.getsignal(number) is signal.SIG_IGN:
@@ -115,12 +115,12 @@ def connectivity(gmsh: ModuleType, element: ElementName, entity: int = -1) -> In
 
 
 def numbered(gmsh: ModuleType, cells: IntArray) -> tuple[IntArray, Array]:
-    """The node tags that `cells` use, ascending, and their coordinates (N×3).
+    """Node tags in `cells`, ascending, and their coordinates (N×3).
 
     The position of a tag in the first array is the node's number in the second.
     """
     tags, coordinates, _ = gmsh.model.mesh.getNodes()
     order = np.argsort(tags)
     used = np.unique(cells)
-    places = order[np.searchsorted(tags[order], used)]
-    return used, np.asarray(coordinates).reshape(-1, 3)[places]
+    rows = order[np.searchsorted(tags[order], used)]
+    return used, np.asarray(coordinates).reshape(-1, 3)[rows]

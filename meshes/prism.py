@@ -1,7 +1,7 @@
 """Solid meshes of constant section, with their end faces.
 
-Hexahedra are the section's mesh extruded, the product of section and line. Unstructured tetrahedra,
-by gmsh from the outline of a rectangle, are the second family.
+Hexahedra are the extruded mesh of the section, the product of section and line. Unstructured
+tetrahedra, meshed by gmsh inside the outline of a rectangle, are the second family.
 """
 
 from types import ModuleType
@@ -19,21 +19,21 @@ from meshes.solid_mesh import EndFace, SolidMesh
 
 
 def stations(length: float, count: int) -> Array:
-    """Boundaries (count+1, in m) of `count` ≥ 1 slices of one length between x = 0 and `length`."""
+    """Boundaries (count+1, in m) of `count` ≥ 1 equal slices between x = 0 and `length`."""
     if count < 1:
         raise InputError(f"slices = {count}: must be at least 1")
     return length * np.linspace(0.0, 1.0, count + 1)
 
 
-def extrude(section: SectionMesh, at: Array) -> SolidMesh:
-    """The solid between the ascending stations `at` (S+1, x in m, from 0 at the root), in hex27.
+def extrude(section: SectionMesh, boundaries: Array) -> SolidMesh:
+    """Solid of hex27 between slice `boundaries` (S+1, x in m, ascending, from 0 at the root).
 
-    Node p·N + n is node n of the section (quad9) in plane p; a plane lies in the middle of each
-    slice.
+    Node p·N + n is node n of the section (quad9) in plane p. A further plane lies in the middle of
+    each slice.
     """
-    slices = len(at) - 1
+    slices = len(boundaries) - 1
     x = np.empty(2 * slices + 1)
-    x[::2], x[1::2] = at, (at[:-1] + at[1:]) / 2.0
+    x[::2], x[1::2] = boundaries, (boundaries[:-1] + boundaries[1:]) / 2.0
     per_plane = len(section.nodes)
     nodes = np.column_stack([np.repeat(x, per_plane), np.tile(section.nodes, (len(x), 1))])
     one_slice = np.hstack([section.cells + plane * per_plane for plane in range(3)])
@@ -51,9 +51,9 @@ def extrude(section: SectionMesh, at: Array) -> SolidMesh:
 
 
 def hexahedra(section: Section, length: float, divisions: Divisions, slices: int) -> SolidMesh:
-    """The leg of `length` (m) in hex27 of so many slices, `divisions` as in `section_blocks`.
+    """Leg of `length` (m) meshed with hex27 in `slices`, `divisions` as in `section_blocks`.
 
-    Raises InputError for impossible requests, ComputationError where gmsh fails or elements are too
+    Raises InputError for impossible requests, ComputationError if gmsh fails or elements are too
     distorted.
     """
     require_leg(section, length, divisions)
@@ -63,10 +63,10 @@ def hexahedra(section: Section, length: float, divisions: Divisions, slices: int
 
 
 def tetrahedra(section: Section, length: float, divisions: int) -> SolidMesh:
-    """The leg of `length` (m) in tet10, `divisions` of them across the smaller side.
+    """Leg of `length` (m) meshed with tet10, `divisions` of them across the smaller side.
 
-    Raises InputError for impossible requests and other sections than solid rectangles,
-    ComputationError where gmsh fails or elements are too distorted.
+    Raises InputError for impossible requests and for sections other than solid rectangles,
+    ComputationError if gmsh fails or elements are too distorted.
     """
     if not isinstance(section, Rectangle):
         raise InputError(f"{section.shape}: tetrahedra fill solid rectangles alone")
@@ -83,7 +83,7 @@ def tetrahedra(section: Section, length: float, divisions: int) -> SolidMesh:
             np.searchsorted(tags, connectivity(gmsh, "tri6", face))
             for face in (root_face, tip_face)
         )
-    # The kernel's planes are exact to rounding only; a face is asked for by equality.
+    # The kernel's planes are exact only to rounding, but faces are selected by equality.
     nodes[root, 0], nodes[tip, 0] = 0.0, length
     mesh = SolidMesh(
         nodes=nodes,
@@ -98,7 +98,7 @@ def tetrahedra(section: Section, length: float, divisions: int) -> SolidMesh:
 
 
 def _add_leg(gmsh: ModuleType, section: Rectangle, length: float) -> tuple[int, int]:
-    """The extruded outline; returns the surfaces at x = 0 and x = length."""
+    """Add the extruded outline and return its surfaces at x = 0 and x = length."""
     occ = gmsh.model.occ
     y, z = section.width / 2.0, section.height / 2.0
     points = [occ.addPoint(0.0, *corner) for corner in ((-y, -z), (y, -z), (y, z), (-y, z))]

@@ -1,9 +1,9 @@
-"""Computing in another process: a fresh interpreter that answers one question after the other.
+"""Computation in another process: a fresh interpreter that evaluates one call after the other.
 
-Questions are functions and their arguments; their values, or the errors that they raise, come
-back. Libraries that crash or run out of memory end that process alone, and nothing of the script
-that asks is run again in it. Ctrl-C and hang-ups do not reach it: whoever asks decides what is to
-be done, and takes it along when it ends itself, however that comes about.
+Calls are functions and their arguments; their values, or the errors that they raise, are returned.
+Libraries that crash or run out of memory end only that process, and the calling script is not run
+again in it. Ctrl-C and hang-ups do not reach it: the calling process decides how to proceed. The
+process ends when the calling process ends, for whatever reason.
 """
 
 import faulthandler
@@ -31,47 +31,46 @@ from lumped.errors import ComputationError, InputError, Remark, remarks_to
 from lumped.posix import resource
 
 T = TypeVar("T")
-# How long (s) a wait may last: a Ctrl-C that comes just before it begins does not end it.
+# Longest wait (s), because a Ctrl-C just before a wait does not interrupt it.
 _HEARTBEAT = 0.5
-# Address space (bytes) that computing within limits may take: some three million unknowns are
-# meshed in it.
+# Limit of the address space (bytes): sufficient to mesh about three million unknowns.
 _MEMORY = 8_000_000_000
-# What a signal tells that ends a process which did nothing forbidden.
-_WHY = {"SIGKILL": ", probably for want of memory", "SIGXCPU": ", its time was up"}
-# The other process inherits one end of a pipe, which Windows does in another way.
+# Likely reason why a signal ended a process.
+_REASONS = {"SIGKILL": ", probably for want of memory", "SIGXCPU": ", its time was up"}
+# The child inherits one end of a pipe, which works differently on Windows.
 _POSIX = os.name == "posix"
 
 
-class Crashed(ComputationError):  # noqa: N818  says what happened to the process
-    """Raised where the process ended without an answer."""
+class Crashed(ComputationError):  # noqa: N818  names the event, as messages do
+    """The process ended without an answer."""
 
 
 @dataclass(frozen=True)
 class _Raised:
-    """The error that comes in place of a value."""
+    """An error instead of a value."""
 
     error: Exception
 
 
 class _Answer(NamedTuple):
-    """A value, or the error in its place, and the remarks made on the way."""
+    """A value or an error, and the remarks made during the computation."""
 
     value: object
     remarks: list[Remark]
 
 
 class _Question(NamedTuple):
-    """A call for the other process; if it `stays`, its value is kept there."""
+    """A call for the other process; a `persistent` value remains there."""
 
     function: Callable[..., object]
     arguments: tuple[object, ...]
-    stays: bool = False
+    persistent: bool = False
 
 
 class Process:
-    """An interpreter that computes for this one, with the same search path for modules.
+    """An interpreter that computes for this process, with the same search path for modules.
 
-    What its libraries print is added to the file `output`; `environment` is what differs in it.
+    Output of its libraries is appended to the file `output`. `environment` are changed variables.
     """
 
     def __init__(
@@ -82,14 +81,14 @@ class Process:
                 "computing in processes of its own works on Linux and macOS alone; on Windows run "
                 "flexproof in the Windows Subsystem for Linux"
             )
-        self.connection, theirs = Pipe()
-        serving = f"from meshes.processes import serve; serve({theirs.fileno()})"
+        self.connection, child_end = Pipe()
+        serving = f"from meshes.processes import serve; serve({child_end.fileno()})"
         paths = os.pathsep.join(path or str(Path.cwd()) for path in sys.path)
-        with theirs, output.open("ab") as sink:
+        with child_end, output.open("ab") as sink:
             self._process = subprocess.Popen(  # noqa: S603  this interpreter
                 [sys.executable, "-P", "-c", serving],
                 env={**os.environ, **(environment or {}), "PYTHONPATH": paths},
-                pass_fds=[theirs.fileno()],
+                pass_fds=[child_end.fileno()],
                 stdin=subprocess.DEVNULL,
                 stdout=sink,
                 stderr=sink,
@@ -97,29 +96,29 @@ class Process:
             )
 
     def ask(self, function: Callable[..., object], *arguments: object) -> None:
-        """Have `function(*arguments)` computed, a function at the top of a module."""
+        """Request the value of `function(*arguments)`, a function at the top of a module."""
         self._send(_Question(function, arguments))
 
     def begin(self, function: Callable[..., object], *arguments: object) -> None:
-        """Have a value computed that stays there: the first argument of all later functions.
+        """Request a value that remains there as the first argument of all later functions.
 
         The answer is None.
         """
-        self._send(_Question(function, arguments, stays=True))
+        self._send(_Question(function, arguments, persistent=True))
 
     def _send(self, question: "_Question") -> None:
         content = pickle.dumps(question)
         try:
             self.connection.send_bytes(content)
         except ConnectionError:
-            # Its end is noticed when the answer is read.
+            # The end of the process is detected when the answer is read.
             return
 
     def answer(self, patience: float = inf) -> Any:
-        """The value for the first question that is not answered yet; waits `patience` (s) for it.
+        """Value of the first call without an answer; waits `patience` (s) for it.
 
-        Its remarks are made here. Raises its InputError and ComputationError, which every other
-        error becomes, and Crashed.
+        Repeats its remarks in this process. Raises its InputError or ComputationError, to which
+        any other error is converted, and Crashed.
         """
         begun = monotonic()
         try:
@@ -128,7 +127,7 @@ class Process:
                     raise Crashed(f"the computing process gave no answer in {patience:g} s")
             answer: _Answer = self.connection.recv()
         except (EOFError, ConnectionError):
-            raise Crashed(f"the computing process {self._how_it_ended()}") from None
+            raise Crashed(f"the computing process {self._cause_of_end()}") from None
         for remark in answer.remarks:
             warnings.warn(remark, stacklevel=2)
         if isinstance(answer.value, _Raised):
@@ -136,23 +135,23 @@ class Process:
         return answer.value
 
     def end(self) -> None:
-        """End it, whatever it is doing."""
+        """Kill the process."""
         self._process.kill()
         self._process.wait()
         self.connection.close()
 
-    def _how_it_ended(self) -> str:
+    def _cause_of_end(self) -> str:
         code = self._process.wait()
         if code >= 0:
             return f"ended with code {code}"
         name = signal.Signals(-code).name
-        return f"was ended by {name}{_WHY.get(name, '')}"
+        return f"was ended by {name}{_REASONS.get(name, '')}"
 
 
 def in_own_process(function: Callable[..., T], *arguments: object, patience: float = inf) -> T:
-    """`function(*arguments)`, a function at the top of a module, in a fresh interpreter.
+    """Value of `function(*arguments)`, a function at the top of a module, in a fresh interpreter.
 
-    Raises what `Process.answer` does. What the libraries print is lost with the process.
+    Raises the errors of `Process.answer`. Output of the libraries is discarded.
     """
     process = Process()
     try:
@@ -164,9 +163,9 @@ def in_own_process(function: Callable[..., T], *arguments: object, patience: flo
 
 
 def within_limits(seconds: float, function: Callable[..., T], *arguments: object) -> T:
-    """As `in_own_process`, for what others made: with so many `seconds` of computing, and 8 GB.
+    """Value of a function of foreign data, as `in_own_process`, within CPU `seconds` and 8 GB.
 
-    Raises Crashed also where that is not enough.
+    Raises Crashed also if the limits are exceeded.
     """
     value: T = in_own_process(_limited, seconds, function, *arguments)
     return value
@@ -182,57 +181,57 @@ def _limited(seconds: float, function: Callable[..., T], *arguments: object) -> 
 
 
 def _limit_resources(resource: ModuleType, seconds: float) -> None:
-    # The libraries have taken theirs before: it grows with the cores.
+    # Address space in use by the libraries, which grows with the number of cores.
     statm = Path("/proc/self/statm")
-    taken = int(statm.read_text().split()[0]) * resource.getpagesize() if statm.exists() else 0
-    _limit(resource, resource.RLIMIT_AS, taken + _MEMORY)
+    used = int(statm.read_text().split()[0]) * resource.getpagesize() if statm.exists() else 0
+    _limit(resource, resource.RLIMIT_AS, used + _MEMORY)
     _limit(resource, resource.RLIMIT_CPU, ceil(process_time() + seconds))
-    # What a crash leaves is of no use to who sent the file.
+    # A core dump is useless to a user.
     _limit(resource, resource.RLIMIT_CORE, 0)
 
 
-def _limit(resource: ModuleType, kind: int, most: int) -> None:
+def _limit(resource: ModuleType, kind: int, limit: int) -> None:
     soft, hard = resource.getrlimit(kind)
-    if soft == resource.RLIM_INFINITY or soft > most:
-        # Not every system has every limit.
+    if soft == resource.RLIM_INFINITY or soft > limit:
+        # Some systems lack some limits.
         with suppress(ValueError, OSError):
-            resource.setrlimit(kind, (most, hard))
+            resource.setrlimit(kind, (limit, hard))
 
 
 def serve(descriptor: int) -> None:
-    """Answer the questions that come through a connection, until it ends."""
+    """Answer the calls from a connection until it ends."""
     faulthandler.enable()
     connection = Connection(descriptor)
     questions: SimpleQueue[bytes] = SimpleQueue()
     Thread(target=_receive, args=(connection, questions), daemon=True).start()
-    staying: list[object] = []
+    persistent: list[object] = []
     while True:
-        connection.send_bytes(_answered(questions.get(), staying))
+        connection.send_bytes(_answered(questions.get(), persistent))
 
 
-def _answered(content: bytes, staying: list[object]) -> bytes:
-    """The pickled answer to a question; a value that stays is added to those `staying`."""
+def _answered(content: bytes, persistent: list[object]) -> bytes:
+    """The pickled answer to a question; a persistent value is appended to `persistent`."""
     remarks: list[Remark] = []
     try:
-        question: _Question = pickle.loads(content)  # noqa: S301  from who started this process
+        question: _Question = pickle.loads(content)  # noqa: S301  from the parent process
         with remarks_to(remarks.append):
-            value = question.function(*staying, *question.arguments)
-        if question.stays:
-            staying.append(value)
+            value = question.function(*persistent, *question.arguments)
+        if question.persistent:
+            persistent.append(value)
             value = None
         return pickle.dumps(_Answer(value, remarks))
     except (InputError, ComputationError) as error:
         raised = _Raised(error)
     except MemoryError:
         raised = _Raised(ComputationError("memory ran out"))
-    except Exception as error:  # noqa: BLE001  carried to who asked, whatever it is
+    except Exception as error:  # noqa: BLE001  any error is passed to the caller
         traceback.print_exc()
         raised = _Raised(ComputationError(f"{type(error).__name__}: {error}"))
     return pickle.dumps(_Answer(raised, remarks))
 
 
 def _receive(connection: Connection, questions: SimpleQueue[bytes]) -> None:
-    """Take in questions; end the process as soon as whoever asks is gone."""
+    """Queue calls, and end this process when the calling process is gone."""
     try:
         while True:
             questions.put(connection.recv_bytes())

@@ -1,9 +1,9 @@
-"""Element quality of section and solid meshes, and the bounds beyond which a mesh is refused.
+"""Element quality of section and solid meshes, and bounds beyond which a mesh is refused.
 
 Scaled Jacobian: determinant of the unit vectors along the sides that meet in a point, 1 for a
 square, a cube and the regular simplices, at most 0 for an inverted cell (Knupp, SIAM J. Sci.
-Comput. 23 (2001) 193); here the least over an element's nodes and quadrature points, so that
-curved sides count. Aspect ratio: longest by shortest distance between neighbouring vertices.
+Comput. 23 (2001) 193); here the minimum over an element's nodes and quadrature points, so that
+curved sides count. Aspect ratio: longest over shortest distance between neighbouring vertices.
 """
 
 from math import sqrt
@@ -17,11 +17,11 @@ from meshes.section.section_mesh import SectionMesh
 from meshes.shape_functions import gradients, quadrature
 from meshes.solid_mesh import VolumeMesh
 
-# Interpolation errors grow as the inverse of the scaled Jacobian: at 0.05 a cell is twenty times
-# worse than a square one and spoils the answer long before the matrices notice.
+# Interpolation errors grow with the inverse of the scaled Jacobian: at 0.05 the error of a cell is
+# twenty times that of a square one, long before the matrices become ill-conditioned.
 LEAST_SCALED_JACOBIAN = 0.05
-# Slender cells are accurate where the solution varies slowly along them; beyond 100 the stiffness
-# ratios, which grow with the square, eat four of the digits that the factorisation has.
+# Slender cells are accurate if the solution varies slowly along them. Beyond 100 the stiffness
+# ratios, which grow with the square, cost four digits of the factorisation.
 LARGEST_ASPECT = 100.0
 
 _CELLS_AT_ONCE = 20_000
@@ -55,7 +55,7 @@ def quality(mesh: SectionMesh | VolumeMesh) -> tuple[Array, Array]:
 
 
 def check(mesh: SectionMesh | VolumeMesh, part: str) -> None:
-    """Raise ComputationError naming `part` where a bound of a mesh's quality is broken."""
+    """Raise ComputationError with `part` if a mesh violates a bound on quality."""
     jacobians, aspects = quality(mesh)
     worst, longest = jacobians.min(), aspects.max()
     if worst < LEAST_SCALED_JACOBIAN:
@@ -74,7 +74,7 @@ def check(mesh: SectionMesh | VolumeMesh, part: str) -> None:
 
 
 def _scaled_jacobian(element: ElementName, corners: Array, slopes: Array) -> Array:
-    """Least value (M) for elements with nodes `corners` (M×k×d); `slopes` (k×d×Q)."""
+    """Smallest scaled Jacobian (M) of elements with nodes `corners` (M×k×d); `slopes` (k×d×Q)."""
     count, dimension, points = slopes.shape
     jacobian = np.swapaxes(corners, 1, 2) @ slopes.reshape(count, dimension * points)
     jacobian = jacobian.reshape(-1, dimension, dimension, points)

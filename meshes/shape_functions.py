@@ -33,7 +33,7 @@ _SKFEM = {
 
 
 def _skfem_numbers(element: ElementName) -> list[int]:
-    """For each of our local nodes the number scikit-fem gives it: nodes are told by their place."""
+    """Number in scikit-fem of each of our local nodes, matched by their coordinates."""
     theirs = np.asarray(_SKFEM[element].doflocs)
     return [int(np.argmin(np.abs(theirs - node).sum(axis=1))) for node in ELEMENTS[element].nodes]
 
@@ -53,7 +53,7 @@ def gradients(element: ElementName, points: Array) -> Array:
 def quadrature(element: ElementName, degree: int) -> tuple[Array, Array]:
     """Points (d×Q) and weights (Q) on the reference cell, exact for polynomials of `degree`.
 
-    The degree is the total one on simplices, that of each coordinate on squares and cubes.
+    The degree is the total degree on simplices, and that of each coordinate on squares and cubes.
     """
     points, weights = get_quadrature(_SKFEM[element].refdom, degree)
     return np.asarray(points), np.asarray(weights)

@@ -1,4 +1,4 @@
-"""Meshes of solids; a meshed leg is one between two named end faces, meshes of the section."""
+"""Meshes of solids, and of legs with two end faces, which are meshes of the section."""
 
 from dataclasses import dataclass
 
@@ -31,7 +31,7 @@ class VolumeMesh:
 class SolidMesh(VolumeMesh):
     """Mesh of a prismatic leg in leg axes, section centroids on the x axis.
 
-    `root` and `tip` the faces exactly at x = 0 and x = L. An extruded mesh of `slices` slices
+    `root` and `tip` are the faces exactly at x = 0 and x = L. An extruded mesh of `slices` slices
     numbers nodes and cells slice by slice from the root; `slices` is None for any other mesh.
     """
 

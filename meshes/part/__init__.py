@@ -1,4 +1,4 @@
-"""Parts from CAD files and meshes: their faces, the interfaces among them, a ladder of meshes.
+"""Parts from CAD files and meshes: faces, interfaces, and a sequence of refined meshes.
 
-In: STEP, BREP and mesh files. Out: faces to pick from, and volume meshes that know their faces.
+In: STEP, BREP and mesh files. Out: faces for selection, and volume meshes with these faces.
 """

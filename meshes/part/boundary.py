@@ -1,4 +1,4 @@
-"""The boundary of a volume mesh: its outward facets, and the smooth faces that these make up."""
+"""Boundary of a volume mesh: outward facets, and smooth faces composed of them."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -20,7 +20,7 @@ FACET: dict[SolidElement, SectionElement] = {
     "hex20": "quad8",
     "hex27": "quad9",
 }
-# Corners of the facets, counter-clockwise seen from outside, as places in `corner_nodes`.
+# Corners of the facets, counter-clockwise seen from outside, as indices into `corner_nodes`.
 _TETRAHEDRON = ((0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2))
 _HEXAHEDRON = (
     (0, 3, 2, 1),
@@ -30,8 +30,8 @@ _HEXAHEDRON = (
     (2, 3, 7, 6),
     (3, 0, 4, 7),
 )
-# Facets that meet at a larger angle belong to different faces: a circle of twelve sides turns by 30
-# degrees from side to side, edges of parts that are meant as edges by more.
+# Angle (rad) above which adjacent facets belong to different faces. A circle of twelve sides turns
+# by 30 degrees from side to side, intended edges of parts by more.
 CREASE = np.radians(40.0)
 
 
@@ -44,16 +44,16 @@ class Facets:
 
     @property
     def nodes(self) -> IntArray:
-        """The nodes of the pieces, ascending."""
+        """Nodes of the pieces, ascending."""
         return np.unique(self.cells)
 
     @property
     def corners(self) -> IntArray:
-        """The corner nodes of each piece (F×3 or F×4)."""
+        """Corner nodes of each piece (F×3 or F×4)."""
         return self.cells[:, : len(ELEMENTS[self.element].corner_nodes)]
 
     def at(self, rows: IntArray) -> "Facets":
-        """Some of the pieces."""
+        """Facets of selected `rows`."""
         return Facets(self.cells[rows], self.element)
 
 
@@ -61,19 +61,19 @@ class Facets:
 class PartMesh(VolumeMesh):
     """Mesh of a part in the file's axes (m).
 
-    `faces`: facets by the number of their face, outward; `names` of faces, where there are some;
-    `bare`: sets of the file that hold no whole facet; `straightened`: how many elements were given
-    straight edges because they had folded.
+    `faces`: outward facets by the number of their face. `names` of faces, if any. `empty_sets`:
+    sets of the file without a complete facet. `straightened`: number of elements whose edges were
+    straightened because they had folded.
     """
 
     faces: Mapping[int, Facets]
     names: Mapping[int, str] = field(default_factory=dict)
-    bare: tuple[str, ...] = ()
+    empty_sets: tuple[str, ...] = ()
     straightened: int = 0
 
     @property
     def unknowns(self) -> int:
-        """Displacements of its nodes."""
+        """Number of displacements of its nodes."""
         return 3 * len(self.nodes)
 
 
@@ -86,8 +86,8 @@ def _local_facets(element: SolidElement) -> IntArray:
     # A facet's own nodes, mapped by its corners alone, are nodes of the cell.
     weights = values(linear, flat.nodes.T)
     vertices = kind.nodes[list(kind.corner_nodes)]
-    places = np.array([weights.T @ vertices[list(facet)] for facet in corners])
-    distances = np.abs(places[:, :, None] - kind.nodes).sum(axis=-1)
+    positions = np.array([weights.T @ vertices[list(facet)] for facet in corners])
+    distances = np.abs(positions[:, :, None] - kind.nodes).sum(axis=-1)
     return np.asarray(distances.argmin(axis=-1))
 
 
@@ -99,7 +99,7 @@ def facets_of_cells(mesh: VolumeMesh) -> tuple[Facets, IntArray]:
 
 
 def boundary(mesh: VolumeMesh) -> Facets:
-    """The facets that belong to one cell alone."""
+    """Facets that belong to a single cell."""
     facets, _ = facets_of_cells(mesh)
     corners = np.sort(facets.corners, axis=1)
     _, first, counts = np.unique(corners, axis=0, return_index=True, return_counts=True)
@@ -117,7 +117,7 @@ def area_vectors(nodes: Array, facets: Facets) -> Array:
 
 
 def smooth_faces(nodes: Array, facets: Facets) -> list[IntArray]:
-    """Rows of `facets` of each smooth face: pieces joined over edges that are no crease.
+    """Rows of `facets` of each smooth face: pieces connected by edges that are no crease.
 
     Faces are in the order of their first piece.
     """
@@ -129,8 +129,8 @@ def smooth_faces(nodes: Array, facets: Facets) -> list[IntArray]:
     owner = np.tile(np.arange(len(facets.cells)), count)
     _, group = np.unique(np.sort(edges, axis=1), axis=0, return_inverse=True)
     order = np.argsort(group.ravel(), kind="stable")
-    same = np.flatnonzero(np.diff(group.ravel()[order]) == 0)
-    first, second = owner[order[same]], owner[order[same + 1]]
+    duplicates = np.flatnonzero(np.diff(group.ravel()[order]) == 0)
+    first, second = owner[order[duplicates]], owner[order[duplicates + 1]]
     flat = np.einsum("ij,ij->i", normals[first], normals[second]) > np.cos(CREASE)
     pairs = (np.ones(int(flat.sum())), (first[flat], second[flat]))
     size = len(facets.cells)

@@ -10,13 +10,13 @@ from lumped.arrays import Array
 from meshes.part.boundary import Facets
 from meshes.shape_functions import gradients, quadrature, values
 
-# Sizes of the triangles of two surface meshes, coarse by fine, and the integrals' error by their
-# difference: quadratic triangles follow a surface with the fourth power of their size.
+# Ratio of the triangle sizes of two surface meshes, coarse over fine, and the ratio of the
+# integrals' error to their difference: quadratic triangles have errors of fourth order in size.
 COARSENESS = 4.0
 _ERROR = 1.0 / (COARSENESS**4 - 1.0)
-# Meshes that are not nested miss that by less than this factor, measured on cylinders and lofts.
+# Factor on this error, because meshes are not nested; measured on cylinders and lofts.
 _SAFETY = 4.0
-# Share to which the kernel's integrals are exact where they are.
+# Relative error of the kernel's integrals over elementary faces.
 ROUNDING = 1e-6
 # Degree of second moments over quadratic triangles: nodes cubed, times the normal.
 _DEGREE = 8
@@ -24,9 +24,9 @@ _DEGREE = 8
 
 @dataclass(frozen=True, eq=False)
 class VolumeProperties:
-    """Of a solid of density 1: `volume` (m³), `centre` (3, m), `inertia` (3×3, m⁵) about it.
+    """Properties at density 1: `volume` (m³), `centre` (3, m), `inertia` about it (3×3, m⁵).
 
-    `error` (m³): bound of that of the volume by two surface meshes; zero if the volume is exact.
+    `error` (m³): bound on the error of the volume from two surface meshes; zero if it is exact.
     """
 
     volume: float
@@ -42,36 +42,36 @@ def _tri6() -> tuple[Array, Array, Array]:
 
 
 def _integrated(nodes: Array, facets: Facets) -> tuple[Array, Array]:
-    """Places (F×Q×3, m) in quadratic triangles and normals times weights (F×Q×3, m²) there."""
+    """Points (F×Q×3, m) of quadratic triangles and normals times weights (F×Q×3, m²) there."""
     shapes, slopes, weights = _tri6()
     corners = nodes[facets.cells]
-    places = np.einsum("fki,kq->fqi", corners, shapes)
+    points = np.einsum("fki,kq->fqi", corners, shapes)
     tangents = np.einsum("fki,kjq->fqji", corners, slopes)
     normals = np.cross(tangents[:, :, 0], tangents[:, :, 1]) * weights[:, None]
-    return places, normals
+    return points, normals
 
 
 def enclosed(nodes: Array, faces: Sequence[Facets]) -> VolumeProperties:
-    """The solid inside closed `faces` of quadratic triangles, normals outward, by Gauss's theorem.
+    """Properties of the solid inside closed `faces` of quadratic triangles, by Gauss's theorem.
 
-    ∫ x_i x_j dV = ∫ x_i x_j (x · n) dA / 5, and alike for lower moments.
+    Normals outward. ∫ x_i x_j dV = ∫ x_i x_j (x · n) dA / 5, and likewise for lower moments.
     """
     middle = 0.5 * (nodes.min(axis=0) + nodes.max(axis=0))
-    volume, first, second = 0.0, np.zeros(3), np.zeros((3, 3))
+    volume, first_moments, second_moments = 0.0, np.zeros(3), np.zeros((3, 3))
     for facets in faces:
-        places, normals = _integrated(nodes - middle, facets)
-        flux = np.einsum("fqi,fqi->fq", places, normals)
+        points, normals = _integrated(nodes - middle, facets)
+        flux = np.einsum("fqi,fqi->fq", points, normals)
         volume += float(flux.sum()) / 3.0
-        first += np.einsum("fq,fqi->i", flux, places) / 4.0
-        second += np.einsum("fq,fqi,fqj->ij", flux, places, places) / 5.0
-    centre = first / volume
-    second -= volume * np.outer(centre, centre)
-    inertia = np.eye(3) * np.trace(second) - second
+        first_moments += np.einsum("fq,fqi->i", flux, points) / 4.0
+        second_moments += np.einsum("fq,fqi,fqj->ij", flux, points, points) / 5.0
+    centre = first_moments / volume
+    second_moments -= volume * np.outer(centre, centre)
+    inertia = np.eye(3) * np.trace(second_moments) - second_moments
     return VolumeProperties(volume, middle + centre, inertia)
 
 
 def extrapolated(coarse: Array, fine: Array) -> Array:
-    """The limit of integrals over quadratic triangles, the `coarse` ones larger by COARSENESS."""
+    """Limit of integrals over `coarse` and `fine` triangles with size ratio COARSENESS."""
     return fine + _ERROR * (fine - coarse)
 
 
@@ -89,7 +89,7 @@ def is_limit(kernel: float, coarse: float, fine: float) -> bool:
 def corrected(
     kernel: VolumeProperties, coarse: VolumeProperties, fine: VolumeProperties
 ) -> VolumeProperties:
-    """The kernel's integrals, or if its volume is not their limit those over two surface meshes."""
+    """The kernel's integrals if its volume is the limit of two meshes, else the limit of these."""
     if is_limit(kernel.volume, coarse.volume, fine.volume):
         return kernel
     return VolumeProperties(
@@ -102,7 +102,7 @@ def corrected(
 
 @dataclass(frozen=True, eq=False)
 class FaceArea:
-    """Area (m²) of a face, and the `centre` (3, m) of it."""
+    """Area (m²) of a face and its `centre` (3, m)."""
 
     area: float
     centre: Array
@@ -110,14 +110,14 @@ class FaceArea:
 
 def face_area(nodes: Array, facets: Facets) -> FaceArea:
     """Area and centre of a face of quadratic triangles."""
-    places, normals = _integrated(nodes, facets)
+    points, normals = _integrated(nodes, facets)
     areas = np.linalg.norm(normals, axis=2)
     area = float(areas.sum())
-    return FaceArea(area, np.einsum("fq,fqi->i", areas, places) / area)
+    return FaceArea(area, np.einsum("fq,fqi->i", areas, points) / area)
 
 
 def corrected_area(kernel: FaceArea, coarse: FaceArea, fine: FaceArea) -> FaceArea:
-    """The kernel's area and centre, or if its area is not their limit those of two meshes."""
+    """The kernel's area and centre if its area is the limit of two meshes, else that limit."""
     if is_limit(kernel.area, coarse.area, fine.area):
         return kernel
     return FaceArea(

@@ -1,6 +1,7 @@
-"""Faces of a part: what kind they are, by fitting planes and cylinders to them.
+"""Faces of a part and their kinds, recognised by fitting planes and cylinders.
 
-Fitted, not asked of the file: exporters write cylinders as splines, and a mesh has no kinds.
+The kinds are fitted and not read from the file, because exporters write cylinders as splines, and
+a mesh has no kinds.
 """
 
 from dataclasses import dataclass
@@ -13,10 +14,11 @@ from meshes.part.boundary import Facets, area_vectors
 
 Kind: TypeAlias = Literal["plane", "bore", "boss", "other"]
 
-# Deviation of a face's nodes from a plane, as a share of its size, and from a cylinder, as a share
-# of its radius, up to which it is one; meshes are written with seven digits, some with six.
+# Largest deviation of a face's nodes from a plane, relative to its size, and from a cylinder,
+# relative to its radius. Meshes are written with seven digits, some with six.
 _FLAT, _ROUND = 1e-5, 1e-4
-# Normals of a cylinder lie across its axis, those of its facets nearly so: the start of the fit.
+# Largest component of facet normals along the axis of a cylinder at the start of the fit. Normals
+# of a cylinder lie across its axis, those of its facets nearly so.
 _ACROSS = 0.3
 
 
@@ -24,9 +26,9 @@ _ACROSS = 0.3
 class Face:
     """A face of a part, lengths in m, the file's axes.
 
-    `centre` (3) of its area. A plane's `direction` is its outward normal; that of a bore or a boss
-    (a cylinder seen from inside or outside) its axis, through `centre` shifted onto it, `on_axis`.
-    `name`: what the file calls it, if anything. `facets`: its pieces, on the surface's nodes.
+    `centre` (3) of its area. The `direction` of a plane is its outward normal, that of a bore or a
+    boss (a cylinder seen from inside or outside) its axis. `on_axis` is the middle of the axis.
+    `name` in the file, or "". `facets`: its pieces, on the surface's nodes.
     """
 
     number: int
@@ -41,12 +43,12 @@ class Face:
 
 
 def face_of(number: int, nodes: Array, facets: Facets, name: str = "") -> Face:
-    """The face that `facets` (on `nodes`, N×3, m) make up, recognised."""
+    """Face composed of `facets` (on `nodes`, N×3, m), with its kind."""
     vectors = area_vectors(nodes, facets)
     areas = np.linalg.norm(vectors, axis=1)
     area = float(areas.sum())
     centre = areas @ nodes[facets.cells].mean(axis=1) / area
-    # Corners lie on the true surface even where an exporter left the edges straight.
+    # Corners lie on the true surface even if an exporter wrote straight edges.
     points = nodes[np.unique(facets.corners)]
     mean = vectors.sum(axis=0)
     normal = mean / max(float(np.linalg.norm(mean)), np.finfo(float).tiny)
@@ -66,20 +68,20 @@ def face_of(number: int, nodes: Array, facets: Facets, name: str = "") -> Face:
 
 
 def _plain(direction: Array) -> Array:
-    """Without the rounding that would print as -0 or 1e-17."""
+    """Direction without round-off that would be printed as -0 or 1e-17."""
     return np.asarray(np.where(np.abs(direction) < 1e-9, 0.0, direction))
 
 
 def _cylinder(points: Array, vectors: Array, areas: Array) -> tuple[Array, Array, float] | None:
-    """Axis (3), a point on it (3) and radius of the cylinder through `points`; None if none is.
+    """Axis (3), a point on it (3) and radius of the cylinder through `points`, or None.
 
-    The normals lie across the axis: it is the direction in which they spread least. The points
+    The normals lie across the axis, which is the direction of their smallest scatter. The points
     are then fitted by a circle about it (Kåsa's linear fit, exact for points on a circle), and axis
-    and circle improved together by Gauss and Newton.
+    and circle are improved together by Gauss–Newton iterations.
     """
     normals = vectors / areas[:, None]
-    spread, directions = np.linalg.eigh((normals * areas[:, None]).T @ normals / areas.sum())
-    if np.sqrt(spread[0]) > _ACROSS or spread[1] < _ACROSS**2:
+    eigenvalues, directions = np.linalg.eigh((normals * areas[:, None]).T @ normals / areas.sum())
+    if np.sqrt(eigenvalues[0]) > _ACROSS or eigenvalues[1] < _ACROSS**2:
         return None
     axis = directions[:, 0] * np.sign(directions[np.argmax(np.abs(directions[:, 0])), 0])
     centre = points.mean(axis=0)

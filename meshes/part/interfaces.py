@@ -1,4 +1,4 @@
-"""Interfaces of a part: from what was said of them to faces, a reference point and a coupling."""
+"""Interfaces of a part: faces, reference point and coupling from their specification."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -25,142 +25,149 @@ WHY_RIGID = (
     "part; that is the bound from above, and the distance to the averaged interface, the bound "
     "from below, is part of the uncertainty"
 )
-# Radii and places as people copy them from drawings; a tolerance of their own overrides it.
+# Relative tolerances of radii and positions copied from drawings; a specified one overrides them.
 _RADIUS, _PLACE = 1e-3, 1e-3
-# Cosine of the angle up to which two directions are one: half a degree.
+# Cosine of the angle up to which two directions count as equal: half a degree.
 _SAME_DIRECTION = float(np.cos(np.radians(0.5)))
 
 
 @dataclass(frozen=True, eq=False)
 class Interface:
-    """Where others take hold of a part: `faces` of it, its reference `point` (3, m, file axes).
+    """Interface of a part: `faces` for a joint, and its reference `point` (3, m, file axes).
 
     `axis` (unit vector) of the cylinder that the faces form, through `on_axis` (3, m); both None
-    where they form none. `because`: why the coupling is what it is.
+    where they form none. `reason` of the coupling.
     """
 
     name: str
     faces: tuple[int, ...]
     point: Array
     coupling: Coupling
-    because: str
+    reason: str
     axis: Array | None
     on_axis: Array | None
     area: float
 
 
 def find_interfaces(
-    part: PartFile, wanted: Mapping[str, PartInterface], points: Mapping[str, Array] | None = None
+    part: PartFile,
+    specified: Mapping[str, PartInterface],
+    points: Mapping[str, Array] | None = None,
 ) -> tuple[Interface, ...]:
-    """The interfaces `wanted` of a part, in their order.
+    """Interfaces of a part as `specified`, in their order.
 
-    `points` (m, file axes) are the reference points by name; where one is missing it lies in the
-    middle of a cylinder's axis, else in the centre of the faces' area. Raises InputError, all
-    faults at once, each with the nearest face that might have been meant.
+    `points` (m, file axes) are the reference points by name. A missing point lies in the middle of
+    a cylinder's axis, otherwise in the centre of the faces' area. Raises InputError with all faults
+    at once, each with the nearest face that might be meant.
     """
-    found, faults = [], []
-    for name, interface in wanted.items():
-        place = None if points is None else points.get(name)
+    interfaces, faults = [], []
+    for name, interface in specified.items():
+        point = None if points is None else points.get(name)
         try:
-            found.append(_interface(part, name, interface, place))
+            interfaces.append(_interface(part, name, interface, point))
         except InputError as error:
             faults += [f"{part.path}: interface {name}: {fault}" for fault in error.faults]
-    if not wanted:
+    if not specified:
         faults.append(f"{part.path}: no interface is given; a part needs one or more")
-    faults += [f"{part.path}: {fault}" for fault in _shared(part, found)]
+    faults += [f"{part.path}: {fault}" for fault in _shared(part, interfaces)]
     if faults:
         raise InputError(faults)
-    return tuple(found)
+    return tuple(interfaces)
 
 
-def _interface(part: PartFile, name: str, wanted: PartInterface, place: Array | None) -> Interface:
-    chosen = _chosen(part, wanted, place)
-    axis = _common_axis(chosen)
-    areas = np.array([face.area for face in chosen])
-    if place is None:
-        centres = [face.on_axis if axis is not None else face.centre for face in chosen]
-        place = areas @ np.array(centres) / areas.sum()
-    coupling = wanted.coupling or DEFAULT_COUPLING
+def _interface(
+    part: PartFile, name: str, specified: PartInterface, point: Array | None
+) -> Interface:
+    faces = _selected_faces(part, specified, point)
+    axis = _common_axis(faces)
+    areas = np.array([face.area for face in faces])
+    if point is None:
+        centres = [face.on_axis if axis is not None else face.centre for face in faces]
+        point = areas @ np.array(centres) / areas.sum()
+    coupling = specified.coupling or DEFAULT_COUPLING
     if coupling == "pin" and axis is None:
-        kinds = ", ".join(f"{face.number} ({face.kind})" for face in chosen)
+        kinds = ", ".join(f"{face.number} ({face.kind})" for face in faces)
         raise InputError(
             f'coupling = "pin" suits a bore alone, and the faces {kinds} form no cylinder; '
             'take "rigid" or "average"'
         )
-    because = "as asked for" if wanted.coupling else WHY_RIGID
-    numbers = tuple(face.number for face in chosen)
-    on_axis = None if axis is None else chosen[0].on_axis
+    reason = "as asked for" if specified.coupling else WHY_RIGID
+    numbers = tuple(face.number for face in faces)
+    on_axis = None if axis is None else faces[0].on_axis
     total = float(areas.sum())
-    return Interface(name, numbers, place, coupling, because, axis, on_axis, total)
+    return Interface(name, numbers, point, coupling, reason, axis, on_axis, total)
 
 
-def _chosen(part: PartFile, wanted: PartInterface, place: Array | None) -> list[Face]:
-    match wanted.selection:
+def _selected_faces(part: PartFile, specified: PartInterface, point: Array | None) -> list[Face]:
+    match specified.selection:
         case ByFaces(faces):
             return _numbered(part.faces, faces)
         case ByName(name):
-            return _called(part, name)
+            return _faces_named(part, name)
         case ByCylinder():
-            return _on_cylinder(part.faces, wanted.selection, place)
+            return _on_cylinder(part.faces, specified.selection, point)
         case ByPlane():
-            return _in_plane(part.faces, wanted.selection, place)
+            return _in_plane(part.faces, specified.selection, point)
 
 
 def _numbered(faces: Sequence[Face], numbers: tuple[int, ...]) -> list[Face]:
     by_number = {face.number: face for face in faces}
     unknown = [number for number in numbers if number not in by_number]
     if unknown or not numbers:
-        asked = f"face {unknown[0]} does not exist" if unknown else "no face is given"
-        raise InputError(f"{asked}; its faces are numbered {min(by_number)} to {max(by_number)}")
+        reason = f"face {unknown[0]} does not exist" if unknown else "no face is given"
+        raise InputError(f"{reason}; its faces are numbered {min(by_number)} to {max(by_number)}")
     return [by_number[number] for number in sorted(set(numbers))]
 
 
-def _called(part: PartFile, name: str) -> list[Face]:
-    chosen = [face for face in part.faces if face.name == name]
-    if chosen:
-        return chosen
-    if part.mesh is not None and name in part.mesh.bare:
+def _faces_named(part: PartFile, name: str) -> list[Face]:
+    faces = [face for face in part.faces if face.name == name]
+    if faces:
+        return faces
+    if part.mesh is not None and name in part.mesh.empty_sets:
         raise InputError(
             f'the set "{name}" holds no whole facet of the surface; an interface is a '
             "face, not single nodes"
         )
     names = sorted({face.name for face in part.faces if face.name})
     close = get_close_matches(name, names, n=1)
-    known = f"the named ones are {', '.join(names)}" if names else "the file names none"
-    advice = f'did you mean "{close[0]}"?' if close else known
+    alternatives = f"the named ones are {', '.join(names)}" if names else "the file names none"
+    advice = f'did you mean "{close[0]}"?' if close else alternatives
     raise InputError(f'no face is called "{name}"; {advice}')
 
 
-def _on_cylinder(faces: Sequence[Face], wanted: ByCylinder, place: Array | None) -> list[Face]:
-    slack = _RADIUS * wanted.radius if wanted.tolerance is None else wanted.tolerance
+def _on_cylinder(faces: Sequence[Face], selection: ByCylinder, point: Array | None) -> list[Face]:
+    slack = _RADIUS * selection.radius if selection.tolerance is None else selection.tolerance
     round_faces = [face for face in faces if face.kind in ("bore", "boss")]
     if not round_faces:
         raise InputError("the part has no cylindrical face; choose by number (see flexproof faces)")
-    fitting = [f for f in round_faces if abs(f.radius - wanted.radius) <= slack]
+    fitting = [f for f in round_faces if abs(f.radius - selection.radius) <= slack]
     if not fitting:
-        nearest = min(round_faces, key=lambda f: abs(f.radius - wanted.radius))
+        nearest = min(round_faces, key=lambda f: abs(f.radius - selection.radius))
         raise InputError(
-            f"no cylinder of radius {wanted.radius:g} m; the nearest is face {nearest.number}, a "
-            f"{nearest.kind} of radius {nearest.radius:.6g} m"
+            f"no cylinder of radius {selection.radius:g} m; the nearest is face {nearest.number}, "
+            f"a {nearest.kind} of radius {nearest.radius:.6g} m"
         )
-    if wanted.axis is not None:
-        axis = _unit(wanted.axis, "axis")
-        turned, fitting = fitting, [f for f in fitting if abs(f.direction @ axis) > _SAME_DIRECTION]
+    if selection.axis is not None:
+        axis = _unit(selection.axis, "axis")
+        candidates = fitting
+        fitting = [f for f in candidates if abs(f.direction @ axis) > _SAME_DIRECTION]
         if not fitting:
-            along = ", ".join(f"{x:.3g}" for x in turned[0].direction)
+            along = ", ".join(f"{x:.3g}" for x in candidates[0].direction)
             raise InputError(
-                f"the axis of face {turned[0].number}, of this radius, runs along ({along})"
+                f"the axis of face {candidates[0].number}, of this radius, runs along ({along})"
             )
-    through = np.array(wanted.point) if wanted.point is not None else place
+    through = np.array(selection.point) if selection.point is not None else point
     if through is not None:
         nearest = min(fitting, key=lambda f: _from_axis(f, through))
         distance = _from_axis(nearest, through)
-        allowed = wanted.tolerance if wanted.tolerance is not None else _PLACE * wanted.radius
+        allowed = (
+            selection.tolerance if selection.tolerance is not None else _PLACE * selection.radius
+        )
         if distance > max(allowed, 1e-6):
             raise InputError(
-                f"the nearest cylinder of radius {wanted.radius:g} m is face {nearest.number}, and "
-                f"its axis passes {1e3 * distance:.4g} mm from {_said(through)}; is the part where "
-                "the joints are?"
+                f"the nearest cylinder of radius {selection.radius:g} m is face {nearest.number}, "
+                f"and its axis passes {1e3 * distance:.4g} mm from {_point_text(through)}; is the "
+                "part where the joints are?"
             )
         return [f for f in fitting if _coaxial(f, nearest)]
     if not all(_coaxial(f, fitting[0]) for f in fitting):
@@ -171,26 +178,26 @@ def _on_cylinder(faces: Sequence[Face], wanted: ByCylinder, place: Array | None)
     return fitting
 
 
-def _in_plane(faces: Sequence[Face], wanted: ByPlane, place: Array | None) -> list[Face]:
-    normal = _unit(wanted.normal, "normal")
-    turned = [f for f in faces if f.kind == "plane" and f.direction @ normal > _SAME_DIRECTION]
-    if not turned:
-        raise InputError(f"no plane face has the outward normal {_said(normal)}")
-    through = np.array(wanted.point) if wanted.point is not None else place
+def _in_plane(faces: Sequence[Face], selection: ByPlane, point: Array | None) -> list[Face]:
+    normal = _unit(selection.normal, "normal")
+    candidates = [f for f in faces if f.kind == "plane" and f.direction @ normal > _SAME_DIRECTION]
+    if not candidates:
+        raise InputError(f"no plane face has the outward normal {_point_text(normal)}")
+    through = np.array(selection.point) if selection.point is not None else point
     if through is None:
         raise InputError("a plane needs point = [x, y, z] too")
-    slack = wanted.tolerance
+    slack = selection.tolerance
     if slack is None:
-        slack = _PLACE * float(np.sqrt(max(f.area for f in turned)))
-    height = {f.number: float((f.centre - through) @ normal) for f in turned}
-    chosen = [f for f in turned if abs(height[f.number]) <= slack]
-    if not chosen:
-        nearest = min(turned, key=lambda f: abs(height[f.number]))
+        slack = _PLACE * float(np.sqrt(max(f.area for f in candidates)))
+    height = {f.number: float((f.centre - through) @ normal) for f in candidates}
+    selected = [f for f in candidates if abs(height[f.number]) <= slack]
+    if not selected:
+        nearest = min(candidates, key=lambda f: abs(height[f.number]))
         raise InputError(
-            f"no plane with this normal passes through {_said(through)}; the nearest is face "
+            f"no plane with this normal passes through {_point_text(through)}; the nearest is face "
             f"{nearest.number}, {1e3 * abs(height[nearest.number]):.4g} mm off"
         )
-    return chosen
+    return selected
 
 
 def _unit(vector: Sequence[float], key: str) -> Array:
@@ -201,8 +208,8 @@ def _unit(vector: Sequence[float], key: str) -> Array:
 
 
 def _from_axis(face: Face, point: Array) -> float:
-    away = point - face.on_axis
-    return float(np.linalg.norm(away - face.direction * (face.direction @ away)))
+    offset = point - face.on_axis
+    return float(np.linalg.norm(offset - face.direction * (face.direction @ offset)))
 
 
 def _coaxial(first: Face, second: Face) -> bool:
@@ -217,26 +224,26 @@ def _common_axis(faces: Sequence[Face]) -> Array | None:
     return None
 
 
-def _said(place: Array) -> str:
-    return "(" + ", ".join(f"{x:.4g}" for x in place) + ")"
+def _point_text(point: Array) -> str:
+    return "(" + ", ".join(f"{x:.4g}" for x in point) + ")"
 
 
-def _shared(part: PartFile, found: Sequence[Interface]) -> list[str]:
-    """Pairs of interfaces that have faces, or the edges between their faces, in common."""
+def _shared(part: PartFile, interfaces: Sequence[Interface]) -> list[str]:
+    """Faults of pairs of interfaces with common faces, or common edges between their faces."""
     nodes = {
         interface.name: set().union(
             *(part.face(number).facets.nodes.tolist() for number in interface.faces)
         )
-        for interface in found
+        for interface in interfaces
     }
     faults = []
-    for i, first in enumerate(found):
-        for second in found[i + 1 :]:
-            both = set(first.faces) & set(second.faces)
-            if both:
+    for i, first in enumerate(interfaces):
+        for second in interfaces[i + 1 :]:
+            common_faces = set(first.faces) & set(second.faces)
+            if common_faces:
                 faults.append(
-                    f"interfaces {first.name} and {second.name} both take face {min(both)}; a face "
-                    "belongs to one of them"
+                    f"interfaces {first.name} and {second.name} both take face "
+                    f"{min(common_faces)}; a face belongs to one of them"
                 )
             elif nodes[first.name] & nodes[second.name]:
                 faults.append(

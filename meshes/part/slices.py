@@ -1,4 +1,4 @@
-"""Cross-sections of a part where a plane cuts its mesh: outlines, and meshes inside them."""
+"""Cross-sections of a part's mesh with a plane: outlines, and meshes inside them."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -20,18 +20,18 @@ _PIECES = {
     "quad8": ((0, 1, 2), (0, 2, 3)),
     "quad9": ((0, 1, 2), (0, 2, 3)),
 }
-# Corners that are off the line of their neighbours by less, of the section's size, are none.
+# Relative distance of a corner from the line of its neighbours below which it is removed.
 _STRAIGHT = 2e-4
-# Share of the part's length within which a node is in a plane: rounding leaves it on either side.
+# Distance from a plane, relative to the part's length, of nodes that count as lying in it.
 _IN_PLANE = 1e-9
-# Edge of the triangles, of twice the area over the length of all outlines: a wall's thickness.
+# Edge of the triangles relative to the wall thickness: twice the area over the length of outlines.
 _EDGE = 0.7
-# Computing (s) that the meshes of all sections of a part may take.
+# Limit on the CPU time (s) for the meshes of all sections of a part.
 _SECONDS = 120.0
 
 
 class NotPrismaticError(InputError):
-    """A part has a section that is none of a prism."""
+    """A part has a section that no prism has."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,12 +43,12 @@ class Slice:
 
     @property
     def area(self) -> float:
-        """Inside the outline, less the holes (m²)."""
+        """Area (m²) inside the outline without the holes."""
         return _moments(self.outer)[0] - sum(_moments(hole)[0] for hole in self.holes)
 
     @property
     def centroid(self) -> Array:
-        """Of that area (2, m)."""
+        """Centroid (2, m) of the area."""
         first = _moments(self.outer)[1] - sum(_moments(hole)[1] for hole in self.holes)
         return np.asarray(first / self.area)
 
@@ -67,10 +67,11 @@ class Slice:
 
 
 def slices_of(nodes: Array, facets: Facets, origin: Array, axes: Array) -> list[Slice]:
-    """The pieces of a section, the one nearest to `origin` (3, m) first.
+    """Pieces of a section, the one nearest to `origin` (3, m) first.
 
-    The plane is that through `origin` across the first column of `axes` (3×3); outlines are in the
-    other two. `facets`: the boundary on `nodes`. Raises NotPrismaticError if the plane misses it.
+    The plane passes through `origin` across the first column of `axes` (3×3); outlines are in the
+    other two axes. `facets`: the boundary on `nodes`. Raises NotPrismaticError if the plane misses
+    the part.
     """
     from matplotlib.path import Path as Outline  # noqa: PLC0415  slow to import, and makes folders
 
@@ -85,21 +86,21 @@ def slices_of(nodes: Array, facets: Facets, origin: Array, axes: Array) -> list[
         for loop in loops
     ]
     pieces = []
-    for loop, around in zip(loops, inside, strict=True):
-        if sum(around) % 2:
+    for loop, enclosing in zip(loops, inside, strict=True):
+        if sum(enclosing) % 2:
             continue
-        within = Outline(loop)
+        outline = Outline(loop)
         holes = tuple(
             other
-            for other, theirs in zip(loops, inside, strict=True)
-            if sum(theirs) == sum(around) + 1 and within.contains_point(other[0])
+            for other, enclosing_other in zip(loops, inside, strict=True)
+            if sum(enclosing_other) == sum(enclosing) + 1 and outline.contains_point(other[0])
         )
         pieces.append(Slice(loop, holes))
     return sorted(pieces, key=lambda piece: float(np.linalg.norm(piece.centroid)))
 
 
 def slice_meshes(pieces: Sequence[Slice]) -> list[SectionMesh]:
-    """Second-order triangles inside the outlines; raises InputError where gmsh dies of them."""
+    """Second-order triangles inside the outlines. Raises InputError if gmsh crashes."""
     try:
         return within_limits(_SECONDS, _slice_meshes, pieces)
     except Crashed as crash:
@@ -111,7 +112,7 @@ def _slice_meshes(pieces: Sequence[Slice]) -> list[SectionMesh]:
 
 
 def _slice_mesh(piece: Slice) -> SectionMesh:
-    around = sum(
+    perimeter = sum(
         float(np.linalg.norm(np.diff(loop, axis=0, append=loop[:1]), axis=1).sum())
         for loop in (piece.outer, *piece.holes)
     )
@@ -125,20 +126,20 @@ def _slice_mesh(piece: Slice) -> SectionMesh:
             loops.append(geo.addCurveLoop(lines))
         geo.addPlaneSurface(loops)
         geo.synchronize()
-        gmsh.option.setNumber("Mesh.MeshSizeMax", _EDGE * 2.0 * piece.area / around)
+        gmsh.option.setNumber("Mesh.MeshSizeMax", _EDGE * 2.0 * piece.area / perimeter)
         gmsh.model.mesh.generate(2)
         gmsh.model.mesh.setOrder(2)
         tagged = connectivity(gmsh, "tri6")
-        tags, places = numbered(gmsh, tagged)
-    flat = np.ascontiguousarray(places[:, 1:])
+        tags, nodes = numbered(gmsh, tagged)
+    flat = np.ascontiguousarray(nodes[:, 1:])
     return SectionMesh(flat, counter_clockwise(flat, np.searchsorted(tags, tagged), "tri6"), "tri6")
 
 
 def _loops(nodes: Array, facets: Facets, origin: Array, axes: Array) -> list[Array]:
-    """Closed polygons (n×2) where the plane cuts the boundary."""
-    own = (nodes - origin) @ axes
-    height = own[:, 0].copy()
-    # A node in the plane is taken as just above it: of a step's face in the plane all nodes are.
+    """Closed polygons (n×2) in which the plane cuts the boundary."""
+    local = (nodes - origin) @ axes
+    height = local[:, 0].copy()
+    # Nodes in the plane count as above it, so that a whole face in the plane is on one side.
     height[np.abs(height) < _IN_PLANE * np.ptp(height)] = np.finfo(float).tiny
     triangles = np.vstack([facets.cells[:, list(piece)] for piece in _PIECES[facets.element]])
     above = height[triangles] > 0.0
@@ -155,46 +156,46 @@ def _loops(nodes: Array, facets: Facets, origin: Array, axes: Array) -> list[Arr
         links.setdefault(second, []).append(first)
     loops = []
     while links:
-        here = next(iter(links))
+        edge = next(iter(links))
         ring = []
-        while here in links:
-            ring.append(here)
-            here = next((other for other in links.pop(here) if other in links), here)
+        while edge in links:
+            ring.append(edge)
+            edge = next((other for other in links.pop(edge) if other in links), edge)
         edges: IntArray = np.array(ring)
         low, high = height[edges[:, 0]], height[edges[:, 1]]
         share = (low / (low - high))[:, None]
-        points = own[edges[:, 0], 1:] * (1.0 - share) + own[edges[:, 1], 1:] * share
+        points = local[edges[:, 0], 1:] * (1.0 - share) + local[edges[:, 1], 1:] * share
         if len(points) > 2:
             loops.append(_simplified(points))
     return loops
 
 
 def _simplified(loop: Array) -> Array:
-    """The polygon without corners that lie on the line of their neighbours, or on top of them."""
+    """Polygon without corners on the line of their neighbours or coincident with them."""
     limit = _STRAIGHT * float(np.ptp(loop, axis=0).max())
-    # What is farthest out is a corner.
+    # The farthest point is certainly a corner.
     first = int(np.argmax(np.linalg.norm(loop - loop.mean(axis=0), axis=1)))
     loop = np.roll(loop, -first, axis=0)
-    kept = [loop[0]]
+    corners = [loop[0]]
     start = 0
     for k in range(1, len(loop)):
         end = loop[(k + 1) % len(loop)]
-        between = loop[start + 1 : k + 1] - kept[-1]
-        chord = end - kept[-1]
+        between = loop[start + 1 : k + 1] - corners[-1]
+        chord = end - corners[-1]
         size = float(np.linalg.norm(chord))
-        off = np.abs(between[:, 0] * chord[1] - between[:, 1] * chord[0]) / max(size, limit)
-        if off.max() > limit:
-            kept.append(loop[k])
+        distances = np.abs(between[:, 0] * chord[1] - between[:, 1] * chord[0]) / max(size, limit)
+        if distances.max() > limit:
+            corners.append(loop[k])
             start = k
-    return np.array(kept)
+    return np.array(corners)
 
 
 def _moments(loop: Array) -> tuple[float, Array, Array]:
-    """∫dA, ∫s dA (2) and ∫s sᵀ dA (2×2), s from the origin, of a polygon whichever way round."""
+    """Moments ∫dA, ∫s dA (2), ∫s sᵀ dA (2×2), s from the origin, of a polygon."""
     following = np.roll(loop, -1, axis=0)
     cross = loop[:, 0] * following[:, 1] - following[:, 0] * loop[:, 1]
     cross = cross * np.sign(cross.sum())
-    both = loop + following
+    sums = loop + following
     second = loop.T @ (cross[:, None] * loop) + following.T @ (cross[:, None] * following)
-    second = second + both.T @ (cross[:, None] * both)
-    return float(cross.sum()) / 2.0, both.T @ cross / 6.0, second / 24.0
+    second = second + sums.T @ (cross[:, None] * sums)
+    return float(cross.sum()) / 2.0, sums.T @ cross / 6.0, second / 24.0

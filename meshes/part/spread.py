@@ -1,4 +1,4 @@
-"""A few nodes spread over a part, and how much of it is nearest to each."""
+"""Sample nodes distributed over a part, with the volume nearest to each."""
 
 import numpy as np
 import scipy
@@ -8,29 +8,31 @@ from meshes.elements import ELEMENTS
 from meshes.shape_functions import gradients
 from meshes.solid_mesh import VolumeMesh
 
-# Enough for three half waves along a leg and the corners of its sections.
+# Number of samples, sufficient for three half waves along a leg and the corners of its sections.
 _COUNT = 60
 
 
 def spread_over(mesh: VolumeMesh) -> tuple[IntArray, Array]:
-    """Corner nodes (rows) as far from each other as can be, and the volume (m³) next to each.
+    """Corner nodes (rows) as far from each other as possible, and the volume (m³) nearest to each.
 
-    Greedily, each the farthest from those before (Gonzalez, Theor. Comput. Sci. 38 (1985) 293). A
-    cell counts where its centre is.
+    Greedy selection of the node farthest from those before (Gonzalez, Theor. Comput. Sci. 38 (1985)
+    293). A cell counts as a whole at its centre.
     """
     corners = mesh.cells[:, list(ELEMENTS[mesh.element].corner_nodes)]
     candidates = np.unique(corners)
-    places = mesh.nodes[candidates]
-    distance = np.linalg.norm(places - places.mean(axis=0), axis=1)
-    chosen: list[int] = []
-    for _ in range(min(_COUNT, len(places))):
-        chosen.append(int(np.argmax(distance)))
-        apart = np.linalg.norm(places - places[chosen[-1]], axis=1)
-        distance = apart if len(chosen) == 1 else np.minimum(distance, apart)
+    positions = mesh.nodes[candidates]
+    distance = np.linalg.norm(positions - positions.mean(axis=0), axis=1)
+    selected: list[int] = []
+    for _ in range(min(_COUNT, len(positions))):
+        selected.append(int(np.argmax(distance)))
+        distance_to_last = np.linalg.norm(positions - positions[selected[-1]], axis=1)
+        distance = (
+            distance_to_last if len(selected) == 1 else np.minimum(distance, distance_to_last)
+        )
     centres = mesh.nodes[corners].mean(axis=1)
-    _, nearest = scipy.spatial.cKDTree(places[chosen]).query(centres)
-    volumes = np.bincount(nearest, cell_volumes(mesh), len(chosen))
-    return candidates[chosen], np.asarray(volumes, dtype=float)
+    _, nearest = scipy.spatial.cKDTree(positions[selected]).query(centres)
+    volumes = np.bincount(nearest, cell_volumes(mesh), len(selected))
+    return candidates[selected], np.asarray(volumes, dtype=float)
 
 
 def cell_volumes(mesh: VolumeMesh) -> Array:

@@ -1,9 +1,9 @@
-"""Folded second-order tetrahedra given straight edges, as few as need be.
+"""Straightening of folded second-order tetrahedra, of as few as possible.
 
-Two facets of an element on one smooth face, or on faces that pass into each other smoothly, lie in
-one plane at the ends of the edge between them: the Jacobian vanishes there and nowhere else. Such
-an element integrates as well as any, and straight edges in its place would cut off the rounding.
-So it is the quadrature points that tell what is folded.
+Two facets of an element on one smooth face, or on tangent faces, lie in one plane at the ends of
+the edge between them: the Jacobian vanishes there and nowhere else. Such an element integrates
+accurately, and straight edges would cut off the rounding. Folding is therefore decided at the
+quadrature points.
 """
 
 import numpy as np
@@ -15,9 +15,9 @@ from lumped.text import counted
 from meshes.elements import SIMPLEX_EDGES
 from meshes.shape_functions import gradients, quadrature
 
-# Least by largest Jacobian below this: folded, or so nearly that its stiffness means little.
+# Ratio of smallest to largest Jacobian below which a cell is folded or its stiffness inaccurate.
 _FOLDED = 0.03
-# Volume below this share of the longest edge's cube: four corners in one plane but for rounding.
+# Ratio of volume to cube of the longest edge below which a cell is flat within rounding.
 _FLAT = 1e-8
 # Degree of the points that integrate the mass of a curved element exactly.
 _DEGREE = 7
@@ -25,15 +25,15 @@ _ROUNDS = 10
 
 
 def straightened(nodes: Array, cells: IntArray) -> tuple[Array, int]:
-    """Nodes (N×3) with the middles of folded tet10 `cells` put half way; how many cells that were.
+    """Nodes (N×3) with edge middles of folded tet10 `cells` moved half way; number of these cells.
 
-    Neighbours share the edges and may fold for it: they follow. Raises ComputationError where one
-    is inverted or flat with straight edges.
+    Neighbours that share the edges may fold in consequence and are straightened, too. Raises
+    ComputationError if a cell is inverted or flat with straight edges.
     """
     straight = np.zeros(len(cells), dtype=bool)
     for _ in range(_ROUNDS):
-        bad = are_folded(nodes[cells])
-        new = bad & ~straight
+        folded = are_folded(nodes[cells])
+        new = folded & ~straight
         if not new.any():
             break
         nodes = nodes.copy()
@@ -42,36 +42,36 @@ def straightened(nodes: Array, cells: IntArray) -> tuple[Array, int]:
             ends = nodes[cells[new, first]], nodes[cells[new, second]]
             nodes[cells[new, middle]] = (ends[0] + ends[1]) / 2.0
     inverted, flat = _evenness(nodes[cells]) <= 0.0, _fullness(nodes, cells) < _FLAT
-    for wrong, one, several in (
+    for wrong, singular, plural in (
         (inverted, "tetrahedron stays inverted", "tetrahedra stay inverted"),
         (flat, "tetrahedron is flat", "tetrahedra are flat"),
     ):
-        found = np.flatnonzero(wrong)
-        if found.size:
-            x, y, z = nodes[cells[found[0]]].mean(axis=0)
+        faulty = np.flatnonzero(wrong)
+        if faulty.size:
+            x, y, z = nodes[cells[faulty[0]]].mean(axis=0)
             raise ComputationError(
-                f"mesh of the part: {counted(found.size, one, several)}, the first at "
+                f"mesh of the part: {counted(faulty.size, singular, plural)}, the first at "
                 f"({x:.4g}, {y:.4g}, {z:.4g}) m; a finer mesh is needed there"
             )
     return nodes, int(straight.sum())
 
 
-def are_folded(places: Array) -> NDArray[np.bool_]:
-    """Which tet10 with their nodes at `places` (M×10×3) are folded or nearly so (M)."""
-    return np.asarray(_evenness(places) < _FOLDED)
+def are_folded(positions: Array) -> NDArray[np.bool_]:
+    """Flags (M) of tet10 with nodes at `positions` (M×10×3) that are folded or nearly so."""
+    return np.asarray(_evenness(positions) < _FOLDED)
 
 
-def _evenness(places: Array) -> Array:
-    """Least Jacobian of each cell (M) at the quadrature points by the largest one, at most 1."""
+def _evenness(positions: Array) -> Array:
+    """Ratio (M, at most 1) of smallest to largest Jacobian of each cell at quadrature points."""
     points, _ = quadrature("tet10", _DEGREE)
     slopes = gradients("tet10", points)
-    jacobians = np.einsum("mki,kjq->mqij", places, slopes, optimize=True)
+    jacobians = np.einsum("mki,kjq->mqij", positions, slopes, optimize=True)
     determinants = np.linalg.det(jacobians)
     return np.asarray(determinants.min(axis=1) / np.abs(determinants).max(axis=1))
 
 
 def _fullness(nodes: Array, cells: IntArray) -> Array:
-    """Volume of each cell (M) between its corners, by the cube of its longest edge."""
+    """Ratio (M) of each cell's volume between its corners to the cube of its longest edge."""
     first, second = SIMPLEX_EDGES[4].T
     longest = np.linalg.norm(nodes[cells[:, first]] - nodes[cells[:, second]], axis=2).max(axis=1)
     sides = nodes[cells[:, 1:4]] - nodes[cells[:, :1]]

@@ -1,7 +1,7 @@
-"""Second-order tetrahedra in a CAD part, graded to curvature, interfaces and inner edges: a ladder.
+"""Second-order tetrahedra in a CAD part, graded to curvature, interfaces and inner edges.
 
-The meshes of a ladder are alike: sizes, sides of a circle and the grading near interfaces shrink
-together from mesh to mesh, so that three of them show an order of convergence.
+The meshes of a ladder are similar: sizes, sides of a circle and the grading near interfaces shrink
+together from mesh to mesh, so that three meshes define an order of convergence.
 """
 
 from collections.abc import Callable, Sequence
@@ -20,39 +20,40 @@ from meshes.part.boundary import Facets, PartMesh, area_vectors
 from meshes.part.enclosed import ROUNDING
 from meshes.part.inner_edges import cut_at_inner_edges, second_order_unknowns
 from meshes.part.interfaces import Interface
-from meshes.part.reading.cad import CadModel, cad_model, naming_the_place
+from meshes.part.reading.cad import CadModel, cad_model, locating_mesh_failures
 from meshes.part.reading.read import PartFile
 from meshes.part.straighten import straightened
 from meshes.processes import Crashed, within_limits
 from meshes.shape_functions import gradients, quadrature
 
-# Each mesh of a ladder has elements shorter by this: three meshes then span a factor of two.
+# Ratio of the element sizes of successive meshes of a ladder; three meshes span a factor of two.
 RATIO = sqrt(2.0)
-# Sides of a full circle on the coarsest mesh; curved tetrahedra on longer arcs come out folded.
+# Sides of a full circle on the coarsest mesh; curved tetrahedra on longer arcs would be folded.
 _SIDES = 12.0
-# Elements at an interface are shorter by this, growing to full size within so many of them: there
-# the edges of what is held rigidly are singular.
+# Ratio of element sizes at an interface and away from it, and the distance, in elements, over which
+# sizes grow. Edges of rigid interfaces are singular.
 _AT_INTERFACES, _REACH = 0.6, 4.0
-# Power of 1/h with which unknowns grow, sides of circles kept: 3 in massive parts, 2 in walls, and
-# below where fillets and bores rule the mesh.
+# Start value and lower bound of the exponent with which unknowns grow with 1/h at constant sides of
+# circles: 3 in massive parts, 2 in walls, less if fillets and bores dominate the mesh.
 _POWER, _LEAST_POWER = 2.5, 1.0
 _ATTEMPTS = 8
-# Found by wanted unknowns that are near enough. Of elements much longer than walls are thick the
-# number hardly depends on their size: too few there would be far too coarse.
+# Accepted range of actual to requested unknowns. With elements much longer than the wall thickness
+# the number hardly depends on their size, so that too few unknowns would mean far too coarse ones.
 _LEAST_SHARE, _MOST_SHARE = 0.95, 1.25
-# Unknowns from which on elements at re-entrant edges are cut. With fewer the cut ones leave too few
-# for all else: at 6000 to 15 000 a fifth of what was stated of random box tubes did not hold.
+# Number of unknowns from which elements at re-entrant edges are cut. With fewer unknowns, too few
+# remain elsewhere: at 6000 to 15 000 a fifth of the stated half-widths of random box tubes failed.
 _CUT_FROM = 50_000
-# How often sizes are reduced for a surface whose facets cross.
+# Number of size reductions for a surface whose facets intersect.
 _RETRIES = 8
 # gmsh's numbers of its algorithms.
 _DELAUNAY, _FRONTAL = 1, 4
-# Share of the size, passes of Netgen's optimiser and algorithm, tried in turn. The optimiser takes
-# as long as the mesh, and a quarter of the error with it. Where elements are as coarse as walls are
-# thick it may end its process (gmsh 4.15), and a flat element stay at a wall: another size has
-# another mesh. Of elements several times as long Delaunay's criterion leaves some with four corners
-# on one flat face at any size; the advancing front, up to a quarter more of them, leaves none.
-_TRIED = (
+# Size factor, passes of Netgen's optimiser and algorithm of successive attempts. The optimiser
+# takes as long as the mesh and reduces the error by a quarter. With elements as coarse as the wall
+# thickness it may end its process (gmsh 4.15), and a flat element may remain at a wall; another
+# size gives another mesh. With elements several times as long, Delaunay's criterion leaves some
+# with four corners on one flat face at any size. The advancing front, with up to a quarter more
+# elements, leaves none.
+_ATTEMPTED_SETTINGS = (
     (1.0, 1, _DELAUNAY),
     (0.97, 1, _DELAUNAY),
     (1.0, 0, _DELAUNAY),
@@ -64,10 +65,10 @@ _TRIED = (
     (0.9, 1, _FRONTAL),
     (0.9, 0, _FRONTAL),
 )
-# No element is shorter than this share of the full size: long fillets would rule the whole mesh.
+# Smallest element relative to the full size; otherwise long fillets would dominate the mesh.
 _SHORTEST = 0.2
-# Computing (s) that a mesh, and the search for the sizes of a ladder, may take each; once a mesh
-# has taken so long no other one is tried.
+# Limit on the CPU time (s) of a mesh, and of the search for the sizes of a ladder. No further mesh
+# is attempted after so much time.
 _SECONDS = 600.0
 # Degree of the Jacobian of a curved tetrahedron.
 _DEGREE = 3
@@ -78,7 +79,7 @@ class Grading:
     """Element size `size` (m) away from curvature and interfaces, `sides` of a full circle.
 
     `sides` is zero if sizes do not follow the curvature.
-    `cut`: elements at re-entrant edges are cut near these.
+    `cut`: elements at re-entrant edges are refined across these.
     """
 
     size: float
@@ -86,40 +87,42 @@ class Grading:
     cut: bool = False
 
     def refined(self, ratio: float = RATIO) -> "Grading":
-        """The same grading with everything shorter by `ratio`."""
+        """Grading with all lengths divided by `ratio`."""
         return replace(self, size=self.size / ratio, sides=self.sides * ratio)
 
 
 def volume_mesh(part: PartFile, interfaces: Sequence[Interface], grading: Grading) -> PartMesh:
-    """The part in second-order tetrahedra; curved edges lie on the true surface.
+    """Mesh a part with second-order tetrahedra, whose curved edges lie on the true surface.
 
-    Where gmsh makes no sound mesh of that size, one of a little less. Raises InputError where the
-    surface cannot be meshed or gmsh does not survive it, ComputationError where no size does; a
-    part that is a mesh is refused.
+    If gmsh fails at that size, slightly smaller sizes are attempted. Raises InputError if the
+    surface cannot be meshed, if gmsh crashes or if the part is a mesh, ComputationError if no size
+    succeeds.
     """
     if part.mesh is not None:
         raise InputError(f"{part.path}: is a mesh already; it cannot be meshed anew")
-    uneven: InputError | None = None
-    failed: ComputationError | None = None
-    begun = monotonic()
-    for share, netgen, algorithm in _TRIED:
-        tried = replace(grading, size=share * grading.size)
+    surface_error: InputError | None = None
+    mesh_error: ComputationError | None = None
+    start_time = monotonic()
+    for share, netgen, algorithm in _ATTEMPTED_SETTINGS:
+        attempt = replace(grading, size=share * grading.size)
         try:
-            return within_limits(_SECONDS, _meshed, part, interfaces, tried, netgen, algorithm)
-        # Delaunay's algorithm may fail to recover a surface that others fill.
+            return within_limits(_SECONDS, _meshed, part, interfaces, attempt, netgen, algorithm)
+        # Delaunay's algorithm may fail to recover a surface that others can fill.
         except InputError as error:
-            uneven = uneven or error
+            surface_error = surface_error or error
         except ComputationError as error:
-            # What says what is wrong with a mesh says more than a process that ended.
-            failed = error if failed is None or not isinstance(error, Crashed) else failed
-        if monotonic() - begun > _SECONDS:
+            # A fault of the mesh is more informative than the end of the process.
+            mesh_error = (
+                error if mesh_error is None or not isinstance(error, Crashed) else mesh_error
+            )
+        if monotonic() - start_time > _SECONDS:
             break
-    crashed = failed is None or isinstance(failed, Crashed)
-    if uneven and crashed:
-        raise uneven
+    crashed = mesh_error is None or isinstance(mesh_error, Crashed)
+    if surface_error and crashed:
+        raise surface_error
     raise (InputError if crashed else ComputationError)(
-        f"{part.path}: gmsh makes no sound mesh of elements of {grading.size:.3g} m: {failed}; ask "
-        "for another number of unknowns"
+        f"{part.path}: gmsh makes no sound mesh of elements of {grading.size:.3g} m: {mesh_error}; "
+        "ask for another number of unknowns"
     )
 
 
@@ -135,25 +138,26 @@ def _meshed(
         gmsh.option.setNumber("Mesh.Algorithm3D", algorithm)
         _set_sizes(model, interfaces, grading)
         _optimise(gmsh, 1, netgen)
-        with naming_the_place(part.path, model):
+        with locating_mesh_failures(part.path, model):
             gmsh.model.mesh.generate(3)
             gmsh.model.mesh.setOrder(2)
-        mesh = _as_it_is(gmsh, model.faces(), "tet10", "tri6")
+        mesh = _current_mesh(gmsh, model.faces(), "tet10", "tri6")
         _require_filled(mesh, part)
-    # Not by gmsh's own optimisers of curved elements: where they do not succeed they may end the
-    # whole process (std::runtime_error in 4.15).
-    places, count = straightened(mesh.nodes, mesh.cells)
-    mesh = replace(mesh, nodes=places, straightened=count)
+    # gmsh's own optimisers of curved elements are not used, because they may end the process if
+    # they fail (std::runtime_error in 4.15).
+    positions, count = straightened(mesh.nodes, mesh.cells)
+    mesh = replace(mesh, nodes=positions, straightened=count)
     return cut_at_inner_edges(mesh) if grading.cut else mesh
 
 
 def ladder(part: PartFile, interfaces: Sequence[Interface], unknowns: int) -> tuple[Grading, ...]:
-    """Three gradings, coarse to fine, of which the finest gives about so many `unknowns`.
+    """Three gradings, coarse to fine, of which the finest has about as many `unknowns`.
 
-    Found by meshes of straight edges, which are quick, of the finest: from large elements on, by
-    secants of the logarithms. Facets of thin round walls may cross where they are too
-    coarse: then all three are finer. What cannot be meshed with sizes from its curvature is meshed
-    without. Raises InputError as `volume_mesh` does.
+    The size is found by meshes of the finest grading with straight edges, which are fast, starting
+    from large elements, with secants of the logarithms. If facets of thin round walls intersect
+    because they are too coarse, all three gradings are finer. A part that cannot be meshed with
+    sizes from its curvature is meshed without. Raises InputError under the conditions of
+    `volume_mesh`.
     """
     if part.exact is None:
         raise InputError(f"{part.path}: is a mesh already; it cannot be meshed anew")
@@ -189,14 +193,14 @@ def _ladder(
         return coarse.refined().refined()
 
     def count(grading: Grading) -> int:
-        # A model of which a mesh has failed fills no other one.
+        # After a failed mesh, a model cannot be meshed again.
         with cad_model(part.path, part.unit) as model:
-            # Counted, not solved on: optimised ones have as many unknowns to a thousandth.
+            # The mesh is only counted; an optimised one differs by a thousandth of the unknowns.
             _optimise(model.gmsh, 0, 0)
             _set_sizes(model, interfaces, grading)
-            with naming_the_place(part.path, model):
+            with locating_mesh_failures(part.path, model):
                 model.gmsh.model.mesh.generate(3)
-            corners = _as_it_is(model.gmsh, model.faces(), "tet4", "tri3")
+            corners = _current_mesh(model.gmsh, model.faces(), "tet4", "tri3")
             return second_order_unknowns(corners, cut=cut)
 
     def feasible(size: float, rung: Callable[[Grading], Grading]) -> tuple[float, int]:
@@ -206,23 +210,25 @@ def _ladder(
             size /= RATIO
         return size, count(rung(Grading(size, sides, cut)))
 
-    size, found = feasible(size, finest)
+    size, count_at_size = feasible(size, finest)
     for _ in range(_ATTEMPTS):
-        if _LEAST_SHARE < found / unknowns < _MOST_SHARE or (size == largest and found > unknowns):
+        if _LEAST_SHARE < count_at_size / unknowns < _MOST_SHARE or (
+            size == largest and count_at_size > unknowns
+        ):
             break
-        before = size, found
-        size = min(size * (found / unknowns) ** (1.0 / power), largest)
-        size, found = feasible(size, finest)
-        if isclose(size, before[0], rel_tol=0.01):
-            # What is coarser cannot be meshed.
+        previous = size, count_at_size
+        size = min(size * (count_at_size / unknowns) ** (1.0 / power), largest)
+        size, count_at_size = feasible(size, finest)
+        if isclose(size, previous[0], rel_tol=0.01):
+            # Coarser meshes fail.
             break
-        power = max(log(found / before[1]) / log(before[0] / size), _LEAST_POWER)
+        power = max(log(count_at_size / previous[1]) / log(previous[0] / size), _LEAST_POWER)
     coarse = Grading(feasible(size, lambda coarse: coarse)[0], sides, cut)
     return coarse, coarse.refined(), finest(coarse)
 
 
 def _optimise(gmsh: ModuleType, own: int, netgen: int) -> None:
-    """Passes of gmsh's own optimiser and of Netgen's."""
+    """Set the number of passes of gmsh's own optimiser and of Netgen's."""
     gmsh.option.setNumber("Mesh.Optimize", own)
     gmsh.option.setNumber("Mesh.OptimizeNetgen", netgen)
 
@@ -251,7 +257,7 @@ def _set_sizes(model: CadModel, interfaces: Sequence[Interface], grading: Gradin
     field.setAsBackgroundMesh(threshold)
 
 
-def _as_it_is(
+def _current_mesh(
     gmsh: ModuleType, faces: Sequence[int], element: SolidElement, facet: SectionElement
 ) -> PartMesh:
     tagged = connectivity(gmsh, element)
@@ -268,11 +274,12 @@ def _as_it_is(
 
 
 def _require_filled(mesh: PartMesh, part: PartFile) -> None:
-    """Raise InputError where tet10 with middles on the surface have another volume than the part.
+    """Raise InputError if the volume of tet10 with middles on the surface differs from the part's.
 
-    That is integrated over the faces, each with its own outline and outside; tetrahedra fill
-    what lies between them. The mesh explains what lies between its curved facets and the flat ones
-    of their corners: curved ones are nearer to the surface. The gap along all of the surface, too.
+    The part's volume is integrated over its faces, each with its own outline and orientation;
+    tetrahedra fill the space between the faces. An allowed difference is the volume between the
+    mesh's curved facets and the flat ones of their corners, since curved facets are closer to the
+    surface, plus the gap along the whole surface.
     """
     if part.exact is None:
         return
@@ -283,8 +290,8 @@ def _require_filled(mesh: PartMesh, part: PartFile) -> None:
     filled = float((np.linalg.det(jacobians) @ weights).sum())
     between = 0.0
     for facets in mesh.faces.values():
-        places = mesh.nodes[facets.cells]
-        rises = places[:, 3:] - places[:, SIMPLEX_EDGES[3]].mean(axis=2)
+        positions = mesh.nodes[facets.cells]
+        rises = positions[:, 3:] - positions[:, SIMPLEX_EDGES[3]].mean(axis=2)
         vectors = area_vectors(mesh.nodes, Facets(facets.corners, "tri3"))
         # The shape function of a middle integrates to a third of the area.
         between += float(np.abs(np.einsum("fmi,fi->fm", rises, vectors)).sum()) / 3.0

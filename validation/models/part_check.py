@@ -34,7 +34,7 @@ def _interface(file: PartFile, interface: Interface) -> str:
     numbers = ", ".join(str(face.number) for face in faces)
     said = f"{interface.name}: face{'s' if len(faces) > 1 else ''} {numbers} ({kinds}"
     said += f" of radius {faces[0].radius * 1e3:.4g} mm)" if interface.axis is not None else ")"
-    how = interface.coupling + ("" if interface.because == "as asked for" else " by default")
+    how = interface.coupling + ("" if interface.reason == "as asked for" else " by default")
     return f"{said}, {_off(file, interface)}, {how}"
 
 

@@ -51,7 +51,7 @@ def as_text(identified: Identified, accuracy: Accuracy | None = None) -> str:
     ]
     lines += [
         f"{interface.name}: faces {', '.join(map(str, interface.faces))} at "
-        f"({_coordinates(interface.point)}) m, {interface.coupling}; {interface.because}"
+        f"({_coordinates(interface.point)}) m, {interface.coupling}; {interface.reason}"
         for interface in identified.interfaces
     ]
     lines += ["", *_compliances(identified), "", *_frequencies(identified), "", toml(identified)]
@@ -148,7 +148,7 @@ def as_json(identified: Identified, accuracy: Accuracy | None = None) -> str:
                 "faces": interface.faces,
                 "point": interface.point.tolist(),
                 "coupling": interface.coupling,
-                "because": interface.because,
+                "because": interface.reason,
             }
             for interface in identified.interfaces
         ],

@@ -1,4 +1,4 @@
 """Files of parts: CAD through gmsh's kernel, volume meshes through meshio, units of length.
 
-In: a path. Out: faces in metres, and a mesh where the file is one.
+In: a path. Out: faces in metres, and a mesh if the file contains one.
 """

@@ -1,7 +1,7 @@
-"""CAD files in gmsh's OpenCASCADE kernel: one sound solid in metres, or an error that says why.
+"""CAD files in gmsh's OpenCASCADE kernel: one valid solid in metres, or an error with the reason.
 
-STEP files carry their unit; BREP files have none. The kernel turns everything into metres before
-it makes the shape: scaled afterwards, cylinders would turn into splines.
+STEP files contain their unit; BREP files have none. The kernel converts to metres before it creates
+the shape, because later scaling would convert cylinders to splines.
 """
 
 from collections.abc import Iterator, Sequence
@@ -23,19 +23,19 @@ from meshes.part.reading.units import chosen_unit, describe, require_plausible, 
 
 STEP, BREP = (".step", ".stp"), (".brep", ".brp")
 
-# Shares of the part's size: an edge below is a leftover of modelling that no mesh can follow, a
-# solid thinner than this is none.
+# Smallest edge, relative to the part's size, that a mesh can follow; shorter ones are remnants of
+# modelling. Smallest thickness of a solid, likewise.
 _TINY_EDGE, _FLAT = 1e-5, 1e-6
-# Share of the volume that gaps may leave open: sound files leave 1e-6, tolerances of modelling of
-# 0.01 mm 1e-3 in a part 2 cm thick. What is less than this is said.
+# Largest relative uncertainty of the volume due to gaps. Exact files have 1e-6; modelling
+# tolerances of 0.01 mm cause 1e-3 in a part 2 cm thick. Smaller uncertainties are reported.
 _TORN = 0.01
-# gmsh's names of surfaces and curves over which the kernel integrates exactly; "Unknown" is the
+# gmsh's names of surfaces and curves over which the kernel integrates exactly. "Unknown" is the
 # edge of a pole.
 _SURFACES = frozenset({"Plane", "Cylinder", "Cone", "Sphere", "Torus"})
 _CURVES = frozenset({"Line", "Circle", "Ellipse", "Unknown"})
-# Points along an edge, ends included.
+# Number of points along an edge, ends included.
 _POINTS = 9
-# What the kernel leaves around a shape on each side of its box (m).
+# Margin (m) that the kernel adds to a shape on each side of its box.
 _GAP = 1e-7
 
 
@@ -43,7 +43,7 @@ _GAP = 1e-7
 class CadModel:
     """The solid `tag` of the current gmsh model; `unit` of its file, `extent` (3, m).
 
-    `gap` (m): how far its faces, edges and corners are apart where they should meet.
+    `gap` (m): largest distance between its faces, edges and corners that should coincide.
     """
 
     gmsh: ModuleType
@@ -53,19 +53,19 @@ class CadModel:
     gap: float
 
     def faces(self) -> list[int]:
-        """Numbers of its faces, as gmsh and this program count them."""
+        """Numbers of its faces in gmsh and in this program."""
         return sorted(
             tag for _, tag in self.gmsh.model.getBoundary([(3, self.tag)], oriented=False)
         )
 
     def names(self) -> dict[int, str]:
-        """Names of its faces, where the file has some."""
-        named = ((tag, self.gmsh.model.getEntityName(2, tag)) for tag in self.faces())
-        return {tag: name.rsplit("/", 1)[-1] for tag, name in named if name}
+        """Names of its faces by number, if the file has any."""
+        entity_names = ((tag, self.gmsh.model.getEntityName(2, tag)) for tag in self.faces())
+        return {tag: name.rsplit("/", 1)[-1] for tag, name in entity_names if name}
 
     @property
     def unknown_share(self) -> float:
-        """Of the volume: what the whole surface moved by the gap adds."""
+        """Relative uncertainty of the volume: area times gap over volume."""
         occ = self.gmsh.model.occ
         area = sum(float(occ.getMass(2, tag)) for tag in self.faces())
         return self.gap * area / abs(float(occ.getMass(3, self.tag)))
@@ -74,8 +74,8 @@ class CadModel:
     def is_elementary(self) -> bool:
         """True if all faces are planes, cylinders, cones, spheres or tori, with edges alike.
 
-        Of these the kernel's integrals are exact. Over rational splines they are not: a cylinder
-        written so has a volume 0.9 % too large.
+        Over these the kernel's integrals are exact. Over rational splines they are not: a cylinder
+        written as a spline has a volume 0.9 % too large.
         """
         kinds = self.gmsh.model.getType
         faces = [(2, tag) for tag in self.faces()]
@@ -90,7 +90,7 @@ class CadModel:
         return FaceArea(float(occ.getMass(2, face)), np.array(occ.getCenterOfMass(2, face)))
 
     def properties(self) -> VolumeProperties:
-        """The kernel's own integrals over the shape."""
+        """Volume properties from the kernel's integrals."""
         occ = self.gmsh.model.occ
         inertia = np.array(occ.getMatrixOfInertia(3, self.tag)).reshape(3, 3)
         centre = np.array(occ.getCenterOfMass(3, self.tag))
@@ -98,28 +98,28 @@ class CadModel:
 
 
 class NotMeshedError(InputError):
-    """The kernel takes a shape for a solid, and gmsh cannot mesh it."""
+    """A shape that is a solid to the kernel but cannot be meshed by gmsh."""
 
 
 @contextmanager
 def cad_model(path: Path, unit: str | None = None) -> Iterator[CadModel]:
-    """The one solid of a CAD file.
+    """Open a CAD file with a single solid and yield its model.
 
-    `unit` of a BREP file, metres where None. Raises InputError where the file cannot be read, holds
-    no solid or several, or one that cannot be meshed (open, torn, flat, with tiny edges).
+    `unit` of a BREP file; metres if None. Raises InputError if the file cannot be read, contains no
+    solid or several, or a solid that cannot be meshed (open, torn, flat, with tiny edges).
     """
-    chosen = _unit(path, unit)
+    length_unit = _unit(path, unit)
     with gmsh_model(str(path)) as gmsh:
         occ = gmsh.model.occ
-        _import(gmsh, path, chosen)
+        _import(gmsh, path, length_unit)
         occ.synchronize()
         tag = _one_solid(gmsh, path)
         box = _box(gmsh, tag)
         extent = [max(float(side), 0.0) for side in box[1] - box[0]]
-        require_plausible(extent, chosen, str(path), said=path.suffix.lower() in STEP)
-        gap, place = _largest_gap(gmsh, tag)
-        model = CadModel(gmsh, tag, chosen, extent, gap)
-        _require_sound(model, path, place)
+        require_plausible(extent, length_unit, str(path), unit_in_file=path.suffix.lower() in STEP)
+        gap, gap_position = _largest_gap(gmsh, tag)
+        model = CadModel(gmsh, tag, length_unit, extent, gap)
+        _require_sound(model, path, gap_position)
         _require_cavities_inside(model, path)
         _require_all_points(model, path, box)
         if path.suffix.lower() in STEP:
@@ -127,14 +127,14 @@ def cad_model(path: Path, unit: str | None = None) -> Iterator[CadModel]:
         yield model
 
 
-def _unit(path: Path, given: str | None) -> str:
+def _unit(path: Path, specified: str | None) -> str:
     content = path.read_bytes()
     if path.suffix.lower() not in STEP:
         if not content.lstrip().startswith((b"DBRep_DrawableShape", b"CASCADE Topology")):
             raise InputError(f"{path}: is not a BREP file; its first line must name the format")
-        return chosen_unit(None, given, str(path))
+        return chosen_unit(None, specified, str(path))
     require_whole(content, str(path))
-    return chosen_unit(step_unit(content, str(path)), given, str(path))
+    return chosen_unit(step_unit(content, str(path)), specified, str(path))
 
 
 def _import(gmsh: ModuleType, path: Path, unit: str) -> None:
@@ -153,93 +153,96 @@ def _import(gmsh: ModuleType, path: Path, unit: str) -> None:
 def _box(gmsh: ModuleType, solid: int) -> Array:
     """Lower and upper corner (2×3, m) of the box around a solid.
 
-    The kernel's boxes hold all control points of splines, off the surface as they are: around faces
-    that are splines it is the box of the kernel's triangles.
+    The kernel's boxes contain all control points of splines, which lie off the surface. For spline
+    faces the box of the kernel's triangles is used instead.
     """
-    return _around(gmsh, gmsh.model.getBoundary([(3, solid)], oriented=False))
+    return _box_of_faces(gmsh, gmsh.model.getBoundary([(3, solid)], oriented=False))
 
 
-def _around(gmsh: ModuleType, faces: Sequence[tuple[int, int]]) -> Array:
-    """The same of some faces."""
+def _box_of_faces(gmsh: ModuleType, faces: Sequence[tuple[int, int]]) -> Array:
+    """Lower and upper corner (2×3, m) of the box around faces."""
     lower, upper = [], []
     edges = gmsh.model.getBoundary(faces, combined=False, oriented=False)
     for dimension, tag in {*faces, *edges}:
         kind = gmsh.model.getType(dimension, tag).lower()
-        # Of an edge without a curve, a pole, gmsh leaves the box where it was before scaling.
+        # gmsh does not scale the box of a pole, an edge without a curve.
         if dimension == 1 and kind == "unknown":
             continue
         spline = dimension == 2 and "spline" in kind
         gmsh.option.setNumber("Geometry.OCCBoundsUseStl", int(spline))
         box = np.array(gmsh.model.occ.getBoundingBox(dimension, tag))
-        around = 0.0 if spline else _GAP
-        lower.append(box[:3] + around)
-        upper.append(box[3:] - around)
+        margin = 0.0 if spline else _GAP
+        lower.append(box[:3] + margin)
+        upper.append(box[3:] - margin)
     gmsh.option.setNumber("Geometry.OCCBoundsUseStl", 0)
     return np.array([np.min(lower, axis=0), np.max(upper, axis=0)])
 
 
 def _largest_gap(gmsh: ModuleType, solid: int) -> tuple[float, Array]:
-    """The largest gap (m) of a solid of the current model, and where it is (3, m).
+    """Largest gap (m) of a solid of the current model, and its position (3, m).
 
-    Edges in space against the same edges on the surfaces of their faces, corners against the ends
-    of their edges. The kernel closes such gaps without a word: it holds a shape for closed whose
-    faces, edges and corners name each other, wherever they lie.
+    Edges in space are compared with the same edges on the surfaces of their faces, and corners with
+    the ends of their edges. The kernel ignores such gaps: a shape is closed if its faces, edges and
+    corners refer to each other, whatever their positions.
     """
     model = gmsh.model
-    worst, place = 0.0, np.zeros(3)
+    worst, position = 0.0, np.zeros(3)
     for _, face in model.getBoundary([(3, solid)], oriented=False):
         for _, edge in model.getBoundary([(2, face)], combined=False, oriented=False):
             (low,), (high,) = model.getParametrizationBounds(1, edge)
-            along = np.linspace(low, high, _POINTS)
-            curve = np.reshape(model.getValue(1, edge, along), (-1, 3))
-            on_face = model.reparametrizeOnSurface(1, edge, along, face)
-            off = curve - np.reshape(model.getValue(2, face, on_face), (-1, 3))
-            gap = float(np.linalg.norm(off, axis=1).max())
+            parameters = np.linspace(low, high, _POINTS)
+            curve = np.reshape(model.getValue(1, edge, parameters), (-1, 3))
+            on_face = model.reparametrizeOnSurface(1, edge, parameters, face)
+            deviation = curve - np.reshape(model.getValue(2, face, on_face), (-1, 3))
+            gap = float(np.linalg.norm(deviation, axis=1).max())
             ends = model.getBoundary([(1, edge)], combined=False, oriented=False)
             if ends:
                 corners = np.array([model.getValue(0, corner, []) for _, corner in ends])
-                apart = np.linalg.norm(corners[:, None] - curve[[0, -1]], axis=2)
-                gap = max(gap, float(apart.min(axis=0).max()), float(apart.min(axis=1).max()))
+                distances = np.linalg.norm(corners[:, None] - curve[[0, -1]], axis=2)
+                gap = max(
+                    gap, float(distances.min(axis=0).max()), float(distances.min(axis=1).max())
+                )
             if not gap <= worst:
-                worst, place = gap, curve.mean(axis=0)
-    return worst, place
+                worst, position = gap, curve.mean(axis=0)
+    return worst, position
 
 
 def _require_cavities_inside(model: CadModel, path: Path) -> None:
-    """Raise InputError where a cavity sticks out of the solid, by the boxes around its shells.
+    """Raise InputError if a cavity sticks out of the solid, by the boxes around its shells.
 
-    Faces that close it alone are sound to the kernel, wherever they lie.
+    The kernel accepts any closed shell as a cavity, whatever its position.
     """
     _, shells = model.gmsh.model.occ.getSurfaceLoops(model.tag)
     if len(shells) == 1:
         return
-    boxes = [_around(model.gmsh, [(2, int(face)) for face in shell]) for shell in shells]
+    boxes = [_box_of_faces(model.gmsh, [(2, int(face)) for face in shell]) for shell in shells]
     outer = max(boxes, key=lambda box: float(np.prod(box[1] - box[0])))
     for box in boxes:
         if (box[0] < outer[0]).any() or (box[1] > outer[1]).any():
-            place = ", ".join(f"{one:.4g}" for one in 0.5 * (box[0] + box[1]))
-            raise InputError(f"{path}: the cavity about ({place}) m sticks out of the solid")
+            centre_text = ", ".join(f"{coordinate:.4g}" for coordinate in 0.5 * (box[0] + box[1]))
+            raise InputError(f"{path}: the cavity about ({centre_text}) m sticks out of the solid")
 
 
 def _require_all_points(model: CadModel, path: Path, box: Array) -> None:
-    """Raise InputError where a point of the file lies outside the solid."""
+    """Raise InputError if a point of the file lies outside the solid."""
     gmsh = model.gmsh.model
     points = np.array([gmsh.getValue(0, tag, []) for _, tag in gmsh.getEntities(0)])
     outside = np.maximum(box[0] - points, points - box[1]).max(axis=1)
     allowed = model.gap + _TINY_EDGE * max(model.extent)
-    if (off := float(outside.max())) > allowed:
+    if (distance := float(outside.max())) > allowed:
         x, y, z = points[np.argmax(outside)]
         raise InputError(
-            f"{path}: the point ({x:.4g}, {y:.4g}, {z:.4g}) m lies {off:.3g} m outside the solid, "
-            f"{allowed:.2g} m is allowed: part of it is lost, or the file holds more than the part"
+            f"{path}: the point ({x:.4g}, {y:.4g}, {z:.4g}) m lies {distance:.3g} m outside the "
+            f"solid, {allowed:.2g} m is allowed: part of it is lost, or the file holds more than "
+            "the part"
         )
 
 
 def _require_all_faces(model: CadModel, path: Path) -> None:
-    """Raise InputError where faces are left over, say those of a cavity that does not close."""
-    told, taken = count_faces(path.read_bytes()), len(model.faces())
-    if taken < told:
-        lost = f"{told - taken} of its {counted(told, 'face')}"
+    """Raise InputError if faces bound no solid, such as those of an open cavity."""
+    listed, bounding = count_faces(path.read_bytes()), len(model.faces())
+    if bounding < listed:
+        lost = f"{listed - bounding} of its {counted(listed, 'face')}"
         raise InputError(
             f"{path}: {lost} bound no solid: sheet bodies, or a shell that is open or damaged; a "
             "part is one solid and nothing else"
@@ -252,7 +255,7 @@ def _one_solid(gmsh: ModuleType, path: Path) -> int:
         return int(solids[0][1])
     if solids:
         places = "; ".join(
-            f"{gmsh.model.occ.getMass(3, tag) * 1e6:.4g} cm³ at {_place(gmsh, 3, tag)}"
+            f"{gmsh.model.occ.getMass(3, tag) * 1e6:.4g} cm³ at {_centre_text(gmsh, 3, tag)}"
             for _, tag in solids[:4]
         )
         raise InputError(
@@ -269,29 +272,29 @@ def _one_solid(gmsh: ModuleType, path: Path) -> int:
 
 
 def _opening(gmsh: ModuleType) -> str:
-    """Where a shell is open: at an edge that belongs to one face alone; "" if none does."""
+    """Location of an open edge of a shell, which belongs to a single face. "" if there is none."""
     for _, tag in gmsh.model.getEntities(1):
         faces, _ = gmsh.model.getAdjacencies(1, tag)
         if len(faces) == 1:
-            return f" at the edge near {_place(gmsh, 1, tag)}"
+            return f" at the edge near {_centre_text(gmsh, 1, tag)}"
     return ""
 
 
-def _place(gmsh: ModuleType, dimension: int, tag: int) -> str:
+def _centre_text(gmsh: ModuleType, dimension: int, tag: int) -> str:
     x, y, z = gmsh.model.occ.getCenterOfMass(dimension, tag)
     return f"({x:.4g}, {y:.4g}, {z:.4g}) m"
 
 
-def _require_sound(model: CadModel, path: Path, place: Array) -> None:
+def _require_sound(model: CadModel, path: Path, position: Array) -> None:
     gmsh, size = model.gmsh, max(model.extent)
     volume = gmsh.model.occ.getMass(3, model.tag)
-    said = describe(model.extent, model.unit)
+    size_text = describe(model.extent, model.unit)
     if abs(volume) <= _FLAT * size**3 * _FLAT or min(model.extent) <= _FLAT * size:
-        raise InputError(f"{path}: the solid has no volume ({volume:.3g} m³ in {said})")
+        raise InputError(f"{path}: the solid has no volume ({volume:.3g} m³ in {size_text})")
     if volume < 0.0:
         raise InputError(f"{path}: the solid is inside out (volume {volume:.3g} m³)")
     if (share := model.unknown_share) > _TORN:
-        x, y, z = place
+        x, y, z = position
         raise InputError(
             f"{path}: its faces, edges and corners are up to {model.gap:.2g} m apart where they "
             f"should meet, near ({x:.4g}, {y:.4g}, {z:.4g}) m, which leaves {share:.2g} of its "
@@ -300,19 +303,19 @@ def _require_sound(model: CadModel, path: Path, place: Array) -> None:
     for _, tag in gmsh.model.getEntities(1):
         length = gmsh.model.occ.getMass(1, tag)
         ends = gmsh.model.getBoundary([(1, tag)], combined=False, oriented=False)
-        # A seam or the tip of a cone has one end twice, or none.
+        # A seam or the tip of a cone has two equal ends, or none.
         if length < _TINY_EDGE * size and len({end for _, end in ends}) == 2:
             raise InputError(
-                f"{path}: edge {tag} at {_place(gmsh, 1, tag)} is {length:.2g} m long, no mesh can "
-                "follow it; heal the part in the CAD system"
+                f"{path}: edge {tag} at {_centre_text(gmsh, 1, tag)} is {length:.2g} m long, no "
+                "mesh can follow it; heal the part in the CAD system"
             )
 
 
 @contextmanager
-def naming_the_place(path: Path, model: CadModel) -> Iterator[None]:
-    """Turn gmsh's failure to mesh a shape into an error that names the place at fault.
+def locating_mesh_failures(path: Path, model: CadModel) -> Iterator[None]:
+    """Convert gmsh's failure to mesh a shape to an error with the location of the fault.
 
-    Shapes that pass as solids can still cross themselves: gmsh then cannot recover a face.
+    A solid can intersect itself; gmsh then cannot recover a face.
     """
     try:
         yield
@@ -321,10 +324,14 @@ def naming_the_place(path: Path, model: CadModel) -> Iterator[None]:
     except Exception as error:
         if type(error) is not Exception:
             raise
-        made = model.gmsh.model.mesh.getElements
-        faults = [tag for tag in model.faces() if not any(map(len, made(2, tag)[1]))]
-        where = f"face {faults[0]} at {_place(model.gmsh, 2, faults[0])}" if faults else str(error)
+        elements_of = model.gmsh.model.mesh.getElements
+        faults = [tag for tag in model.faces() if not any(map(len, elements_of(2, tag)[1]))]
+        location = (
+            f"face {faults[0]} at {_centre_text(model.gmsh, 2, faults[0])}"
+            if faults
+            else str(error)
+        )
         raise NotMeshedError(
             f"{path}: no mesh can be made ({error}): the surface crosses itself or does not close "
-            f"near {where}; repair it in the CAD system"
+            f"near {location}; repair it in the CAD system"
         ) from error

@@ -1,10 +1,10 @@
 """Nodes, elements and node sets of an Abaqus or CalculiX input deck (.inp).
 
-The forms are those that CalculiX runs: blanks and case have no meaning, lines that begin with **
-are comments, omitted coordinates are zero, GENERATE has the step 1 unless a third value is there,
-elements go on over lines until they have all their nodes, a set that appears again grows.
-Keyword lines may also go on after a comma, and parts and instances number their own nodes, as in
-Abaqus. *INCLUDE stands for the lines of another file in the folder of the deck or below it.
+The syntax is that of CalculiX: blanks and case are not significant, lines that begin with ** are
+comments, omitted coordinates are zero, GENERATE has the step 1 without a third value, elements
+continue over lines until they have all their nodes, and a repeated set is extended. As in Abaqus,
+keyword lines may continue after a comma, and parts and instances number their own nodes. *INCLUDE
+inserts the lines of another file in the folder of the deck or below it.
 """
 
 import re
@@ -19,14 +19,14 @@ from lumped.errors import InputError
 from lumped.robot_file.included import DeckLine, deck_lines
 from lumped.text import shown
 
-# Keywords that make or move nodes and elements in ways that are not followed here, and options of
-# *NODE and *ELEMENT that do: another file, or coordinates that are not Cartesian.
-_NOT_FOLLOWED = frozenset({"NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYSTEM"})
+# Keywords that create or move nodes and elements and are not supported, and the only supported
+# system of coordinates in options of *NODE and *ELEMENT.
+_UNSUPPORTED = frozenset({"NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYSTEM"})
 _CARTESIAN = "R"
-# Options without a value that may stand alone on a keyword line that goes on.
+# Options without a value that may occur alone on a continued keyword line.
 _FLAGS = frozenset({"GENERATE", "INTERNAL", "UNSORTED"})
-# Solids of stress and of heat: the number is that of their nodes, letters are formulations. Of 6
-# and 15 nodes they are wedges.
+# Solids for stress and for heat: the number is that of their nodes, letters are formulations. Those
+# with 6 and 15 nodes are wedges.
 _SOLID = re.compile(r"D?C3D(\d+)[A-Z]*")
 _KIND = {
     4: "tetra",
@@ -42,7 +42,7 @@ _NO_SOLID = re.compile(
     r"(?:S\d|DS\d|STRI|SAX|SFM|M3D|CPS|CPE|CAX|DC2D|DCAX|R2D|R3D|RAX|RB\d|B\d\d|T\dD|PIPE|ELBOW"
     r"|FRAME|D$|D\d|SPRING|DASHPOT|MASS|ROTARYI|GAP|DCOUP|CONN|JOINTC|HEATCAP)"
 )
-# Number of a node or an element.
+# Text of the number of a node or an element.
 _WHOLE = re.compile(r"\+?\d{1,18}", re.ASCII)
 # A number as Fortran writes it: 1.5D+3, or 1.5+3.
 _FORTRAN = re.compile(r"([+-]?\d*\.?\d*)[DQdq]?([+-]?\d+)")
@@ -55,7 +55,7 @@ Members: TypeAlias = list[int | range]
 class _Card:
     """A keyword with its options and the data lines below it, each with its fields.
 
-    Keyword and names of options in capitals without blanks, values as they are written.
+    Keyword and names of options in capitals without blanks, values as written.
     """
 
     line: DeckLine
@@ -79,7 +79,7 @@ class _Scope:
 
 @dataclass
 class _Deck:
-    """The content of a deck while it is read.
+    """Content of a deck during reading.
 
     `blocks`: solid elements by kind, each with its scope and nodes; `titles` of the sets of nodes.
     """
@@ -97,15 +97,15 @@ class _Deck:
 
 
 def read_deck(path: Path) -> Any:
-    """The meshio mesh of a deck: its points, its solid elements and its sets of nodes.
+    """Mesh (meshio) of a deck: its points, solid elements and sets of nodes.
 
-    Raises InputError with the line of what is wrong or not supported.
+    Raises InputError with the line of a faulty or unsupported entry.
     """
-    import meshio  # noqa: PLC0415  only who reads such a file waits for its library
+    import meshio  # noqa: PLC0415  slow to import, and needed only for such files
 
     deck = _Deck(path)
     for card in _cards(deck_lines(path)):
-        _require_followed(card)
+        _require_supported(card)
         _open_scope(deck, card)
         if card.keyword == "NODE":
             _read_nodes(deck, card)
@@ -127,7 +127,7 @@ def _cards(lines: Iterable[DeckLine]) -> Iterator[_Card]:
         text = line.text.strip()
         if not text or text.startswith("**"):
             continue
-        fields = [one.strip() for one in text.split(",")]
+        fields = [part.strip() for part in text.split(",")]
         if text.startswith("*"):
             if card:
                 yield card
@@ -156,12 +156,12 @@ def _options(fields: Iterable[str]) -> dict[str, str]:
     return {_plain(name): value.strip().strip('"') for name, _, value in pairs}
 
 
-def _require_followed(card: _Card) -> None:
-    """Raise InputError for a card that would change the mesh and is not followed.
+def _require_supported(card: _Card) -> None:
+    """Raise InputError for an unsupported card that would change the mesh.
 
-    Materials, steps and whatever else leaves nodes and elements as they are is passed over.
+    Materials, steps and all other cards that do not affect nodes and elements are ignored.
     """
-    wrong = [f"*{card.keyword}"] if card.keyword in _NOT_FOLLOWED else []
+    wrong = [f"*{card.keyword}"] if card.keyword in _UNSUPPORTED else []
     if card.keyword in ("NODE", "ELEMENT"):
         wrong += [f"INPUT of *{card.keyword}"] if "INPUT" in card.options else []
         if card.options.get("SYSTEM", _CARTESIAN).upper() != _CARTESIAN:
@@ -176,7 +176,7 @@ def _require_followed(card: _Card) -> None:
 
 
 def _open_scope(deck: _Deck, card: _Card) -> None:
-    """Parts, instances and the assembly number their nodes each for itself.
+    """Open or close the scope of a part, an instance or the assembly, each with its own numbering.
 
     An instance without nodes of its own has those of its part.
     """
@@ -238,7 +238,7 @@ def _read_elements(deck: _Deck, card: _Card) -> None:
 def _solid_kind(card: _Card) -> tuple[str, int]:
     """Kind of a block of elements for meshio, and their number of nodes; "" if they are no solid.
 
-    Raises InputError for elements that might be solid and are not known.
+    Raises InputError for unknown elements that might be solid.
     """
     name = card.options.get("TYPE", "")
     solid = _SOLID.fullmatch(name.upper())
@@ -267,8 +267,8 @@ def _read_set(deck: _Deck, card: _Card) -> None:
             members += [_generated(line, words)] if words else []
             continue
         for text in words:
-            scope, more = _members(deck, card.keyword, line, text, scope)
-            members += more
+            scope, new_members = _members(deck, card.keyword, line, text, scope)
+            members += new_members
     scope = scope or deck.scope
     if card.keyword == "ELSET":
         scope.element_sets.setdefault(title.upper(), []).extend(members)
@@ -280,7 +280,7 @@ def _read_set(deck: _Deck, card: _Card) -> None:
 
 
 def _generated(line: DeckLine, words: list[str]) -> range:
-    """Numbers from the first to the second value, by the third one: 1 if it is left out."""
+    """Numbers from the first to the second value in steps of the third one, 1 if it is omitted."""
     first, *rest = (_whole(line, text) for text in words)
     last, step = (*rest, 1)[:2] if rest else (first, 1)
     if step < 1:
@@ -291,20 +291,21 @@ def _generated(line: DeckLine, words: list[str]) -> range:
 def _members(
     deck: _Deck, keyword: str, line: DeckLine, text: str, scope: _Scope | None
 ) -> tuple[_Scope | None, Members]:
-    """Members by one value of a set: a number, or the name of an earlier set.
+    """Members from one value of a set: a number, or the name of an earlier set.
 
-    Either may follow the name of an instance and a point; the scope is that instance's then.
+    Either may follow the name of an instance and a point, in which case the scope is that of the
+    instance.
     """
     name = text.strip('"')
     if _WHOLE.fullmatch(name):
         return scope, [int(name)]
-    own = scope or deck.scope
-    sets = own.element_sets if keyword == "ELSET" else own.node_sets
+    current_scope = scope or deck.scope
+    sets = current_scope.element_sets if keyword == "ELSET" else current_scope.node_sets
     if name.upper() in sets:
         return scope, list(sets[name.upper()])
-    instance, point, rest = name.partition(".")
+    instance, point, remainder = name.partition(".")
     if point:
-        return _members(deck, keyword, line, rest, _instance(deck, line, instance))
+        return _members(deck, keyword, line, remainder, _instance(deck, line, instance))
     raise line.fault(f"there is no *{keyword} {shown(name)} above it, and no such number")
 
 
@@ -316,16 +317,18 @@ def _instance(deck: _Deck, line: DeckLine, name: str) -> _Scope:
 
 
 def _point_sets(deck: _Deck) -> dict[str, np.ndarray[Any, Any]]:
-    """Rows of the points of each set of nodes, by its title; numbers without a node are no error.
+    """Rows of the points of each set of nodes, by its title.
 
-    CalculiX warns of them and goes on.
+    Numbers without a node are ignored; CalculiX issues a warning and continues.
     """
     rows: dict[str, list[int]] = {}
     for scope in {id(scope): scope for scope in deck.scopes.values()}.values():
         for name, members in scope.node_sets.items():
-            own = [scope.nodes[number] for number in _present(members, scope.nodes)]
-            rows.setdefault(deck.titles[name], []).extend(own)
-    return {title: np.unique(np.array(own, dtype=np.int64)) for title, own in rows.items()}
+            set_rows = [scope.nodes[number] for number in _present(members, scope.nodes)]
+            rows.setdefault(deck.titles[name], []).extend(set_rows)
+    return {
+        title: np.unique(np.array(set_rows, dtype=np.int64)) for title, set_rows in rows.items()
+    }
 
 
 def _present(members: Members, numbers: dict[int, Any]) -> list[int]:
@@ -356,7 +359,7 @@ def _whole(line: DeckLine, text: str) -> int:
 
 
 def _real(line: DeckLine, text: str) -> float:
-    """A coordinate; zero if it is left out."""
+    """A coordinate; zero if it is omitted."""
     if not text:
         return 0.0
     try:

@@ -1,7 +1,7 @@
 """Volume meshes from other programs: gmsh and VTK by meshio, Abaqus and CalculiX by `deck`.
 
-Faces are the smooth patches of the boundary, or what the file names: its own surface elements, if
-they are in groups, and sets of nodes.
+Faces are the smooth patches of the boundary, split where the file names parts of them: groups of
+surface elements, and sets of nodes.
 """
 
 import re
@@ -26,15 +26,15 @@ from meshes.part.reading.vtu_sizes import inflated_size, inflating
 from meshes.quality import quality
 from meshes.solid_mesh import VolumeMesh
 
-# Said, not guessed: other programs use these endings too.
+# Formats are specified, because other programs use these suffixes, too.
 _FORMAT = {".msh": "gmsh", ".vtu": "vtu"}
 MESHES = (".msh", DECK, ".vtu")
-# Bytes of a file, and of what it holds packed together.
+# Largest size (bytes) of a file, and of its unpacked arrays.
 LARGEST = LARGEST_DECK
-# Signs of what is said of a file that cannot be read.
+# Largest number of characters of the reason why a file cannot be read.
 _LONGEST = 160
 _NO_NUMBER = re.compile(r"\b(?:int|float)\b.*?: (['\"].*)")
-# A name, and which of the boundary's facets it holds.
+# A name, and flags of the boundary's facets in the group.
 Group: TypeAlias = tuple[str, NDArray[np.bool_]]
 
 # meshio numbers nodes as VTK does, whatever the format.
@@ -46,16 +46,16 @@ _ELEMENT: dict[str, SolidElement] = {
     "hexahedron27": "hex27",
 }
 _FLAT_CELLS = ("vertex", "line", "triangle", "quad")
-# Nodes nearer than this share of the mesh's size are one node written twice: a gap in the part.
+# Relative distance below which two nodes are one node written twice: a gap in the part.
 _SAME_PLACE = 1e-9
 
 
 def read_mesh(path: Path, unit: str | None = None) -> tuple[PartMesh, str]:
-    """The mesh of a part (m), and the unit of length it was read in: `unit`, metres where None.
+    """Mesh of a part (m), and the unit of length of the file: `unit`, or metres if it is None.
 
-    Raises InputError where the file is no mesh of one solid with elements known here.
+    Raises InputError if the file is not a mesh of one solid with supported elements.
     """
-    source, chosen = str(path), chosen_unit(None, unit, str(path))
+    source, length_unit = str(path), chosen_unit(None, unit, str(path))
     size = inflated_size(path.read_bytes()) if path.suffix.lower() == ".vtu" else 0
     if size > LARGEST:
         raise InputError(
@@ -73,33 +73,33 @@ def read_mesh(path: Path, unit: str | None = None) -> tuple[PartMesh, str]:
         raise InputError(f"{source}: its elements use nodes that the file does not have")
     kind = ELEMENTS[element]
     order = np.argsort(kind.vtk_order)
-    used, numbers = np.unique(cells, return_inverse=True)
-    nodes = METRES[chosen] * points[used]
+    used_nodes, numbers = np.unique(cells, return_inverse=True)
+    nodes = METRES[length_unit] * points[used_nodes]
     mesh = VolumeMesh(nodes, numbers.reshape(cells.shape)[:, order], element)
-    require_plausible([float(s) for s in np.ptp(nodes, axis=0)], chosen, source)
+    require_plausible([float(s) for s in np.ptp(nodes, axis=0)], length_unit, source)
     _require_one_solid(mesh, source)
-    new = np.full(len(points), -1)
-    new[used] = np.arange(len(used))
+    new_numbers = np.full(len(points), -1)
+    new_numbers[used_nodes] = np.arange(len(used_nodes))
     facets = boundary(mesh)
-    groups = _groups(raw, facets, new)
+    groups = _groups(raw, facets, new_numbers)
     faces, names = _named(mesh, facets, groups)
-    bare = tuple(title for title, inside in groups if not inside.any())
-    return PartMesh(nodes, mesh.cells, element, faces, names, bare), chosen
+    empty_sets = tuple(title for title, inside in groups if not inside.any())
+    return PartMesh(nodes, mesh.cells, element, faces, names, empty_sets), length_unit
 
 
 def _raw(path: Path) -> Any:
     if path.suffix.lower() == DECK:
         return read_deck(path)
-    # Only who reads such a file waits for its library.
+    # Slow to import, and needed only for such files.
     import meshio  # noqa: PLC0415
 
     name = _FORMAT[path.suffix.lower()]
     try:
-        # `meshio.read` prints what is wrong and exits.
+        # `meshio.read` prints the fault and exits.
         return getattr(meshio, name).read(path)
     except MemoryError:
         raise
-    # meshio raises whatever its parser stumbles over.
+    # meshio raises any exception of its parser.
     except Exception as error:
         text = " ".join(str(error).split())
         reason = f"it is damaged, cut off or not in the format of {name}"
@@ -107,7 +107,7 @@ def _raw(path: Path) -> Any:
             reason = f"it does not hold {error.args[0]}, to which it refers"
         elif word := _NO_NUMBER.search(text):
             reason = f"{word.group(1)} is no number"
-        # Of other errors the text, if there is one, is about the parser.
+        # The text of other errors, if any, refers to the parser.
         elif isinstance(error, meshio.ReadError) and error.args and isinstance(error.args[0], str):
             reason += f": {text}"
         raise InputError(f"{path}: cannot be read as a mesh: {cut(reason, _LONGEST)}") from error
@@ -119,9 +119,9 @@ def _solid_cells(raw: Any, source: str) -> tuple[SolidElement, list[int]]:
         raise InputError(f"{source}: has no volume elements, only a surface; a part is a solid")
     unknown = sorted(kinds - set(_ELEMENT))
     if unknown or len(kinds) > 1:
-        named = ", ".join(sorted(kinds))
+        kind_names = ", ".join(sorted(kinds))
         raise InputError(
-            f"{source}: has elements of the kinds {named}; must be of one kind among "
+            f"{source}: has elements of the kinds {kind_names}; must be of one kind among "
             f"{', '.join(_ELEMENT)}"
         )
     (kind,) = kinds
@@ -134,20 +134,20 @@ def _require_one_solid(mesh: VolumeMesh, source: str) -> None:
     _, first, counts = np.unique(rounded, axis=0, return_index=True, return_counts=True)
     if np.any(counts > 1):
         x, y, z = mesh.nodes[first[counts > 1][0]]
-        lie = counted(int((counts - 1).sum()), "node coincides", "nodes coincide")
+        subject = counted(int((counts - 1).sum()), "node coincides", "nodes coincide")
         raise InputError(
-            f"{source}: {lie} with another, the first at ({x:.4g}, {y:.4g}, {z:.4g}) m: the "
+            f"{source}: {subject} with another, the first at ({x:.4g}, {y:.4g}, {z:.4g}) m: the "
             "mesh is torn there; merge them"
         )
-    own = np.sort(mesh.cells, axis=1)
-    _, first, counts = np.unique(own, axis=0, return_index=True, return_counts=True)
+    sorted_cells = np.sort(mesh.cells, axis=1)
+    _, first, counts = np.unique(sorted_cells, axis=0, return_index=True, return_counts=True)
     if np.any(counts > 1):
-        there = counted(int((counts - 1).sum()), "element is", "elements are")
+        subject_text = counted(int((counts - 1).sum()), "element is", "elements are")
         raise InputError(
-            f"{source}: {there} given twice, the first is element "
+            f"{source}: {subject_text} given twice, the first is element "
             f"{first[counts > 1].min() + 1}; delete one of each"
         )
-    # Not a number where nodes are the same.
+    # The quality is NaN if nodes coincide.
     folded = np.flatnonzero(~(quality(mesh)[0] > 0.0))
     if folded.size:
         x, y, z = mesh.nodes[mesh.cells[folded[0]]].mean(axis=0)
@@ -164,7 +164,7 @@ def _require_one_solid(mesh: VolumeMesh, source: str) -> None:
 
 
 def _pieces(mesh: VolumeMesh) -> int:
-    """How many parts the mesh falls into where elements hold each other by their sides alone."""
+    """Number of pieces of the mesh that are connected by sides of elements."""
     sides, owner = facets_of_cells(mesh)
     _, side = np.unique(np.sort(sides.corners, axis=1), axis=0, return_inverse=True)
     count, size = len(mesh.cells), len(mesh.cells) + len(owner)
@@ -177,7 +177,7 @@ def _pieces(mesh: VolumeMesh) -> int:
 def _named(
     mesh: VolumeMesh, facets: Facets, groups: list[Group]
 ) -> tuple[dict[int, Facets], dict[int, str]]:
-    """Smooth faces, split where a group of the file ends within one; and the groups' names."""
+    """Smooth faces, split at the ends of the file's groups, and the groups' names."""
     label = np.zeros(len(facets.cells), dtype=np.int64)
     for number, rows in enumerate(smooth_faces(mesh.nodes, facets)):
         label[rows] = number
@@ -196,8 +196,8 @@ def _named(
     return faces, names
 
 
-def _groups(raw: Any, facets: Facets, new: IntArray) -> list[Group]:
-    """Names, and which facets they hold: physical groups of surface elements, sets of nodes."""
+def _groups(raw: Any, facets: Facets, new_numbers: IntArray) -> list[Group]:
+    """Names and facets of physical groups of surface elements and of sets of nodes."""
     corners = np.sort(facets.corners, axis=1)
     rows = {tuple(row): i for i, row in enumerate(corners.tolist())}
     groups: list[Group] = []
@@ -208,13 +208,15 @@ def _groups(raw: Any, facets: Facets, new: IntArray) -> list[Group]:
         for block, physical in zip(raw.cells, tags, strict=False):
             if not block.type.startswith(("triangle", "quad")):
                 continue
-            own = np.sort(new[block.data[physical == tag][:, : corners.shape[1]]], axis=1)
-            inside[[rows[row] for row in map(tuple, own.tolist()) if row in rows]] = True
+            facet_nodes = np.sort(
+                new_numbers[block.data[physical == tag][:, : corners.shape[1]]], axis=1
+            )
+            inside[[rows[row] for row in map(tuple, facet_nodes.tolist()) if row in rows]] = True
         groups.append((title, inside))
     for title, members in raw.point_sets.items():
-        chosen = np.zeros(len(new), dtype=bool)
-        chosen[np.asarray(members, dtype=np.int64)] = True
-        nodes = np.zeros(int(new.max()) + 1, dtype=bool)
-        nodes[new[chosen & (new >= 0)]] = True
+        in_set = np.zeros(len(new_numbers), dtype=bool)
+        in_set[np.asarray(members, dtype=np.int64)] = True
+        nodes = np.zeros(int(new_numbers.max()) + 1, dtype=bool)
+        nodes[new_numbers[in_set & (new_numbers >= 0)]] = True
         groups.append((str(title), np.asarray(nodes[corners].all(axis=1))))
     return [(title, inside) for title, inside in groups if not inside.all()]

@@ -1,4 +1,4 @@
-"""A part as it is picked from: its file, unit, size and faces, whatever the file's format."""
+"""A part with its file, unit, size and faces for selection, for any file format."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -27,23 +27,24 @@ from meshes.part.reading.surface import corrected_integrals, surface_integrals, 
 from meshes.part.reading.units import describe
 from meshes.processes import Crashed, within_limits
 
-# Sides of a full circle of the surface that faces are recognised on.
+# Sides of a full circle of the surface mesh on which faces are recognised.
 _SIDES = 24.0
-# Share of the volume below which rounding alone opens gaps.
+# Relative uncertainty of the volume below which gaps are only round-off.
 _EXACT = 1e-9
-# Computing (s) that reading may take, and more for each MB: plates full of bores take 17 s a MB.
+# Limit on the CPU time (s) of reading, and its increase per MB; plates with many bores need 17
+# s/MB.
 _SECONDS, _SECONDS_PER_MB = 60.0, 300.0
 
 
 @dataclass(frozen=True, eq=False)
 class PartFile:
-    """A part read from `path`, in metres, the file's own axes.
+    """A part read from `path`, in metres and the file's axes.
 
-    `unit` of the file, `extent` (3, m); `surface` nodes (N×3, m) and the `faces` on them;
-    `exact`: volume properties of the shape, None for a mesh; `mesh`: that of a mesh file.
-    `gap` (m): how far the file's faces, edges and corners are apart where they should meet, and
-    `unknown_share` of the volume that this leaves open at most. `by_curvature`: its meshes have
-    sizes from curvature; False if gmsh does not mesh it so.
+    `unit` of the file, `extent` (3, m); `surface` nodes (N×3, m) and the `faces` on them. `exact`:
+    volume properties of the shape; None for a mesh. `mesh`: mesh of a mesh file; None for a CAD
+    file. `gap` (m): largest distance between faces, edges and corners that should coincide;
+    `unknown_share`: bound on the relative uncertainty of the volume due to the gap. `by_curvature`:
+    element sizes follow the curvature; False if gmsh cannot mesh the part with such sizes.
     """
 
     path: Path
@@ -59,24 +60,24 @@ class PartFile:
 
     @property
     def size(self) -> str:
-        """What was read: "read in mm: 905 × 170 × 210 mm", and what the kernel bridged."""
-        said = f"read in {self.unit}: {describe(self.extent, self.unit)}"
+        """Unit, size and bridged gaps as text: "read in mm: 905 × 170 × 210 mm"."""
+        text = f"read in {self.unit}: {describe(self.extent, self.unit)}"
         if not self.by_curvature:
-            said += ", meshed without sizes from curvature"
+            text += ", meshed without sizes from curvature"
         if self.unknown_share < _EXACT:
-            return said
+            return text
         gap = f"{self.gap / METRES[self.unit]:.2g} {self.unit}"
-        return f"{said}, gaps of up to {gap} bridged (volume to {100.0 * self.unknown_share:.1g} %)"
+        return f"{text}, gaps of up to {gap} bridged (volume to {100.0 * self.unknown_share:.1g} %)"
 
     def face(self, number: int) -> Face:
-        """The face of a number."""
+        """Face of a number."""
         return next(face for face in self.faces if face.number == number)
 
 
 def require_file(path: Path) -> int:
     """Size (bytes) of a part's file.
 
-    Raises InputError where there is none, or one of a kind or size that is not read.
+    Raises InputError if there is no file, or one of an unsupported kind or size.
     """
     kinds = (*STEP, *BREP, *MESHES)
     if path.suffix.lower() not in kinds:
@@ -99,10 +100,10 @@ def require_file(path: Path) -> int:
 
 
 def read_part(path: Path, unit: str | None = None) -> PartFile:
-    """The part in a STEP, BREP or mesh file; `unit` of length where the file names none.
+    """Read a part from a STEP, BREP or mesh file; `unit` of length for a file without one.
 
     A surface that cannot be meshed with sizes from its curvature is meshed without. Raises
-    InputError with the file and the place where it is no sound solid.
+    InputError with the file and the location of the fault if it is no valid solid.
     """
     size = require_file(path)
     if path.suffix.lower() == DECK:
@@ -126,13 +127,13 @@ def read_part(path: Path, unit: str | None = None) -> PartFile:
 
 
 def _read_mesh(path: Path, unit: str | None) -> PartFile:
-    mesh, said = read_mesh(path, unit)
+    mesh, length_unit = read_mesh(path, unit)
     extent = [float(side) for side in np.ptp(mesh.nodes, axis=0)]
     faces = tuple(
         face_of(number, mesh.nodes, facets, mesh.names.get(number, ""))
         for number, facets in mesh.faces.items()
     )
-    return PartFile(path, said, extent, mesh.nodes, faces, None, mesh)
+    return PartFile(path, length_unit, extent, mesh.nodes, faces, None, mesh)
 
 
 def _read_cad(path: Path, unit: str | None, sides: float) -> PartFile:
@@ -165,22 +166,24 @@ def _read_cad(path: Path, unit: str | None, sides: float) -> PartFile:
 
 
 def _require_outward(path: Path, triangles: Mapping[int, IntArray]) -> None:
-    """Raise InputError where a face looks inwards: the kernel counts what is under it as missing.
+    """Raise InputError if a face points inwards, since the kernel subtracts the volume under it.
 
-    `triangles` (F×3, tags of nodes) by face, each as its face looks. Neighbours run along the edge
-    between them in opposite directions.
+    `triangles` (F×3, tags of nodes) by face, with the orientation of their face. Neighbours have
+    opposite directions along the edge between them.
     """
     faces = np.repeat(list(triangles), [3 * len(cells) for cells in triangles.values()])
     edges = np.concatenate(list(triangles.values()))[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
-    _, place, counts = np.unique(edges, axis=0, return_inverse=True, return_counts=True)
+    _, edge_numbers, counts = np.unique(edges, axis=0, return_inverse=True, return_counts=True)
     least, largest = np.full(len(counts), faces.max()), np.zeros(len(counts), dtype=np.int64)
-    np.minimum.at(least, place.ravel(), faces)
-    np.maximum.at(largest, place.ravel(), faces)
-    # Triangles of one face that run alike lie over each other, at the tip of a cone, say.
-    alike = faces[(counts > 1)[place.ravel()] & (least < largest)[place.ravel()]]
-    if len(alike):
+    np.minimum.at(least, edge_numbers.ravel(), faces)
+    np.maximum.at(largest, edge_numbers.ravel(), faces)
+    # Triangles of one face with equal directions overlap, for example at the tip of a cone.
+    wrong_faces = faces[
+        (counts > 1)[edge_numbers.ravel()] & (least < largest)[edge_numbers.ravel()]
+    ]
+    if len(wrong_faces):
         raise InputError(
-            f"{path}: face {np.bincount(alike).argmax()} looks inwards: its edges run as those of "
-            f"its neighbours do, {counted(len(alike) // 2, 'time')}; export it anew from the CAD "
-            "system"
+            f"{path}: face {np.bincount(wrong_faces).argmax()} looks inwards: its edges run as "
+            f"those of its neighbours do, {counted(len(wrong_faces) // 2, 'time')}; export it anew "
+            "from the CAD system"
         )

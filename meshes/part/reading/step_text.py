@@ -1,16 +1,16 @@
-"""The text of a STEP file (ISO 10303-21), looked at before the CAD kernel reads it.
+"""Checks of the text of a STEP file (ISO 10303-21) before the CAD kernel reads it.
 
-The kernel passes over what it does not understand, or never comes back from it.
+The kernel ignores text that it cannot interpret, or never returns from it.
 """
 
 import re
 
 from lumped.errors import InputError
 
-# Texts and comments, in which anything may stand.
-_ANYTHING = re.compile(rb"('(?:[^']|'')*')|/\*.*?\*/", re.DOTALL)
-# References, enumerated values, numbers, and words before a bracket: all that there may be between.
-_SOUND = re.compile(
+# Texts and comments, which may contain anything.
+_TEXT_OR_COMMENT = re.compile(rb"('(?:[^']|'')*')|/\*.*?\*/", re.DOTALL)
+# Allowed between them: references, enumerated values, numbers, and words before a bracket.
+_VALID = re.compile(
     rb"(?:[\s(),;=$*]|''|\"[0-9A-F]*\"|#\d+|\.[A-Z]\w*\.|!?[A-Z]\w*(?=\s*\()"
     rb"|[+-]?\d+(?:\.\d*)?(?:E[+-]?\d+)?(?=[\s,)])|ENDSEC|DATA|END-ISO-10303-21)*+",
     re.IGNORECASE,
@@ -22,37 +22,37 @@ _FACE = re.compile(rb"=\s*(?:ADVANCED_FACE|FACE_SURFACE)\s*\(", re.IGNORECASE)
 
 
 def require_whole(content: bytes, source: str) -> None:
-    """Raise InputError where a file is no STEP file, cut off, or says what means nothing."""
+    """Raise InputError if a file is no STEP file, is incomplete, or contains invalid text."""
     if not content.lstrip().startswith(b"ISO-10303-21"):
         raise InputError(f"{source}: is not a STEP file; it must begin with ISO-10303-21")
     if b"END-ISO-10303-21" not in content:
         raise InputError(f"{source}: the STEP file is cut off; its last line is missing")
     text = _without_texts(content)
     data = text[max(text.find(b"DATA"), 0) :]
-    sound = _SOUND.match(data)
-    end = sound.end() if sound else 0
+    valid = _VALID.match(data)
+    end = valid.end() if valid else 0
     if end < len(data):
         word = _WORD.match(data, end)
-        said = (word.group() if word else b"").decode("latin-1")
-        raise InputError(f"{source}: says {said} where a value must be; export it anew")
-    lost = set(map(int, _REFERENCE.findall(text))) - set(map(int, _DEFINITION.findall(text)))
-    if lost:
+        word_text = (word.group() if word else b"").decode("latin-1")
+        raise InputError(f"{source}: says {word_text} where a value must be; export it anew")
+    missing = set(map(int, _REFERENCE.findall(text))) - set(map(int, _DEFINITION.findall(text)))
+    if missing:
         raise InputError(
-            f"{source}: refers to #{min(lost)}, which it does not hold: the file is "
+            f"{source}: refers to #{min(missing)}, which it does not hold: the file is "
             "damaged; export it anew from the CAD system"
         )
 
 
 def entities(content: bytes) -> dict[str, str]:
-    """The entities of the file by their number, without texts and comments."""
+    """Entities of the file by their number, without texts and comments."""
     text = _without_texts(content).decode("latin-1")
     return dict(_ENTITY.findall(text))
 
 
 def count_faces(content: bytes) -> int:
-    """How many faces the file holds."""
+    """Number of faces in the file."""
     return len(_FACE.findall(_without_texts(content)))
 
 
 def _without_texts(content: bytes) -> bytes:
-    return _ANYTHING.sub(lambda found: b"''" if found.group(1) else b" ", content)
+    return _TEXT_OR_COMMENT.sub(lambda match: b"''" if match.group(1) else b" ", content)

@@ -19,25 +19,26 @@ from meshes.part.enclosed import (
     enclosed,
     face_area,
 )
-from meshes.part.reading.cad import CadModel, NotMeshedError, naming_the_place
+from meshes.part.reading.cad import CadModel, NotMeshedError, locating_mesh_failures
 
 # gmsh's type of a piece of a curve.
 _LINE = 1
-# Share of an edge by which its middle may lie off that of its chord: 0.13 on arcs of 60°.
+# Largest distance of an edge's middle from that of its chord, relative to the chord: 0.13 on arcs
+# of 60°.
 _NEAR = 0.3
-# Points along a curve among which its extremes are looked for.
+# Number of points along a curve for the search of its extremes.
 _SAMPLES = 201
 _NOWHERE = np.full(3, np.nan)
-# Pieces along the part of the surface that faces are recognised on.
+# Number of elements along the part in the surface mesh on which faces are recognised.
 _PIECES = 25.0
-# Share of the part's size below which no edge is shorter: at the tip of a cone curvature has no
-# bound, and triangles would have no end.
+# Shortest edge relative to the part's size. At the tip of a cone the curvature is unbounded, and so
+# would be the number of triangles.
 _SHORTEST = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
 class SurfaceIntegrals:
-    """The solid inside a surface, the areas of its faces by number, and its `extent` (3, m)."""
+    """Integrals over a surface: solid inside, areas of the faces by number, and `extent` (3, m)."""
 
     inside: VolumeProperties
     areas: dict[int, FaceArea]
@@ -47,12 +48,12 @@ class SurfaceIntegrals:
 def triangulate(
     path: Path, model: CadModel, sides: float, coarseness: float = 1.0
 ) -> dict[int, IntArray]:
-    """Mesh the surface: linear triangles (F×3, tags of nodes) by face, each as its face looks.
+    """Mesh the surface with linear triangles (F×3, tags of nodes) by face, oriented like the face.
 
     `sides` of a full circle; zero if sizes do not follow the curvature. `coarseness`: factor on
     all sizes.
 
-    Raises NotMeshedError with the place where the surface is at fault.
+    Raises NotMeshedError with the location of a fault of the surface.
     """
     gmsh = model.gmsh
     gmsh.model.mesh.clear()
@@ -60,13 +61,13 @@ def triangulate(
     gmsh.option.setNumber("Mesh.MeshSizeMax", size / _PIECES)
     gmsh.option.setNumber("Mesh.MeshSizeMin", _SHORTEST * size)
     gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", sides / coarseness)
-    with naming_the_place(path, model):
+    with locating_mesh_failures(path, model):
         gmsh.model.mesh.generate(2)
     triangles = {tag: connectivity(gmsh, "tri3", tag) for tag in model.faces()}
-    bare = [tag for tag, cells in triangles.items() if not len(cells)]
-    if bare:
+    empty_faces = [tag for tag, cells in triangles.items() if not len(cells)]
+    if empty_faces:
         raise NotMeshedError(
-            f"{path}: face {bare[0]} cannot be meshed: it has no area or no outline"
+            f"{path}: face {empty_faces[0]} cannot be meshed: it has no area or no outline"
         )
     return triangles
 
@@ -77,22 +78,22 @@ def surface_integrals(model: CadModel, triangles: Mapping[int, IntArray]) -> Sur
     tags, corners = numbered(gmsh, np.concatenate(list(triangles.values())))
     middles = _middles_on_curves(gmsh)
     facets: dict[int, Facets] = {}
-    added: list[Array] = []
+    middle_nodes: list[Array] = []
     count = len(corners)
     for face, cells in triangles.items():
         pairs = np.sort(cells[:, SIMPLEX_EDGES[3]].reshape(-1, 2), axis=1)
-        edges, places = np.unique(pairs, axis=0, return_inverse=True)
-        shared = np.array([middles.get((a, b), _NOWHERE) for a, b in edges.tolist()])
-        inside = np.isnan(shared[:, 0])
-        shared[inside] = _middles_inside(gmsh, face, edges[inside])
-        rows = count + places.reshape(-1, 3)
+        edges, edge_numbers = np.unique(pairs, axis=0, return_inverse=True)
+        edge_middles = np.array([middles.get((a, b), _NOWHERE) for a, b in edges.tolist()])
+        inside = np.isnan(edge_middles[:, 0])
+        edge_middles[inside] = _middles_inside(gmsh, face, edges[inside])
+        rows = count + edge_numbers.reshape(-1, 3)
         facets[face] = Facets(np.hstack([np.searchsorted(tags, cells), rows]), "tri6")
-        added.append(shared)
-        count += len(shared)
-    nodes = np.concatenate([corners, *added])
+        middle_nodes.append(edge_middles)
+        count += len(edge_middles)
+    nodes = np.concatenate([corners, *middle_nodes])
     return SurfaceIntegrals(
         enclosed(nodes, list(facets.values())),
-        {face: face_area(nodes, own) for face, own in facets.items()},
+        {face: face_area(nodes, of_face) for face, of_face in facets.items()},
         np.ptp(np.concatenate([nodes, _curve_extremes(gmsh)]), axis=0),
     )
 
@@ -109,13 +110,13 @@ def _middles_on_curves(gmsh: ModuleType) -> dict[tuple[int, int], Array]:
             continue
         by_tag = dict(zip(tags.tolist(), parameters.tolist(), strict=True))
         pieces = ends.reshape(-1, 2).tolist()
-        along = np.array([[by_tag[tag] for tag in piece] for piece in pieces])
+        parameters_of_ends = np.array([[by_tag[tag] for tag in piece] for piece in pieces])
         (low,), (high,) = gmsh.model.getParametrizationBounds(1, curve)
-        # Of a closed curve the first point is the last one, too.
-        step = np.diff(along, axis=1)[:, 0]
+        # The first point of a closed curve is also the last one.
+        step = np.diff(parameters_of_ends, axis=1)[:, 0]
         if pieces[0][0] == pieces[-1][1] and len(pieces) > 1:
-            along[-1, 1] = high if step[0] > 0.0 else low
-        points = gmsh.model.getValue(1, curve, along.mean(axis=1))
+            parameters_of_ends[-1, 1] = high if step[0] > 0.0 else low
+        points = gmsh.model.getValue(1, curve, parameters_of_ends.mean(axis=1))
         for piece, point in zip(pieces, np.reshape(points, (-1, 3)), strict=True):
             middles[min(piece), max(piece)] = point
     return middles
@@ -146,21 +147,23 @@ def _middles_inside(gmsh: ModuleType, face: int, edges: IntArray) -> Array:
 def _curve_extremes(gmsh: ModuleType) -> Array:
     """Largest and smallest coordinates (2×3, m) of the curves of the model.
 
-    By the parabola through the extreme one of many points and its neighbours.
+    Computed with a parabola through the extreme one of many points and its neighbours.
     """
     extremes = []
     for _, curve in gmsh.model.getEntities(1):
         (low,), (high,) = gmsh.model.getParametrizationBounds(1, curve)
-        along = np.linspace(low, high, _SAMPLES)
-        points = np.reshape(gmsh.model.getValue(1, curve, along), (-1, 3))
+        parameter_samples = np.linspace(low, high, _SAMPLES)
+        points = np.reshape(gmsh.model.getValue(1, curve, parameter_samples), (-1, 3))
         for sign in (1.0, -1.0):
             heights = sign * points
             row = heights.argmax(axis=0).clip(1, _SAMPLES - 2)
-            before, top, after = (heights[row + step, range(3)] for step in (-1, 0, 1))
-            bend = 2.0 * top - before - after
-            rise = np.divide((before - after) ** 2, 8.0 * bend, np.zeros(3), where=bend > 0.0)
-            # At an end of the curve the parabola's top lies beyond it.
-            inside = np.abs(before - after) <= 2.0 * bend
+            previous, top, following = (heights[row + step, range(3)] for step in (-1, 0, 1))
+            curvature = 2.0 * top - previous - following
+            rise = np.divide(
+                (previous - following) ** 2, 8.0 * curvature, np.zeros(3), where=curvature > 0.0
+            )
+            # At an end of the curve the vertex of the parabola lies beyond it.
+            inside = np.abs(previous - following) <= 2.0 * curvature
             extremes.append(sign * np.where(inside, top + rise, heights.max(axis=0)))
     return np.array([np.max(extremes, axis=0), np.min(extremes, axis=0)])
 
@@ -168,9 +171,9 @@ def _curve_extremes(gmsh: ModuleType) -> Array:
 def corrected_integrals(
     model: CadModel, triangles: Mapping[int, IntArray], coarse: SurfaceIntegrals | None
 ) -> SurfaceIntegrals:
-    """The kernel's integrals, corrected if those over two meshes do not confirm them.
+    """The kernel's integrals, corrected if integrals over two meshes do not confirm them.
 
-    The extent is that of the mesh then: the kernel's boxes around splines are larger.
+    The extent is then that of the mesh, because the kernel's boxes around splines are larger.
 
     `coarse`: those over triangles larger by COARSENESS than the `triangles`. None if the kernel's
     integrals are exact.
@@ -183,8 +186,8 @@ def corrected_integrals(
     return SurfaceIntegrals(
         corrected(kernel.inside, coarse.inside, fine.inside),
         {
-            tag: corrected_area(own, coarse.areas[tag], fine.areas[tag])
-            for tag, own in kernel.areas.items()
+            tag: corrected_area(kernel_area, coarse.areas[tag], fine.areas[tag])
+            for tag, kernel_area in kernel.areas.items()
         },
         fine.extent,
     )

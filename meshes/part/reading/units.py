@@ -1,4 +1,4 @@
-"""Units of length of a part's file: what it says itself, and what may be said for it."""
+"""Units of length of a part's file, in the file or specified for it."""
 
 import re
 from collections.abc import Iterable
@@ -9,8 +9,8 @@ from lumped.mechanism.body import METRES
 from meshes.part.reading.step_text import entities
 
 _CONTEXT = re.compile(r"GLOBAL_UNIT_ASSIGNED_CONTEXT\s*\(\s*\((.*?)\)\s*\)", re.DOTALL)
-# Representations of shapes, those of solids first: views, dimensions and notes have contexts of
-# their own, whose units are not the shapes'.
+# Representations of shapes, those of solids first. Views, dimensions and notes have other contexts,
+# whose units are not those of the shapes.
 _SHAPES = (
     re.compile(r"\w*BREP_SHAPE_REPRESENTATION\s*\("),
     re.compile(r"\bSHAPE_REPRESENTATION\s*\(|_SHAPE_REPRESENTATION\s*\("),
@@ -31,13 +31,13 @@ _PREFIX = {
 }
 _CONVERSION = re.compile(r"CONVERSION_BASED_UNIT\s*\([^#()]*#(\d+)")
 _MEASURE = re.compile(r"LENGTH_MEASURE\s*\(\s*([-+.\dE]+)\s*\)\s*,\s*#(\d+)", re.IGNORECASE)
-# Share by which the unit of a file may differ from the one it is taken as.
+# Largest relative difference between the unit of a file and a known unit.
 _SAME_UNIT = 1e-6
-# Conversions of conversions that are followed.
+# Largest depth of nested conversions.
 _CONVERSIONS = 4
-# Beyond any leg in metres; a leg of 10 cm written in millimetres has the size 100.
+# Larger than any leg in metres; a leg of 10 cm in millimetres has the size 100.
 _LARGEST = 50.0
-# Below any leg.
+# Smaller than any leg.
 _SMALLEST = 1e-3
 
 
@@ -56,41 +56,43 @@ def step_unit(content: bytes, source: str) -> str:
     if not units:
         raise InputError(f"{source}: says no unit of length; export it anew from the CAD system")
     if len(units) > 1:
-        named = " and ".join(sorted(units))
-        raise InputError(f"{source}: its shapes are in {named}; export them in one unit of length")
+        unit_names = " and ".join(sorted(units))
+        raise InputError(
+            f"{source}: its shapes are in {unit_names}; export them in one unit of length"
+        )
     return units.pop()
 
 
 def _contexts(by_number: dict[str, str]) -> Iterable[str]:
-    """Lists of units of the contexts of solids, else of shapes, else of anything."""
+    """Lists of units of the contexts of solids, otherwise of shapes, otherwise of any entity."""
     for shape in _SHAPES:
         contexts = [
-            found[1]
+            match[1]
             for entity in by_number.values()
             if shape.search(entity)
-            # The context stands last.
+            # The context is the last reference.
             for number in _REFERENCE.findall(entity)[-1:]
-            if (found := _CONTEXT.search(by_number.get(number, "")))
+            if (match := _CONTEXT.search(by_number.get(number, "")))
         ]
         if contexts:
             return contexts
-    return [found[1] for entity in by_number.values() if (found := _CONTEXT.search(entity))]
+    return [match[1] for entity in by_number.values() if (match := _CONTEXT.search(entity))]
 
 
 def _unit_of(entity: str, by_number: dict[str, str], source: str) -> str:
-    """The name of a unit by its size: names of units in files are anybody's."""
+    """Name of a unit by its size, because names of units in files are arbitrary."""
     metres = _metres(entity, by_number, _CONVERSIONS)
     for name, size in METRES.items():
         if metres and isclose(metres, size, rel_tol=_SAME_UNIT):
             return name
-    said = f" of {metres:.6g} m" if metres else ""
+    size_text = f" of {metres:.6g} m" if metres else ""
     raise InputError(
-        f"{source}: its unit of length{said} is not known here; use {', '.join(METRES)}"
+        f"{source}: its unit of length{size_text} is not known here; use {', '.join(METRES)}"
     )
 
 
 def _metres(entity: str, by_number: dict[str, str], conversions: int) -> float | None:
-    """Size (m) of a unit of length: of SI, or a number of another one. None if it is not given."""
+    """Size (m) of a unit of length, in SI or a multiple of another unit. None if it is missing."""
     if si := _SI.search(entity):
         return _PREFIX.get((si[1] or "").upper())
     conversion = _CONVERSION.search(entity)
@@ -104,23 +106,25 @@ def _metres(entity: str, by_number: dict[str, str], conversions: int) -> float |
         return None
 
 
-def chosen_unit(said: str | None, given: str | None, source: str) -> str:
-    """The file's own unit of length, or the `given` one where it says none (then metres).
+def chosen_unit(file_unit: str | None, specified: str | None, source: str) -> str:
+    """Unit of length of the file, otherwise the `specified` one, otherwise metres.
 
-    Raises InputError where both are there and differ.
+    Raises InputError if both units exist and differ.
     """
-    if said and given and said != given:
-        raise InputError(f"{source}: is in {said}, and unit = {given!r} contradicts it")
-    return said or given or "m"
+    if file_unit and specified and file_unit != specified:
+        raise InputError(f"{source}: is in {file_unit}, and unit = {specified!r} contradicts it")
+    return file_unit or specified or "m"
 
 
-def require_plausible(extent: list[float], unit: str, source: str, *, said: bool = False) -> None:
-    """Raise InputError where a part of the `extent` (3, m) read in `unit` cannot be a leg's.
+def require_plausible(
+    extent: list[float], unit: str, source: str, *, unit_in_file: bool = False
+) -> None:
+    """Raise InputError if the `extent` (3, m) of a part read in `unit` is impossible for a robot.
 
-    `said`: the file names its unit itself, and no other can be said for it.
+    `unit_in_file`: the file contains its unit, so no other one can be specified.
     """
     if not _SMALLEST <= max(extent) <= _LARGEST:
-        is_millimetres = unit == "m" and not said and max(extent) > _LARGEST
+        is_millimetres = unit == "m" and not unit_in_file and max(extent) > _LARGEST
         advice = 'is it in mm? then say unit = "mm"' if is_millimetres else "is its unit right?"
         raise InputError(
             f"{source}: {describe(extent, unit)} is not the size of a robot's part; {advice}"
@@ -128,6 +132,6 @@ def require_plausible(extent: list[float], unit: str, source: str, *, said: bool
 
 
 def describe(extent: list[float], unit: str) -> str:
-    """The `extent` (3) in m written in `unit`: 905 × 170 × 210 mm."""
+    """Text of the `extent` (3, m) in `unit`: 905 × 170 × 210 mm."""
     sides = " × ".join(f"{side / METRES[unit]:.6g}" for side in extent)
     return f"{sides} {unit}"

@@ -1,7 +1,7 @@
-"""What the compressed arrays of a .vtu file come to: told before, and held to while inflating.
+"""Uncompressed size of the arrays of a .vtu file: read beforehand, and enforced while inflating.
 
-Each begins with whole numbers: how many blocks, bytes of a block, bytes of the last one where it is
-a smaller one, and bytes of each as it is compressed (VTK file formats, "XML file formats").
+Each array begins with integers: number of blocks, bytes of a block, bytes of the last block if it
+is smaller, and compressed bytes of each block (VTK file formats, "XML file formats").
 """
 
 import lzma
@@ -24,29 +24,29 @@ _COUNTS = 3
 
 
 def inflated_size(content: bytes) -> int:
-    """Bytes of all compressed arrays of a .vtu file, as it says itself; 0 where none is."""
+    """Uncompressed bytes of all arrays of a .vtu file from their headers. 0 if there are none."""
     root = _ROOT.search(content)
     if root is None or b"compressor" not in root.group():
         return 0
     order = ">" if b"BigEndian" in root.group() else "<"
-    whole = np.dtype(f"{order}u{8 if b'UInt64' in root.group() else 4}")
+    integer_type = np.dtype(f"{order}u{8 if b'UInt64' in root.group() else 4}")
     total = 0
     for start, is_raw in _arrays(content):
-        size = _COUNTS * whole.itemsize
-        # A multiple of three bytes: four signs of base64 for each.
+        size = _COUNTS * integer_type.itemsize
+        # A multiple of three bytes, each with four characters in base64.
         head = content[start : start + (size if is_raw else size // 3 * 4)]
         try:
             head = head if is_raw else b64decode(head)
         except ValueError:
             continue
         if len(head) == size:
-            blocks, block, last = map(int, np.frombuffer(head, whole))
+            blocks, block, last = map(int, np.frombuffer(head, integer_type))
             total += blocks * block if last == 0 else max(blocks - 1, 0) * block + last
     return total
 
 
 def _arrays(content: bytes) -> Iterator[tuple[int, bool]]:
-    """Where the bytes of each array begin, and whether they are raw ones."""
+    """Yield the start of each array, and True if its bytes are raw."""
     appended = _APPENDED.search(content)
     for array in _ARRAY.finditer(content, 0, appended.start() if appended else len(content)):
         offset = _OFFSET.search(array.group(1))
@@ -57,35 +57,35 @@ def _arrays(content: bytes) -> Iterator[tuple[int, bool]]:
 
 
 @contextmanager
-def inflating(most: int) -> Iterator[None]:
-    """What meshio inflates of one file while the context lasts comes to so many bytes at most.
+def inflating(limit: int) -> Iterator[None]:
+    """Limit the bytes that meshio inflates of one file in this context.
 
-    meshio raises its ReadError where the file holds more than that.
+    meshio raises its ReadError if the file contains more.
     """
-    from meshio.vtu import _vtu as reader  # noqa: PLC0415  a library that few wait for
+    from meshio.vtu import _vtu as reader  # noqa: PLC0415  slow to import, and rarely needed
 
-    own = reader.zlib, reader.lzma
-    reader.zlib = _Bounded(zlib.decompressobj, most)
-    reader.lzma = _Bounded(lzma.LZMADecompressor, most)
+    originals = reader.zlib, reader.lzma
+    reader.zlib = _Bounded(zlib.decompressobj, limit)
+    reader.lzma = _Bounded(lzma.LZMADecompressor, limit)
     try:
         yield
     finally:
-        reader.zlib, reader.lzma = own
+        reader.zlib, reader.lzma = originals
 
 
 @dataclass
 class _Bounded:
-    """Stands for a library that inflates blocks: all of them come to what is `left` (bytes)."""
+    """Replacement of a decompression library with a limit `remaining` (bytes) on all blocks."""
 
     begin: Callable[[], Any]
-    left: int
+    remaining: int
 
     def decompress(self, block: bytes) -> bytes:
         from meshio import ReadError  # noqa: PLC0415
 
         stream = self.begin()
-        inflated: bytes = stream.decompress(block, self.left + 1)
-        self.left -= len(inflated)
-        if self.left < 0 or not stream.eof:
+        inflated: bytes = stream.decompress(block, self.remaining + 1)
+        self.remaining -= len(inflated)
+        if self.remaining < 0 or not stream.eof:
             raise ReadError("a compressed array holds more or less than the file says")
         return inflated

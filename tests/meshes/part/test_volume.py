@@ -206,7 +206,7 @@ def test_a_bore_is_found_by_its_radius_and_a_plane_by_its_outward_normal_and_a_p
     for found, x in ((first, 0.02), (second, 0.18), (end, 0.2)):
         assert found.point == pytest.approx([x, 0.0, 0.0], abs=1e-9)
     assert (first.coupling, second.coupling) == ("rigid", "average")
-    assert first.because.startswith("rigid by default")
+    assert first.reason.startswith("rigid by default")
     assert end.area == pytest.approx(0.04 * 0.03, rel=1e-9)
     by_number = {"A": PartInterface(ByFaces(first.faces), "pin")}
     assert find_interfaces(lug, by_number)[0].area == pytest.approx(first.area)

@@ -284,7 +284,7 @@ def test_tetrahedra_fill_what_the_faces_enclose(tmp_path, monkeypatch):
     assert cell_volumes(sound).sum() == pytest.approx(64e-6 - 4e-6 / 3 * np.pi, rel=1e-3)
     part = read_part(turned(path, 0), "mm")
     # No way of meshing mends it; two of them are tried.
-    monkeypatch.setattr(volume, "_TRIED", volume._TRIED[:2])
+    monkeypatch.setattr(volume, "_ATTEMPTED_SETTINGS", volume._ATTEMPTED_SETTINGS[:2])
     with pytest.raises(InputError, match=r"enclose 68\.\d+ cm³, tetrahedra .* fill 59\.8"):
         volume_mesh(part, (), Grading(0.02))
 
