@@ -402,7 +402,8 @@ def solve(
     from lumped.robot_file import load_robot  # noqa: PLC0415
     from meshes.processes import in_own_process  # noqa: PLC0415
     from validation.console.progress import stage  # noqa: PLC0415
-    from validation.solve.answer import as_json, as_text  # noqa: PLC0415
+    from validation.solve.answer_json import as_json  # noqa: PLC0415
+    from validation.solve.answer_text import as_text  # noqa: PLC0415
     from validation.solve.model_answers import checked  # noqa: PLC0415
     from validation.solve.model_answers import solve as solved  # noqa: PLC0415
     from validation.solve.question import Question  # noqa: PLC0415

@@ -21,7 +21,8 @@ from validation.console.typed import write
 from validation.drawing.style import OTHERS, csv_of
 from validation.run.cluster import on_cluster
 from validation.run.executor import Executor, in_turn, on_cores
-from validation.solve.answer import Answer, Solution, finite_json, record_of
+from validation.solve.answer import Answer, Solution
+from validation.solve.answer_json import answer_record, finite_json
 from validation.solve.model_answers import checked, solve
 from validation.solve.question import Question
 
@@ -193,7 +194,7 @@ def as_json(found: VariedAnswers) -> str:
         "options": first.options,
         "vary": [{"key": one.key, "values": list(one.values)} for one in found.variations],
         "results": [
-            {"vary": dict(zip(keys, values, strict=True)), **record_of(answer)}
+            {"vary": dict(zip(keys, values, strict=True)), **answer_record(answer)}
             for values, answer in found.rows
         ],
     }

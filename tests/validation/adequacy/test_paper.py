@@ -32,7 +32,9 @@ from validation.models.loads.leg_masses import MASSES
 from validation.models.mechanism import answers
 from validation.models.roundings import roundings_of
 from validation.report.words import supposition
-from validation.solve.answer import Solution, as_text, record_of
+from validation.solve.answer import Solution
+from validation.solve.answer_json import answer_record
+from validation.solve.answer_text import as_text
 from validation.solve.model_answers import solve
 from validation.solve.question import Question
 
@@ -284,7 +286,7 @@ def test_solve_says_what_the_digits_leave_open_at_most(printed, draws, model, gi
     # No draw has all its roundings on one side; five numbers or so count in each.
     assert (largest <= most).all()
     assert (most <= 5.0 * largest).all()
-    assert record_of(answer)["digits"]["compliance"] == most[:6].tolist()
+    assert answer_record(answer)["digits"]["compliance"] == most[:6].tolist()
     text = as_text(Solution(printed.mechanism.name, model, {}, (answer,)))
     assert "uncertainty from the last digits of the 6×6 in the robot file (at most):" in text
 

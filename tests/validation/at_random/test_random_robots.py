@@ -25,7 +25,7 @@ from validation.models.legs import leg_matrices
 from validation.models.mechanism import bodies_of
 from validation.models.options import ModelOptions
 from validation.run.outcome import judge
-from validation.solve.answer import record_of
+from validation.solve.answer_json import answer_record
 
 COUNT, FEW = 60, 6
 ROBOTS = list(random_robots(COUNT, seed=7))
@@ -52,7 +52,7 @@ def compliance(robot_file, model, **options):
         (answer,) = api.solve(robot_file, model, **options).answers
     except (InputError, ComputationError):
         return None
-    record = record_of(answer)
+    record = answer_record(answer)
     found = np.array(record["compliance"])
     scale = 1.0 / np.sqrt(np.diag(found))
     assert np.linalg.eigvalsh(found * np.outer(scale, scale))[0] > 0.0

@@ -7,7 +7,7 @@ import pytest
 
 from lumped.robot_file import load_robot
 from validation.solve import pairs
-from validation.solve.answer import as_text
+from validation.solve.answer_text import as_text
 from validation.solve.model_answers import solve
 from validation.solve.question import Question
 

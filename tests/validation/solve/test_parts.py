@@ -26,7 +26,8 @@ from validation.context import Context
 from validation.models import parts
 from validation.models.mechanism import CUTOFF, answers, dynamic_bodies
 from validation.run.outcome import judge
-from validation.solve.answer import Solution, as_text
+from validation.solve.answer import Solution
+from validation.solve.answer_text import as_text
 from validation.solve.model_answers import solve
 from validation.solve.question import Question
 

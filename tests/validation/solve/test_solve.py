@@ -33,10 +33,9 @@ from validation.solve.answer import (
     MeshUncertainty,
     PartUncertainty,
     Solution,
-    as_text,
-    finite_json,
-    record_of,
 )
+from validation.solve.answer_json import answer_record, finite_json
+from validation.solve.answer_text import as_text
 from validation.solve.cost import Cost, require_affordable, solid_cost
 from validation.solve.model_answers import solve
 from validation.solve.question import Question
@@ -241,7 +240,7 @@ def test_every_number_of_an_answer_stands_under_its_own_name():
         of_parts=parts,
         strain={Portion("rod", "tension"): take(2)},
     )
-    record = record_of(answer)
+    record = answer_record(answer)
     assert record == {
         "pose": [0.1],
         "compliance": np.arange(19.0, 55.0).reshape(6, 6).tolist(),
