@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+import msgspec
 import numpy as np
 
 from lumped.arrays import Array
@@ -80,6 +81,33 @@ class PartUncertainty(LeftOpen):
     by: ReductionBy
 
 
+class ModePair(msgspec.Struct, frozen=True, kw_only=True):
+    """A mode and its partner in another model, as in "partners" of the JSON."""
+
+    # Numbers of both modes, from 1. The partner is None if there is none.
+    mode: int
+    partner: int | None
+    # Frequency of the partner (Hz).
+    frequency: float | None
+    # Energy-weighed MAC of both, or the largest with any mode if there is no partner.
+    mac: float
+    # Share of the mode's kinetic energy in cross-sections and bodies that move as wholes.
+    seen: float
+    # True for a local mode of a section, which the other model does not have.
+    local: bool
+    # Lowest and highest frequency (Hz) of the modes that may be the partner if shapes mix.
+    open: tuple[float, float] | None
+    # True if several modes have the shape of one.
+    undecided: bool
+
+
+class PairedModes(msgspec.Struct, frozen=True):
+    """Modes of an answer with their partners in the model `against`."""
+
+    against: ModelName
+    pairs: tuple[ModePair, ...]
+
+
 @dataclass(frozen=True)
 class Answer:
     """Compliance (6×6 or 2×2, SI) and frequencies (Hz, ascending) at one posture or of one leg.
@@ -89,9 +117,9 @@ class Answer:
     and rad, base axes) under loads of the file by name, NaN where there is none, `stability` how
     near to buckling these bring it, None where it cannot; `responses` are its answers to forces
     that swing, `damped` the complex modes (frequencies, Hz, and loss factors) where anything damps;
-    `strain` maps
-    its drives, joints and bodies to their shares of each mode's strain energy, `pairs` is the
-    record of the modes' partners in another model; `uncertainty` is that of the mesh of prisms
+    `strain` maps its drives, joints and bodies to their shares of each mode's strain energy;
+    `paired` has the modes' partners in another model, None if none is asked for; `uncertainty` is
+    that of the mesh of prisms
     where one is known, None else, `of_parts` that of CAD parts, and `of_digits` what the printed
     digits of the 6×6 in the robot file leave open at most, to first order.
     """
@@ -108,7 +136,7 @@ class Answer:
     of_parts: PartUncertainty | None = None
     of_digits: LeftOpen | None = None
     strain: Mapping[Portion, Array] = field(default_factory=dict)
-    pairs: Mapping[str, Any] = field(default_factory=dict)
+    paired: PairedModes | None = None
 
 
 @dataclass(frozen=True)

@@ -4,6 +4,7 @@ import json
 from dataclasses import asdict
 from typing import Any
 
+import msgspec
 import numpy as np
 
 from lumped.arrays import Array
@@ -75,8 +76,8 @@ def answer_record(answer: Answer) -> dict[str, Any]:
         found["digits"] = _half_widths(digits)
     if answer.strain:
         found["strain"] = {str(part): share.tolist() for part, share in answer.strain.items()}
-    if answer.pairs:
-        found["partners"] = dict(answer.pairs)
+    if answer.paired:
+        found["partners"] = msgspec.to_builtins(answer.paired)
     return found
 
 

@@ -1,8 +1,5 @@
 """Solutions as text for people."""
 
-from collections.abc import Mapping
-from typing import Any
-
 import numpy as np
 
 from lumped.arrays import Array
@@ -12,6 +9,7 @@ from validation.models.options import ModelName
 from validation.solve.answer import (
     Answer,
     LeftOpen,
+    ModePair,
     PartUncertainty,
     Solution,
     deflection_texts,
@@ -144,27 +142,26 @@ def _mode_lines(answer: Answer) -> list[str]:
             told = [i for i in largest if column[i] >= _TOLD]
             said = ", ".join(f"{names[i]} {100.0 * column[i]:.0f} %" for i in told)
             lines.append(f"    {mode}: {said}")
-    if answer.pairs:
-        lines.append(f"  the same modes by the {answer.pairs['against']} model:")
+    if answer.paired:
+        lines.append(f"  the same modes by the {answer.paired.against} model:")
         lines += [
-            f"    {pair['mode']}: {_partner(pair)}, MAC {pair['mac']:.4f}"
-            for pair in answer.pairs["pairs"]
+            f"    {pair.mode}: {_partner(pair)}, MAC {pair.mac:.4f}" for pair in answer.paired.pairs
         ]
     return lines
 
 
-def _partner(pair: Mapping[str, Any]) -> str:
+def _partner(pair: ModePair) -> str:
     """The partner of a mode, or why it has none."""
-    if pair["undecided"]:
+    if pair.undecided:
         return "several modes have the shape of one, which of them it is is open"
-    if pair["local"]:
-        whole = f"{100.0 * pair['seen']:.2g} % of its kinetic energy"
+    if pair.local:
+        whole = f"{100.0 * pair.seen:.2g} % of its kinetic energy"
         return f"none, a local mode ({whole} in whole cross-sections and bodies)"
-    if not pair["partner"]:
+    if not pair.partner:
         return "none of this shape"
-    partner = f"mode {pair['partner']}, {pair['frequency']:.5g} Hz"
-    if pair["open"]:
-        low, high = pair["open"]
+    partner = f"mode {pair.partner}, {pair.frequency:.5g} Hz"
+    if pair.open:
+        low, high = pair.open
         return f"{partner} (shapes mix: {low:.5g} to {high:.5g} Hz)"
     return partner
 

@@ -206,7 +206,7 @@ def _answers(question: Question, at: Sequence[Posture], *, whole: bool = True) -
         from validation.solve.pairs import paired  # noqa: PLC0415
 
         pairs = paired(found, question.against, options)
-        told = [replace(one, pairs=own) for one, own in zip(told, pairs, strict=True)]
+        told = [replace(one, paired=own) for one, own in zip(told, pairs, strict=True)]
     if whole and model == "solid" and question.mechanism.parts:
         solids = found[0].system.models if found else None
         solids = solids or static_bodies(model, question.mechanism, options)

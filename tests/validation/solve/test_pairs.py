@@ -7,6 +7,7 @@ import pytest
 
 from lumped.robot_file import load_robot
 from validation.solve import pairs
+from validation.solve.answer_json import answer_record
 from validation.solve.answer_text import as_text
 from validation.solve.model_answers import solve
 from validation.solve.question import Question
@@ -35,8 +36,10 @@ def test_partner_or_its_lack_is_shown_with_the_reason(monkeypatch, seen, line):
     monkeypatch.setattr(pairs, "vibration_of", second_seen)
     solution = solve(Question(load_robot("five-bar"), "beam", {}, 3, against="beam"))
     (answer,) = solution.answers
-    record = answer.pairs["pairs"][1]
-    assert record["mac"] == pytest.approx(seen)
-    assert (record["partner"] is None) == record["local"] == (seen < 0.5)
-    assert np.isfinite([pair["frequency"] or 0.0 for pair in answer.pairs["pairs"]]).all()
+    second = answer.paired.pairs[1]
+    assert second.mac == pytest.approx(seen)
+    assert (second.partner is None) == second.local == (seen < 0.5)
+    assert np.isfinite([pair.frequency or 0.0 for pair in answer.paired.pairs]).all()
+    names = ["mode", "partner", "frequency", "mac", "seen", "local", "open", "undecided"]
+    assert list(answer_record(answer)["partners"]["pairs"][1]) == names
     assert f"    2: {line.format(second=answer.frequencies[1])}" in as_text(solution)

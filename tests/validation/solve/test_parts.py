@@ -163,10 +163,10 @@ def test_a_unit_force_leaves_open_what_its_compliance_does(crane):
 
 def test_its_modes_have_partners_among_those_of_another_model(crane):
     (answer,) = solve(Question(crane, "solid", {}, 2, against="segments")).answers
-    first = answer.pairs["pairs"][0]
+    first = answer.paired.pairs[0]
     # An equivalent leg swings alike, at a frequency of its own.
-    assert first["partner"] == 1
-    assert first["mac"] > 0.95
+    assert first.partner == 1
+    assert first.mac > 0.95
 
 
 @pytest.mark.parametrize("by", ["fixed", "free"])
