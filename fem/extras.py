@@ -1,4 +1,4 @@
-"""Optional packages of flexproof, its extras: which there are, and whether they are installed."""
+"""Optional packages of flexproof (extras) and their installation state."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ class Extra:
 
     @property
     def installed(self) -> bool:
-        """Whether all of its modules can be imported."""
+        """True if all of its modules can be imported."""
         return all(find_spec(module) for module in self.modules)
 
 
@@ -34,7 +34,7 @@ EXTRAS: Mapping[str, Extra] = {
 
 
 def missing_message(name: str) -> str:
-    """What an extra lacks and what adds it; "" if it is installed."""
+    """Message with missing modules of an extra and the command to add it. "" if it is installed."""
     extra = EXTRAS[name]
     missing = " and ".join(module for module in extra.modules if not find_spec(module))
     if not missing:

@@ -1,4 +1,4 @@
-"""What this machine leaves to a computation: memory, cores, threads."""
+"""Resources of this machine for a computation: memory, cores, threads."""
 
 import os
 from collections.abc import Iterator, Mapping
@@ -8,22 +8,22 @@ from pathlib import Path
 from lumped.errors import ComputationError
 from lumped.posix import resource
 
-# Stacks, heaps and buffers that libraries set aside for each of their threads.
+# Address space (bytes) of stacks, heaps and buffers of libraries for each of their threads.
 _ADDRESSES_PER_CORE = 150_000_000
-# Address space that libraries take before the first computation: those that read and check files,
-# and those that mesh and solve. Short of it they end the process, hang or crash, each in its way.
+# Address space (bytes) of libraries before the first computation: of those that read and check
+# files, and of those that mesh and solve. With less they end the process, hang or crash.
 TO_READ, TO_COMPUTE = 250_000_000, 1_000_000_000
-# Environment of a process whose BLAS has one thread. Sums of several threads differ by rounding, up
-# to 1e-6 of a result, and small dense matrices are slower by them.
+# Environment of a process whose BLAS has one thread. Sums over several threads differ by rounding,
+# up to 1e-6 of a result, and small dense matrices are slower with them.
 ONE_BLAS_THREAD: Mapping[str, str] = dict.fromkeys(
     ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "BLIS_NUM_THREADS"), "1"
 )
-# Files that a command may have open at once: its own, those of libraries, ways to processes.
+# Number of files that a command may have open at once: its own, those of libraries, pipes.
 _OPEN_FILES = 64
 
 
 def available_memory() -> int | None:
-    """Bytes that a new computation may take on this machine, None where it cannot be told."""
+    """Memory (bytes) available to a new computation. None if it is unknown."""
     limits = []
     meminfo = Path("/proc/meminfo")
     if meminfo.exists():
@@ -35,17 +35,17 @@ def available_memory() -> int | None:
         limit = (group / "memory.max").read_text().strip()
         if limit != "max":
             limits.append(int(limit) - int((group / "memory.current").read_text()))
-    if (left := _address_space()) is not None:
-        limits.append(left)
+    if (address_space := _address_space()) is not None:
+        limits.append(address_space)
     if not limits and "SC_PHYS_PAGES" in getattr(os, "sysconf_names", {}):
         limits.append(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
     return min(limits) if limits else None
 
 
 def require_room(needed: int) -> None:
-    """Raise ComputationError where limits leave less than `needed` bytes and threads, or few files.
+    """Raise ComputationError if limits allow less than `needed` bytes and threads, or few files.
 
-    Libraries that are refused these while they start do not say so: they end the process.
+    Libraries without these resources end the process at their start without a message.
     """
     if resource is None:
         return
@@ -55,35 +55,36 @@ def require_room(needed: int) -> None:
             f"the limit of open files (ulimit -n) is {files}, {_OPEN_FILES} are needed: raise it"
         )
     needed += _ADDRESSES_PER_CORE * usable_cores()
-    left = _address_space()
-    if left is not None and left < needed:
+    address_space = _address_space()
+    if address_space is not None and address_space < needed:
         raise ComputationError(
-            f"the limit of the address space (ulimit -v) leaves {left / 1e9:.2g} GB and the "
-            f"numerical libraries need {needed / 1e9:.2g} GB before they compute anything: raise it"
+            f"the limit of the address space (ulimit -v) leaves {address_space / 1e9:.2g} GB and "
+            f"the numerical libraries need {needed / 1e9:.2g} GB before they compute anything: "
+            "raise it"
         )
 
 
 def _address_space() -> int | None:
-    """Bytes that a limit leaves to this process beside what it has; None where there is none."""
+    """Address space (bytes) that a limit leaves to this process. None if there is no limit."""
     if resource is None:
         return None
     limit, _ = resource.getrlimit(resource.RLIMIT_AS)
     if limit == resource.RLIM_INFINITY:
         return None
     statm = Path("/proc/self/statm")
-    taken = int(statm.read_text().split()[0]) * resource.getpagesize() if statm.exists() else 0
-    return max(0, int(limit) - taken)
+    used = int(statm.read_text().split()[0]) * resource.getpagesize() if statm.exists() else 0
+    return max(0, int(limit) - used)
 
 
 def usable_cores() -> int:
-    """Cores that this process may use."""
+    """Number of cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def threads() -> int:
-    """Threads that a computation may use: OMP_NUM_THREADS, else one for each usable core."""
-    told = os.environ.get("OMP_NUM_THREADS", "")
-    return int(told) if told.isdecimal() and int(told) > 0 else usable_cores()
+    """Number of threads for a computation: OMP_NUM_THREADS, otherwise one per usable core."""
+    setting = os.environ.get("OMP_NUM_THREADS", "")
+    return int(setting) if setting.isdecimal() and int(setting) > 0 else usable_cores()
 
 
 @contextmanager
@@ -92,7 +93,7 @@ def one_blas_thread() -> Iterator[None]:
 
     The sparse solver keeps its `threads`: the bits of its factors do not depend on them.
     """
-    # Of no use to a command, whose environment says it before numpy is loaded.
+    # Not needed by a command, whose environment sets the number before numpy is loaded.
     from threadpoolctl import threadpool_limits  # noqa: PLC0415
 
     with threadpool_limits(limits=1, user_api="blas"):

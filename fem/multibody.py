@@ -1,7 +1,7 @@
 """A mechanism in EXUDYN, a multibody code: geometrically exact beams, rigid bodies, generic joints.
 
-The model stands in its posture without strain; its own linearisation gives the frequencies.
-J. Gerstmayr, Multibody System Dynamics 60 (2024) 617. An optional extra, imported where it is used.
+The model is unstrained in its posture; its own linearisation gives the frequencies.
+J. Gerstmayr, Multibody System Dynamics 60 (2024) 617. An optional extra, imported on use.
 """
 
 from importlib.metadata import version
@@ -22,7 +22,7 @@ from lumped.mechanism.mechanism import GROUND, Mechanism, Posture
 from lumped.models.bodies import leg_of
 from lumped.screws import rotation_vector
 
-# Its projection on the joints takes singular values below this one for none.
+# Singular value below which EXUDYN's projection on the joints treats it as zero.
 _TOLERANCE = 1e-6
 
 
@@ -31,7 +31,7 @@ class ExudynMissing(Exception):  # noqa: N818  not an error: a comparison that c
 
 
 def exudyn_version() -> str:
-    """The version of EXUDYN; raises ExudynMissing where it is not installed."""
+    """Version of EXUDYN. Raises ExudynMissing if it is not installed."""
     if message := missing_message("exudyn"):
         raise ExudynMissing(f"the comparison with EXUDYN {message}")
     return version("exudyn")
@@ -40,8 +40,8 @@ def exudyn_version() -> str:
 def require_beams(mechanism: Mechanism) -> None:
     """Raise InputError, one line per fault, for what EXUDYN does not take."""
     faults = [
-        f"{name}: EXUDYN's beams need a section; this body is a {what}"
-        for kind, what in ((GivenLeg, "leg given by its 6×6"), (Part, "part"))
+        f"{name}: EXUDYN's beams need a section; this body is a {description}"
+        for kind, description in ((GivenLeg, "leg given by its 6×6"), (Part, "part"))
         for name, body in mechanism.bodies.items()
         if isinstance(body.shape, kind)
     ]
@@ -77,16 +77,16 @@ def _is_coupled(leg: ConstantLeg) -> bool:
 def frequencies(posture: Posture, elements: int, count: int) -> Array:
     """The lowest `count` frequencies (Hz), idle ones included, `elements` beams a leg.
 
-    Raises ExudynMissing, and InputError as `require_beams` does.
+    Raises ExudynMissing, and InputError under the conditions of `require_beams`.
     """
     exudyn_version()
     require_beams(posture.mechanism)
     system = _ExudynModel(posture, elements)
     system.mbs.Assemble()
-    found = system.mbs.ComputeODE2Eigenvalues(
+    eigenvalues = system.mbs.ComputeODE2Eigenvalues(
         convert2Frequencies=True, singularValuesTolerance=_TOLERANCE
     )
-    return np.sort(np.asarray(found[0], dtype=float))[:count]
+    return np.sort(np.asarray(eigenvalues[0], dtype=float))[:count]
 
 
 class _ExudynModel:
@@ -100,7 +100,7 @@ class _ExudynModel:
         # It ends with its container.
         self.container, self.mbs = container, container.AddSystem()
         self.section: Any = exudyn.BeamSection
-        # How each interface is marked: item, what carries it, place on that and its rotation.
+        # Marker of each interface: item, body or node, position on it and its rotation.
         self.interfaces: dict[tuple[str, str], tuple[Any, dict[str, int], Array, Array]] = {}
         for name, body in posture.mechanism.bodies.items():
             if name == GROUND:
@@ -117,22 +117,22 @@ class _ExudynModel:
 
     def _node(self, position: Array, rotation: Array) -> int:
         vector = rotation_vector(rotation)
-        placed = self.items.NodeRigidBodyRotVecLG(referenceCoordinates=[*position, *vector])
-        node: int = self.mbs.AddNode(placed)
+        node_item = self.items.NodeRigidBodyRotVecLG(referenceCoordinates=[*position, *vector])
+        node: int = self.mbs.AddNode(node_item)
         return node
 
     def _mark_body(
         self, number: int, name: str, point: str, position: Array, rotation: Array
     ) -> None:
-        on = {"bodyNumber": number}
-        self.interfaces[name, point] = self.items.MarkerBodyRigid, on, position, rotation
+        carrier = {"bodyNumber": number}
+        self.interfaces[name, point] = self.items.MarkerBodyRigid, carrier, position, rotation
 
     def marker(self, side: Side, axes: Array) -> int:
         """A marker at an interface with these axes (columns, base axes)."""
-        marker, on, position, rotation = self.interfaces[side.body, side.point]
-        placed = np.eye(4)
-        placed[:3, :3], placed[:3, 3] = rotation.T @ axes, position
-        number: int = self.mbs.AddMarker(marker(**on, localHT=placed))
+        marker, carrier, position, rotation = self.interfaces[side.body, side.point]
+        transform = np.eye(4)
+        transform[:3, :3], transform[:3, 3] = rotation.T @ axes, position
+        number: int = self.mbs.AddMarker(marker(**carrier, localHT=transform))
         return number
 
     def _add_beam(self, name: str) -> None:
@@ -156,15 +156,15 @@ class _ExudynModel:
                 )
             )
         for point, node in zip(body.interfaces, (nodes[0], nodes[-1]), strict=True):
-            on = {"nodeNumber": node}
-            marked = self.items.MarkerNodeRigid, on, np.zeros(3), frame.rotation
+            carrier = {"nodeNumber": node}
+            marked = self.items.MarkerNodeRigid, carrier, np.zeros(3), frame.rotation
             self.interfaces[name, point] = marked
 
     def _add_rigid(self, name: str, shape: Rigid) -> None:
         frame = self.posture.frames[name]
         number = self._rigid(frame.position + frame.rotation @ shape.centre, frame.rotation, shape)
-        for point, place in self.posture.mechanism.bodies[name].interfaces.items():
-            self._mark_body(number, name, point, place.position - shape.centre, frame.rotation)
+        for point, interface in self.posture.mechanism.bodies[name].interfaces.items():
+            self._mark_body(number, name, point, interface.position - shape.centre, frame.rotation)
 
     def _rigid(self, centre: Array, rotation: Array, shape: Rigid) -> int:
         J = shape.inertia
@@ -183,8 +183,8 @@ class _ExudynModel:
             return
         side = Side(tool.body, tool.point)
         load = self._rigid(interface_position(self.posture, side), np.eye(3), Rigid(tool.mass))
-        carried = self.items.MarkerBodyRigid(bodyNumber=load, localPosition=np.zeros(3))
-        markers = [self.marker(side, np.eye(3)), self.mbs.AddMarker(carried)]
+        mass_marker = self.items.MarkerBodyRigid(bodyNumber=load, localPosition=np.zeros(3))
+        markers = [self.marker(side, np.eye(3)), self.mbs.AddMarker(mass_marker)]
         self.mbs.AddObject(self.items.GenericJoint(markerNumbers=markers))
 
     def _add_joint(self, joint: Joint) -> None:
@@ -211,7 +211,7 @@ class _ExudynModel:
 
 
 def _joint_axes(joint: Joint, free: Array) -> tuple[Array, list[int], int]:
-    """Axes of the joint (columns, base axes), what it holds along and about them, its drive."""
+    """Axes of a joint (columns, base axes), flags of constrained components, driven component."""
     match joint.kind:
         case "fixed":
             return np.eye(3), [1, 1, 1, 1, 1, 1], 0

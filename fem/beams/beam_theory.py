@@ -1,4 +1,4 @@
-"""Natural frequencies of a prismatic cantilever in closed form: what the numbers are held against.
+"""Natural frequencies of a prismatic cantilever in closed form, as reference values.
 
 Tension, torsion and Euler–Bernoulli bending have explicit roots. Timoshenko bending (with its
 limit of rotary inertia alone, Rayleigh) has the transcendental equation of Huang, J. Appl. Mech.
@@ -170,7 +170,7 @@ def _quarter_waves(speed_squared: float, length: float, order: int) -> float:
 
 
 def _upper_bound(beam: _Plane, length: float, order: int, euler_bernoulli: float) -> float:
-    """Bound of ω (rad/s) from above, by minimax: each is the beam with a constraint more.
+    """Upper bound of ω (rad/s) by minimax: each candidate is the beam with one more constraint.
 
     Euler–Bernoulli has no shear strain (and less inertia), the shear beam no rotation; the beam
     whose deflection has no inertia, and no shear strain, is a bar of EI and ρI.

@@ -13,21 +13,20 @@ section, (γy − φx′ z, γz + φx′ y): Green's strain along the leg is tha
     ½ ∫ σ g² dA = ½ N γ² + ½ N i² φx′² − φx′ (My γy + Mz γz).
 
 The first term is Engesser's: Green's strains have the shear modulus of solids, columns buckle at
-P/(1 + P/κGA) (Bažant, J. Appl. Mech. 38 (1971) 919, on Haringx, who leaves it out). The second is
-Wagner's, of sections that turn about the leg, i their polar radius of inertia. By the third, shear
-lowers the load at which stout legs buckle sideways; without it shear would raise that load. A leg
-that turns as a whole meets nothing but its own forces turned.
+P/(1 + P/κGA) (Bažant, J. Appl. Mech. 38 (1971) 919, on Haringx, who omits it). The second is
+Wagner's term of sections that rotate about the leg, i their polar radius of inertia. Due to the
+third, shear lowers the lateral buckling load of stout legs; without it shear would raise that load.
+A rigid rotation of the whole leg only rotates its forces.
 
-Bending before buckling is left out, as in any linear theory of buckling. A leg that spins idly
-about its axis is an exception: its bent shape stays in place as it spins, and the torsion that a
-bending moment causes is proportional to the difference of EIy and EIz (Kirchhoff's rod). In a round
-rod there is none. Any other leg would turn over under the smallest load if friction did not hold
-it. So the twist of such a leg meets neither bending moments nor shear forces: all that is left of
-the terms above in which it stands,
+Bending before buckling is neglected, as in any linear theory of buckling. A leg that spins idly
+about its axis is an exception: its bent shape does not rotate with it, and the torsion due to a
+bending moment is proportional to the difference of EIy and EIz (Kirchhoff's rod). A round rod has
+none. Any other leg would turn over under the smallest load without friction. The twist of such a
+leg therefore has no work with bending moments and shear forces. Of the terms above with φx,
 
     φx (θ′·(eₓ × m) + γ·(eₓ × n)) − φx′ m·γ − ½ [φx θ·(eₓ × m)]′,
 
-is the last, which belongs to the joints at both ends.
+only the last remains, which acts in the joints at both ends.
 """
 
 from dataclasses import dataclass, replace
@@ -45,8 +44,8 @@ from lumped.legs import BeamProperties
 from lumped.mechanism.body_model import LegMatrices
 from lumped.screws import skew
 
-# Exact for a moment of third degree, from a load that grows along the leg, with two quadratic
-# rotations.
+# Number of Gauss points per element, exact for a cubic moment, due to a linearly distributed load,
+# times two quadratic rotations.
 _POINTS = 4
 _ALONG = np.array([1.0, 0.0, 0.0])
 _ACROSS = np.diag([0.0, 1.0, 1.0])
@@ -54,7 +53,7 @@ _ACROSS = np.diag([0.0, 1.0, 1.0])
 
 @dataclass(frozen=True, eq=False)
 class PrestressedLeg:
-    """A leg on the twists of its ends and modes with these held, r unknowns: `matrices`.
+    """A leg on the twists of its ends and its modes with held ends, r unknowns: `matrices`.
 
     At s stations with `weights` (m) `fields` (s×9×r) are u′, θ and θ′ from the unknowns. `gyration`
     is i² (m²).
@@ -67,27 +66,27 @@ class PrestressedLeg:
     gyration: float
 
     def geometric_stiffness(self, ends: Array, distributed: Array, *, spins: bool = False) -> Array:
-        """Stiffness that forces add (r×r, SI).
+        """Geometric stiffness (r×r, SI).
 
-        `ends` (12, N and N m, leg axes) are the forces on root and tip that its stiffness takes,
+        `ends` (12, N and N m, leg axes) are the forces on root and tip balanced by its stiffness,
         `distributed` the part of them that acts on its length. `spins`: the leg spins idly about
         its axis.
         """
         force, moment = _resultants(ends, distributed, self.matrices.length, self.stations)
-        turned = skew(force)
+        force_cross = skew(force)
         work = np.zeros((len(force), 9, 9))
-        work[:, 3:6, :3] = turned
+        work[:, 3:6, :3] = force_cross
         outer = force[:, :, None] * _ALONG
         work[:, 3:6, 3:6] = 0.5 * (outer + np.swapaxes(outer, 1, 2))
         work[:, 3:6, 6:] = 0.5 * skew(moment)
-        work[:, :3, 3:6] = np.swapaxes(turned, 1, 2)
+        work[:, :3, 3:6] = np.swapaxes(force_cross, 1, 2)
         work[:, 6:, 3:6] = np.swapaxes(work[:, 3:6, 6:], 1, 2)
         shear = np.hstack([_ACROSS, _ACROSS @ skew(_ALONG), np.zeros((3, 3))])
         if spins:
-            met = np.cross(_ALONG, force) @ shear
-            met[:, 6:] += np.cross(_ALONG, moment)
-            work[:, 3] -= met
-            work[:, :, 3] -= met
+            spin_rows = np.cross(_ALONG, force) @ shear
+            spin_rows[:, 6:] += np.cross(_ALONG, moment)
+            work[:, 3] -= spin_rows
+            work[:, :, 3] -= spin_rows
         else:
             sheared = moment @ shear
             work[:, 6] -= sheared
@@ -98,14 +97,14 @@ class PrestressedLeg:
         work[:, 6, 6] += self.gyration * force[:, 0]
         rows = self.fields.shape[2]
         worked = (self.weights[:, None, None] * (work @ self.fields)).reshape(-1, rows)
-        found = self.fields.reshape(-1, rows).T @ worked
-        return np.asarray(0.5 * (found + found.T))
+        stiffness = self.fields.reshape(-1, rows).T @ worked
+        return np.asarray(0.5 * (stiffness + stiffness.T))
 
 
 def prestressed_leg(
     properties: BeamProperties, length: float, elements: int, modes: int
 ) -> PrestressedLeg:
-    """A beam in `elements` on its ends and its lowest `modes` with these held, as many as it has.
+    """A beam of `elements` on its ends and its lowest `modes` with held ends, at most all of them.
 
     Buckling loads converge with the fourth power of the length of the elements.
     """
@@ -155,7 +154,7 @@ def prestressed_leg(
 
 
 def between(leg: PrestressedLeg, ends: Array) -> LegMatrices:
-    """The leg with another stiffness (12×12) of its ends."""
+    """The leg with its stiffness between the ends replaced by `ends` (12×12)."""
     stiffness = dense(leg.matrices.stiffness).copy()
     stiffness[:ENDS, :ENDS] = ends
     return replace(leg.matrices, stiffness=stiffness)
@@ -164,28 +163,28 @@ def between(leg: PrestressedLeg, ends: Array) -> LegMatrices:
 def _resultants(
     ends: Array, distributed: Array, length: float, stations: Array
 ) -> tuple[Array, Array]:
-    """Force n and moment m (s×3 each) that the rest of the leg puts on the one before a station.
+    """Section force n and moment m (s×3 each) on the part of the leg before each station.
 
-    What acts along the leg grows or falls linearly: it has the resultant that comes to both ends,
-    and along and about the leg their shares, too.
+    The distributed load is linear along the leg. It has the resultant of the loads at both ends;
+    along and about the leg it also has their shares.
     """
     first, last = _density(distributed[:6], distributed[6:], length)
     at_root = ends[:6] - distributed[:6]
     x = stations[:, None]
     slope = (last - first) / length
-    gone = first * x + slope * x**2 / 2.0
-    moved = first * x**2 / 2.0 + slope * x**3 / 6.0
-    force = -at_root[:3] - gone[:, :3]
-    twisted = -at_root[3:] - gone[:, 3:]
-    lever = -at_root[:3] * x - moved[:, :3]
+    resultant = first * x + slope * x**2 / 2.0
+    first_moment = first * x**2 / 2.0 + slope * x**3 / 6.0
+    force = -at_root[:3] - resultant[:, :3]
+    twisted = -at_root[3:] - resultant[:, 3:]
+    lever = -at_root[:3] * x - first_moment[:, :3]
     return force, twisted - np.cross(_ALONG, lever)
 
 
 def _density(root: Array, tip: Array, length: float) -> tuple[Array, Array]:
-    """Forces and moments per length (6, N/m and N) at both ends, from those that come to them."""
+    """Forces and moments per length (6, N/m and N) at both ends, from those reduced to the ends."""
     first, last = 2.0 * (2.0 * root - tip) / length, 2.0 * (2.0 * tip - root) / length
     total = root + tip
-    # Across, moments tell where the forces act: that of a force along z about y is its opposite.
+    # Moments define the position of transverse forces; that of a force along z about y is negative.
     for across, about, sign in ((1, 5, 1.0), (2, 4, -1.0)):
         lever = sign * total[about] + length * tip[across]
         last[across] = 6.0 * lever / length**2 - 2.0 * total[across] / length

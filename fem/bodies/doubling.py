@@ -4,7 +4,7 @@ Two equal pieces joined and their common face condensed make a piece twice as lo
 Przemieniecki, AIAA J. 1 (1963) 138; doubling of the interval: Zhong, J. Comput. Appl. Math. 163
 (2004) 59). Done on the stiffness of the end faces this loses digits with length: the stiffness
 EI/L³ that is looked for is the small difference of entries of the size of a node's. So the pieces
-are kept in a mixed form. Displacements of a face are split into its twist, the work conjugate of
+have a mixed form. Displacements of a face are split into its twist, the work conjugate of
 Saint-Venant's loads B, and the deformation v that is left, u = R Bᵀu + N v with BᵀN = 0. For the
 relative twist q of the ends, the wrench w that a piece carries and the loads g = Nᵀf of the faces
 
@@ -109,13 +109,13 @@ def condensed_leg(leg: ConstantLeg, section: SectionMesh, slices: int) -> Conden
             raise InputError(f"slices = {slices}: must be at least 1")
         mesh = extrude(section, np.array([0.0, leg.length / slices]))
         face = _face_deformations(mesh, leg)
-        one = _slice(mesh, leg, face)
-    piece = one
+        slice_piece = _slice(mesh, leg, face)
+    piece = slice_piece
     # The binary digits of n after the first: double, and add one slice where the digit is 1.
     for digit in f"{slices:b}"[1:]:
         piece = doubled(piece)
         if digit == "1":
-            piece = joined(piece, one)
+            piece = joined(piece, slice_piece)
     return piece
 
 
@@ -130,8 +130,8 @@ def tip_compliance(piece: CondensedPiece, ends: Ends = "rigid") -> Array:
         relaxed = solve_triangular(_cholesky(S, "leg with free ends"), H.T, lower=True)
         compliance = compliance + relaxed.T @ relaxed
     to_tip = shift(np.array([piece.length / 2.0, 0.0, 0.0]))
-    moved = to_tip @ compliance @ to_tip.T
-    return np.asarray((moved + moved.T) / 2.0)
+    tip_matrix = to_tip @ compliance @ to_tip.T
+    return np.asarray((tip_matrix + tip_matrix.T) / 2.0)
 
 
 def joined(first: CondensedPiece, second: CondensedPiece) -> CondensedPiece:
@@ -228,22 +228,24 @@ def _slice(mesh: SolidMesh, leg: ConstantLeg, face: _FaceDeformations) -> Conden
     compliance, twists, halves = np.zeros((6, 6)), np.zeros((6, face.fields.shape[1])), []
     for sign in (1.0, -1.0):
         kind = between[(between % 3 == 0) == (sign < 0.0)]
-        own = np.flatnonzero(sign * _TWIST_MIRROR < 0.0)
-        both = (K[:, root] + sign * (K[:, tip] @ flip)).tocsr()
-        ends = ((both[root] + sign * (flip @ both[tip])) / 2.0).tocsr()
+        components = np.flatnonzero(sign * _TWIST_MIRROR < 0.0)
+        columns_of_faces = (K[:, root] + sign * (K[:, tip] @ flip)).tocsr()
+        ends = ((columns_of_faces[root] + sign * (flip @ columns_of_faces[tip])) / 2.0).tocsr()
         S = _by_deformations(_by_deformations(ends, face).T, face)
-        q = twist[np.ix_(own, own)]
-        to_root = _by_deformations((of_twist[root] + sign * (flip @ of_twist[tip]))[:, own].T, face)
+        q = twist[np.ix_(components, components)]
+        to_root = _by_deformations(
+            (of_twist[root] + sign * (flip @ of_twist[tip]))[:, components].T, face
+        )
         if kind.size:
             factor = _cholesky(K[kind][:, kind].toarray(), "slice, plane of nodes in its middle")
-            v = solve_triangular(factor, _by_deformations(both[kind], face), lower=True)
-            w = solve_triangular(factor, of_twist[np.ix_(kind, own)], lower=True)
+            v = solve_triangular(factor, _by_deformations(columns_of_faces[kind], face), lower=True)
+            w = solve_triangular(factor, of_twist[np.ix_(kind, components)], lower=True)
             S, q, to_root = S - v.T @ v / 2.0, q - w.T @ w, to_root - w.T @ v
         factor = _cholesky(q, "slice with rigid faces")
         coupling = solve_triangular(factor, to_root, lower=True)
-        inverse = solve_triangular(factor, np.eye(len(own)), lower=True)
-        compliance[np.ix_(own, own)] = inverse.T @ inverse
-        twists[own] = -0.5 * inverse.T @ coupling
+        inverse = solve_triangular(factor, np.eye(len(components)), lower=True)
+        compliance[np.ix_(components, components)] = inverse.T @ inverse
+        twists[components] = -0.5 * inverse.T @ coupling
         S -= coupling.T @ coupling / 2.0
         halves.append((S + S.T) / 4.0)
     return CondensedPiece(

@@ -16,8 +16,8 @@ from lumped.legs import Material
 from meshes.part.boundary import Facets, PartMesh
 from meshes.part.interfaces import Interface
 
-# Measured on tetrahedra in parts: what 150k unknowns take at the height of the factorisation, and
-# the power by which it grows.
+# Peak memory of the factorisation for 150k unknowns and its exponent in the unknowns, measured on
+# tetrahedra in parts.
 _BYTES, _UNKNOWNS, _POWER = 1.6e9, 150e3, 1.4
 
 
@@ -56,7 +56,7 @@ def meshed_part(mesh: PartMesh, material: Material) -> MeshedPart:
 
 
 def require_memory(unknowns: float, part: str) -> None:
-    """Raise ComputationError where a mesh of so many unknowns will not fit, before it is made."""
+    """Raise ComputationError if a mesh with so many `unknowns` exceeds the available memory."""
     needed = _BYTES * (unknowns / _UNKNOWNS) ** _POWER
     available = available_memory()
     if available is not None and needed > available:
@@ -70,7 +70,7 @@ def require_memory(unknowns: float, part: str) -> None:
 def grips_of(
     mesh: PartMesh, interfaces: Sequence[Interface], coupling: Kind | None = None
 ) -> tuple[Grip, ...]:
-    """The interfaces on the nodes of a mesh; all of one `coupling` where it is given."""
+    """Interfaces on the nodes of a mesh; all with one `coupling` if it is given."""
     return tuple(
         Grip(
             coupling or interface.coupling,
@@ -87,7 +87,7 @@ def grips_of(
 
 
 def held_part(part: MeshedPart, grips: Sequence[Grip], name: str) -> RootedBody:
-    """The part held at its first interface and factorised; raises as `rooted_body` does."""
+    """The part held at its first interface and factorised. Raises errors like `rooted_body`."""
     solid = coupled_solid(
         part.stiffness, on_three_components(part.scalar_mass), part.mesh.nodes, grips
     )

@@ -46,8 +46,8 @@ def solid_mesh(
 ) -> SolidMesh:
     """Extruded mesh of a leg, `divisions` elements across the smaller side of its section.
 
-    Slices are as long as these, also where the `section` has other divisions. Raises InputError
-    where the leg or the divisions are impossible.
+    Slices are as long as these, even if the `section` has other divisions. Raises InputError if the
+    leg or the divisions are impossible.
     """
     with naming(leg.name):
         require_leg(leg.section, leg.length, divisions)
@@ -68,7 +68,7 @@ def solid_leg(leg: ConstantLeg, mesh: SolidMesh) -> SolidLeg:
 def coupled_leg(solid: SolidLeg, ends: Ends = "rigid") -> CoupledSolid:
     """The leg on the unknowns of its ends, root and tip, and of its other nodes.
 
-    `ends` rigid, or free to warp and to contract as Saint-Venant's theory has it.
+    `ends` rigid, or free to warp and to contract according to Saint-Venant's theory.
     """
     mesh, material = solid.mesh, solid.leg.material
     grips = []
@@ -83,7 +83,7 @@ def coupled_leg(solid: SolidLeg, ends: Ends = "rigid") -> CoupledSolid:
 
 
 def clamped_leg(solid: SolidLeg, ends: Ends = "rigid") -> RootedBody:
-    """The leg with its root held, factorised; raises ComputationError where that cannot be done."""
+    """The leg with its root held, factorised. Raises ComputationError if that is impossible."""
     coupled = coupled_leg(solid, ends)
     part = f"{solid.leg.name or 'leg'} as a solid, {ends} ends"
     # A caller that keeps no reference of its own has this memory for the factor.
@@ -104,21 +104,21 @@ def solid_leg_matrices(solid: SolidLeg) -> LegMatrices:
 
 
 def centreline_of(mesh: SolidMesh, coupled: CoupledSolid) -> Callable[[Array], SparseMatrix]:
-    """From stations (m values, m) to the twists of sections there (6m×n) by a leg's unknowns."""
-    return lambda at: csr_array(section_twists(mesh, at) @ coupled.transformation)
+    """Function from stations (m values, m) to the twists of their sections (6m×n) by unknowns."""
+    return lambda stations_x: csr_array(section_twists(mesh, stations_x) @ coupled.transformation)
 
 
-def section_twists(mesh: SolidMesh, at: Array) -> SparseMatrix:
-    """Twists of the sections at stations `at` (m values, m) from u: csr 6m × 3N.
+def section_twists(mesh: SolidMesh, stations_x: Array) -> SparseMatrix:
+    """Twists of the sections at `stations_x` (m values, m) from u: csr 6m × 3N.
 
-    Translations are means over the section, rotations come from first moments: φy and φz from
-    those of u_x, φx from that of the displacement about the axis. In between planes of nodes the
-    elements' own interpolation. Raises InputError for stations outside the leg and for a mesh that
-    is not extruded.
+    Translations are means over the section. Rotations follow from first moments: φy and φz from
+    those of u_x, φx from that of the displacement about the axis. Between planes of nodes the
+    elements' interpolation applies. Raises InputError for stations outside the leg and for a mesh
+    that is not extruded.
     """
     if mesh.slices is None:
         raise InputError("section twists need an extruded mesh: tetrahedra have no planes of nodes")
-    stations_at = np.asarray(at, dtype=float)
+    stations_at = np.asarray(stations_x, dtype=float)
     if not np.all((stations_at >= 0.0) & (stations_at <= mesh.length)):
         raise InputError(f"stations must lie between 0 m and {mesh.length:g} m")
     order = ELEMENTS[mesh.element].order
@@ -130,9 +130,10 @@ def section_twists(mesh: SolidMesh, at: Array) -> SparseMatrix:
     used = first[:, None] + np.arange(order + 1)
     weights = np.empty(used.shape)
     for local in range(order + 1):
-        others = planes[np.delete(used, local, axis=1)]
+        other_planes = planes[np.delete(used, local, axis=1)]
         weights[:, local] = np.prod(
-            (stations_at[:, None] - others) / (planes[used[:, [local]]] - others), axis=1
+            (stations_at[:, None] - other_planes) / (planes[used[:, [local]]] - other_planes),
+            axis=1,
         )
     station = np.repeat(np.arange(count), order + 1)
     interpolation = csr_array(

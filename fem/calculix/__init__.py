@@ -1,4 +1,4 @@
-"""CalculiX as the independent judge: decks, runs, a leg and the whole robot.
+"""Independent solutions by CalculiX: decks, runs, a leg and the whole robot.
 
 In: meshes and materials. Out: numbers that share no solver code with ours.
 """

@@ -1,11 +1,11 @@
 """A free solid with its interfaces as unknowns: one congruence for any mix of couplings.
 
 Unknowns x: the own unknowns of each rigid or pinned interface (fem.couplings.grips), then the nodes
-that no rigid interface holds, three each; u = T x, K̂ = TᵀKT and M̂ = TᵀMT. A pin's nodes are turned
-to its radial, tangential and axial directions, and the radial one, which is not free, keeps its
-place with a stiffness of its own and nothing else, so that nodes stay blocks of three. The twist of
-an interface is qᵢ = Bᵢᵀx for all couplings, with BᵢᵀR̂ = I for the rigid motions R̂ about its point,
-so that loads Bᵢ are work-conjugate and have exact resultants.
+that no rigid interface holds, three each; u = T x, K̂ = TᵀKT and M̂ = TᵀMT. A pin's nodes are
+turned to its radial, tangential and axial directions, and the radial one, which is not free, keeps
+its place with a stiffness of its own and nothing else, so that nodes stay blocks of three. The
+twist of an interface is qᵢ = Bᵢᵀx for all couplings, with BᵢᵀR̂ = I for the rigid motions R̂ about
+its point, so that loads Bᵢ are work-conjugate and have exact resultants.
 """
 
 from collections.abc import Sequence
@@ -68,7 +68,7 @@ def _mean_diagonal(matrix: SparseMatrix) -> float:
 
 
 class _Numbering:
-    """Where the unknowns x of a coupled solid are, and what the solid's own are in them."""
+    """Numbering of the unknowns x of a coupled solid, and displacements in terms of them."""
 
     def __init__(self, nodes: Array, grips: Sequence[Grip]) -> None:
         self.nodes, self.grips = nodes, grips
@@ -113,11 +113,11 @@ class _Numbering:
         for grip, first in zip(self.grips, self.first, strict=False):
             if not OWN[grip.kind]:
                 continue
-            motion, at = grip.motions(self.nodes), unknowns(grip.nodes)
+            motion, rows_of_grip = grip.motions(self.nodes), unknowns(grip.nodes)
             if grip.kind == "pin":
-                motion, at = grip.radial_motions(self.nodes), 3 * grip.nodes
+                motion, rows_of_grip = grip.radial_motions(self.nodes), 3 * grip.nodes
             row, column = np.nonzero(motion)
-            rows.append(at[row])
+            rows.append(rows_of_grip[row])
             columns.append(first + column)
             entries.append(motion[row, column])
         shape = (3 * len(self.nodes), self.own)
@@ -162,26 +162,26 @@ class _Numbering:
     def motions(self) -> Array:
         """R̂ (n×6), about the first interface's point."""
         origin = self.grips[0].point
-        own = [grip.own @ shift(grip.point - origin) for grip in self.grips]
+        interface_motions = [grip.own @ shift(grip.point - origin) for grip in self.grips]
         fields = rigid_motions(self.nodes, origin)
         if self.turned is not None:
             fields = self.turned.T @ fields
         inner = fields[self.inner] * self.is_free[self.inner][:, None]
-        return np.vstack([*own, inner])
+        return np.vstack([*interface_motions, inner])
 
-    def twist(self, which: int, motions: Array) -> Array:
+    def twist(self, index: int, motions: Array) -> Array:
         """Bᵢ (n×6) of one interface."""
-        grip = self.grips[which]
+        grip = self.grips[index]
         rows = np.zeros((6, self.own + len(self.inner)))
-        own = slice(int(self.first[which]), int(self.first[which + 1]))
-        rows[: OWN[grip.kind], own] = np.eye(OWN[grip.kind])
+        own_columns = slice(int(self.first[index]), int(self.first[index + 1]))
+        rows[: OWN[grip.kind], own_columns] = np.eye(OWN[grip.kind])
         if grip.kind != "rigid":
-            at = self.own + unknowns(self.place[grip.nodes]).reshape(-1, 3)
+            node_rows = self.own + unknowns(self.place[grip.nodes]).reshape(-1, 3)
             if grip.kind == "pin":
                 # Means of the slides along and about the axis; radii differ by rounding alone.
                 shares = area_weights(self.nodes, grip.facets).sum(axis=0)
-                rows[4, at[:, 2]] = rows[5, at[:, 1]] = shares / shares.sum()
+                rows[4, node_rows[:, 2]] = rows[5, node_rows[:, 1]] = shares / shares.sum()
             else:
-                rows[:, at.ravel()] = grip.loads(self.nodes).T
+                rows[:, node_rows.ravel()] = grip.loads(self.nodes).T
         about = motions @ shift(self.grips[0].point - grip.point)
         return np.asarray(np.linalg.solve(rows @ about, rows).T)

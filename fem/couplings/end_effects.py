@@ -79,18 +79,22 @@ class _Squares:
         chains end there, are taken out of the deflections.
         """
         rigid, p = fields.unstrained, self.axial
-        ahead, behind = rigid.copy(), rigid.copy()
-        ahead[p:] -= self.solve_in_plane(self.coupling.T @ rigid[:p])
-        behind[:p] -= self.solve_axial(self.coupling @ rigid[p:])
-        on = np.array(fields.deflects)
-        if on.any() and not on.all():
-            pairing = behind.T @ self.right @ ahead
-            ends = pairing[np.ix_(~on, ~on)]
-            ahead[:, on] -= ahead[:, ~on] @ np.linalg.solve(ends, pairing[np.ix_(~on, on)])
-            behind[:, on] -= behind[:, ~on] @ np.linalg.solve(ends.T, pairing[np.ix_(on, ~on)].T)
-        following = self.solve(self.right @ ahead[:, on])
-        adjoint = self.solve_transposed(self.right.T @ behind[:, on])
-        return np.hstack([ahead, following]), np.hstack([behind, adjoint])
+        solutions, adjoint_solutions = rigid.copy(), rigid.copy()
+        solutions[p:] -= self.solve_in_plane(self.coupling.T @ rigid[:p])
+        adjoint_solutions[:p] -= self.solve_axial(self.coupling @ rigid[p:])
+        deflects = np.array(fields.deflects)
+        if deflects.any() and not deflects.all():
+            pairing = adjoint_solutions.T @ self.right @ solutions
+            ends = pairing[np.ix_(~deflects, ~deflects)]
+            solutions[:, deflects] -= solutions[:, ~deflects] @ np.linalg.solve(
+                ends, pairing[np.ix_(~deflects, deflects)]
+            )
+            adjoint_solutions[:, deflects] -= adjoint_solutions[:, ~deflects] @ np.linalg.solve(
+                ends.T, pairing[np.ix_(deflects, ~deflects)].T
+            )
+        following = self.solve(self.right @ solutions[:, deflects])
+        adjoint = self.solve_transposed(self.right.T @ adjoint_solutions[:, deflects])
+        return np.hstack([solutions, following]), np.hstack([adjoint_solutions, adjoint])
 
 
 def _solver(block: Array, rigid: Array) -> Callable[[Array], Array]:
@@ -145,16 +149,17 @@ def _change(fields: SectionFields, length: float) -> Array:
     rigid = np.kron(np.eye(2), fields.rigid)
     solved = np.linalg.solve(np.hstack([decaying, rigid]), -warping.astype(complex))
     amplitudes = solved[: 2 * len(rates)]
-    held, slope = (one.real for one in (decaying @ amplitudes, slopes @ amplitudes))
+    displacements, slope = (one.real for one in (decaying @ amplitudes, slopes @ amplitudes))
     n = len(fields.E0)
     at_root, at_tip = (
-        fields.E0 @ slope[face] + fields.E1 @ held[face] for face in (slice(n), slice(n, None))
+        fields.E0 @ slope[face] + fields.E1 @ displacements[face]
+        for face in (slice(n), slice(n, None))
     )
-    taken = -held.T @ np.vstack([-at_root, at_tip])
-    sizes = np.sqrt(np.maximum(np.diag(free + taken), 0.0))
-    if not np.all(np.abs(taken - forces.T @ held) <= _LOST * np.outer(sizes, sizes)):
+    change = -displacements.T @ np.vstack([-at_root, at_tip])
+    sizes = np.sqrt(np.maximum(np.diag(free + change), 0.0))
+    if not np.all(np.abs(change - forces.T @ displacements) <= _LOST * np.outer(sizes, sizes)):
         raise ComputationError(
             f"end effects: the end restraint of rigid faces in {fields.name} is lost in rounding; "
             "moduli (E and G, say) or walls and sides of the section differ by too much"
         )
-    return np.asarray(0.5 * (taken + taken.T))
+    return np.asarray(0.5 * (change + change.T))

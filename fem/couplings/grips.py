@@ -1,11 +1,11 @@
-"""How others take hold of faces of a solid: rigid, averaged, by a pin, or as Saint-Venant has it.
+"""Couplings of faces of a solid to an interface: rigid, averaged, pin, or Saint-Venant tractions.
 
 rigid    u = R q on the faces: they move as one body with the interface's twist q.
 average  q = (RᵀWR)⁻¹RᵀWu with the faces' consistent area weights W (∫N_a N_b dA); a wrench loads
          the nodes by the transpose. The faces deform freely.
-pin      each point of a bore moves radially with q and slides freely along and about the axis; the
-         two components of q that this leaves open are the bore's mean motions. What a joint leaves
-         free along and about the axis is the joint's affair, not the coupling's.
+pin      each point of a bore moves radially with q and slides freely along and about the axis. The
+         remaining two components of q are the bore's mean motions. Freedom of a joint along and
+         about the axis is modelled by the joint, not by the coupling.
 saint-venant  q = Bᵀu with the nodal loads B of the tractions of Saint-Venant's solution for unit
          wrenches, BᵀR = I: an end of a prism free to warp and to contract.
 """
@@ -51,7 +51,7 @@ def rigid_motions(points: Array, reference: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Grip:
-    """Faces of a solid that are held together, and how.
+    """Faces of a solid with their coupling to one interface.
 
     `facets` on its nodes, reference `point` (3, m); `axis` (unit vector) of a pin's bore and a
     point `on_axis` (3, m) of it; `tractions` (3n×6): Saint-Venant's nodal loads.
@@ -82,21 +82,21 @@ class Grip:
 
     @property
     def centre(self) -> Array:
-        """A point of the bore's axis, or the reference point where there is no bore."""
+        """A point of the bore's axis, or the reference point if there is no bore."""
         return self.point if self.on_axis is None else self.on_axis
 
     @property
     def bore_axis(self) -> Array:
-        """The axis (unit vector); raises ValueError where there is none."""
+        """Axis (unit vector) of the bore. Raises ValueError if there is none."""
         if self.axis is None:
             raise ValueError("a pin needs the axis of its bore")
         return self.axis
 
     def local_axes(self, nodes: Array) -> Array:
         """Radial, tangential and axial unit vectors (n×3×3, columns) at a pin's nodes."""
-        away = nodes[self.nodes] - self.centre
-        away = away - np.outer(away @ self.bore_axis, self.bore_axis)
-        radial = away / np.linalg.norm(away, axis=1)[:, None]
+        offsets = nodes[self.nodes] - self.centre
+        offsets = offsets - np.outer(offsets @ self.bore_axis, self.bore_axis)
+        radial = offsets / np.linalg.norm(offsets, axis=1)[:, None]
         axial = np.broadcast_to(self.bore_axis, radial.shape)
         return np.stack([radial, np.cross(axial, radial), axial], axis=2)
 
@@ -105,7 +105,7 @@ class Grip:
         return rigid_motions(nodes[self.nodes], self.point)
 
     def loads(self, nodes: Array) -> Array:
-        """Nodal loads (3n×6) of six independent wrenches on what moves freely: its faces' mean."""
+        """Nodal loads (3n×6) of six independent wrenches on freely deforming faces."""
         if self.tractions is not None:
             return self.tractions
         count = len(self.nodes)

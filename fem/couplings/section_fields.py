@@ -24,7 +24,7 @@ from lumped.arrays import Array, IntArray, SparseMatrix
 from lumped.legs import Material
 from meshes.section.section_mesh import SectionMesh
 
-# Share of the section's size within which a mirror image lies.
+# Largest distance of a node from a mirror image, relative to the section's size.
 _SAME_PLACE = 1e-6
 
 
@@ -81,7 +81,7 @@ class SectionFields:
 
     @property
     def deflects(self) -> list[bool]:
-        """Whether each of these is a deflection, which starts a chain of two γ² = 0."""
+        """True for each of these that is a deflection, which starts a chain of two γ² = 0."""
         return [twist in _DEFLECTIONS for twist in self.twists if twist in _UNSTRAINED]
 
     @property
@@ -137,16 +137,16 @@ def section_fields(mesh: SectionMesh, material: Material) -> list[SectionFields]
         None if (images := _mirror(centred, signs)) is None else (axis, images)
         for axis, signs in enumerate(((-1.0, 1.0), (1.0, -1.0)))
     ]
-    present = [one for one in mirrors if one is not None]
-    found = []
+    present = [mirror for mirror in mirrors if mirror is not None]
+    fields_by_symmetry = []
     for kinds in _coupled_kinds([axis for axis, _ in present]):
         basis, axial = _symmetric(len(centred), present, kinds[0].parity)
-        e0, e1, e2, m = (basis.T @ (basis.T @ one.T).T for one in (E0, E1, E2, mass))
+        e0, e1, e2, m = (basis.T @ (basis.T @ matrix.T).T for matrix in (E0, E1, E2, mass))
         twists = tuple(twist for kind in kinds for twist in kind.twists)
         name = " with ".join(kind.name for kind in kinds)
         rigid = basis.T @ motions[:, twists]
-        found.append(SectionFields(name, e0, e1, e2, m, axial, rigid, twists))
-    return found
+        fields_by_symmetry.append(SectionFields(name, e0, e1, e2, m, axial, rigid, twists))
+    return fields_by_symmetry
 
 
 def _coupled_kinds(axes: Sequence[int]) -> list[list[_Class]]:
@@ -187,10 +187,14 @@ def _orbits(count: int, mirrors: Sequence[tuple[IntArray, int]], component: int)
     for mirror, sign in mirrors:
         images = np.vstack([images, mirror[images]])
         weights = np.concatenate([weights, sign * weights])
-    own = np.flatnonzero(images.min(axis=0) == np.arange(count))
-    columns = np.zeros((3 * count, len(own)))
+    representatives = np.flatnonzero(images.min(axis=0) == np.arange(count))
+    columns = np.zeros((3 * count, len(representatives)))
     for image, weight in zip(images, weights, strict=True):
-        np.add.at(columns, (3 * image[own] + component, np.arange(len(own))), weight)
+        np.add.at(
+            columns,
+            (3 * image[representatives] + component, np.arange(len(representatives))),
+            weight,
+        )
     norms = np.linalg.norm(columns, axis=0)
     # Nodes on an axis of antisymmetry do not move.
     return np.asarray(columns[:, norms > 0.5] / norms[norms > 0.5])
@@ -204,13 +208,13 @@ def _polynomial(fields: SectionFields, unstrained: int, degree: int) -> list[Arr
     flexure has no axial force.
     """
     null = fields.unstrained
-    own = null.shape[1]
+    count = null.shape[1]
     means = null.T @ fields.E0
-    bordered = np.block([[fields.E2, null], [means, np.zeros((own, own))]])
+    bordered = np.block([[fields.E2, null], [means, np.zeros((count, count))]])
     coefficients = [null[:, unstrained], np.zeros(len(null))]
     for _ in range(degree):
         load = fields.E0 @ coefficients[1] + fields.coupling @ coefficients[0]
-        solution = np.linalg.solve(bordered, np.append(load, np.zeros(own)))
+        solution = np.linalg.solve(bordered, np.append(load, np.zeros(count)))
         coefficients.insert(0, solution[: len(null)])
     return coefficients[:-1]
 
@@ -224,9 +228,9 @@ def saint_venant_states(fields: SectionFields, x: float) -> SectionState:
             powers = np.array([x**k / factorial(k) for k in range(degree + 1)])
             columns.append(powers @ terms)
             # The highest terms are rigid motions, which need no forces.
-            own = len(terms) - (2 if deflects else 1)
-            warping.append(powers[:own] @ terms[:own])
-            slopes.append(powers[:own] @ terms[1 : own + 1])
+            count = len(terms) - (2 if deflects else 1)
+            warping.append(powers[:count] @ terms[:count])
+            slopes.append(powers[:count] @ terms[1 : count + 1])
     warped = np.column_stack(warping)
     forces = fields.E0 @ np.column_stack(slopes) + fields.E1 @ warped
     return SectionState(np.column_stack(columns), warped, forces)

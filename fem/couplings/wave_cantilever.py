@@ -1,10 +1,11 @@
 """Frequencies of a cantilever prism by the waves of 3-D elasticity in it, ends free to warp.
 
-All from the section alone, exact along the leg. The beam of Saint-Venant's states is Timoshenko's.
-The waves on the section's mesh (`prism_waves`) contract, warp by shear and bend the walls on the
-way. The tractions that they leave on the end faces, where Saint-Venant's alone may act, excite all
-other fields e^{γx} of the section: a section distorts at an open end. The ratio of the frequencies
-with and without these effects holds for any beam theory of the same section's constants.
+Computed from the section alone, exact along the leg. The beam of Saint-Venant's states is
+Timoshenko's. The waves on the section's mesh (`prism_waves`) contract, warp by shear and bend the
+walls. Their tractions on the end faces differ from Saint-Venant's, which are the boundary
+condition, and so excite all other fields e^{γx} of the section: a section distorts at an open end.
+The ratio of the frequencies with and without these effects applies to any beam theory with the same
+constants.
 """
 
 from dataclasses import replace
@@ -60,8 +61,8 @@ def wave_frequency(kind: PrismWaves, length: float, order: int, near: float) -> 
         before, omega = omega, omega * factor
         if eigenvalue(omega) * value <= 0.0:
             bracket = sorted((before, omega))
-            found = scipy.optimize.brentq(eigenvalue, *bracket, rtol=_ACCURACY)
-            return float(found) / (2.0 * np.pi)
+            root = scipy.optimize.brentq(eigenvalue, *bracket, rtol=_ACCURACY)
+            return float(root) / (2.0 * np.pi)
     raise ComputationError(
         f"waves: frequency {order} of {kind.fields.name} is not near {near:.4g} Hz"
     )
@@ -92,13 +93,13 @@ def saint_venant_beam(kind: PrismWaves) -> PrismWaves:
     inertia = np.diag(fields.rigid.T @ fields.mass @ fields.rigid)
     rigidity = kind.rigidity
     if fields.chain == 1:
-        one, nothing = np.ones((1, 1)), np.zeros((1, 1))
+        unit_matrix, zero_matrix = np.ones((1, 1)), np.zeros((1, 1))
         axial = int(fields.twists == (0,))
         section = replace(
-            fields, E0=rigidity * one, E1=nothing, E2=nothing, mass=inertia[0] * one,
-            axial=axial, rigid=one,
+            fields, E0=rigidity * unit_matrix, E1=zero_matrix, E2=zero_matrix, mass=inertia[0] *
+            unit_matrix, axial=axial, rigid=unit_matrix,
         )  # fmt: skip
-        return PrismWaves(section, one, rigidity)
+        return PrismWaves(section, unit_matrix, rigidity)
     shear = _shear_stiffness(kind)
     exchange = np.array([[0.0, 1.0], [1.0, 0.0]])
     section = replace(
@@ -121,8 +122,8 @@ def _shear_stiffness(kind: PrismWaves) -> float:
     length = float(np.sqrt(inertia[1] / inertia[0]))
     root, tip = saint_venant_states(fields, 0.0), saint_venant_states(fields, length)
     unit = np.linalg.inv(fields.rigid.T @ tip.forces)
-    moved = tip.forces.T @ tip.fields - root.forces.T @ root.fields
-    compliance = (unit.T @ moved @ unit)[0, 0]
+    work = tip.forces.T @ tip.fields - root.forces.T @ root.fields
+    compliance = (unit.T @ work @ unit)[0, 0]
     return float(length / (compliance - length**3 / (3.0 * kind.rigidity)))
 
 
@@ -133,15 +134,15 @@ def _cantilever(kind: PrismWaves, length: float, omega: float) -> Array:
     """
     pieces = int(length * kind.wave_number(omega) / _PHASE) + 1
     piece = length / pieces
-    own = kind.stiffness(piece, omega)
-    motions = len(own) // 2
+    piece_stiffness = kind.stiffness(piece, omega)
+    motions = len(piece_stiffness) // 2
     if motions == 2:
         unit = np.array([piece, 1.0, piece, 1.0])
-        own = own * np.outer(unit, unit)
+        piece_stiffness = piece_stiffness * np.outer(unit, unit)
     assembled = np.zeros(((pieces + 1) * motions,) * 2)
     for first in range(0, pieces * motions, motions):
         ends = slice(first, first + 2 * motions)
-        assembled[ends, ends] += own
+        assembled[ends, ends] += piece_stiffness
     return assembled[motions:, motions:]
 
 
@@ -204,12 +205,16 @@ def _boundary(kind: PrismWaves, length: float, omega: float) -> tuple[Array, Arr
     at_tip = fields.E0 @ (from_tip * rates) + fields.E1 @ from_tip
     at_root = fields.E0 @ (from_root * -rates) + fields.E1 @ from_root
     count, motions = tractions.shape
-    moved = np.linalg.norm(fields.E0) * tractions.T
+    mean_motions = np.linalg.norm(fields.E0) * tractions.T
     system = np.block(
         [
             [at_root, at_tip * faded, tractions],
             [at_root * faded, at_tip, np.zeros((count, motions))],
-            [moved @ from_root, moved @ (from_tip * faded), np.zeros((motions, motions))],
+            [
+                mean_motions @ from_root,
+                mean_motions @ (from_tip * faded),
+                np.zeros((motions, motions)),
+            ],
         ]
     )
     tip = tractions[:, 0] @ np.hstack([from_root * faded, from_tip])

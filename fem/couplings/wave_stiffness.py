@@ -43,7 +43,7 @@ class PrismWaves:
 
     @property
     def signs(self) -> tuple[float, ...]:
-        """Those of γ² of its waves: −1 travels, 1 fades."""
+        """Signs of γ² of its waves: −1 travels, 1 fades."""
         return (-1.0, 1.0) if self.fields.chain == 2 else (-1.0,)
 
     @property
@@ -54,7 +54,7 @@ class PrismWaves:
     def stiffness(self, length: float, omega: float) -> Array:
         """Dynamic stiffness (2m×2m, SI, leg axes) between its `ends`, at `omega` (rad/s).
 
-        Raises ComputationError where a wave is none of a beam's any more.
+        Raises ComputationError if a wave no longer resembles that of a beam.
         """
         return _stiffness(self, length, omega)
 
@@ -66,7 +66,7 @@ class PrismWaves:
 def prism_waves(mesh: SectionMesh, material: Material) -> tuple[PrismWaves, ...]:
     """All kinds of the section `mesh`.
 
-    Raises InputError where it is not symmetric about both axes.
+    Raises InputError if it is not symmetric about both axes.
     """
     symmetries = section_fields(mesh, material)
     if len(symmetries) != _KINDS:
@@ -87,10 +87,10 @@ def _stiffness(kind: PrismWaves, length: float, omega: float) -> Array:
     for square, shape in (beam_wave(kind, omega, sign) for sign in kind.signs):
         for root in (np.sqrt(complex(square)), -np.sqrt(complex(square))):
             # γ² has both signs of γ, with u_x = p′/γ of either.
-            own = shape.astype(complex)
-            own[: fields.axial] /= root
+            wave_shape = shape.astype(complex)
+            wave_shape[: fields.axial] /= root
             rates.append(root)
-            columns.append(own)
+            columns.append(wave_shape)
     gamma, shapes = np.array(rates), np.column_stack(columns)
     forces = fields.E0 @ (shapes * gamma) + fields.E1 @ shapes
     motions, acting = [], []
@@ -98,8 +98,8 @@ def _stiffness(kind: PrismWaves, length: float, omega: float) -> Array:
         along = np.exp(gamma * x)
         motions.append(kind.tractions.T @ (shapes * along))
         acting.append(outward * (fields.rigid.T @ (forces * along)))
-    found = np.linalg.solve(np.vstack(motions).T, np.vstack(acting).T).T.real
-    return np.asarray(0.5 * (found + found.T))
+    stiffness = np.linalg.solve(np.vstack(motions).T, np.vstack(acting).T).T.real
+    return np.asarray(0.5 * (stiffness + stiffness.T))
 
 
 def beam_wave(kind: PrismWaves, omega: float, sign: float) -> tuple[float, Array]:

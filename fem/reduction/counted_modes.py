@@ -1,11 +1,11 @@
 """Modes of a body, held or free, by block Lanczos, and a count that none of them is missing.
 
-A M φ = φ/λ with the flexibility A of the body, symmetric in the product of M. Blocks of vectors pay
-twice: the factor is read once for all of them, and a mode that repeats is found as often. Lanczos
-cannot know what it missed. The negative eigenvalues of K − σM on the displacements that
-leave what is held where it is, σ at the cut-off, are as many as there are modes below it
-(Sylvester). What the count finds beyond the search is searched for, the flexibility being without
-what is found: A − Φ Λ⁻¹ Φᵀ has the other modes, and these alone.
+A M φ = φ/λ with the flexibility A of the body, symmetric in the product of M. Blocks of vectors
+have two advantages: the factor is read once for all of them, and repeated modes are found. Lanczos
+cannot detect missing modes. The number of negative eigenvalues of K − σM on the displacements
+without motion of the held interfaces, σ at the cut-off, equals the number of modes below it
+(Sylvester). If the count exceeds the search, the missing modes are searched with the flexibility A
+− Φ Λ⁻¹ Φᵀ, which has only the other modes.
 """
 
 from dataclasses import dataclass, replace
@@ -40,20 +40,20 @@ _TOO_NEAR = 1e-6
 class CountedModes(Modes):
     """All modes below `cutoff` (Hz); some may lie just above it.
 
-    `counted` lie below it by inertia: as many as were found; None where nobody counts.
+    `counted`: number of modes below it by inertia, equal to the number found. None if not counted.
     """
 
     cutoff: float
     counted: int | None
 
 
-def _without(held: Swinging, known: Modes) -> Swinging:
-    """A body without the modes that are known."""
-    shapes, squared = known.shapes, (2.0 * np.pi * known.frequencies[:, None]) ** 2
+def _without(held: Swinging, excluded: Modes) -> Swinging:
+    """A body whose flexibility excludes known modes."""
+    shapes, squared = excluded.shapes, (2.0 * np.pi * excluded.frequencies[:, None]) ** 2
 
     def flexibility(forces: Any) -> Any:
-        found, scale = map(space_of(forces).put, (shapes, squared))
-        return held.flexibility(forces) - found @ (found.T @ forces / scale)
+        excluded_shapes, scale = map(space_of(forces).put, (shapes, squared))
+        return held.flexibility(forces) - excluded_shapes @ (excluded_shapes.T @ forces / scale)
 
     return replace(held, flexibility=flexibility)
 
@@ -61,43 +61,44 @@ def _without(held: Swinging, known: Modes) -> Swinging:
 def counted_modes(held: Swinging, cutoff: float) -> CountedModes:
     """All modes below `cutoff` (Hz), counted where the body can.
 
-    Raises ComputationError where more are counted than can be found, or fewer than were found.
+    Raises ComputationError if the count exceeds the modes that can be found, or is below those
+    found.
     """
     modes = interface_modes(held, cutoff)
     if held.inertia is None:
         return CountedModes(modes.frequencies, modes.shapes, cutoff, None)
     for search in range(1, _SEARCHES + 1):
-        place, counted = _counted(held, modes, cutoff)
-        missing = counted - int((modes.frequencies < place).sum())
+        counting_frequency, counted = _counted(held, modes, cutoff)
+        missing = counted - int((modes.frequencies < counting_frequency).sum())
         if not missing:
-            return CountedModes(modes.frequencies, modes.shapes, place, counted)
+            return CountedModes(modes.frequencies, modes.shapes, counting_frequency, counted)
         if missing < 0 or search == _SEARCHES:
             break
         modes = _joined(modes, interface_modes(_without(held, modes), cutoff, search))
     raise ComputationError(
         f"{held.state}: certificate of the modes failed: {counted} lie below "
-        f"{place:.6g} Hz, {counted - missing} were found"
+        f"{counting_frequency:.6g} Hz, {counted - missing} were found"
     )
 
 
 def _counted(held: Swinging, modes: Modes, cutoff: float) -> tuple[float, int]:
-    """Frequency (Hz) at or just below the cut-off, and how many modes lie below it."""
+    """Frequency (Hz) at or just below the cut-off, and the number of modes below it."""
     for share in _PLACES:
-        place = share * cutoff
-        if held.inertia and (np.abs(modes.frequencies / place - 1.0) > _TOO_NEAR).all():
-            found = held.inertia((2.0 * np.pi * place) ** 2)
-            if not found.zero:
-                return place, found.negative
+        frequency = share * cutoff
+        if held.inertia and (np.abs(modes.frequencies / frequency - 1.0) > _TOO_NEAR).all():
+            inertia = held.inertia((2.0 * np.pi * frequency) ** 2)
+            if not inertia.zero:
+                return frequency, inertia.negative
     raise ComputationError(
         f"{held.state}: zero pivots near {cutoff:.6g} Hz; the modes below it "
         "cannot be counted, take another cut-off"
     )
 
 
-def _joined(some: Modes, more: Modes) -> Modes:
-    frequencies = np.concatenate([some.frequencies, more.frequencies])
+def _joined(first: Modes, second: Modes) -> Modes:
+    frequencies = np.concatenate([first.frequencies, second.frequencies])
     order = np.argsort(frequencies, kind="stable")
-    return Modes(frequencies[order], np.hstack([some.shapes, more.shapes])[:, order])
+    return Modes(frequencies[order], np.hstack([first.shapes, second.shapes])[:, order])
 
 
 def interface_modes(held: Swinging, cutoff: float, search: int = 0) -> Modes:
@@ -109,19 +110,19 @@ def interface_modes(held: Swinging, cutoff: float, search: int = 0) -> Modes:
     modes = None if held.size <= _DENSE_SIZE else _modes_below(held, cutoff, _SEED + search)
     if modes is None:
         modes = _all_modes(held, cutoff)
-    kept = modes.frequencies < cutoff
-    return Modes(frequencies=modes.frequencies[kept], shapes=fix_signs(modes.shapes[:, kept]))
+    below = modes.frequencies < cutoff
+    return Modes(frequencies=modes.frequencies[below], shapes=fix_signs(modes.shapes[:, below]))
 
 
 def _modes_below(held: Swinging, cutoff: float, seed: int) -> Modes | None:
-    """All modes below the cut-off; None where these are a large part of all there are."""
+    """All modes below the cut-off. None if these are a large part of all modes."""
     # Noise has a share in the modes of every symmetry; Lanczos finds none that its start lacks.
     start = np.random.default_rng(seed).standard_normal((held.size, _BLOCK))
     limit = min(_LARGEST_SUBSPACE, held.size // 2)
-    wanted = modes_below((2.0 * np.pi * cutoff) ** 2)
+    selection = modes_below((2.0 * np.pi * cutoff) ** 2)
     try:
         ritz = block_lanczos(
-            held.flexibility, held.mass, start, wanted, limit, _CONVERGED, space=held.space()
+            held.flexibility, held.mass, start, selection, limit, _CONVERGED, space=held.space()
         )
     except NotConvergedError as error:
         if limit < _LARGEST_SUBSPACE:
@@ -136,10 +137,10 @@ def _modes_below(held: Swinging, cutoff: float, seed: int) -> Modes | None:
 def _all_modes(held: Swinging, cutoff: float) -> Modes:
     """Modes with mass below the cut-off: with A = S Sᵀ, Sᵀ M S w = w/λ and φ = √λ S w."""
     flexibility = held.flexibility(np.eye(held.size))
-    rounding, own = np.finfo(float).eps * held.size, np.diag(flexibility)
+    rounding, diagonal = np.finfo(float).eps * held.size, np.diag(flexibility)
     # What is held moves by rounding alone, of either sign.
-    moves = own > rounding * own.max(initial=0.0)
-    scale = np.sqrt(np.where(moves, own, 0.0))
+    moves = diagonal > rounding * diagonal.max(initial=0.0)
+    scale = np.sqrt(np.where(moves, diagonal, 0.0))
     unit = np.divide(1.0, scale, out=np.zeros_like(scale), where=moves)
     symmetric = 0.5 * (flexibility + flexibility.T) * unit[:, None] * unit
     factor, order, rank, _ = dpstrf(symmetric, tol=rounding, lower=1)

@@ -53,7 +53,7 @@ class CraigBampton(Superelement):
 
 
 class Truncated(Protocol):
-    """A reduced body, with what `frequency_bounds` asks of it."""
+    """A reduced body with the data for `frequency_bounds`."""
 
     @property
     def cutoff(self) -> float:
@@ -61,7 +61,7 @@ class Truncated(Protocol):
         ...
 
     def loosened(self, squared: float) -> tuple[Array, Array]:
-        """What to add to its stiffness and its mass (n×n) to bound what it was reduced from.
+        """Additions to its stiffness and mass (n×n) that bound the unreduced body.
 
         With them K − λM is nowhere above that of the unreduced body, for no λ up to `squared`
         (rad²/s²), once its inner unknowns have done what they can.
@@ -102,7 +102,7 @@ class Reduction:
 def heavier_at_interfaces(
     truncated: Array, cutoff: float, size: int, squared: float
 ) -> tuple[Array, Array]:
-    """What `Truncated.loosened` adds for W (6m×6m) on n = `size` unknowns: mass at interfaces."""
+    """Additions of `Truncated.loosened` for W (6m×6m) on n = `size` unknowns: added mass."""
     added = np.zeros((size, size))
     outer = slice(len(truncated))
     share = squared / (2.0 * np.pi * cutoff) ** 2
@@ -111,33 +111,33 @@ def heavier_at_interfaces(
 
 
 def chosen_cutoff(highest_frequency: float, cutoff: float | None) -> float:
-    """The cut-off (Hz), `CUTOFF_FACTOR` times the highest frequency where None is given.
+    """Cut-off (Hz); by default `CUTOFF_FACTOR` times the highest frequency.
 
-    Raises InputError where it is not above that.
+    Raises InputError if it is not above the highest frequency.
     """
     if not highest_frequency > 0.0:
         raise InputError(f"highest frequency = {highest_frequency!r} Hz: must be above 0 Hz")
-    chosen = CUTOFF_FACTOR * highest_frequency if cutoff is None else cutoff
-    if not chosen > highest_frequency:
+    frequency = CUTOFF_FACTOR * highest_frequency if cutoff is None else cutoff
+    if not frequency > highest_frequency:
         raise InputError(
-            f"cut-off = {chosen:g} Hz: must be above the highest frequency asked for, "
+            f"cut-off = {frequency:g} Hz: must be above the highest frequency asked for, "
             f"{highest_frequency:g} Hz ({CUTOFF_FACTOR:g} times that is usual)"
         )
-    return chosen
+    return frequency
 
 
 def craig_bampton(
     held: HeldLeg, highest_frequency: float, cutoff: float | None = None
 ) -> CraigBampton:
     """A leg reduced for frequencies up to `highest_frequency` (Hz); see `reduction`."""
-    found = reduction(held, highest_frequency, cutoff)
-    superelement = reduced(held, found.recovery, found.stiffness, found.mass)
+    reduced_body = reduction(held, highest_frequency, cutoff)
+    superelement = reduced(held, reduced_body.recovery, reduced_body.stiffness, reduced_body.mass)
     return CraigBampton(
         matrices=superelement.matrices,
         recovery=superelement.recovery,
-        cutoff=found.cutoff,
-        frequencies=found.frequencies,
-        truncated=found.truncated,
+        cutoff=reduced_body.cutoff,
+        frequencies=reduced_body.frequencies,
+        truncated=reduced_body.truncated,
     )
 
 
@@ -167,7 +167,7 @@ def reduction_on(
     """A body on the twists of its interfaces and on `shapes` (n×k), which leave these in place.
 
     `shapes` are orthonormal in the mass, their ω² `squared` (k, rad²/s²); `momenta` MΨ (n×6m);
-    `modes` are those that the cut-off asks for, `truncated` is what bounds the others.
+    `modes` are those below the cut-off, `truncated` bounds the others.
     """
     constraint = held.constraint_modes
     ends_mass = constraint.T @ momenta
@@ -187,25 +187,25 @@ def frequency_bounds(system: System, legs: Mapping[str, Truncated], count: int) 
     """Bounds on the first `count` frequencies of the robot whose legs were reduced to `legs`.
 
     `system` is the reduced robot, assembled from the matrices of `legs` by name of the body.
-    Raises InputError where a frequency is not below the cut-off of a leg.
+    Raises InputError if a frequency is not below the cut-off of a leg.
     """
-    whole = replace(system, stiffness=dense(system.stiffness), mass=dense(system.mass))
-    upper = solution.modes(solution.solved(whole), count).frequencies
+    dense_system = replace(system, stiffness=dense(system.stiffness), mass=dense(system.mass))
+    upper = solution.modes(solution.solved(dense_system), count).frequencies
     cutoff = min(leg.cutoff for leg in legs.values())
     if upper[-1] >= cutoff:
         raise InputError(
             f"{system.name}: frequency {count} of the reduced robot is {upper[-1]:g} Hz, and "
             f"the legs' modes are cut off at {cutoff:g} Hz: raise the cut-off or ask for fewer"
         )
-    own = {name: system.body_unknowns(name, np.eye(system.size)) for name in legs}
+    leg_unknowns = {name: system.body_unknowns(name, np.eye(system.size)) for name in legs}
     lower = np.empty(count)
     for j, frequency in enumerate(upper):
-        stiffness, mass = whole.stiffness.copy(), whole.mass.copy()
+        stiffness, mass = dense_system.stiffness.copy(), dense_system.mass.copy()
         for name, leg in legs.items():
             softer, heavier = leg.loosened((2.0 * np.pi * frequency) ** 2)
-            stiffness += own[name].T @ softer @ own[name]
-            mass += own[name].T @ heavier @ own[name]
-        loosened = replace(whole, stiffness=stiffness, mass=mass)
+            stiffness += leg_unknowns[name].T @ softer @ leg_unknowns[name]
+            mass += leg_unknowns[name].T @ heavier @ leg_unknowns[name]
+        loosened = replace(dense_system, stiffness=stiffness, mass=mass)
         lower[j] = solution.modes(solution.solved(loosened), j + 1).frequencies[j]
-    # Where nothing is dropped both are one number but for rounding.
+    # If nothing is dropped, both are equal except for rounding.
     return FrequencyBounds(lower=np.minimum(lower, upper), upper=upper)

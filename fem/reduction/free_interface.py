@@ -29,7 +29,7 @@ from lumped.errors import ComputationError
 
 @dataclass(frozen=True, eq=False)
 class FreeTruncation:
-    """What is dropped with the modes of a free body above `cutoff` (Hz).
+    """Truncation of the modes of a free body above `cutoff` (Hz).
 
     `squared` (s, rad²/s²): ω² of rigid motions, modes and residual modes; `shares` P (6m×s): twists
     of the interfaces in them, mass-normalised, of which the last 6m are residual; `truncated` W
@@ -47,14 +47,14 @@ class FreeTruncation:
         Of a body with no more stiffness at any λ up to `squared` than the unreduced one.
         """
         count = len(self.shares)
-        kept, residual = self.shares[:, :-count], self.shares[:, -count:]
+        kept_shares, residual = self.shares[:, :-count], self.shares[:, -count:]
         share = squared / (2.0 * np.pi * self.cutoff) ** 2
         flexibility = (residual / (self.squared[-count:] - squared)) @ residual.T
         flexibility += squared**2 / (1.0 - share) * self.truncated
         scale = 1.0 / np.sqrt(np.diag(flexibility))
-        between = np.hstack([np.eye(count), -kept])
-        own = cho_factor(scale[:, None] * flexibility * scale)
-        spring = between.T @ (scale[:, None] * cho_solve(own, scale[:, None] * between))
+        between = np.hstack([np.eye(count), -kept_shares])
+        factor = cho_factor(scale[:, None] * flexibility * scale)
+        spring = between.T @ (scale[:, None] * cho_solve(factor, scale[:, None] * between))
         stiffness = (spring + spring.T) / 2.0
         inner = slice(count, None)
         stiffness[inner, inner] += np.diag(self.squared[:-count])
@@ -85,8 +85,8 @@ def free_interface(
     amplitudes, inner = _held(shares, squared)
     held = held_body(rooted)
     momenta = held.mass @ held.constraint_modes
-    found = reduction_on(held, momenta, fields @ amplitudes, inner, modes, truncated)
-    return found, FreeTruncation(modes.cutoff, squared, shares, truncated)
+    reduced_body = reduction_on(held, momenta, fields @ amplitudes, inner, modes, truncated)
+    return reduced_body, FreeTruncation(modes.cutoff, squared, shares, truncated)
 
 
 def _held(shares: Array, squared: Array) -> tuple[Array, Array]:

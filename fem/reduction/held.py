@@ -1,8 +1,8 @@
-"""What a reduction needs of a body of any kind, held or free, and what it drops of it.
+"""Data of a held or free body for its reduction, and residual modes of the dropped ones.
 
-Residual modes: how what a reduction drops gives way to given forces, and what that leaves open.
-Z = A F less its share of the modes that are kept is Σ φ_k pᵀ/λ_k over the dropped ones, p = Fᵀφ_k:
-their static response to the forces F. W = (MZ)ᵀ A (MZ) = Σ p pᵀ/λ_k³ is known without them.
+Residual modes are the static response of the dropped modes to forces F: Z = A F minus its share of
+the retained modes is Σ φ_k pᵀ/λ_k over the dropped ones, p = Fᵀφ_k. The bound on their effect,
+W = (MZ)ᵀ A (MZ) = Σ p pᵀ/λ_k³, is known without them.
 """
 
 from collections.abc import Callable
@@ -88,19 +88,19 @@ def free_body(rooted: RootedBody) -> FreeBody:
     and these alone.
     """
     mass, motions = rooted.solid.mass, rooted.solid.motions
-    own = cholesky(motions.T @ (mass @ motions))
-    rigid = np.asarray(solve_triangular(own, motions.T, trans="T").T)
+    mass_factor = cholesky(motions.T @ (mass @ motions))
+    rigid = np.asarray(solve_triangular(mass_factor, motions.T, trans="T").T)
     momenta = np.asarray(mass @ rigid)
 
     def flexibility(forces: Any) -> Any:
         motions, impulses = map(space_of(forces).put, (rigid, momenta))
-        moved = rooted.flexibility(forces - impulses @ (motions.T @ forces))
-        return moved - motions @ (impulses.T @ moved)
+        displacements = rooted.flexibility(forces - impulses @ (motions.T @ forces))
+        return displacements - motions @ (impulses.T @ displacements)
 
     def inertia(sigma: float) -> Inertia:
         # Rigid motions lie below every σ.
-        found = rooted.free_inertia(sigma)
-        return found._replace(negative=found.negative - rigid.shape[1])
+        signs = rooted.free_inertia(sigma)
+        return signs._replace(negative=signs.negative - rigid.shape[1])
 
     return FreeBody(
         state=f"{rooted.name}, free",
@@ -125,8 +125,8 @@ def residual_modes(body: Swinging, forces: Array, modes: Modes) -> tuple[Modes, 
     stiffness, mass = loads.T @ response, response.T @ inertia
     scale = 1.0 / np.sqrt(np.einsum("ij,ij->j", forces, body.flexibility(forces)))
     values, vectors = eigh(_symmetric(stiffness) * scale[:, None] * scale)
-    kept = values > _NO_RESIDUAL
-    basis = scale[:, None] * vectors[:, kept] / np.sqrt(values[kept])
+    significant = values > _NO_RESIDUAL
+    basis = scale[:, None] * vectors[:, significant] / np.sqrt(values[significant])
     inverse_squares, amplitudes = eigh(basis.T @ _symmetric(mass) @ basis)
     inverse_squares, amplitudes = inverse_squares[::-1], amplitudes[:, ::-1]
     shapes = fix_signs(response @ (basis @ amplitudes) / np.sqrt(inverse_squares))
