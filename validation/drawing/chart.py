@@ -93,8 +93,8 @@ class Panel:
     legend. Their markers are `staggered`, unless each point is a result of its own. `bars` are
     vertical at 1, 2, …, or horizontal in rows from the top (`lying`), with `names`; curves in lying
     panels have a value for each row. A `matrix` of values from 0 to 1, or `contours`, are shaded.
-    `levels` are grey lines. `band` is a shaded stripe, with `band_label` in the legend. `place` is
-    the first part of headings in the table. `x_label` replaces that of the chart.
+    `levels` are grey lines. `band` is a shaded stripe, with `band_label` in the legend.
+    `column_prefix` begins the headings of its columns in the table. `x_label` replaces the chart's.
     """
 
     series: Sequence[Series] = ()
@@ -106,7 +106,7 @@ class Panel:
     levels: Sequence[float] = ()
     band: tuple[float, float] | None = None
     band_label: str = ""
-    place: str = ""
+    column_prefix: str = ""
     staggered: bool = True
     x_label: str | None = None
     bars: Sequence[Bars] = ()
@@ -171,12 +171,12 @@ def lettered(panels: Sequence[Panel]) -> list[Panel]:
 
 def chart_table(chart: Chart) -> str:
     """Table and curves of a chart as CSV, with names and units as headings."""
-    columns = {
-        f"{panel.place and f'{panel.place}: '}{curve.label}: {curve.quantity}": curve.y.tolist()
-        for panel in chart.panels
-        for curve in panel.series
-        if curve.quantity and np.isfinite(curve.y).any()
-    }
+    columns = {}
+    for panel in chart.panels:
+        prefix = f"{panel.column_prefix}: " if panel.column_prefix else ""
+        for curve in panel.series:
+            if curve.quantity and np.isfinite(curve.y).any():
+                columns[f"{prefix}{curve.label}: {curve.quantity}"] = curve.y.tolist()
     return csv_of({**chart.table, **columns})
 
 

@@ -1,4 +1,4 @@
-"""Figures of the page, registered where their charts and scenes are made."""
+"""Figures of the report, registered by the functions that make their charts and scenes."""
 
 import logging
 from collections.abc import Callable
@@ -13,38 +13,38 @@ from validation.exhibits import Figure, PlannedFigure
 
 
 def drawn_figure(
-    shown: Chart | SceneGrid,
+    contents: Chart | SceneGrid,
     identifier: str,
     title: str,
     section: str,
     computed_by: tuple[str, ...] = (),
 ) -> Figure:
     """Draw a chart or scenes as a figure of the page."""
-    # Slow to import, and not for those who only list what could be drawn.
+    # Slow to import, and not needed to list the figures.
     from validation.drawing.plot import chart_svg  # noqa: PLC0415
     from validation.drawing.rendering import pictured  # noqa: PLC0415
 
     figure = partial(
         Figure,
         id=identifier,
-        title=shown.title or title,
-        caption=shown.caption,
+        title=contents.title or title,
+        caption=contents.caption,
         section=section,
         computed_by=computed_by,
     )
-    if isinstance(shown, Chart):
-        studies = tuple(shown.studies)
-        return figure(svg=chart_svg(shown), data=chart_table(shown), studies=studies)
-    picture = pictured(shown.scenes, shown.columns, shown.height, shown.width)
-    scenes = tuple(map(turnable, shown.scenes)) if shown.turned else ()
-    return figure(png=picture.png, data=shown.data, left_out=picture.left_out, scenes=scenes)
+    if isinstance(contents, Chart):
+        studies = tuple(contents.studies)
+        return figure(svg=chart_svg(contents), data=chart_table(contents), studies=studies)
+    picture = pictured(contents.scenes, contents.columns, contents.height, contents.width)
+    scenes = tuple(map(turnable, contents.scenes)) if contents.turned else ()
+    return figure(png=picture.png, data=contents.data, left_out=picture.left_out, scenes=scenes)
 
 
 def attempted(draw: Callable[[], Figure | None]) -> Figure | None:
-    """The figure, or none: a plot that fails must not cost the report."""
+    """Figure, or None if drawing it raises an exception, which must not prevent the report."""
     try:
         return draw()
-    except Exception as error:  # noqa: BLE001  whatever it is, the numbers stand in the tables
+    except Exception as error:  # noqa: BLE001  any error: the tables have the numbers
         logging.getLogger(__name__).warning("a plot could not be drawn: %s", error)
         return None
 
@@ -53,7 +53,7 @@ Draw: TypeAlias = Callable[[Context], Chart | SceneGrid]
 
 
 class FigureGroup:
-    """Figures of one section that are drawn in one process; `figures()` has them in order."""
+    """Figures of one section that are drawn in one process. A call returns them in order."""
 
     def __init__(self, section: str, group: str) -> None:
         self._section, self._group = section, group
@@ -69,12 +69,12 @@ class FigureGroup:
             def drawn(context: Context) -> Figure:
                 return drawn_figure(draw(context), identifier, title, self._section)
 
-            where = (self._section, self._group, effort)
-            self._planned.append(PlannedFigure(identifier, title, drawn, PRESETS, *where))
+            options = (self._section, self._group, effort)
+            self._planned.append(PlannedFigure(identifier, title, drawn, PRESETS, *options))
             return drawn
 
         return declare
 
     def __call__(self) -> tuple[PlannedFigure, ...]:
-        """All of them."""
+        """Planned figures in the order of their registration."""
         return tuple(self._planned)

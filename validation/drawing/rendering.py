@@ -185,10 +185,10 @@ def _write_labels(axes: Axes, view: View, labels: Sequence[Label]) -> None:
     """Write each label at its point, or beside it with a line, overlapping the others least."""
     occupied: list[Array] = []
     for label in labels:
-        (point,) = view.pixels(label.place[None])
+        (point,) = view.pixels(label.point[None])
         half_size = 0.5 * _PER_POINT * _TEXT * np.array([0.62 * len(label.text), 1.25])
         centres = [point]
-        if label.beside:
+        if label.movable:
             centres = [
                 point + np.array(side) * (half_size + 7.0 * _PER_POINT * distance)
                 for distance in (1.0, 2.0, 3.5)
@@ -211,7 +211,7 @@ def _write_labels(axes: Axes, view: View, labels: Sequence[Label]) -> None:
             color=label.colour,
             zorder=7,
             path_effects=[withStroke(linewidth=1.8, foreground="white")],
-            arrowprops=line if label.beside else None,
+            arrowprops=line if label.movable else None,
         )
 
 

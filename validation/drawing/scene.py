@@ -68,13 +68,13 @@ class Arrow:
 
 @dataclass(frozen=True, eq=False)
 class Label:
-    """Text at a point (3, m). If `beside`, it is moved beside the point to overlap others least."""
+    """Text at a `point` (3, m). If `movable`, it is placed beside it to overlap others least."""
 
     text: str
-    place: Array
+    point: Array
     colour: str = "black"
     slanted: bool = False
-    beside: bool = True
+    movable: bool = True
 
 
 @dataclass(frozen=True, eq=False)

@@ -111,8 +111,9 @@ def error_parts(
     # The interval may extend farther to one side, for example by other partners of a mode.
     if max(error - low, high - error) - half_width >= _SMALLEST_SPREAD and not readings:
         return _range(low, high, written, signed=entry.signed), ""
-    shown = half_width >= _SMALLEST_SPREAD
-    spread = f"±\u00a0{written(half_width, signed=False)}" if shown else ""
+    spread = ""
+    if half_width >= _SMALLEST_SPREAD:
+        spread = f"±\u00a0{written(half_width, signed=False)}"
     return readings or written(error, signed=entry.signed), spread
 
 

@@ -125,12 +125,12 @@ def reduced_robot(posture: Posture, count: int) -> ReducedRobot:
     mechanism = posture.mechanism
 
     legs = legs_of(mechanism)
-    given = {name: leg for name, leg in legs.items() if isinstance(leg, GivenLeg)}
+    six_by_six_legs = {name: leg for name, leg in legs.items() if isinstance(leg, GivenLeg)}
 
     def solve(highest: float) -> tuple[Solved, Modes, dict[str, _Solid]]:
         solids = dict(_solids(mechanism, highest))
         models: dict[str, BodyModel] = {name: model for name, (model, _, _) in solids.items()}
-        for name, leg in given.items():
+        for name, leg in six_by_six_legs.items():
             models[name] = leg_with_inside(leg, Inside(MASSES[0]), highest)
         solution = solved(assemble(posture, models))
         return solution, modes_with_mass(solution, count), solids
@@ -153,7 +153,7 @@ def reduced_robot(posture: Posture, count: int) -> ReducedRobot:
     # Drives have no rows for the inner unknowns of bodies.
     inner_zeros = np.zeros((1, system.size - system.outer))
     pose = shown_pose(mechanism, posture.pose) or "the reference posture"
-    masses = ", legs known by their 6×6 with their mass along them" if given else ""
+    masses = ", legs known by their 6×6 with their mass along them" if six_by_six_legs else ""
     matrices = Reduced(
         name=mechanism.name,
         about=f"robot at {pose}, base axes, legs and parts solid{masses}; frequencies as it stands",

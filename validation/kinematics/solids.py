@@ -85,7 +85,7 @@ def solids(posture: Posture) -> list[Solid]:
 def section_prism(
     section: Section, stations: Array, *, scale: float = 1.0, rims: bool = False
 ) -> Surface:
-    """A prism of a section times `scale`, cut at `stations` (m); edges as of `prism`."""
+    """Prism of a section enlarged by `scale`, divided at `stations` (m), with edges as `prism`."""
     if isinstance(section, OutlinedSection):
         return walled([scale * loop for loop in section.centred_loops], stations, rims=rims)
     outline, bore = outlines(section)

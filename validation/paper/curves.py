@@ -337,7 +337,7 @@ def family_panel(
     `point` is a key of `FIGURE_POINTS`.
     """
     label = y_label if point == next(iter(FIGURE_POINTS)) else ""
-    return Panel(series, _POINT_TITLES[point], label, scale, notes=notes, place=point)
+    return Panel(series, _POINT_TITLES[point], label, scale, notes=notes, column_prefix=point)
 
 
 def frequency_scale(series: Sequence[Series]) -> Scale:

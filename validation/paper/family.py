@@ -104,13 +104,13 @@ def _segment_frequencies(
 )
 def _planar_falls(context: Context, point: str = "centre", axis: str = "x") -> Measurement:
     curves = {name: _family_deflections(context, name).planar_x for name in FIGURE_POINTS}
-    left, right = curves["left"], curves["right"]
+    at_left, at_right = curves["left"], curves["right"]
     return _trend(
         getattr(_family_deflections(context, point), f"planar_{axis}"),
         -1.0,
         "At the ends of the stroke one leg carries the force along its axis. The deflection there "
-        f"is small and grows with the length of the leg: {left[0]:.2f} to {left[-1]:.2f} µm at the "
-        f"left end, {right[0]:.2f} to {right[-1]:.2f} µm at the right end.",
+        f"is small and grows with the length of the leg: {at_left[0]:.2f} to {at_left[-1]:.2f} µm "
+        f"at the left end, {at_right[0]:.2f} to {at_right[-1]:.2f} µm at the right end.",
         {"α": ALPHAS} | {f"{name} (µm)": tuple(curve.tolist()) for name, curve in curves.items()},
     )
 

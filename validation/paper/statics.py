@@ -109,9 +109,10 @@ def _x_at_the_ends(context: Context) -> Measurement:
 def _y_largest_at_the_ends(context: Context) -> Measurement:
     planar = _stroke_deflections(context, "simplified").planar_y
     half = POSTURES // 2
-    left = int(np.argmax(planar[: half + 1]))
-    right = half - int(np.argmax(planar[half:]))
-    return Measurement(_STEP * max(left, right), reference=0.0, value_uncertainty=_STEP)
+    steps_to_left = int(np.argmax(planar[: half + 1]))
+    steps_to_right = half - int(np.argmax(planar[half:]))
+    distance = _STEP * max(steps_to_left, steps_to_right)
+    return Measurement(distance, reference=0.0, value_uncertainty=_STEP)
 
 
 refined = statements.family(figure="deflection.stroke")

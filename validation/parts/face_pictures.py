@@ -51,8 +51,8 @@ def picture(part: PartFile) -> Picture:
             visible = _visible_points(part, face, view, surface)
             if len(visible):
                 hidden.discard(face.number)
-                point = _label_point(visible, [label.place for label in labels], view)
-                labels.append(Label(str(face.number), point, beside=False))
+                point = _label_point(visible, [label.point for label in labels], view)
+                labels.append(Label(str(face.number), point, movable=False))
         scenes.append(replace(scene, labels=labels))
     hidden_numbers = ", ".join(map(str, sorted(hidden)))
     title = _TITLE.format(part.path.name) + f", {part.size}"

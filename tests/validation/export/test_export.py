@@ -56,7 +56,7 @@ def folder(tmp_path_factory):
     return path
 
 
-def test_files_are_readable_and_equal_legs_written_once(folder):
+def test_files_are_readable_equal_legs_written_once(folder):
     assert_read_back(folder)
     solids = {path.name for path in folder.glob("*_solid.vtu")}
     assert solids == {"mechanism_solid.vtu", "rod1l_solid.vtu"}
@@ -156,7 +156,7 @@ def part(tmp_path_factory):
     return identified(mechanism.parts["arm"]), folder
 
 
-def test_reduced_part_has_its_frequencies_and_stiffness(part):
+def test_reduced_part_has_frequencies_and_stiffness(part):
     """The first interface is clamped. The reduction has an error of 1e-5 (CUTOFF_FACTOR)."""
     arm, folder = part
     assert_read_back(folder)
@@ -167,7 +167,7 @@ def test_reduced_part_has_its_frequencies_and_stiffness(part):
     np.testing.assert_allclose(K[:18, :18], arm.stiffness, atol=1e-9 * scale)
 
 
-def test_part_displacements_match_identified_compliance(part):
+def test_part_displacements_match_its_compliance(part):
     """Nodes on a rigid face move with its twist. Those on the first interface do not move."""
     arm, folder = part
     mesh = read_vtk(folder / "arm_part.vtu")
@@ -258,7 +258,7 @@ def test_state_space_has_modal_damping():
         assert receptance[axis, tool + axis] == pytest.approx(-1j / (loss * stiffness), rel=1e-9)
 
 
-def test_drive_deflection_times_stiffness_is_its_torque(robot):
+def test_drive_deflection_times_stiffness_is_torque(robot):
     ports, solution = robot.matrices.ports, robot.solution
     joint = next(joint for joint in FIVE_BAR.joints if joint.name == "motor1")
     reference, step = reference_posture(FIVE_BAR), 1e-6

@@ -194,7 +194,7 @@ def test_simplified_family_matches_virtual_power(fraction):
     assert np.isnan(deflection.along_z).all()
 
 
-def test_longer_legs_are_stiff_in_plane_and_soft_along_z():
+def test_longer_legs_are_stiff_in_plane_soft_along_z():
     """Values of a hand calculation, α = 1 and 2 at the centre, to half a unit of the last digit."""
     slender = ModelOptions(legs="equivalent", theory="euler-bernoulli")
     deflection = deflections("vjm", family(IFW, 0.5, (1.0, 2.0)), slender)
@@ -202,7 +202,7 @@ def test_longer_legs_are_stiff_in_plane_and_soft_along_z():
     assert deflection.along_z == pytest.approx([23.0, 85.0], abs=0.5)
 
 
-def test_simplified_model_is_rigid_along_x_at_stroke_ends():
+def test_simplified_model_is_rigid_at_stroke_ends():
     stroke = stroke_of(IFW.mechanism)
     for x in stroke.ends:
         assert_allclose(drive_compliance(stroke, x)[0], 0.0, atol=1e-16)
@@ -228,7 +228,7 @@ def test_cosine_spacing_includes_ends_and_centre():
 
 
 @pytest.mark.exhaustive
-def test_stroke_figure_has_a_curve_for_eq_25_as_printed():
+def test_stroke_figure_has_curve_for_printed_eq_25():
     figure = frequencies_over_the_stroke(Context(IFW, "quick"))
     centre = list(csv.DictReader(io.StringIO(figure.data)))[10]
     # Values of an independent computation: 184 Hz, and about 300 Hz as printed.
@@ -264,13 +264,13 @@ def evidence(where: str, check: str) -> str:
     return FINDINGS[where, check].evidence
 
 
-def test_erratum_of_captions_gives_the_ends_of_the_stroke():
+def test_erratum_of_captions_gives_ends_of_stroke():
     assert evidence("captions of Figs 6c, 12c, 13c", "caption") == (
         f"L1 − a = {L1 - A:.3g} m, the stroke goes from {A - L2:.3g} to {L1:.3g} m"
     )
 
 
-def test_erratum_of_the_foot_gives_its_stiffness_along_y():
+def test_erratum_of_foot_gives_stiffness_along_y():
     printed, used = (
         np.array(tables["foot"]["compliance"]) for tables in (as_printed(IFW), IFW.tables)
     )
@@ -289,7 +289,7 @@ def test_erratum_of_the_foot_gives_its_stiffness_along_y():
     )
 
 
-def test_erratum_gives_longitudinal_over_bending_ratios():
+def test_erratum_gives_longitudinal_to_bending_ratio():
     """Frequency ratio of a clamped-free beam: π/2L √(EA/μ) over (1.8751/L)² √(EI/μ)."""
     ratios = [
         f"{np.pi / 2.0 * leg.length * np.sqrt(beam.EA / stiffness) / ROOT**2:.2g} "

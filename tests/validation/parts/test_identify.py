@@ -160,7 +160,7 @@ def test_shaft_mass_and_inertia_match_sum_of_discs(shaft):
     assert shaft["inertia"] == pytest.approx(meshed * inertia, abs=1e-3 * np.abs(inertia).max())
 
 
-def test_condensed_shaft_has_its_rigid_motions_and_mass(shaft):
+def test_condensed_shaft_has_rigid_motions_and_mass(shaft):
     motions = np.vstack([np.eye(6), wrench_transport(END - START).T])
     mass_at_centre = np.zeros((6, 6))
     mass_at_centre[:3, :3], mass_at_centre[3:, 3:] = shaft["mass"] * np.eye(3), shaft["inertia"]
@@ -205,7 +205,7 @@ def test_given_mesh_has_no_half_width(command, folder):
     assert re.search(r"^  1 +\d+\.\d\d  ± +–  ", text, re.MULTILINE)
 
 
-def test_uncertainties_follow_from_meshes_and_couplings(folder, shaft):
+def test_uncertainty_follows_from_meshes_and_couplings(folder, shaft):
     file = read_part(folder / "shaft.step")
     ends = find_interfaces(file, *interfaces_of(ENDS))
     meshes = [part_mesh(file, ends, int(SMALL[1]), level) for level in LEVELS]
@@ -307,7 +307,7 @@ def test_crank_compliance_is_shaft_plus_drive(crank, model, parts):
     assert scaled_difference(answer.compliance, crank_compliance()) < REFERENCE_ERROR
 
 
-def test_crank_frequencies_are_those_of_mass_on_springs(crank):
+def test_crank_frequencies_match_mass_on_springs(crank):
     """ω² are the eigenvalues of C⁻¹/m with C the compliance of translations."""
     (answer,) = answers("segments", [crank], 3, ModelOptions(parts="condensed"))
     compliances = np.linalg.eigvalsh(crank_compliance()[:3, :3])[::-1]
@@ -318,7 +318,7 @@ def test_crank_frequencies_are_those_of_mass_on_springs(crank):
 
 
 @pytest.mark.exhaustive
-def test_condensed_leg_is_accurate_and_equivalent_is_not(tmp_path):
+def test_condensed_leg_is_accurate_equivalent_is_not(tmp_path):
     """Tapered hollow leg with lugs: its solid, and two equivalent legs of it.
 
     The known values were computed with meshes of another program on the same drawing and compared

@@ -56,7 +56,7 @@ def test_half_widths_cover_errors_of_random_parts(seeds, tmp_path, monkeypatch):
 
 
 @pytest.mark.exhaustive
-def test_torsion_of_tube_with_sharp_corners_is_accurate(tmp_path, monkeypatch):
+def test_torsion_of_tube_with_corners_is_accurate(tmp_path, monkeypatch):
     """Error below 0.2 %. Meshes that are not cut at the corners are 0.6 % too stiff.
 
     The other five compliances are within 0.06 %, because the edges of the rigid ends are singular,

@@ -73,7 +73,7 @@ def test_explained_difference_agrees():
     assert not KnownNumber("q", "Hz", 2.0, 2.0, 1e-3, explained=0.01).agrees
 
 
-def test_other_installation_or_damaged_record_is_ignored(selftest, tmp_path):
+def test_record_of_other_installation_is_ignored(selftest, tmp_path):
     selftest(numbers(2.0))
     changes = {"versions": {**HEADER["versions"], "numpy": "0"}, "suite_sha256": "0"}
     for name, changed in changes.items():

@@ -55,7 +55,7 @@ def test_differences_are_in_percent_of_the_same_quantity_and_stand_below():
 def test_the_table_has_the_abscissa_and_every_curve_that_has_numbers():
     chart = Chart(
         [
-            Panel([series("a", [1, 2, 3]), series("b", [np.nan] * 3)], place="left end"),
+            Panel([series("a", [1, 2, 3]), series("b", [np.nan] * 3)], column_prefix="left end"),
             Panel([series("a", [4, 5, 6]), series("mark", [0, 0, 0], quantity="")]),
         ],
         "x (m)",
