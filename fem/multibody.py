@@ -51,7 +51,8 @@ def require_beams(mechanism: Mechanism) -> None:
         if isinstance(body.shape, Rigid) and name != GROUND and not body.shape.mass
     ]
     faults += [
-        f"{name}: EXUDYN's beams have two axes of symmetry, a {body.shape.section.shape} has not"
+        f"{name}: EXUDYN's beams need a shape with two axes of symmetry; it is: "
+        f"{body.shape.section.shape}"
         for name, body in mechanism.bodies.items()
         if isinstance(body.shape, ConstantLeg) and _is_coupled(body.shape)
     ]
@@ -70,8 +71,9 @@ def require_beams(mechanism: Mechanism) -> None:
 
 
 def _is_coupled(leg: ConstantLeg) -> bool:
+    """Whether bending is coupled, or shear is not known, as in a section given by constants."""
     beam = leg.properties("euler-bernoulli")
-    return beam.couples_bending or beam.couples_torsion
+    return beam.couples_bending or beam.couples_torsion or not leg.section.has_outline
 
 
 def frequencies(posture: Posture, elements: int, count: int) -> Array:

@@ -3,6 +3,7 @@
 In: sizes in m. Out: area, moments of area, torsion constant, shear centre and shear coefficients.
 """
 
+from lumped.sections.constants import SectionProperties
 from lumped.sections.outlined import (
     Angle,
     Channel,
@@ -34,6 +35,7 @@ SHAPES: dict[str, type[Section]] = {
         Angle,
         Tee,
         Polygon,
+        SectionProperties,
     )
 }
 
@@ -48,6 +50,7 @@ __all__ = [
     "Polygon",
     "Rectangle",
     "Section",
+    "SectionProperties",
     "Tee",
     "Tube",
     "distances_to_edges",

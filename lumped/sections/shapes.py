@@ -50,6 +50,11 @@ class Section(ABC):
         """κ for shear along y and along z, Poisson's ratio `nu`; Cowper's in closed forms."""
 
     @property
+    def has_outline(self) -> bool:
+        """Whether the shape is known, not only its constants."""
+        return True
+
+    @property
     def is_doubly_symmetric(self) -> bool:
         """Whether the shape is symmetric about y and about z whatever its sizes are."""
         return True

@@ -175,7 +175,15 @@ def symmetrised(nodes: Array, part: str) -> Array:
 
 
 def require_section(section: Section, divisions: Divisions) -> None:
-    """Raise InputError with every fault of a section's shape and of its divisions."""
+    """Raise InputError with every fault of a section's shape and of its divisions.
+
+    A section given by its constants has no shape.
+    """
+    if not section.has_outline:
+        raise InputError(
+            f"{section.shape}: a section given by its constants has no shape that could be meshed; "
+            "solids need one of the other shapes, a polygon for instance"
+        )
     faults = section.faults() + _division_faults(section, divisions)
     if faults:
         raise InputError(f"{section.shape}: {fault}" for fault in faults)

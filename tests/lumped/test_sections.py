@@ -1,11 +1,21 @@
 """Sections within outlines: exact moments of area, torsion and flexure on the rim."""
 
+from dataclasses import astuple, replace
 from math import cos, pi, sin, sqrt, tau
 
 import numpy as np
 import pytest
 
-from lumped.sections import Angle, Channel, Polygon, Rectangle, Tee, rectangle_torsion_constant
+from lumped.legs import ConstantLeg, Material
+from lumped.sections import (
+    Angle,
+    Channel,
+    Polygon,
+    Rectangle,
+    SectionProperties,
+    Tee,
+    rectangle_torsion_constant,
+)
 
 # Boundary elements: J of walls is the difference of I_p and a term as large; 1e-5 at most.
 ON_RIM = 2e-5
@@ -179,4 +189,53 @@ def test_outline_is_one_section_in_any_place_and_direction():
 )
 def test_impossible_section_is_refused_with_one_reason(section, fault):
     (found,) = section.faults()
+    assert found.startswith(fault), found
+
+
+def test_section_by_its_constants_makes_the_same_beam():
+    """The numbers of an angle in place of its shape: each entry of the beam, but for rounding."""
+    nu, steel = 0.3, Material.isotropic(2.1e11, 0.3, 7850.0)
+    angle = Angle(width=0.06, height=0.1, flange=0.006, web=0.008)
+    kappa_y, kappa_z = angle.shear_coefficients(nu)
+    y, z = angle.shear_centre
+    constants = SectionProperties(
+        A=angle.area,
+        Iy=angle.second_moment_y,
+        Iz=angle.second_moment_z,
+        J=angle.torsion_constant,
+        Iyz=angle.product_moment,
+        Ay=kappa_y * angle.area,
+        Az=kappa_z * angle.area,
+        ys=y,
+        zs=z,
+    )
+    assert constants.faults() == []
+    shape, numbers = (ConstantLeg(1.0, one, steel).timoshenko for one in (angle, constants))
+    # Constants have no coupling of both shears.
+    assert astuple(numbers) == pytest.approx(astuple(replace(shape, shear_yz=0.0)), rel=1e-12)
+    without = replace(constants, Ay=None, Az=None)
+    bent = ConstantLeg(1.0, without, steel).timoshenko
+    assert (bent.GAy, bent.GAz) == (np.inf, np.inf)
+    # Of a rectangle its own sides.
+    rectangle = Rectangle(0.02, 0.05)
+    same = SectionProperties(
+        rectangle.area, rectangle.second_moment_y, rectangle.second_moment_z, 1e-8
+    )
+    assert same.extent == pytest.approx(rectangle.extent, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("changed", "fault"),
+    [
+        ({"A": -1.0}, "A = -1.0: must be above 0"),
+        ({"Iyz": -3e-7}, "Iyz = -3e-07: must be below √(Iy Iz) in size, 2.449e-07 m⁴"),
+        ({"J": 6e-7}, "J = 6e-07: must be at most Iy + Iz, 5e-07 m⁴"),
+        ({"Az": None}, "Az: missing; must be given with the other shear area"),
+        ({"Ay": 2e-3}, "Ay = 0.002: must be above 0 and at most A, 0.001 m²"),
+    ],
+)
+def test_impossible_constants_are_refused_with_one_reason(changed, fault):
+    sound = SectionProperties(1e-3, 2e-7, 3e-7, 1e-8, Ay=8e-4, Az=7e-4)
+    assert sound.faults() == []
+    (found,) = replace(sound, **changed).faults()
     assert found.startswith(fault), found

@@ -39,7 +39,7 @@ from validation.solids.legs import (
     solid_frequencies,
     static_ladder,
 )
-from validation.solids.size import larger_preset
+from validation.solids.size import larger_preset, why_shapeless
 
 MODES = 6
 # Row and column (from 0), meaning and unit of the entries that a straight leg's compliance has.
@@ -114,6 +114,8 @@ def _divisions(
     context: Context, leg: ConstantLeg, ladder: Ladder, limits: Mapping[Preset, int], what: str
 ) -> tuple[int, ...]:
     """Divisions of the meshes that the preset allows; Skip where these are fewer than two."""
+    if shapeless := why_shapeless([leg]):
+        raise Skip(shapeless)
     most = limits[context.preset]
     if divisions := context.get(ladder, leg, most):
         return divisions

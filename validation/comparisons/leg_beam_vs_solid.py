@@ -51,6 +51,7 @@ from validation.solids.legs import (
     mesh_pair,
     static_ladder,
 )
+from validation.solids.size import why_shapeless
 
 HELD_FACES = "held end faces"
 HELD_SOURCE = (
@@ -213,6 +214,8 @@ def _solid_statics(context: Context, body: str, ends: Ends) -> tuple[Refinement,
     Skip if the preset takes none of them.
     """
     leg = constant_leg_of(context, body)
+    if shapeless := why_shapeless([leg]):
+        raise Skip(shapeless)
     most = most_unknowns(context.meshes, leg)
     if context.get(static_ladder, leg, STATICS[context.preset]) or not has_meshes(leg, most):
         solid = compliances(context, body, ends)

@@ -92,7 +92,7 @@ from validation.solids.legs import (
     own_beam,
     own_properties,
 )
-from validation.solids.size import too_large
+from validation.solids.size import too_large, why_shapeless
 
 # What settles a comparison that held faces, or meshes, leave undecided.
 _FREE_ENDS = "held end faces change this mode by more than their theory; compare with free ends"
@@ -281,6 +281,8 @@ def _motion(context: Context, model: ModelName, entry: int, limits: AgreementLim
     posture = constant_posture(context)
     if model == "vjm" and (reason := context.get(why_not_serial, (posture,))):
         raise Skip(reason)
+    if shapeless := why_shapeless(list(_prisms(posture.mechanism).values())):
+        raise Skip(shapeless)
     for leg in _prisms(posture.mechanism).values():
         if not has_meshes(leg, most_unknowns(context.meshes, leg)):
             raise Skip(

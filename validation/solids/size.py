@@ -33,8 +33,25 @@ def solid_unknowns(leg: ConstantLeg, divisions: int) -> float:
     return 3.0 * nodes * (2.0 * slices + 1.0)
 
 
+def why_shapeless(legs: Sequence[Leg]) -> str:
+    """Reason why some of `legs` cannot be meshed at all; empty if each section has a shape."""
+    names = [
+        leg.name or "a leg"
+        for leg in legs
+        if isinstance(leg, ConstantLeg) and not leg.section.has_outline
+    ]
+    if not names:
+        return ""
+    return (
+        f"{', '.join(names)}: a section given by its constants has no shape, so that there is no "
+        "solid to compare with"
+    )
+
+
 def too_large(legs: Sequence[Leg], divisions: Sequence[int], preset: Preset) -> str:
     """Which of `legs`, meshed with so many `divisions`, a run does not take, and why; or ""."""
+    if shapeless := why_shapeless(legs):
+        return shapeless
     most = LARGEST[preset]
     reasons = []
     for leg, number in zip(legs, divisions, strict=True):

@@ -142,7 +142,24 @@ class SectionRule(Rule):
 _CORNER = Several(Number("m", least=-100.0, most=100.0, low=_MM, high=_MM), 2)
 # Corners of a polygon: a curve of 200 is computed in seconds.
 _CORNERS = Several(_CORNER, most=200, least=3)
-_OUTLINED: dict[str, tuple[Key, ...]] = {
+# 1e-12 m² and 1e-24 m⁴: of a square of 1 µm. 100 m² and 1e4 m⁴: of one of 10 m.
+_AREA = Number("m²", least=1e-12, most=100.0, high=_MM)
+_MOMENT = Number("m⁴", least=1e-24, most=1e4, high=_MM)
+_PRODUCT = Number("m⁴", least=-1e4, most=1e4, low=_MM, high=_MM)
+_OF_CENTRE = Number("m", least=-10.0, most=10.0, low=_MM, high=_MM)
+# Rules of the shapes whose keys are not all sizes.
+_OWN_KEYS: dict[str, tuple[Key, ...]] = {
+    "properties": (
+        needed("A", _AREA, "area"),
+        needed("Iy", _MOMENT, "∫z² dA about the centroid: bending along z"),
+        needed("Iz", _MOMENT, "∫y² dA about the centroid: bending along y"),
+        needed("J", _MOMENT, "torsion constant"),
+        Key("Iyz", _PRODUCT, "∫yz dA about the centroid", default=0.0),
+        Key("Ay", _AREA, "shear area κA along y; default: no shear deformation"),
+        Key("Az", _AREA, "shear area κA along z; given with Ay"),
+        Key("ys", _OF_CENTRE, "y of the shear centre from the centroid", default=0.0),
+        Key("zs", _OF_CENTRE, "z of the shear centre from the centroid", default=0.0),
+    ),
     "polygon": (
         needed("outline", _CORNERS, "its corners [y, z] in order, from any origin"),
         Key("holes", Several(_CORNERS, most=20), "the corners of each hole", default=()),
@@ -156,7 +173,7 @@ def _shape_table(shape: str, unit: UnitOfLength) -> TableRule:
     sizes = (
         needed(field.name, _SIZE, "outer dimension or wall thickness") for field in fields(kind)
     )
-    own = _OUTLINED.get(shape) or tuple(sizes)
+    own = _OWN_KEYS.get(shape) or tuple(sizes)
     table = TableRule(needed("shape", OneOf((shape,)), "kind of section"), *own)
     return table.in_unit(unit, ())
 

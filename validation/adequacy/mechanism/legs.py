@@ -25,7 +25,7 @@ from validation.solids.legs import (
     static_ladder,
     two_meshes,
 )
-from validation.solids.size import larger_preset
+from validation.solids.size import larger_preset, why_shapeless
 
 # Unknowns of the finest section mesh of a solid leg; the second number where the first one does not
 # allow two meshes of its walls.
@@ -52,8 +52,10 @@ def solid_leg(context: Context, leg: ConstantLeg) -> TwoMeshes:
     """Tip compliances of a leg as a solid on two meshes, once per run and process.
 
     Raises InputError where even one section mesh has too many unknowns, with the larger preset that
-    takes it.
+    takes it, and for a section without a shape.
     """
+    if shapeless := why_shapeless([leg]):
+        raise InputError(shapeless)
     most = most_unknowns(context.meshes, leg)
     try:
         return context.get(two_meshes, leg, most)
