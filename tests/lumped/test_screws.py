@@ -19,14 +19,14 @@ X, Y, Z = np.eye(3)
 
 
 @pytest.mark.parametrize(("rotation", "velocity"), [(Z, 2.0 * Y), (Y, -2.0 * Z), (X, np.zeros(3))])
-def test_a_turning_body_moves_the_point_in_front(rotation, velocity):
+def test_rotation_moves_point_in_front(rotation, velocity):
     """B lies 2 m along x of A: about z it goes to +y, about y to −z, about x nowhere."""
     moved = shift(2.0 * X) @ np.concatenate([np.zeros(3), rotation])
     assert_allclose(moved, np.concatenate([velocity, rotation]), atol=1e-15)
 
 
 @pytest.mark.parametrize("angle", [0.0, 1e-150, 1e-9, 0.7, 2.0, np.pi - 1e-9, np.pi])
-def test_rotations_are_those_of_scipy_and_come_back(angle):
+def test_rotations_equal_scipy_and_invert(angle):
     axes = np.random.default_rng(0).normal(size=(50, 3))
     vectors = angle * axes / np.linalg.norm(axes, axis=1, keepdims=True)
     rotations = Rotation.from_rotvec(vectors).as_matrix()
@@ -38,7 +38,7 @@ def test_rotations_are_those_of_scipy_and_come_back(angle):
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_turned_and_moved_compliance_keeps_the_energy(seed):
+def test_transformed_compliance_keeps_energy(seed):
     """The energy f·C·f is that of the same load carried back to the first point and axes."""
     rng = np.random.default_rng(seed)
     factor, wrench, offset = rng.normal(size=(6, 6)), rng.normal(size=6), rng.normal(size=3)

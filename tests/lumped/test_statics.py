@@ -35,17 +35,17 @@ LOST = chain(1.0, 1e13 + 1.0 / 3.0)
         (np.zeros((2, 2)), -LOADS, "two springs"),
     ],
 )
-def test_the_left_over_energy_is_the_error(K, X, said):
+def test_unbalanced_energy_is_the_error(K, X, said):
     with pytest.raises(ComputationError, match=said):
         balanced_flexibility(LOADS, X, K @ X, "two springs")
 
 
-def test_what_does_not_yield_is_balanced():
+def test_rigid_directions_are_balanced():
     assert balanced_flexibility(LOADS, np.zeros((2, 1)), LOADS, "rigid") == 0.0
 
 
 @pytest.mark.parametrize("entry", [0.0, -1.0])
-def test_a_diagonal_that_rounding_left_without_a_positive_entry_is_refused_by_name(entry):
+def test_diagonal_without_positive_entry_is_refused(entry):
     # Scaled to a unit diagonal it would overflow.
     K = np.array([[1e300, 0.0], [0.0, entry]])
     for solve, given in ((solve_statics, (LOADS,)), (solve_modes, (np.eye(2), 1))):
@@ -54,7 +54,7 @@ def test_a_diagonal_that_rounding_left_without_a_positive_entry_is_refused_by_na
 
 
 @pytest.mark.parametrize("stiff", [1.0, 1e8])
-def test_rounding_is_that_of_entries_changed_at_random(stiff):
+def test_rounding_bound_equals_random_perturbation(stiff):
     # Entries changed by one part in 2⁵² each, but a thousand times as much: what is left of eps
     # itself in the solution is none of the spread.
     K, rng = chain(stiff), np.random.default_rng(3)
@@ -72,7 +72,7 @@ def test_rounding_is_that_of_entries_changed_at_random(stiff):
 
 
 @pytest.mark.parametrize(("angle", "softer"), [(1e-9, 1e3), (1e-9, 1e9), (0.3, 1e3), (0.3, 1e9)])
-def test_rounding_of_what_was_turned_covers_what_turning_loses(angle, softer):
+def test_rounding_bound_covers_rotated_blocks(angle, softer):
     """Two bars at right angles, K = k₁ n nᵀ + k₂ t tᵀ: the soft one yields 1/k₂ along t."""
     errors, expected = [], []
     for turn in angle * (1.0 + 1e-3 * np.arange(100)):

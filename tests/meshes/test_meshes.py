@@ -44,7 +44,7 @@ def _points(kind) -> np.ndarray:
 
 
 @by_name
-def test_shape_functions_are_the_polynomials_that_are_one_at_their_node(kind):
+def test_shape_functions_are_nodal_polynomials(kind):
     # Independent formulation: monomials and a Vandermonde matrix instead of scikit-fem.
     powers = _exponents(kind)
     vandermonde = np.prod(kind.nodes[:, None, :] ** powers[None], axis=2)
@@ -66,7 +66,7 @@ def test_shape_functions_are_the_polynomials_that_are_one_at_their_node(kind):
 
 
 @by_name
-def test_vtk_maps_a_curved_element_as_we_do(kind):
+def test_curved_element_mapping_equals_vtk(kind):
     # VTK's own interpolation of an element with scattered nodes: any wrong place in the
     # permutation would move the mapped points by the scatter.
     places = np.random.default_rng(2).uniform(-0.1, 0.1, size=(kind.node_count, 3))
@@ -123,7 +123,7 @@ def test_measures_of_single_elements(elements, sides, expected):
         assert expected[1] is None or aspect == pytest.approx(expected[1])
 
 
-def test_mirrored_folded_and_slender_elements_are_refused():
+def test_mirrored_folded_slender_elements_are_refused():
     for element, kind in ELEMENTS.items():
         mirrored = kind.nodes * np.where(np.arange(kind.dimension) == 0, -1.0, 1.0)
         assert measures(element, mirrored)[0] < 0.0
@@ -178,7 +178,7 @@ def free_sides(mesh):
 
 
 @by_shape
-def test_meshes_of_every_section_are_sound(section):
+def test_section_meshes_are_valid(section):
     for divisions in (1, 4, 5):
         mesh = section_mesh(section, divisions)
         free_sides(mesh)
@@ -205,7 +205,7 @@ def extruded(section, length, divisions):
     [*((section, extruded) for section in SECTIONS), (BOX, tetrahedra)],
     ids=lambda value: getattr(value, "shape", None),
 )
-def test_meshes_of_every_leg_are_sound_and_have_its_moments(section, family):
+def test_leg_meshes_have_moments_of_leg(section, family):
     mesh = family(section, LENGTH, 1)
     free = free_sides(mesh)
     # Rounding of some ten thousand terms of the largest size; four arcs are parabolas.
@@ -230,7 +230,7 @@ def _parabolas(radius: float, sides: int) -> float:
     return sides / 2 * radius**2 * sin(2 * pi / sides) + sides * 2 / 3 * chord * sagitta
 
 
-def test_areas_of_round_sections_are_those_of_parabolas():
+def test_round_section_areas_equal_parabolas():
     for divisions in (4, 16):
         # 1e-12: rounding
         circle = moments(section_mesh(Circle(0.1), divisions), [(0, 0)])
@@ -240,7 +240,7 @@ def test_areas_of_round_sections_are_those_of_parabolas():
     assert tube == pytest.approx([_parabolas(0.05, 24) - _parabolas(0.044, 24)], rel=1e-12)
 
 
-def test_walls_get_one_element_across_per_four_divisions_and_doubled_ones_halve_all():
+def test_walls_have_one_element_per_four_divisions():
     counts = []
     for divisions, across in ((1, 1), (4, 1), (8, 2), (16, 4)):
         mesh = section_mesh(HollowRectangle(0.1, 0.1, 0.005), divisions)
@@ -254,7 +254,7 @@ def test_walls_get_one_element_across_per_four_divisions_and_doubled_ones_halve_
     assert counts[2:] == [4 * counts[1], 16 * counts[1]]
 
 
-def test_extrusion_numbers_nodes_and_cells_slice_by_slice():
+def test_extrusion_is_numbered_slice_by_slice():
     # Two divisions count elements along y and z.
     section = section_mesh(Rectangle(0.1, 0.2), (4, 2))
     assert [len(np.unique(along.round(9))) for along in section.nodes.T] == [9, 5]
@@ -292,7 +292,7 @@ def test_impossible_requests_are_refused(request_one, reason):
         request_one()
 
 
-def test_legs_as_long_as_wide_are_meshed_and_all_faults_and_want_of_symmetry_are_said():
+def test_short_leg_is_meshed_and_faults_are_reported():
     require_leg(BOX, 0.26, 4)
     with pytest.raises(InputError) as caught:
         require_section(Rectangle(0.0, -1.0), 0)

@@ -19,7 +19,7 @@ from meshes.processes import Crashed, Process, in_own_process, within_limits
 REFUSED = "from lumped.errors import InputError; raise InputError(('one', 'two'))"
 
 
-def test_values_and_errors_come_back_from_another_process():
+def test_values_and_errors_return_from_process():
     process = Process()
     # In a session of its own, where Ctrl-C and hang-ups of a terminal do not reach it.
     questions = (divmod, 7, 2), (os.getsid, 0), (exec, REFUSED), (divmod, 1, 0)
@@ -35,7 +35,7 @@ def test_values_and_errors_come_back_from_another_process():
     process.end()
 
 
-def test_value_that_stays_is_argument_of_later_calls():
+def test_persistent_value_is_argument_of_later_calls():
     process = Process()
     process.begin(list, "ab")
     process.ask(len)
@@ -49,7 +49,7 @@ def zip_lists(*lists):
     return list(zip(*lists, strict=True))
 
 
-def test_crashes_and_limits_of_time_and_memory_end_it_alone_and_say_which():
+def test_crashes_and_limits_end_process_alone():
     with pytest.raises(Crashed, match="was ended by SIGABRT"):
         in_own_process(os.abort)
     with pytest.raises(Crashed, match="was ended by SIGXCPU, its time was up"):
@@ -60,7 +60,7 @@ def test_crashes_and_limits_of_time_and_memory_end_it_alone_and_say_which():
     assert resource.getrlimit(resource.RLIMIT_CPU)[0] == resource.RLIM_INFINITY
 
 
-def test_failures_of_gmsh_name_the_part_and_others_pass_unchanged_and_all_close_it():
+def test_gmsh_failure_names_part_and_closes_model():
     named = pytest.raises(ComputationError, match=r"leg 2: gmsh failed: .*NoSuchOption")
     with named, gmsh_model("leg 2") as session:
         session.option.getNumber("Mesh.NoSuchOption")
@@ -70,7 +70,7 @@ def test_failures_of_gmsh_name_the_part_and_others_pass_unchanged_and_all_close_
     assert not gmsh.isInitialized()
 
 
-def test_an_inner_model_leaves_the_outer_one_current():
+def test_inner_model_restores_outer_one():
     with gmsh_model("outer") as session:
         session.model.geo.addPoint(0.0, 0.0, 0.0, tag=5)
         session.model.geo.synchronize()
@@ -85,7 +85,7 @@ def hashed():
     return sha256(mesh.nodes.tobytes() + mesh.cells.tobytes()).hexdigest()
 
 
-def test_threads_and_another_process_give_the_same_meshes_and_all_are_silent(capfd):
+def test_threads_and_process_give_same_meshes(capfd):
     with ThreadPoolExecutor(2) as pool:
         in_threads = list(pool.map(lambda _: hashed(), range(2)))
     assert {*in_threads, in_own_process(hashed)} == {hashed()}
@@ -118,7 +118,7 @@ print("still here")
 """
 
 
-def test_a_broken_pipe_is_an_error_and_an_ignored_hang_up_stays_ignored():
+def test_broken_pipe_is_error_and_hang_up_ignored():
     command = ["nohup", sys.executable, "-c", SIGNALS]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert (done.returncode, done.stdout) == (0, "an error\nstill here\n"), done.stderr

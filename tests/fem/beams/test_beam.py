@@ -47,7 +47,7 @@ def softer_along_y(p: BeamProperties) -> BeamProperties:
     return replace(p, GAy=0.7 * p.GAy)
 
 
-def test_points_beside_the_centreline_move_with_their_section():
+def test_off_axis_points_move_with_their_section():
     """Those of the tip by its twist: t + φ × r."""
     leg, beside = beam_leg(LEG_1.timoshenko, 0.85, 1), np.array([[0.0, 0.1, -0.2], [0.0, 0.3, 0.4]])
     t, phi = np.array([1.0, 2.0, 3.0]), np.array([4.0, 5.0, 6.0])
@@ -57,7 +57,7 @@ def test_points_beside_the_centreline_move_with_their_section():
     assert_allclose(found, t + np.cross(phi, beside), rtol=1e-12)
 
 
-def test_euler_bernoulli_roots_are_the_tabulated_ones():
+def test_euler_bernoulli_roots_equal_table():
     # Young and Felgar, Tables of Characteristic Functions (1949): cos x cosh x = −1.
     tabulated = [1.8751041, 4.6940911, 7.8547574, 10.9955407, 14.1371684]
     roots = euler_bernoulli_roots(300)
@@ -87,7 +87,7 @@ def huang_function(p: BeamProperties, L: float, plane: str, omega):
 
 @pytest.mark.parametrize("plane", ["y", "z"])
 @pytest.mark.parametrize("leg", [LEG_1, square_leg(1.0)])
-def test_timoshenko_frequencies_are_all_the_roots_of_huang_s_equation(leg, plane):
+def test_timoshenko_frequencies_are_huang_roots(leg, plane):
     p, L = softer_along_y(leg.timoshenko), leg.length
     omega = 2.0 * np.pi * bending_frequencies(p, L, plane, 20)
     # The cut-off of the second spectrum, √(κGA/ρI), lies below the 20th root of these legs.
@@ -132,7 +132,7 @@ def test_frequencies_converge_with_order_four(theory, part):
 
 
 @both_theories
-def test_tip_compliance_is_exact_for_any_slenderness_and_number_of_elements(theory):
+def test_tip_compliance_is_exact_for_any_mesh(theory):
     for leg in (square_leg(1.0), square_leg(1e4), LEG_2):
         properties = leg.properties(theory)
         for elements in (1, 2, 7):
@@ -143,7 +143,7 @@ def test_tip_compliance_is_exact_for_any_slenderness_and_number_of_elements(theo
 
 
 @both_theories
-def test_tip_loads_bend_the_centreline_as_they_must_and_strain_their_own_part_alone(theory):
+def test_tip_loads_give_exact_centreline_and_energy(theory):
     p, L = softer_along_y(LEG_2.properties(theory)), LEG_2.length
     leg = beam_leg(p, L, 3)
     x = np.linspace(0.0, L, 14)
@@ -176,7 +176,7 @@ def test_tip_loads_bend_the_centreline_as_they_must_and_strain_their_own_part_al
     assert not energies
 
 
-def test_no_elements_and_stations_beyond_the_tip_are_refused():
+def test_no_elements_or_stations_outside_are_refused():
     with pytest.raises(InputError, match="elements = 0"):
         beam_leg(LEG_1.timoshenko, 0.85, 0)
     with pytest.raises(InputError, match="station"):
@@ -192,7 +192,7 @@ def flanged() -> SectionConstants:
     return section_constants(section_mesh(section, 4), STEEL.nu)
 
 
-def test_free_ends_leave_statics_to_saint_venant_and_have_the_frequencies_of_the_rod(flanged):
+def test_free_ends_have_rod_torsion(flanged):
     leg = warping_beam_leg(flanged, STEEL, LENGTH, 20, "free")
     expected = tip_compliance(beam_properties(flanged, STEEL), LENGTH)
     assert tip_compliance_of(leg) == pytest.approx(expected, rel=1e-8, abs=1e-16)
@@ -203,7 +203,7 @@ def test_free_ends_leave_statics_to_saint_venant_and_have_the_frequencies_of_the
     assert torsional[:2] == pytest.approx(frequencies, rel=1e-4)
 
 
-def test_held_ends_have_the_closed_forms_torsion_and_nothing_else(flanged):
+def test_held_ends_have_closed_form_torsion(flanged):
     expected = tip_compliance(beam_properties(flanged, STEEL), LENGTH)
     expected[3, 3] = held_torsion_compliance(flanged, STEEL, LENGTH)
     coarse, fine = (
@@ -277,14 +277,14 @@ def test_columns_buckle_at_eulers_loads_and_engessers(ends, theory):
     assert whole >= due * (1.0 - 1e-9)
 
 
-def test_they_converge_with_the_fourth_power():
+def test_buckling_load_converges_with_fourth_order():
     p, counts = COLUMN.timoshenko, [6, 8, 12, 16]
     due = critical(p, "fixed-fixed")
     errors = [factor(prestressed_leg(p, L, n, ALL), (), PUSH) / due - 1.0 for n in counts]
     assert -np.polyfit(np.log(counts), np.log(errors), 1)[0] == pytest.approx(4.0, abs=0.15)
 
 
-def test_a_force_along_a_leg_tunes_it_as_a_string():
+def test_axial_force_tunes_leg_like_string():
     """f = f₀ √(1 + N L²/π²EI), pinned ends, exact without shear and rotary inertia."""
     p = COLUMN.properties("euler-bernoulli")
     added, stiffness, mass = freed(prestressed_leg(p, L, 10, ALL), ENDS["pinned-pinned"][0], PUSH)
@@ -295,7 +295,7 @@ def test_a_force_along_a_leg_tunes_it_as_a_string():
         assert square == pytest.approx(due, rel=1e-4)
 
 
-def test_a_column_buckles_under_its_own_weight():
+def test_column_buckles_under_own_weight():
     """Q L²/EI = 7.8373 (Greenhill): the force grows along the leg. The ground carries all of it."""
     p = COLUMN.properties("euler-bernoulli")
     half = np.array([-0.5, 0, 0, 0, 0, 0])
@@ -312,7 +312,7 @@ def test_thin_walls_twist_under_pressure():
     assert factor(leg, (9,), PUSH) == pytest.approx(p.GJ * p.mu / p.rho_J, rel=1e-9)
 
 
-def test_a_blade_buckles_sideways_and_a_shaft_by_torque():
+def test_blade_and_shaft_buckle_at_closed_form():
     """P L²/√(EI GJ) = 4.0126 at the tip, M L/√(EI GJ) = π between forks (Prandtl, Michell).
 
     A round shaft with clamped ends: tan(TL/2EI) = TL/2EI, T = 8.9868 EI/L (Greenhill).
@@ -350,7 +350,7 @@ STEPS = """*STEP
 
 @pytest.mark.exhaustive
 @pytest.mark.skipif(not any(map(shutil.which, PROGRAMS)), reason="CalculiX (ccx) is not installed")
-def test_calculix_buckles_and_loads_the_same_column(tmp_path):
+def test_column_buckling_equals_calculix(tmp_path):
     column = ConstantLeg(0.8, Rectangle(0.05, 0.06), Material.isotropic(2.1e11, 0.0, 7850.0))
     mesh = tetrahedra(column.section, column.length, 1)
     deck = replace(leg_deck(mesh, column.material), load_cases=(), modes=0)

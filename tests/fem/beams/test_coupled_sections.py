@@ -81,7 +81,7 @@ def test_elements_and_segments_are_exact_in_statics(section, theory):
 
 @pytest.mark.parametrize("theory", ["timoshenko", "euler-bernoulli"])
 @pytest.mark.parametrize("section", SECTIONS, ids=lambda one: one.shape)
-def test_coupled_frequencies_converge_to_the_exact_ones(section, theory):
+def test_coupled_frequencies_converge_to_exact(section, theory):
     """Beams with the fourth order, segments with the second, polynomials by Ritz at once."""
     beam = ConstantLeg(LENGTH, section, STEEL).properties(theory)
     exact = np.array([one.frequency for one in cantilever_frequencies(beam, LENGTH, 4)])
@@ -100,7 +100,7 @@ def test_coupled_frequencies_converge_to_the_exact_ones(section, theory):
     assert np.log2(coarse / fine) == pytest.approx(np.full(4, 2.0), abs=0.1)
 
 
-def test_coupled_theory_without_coupling_is_that_of_each_plane():
+def test_coupled_theory_reduces_to_planes():
     """A rectangle, whose planes and torsion vibrate by themselves, as one problem."""
     beam = ConstantLeg(LENGTH, Rectangle(0.1, 0.2), STEEL).timoshenko
     kinds = ("torsion", "bending y", "bending z")
@@ -118,7 +118,7 @@ def test_coupled_theory_without_coupling_is_that_of_each_plane():
     ],
     ids=lambda one: one.shape,
 )
-def test_beam_of_any_section_is_the_solid_of_the_same_mesh(section):
+def test_beam_of_any_section_equals_solid(section):
     """Ends free to warp: to rounding. Rigid faces: less what decays from them, by other fields.
 
     Solids of slices far thinner than walls; at the edges of rigid faces 1e-6 is left of them.

@@ -27,7 +27,7 @@ def test_uniform_interior_is_the_beam_of_the_6x6():
 
 
 @pytest.mark.parametrize("interior", ["uniform", "stiff"])
-def test_interiors_share_transverse_and_torsional_stiffness(interior):
+def test_interiors_have_equal_end_stiffness(interior):
     """K22, K33 and K44 of the leg: what its ends do to each other if they do not turn."""
     leg = given(PRISM)
     own, found = (
@@ -67,7 +67,7 @@ def test_held_frequencies_rise_from_soft_to_stiff():
     assert (uniform <= stiff).all()
 
 
-def test_flexible_end_leaves_transverse_stiffness_and_metal_shear():
+def test_flexible_end_keeps_transverse_stiffness():
     """A tip that turns by itself raises c66, which then is not L/EI."""
     leg = given(PRISM)
     turning = leg.compliance.copy()
@@ -80,7 +80,7 @@ def test_flexible_end_leaves_transverse_stiffness_and_metal_shear():
     assert flexibility == pytest.approx(1.0 / k22, rel=1e-9)
 
 
-def test_compliance_that_is_not_positive_definite_is_refused():
+def test_indefinite_compliance_is_refused():
     leg = given(PRISM)
     with pytest.raises(InputError, match="not positive definite"):
         interior_properties(replace(leg, compliance=-leg.compliance), "uniform")

@@ -46,7 +46,7 @@ from validation.adequacy.robot import leg_alone
         ("echo Job finished; echo", 60.0, "0 of 1 load cases; its output ends with: Job finished"),
     ],
 )
-def test_calculix_that_misbehaves(behaviour, timeout, message, tmp_path, monkeypatch):
+def test_misbehaving_calculix_is_reported(behaviour, timeout, message, tmp_path, monkeypatch):
     program = tmp_path / "ccx"
     program.write_text(f"#!/bin/sh\n{behaviour}\n")
     program.chmod(0o755)
@@ -55,7 +55,7 @@ def test_calculix_that_misbehaves(behaviour, timeout, message, tmp_path, monkeyp
         run_calculix(PRINTED_DECK, timeout=timeout)
 
 
-def test_what_calculix_has_not_and_its_absence_are_named(monkeypatch):
+def test_unsupported_models_and_missing_program_named(monkeypatch):
     mesh = meshed(ConstantLeg(0.2, Rectangle(0.1, 0.1), STEEL), 1, 2).mesh
     with pytest.raises(InputError, match=r"hex27 .*27 nodes; take tet10"):
         deck_text(leg_deck(mesh, STEEL))
@@ -190,7 +190,7 @@ def agree(at) -> int:
 
 
 @needs_calculix
-def test_a_five_bar_with_rotors_a_rigid_link_and_joints_that_give_way_in_all_directions():
+def test_elastic_five_bar_equals_calculix():
     mechanism = of_squares("five-bar")
     *_, last = mechanism.bodies.values()
     rigid = Rigid(6.0, np.array([0.1, 0.02, 0.03]), np.diag([0.2, 0.3, 0.4]) + 0.01)
@@ -212,7 +212,7 @@ def test_a_five_bar_with_rotors_a_rigid_link_and_joints_that_give_way_in_all_dir
 
 @needs_calculix
 @pytest.mark.exhaustive
-def test_a_delta_whose_rods_spin_idly():
+def test_delta_with_idle_rods_equals_calculix():
     assert agree(reference_posture(of_squares("delta"))) == 6
 
 
@@ -240,7 +240,7 @@ def receptances_by_calculix(text, folder):
 
 @needs_calculix
 @pytest.mark.exhaustive
-def test_a_damped_leg_swings_as_calculix_says(tmp_path):
+def test_damped_leg_equals_calculix(tmp_path):
     """What forty modes of CalculiX leave out stands still, and is too small to be seen at peaks."""
     leg = ConstantLeg(0.5, Rectangle(0.04, 0.06), STEEL)
     solid, reduced = solid_and_reduced(leg, LAST, 6.0 * LAST)

@@ -77,7 +77,7 @@ def ties(grip, nodes):
     return np.vstack([one.reshape(-1, radial.size) for one in (away, *slides)])
 
 
-def test_the_compliance_is_that_of_lagrange_multipliers(lug):
+def test_compliance_equals_lagrange_multipliers(lug):
     file, part = lug
     grips = grips_on(file, "rigid", "pin", "average")
     nodes, size, m = part.mesh.nodes, part.stiffness.shape[0], len(grips)
@@ -104,7 +104,7 @@ def test_the_compliance_is_that_of_lagrange_multipliers(lug):
 
 
 @pytest.mark.parametrize("kind", ["rigid", "average", "pin"])
-def test_rigid_motions_are_exact_and_loads_have_exact_resultants(lug, kind):
+def test_rigid_motions_and_resultants_are_exact(lug, kind):
     file, part = lug
     grips = grips_on(file, kind, kind)
     M = on_three_components(part.scalar_mass)
@@ -129,7 +129,7 @@ def test_rigid_motions_are_exact_and_loads_have_exact_resultants(lug, kind):
     assert abs(body.stiffness @ twists).max() < 1e-9 * abs(body.stiffness).max()
 
 
-def test_an_averaged_bore_moves_as_the_means_of_fields_by_hand(lug):
+def test_averaged_bore_moves_by_field_means(lug):
     """u_z = x² moves one by ∫x²/A = r²/2; u_x = z³ turns it about y by ∫z⁴/∫(x² + z²)."""
     file, part = lug
     (grip, _) = grips_on(file, "average", "average")
@@ -179,7 +179,7 @@ def test_free_ends_equal_the_bordered_system(mesh):
     assert scaled_difference(clamped.compliance, tip.T @ u) < 1e-10
 
 
-def test_a_strip_decays_with_the_roots_of_papkovich_and_fadle():
+def test_strip_decays_with_papkovich_fadle_roots():
     """sin 2s ± 2s = 0 (tension, bending), s = γc: first roots by Fadle (1940)."""
     half = 0.05
     mesh = section_mesh(Rectangle(0.001, 2.0 * half), (1, 16))
@@ -273,7 +273,7 @@ def test_held_torsion_of_an_open_section_is_vlasovs(length):
         (ISection(0.1, 0.16, 0.012, 0.008), 4, 0.85),
     ],
 )
-def test_solids_of_ever_thinner_slices_lose_what_the_theory_says(section, counts, length):
+def test_thin_slices_converge_to_end_restraint(section, counts, length):
     mesh = section_mesh(section, counts)
     taken = restrained_compliance(mesh, STEEL, length)
     left = []
@@ -310,7 +310,7 @@ def test_half_a_wave_swings_between_pins(section, along, kind):
     assert values.min() < 1e-6 * values.max()
 
 
-def test_the_bending_wave_of_a_section_mesh_is_that_of_polynomials():
+def test_bending_wave_equals_polynomial_solution():
     """Ritz's method on polynomials of the whole section; Timoshenko's wave is 0.4 % lower."""
     section = Rectangle(0.06, 0.1)
     k = 2.0 * np.pi / (6.0 * section.height)
@@ -319,7 +319,7 @@ def test_the_bending_wave_of_a_section_mesh_is_that_of_polynomials():
     assert wave == pytest.approx(prism_wave_frequency(section, STEEL, "bending", k), rel=2e-4)
 
 
-def test_the_walls_of_a_thin_tube_become_oval_as_hoppe_says():
+def test_thin_tube_ovals_at_hoppe_frequency():
     """ω² = n²(n² − 1)²/(n² + 1) EI/(μR⁴) of a ring, n = 2; long, so of E/(1 − ν²) (Love, §293)."""
     radius, wall = 0.05, 0.003
     mesh = section_mesh(Tube(2.0 * radius + wall, wall), 6)
@@ -345,7 +345,7 @@ def test_slow_waves_are_a_timoshenko_beam(section):
         assert np.abs(off).max() < (5e-4 if name == "torsion" else 2e-4), name
 
 
-def test_walls_that_move_and_waves_that_are_singular_by_rounding_are_no_beam(monkeypatch):
+def test_singular_waves_are_refused(monkeypatch):
     with pytest.raises(ComputationError, match="walls of the section move by themselves"):
         waves_of(BOX, 2)["bending z"].stiffness(LENGTH, 2.0 * np.pi * 1500.0)
     # As of the softest leg beside one of the stiffest: a pivot of zero, then no number at all.

@@ -69,7 +69,7 @@ def test_torsion_of_circle_has_no_distortion():
         (ConstantLeg(0.3, Tube(0.1, 0.003), STEEL), (-0.0038, -0.0038)),
     ],
 )
-def test_distortion_is_the_difference_of_solid_and_beam(leg, expected):
+def test_distortion_is_solid_minus_beam(leg, expected):
     """Solids of one section mesh, elements along the leg, share no code with fields along it."""
     solid = solid_frequencies(leg, (4,), "free", 2)
     beams = cantilever_frequencies(own_properties(leg, 4), leg.length, 2)

@@ -73,7 +73,7 @@ def bar(request, tmp_path_factory):
     return Bar(part, rooted, held_body(rooted))
 
 
-def test_every_interface_is_a_grip_of_all_of_its_faces():
+def test_interface_grips_all_of_its_faces():
     faces = {number: Facets(np.array([[number, 8, 9]]), "tri3") for number in (1, 2, 3, 4)}
     interfaces = [
         Interface(name, own, np.eye(3)[place], "rigid", "", None, None, 1.0)
@@ -83,7 +83,7 @@ def test_every_interface_is_a_grip_of_all_of_its_faces():
     assert [one.facets.cells[:, 0].tolist() for one in grips] == [[1, 2], [3], [4]]
 
 
-def test_it_has_the_mass_the_centre_and_the_inertia_of_a_box_that_memory_must_hold(bar):
+def test_box_mass_properties_and_memory_limit(bar):
     properties = bar.part.properties()
     mass = STEEL.rho * LENGTH * SIDE**2
     assert properties.mass == pytest.approx(mass, rel=1e-12)
@@ -95,7 +95,7 @@ def test_it_has_the_mass_the_centre_and_the_inertia_of_a_box_that_memory_must_ho
 
 
 @pytest.mark.parametrize("free", [False, True])
-def test_inertia_counts_what_a_dense_eigensolver_finds(bar, free):
+def test_inertia_count_equals_dense_eigenvalues(bar, free):
     """Of the bar with its interfaces held, and of the free bar without its rigid motions."""
     body = free_body(bar.rooted) if free else bar.held
     frequencies = bar.free_frequencies if free else bar.held_frequencies
@@ -110,7 +110,7 @@ def test_inertia_counts_what_a_dense_eigensolver_finds(bar, free):
             assert (found.negative, found.zero) == (below, 0)
 
 
-def test_a_reduction_has_the_modes_that_are_counted(bar):
+def test_reduction_has_counted_modes(bar):
     held_frequencies = bar.held_frequencies
     cutoff = 1.001 * held_frequencies[14]
     found = reduction(bar.held, 0.4 * cutoff, cutoff)
@@ -125,7 +125,7 @@ def test_a_reduction_has_the_modes_that_are_counted(bar):
 
 
 @pytest.mark.parametrize("left", [0.0, 1e-26, -1e-26])
-def test_what_is_held_has_no_mode_whatever_rounding_leaves_of_its_flexibility(left):
+def test_held_body_has_no_mode_from_rounding(left):
     """Ten masses on springs; an eleventh unknown is held: it once was a mode at 1e-116 Hz."""
     squared = np.arange(1.0, 11.0) ** 2 * 1e6
     flexibility = np.diag(np.append(1.0 / squared, left))
@@ -146,7 +146,7 @@ def kept_by(rows, searches):
     return blind
 
 
-def test_missed_modes_are_counted_and_searched_for_and_else_an_error(bar, monkeypatch):
+def test_missed_modes_are_searched_or_an_error(bar, monkeypatch):
     cutoff = 1.001 * bar.held_frequencies[9]
     for missed in (0, 7):
         blind = kept_by(lambda count, missed=missed: np.delete(np.arange(count), missed), 1)
@@ -172,7 +172,7 @@ def found(bar):
     return free_interface(bar.rooted, bar.cutoff / 2.5, bar.cutoff)
 
 
-def test_free_modes_below_the_cut_off_span_it_and_statics_are_exact(bar, found):
+def test_free_interface_statics_are_exact(bar, found):
     """Its matrices by the dense triple product; unknowns are the twists of the interfaces."""
     reduced, _ = found
     assert reduced.counted == len(reduced.frequencies) == 7
@@ -198,7 +198,7 @@ def clamped(stiffness, mass):
     return 1.0 / (2.0 * np.pi * np.sqrt(with_mass))
 
 
-def test_clamped_it_swings_as_the_whole_bar_and_as_by_craig_and_bampton(bar, found):
+def test_clamped_reduction_equals_craig_bampton(bar, found):
     exact = bar.frequencies(CLAMPED)[:COUNT]
     reduced, truncation = found
     assert exact[-1] < bar.cutoff
@@ -215,7 +215,7 @@ def test_clamped_it_swings_as_the_whole_bar_and_as_by_craig_and_bampton(bar, fou
     assert (upper - lower <= 10.0 * (upper - exact) + 1e-8 * exact).all()
 
 
-def test_a_reduction_that_drops_nothing_is_refused(bar):
+def test_complete_reduction_is_refused(bar):
     if len(bar.rooted.solid.points) == 1:
         with pytest.raises(ComputationError, match=r"bar, free: its modes up to .* leave nothing"):
             free_interface(bar.rooted, 1e8, 1e9)

@@ -38,7 +38,7 @@ models = pytest.mark.parametrize("model", MODELS.values(), ids=MODELS)
 
 
 @models
-def test_condensation_is_the_schur_complement_and_recovers_the_field(model):
+def test_condensation_is_schur_complement(model):
     """Dense K_bb − K_bi K_ii⁻¹ K_ib, and Guyan's mass with the same transformation."""
     leg = model(LEG_2)
     k, m = leg.stiffness.toarray(), leg.mass.toarray()
@@ -90,7 +90,7 @@ def test_supported_legs_and_loose_parts_are_refused():
         held_leg(replace(leg, stiffness=csr_array(loose)))
 
 
-def test_free_constraint_modes_have_the_twists_they_are_named_for():
+def test_free_constraint_modes_have_unit_twists():
     solid = meshed(LEG_2, (2, 6), 8)
     clamped = clamped_leg(solid, "free")
     held = held_solid_leg(clamped, solid.mesh)
@@ -110,7 +110,7 @@ def test_free_constraint_modes_have_the_twists_they_are_named_for():
     assert_allclose(held.centreline(at).toarray(), section_twists(solid.mesh, at).toarray())
 
 
-def test_a_solid_leg_with_rigid_ends_is_that_of_its_matrices():
+def test_rigid_solid_leg_equals_its_matrices():
     solid = meshed(LEG_1, 1, 3)
     found = static_superelement(held_solid_leg(clamped_leg(solid), solid.mesh)).matrices
     expected = static_superelement(held_leg(solid_leg_matrices(solid))).matrices
@@ -143,7 +143,7 @@ def reduced_to(held, *frequencies):
     return reduced, lambda x: system_of(x, *(leg.matrices for leg in reduced.values()))
 
 
-def test_robot_of_reduced_legs_is_the_unreduced_one(robots):
+def test_reduced_robot_equals_unreduced_robot(robots):
     """Required: statics 1e-9, twenty frequencies 1e-4, mass-weighted MAC 0.9999."""
     unreduced, held, wholes = robots
     reduced, robot_at = reduced_to(held, HIGHEST)
@@ -181,7 +181,7 @@ def test_bounds_enclose_the_true_frequencies(robots, factor):
             assert bounds.relative_width.max() < 2e-4
 
 
-def test_cut_off_below_the_asked_frequencies_is_refused():
+def test_cut_off_below_frequencies_is_refused():
     held = {name: held_leg(MODELS["beam"](leg)) for name, leg in LEGS.items()}
     with pytest.raises(InputError, match=r"cut-off = 900 Hz: must be above .*, 1000 Hz"):
         reduced_to(held, 1000.0, 900.0)

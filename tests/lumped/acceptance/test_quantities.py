@@ -80,7 +80,7 @@ def test_units_are_those_of_numbers():
     assert (measured["z"], measured["phi_x"], measured["f2"]) == ("m", "rad", "Hz")
 
 
-def test_units_of_a_compliance_are_displacement_per_load():
+def test_compliance_unit_is_displacement_per_load():
     displacements, loads = (
         ("m", "m", "m", "rad", "rad", "rad"),
         ("N", "N", "N", "N m", "N m", "N m"),

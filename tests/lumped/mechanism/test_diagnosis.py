@@ -52,7 +52,7 @@ def test_axis_off_in_orthoglide_is_named(joint):
     assert "1° from it, it would move" in fault
 
 
-def test_moves_that_no_axis_allows_are_blamed_on_the_moves():
+def test_impossible_moves_are_reported_as_moves():
     new = deepcopy(dict(FIVE_BAR))
     new["tool"] = FIVE_BAR["tool"] | {"moves": ["x", "z"]}
     new.pop("path")

@@ -55,7 +55,7 @@ def single_joint(kind):
         ("prismatic", [0.0, 0.0, 0.3], np.eye(3), [0.3]),
     ],
 )
-def test_each_kind_allows_its_motions_one_by_one_and_forbids_others(kind, place, turn, values):
+def test_joint_kinds_allow_their_motions_only(kind, place, turn, values):
     mechanism = single_joint(kind)
     closure = Closure(mechanism)
     # Both bodies carried along: what counts is how they lie to each other.
@@ -112,7 +112,7 @@ def test_axes_that_are_another_joint(axes, said):
         ([1.0, 0.0, 0.0], np.array([5.0, 1.0, 0.0]), [0.0, 1.0, 0.0]),
     ],
 )
-def test_a_leg_s_z_is_as_near_to_up_as_it_can_be(end, up, z):
+def test_leg_z_axis_is_closest_to_up(end, up, z):
     x, y, found = leg_frame(np.zeros(3), np.array(end), up).rotation.T
     assert x == pytest.approx(np.array(end) / np.linalg.norm(end), abs=1e-14)
     assert found == pytest.approx(z, abs=1e-14)
@@ -140,7 +140,7 @@ def random_poses(mechanism, count):
     return low + shares * (high - low)
 
 
-def test_random_poses_close_and_have_the_tool_where_it_is_asked_to_be(mechanism):
+def test_random_poses_close_at_prescribed_tool_pose(mechanism):
     closure = Closure(mechanism)
     along = [i for i, move in enumerate(mechanism.tool.moves) if move in "xyz"]
     datum = np.array(mechanism.tool.datum)
@@ -159,7 +159,7 @@ def test_random_poses_close_and_have_the_tool_where_it_is_asked_to_be(mechanism)
         assert values == pytest.approx(0.0, abs=1e-14)
 
 
-def test_the_jacobian_is_the_derivative_of_the_residual(mechanism):
+def test_jacobian_is_derivative_of_residual(mechanism):
     closure, rng = Closure(mechanism), np.random.default_rng(1)
     placement = closure.reference
     size = closure.jacobian(placement).shape[1]
@@ -178,7 +178,7 @@ def test_the_jacobian_is_the_derivative_of_the_residual(mechanism):
     assert closure.jacobian_at(placement) == pytest.approx(derivative, abs=1e-8)
 
 
-def test_kutzbach_counts_what_is_not_overconstrained(mechanism):
+def test_mobility_equals_kutzbach_formula(mechanism):
     found = mobility(reference_posture(mechanism))
     freedoms = sum(FREEDOMS[joint.kind] for joint in mechanism.joints)
     kutzbach = 6 * (len(mechanism.bodies) - 1 - len(mechanism.joints)) + freedoms
@@ -189,7 +189,7 @@ def test_kutzbach_counts_what_is_not_overconstrained(mechanism):
     assert found.mobility == prescribed + found.idle
 
 
-def test_delta_against_its_closed_form():
+def test_delta_kinematics_equal_closed_form():
     mechanism = load_robot("delta").mechanism
     arm, rod, offset, droop = 0.24, 0.56, 0.18 - 0.06, np.radians(20.0)
     for pose in random_poses(mechanism, 2):
@@ -207,7 +207,7 @@ def test_delta_against_its_closed_form():
             assert found.coordinates[f"motor{leg}"][0] == pytest.approx(droops - droop, abs=1e-10)
 
 
-def test_a_joint_is_followed_past_half_a_turn(five_bar):
+def test_joint_angle_continues_past_half_a_turn(five_bar):
     """Crank and rod alone, both driven: the elbow turns by 230° while the rod does by 150°."""
     joints = {joint.name: joint for joint in five_bar.joints}
     motor, elbow = joints["motor1"], replace(joints["elbow1"], drive=joints["motor1"].drive)
@@ -225,7 +225,7 @@ def test_a_joint_is_followed_past_half_a_turn(five_bar):
     assert [found["motor1"][0], found["elbow1"][0]] == pytest.approx([back, turned - back])
 
 
-def test_an_open_reference_names_the_joint(five_bar):
+def test_open_reference_posture_names_joint(five_bar):
     frame = five_bar.reference["rod2"]
     off = replace(frame, position=frame.position + 1e-6 * np.eye(3)[1])
     moved = replace(five_bar, reference={**five_bar.reference, "rod2": off})
@@ -233,7 +233,7 @@ def test_an_open_reference_names_the_joint(five_bar):
         posture(moved, np.array([0.0, 0.5]))
 
 
-def test_loops_that_only_almost_close_say_that_digits_are_missing():
+def test_almost_closed_loops_report_missing_digits():
     mechanism = load_robot("3-rrr").mechanism
 
     def tilted(angle):
@@ -249,7 +249,7 @@ def test_loops_that_only_almost_close_say_that_digits_are_missing():
     assert mobility(reference_posture(tilted(1e-4))).almost_redundant == 1
 
 
-def test_a_pose_out_of_reach_names_the_joint_that_opens_and_how_far_the_way_went():
+def test_unreachable_pose_names_joint_and_progress():
     iterated = replace(load_robot("ifw").mechanism, inverse_kinematics=None)
     # 0.3525 m of 0.4025 m lie within the stroke: 88 %.
     said = r"cannot be reached: joint [\s\S]*ends after 88 %, at x = 0\.84"
@@ -283,7 +283,7 @@ def test_legs_reach_from_their_slides_to_b(x):
 
 
 @pytest.mark.parametrize("short", [1e-3, 1e-6, 1e-9, 1e-12])
-def test_heights_near_the_ends_of_the_stroke_keep_their_digits(short):
+def test_heights_are_accurate_at_ends_of_stroke(short):
     """Against rational arithmetic: L² − x² alone would have 1e-16 L² of rounding."""
     stroke = Stroke(0.75, 0.85, 0.775)
     for x in (stroke.ends[0] + short, stroke.ends[1] - short):
@@ -294,7 +294,7 @@ def test_heights_near_the_ends_of_the_stroke_keep_their_digits(short):
 
 
 @pytest.mark.parametrize("x", [0.1449, 0.8501, -1.0, np.nan, np.inf])
-def test_postures_outside_the_stroke(x):
+def test_postures_outside_stroke_are_refused(x):
     with pytest.raises(InputError, match=r"outside the stroke 0.145 m to 0.85 m"):
         STROKE.legs_at(x)
 
@@ -319,7 +319,7 @@ def test_family_begins_where_the_legs_can_meet():
         assert said in faults
 
 
-def test_postures_that_reading_a_file_tried_are_remembered(monkeypatch):
+def test_postures_of_file_reading_are_memoised(monkeypatch):
     forget()
     mechanism = load_robot("five-bar").mechanism
     monkeypatch.setattr("lumped.mechanism.kinematics.postures._continued", pytest.fail)

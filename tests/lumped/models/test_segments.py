@@ -51,7 +51,7 @@ def test_static_tip_compliance_is_exact(properties, leg_of, elements, digits):
     # Known values: +5.2 % at n = 20 as printed.
     [("half", 2.0, 0.0, 0.002), ("literal", 1.0, 0.052, 0.0005)],
 )
-def test_frequencies_converge_at_the_order_of_the_layout(layout, order, error, off):
+def test_frequencies_converge_at_order_of_layout(layout, order, error, off):
     """Those of a clamped-free Euler–Bernoulli leg that deflects along y."""
     counts = np.array([20, 40, 80])
     exact = (CLAMPED_FREE_ROOTS / LENGTH) ** 2 * np.sqrt(SLENDER.EIz / SLENDER.mu) / (2.0 * np.pi)
@@ -65,7 +65,7 @@ def test_frequencies_converge_at_the_order_of_the_layout(layout, order, error, o
         assert np.all(np.abs(errors[0]) < 0.01)
 
 
-def test_literal_layout_leaves_one_element_length_rigid():
+def test_literal_layout_has_one_rigid_element():
     """An elastic length L(1 − 1/n) between two rigid ends of L/2n."""
     found = at_tip(segment_leg(segment_chain(SLENDER, LENGTH, 8, "literal")))
     lever = along(LENGTH / 16.0)
@@ -74,7 +74,7 @@ def test_literal_layout_leaves_one_element_length_rigid():
 
 
 @pytest.mark.parametrize("layout", ["half", "literal"])
-def test_moved_as_a_rigid_body_the_chain_has_the_mass_of_the_prism(layout):
+def test_rigid_chain_has_mass_of_prism(layout):
     chain = segment_chain(BEAM, LENGTH, 3, layout)
     motions = np.vstack([along(x) for x in (0.0, LENGTH, *chain.places[1:-1])])
     about_middle = along(-LENGTH / 2.0)
@@ -87,14 +87,14 @@ def test_moved_as_a_rigid_body_the_chain_has_the_mass_of_the_prism(layout):
 
 @pytest.mark.parametrize("layout", ["half", "literal"])
 @pytest.mark.parametrize("joined", [lambda chain: chain, with_printed_tip_joint])
-def test_condensed_chain_is_the_schur_complement_of_the_assembled_one(layout, joined):
+def test_condensed_chain_is_schur_complement(layout, joined):
     chain = joined(segment_chain(BEAM, LENGTH, 6, layout))
     full, found = (dense(leg_of(chain).stiffness) for leg_of in (segment_leg, static_leg))
     expected = full[:12, :12] - full[:12, 12:] @ np.linalg.solve(full[12:, 12:], full[12:, :12])
     assert_allclose(found / found.max(), expected / found.max(), atol=1e-12)
 
 
-def test_printed_tip_joint_has_no_moment_but_is_too_stiff():
+def test_printed_tip_joint_is_free_but_too_stiff():
     chain = with_printed_tip_joint(segment_chain(BEAM, LENGTH, 4))
     tip, piece = chain.stiffnesses[-1], LENGTH / 8.0
     assert chain.springs_at[-1] == LENGTH
@@ -107,7 +107,7 @@ def test_printed_tip_joint_has_no_moment_but_is_too_stiff():
     assert_allclose(found, tip_compliance(BEAM, LENGTH)[untouched], rtol=1e-10, atol=1e-20)
 
 
-def test_centreline_follows_a_uniform_twist_and_a_rigid_rotation():
+def test_centreline_follows_twist_and_rotation():
     stations = (0.0, 0.1, 0.4, LENGTH)
     leg = segment_leg(segment_chain(BEAM, LENGTH, 3))
     rigid = np.vstack([along(share * LENGTH) for share in (0.0, 1.0, 1 / 6, 1 / 2, 5 / 6)])

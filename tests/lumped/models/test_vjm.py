@@ -46,7 +46,7 @@ def deflections(compliance):
     ("x", "fx", "fy", "fz"),
     [(0.145, 0.42, 8.76, 26.1), (0.4975, 8.81, 4.19, 27.2), (0.850, 2.97, 6.15, 27.6)],
 )
-def test_demonstrator_with_the_appendix_matrices(x, fx, fy, fz):
+def test_demonstrator_has_appendix_compliance(x, fx, fy, fz):
     """Known values, to half a unit of the last printed digit; 27.145 is printed as 27.2."""
     found = deflections(compliance(IFW.mechanism, x))
     assert np.all(np.abs(found - [fx, fy, fz]) <= [0.005, 0.005, 0.06])
@@ -68,7 +68,7 @@ def arm(bend, metre=1.0):
 
 @pytest.mark.parametrize("metre", [1e-6, 1e-3, 1e3, 1e6])
 @pytest.mark.parametrize(("bend", "rank"), [(0.0, 4), (1e-3, 3)])
-def test_stretched_arm_of_three_parallel_joints(bend, rank, metre):
+def test_stretched_arm_releases_two_motions(bend, rank, metre):
     """In line, three parallel axes release two motions; bent, all three, whatever the unit."""
     K = arm(bend)
     assert np.linalg.matrix_rank(K, tol=1e-6 * K.max()) == rank
@@ -77,7 +77,7 @@ def test_stretched_arm_of_three_parallel_joints(bend, rank, metre):
     assert bend or K[0, 0] == pytest.approx(1e8 / 2.0, rel=1e-12)
 
 
-def test_singular_spring_whose_rigid_direction_a_joint_releases():
+def test_joint_releases_rigid_direction_of_spring():
     """Sθ = diag(c, c, c, c, c, 0) alone is singular; with a revolute joint about z K exists."""
     spring = np.diag([1.0, 2.0, 3.0, 4.0, 5.0, 0.0]) * 1e-9
     K = stiffness(O, [(O, about(*Z))], [(O, spring)])
@@ -96,7 +96,7 @@ def test_singular_spring_whose_rigid_direction_a_joint_releases():
         ),
     ],
 )
-def test_a_rigid_chain_is_named_with_its_direction(joints, springs, words):
+def test_rigid_chain_names_its_direction(joints, springs, words):
     given = [(place, 1e-9 * np.diag(diagonal)) for place, diagonal in springs]
     with pytest.raises(ComputationError, match=rf"arm is rigid against {words}"):
         stiffness(O, joints, given)
@@ -119,14 +119,14 @@ def held(*joints):
         (np.diag([1e9, 1e9, -1e-2, 1e7, 1e7, 1e7]), "translate along z: .* negative"),
     ],
 )
-def test_a_free_platform_is_named_with_its_direction(K, words):
+def test_free_platform_names_its_direction(K, words):
     with pytest.raises(ComputationError, match=f"free to {words}"):
         vjm.platform_compliance(K)
 
 
 @pytest.mark.parametrize("side", [0.1, 0.002])
 @pytest.mark.parametrize("angle", np.linspace(0.1, 3.0, 5))
-def test_a_free_platform_on_slender_legs_is_not_taken_for_a_soft_one(side, angle):
+def test_free_platform_on_slender_legs_is_refused(side, angle):
     """A bar of slenderness 10 to 500 pinned at its root: EA L²/EI up to 3e6, still named free."""
     I = side**4 / 12.0
     leg = constant_leg(1.0, EA=2e11 * side**2, EIy=2e11 * I, EIz=2e11 * I, GJ=3e11 * I, mass=1.0)
@@ -137,7 +137,7 @@ def test_a_free_platform_on_slender_legs_is_not_taken_for_a_soft_one(side, angle
         vjm.platform_compliance(K)
 
 
-def test_tool_offset_moves_the_loaded_point_and_tool_compliance_adds():
+def test_tool_offset_and_compliance_are_applied():
     """A rigid offset is C_P = X C_B Xᵀ; planar deflection grows to about 13.6 µm (notes §1).
 
     The sign of the offset is not printed; 13.6 µm is reached with the tool on the −z side.

@@ -51,7 +51,7 @@ def test_column_named_twice_is_refused(csv):
         read_measured(path)
 
 
-def test_a_robot_file_says_what_is_asked_measured_and_uncertain(tmp_path):
+def test_file_defines_limits_values_and_uncertainty(tmp_path):
     given = load_robot("ifw")
     own = robot_of(given.text + OWN, tmp_path)
     limits = {one.name: own.requirement.limit(one) for one in own.requirement.quantities}
@@ -69,7 +69,7 @@ def test_a_robot_file_says_what_is_asked_measured_and_uncertain(tmp_path):
     np.testing.assert_allclose((less, more), (0.95 * foot, 1.05 * foot), rtol=1e-12)
 
 
-def test_options_change_what_the_file_asks_which_is_five_per_cent_by_default():
+def test_options_override_limits_of_file():
     requirement = Requirement(rely=("beam",))
     quantities = ("x", "y", "z", "phi_x", "phi_y", "phi_z", "any_force", "f1", "f2", "f3", "f4")
     assert [one.name for one in requirement.quantities] == [*quantities, "order"]
@@ -85,14 +85,14 @@ def test_options_change_what_the_file_asks_which_is_five_per_cent_by_default():
 @pytest.mark.parametrize(
     "given", ["deflction=0.1", "x", "x=", "x=five", "x=5", "x=0", "x=nan", "modes=0", "modes=2.5"]
 )
-def test_options_that_mean_nothing_are_refused(given):
+def test_unknown_options_are_refused(given):
     with pytest.raises(InputError) as refused:
         with_options(Requirement(), (given, "y=1e9"), ("vjmm",))
     assert len(refused.value.faults) == 3
     assert any(given in fault for fault in refused.value.faults)
 
 
-def test_a_csv_file_joins_the_robot_s_own_values(csv):
+def test_csv_values_follow_those_of_robot_file(csv):
     x = "x,0.4975,8.9e-6,1e-7,laser tracker,1000\n"
     rest = "f1,0.4975,113.2,0.5,hammer,\nleg1.c22,,1.77e-7,2e-9,test stand,\n"
     found = with_measured(load_robot("ifw"), csv(HEAD + x + rest)).measured
@@ -126,14 +126,14 @@ def test_a_csv_file_joins_the_robot_s_own_values(csv):
         ("x,0.3,one,1,s,", 'line 2.value = "one": must be a number'),
     ],
 )
-def test_every_fault_of_a_csv_file_is_named(csv, line, said):
+def test_all_faults_of_csv_file_are_named(csv, line, said):
     path = csv(f"{HEAD}{line}\n")
     with pytest.raises(InputError) as raised:
         with_measured(load_robot("ifw"), path)
     assert any(said in fault and str(path) in fault for fault in raised.value.faults), raised.value
 
 
-def test_a_file_that_is_no_table_of_measured_values_is_refused(csv, tmp_path):
+def test_file_without_measured_values_is_refused(csv, tmp_path):
     for text, said in (("a,b\n1,2\n", "lacks the column"), (HEAD, "holds no")):
         with pytest.raises(InputError, match=said):
             read_measured(csv(text))
@@ -155,7 +155,7 @@ def read(folder, csv, robot=ROBOT):
     return robot_of(robot, folder)
 
 
-def test_rows_go_by_number_or_by_coordinates_in_any_order(tmp_path):
+def test_rows_by_number_or_coordinates_in_any_order(tmp_path):
     by_number = read(tmp_path, SOUND)
     by_place = f"time,{AXES},x\n0,{CELLS[2]},0.2\n1,{CELLS[1]},0.05\n2,{CELLS[0]},-0.1\n"
     for robot in (by_number, read(tmp_path, by_place)):
@@ -165,7 +165,7 @@ def test_rows_go_by_number_or_by_coordinates_in_any_order(tmp_path):
     assert by_number.sha256 != robot.sha256
 
 
-def test_a_pose_that_comes_again_has_one_wrench(tmp_path):
+def test_repeated_pose_has_one_wrench(tmp_path):
     there_and_back = ROBOT.replace(LINE, "poses = [[0.1], [0.1]]")
     rows = f"pose,{AXES}\n1,{CELLS[0]}\n2,"
     (load,) = read(tmp_path, f"{rows}{CELLS[0]}\n", there_and_back).mechanism.loads
@@ -190,7 +190,7 @@ def test_a_pose_that_comes_again_has_one_wrench(tmp_path):
         (f"x,{AXES}\n0.07,{CELLS[0]}\n", "line 2: x = 0.07 m: must be a pose of the path"),
     ],
 )
-def test_every_fault_is_named_with_line_and_column(tmp_path, csv, said):
+def test_faults_name_line_and_column(tmp_path, csv, said):
     with pytest.raises(InputError) as raised:
         read(tmp_path, csv)
     fault = raised.value.faults[0]
@@ -199,7 +199,7 @@ def test_every_fault_is_named_with_line_and_column(tmp_path, csv, said):
     assert said in fault, fault
 
 
-def test_a_file_that_is_none_and_a_wrench_beside_it_are_refused(tmp_path):
+def test_missing_file_and_extra_wrench_are_refused(tmp_path):
     beside = f"{ROBOT.replace('cutting.csv', 'none.csv')}wrench = [1, 0, 0, 0, 0, 0]\n"
     with pytest.raises(InputError) as raised:
         robot_of(beside, tmp_path)

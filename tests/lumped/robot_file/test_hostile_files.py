@@ -110,7 +110,7 @@ ODD_VALUES = (
 
 
 @pytest.mark.parametrize("value", ODD_VALUES, ids=lambda value: str(value)[:9])
-def test_an_odd_value_at_any_key_is_refused(value):
+def test_odd_value_at_any_key_is_refused(value):
     ways = [way for way in places(tomllib.loads(SOUND)) if isinstance(way[-1], str)]
     taken = []
     for *tables, key in ways:
@@ -177,7 +177,7 @@ GRID = {"from": [0.0, 0.0], "to": [0.1, 0.1], "counts": [1000, 100]}
     ],
     ids=lambda value: value[:20],
 )
-def test_what_is_larger_than_any_robot_is_refused_at_once(path, content, said):
+def test_oversized_robot_is_refused_at_once(path, content, said):
     assert any(said in fault for fault in faults_of(path, content))
 
 
@@ -192,7 +192,7 @@ READERS = {
 
 
 @pytest.mark.parametrize("name", READERS)
-def test_pipes_links_devices_and_large_files_are_called_what_they_are(name, tmp_path):
+def test_irregular_files_are_refused_by_kind(name, tmp_path):
     path = tmp_path / name
 
     def refused(said):
@@ -212,7 +212,7 @@ def test_pipes_links_devices_and_large_files_are_called_what_they_are(name, tmp_
         refused("is larger than")
 
 
-def test_a_file_of_the_largest_size_is_read_whole(tmp_path):
+def test_file_of_largest_size_is_read(tmp_path):
     path = tmp_path / "file"
     path.write_bytes(b"x" * 100)
     assert read_ordinary(path, "a file", 100) == b"x" * 100

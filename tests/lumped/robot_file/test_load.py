@@ -38,7 +38,7 @@ def joints_of(mechanism):
     return {joint.name: joint for joint in mechanism.joints}
 
 
-def test_a_sound_file_is_read(tmp_path):
+def test_valid_file_is_read(tmp_path):
     loaded = robot_of(SOUND.replace("[leg1]", '[leg1]\nends = "rigid"'), tmp_path)
     path = tmp_path / "robot.toml"
     assert (loaded.source, loaded.built_in) == (str(path), False)
@@ -54,14 +54,14 @@ def test_a_sound_file_is_read(tmp_path):
     assert "spring" not in joints_of(loaded.mechanism)
 
 
-def test_byte_order_mark_and_windows_line_ends_are_read(tmp_path):
+def test_byte_order_mark_and_crlf_are_accepted(tmp_path):
     path = tmp_path / "windows.toml"
     path.write_bytes(b"\xef\xbb\xbf" + SOUND.replace("\n", "\r\n").encode())
     slides = load_robot(path).mechanism.reference
     assert (slides["slide2"].position - slides["slide1"].position)[0] == 0.9
 
 
-def test_what_loses_energy_is_said_of_materials_legs_joints_and_drives(tmp_path):
+def test_loss_factors_of_all_parts_are_read(tmp_path):
     """Of the biglide by what it names; of other robots by body and joint."""
     steel, lossy = "rho = 7850.0 }", "rho = 7850.0, loss = 0.01 }"
     text = f"{SOUND}\n[tool]\ncompliance = {(1e-9 * np.eye(6)).tolist()}\n".replace(steel, lossy)
@@ -76,7 +76,7 @@ def test_what_loses_energy_is_said_of_materials_legs_joints_and_drives(tmp_path)
     assert robot_of(text, tmp_path).mechanism.bodies["crank1"].loss == 0.01
 
 
-def test_mass_stands_for_the_density_and_g_for_that_of_an_isotropic_material(tmp_path):
+def test_mass_replaces_density_and_g_is_independent(tmp_path):
     text = SOUND.replace(", rho = 7850.0", "").replace("length = 0.85", "length = 0.85\nmass = 60")
     leg = legs_of(robot_of(text, tmp_path).mechanism)["leg1"]
     # E over 2(1 + ν)
@@ -85,7 +85,7 @@ def test_mass_stands_for_the_density_and_g_for_that_of_an_isotropic_material(tmp
     assert legs_of(own)["leg1"].material.G == 7e10
 
 
-def test_a_compliance_of_the_tool_acts_when_active_and_rounding_is_made_symmetric():
+def test_active_tool_compliance_is_symmetrised():
     loaded = load_robot("ifw")
     assert "spring" not in joints_of(loaded.mechanism)
     # Seven digits are symmetric enough.
@@ -102,7 +102,7 @@ def rows(**entries):
     return f"[{', '.join('[' + ', '.join(row) + ']' for row in texts)}]"
 
 
-def test_half_a_unit_of_the_last_digit_zeros_exact_and_mirror_images_one_rounding():
+def test_printed_digits_give_half_units():
     entries = {"c11": "1.67e-10", "c22": "5.870E-9", "c33": "0.0025", "c44": "2e-7"}
     mirrored = {"c12": "0.0", "c21": "-0.0", "c23": "-1.5e-9", "c32": "-1.50e-9"}
     own = f"compliance = {rows(**entries, **mirrored)}\n"
@@ -126,7 +126,7 @@ def faults_of(tables):
 
 
 @pytest.mark.parametrize("wrong", list(wrong_files()), ids=str)
-def test_each_fault_is_one_line_with_its_key_and_what_is_allowed(wrong):
+def test_fault_line_has_key_and_allowed_values(wrong):
     faults = faults_of(wrong.tables())
     assert len(faults) == len(wrong.said), faults
     for line in wrong.said:
@@ -134,13 +134,13 @@ def test_each_fault_is_one_line_with_its_key_and_what_is_allowed(wrong):
     assert not any("\n" in fault for fault in faults)
 
 
-def test_an_empty_file_names_every_missing_key():
+def test_empty_file_names_all_missing_keys():
     missing = {fault.split(": missing")[0] for fault in faults_of({})}
     keys = ("schema", "name", "type", "geometry", "platform", "actuators", "leg1", "leg2")
     assert missing == set(keys)
 
 
-def test_a_path_that_leads_to_no_robot(tmp_path):
+def test_path_without_robot_is_refused(tmp_path):
     latin = tmp_path / "latin.toml"
     latin.write_bytes(b'name = "Gr\xf6\xdfe"')
     robots = f"must be a robot file or a built-in robot ({', '.join(built_in_robots())})"
@@ -162,7 +162,7 @@ ROCKER = ROOT / "examples" / "rocker" / "robot.toml"
 PATH = "from = [-0.20, 0.45]\nto = [0.20, 0.55]\ncount = 9"
 
 
-def test_legs_and_rigid_bodies_stand_where_their_points_are():
+def test_bodies_are_placed_at_their_points():
     mechanism = load_robot("delta").mechanism
     arm, frame = mechanism.bodies["arm1"], mechanism.reference["arm1"]
     assert isinstance(arm.shape, ConstantLeg)
@@ -183,7 +183,7 @@ def test_legs_and_rigid_bodies_stand_where_their_points_are():
     assert np.linalg.norm(at_tool) > 0.01
 
 
-def test_a_part_lies_where_it_is_placed(tmp_path):
+def test_part_lies_at_its_placement(tmp_path):
     """File axes x and y along base y and −x, y not quite square to x, origin at B."""
     text = ROCKER.read_text(encoding="utf-8")
     place = 'place = { at = "B", x = [0.0, 2.0, 0.0], y = [-1.0, 0.1, 0.0] }\n'
@@ -198,7 +198,7 @@ def test_a_part_lies_where_it_is_placed(tmp_path):
     assert body.interfaces["C"].position == pytest.approx([0.18, 0.17, 0.0])
 
 
-def test_digest_covers_what_a_deck_includes(tmp_path):
+def test_digest_covers_included_files(tmp_path):
     """A run goes on, and a cache answers, only for the same robot."""
     text = ROCKER.read_text(encoding="utf-8").replace('"rocker.step"', '"rocker.inp"')
     (tmp_path / "rocker.inp").write_text("*INCLUDE, INPUT=nodes.inp\n")
@@ -224,11 +224,11 @@ def test_digest_covers_what_a_deck_includes(tmp_path):
         ),
     ],
 )
-def test_faces_are_taken_hold_of_in_four_ways(table, expected):
+def test_faces_are_selected_in_four_ways(table, expected):
     assert interface_of(INTERFACE.read(table)) == expected
 
 
-def test_a_path_is_a_line_or_a_grid(tmp_path):
+def test_path_is_line_or_grid(tmp_path):
     text = load_robot("five-bar").text.replace("[path]", "[accept]\nmodes = 2\n[path]")
     line = robot_of(text, tmp_path)
     assert line.requirement.modes == 2
@@ -240,7 +240,7 @@ def test_a_path_is_a_line_or_a_grid(tmp_path):
     assert found == pytest.approx(np.array(expected))
 
 
-def test_two_points_of_a_slide_give_its_axis():
+def test_two_points_of_slide_define_its_axis():
     mechanism = load_robot("hexapod").mechanism
     drive = next(joint for joint in mechanism.joints if joint.name == "drive1")
     leg = mechanism.reference["strut1"].rotation[:, 0]
@@ -264,7 +264,7 @@ def numbers(mechanism):
     return found
 
 
-def test_the_biglide_written_out_in_the_guide_is_the_built_in_one(tmp_path):
+def test_biglide_of_guide_is_built_in_biglide(tmp_path):
     guide = (ROOT / "docs" / "guide" / "mechanisms.md").read_text(encoding="utf-8")
     text = re.search(r"(?ms)^```toml written-out.toml\n(.*?)^```", guide)[1]
     robots = (robot_of(text, tmp_path), load_robot("biglide"))
@@ -324,7 +324,7 @@ def test_sound_files_are_valid():
 
 
 @pytest.mark.parametrize("robot", ["five-bar", "biglide"])
-def test_a_key_lost_misspelt_or_of_another_kind_is_not_valid(robot):
+def test_wrong_keys_violate_schema(robot):
     text = load_robot(robot).text
     ways = [way for way in places(tomllib.loads(text)) if isinstance(way[-1], str)]
     for *tables, key in ways:
@@ -338,12 +338,12 @@ def test_a_key_lost_misspelt_or_of_another_kind_is_not_valid(robot):
         assert not valid(SCHEMA, another), (tables, key)
 
 
-def test_what_is_wrong_by_itself_is_not_valid():
+def test_wrong_values_violate_schema():
     """Most of the rest is what keys must say together, of which no schema knows."""
     assert sum(not valid(SCHEMA, wrong.tables()) for wrong in wrong_files()) == 74
 
 
-def test_the_guide_lists_the_keys_of_the_rules():
+def test_guide_lists_all_keys():
     script = runpy.run_path(str(ROOT / "docs" / "pictures" / "keys.py"))
     page = script["PAGE"].read_text("utf-8")
     assert script["renewed"](page) == page, "renew it: python docs/pictures/keys.py"
@@ -353,7 +353,7 @@ def test_the_guide_lists_the_keys_of_the_rules():
     ("robot", "keys"),
     [("biglide", ("leg1.section", "foot.compliance")), ("delta", ("bodies.NAME.up",))],
 )
-def test_a_new_file_is_the_robot_and_names_every_key(robot, keys, tmp_path):
+def test_new_file_is_robot_with_list_of_keys(robot, keys, tmp_path):
     path = tmp_path / "new.toml"
     write_template(path, robot)
     text = path.read_text("utf-8")
@@ -361,13 +361,13 @@ def test_a_new_file_is_the_robot_and_names_every_key(robot, keys, tmp_path):
     assert all(f"\n# {key}: " in text for key in keys)
 
 
-def test_the_command_prints_it(capsys):
+def test_command_prints_schema(capsys):
     assert cli.main(["schema"]) == 0
     assert '"https://json-schema.org/draft/2020-12/schema"' in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("axes", ["[0.0, 0.0, 1.0]", "[[0.0, 0.0, 1.0]]"])
-def test_axes_in_place_of_axis_ask_for_axis(axes):
+def test_axes_instead_of_axis_is_refused(axes):
     with pytest.raises(InputError, match=r"joints.pivot.axes .*one axis has axis = \[x, y, z\]"):
         described(PENDULUM.replace("axis = [0.0, 0.0, 1.0]", f"axes = {axes}"))
 
@@ -403,7 +403,7 @@ to = 50.0
 
 
 @pytest.mark.parametrize("where", ["JOINT", "DRIVE", "RATIO"])
-def test_any_one_loss_is_enough_for_responses(tmp_path, where):
+def test_single_loss_factor_allows_responses(tmp_path, where):
     """A joint's, a drive's or a damping ratio alone damps a robot; without any it is refused."""
     text = {"JOINT": "loss = 0.1", "DRIVE": ", loss = 0.1", "RATIO": ""}
     sound = BLOCKS + SHAKEN + ("[damping]\nratio = 0.01\n" if where == "RATIO" else "")
@@ -431,7 +431,7 @@ def test_load_without_body_acts_on_the_tools_body(tmp_path):
 
 
 @pytest.mark.parametrize("what", ["speed", "acceleration"])
-def test_motion_whose_square_is_lost_is_refused(what, tmp_path):
+def test_motion_lost_in_rounding_is_refused(what, tmp_path):
     """5e-324 squared is zero, and its direction none."""
     load = f'[[loads]]\nname = "a"\n{what} = [5e-324, 0.0, 0.0]\n'
     with pytest.raises(InputError, match=f"{what} = .*: must be 0 or at least 1e-12 in size"):
@@ -445,7 +445,7 @@ def test_drive_softer_than_any_hinge_is_refused(stiffness, tmp_path):
         robot_of(soft, tmp_path)
 
 
-def test_text_of_a_robot_file_is_parsed_and_drafted_once(tmp_path, monkeypatch):
+def test_robot_file_is_parsed_and_drafted_once(tmp_path, monkeypatch):
     calls = []
     (tmp_path / "robot.toml").write_text(
         f"{load_robot('five-bar').text}\n# a text of its own\n", encoding="utf-8"

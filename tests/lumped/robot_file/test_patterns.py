@@ -186,7 +186,7 @@ COLUMN = {
 }
 
 
-def test_places_directions_and_matrices_of_copies_are_turned():
+def test_copies_are_rotated_with_their_matrices():
     """Half a turn about z through x = 1: x ↦ 2 − x, y ↦ −y, Jxz and Jyz change their signs."""
     new = written_out(COLUMN)
     assert new["points"]["A2"] == pytest.approx([2.0, 0.0, 0.0], abs=1e-15)

@@ -162,7 +162,7 @@ def test_vary_takes_and_shows_unit_of_file():
         assert robot.mechanism.bodies["rod1"].shape.section.width == 0.025
 
 
-def test_typed_pose_is_in_unit_of_file_and_results_in_si(tmp_path, capsys):
+def test_typed_pose_in_unit_of_file_results_in_si(tmp_path, capsys):
     written(toml_of(MILLI), tmp_path)
     solve = ["solve", "--model", "links", "--json", "--pose"]
     cli.main([*solve, "50,500", str(tmp_path / "robot.toml")])
@@ -179,7 +179,7 @@ def test_typed_pose_is_in_unit_of_file_and_results_in_si(tmp_path, capsys):
     assert shown_pose(mechanism, there.pose) == "x = 50 mm, y = 500 mm"
 
 
-def test_accepted_displacement_and_csv_poses_are_in_unit_of_file(tmp_path):
+def test_displacement_limit_and_csv_use_unit_of_file(tmp_path):
     milli = robot_of(MILLI | {"accept": {"displacement": 0.02}})
     assert milli.requirement.displacement == 2e-5
     option = with_options(milli.requirement, ["displacement=0.03"], (), milli.mechanism.lengths)

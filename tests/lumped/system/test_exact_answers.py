@@ -58,7 +58,7 @@ def parallelogram():
     return make.posture(Tool("bar", "T"))
 
 
-def test_a_parallelogram_yields_by_its_drive_its_driven_rod_and_the_stretch_of_both(parallelogram):
+def test_parallelogram_compliance_equals_hand_result(parallelogram):
     """A moment M about z pulls one rod and pushes the other by M/w: φ = 2 (M/w)(L/EA)/w.
 
     A force F along x turns the foot's drive, F L²/k, and bends the driven rod, F L³/3EI, since only
@@ -84,7 +84,7 @@ def test_a_parallelogram_yields_by_its_drive_its_driven_rod_and_the_stretch_of_b
         assert share == pytest.approx(amount, rel=1e-8, abs=1e-11), portion
 
 
-def test_a_rod_between_ball_joints_goes_round_a_cone_without_spinning():
+def test_rod_on_ball_joints_does_not_spin_in_mode():
     """Led by a crank on a drive k: ω² = k/(I_crank + (I_across + mL²/4) sin²β), half angle β.
 
     One ball joint is on the crank's axis. A rod that turned with the crank would add its large
@@ -185,7 +185,7 @@ def naive(posture, legs):
 @pytest.mark.parametrize(
     ("seed", "planar"), [*((n, False) for n in range(27)), *((n, True) for n in range(8))]
 )
-def test_compliance_idle_motions_and_frequencies_are_those_of_the_null_space(seed, planar):
+def test_results_equal_null_space_solution(seed, planar):
     posture = random_posture(seed, planar=planar)
     legs = tip_compliances(posture.mechanism)
     system = assemble(posture, links(posture.mechanism, legs))
@@ -226,7 +226,7 @@ def postures_of(name):
 
 
 @pytest.mark.parametrize(("name", "elements"), [("ifw", 60), ("five-bar", 4), ("delta", 60)])
-def test_many_postures_are_each_of_them(name, elements):
+def test_sweep_equals_single_postures(name, elements):
     """Reduced bodies, bodies as they stand, and a Delta whose rods spin idly."""
     at, options = postures_of(name), ModelOptions(elements=elements)
     prepared = assembly(at[0].mechanism, dynamic_bodies("beam", at[0].mechanism, 500.0, options))
@@ -242,7 +242,7 @@ def test_many_postures_are_each_of_them(name, elements):
         assert found.idle[number] == solution.idle
 
 
-def test_a_posture_with_too_few_modes_is_named():
+def test_too_few_modes_name_posture():
     at = postures_of("five-bar")
     prepared = assembly(at[0].mechanism, static_bodies("links", at[0].mechanism))
     with pytest.raises(ComputationError, match=r"at x = .* 4 modes asked for, but fewer have mass"):

@@ -71,7 +71,7 @@ def solution_of(mechanism, models=None):
 
 
 @pytest.mark.parametrize(("ratio", "loss"), [(0.0, 0.06), (0.03, 0.0)])
-def test_one_mass_on_a_spring_that_loses_energy(ratio, loss):
+def test_damped_oscillator_equals_closed_form(ratio, loss):
     """1/(k(1 + iη) − mω²), of which the peak is 1/kη at √(k/m); viscous: 1/(2kζ√(1 − ζ²))."""
     (found,) = tool_responses(solution_of(pushed(loss, ratio)))
     asked = found.excitation
@@ -129,7 +129,7 @@ def test_both_dampings_of_many_modes_add():
         assert receptance == pytest.approx(np.linalg.inv(dynamic)[1, 1], rel=1e-9)
 
 
-def test_a_mode_that_nothing_damps_has_no_bound_and_one_beyond_does_not_matter():
+def test_undamped_mode_has_infinite_peak():
     robot = pushed(0.0, 0.01)
     undamped = damped_modes(solution_of(replace(robot, damping=0.0)), 450.0).along(X)
     natural = np.sqrt(K / MASS) / (2.0 * np.pi)
@@ -139,7 +139,7 @@ def test_a_mode_that_nothing_damps_has_no_bound_and_one_beyond_does_not_matter()
     assert size == pytest.approx(1.0 / (K - MASS * (100.0 * np.pi) ** 2), rel=1e-9)
 
 
-def test_two_masses_whose_springs_lose_differently():
+def test_two_masses_with_different_losses():
     """The inverse of a 2×2 matrix, its eigenvalues, and the strain energies to first order."""
     misses, give = [], np.diag([1e-7, *5 * [1e-9]]).tolist()
     for first, second in ((0.08, 0.02), (0.008, 0.002)):
@@ -200,7 +200,7 @@ def lossy(beams):
     return solution_of(replace(DELTA, bodies=bodies, joints=on_drives(loss=0.1)), beams)
 
 
-def test_all_modes_together_are_the_matrices_solved_directly(beams, plain, lossy):
+def test_all_modes_equal_direct_solution(beams, plain, lossy):
     """K* put together anew, of bodies and drives as much softer as they lose."""
     system, ratio = lossy.system, 0.02
     assert lossy.idle == 6
@@ -226,7 +226,7 @@ def test_all_modes_together_are_the_matrices_solved_directly(beams, plain, lossy
             assert np.linalg.eigvalsh(own.imag)[-1] <= 1e-12 * np.abs(own).max()
 
 
-def test_few_modes_are_enough_and_standing_still_is_the_compliance(plain, lossy):
+def test_few_modes_suffice_and_statics_are_exact(plain, lossy):
     few, every = damped_modes(lossy, 200.0), damped_modes(lossy, 1e9)
     assert len(few.inverses) < len(every.inverses) // 2
     frequencies = np.linspace(1.0, 200.0, 50)

@@ -32,7 +32,7 @@ def bar(box_step):
     return part, find_interfaces(part, plane_ends(0.1))
 
 
-def test_the_optimiser_is_left_out_where_it_crashes(bar, monkeypatch):
+def test_crashing_optimiser_is_omitted(bar, monkeypatch):
     tried = []
 
     def crashing(_seconds, function, *arguments):
@@ -55,7 +55,7 @@ def test_the_optimiser_is_left_out_where_it_crashes(bar, monkeypatch):
         (ComputationError("2 tetrahedra are flat"), ComputationError),
     ],
 )
-def test_what_has_no_sound_mesh_is_said(bar, monkeypatch, error, kind):
+def test_unmeshable_part_is_reported(bar, monkeypatch, error, kind):
     def failing(*_):
         raise error
 
@@ -67,7 +67,7 @@ def test_what_has_no_sound_mesh_is_said(bar, monkeypatch, error, kind):
             volume.ladder(*bar, 20_000)
 
 
-def test_the_search_for_a_size_goes_on_after_a_surface_that_crosses_itself(tmp_path):
+def test_size_search_continues_after_crossed_surface(tmp_path):
     def tube(occ):
         """Tapered, 600 mm long; its wall of 12 mm falls between facets of half its length."""
         outer, inner = (occ.addCone(0, 0, 0, 600, 0, 0, r, 0.7 * r) for r in (61.4, 49.3))
@@ -99,7 +99,7 @@ def test_roundings_keep_their_volume(tmp_path):
     assert abs(filled / part.exact.volume - 1.0) < 0.01 * abs(chords)
 
 
-def test_a_folded_element_becomes_straight_and_its_neighbour_follows():
+def test_folded_element_and_neighbour_are_straightened():
     # Two tetrahedra on one face; a middle of their common edge pulled through the first one.
     tetrahedron = ELEMENTS["tet10"].nodes
     cells = np.arange(20).reshape(2, 10)
@@ -115,7 +115,7 @@ def test_a_folded_element_becomes_straight_and_its_neighbour_follows():
             straightened(tetrahedron * [1.0, 1.0, height], np.arange(10)[None])
 
 
-def test_nodes_spread_over_a_box_share_its_volume():
+def test_sample_nodes_share_volume_of_box():
     box = extrude(section_mesh(Rectangle(0.05, 0.08), 2), np.linspace(0.0, 0.5, 11))
     rows, volumes = spread_over(box)
     assert len(set(rows.tolist())) == len(rows) == len(volumes)
@@ -154,13 +154,13 @@ def mesh_of(folder, build):
     return volume_mesh(read_part(written(folder / "part.step", build)), (), Grading(0.03))
 
 
-def test_a_part_without_sharp_edges_keeps_its_mesh(tmp_path):
+def test_part_without_sharp_edges_keeps_mesh(tmp_path):
     mesh = mesh_of(tmp_path, rounded_corner)
     assert cut_at_inner_edges(mesh) is mesh
 
 
 @pytest.mark.parametrize("shape", [box_tube, with_boss])
-def test_cut_at_edges_of_more_than_half_a_turn_meshes_have_the_shape_of_the_whole(tmp_path, shape):
+def test_cut_meshes_keep_shape_at_reentrant_edges(tmp_path, shape):
     mesh = mesh_of(tmp_path, shape)
     x, y, z = mesh.nodes[inner_edges(mesh)].T
     assert len(x) >= 12
@@ -195,7 +195,7 @@ def lug(tmp_path_factory):
     return read_here(written(tmp_path_factory.mktemp("parts") / "lug.step", drawn_parts.lug))
 
 
-def test_a_bore_is_found_by_its_radius_and_a_plane_by_its_outward_normal_and_a_point(lug):
+def test_bore_and_plane_are_selected_by_geometry(lug):
     wanted = {
         "A": PartInterface(ByCylinder(0.008)),
         "C": PartInterface(ByCylinder(0.005, axis=(0.0, 0.0, -2.0)), "average"),
@@ -220,7 +220,7 @@ def fork(occ):
 
 
 @pytest.mark.parametrize("suffix", ["step", "msh"])
-def test_bores_of_one_radius_are_told_apart_by_place_and_a_broken_one_is_one(suffix, tmp_path):
+def test_equal_bores_are_selected_by_position(suffix, tmp_path):
     path = tmp_path / f"fork.{suffix}"
     file = meshed(path, fork, 20.0, 12.0) if suffix == "msh" else written(path, fork)
     wanted = {
@@ -253,7 +253,7 @@ END, BORE = ByPlane((1.0, 0.0, 0.0), (0.2, 0.0, 0.0)), ByCylinder(0.008)
         (ByName("bore"), "the file names none"),
     ],
 )
-def test_a_wrong_choice_says_what_was_nearest(lug, selection, message):
+def test_wrong_selection_names_nearest_face(lug, selection, message):
     points = {"A": np.array([0.03, 0.0, 0.0])} if selection is BORE else {}
     with pytest.raises(InputError) as error:
         find_interfaces(lug, {"A": PartInterface(selection)}, points)
@@ -274,6 +274,6 @@ def test_a_wrong_choice_says_what_was_nearest(lug, selection, message):
         ({}, "no interface is given"),
     ],
 )
-def test_faces_are_taken_once_and_by_what_suits_them(lug, wanted, message):
+def test_shared_or_unsuited_faces_are_refused(lug, wanted, message):
     with pytest.raises(InputError, match=message):
         find_interfaces(lug, {name: PartInterface(*one) for name, one in wanted.items()})

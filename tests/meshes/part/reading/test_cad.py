@@ -20,7 +20,7 @@ from meshes.part.volume import Grading, ladder, volume_mesh
 pytestmark = pytest.mark.usefixtures("in_this_process")
 
 
-def test_a_box_is_as_large_as_it_was_drawn(box_step):
+def test_box_has_drawn_size(box_step):
     part = read_part(box_step)
     assert part.size == "read in mm: 100 × 20 × 30 mm"
     # Volume and moments of a box: V = abc, I = V(b² + c²)/12.
@@ -36,7 +36,7 @@ def test_a_box_is_as_large_as_it_was_drawn(box_step):
     assert outward[0.0, 0.0, -1.0] == pytest.approx([0.05, 0.0, -0.015], abs=1e-12)
 
 
-def test_a_bore_written_as_splines_is_a_bore(tmp_path):
+def test_bore_of_splines_is_recognised(tmp_path):
     def splines(occ):
         bar, bore = occ.addBox(-30, -20, 0, 60, 40, 30), occ.addCylinder(0, 0, -10, 0, 0, 60, 8)
         occ.cut([(3, bar)], [(3, bore)])
@@ -79,7 +79,7 @@ def as_splines(draw):
     return drawn
 
 
-def test_cylinder_of_splines_is_as_the_analytic_one(tmp_path):
+def test_cylinder_of_splines_equals_analytic_one(tmp_path):
     """The kernel's volume of it is 0.86 % too large, its moment about the axis 1.6 %."""
     path = written(tmp_path / "splines.step", as_splines(cylinder))
     part = read_part(path)
@@ -106,7 +106,7 @@ def test_ellipsoid_has_its_volume(tmp_path):
     assert abs(part.exact.volume - volume) < part.exact.error < 1e-4 * volume
 
 
-def test_crossed_cylinders_of_splines_have_the_same_volume(tmp_path):
+def test_crossed_spline_cylinders_have_same_volume(tmp_path):
     # Cylinder less bore, whose length is that of chords at y = 10 + 30 sin t.
     t = np.linspace(0.0, 2.0 * np.pi, 2000, endpoint=False)
     chords = 2.0 * np.sqrt(0.05**2 - (0.01 + 0.03 * np.sin(t)) ** 2)
@@ -225,7 +225,7 @@ METRE = "SI_UNIT($,.METRE.)"
         "axes",
     ],
 )
-def test_the_unit_of_the_file_is_honoured_and_said(tmp_path, edit, unit, length):
+def test_unit_of_file_is_used_and_reported(tmp_path, edit, unit, length):
     path = written(tmp_path / "bar.step", lambda occ: occ.addBox(0, 0, 0, 10, 2, 3))
     path.write_text(edit(path.read_text()))
     part = read_part(path)
@@ -249,7 +249,7 @@ def refused(path, unit=None) -> str:
     return line
 
 
-def test_a_brep_file_has_no_unit_and_takes_the_one_that_is_said(tmp_path):
+def test_brep_file_uses_specified_unit(tmp_path):
     path = written(tmp_path / "bar.brep", lambda occ: occ.addBox(0, 0, 0, 100, 20, 30))
     part = read_part(path, "mm")
     assert part.extent == pytest.approx([0.1, 0.02, 0.03], rel=1e-6)
@@ -327,7 +327,7 @@ SHAPES = {
 
 
 @pytest.mark.parametrize(("build", "message"), SHAPES.values(), ids=SHAPES.keys())
-def test_a_shape_that_is_no_solid_part(tmp_path, build, message):
+def test_shape_without_single_solid_is_refused(tmp_path, build, message):
     assert re.search(message, refused(written(tmp_path / "shape.step", build)))
 
 
@@ -343,7 +343,7 @@ TEXTS = [
 ]
 
 
-def test_files_that_are_no_parts_and_units_that_contradict_them(tmp_path, box_step):
+def test_wrong_files_and_units_are_refused(tmp_path, box_step):
     for number, (content, suffix, message) in enumerate(TEXTS):
         path = tmp_path / f"part{number}{suffix}"
         if content is not None:
@@ -364,9 +364,7 @@ def _astronomical(point: re.Match) -> str:
     return f"CARTESIAN_POINT('',({numbers}))"
 
 
-def test_a_changed_text_is_not_mended_in_silence_and_its_names_and_comments_say_nothing(
-    tmp_path, box_step
-):
+def test_changed_step_text_is_not_mended_silently(tmp_path, box_step):
     """The kernel drops what it does not find, and never returns from what is no number."""
     text, path = box_step.read_text(), tmp_path / "changed.step"
     point = re.search(r"\n#(\d+) = CARTESIAN_POINT\('',\((-?[\d.]+),", text)
@@ -474,7 +472,7 @@ def is_silent(path, sound) -> bool:
     ids=str,
 )
 @pytest.mark.parametrize("name", ["rocker", "leg", "bracket"])
-def test_no_damage_of_a_token_changes_a_part_in_silence(files, name, seeds, tmp_path, monkeypatch):
+def test_damaged_token_never_changes_part_silently(files, name, seeds, tmp_path, monkeypatch):
     # Some end the process that reads.
     monkeypatch.undo()
     source = files[name]
@@ -511,9 +509,7 @@ NAMED = {
 
 
 @pytest.mark.parametrize(("name", "old", "new", "message"), NAMED.values(), ids=NAMED.keys())
-def test_a_damage_is_refused_with_what_is_wrong(
-    files, tmp_path, monkeypatch, name, old, new, message
-):
+def test_damaged_file_is_refused_with_reason(files, tmp_path, monkeypatch, name, old, new, message):
     if message == "its reader fails":
         monkeypatch.undo()
     text, path = files[name].read_text(), tmp_path / "damaged.step"
@@ -523,7 +519,7 @@ def test_a_damage_is_refused_with_what_is_wrong(
         read_part(path)
 
 
-def test_a_small_gap_is_bridged_and_said(tmp_path):
+def test_small_gap_is_bridged_and_reported(tmp_path):
     """A corner of the rocker 0.01 mm off: its place in space is told by nothing but itself."""
     path = tmp_path / "gap.step"
     old = "(20.124611797499,40.249223594996,-30.)"

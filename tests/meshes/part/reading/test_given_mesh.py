@@ -58,7 +58,7 @@ def test_one_mesh_in_three_formats_is_one_part(files):
     assert len(first.faces) == 7
 
 
-def test_a_physical_group_is_a_name(files):
+def test_physical_group_names_faces(files):
     part = read_part(files / "plate.msh", "mm")
     by_name, by_radius = (
         find_interfaces(part, {"A": PartInterface(choice)})[0]
@@ -107,7 +107,7 @@ def mesh_file(folder, points, kind, cells, **more):
         (np.where(CUBE == 1.0, np.nan, CUBE), "hexahedron", HEXAHEDRON, "finite"),
     ],
 )
-def test_bad_meshes_say_what_is_wrong(tmp_path, points, kind, cells, message):
+def test_bad_meshes_are_refused_with_reason(tmp_path, points, kind, cells, message):
     with pytest.raises(InputError) as error, np.errstate(all="ignore"):
         read_part(mesh_file(tmp_path, points, kind, np.array(cells)))
     assert message in error.value.faults[0]
@@ -123,7 +123,7 @@ def test_bad_meshes_say_what_is_wrong(tmp_path, points, kind, cells, message):
         ("*Instance, name=a, part=b\n10., 0., 0.\n*End Instance", r"the place of \*INSTANCE"),
     ],
 )
-def test_a_keyword_that_would_change_the_mesh_is_refused(files, tmp_path, added, refused):
+def test_unsupported_mesh_keyword_is_refused(files, tmp_path, added, refused):
     text = (files / "plate.inp").read_text()
     path = tmp_path / "plate.inp"
     path.write_text(f"{text}\n{added}\n")
@@ -134,7 +134,7 @@ def test_a_keyword_that_would_change_the_mesh_is_refused(files, tmp_path, added,
     assert read_part(path, "mm").size == read_part(files / "plate.inp", "mm").size
 
 
-def test_what_an_input_file_refers_to_is_there(tmp_path):
+def test_missing_reference_of_deck_is_refused(tmp_path):
     path = tmp_path / "mesh.inp"
     nodes = "1, 0., 0., 0.\n2, .1, 0., 0.\n3, 0., .1, 0."
     path.write_text(f"*NODE\n{nodes}\n*ELEMENT, TYPE=C3D4\n1, 1, 2, 3, 4\n")
@@ -165,7 +165,7 @@ def test_hexahedra_have_six_faces_of_unit_area(tmp_path, kind):
         ("mesh.vtu", "<html></html>", "the format of vtu: Expected tag 'VTKFile', found html"),
     ],
 )
-def test_what_is_no_mesh_is_one_line(tmp_path, capfd, name, text, said):
+def test_file_without_mesh_gives_one_line(tmp_path, capfd, name, text, said):
     path = tmp_path / name
     path.write_text(text)
     with pytest.raises(InputError) as error:
@@ -201,7 +201,7 @@ def vtu_of(folder, place, parts, before="", order="LittleEndian", bits=32, compr
 
 @pytest.mark.parametrize("place", PLACES)
 @pytest.mark.parametrize(("order", "bits"), [("LittleEndian", 32), ("BigEndian", 64)])
-def test_what_would_inflate_too_far_is_refused_by_what_it_says_itself(tmp_path, place, order, bits):
+def test_oversized_arrays_are_refused_by_header(tmp_path, place, order, bits):
     """1.5 GB of zeros are 1.5 MB compressed: here nothing but the head of them is there."""
     head = np.array([45_776, 32_768, 100], f"{'<' if bits == 32 else '>'}u{bits // 8}")
     path = vtu_of(tmp_path, place, [head.tobytes()], "AAAA", order, bits)
@@ -211,7 +211,7 @@ def test_what_would_inflate_too_far_is_refused_by_what_it_says_itself(tmp_path, 
 
 @pytest.mark.parametrize("place", PLACES)
 @pytest.mark.parametrize(("compressor", "library"), [("ZLib", zlib), ("LZMA", lzma)])
-def test_what_holds_more_than_it_says_is_inflated_no_further(tmp_path, place, compressor, library):
+def test_understated_arrays_stop_inflating(tmp_path, place, compressor, library):
     """Each block says that it has a hundred bytes, and has a thousand."""
     block = library.compress(bytes(1000))
     head = np.array([1000, 100, 100, *[len(block)] * 1000], "<u4").tobytes()
@@ -221,7 +221,7 @@ def test_what_holds_more_than_it_says_is_inflated_no_further(tmp_path, place, co
 
 
 @pytest.mark.parametrize("compression", ["zlib", "lzma", None])
-def test_what_a_file_says_of_its_size_is_what_it_holds(files, tmp_path, compression):
+def test_stated_sizes_equal_actual_sizes(files, tmp_path, compression):
     mesh, path = meshio.read(files / "plate.vtu"), tmp_path / "plate.vtu"
     meshio.vtu.write(path, mesh, compression=compression)
     (cells,) = mesh.cells
@@ -232,7 +232,7 @@ def test_what_a_file_says_of_its_size_is_what_it_holds(files, tmp_path, compress
 
 @pytest.mark.parametrize("place", PLACES)
 @pytest.mark.parametrize("compressor", ["ZLib", "LZMA"])
-def test_what_vtk_writes_is_read(files, tmp_path, place, compressor):
+def test_vtk_file_is_read(files, tmp_path, place, compressor):
     """The writer of ParaView: appended as it does by default, or otherwise."""
     path = tmp_path / "plate.vtu"
     reader, writer = vtkXMLUnstructuredGridReader(), vtkXMLUnstructuredGridWriter()
