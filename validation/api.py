@@ -71,7 +71,7 @@ from validation.report.table import entry_line, matrix_table, table_of
 from validation.report.words import sentence
 from validation.solve.answer import Solution
 from validation.solve.model_answers import solve as answered
-from validation.solve.question import Question
+from validation.solve.question import Question, split_ends
 from validation.tables import ResultTable, html_paragraph, html_table
 from validation.variations.curves import checked_variations, variation_study
 from validation.verdicts import Entry, Matrix
@@ -147,6 +147,7 @@ def solve(
         Number of natural frequencies. Six if None.
     **options
         Options of the model, as of ``flexproof solve``: ``elements``, ``theory``, ``divisions``, …
+        ``ends="free-free"`` with `body`: its frequencies with nothing held.
 
     Returns
     -------
@@ -168,16 +169,19 @@ def solve(
     112.4 Hz, 23.4 µm/kN
     """
     types = get_type_hints(ModelOptions)
+    given, free = split_ends(model, options)
     if faults := [
         fault
-        for name, value in options.items()
+        for name, value in given.items()
         if name in types
         for fault in faults_of(name, value, types[name])
     ]:
         raise InputError(faults)
     with _arguments_named():
         typed = _typed(poses)
-        asked = Question(_loaded(robot), model, options, modes, poses=typed, leg=leg, body=body)
+        asked = Question(
+            _loaded(robot), model, given, modes, poses=typed, leg=leg, body=body, free=free
+        )
         return answered(asked)
 
 

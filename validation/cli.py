@@ -326,7 +326,7 @@ def solve(
     elements: WholeNumber | None = None,
     release: Literal["condensed", "printed"] | None = None,
     layout: Literal["half", "literal"] | None = None,
-    ends: Literal["rigid", "free"] | None = None,
+    ends: Literal["rigid", "free", "free-free"] | None = None,
     divisions: WholeNumber | None = None,
     equivalent: Literal["stiffness", "compliance"] | None = None,
     parts: Literal["equivalent", "stepped", "condensed"] | None = None,
@@ -370,7 +370,8 @@ def solve(
     layout
         segments: springs of half length at both ends, or the paper's text taken literally.
     ends
-        solid: end faces kept plane and rigid, or free to warp.
+        solid: end faces kept plane and rigid, or free to warp. free-free: with --body, natural
+        frequencies of the body with nothing held, its rigid-body motions left out.
     divisions
         solid: quadratic elements across the smaller side of the section.
     equivalent
@@ -406,7 +407,7 @@ def solve(
     from validation.solve.answer_text import as_text  # noqa: PLC0415
     from validation.solve.model_answers import checked  # noqa: PLC0415
     from validation.solve.model_answers import solve as solved  # noqa: PLC0415
-    from validation.solve.question import Question  # noqa: PLC0415
+    from validation.solve.question import Question, split_ends  # noqa: PLC0415
 
     require_room(TO_COMPUTE)
     request_solver(solver)
@@ -428,9 +429,19 @@ def solve(
         "parts": parts,
         "reduction": reduction,
     }
-    given = {name: value for name, value in choices.items() if value is not None}
+    given, free = split_ends(model, {n: value for n, value in choices.items() if value is not None})
     question = Question(
-        robot_file, model, given, modes, x, pose, leg, body, against, accuracy=accuracy
+        robot_file,
+        model,
+        given,
+        modes,
+        x,
+        pose,
+        leg,
+        body,
+        against,
+        accuracy=accuracy,
+        free=free,
     )
     if vary or csv or jobs or picture or cluster is not None:
         from validation.solve.varied import tell_varied  # noqa: PLC0415

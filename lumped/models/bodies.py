@@ -17,7 +17,7 @@ from lumped.arrays import Array, dense
 from lumped.dense.modes import Modes, solve_modes
 from lumped.dense.statics import balanced_flexibility, solve_statics
 from lumped.equivalent_leg import EquivalentBy, equivalent_leg
-from lumped.errors import InputError
+from lumped.errors import ComputationError, InputError
 from lumped.legs import ConstantLeg, GivenLeg, Leg, Theory, given_compliance, tip_compliance
 from lumped.mechanism.body import Body
 from lumped.mechanism.body_model import LegMatrices
@@ -26,6 +26,11 @@ from lumped.screws import shift
 
 LegSprings: TypeAlias = Literal["given", "equivalent"]
 _ROOT = 6
+# Motions of a body that nothing holds.
+RIGID_MOTIONS = 6
+# Of a shifted eigenvalue problem, relative to the shift: rounding of zero eigenvalues, 1e-12 for
+# 200 elements, and far below any elastic mode.
+_NO_FREQUENCY = 1e-6
 
 
 def leg_of(body: Body) -> Leg:
@@ -131,3 +136,25 @@ def clamped_modes(leg: LegMatrices, count: int) -> Modes:
     )
     shapes = np.vstack([np.zeros((_ROOT, count)), free.shapes])
     return Modes(frequencies=free.frequencies, shapes=shapes)
+
+
+def free_frequencies(leg: LegMatrices, count: int) -> Array:
+    """The lowest `count` frequencies (Hz) of the leg with nothing held, rigid motions left out.
+
+    K + σM is positive definite and has the same shapes, σ being ω² of the lowest mode of the
+    clamped leg. Raises ComputationError unless exactly six eigenvalues of K are zero, and under
+    the conditions of `solve_modes`.
+    """
+    stiffness, mass = dense(leg.stiffness), dense(leg.mass)
+    shift_by = float(2.0 * np.pi * clamped_modes(leg, 1).frequencies[0]) ** 2
+    wanted = count + RIGID_MOTIONS
+    shifted = solve_modes(stiffness + shift_by * mass, mass, wanted, leg.model)
+    squared = (2.0 * np.pi * shifted.frequencies) ** 2 - shift_by
+    rigid = int(np.count_nonzero(np.abs(squared) <= _NO_FREQUENCY * shift_by))
+    if rigid != RIGID_MOTIONS:
+        raise ComputationError(
+            f"{rigid} motions without deformation were found; a free body has {RIGID_MOTIONS}",
+            part=f"{leg.model} model of a leg",
+        )
+    frequencies: Array = np.sqrt(squared[RIGID_MOTIONS:]) / (2.0 * np.pi)
+    return frequencies

@@ -4,19 +4,29 @@ from dataclasses import replace
 from functools import partial
 from typing import TypeVar
 
+import numpy as np
+
 from fem.beams.beam import beam_leg
 from fem.beams.stepped import Piece, SteppedLeg, stepped_leg
 from fem.bodies import solid
 from fem.bodies.rooted import RootedBody
+from fem.reduction.counted_modes import counted_modes
 from fem.reduction.craig_bampton import CraigBampton, craig_bampton
+from fem.reduction.held import free_body
 from fem.reduction.superelement import HeldLeg, held_leg, static_superelement
 from lumped.arrays import Array, dense
 from lumped.equivalent_leg import equivalent_leg
-from lumped.errors import InputError
+from lumped.errors import ComputationError, InputError
 from lumped.legs import ConstantLeg, GivenLeg, Leg, given_compliance, tip_compliance
 from lumped.mechanism.body_model import BodyModel, LegMatrices
 from lumped.memo import memo
-from lumped.models.bodies import clamped_modes, legs_of, tip_compliance_of
+from lumped.models.bodies import (
+    RIGID_MOTIONS,
+    clamped_modes,
+    free_frequencies,
+    legs_of,
+    tip_compliance_of,
+)
 from lumped.models.segments import (
     SegmentChain,
     segment_chain,
@@ -29,6 +39,8 @@ from validation.models.options import DEFAULT_OPTIONS, STATIC, Ends, ModelName, 
 from validation.solids.legs import held_solid
 
 Model = TypeVar("Model", bound=BodyModel)
+# Frequency searched for the next time if too few modes lie below one.
+_BEYOND = 1.3
 
 
 # As many as the family of longer legs takes by all models: each is a hundred kilobytes.
@@ -150,6 +162,36 @@ def leg_frequencies(
         solid_leg = clamped_solid(constant, options.divisions, options.ends)
         return solid_leg.modes(count).frequencies
     return clamped_modes(leg_matrices(model, constant, options), count).frequencies
+
+
+def free_leg_frequencies(
+    model: ModelName, leg: Leg, count: int, options: ModelOptions = DEFAULT_OPTIONS
+) -> Array:
+    """First natural frequencies (Hz, ascending) of one leg that nothing holds.
+
+    The six rigid motions are counted and left out; of solids they are counted by inertia, and so
+    are the modes. Raises InputError as `leg_frequencies` does, ComputationError if the rigid
+    motions are not six.
+    """
+    if model == "simplified" or model in STATIC:
+        raise InputError(f"--modes: the {model} model of one leg has no frequencies")
+    constant = equivalent_leg(leg, options.equivalent)
+    if model != "solid":
+        return free_frequencies(leg_matrices(model, constant, options), count)
+    rooted = clamped_solid(constant, options.divisions, "free")
+    body = free_body(rooted)
+    # Modes of beams show how far to search; sections that distort have more.
+    beams = free_frequencies(leg_matrices("beam", constant, DEFAULT_OPTIONS), count)
+    cutoff = _BEYOND * float(beams[-1])
+    while len(found := counted_modes(body, cutoff).frequencies) < count:
+        cutoff *= _BEYOND
+    rigid = rooted.free_inertia((np.pi * found[0]) ** 2).negative
+    if rigid != RIGID_MOTIONS:
+        raise ComputationError(
+            f"{rigid} motions without deformation were counted; a free body has {RIGID_MOTIONS}",
+            part=body.state,
+        )
+    return found[:count]
 
 
 def constant_leg_of(context: Context, body: str) -> ConstantLeg:

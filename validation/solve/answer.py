@@ -122,6 +122,8 @@ class Answer:
     that of the mesh of prisms
     where one is known, None else, `of_parts` that of CAD parts, and `of_digits` what the printed
     digits of the 6×6 in the robot file leave open at most, to first order.
+    Of a body that nothing holds, `rigid` counts the motions without deformation that `frequencies`
+    leave out, and the compliance is empty.
     """
 
     place: Place
@@ -137,6 +139,7 @@ class Answer:
     of_digits: LeftOpen | None = None
     strain: Mapping[Portion, Array] = field(default_factory=dict)
     paired: PairedModes | None = None
+    rigid: int | None = None
 
 
 @dataclass(frozen=True)
@@ -362,9 +365,13 @@ def without_round_off(micro: float) -> float:
     return round(float(micro), 12) + 0.0
 
 
-def heading_of(place: Place) -> tuple[str, str]:
+def heading_of(place: Place, *, free: bool = False) -> tuple[str, str]:
     """What is looked at and how it is held, and where and in which axes the answer is given."""
     match place:
+        case {"leg": number} if free:
+            return f"leg {number}, nothing held", ""
+        case {"body": name} if free:
+            return f"{name}, nothing held", ""
         case {"leg": number}:
             return f"leg {number}, root clamped", "leg axes"
         case {"body": name}:

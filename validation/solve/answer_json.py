@@ -48,6 +48,9 @@ def answer_record(answer: Answer) -> dict[str, Any]:
     }
     if answer.idle is not None:
         found["idle"] = answer.idle
+    if answer.rigid is not None:
+        del found["compliance"]
+        found["rigid"] = answer.rigid
     if answer.loads:
         found["loads"] = {
             name: {"displacement": _numbers(moved)} | _stability_record(answer.stability.get(name))

@@ -33,16 +33,24 @@ def as_text(solution: Solution) -> str:
     return "\n".join(lines)
 
 
-def _answer_lines(answer: Answer, model: ModelName) -> list[str]:
+def _static_lines(answer: Answer) -> list[str]:
+    """Heading with the compliance, or with the motions without deformation of a free body."""
+    if answer.rigid is not None:
+        heading, _ = heading_of(answer.place, free=True)
+        return [heading, f"  motions without deformation, left out: {answer.rigid}"]
     size = len(answer.compliance)
     deflections = zip("xyz", deflection_texts(answer), strict=False)
-    lines = [
+    return [
         ", ".join(heading_of(answer.place)),
         "  deflection (µm) along a force of 1000 N:",
         "    " + ", ".join(f"{axis} {text}" for axis, text in deflections),
         f"  compliance {size}×{size} (m/N, rad/N, rad/(N m)):",
+        *("    " + " ".join(f"{value: .4e}" for value in row) for row in answer.compliance),
     ]
-    lines += ["    " + " ".join(f"{value: .4e}" for value in row) for row in answer.compliance]
+
+
+def _answer_lines(answer: Answer, model: ModelName) -> list[str]:
+    lines = _static_lines(answer)
     if answer.loads:
         lines.append("  displacement (µm, µrad) under the loads of the robot file:")
         lines += [f"    {name}: {_moved_text(moved)}" for name, moved in answer.loads.items()]
@@ -191,8 +199,10 @@ def _part_lines(answer: Answer, found: PartUncertainty) -> list[str]:
 def _share_lines(answer: Answer, left_open: LeftOpen, digits: str = ".2g") -> list[str]:
     """Shares of the diagonal of the compliance and of the frequencies, in percent."""
     shares = 100.0 * left_open.compliance / np.abs(np.diag(answer.compliance))
-    names = ("x", "y", "z", "φx", "φy", "φz")
-    lines = ["    " + ", ".join(f"{n} {s:{digits}} %" for n, s in zip(names, shares, strict=True))]
+    lines = []
+    if len(shares):
+        named = zip(("x", "y", "z", "φx", "φy", "φz"), shares, strict=True)
+        lines.append("    " + ", ".join(f"{name} {share:{digits}} %" for name, share in named))
     if len(answer.frequencies):
         shares = 100.0 * left_open.frequencies / answer.frequencies
         lines.append("    frequencies " + ", ".join(f"{share:{digits}} %" for share in shares))

@@ -13,10 +13,10 @@ from lumped.dense.modes import FewerModesError
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg
 from lumped.mechanism.mechanism import UNITS_OF_MOVES, Mechanism, Posture
-from lumped.models.bodies import leg_of
+from lumped.models.bodies import RIGID_MOTIONS, leg_of
 from validation.agreement.accuracy import refined
 from validation.agreement.combiners import Combiner, combined, relative_sizes
-from validation.models.legs import leg_compliance, leg_frequencies
+from validation.models.legs import free_leg_frequencies, leg_compliance, leg_frequencies
 from validation.models.loads.displacements import displacements
 from validation.models.loads.stability import stabilities
 from validation.models.mechanism import (
@@ -231,8 +231,11 @@ def _of_body(question: Question, name: str) -> Answer:
     leg = leg_of(question.mechanism.bodies[name])
     if isinstance(leg, ConstantLeg) and leg.ends is not None:
         options = replace(options, ends=leg.ends)
-    frequencies = leg_frequencies(model, leg, count, options) if count else np.zeros(0)
     place: Place = {"body": name} if question.leg is None else {"leg": question.leg}
+    if question.free:
+        frequencies = free_leg_frequencies(model, leg, count, options)
+        return Answer(place, np.zeros((0, 0)), frequencies, rigid=RIGID_MOTIONS)
+    frequencies = leg_frequencies(model, leg, count, options) if count else np.zeros(0)
     return Answer(place, leg_compliance(model, leg, options), frequencies)
 
 
@@ -285,7 +288,7 @@ def _with_digits(
         np.nan_to_num(own * np.abs(_sizes(one))) for one, own in zip(found, share, strict=True)
     ]
     return [
-        replace(one, of_digits=LeftOpen(left[:6], left[6:]))
+        replace(one, of_digits=LeftOpen(*np.split(left, [len(one.compliance)])))
         for one, left in zip(found, digits, strict=True)
     ]
 

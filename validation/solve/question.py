@@ -33,6 +33,17 @@ _OF_PARTS = ("parts", "reduction")
 _OF_GIVEN_LEGS = ("legs", "equivalent")
 
 
+def split_ends(model: ModelName, given: dict[str, Any]) -> tuple[dict[str, Any], bool]:
+    """Options of a model without `ends` "free-free", and whether they had it.
+
+    Faces of a solid that nothing holds may warp.
+    """
+    if given.get("ends") != "free-free":
+        return given, False
+    others = {name: value for name, value in given.items() if name != "ends"}
+    return others | ({"ends": "free"} if model == "solid" else {}), True
+
+
 @dataclass(frozen=True, eq=False)
 class Question:
     """What is typed of a `model` of a robot: the options `given`, and where it is solved.
@@ -40,7 +51,8 @@ class Question:
     At positions `x` (m) or in `poses` ("0.25,0.6"), in the reference posture without them, or one
     `leg` or `body` alone. `modes`: how many, None for six, to be paired with those of the model
     `against`. With `digits` it is said what the printed digits of the file's 6×6 leave open;
-    `accuracy` is what meshes of solids may leave open, relative.
+    `accuracy` is what meshes of solids may leave open, relative. A body alone has its first point
+    clamped, or if it is `free` nothing held.
     """
 
     robot_file: RobotFile
@@ -54,6 +66,7 @@ class Question:
     against: ModelName | None = None
     digits: bool = True
     accuracy: float | None = None
+    free: bool = False
 
     @property
     def mechanism(self) -> Mechanism:
@@ -109,6 +122,8 @@ class Question:
                 found.append(f"--accuracy: the {self.model} model has no meshes; leave it out")
         if self.alone is not None:
             found += self._body_faults(self.alone)
+        if self.free:
+            found += self._free_faults()
         poses, unreadable = collect_faults(partial(parsed_pose, self.mechanism), self._typed)
         _, unreachable = collect_faults(partial(posture, self.mechanism), poses)
         option = "--x: " if self.numbered else ""
@@ -180,6 +195,19 @@ class Question:
             faults.append(f"--against {self.against}: the model is static and has no modes")
         elif self.against and (not self.count or self.alone is not None):
             faults.append("--against: there are no modes of the mechanism to be paired")
+        return faults
+
+    def _free_faults(self) -> list[str]:
+        """Faults of a question about a body that nothing holds."""
+        faults = []
+        if self.alone is None:
+            faults.append("--ends free-free: only a body alone is free; name it by --body")
+        if self.model in STATIC or self.model == "simplified":
+            faults.append(f"--ends free-free: the {self.model} model of a body has no frequencies")
+        if self.accuracy is not None:
+            faults.append("--ends free-free: --accuracy is for bodies that are held; leave it out")
+        if not self.count:
+            faults.append("--modes 0: a free body has frequencies alone; must be 1 or more")
         return faults
 
     def _body_faults(self, body: str) -> list[str]:

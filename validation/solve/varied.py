@@ -79,6 +79,8 @@ def tell_varied(
     """
     if question.against:
         raise InputError("--against: modes are paired for one robot; leave out --vary")
+    if question.free:
+        raise InputError("--ends free-free: of one robot; leave out --vary")
     if not vary:
         raise InputError("--jobs, --cluster, --csv, --picture: belong to --vary; leave them out")
     variations = variations_of(question.robot_file, vary)

@@ -1,0 +1,154 @@
+"""Frequencies of a leg that nothing holds: exact bars, solids, and the count of rigid motions."""
+
+import json
+from dataclasses import replace
+from math import pi, sqrt
+
+import numpy as np
+import pytest
+from scipy.linalg import expm
+from scipy.optimize import brentq
+
+from lumped.arrays import dense
+from lumped.errors import ComputationError, InputError
+from lumped.legs import ConstantLeg, Material
+from lumped.models.bodies import free_frequencies
+from lumped.robot_file.written import toml_of
+from lumped.sections import Rectangle
+from validation import api, cli
+from validation.models.legs import clamped_solid, leg_matrices
+
+E, NU, RHO = 2.1e11, 0.3, 7850.0
+G = E / 2.0 / (1.0 + NU)
+# Roots of cos x cosh x = 1 (Blevins, Formulas for Natural Frequency and Mode Shape, table 8-1).
+ROOTS = (4.730040744862704, 7.853204624095838, 10.995607838001671)
+
+
+def bar(length, width, height):
+    """A robot of one bar, clamped at A."""
+    section = {"shape": "rectangle", "width": width, "height": height}
+    return {
+        "schema": 2,
+        "name": "bar",
+        "points": {"A": [0.0, 0.0, 0.0], "B": [length, 0.0, 0.0]},
+        "bodies": {
+            "bar": {
+                "from": "A",
+                "to": "B",
+                "section": section,
+                "material": {"E": E, "nu": NU, "rho": RHO},
+            }
+        },
+        "joints": {"root": {"type": "fixed", "between": ["ground", "bar"], "at": "A"}},
+        "tool": {"body": "bar", "point": "B", "moves": []},
+    }
+
+
+def free(robot, model, modes, **options):
+    asked = {"modes": modes, "body": "bar", "ends": "free-free", **options}
+    (answer,) = api.solve(robot, model, **asked).answers
+    assert answer.rigid == 6
+    assert answer.compliance.size == 0
+    return answer.frequencies
+
+
+def test_slender_bar_has_euler_bernoulli_frequencies():
+    """(x / L)² √(EI/ρA) / 2π in both planes; rotary inertia lowers mode 3 by 1e-4 (h/L = 0.01)."""
+    found = free(bar(1.0, 0.02, 0.01), "beam", 5, theory="euler-bernoulli", elements=80)
+    along_z = [x**2 / (2.0 * pi) * 0.01 * sqrt(E / RHO / 12.0) for x in ROOTS]
+    along_y = [2.0 * frequency for frequency in along_z[:2]]
+    # Fourth order: 4e-7 at 80 elements.
+    assert found == pytest.approx(sorted([*along_z, *along_y]), rel=3e-6)
+
+
+def timoshenko(length, second, area, kappa, near):
+    """Frequency (Hz) of a free-free Timoshenko beam next to one, by its transfer matrix.
+
+    State (w, ψ, M, Q): Q = κGA (w′ − ψ), M = EI ψ′, M′ = −Q − ρIω²ψ, Q′ = −ρAω²w.
+    """
+
+    def determinant(frequency):
+        squared = (2.0 * pi * frequency) ** 2
+        rates = np.zeros((4, 4))
+        rates[0, 1], rates[0, 3] = 1.0, 1.0 / (kappa * G * area)
+        rates[1, 2] = 1.0 / (E * second)
+        rates[2, 3], rates[2, 1] = -1.0, -RHO * second * squared
+        rates[3, 0] = -RHO * area * squared
+        # Ends without moment and force.
+        return np.linalg.det(expm(length * rates)[2:, :2])
+
+    return brentq(determinant, 0.98 * near, 1.02 * near, xtol=1e-12 * near)
+
+
+KAPPA = 10.0 * (1.0 + NU) / (12.0 + 11.0 * NU)
+THICK = bar(0.2, 0.03, 0.02)
+
+
+def test_thick_bar_has_timoshenko_frequencies():
+    """Bending in both planes, order 4 in 1/elements; rods in tension: √(E/ρ) / 2L."""
+    found = free(THICK, "beam", 8, elements=80)
+    A, L = 6e-4, 0.2
+    for number, second in ((0, 0.03 * 0.02**3 / 12), (1, 0.02 * 0.03**3 / 12)):
+        exact = timoshenko(L, second, A, KAPPA, found[number])
+        assert found[number] == pytest.approx(exact, rel=1e-6)
+    # Linear shapes: second order, π²/24 of (1/80)² = 6e-5 of the first mode.
+    stretch = sqrt(E / RHO) / (2.0 * L)
+    assert np.abs(found / stretch - 1.0).min() < 1e-4
+
+
+def test_segments_converge_to_the_free_beam():
+    coarse, fine = (free(THICK, "segments", 2, elements=n) for n in (20, 40))
+    beam = free(THICK, "beam", 2, elements=80)
+    order = np.log2((coarse - beam) / (fine - beam))
+    # Half springs at the ends: second order.
+    assert order == pytest.approx([2.0, 2.0], abs=0.1)
+
+
+def test_solid_bar_is_free_and_its_modes_are_counted():
+    """Timoshenko with Cowper's coefficient is 1e-3 off a solid of L/h = 10 (physics of shear)."""
+    found = free(THICK, "solid", 3, divisions=2)
+    exact = timoshenko(0.2, 0.03 * 0.02**3 / 12, 6e-4, KAPPA, found[0])
+    assert found[0] == pytest.approx(exact, rel=1e-3)
+    leg = ConstantLeg(0.2, Rectangle(0.03, 0.02), Material.isotropic(E, NU, RHO), None, "bar")
+    rooted = clamped_solid(leg, 2, "free")
+    places = (0.5 * found[0], 1.001 * found[0])
+    below = [rooted.free_inertia((2.0 * pi * place) ** 2).negative for place in places]
+    assert below == [6, 7]
+
+
+def test_body_that_something_holds_is_not_called_free():
+    """A spring of the size of the bar's own stiffness between one end and ground: five motions."""
+    leg = ConstantLeg(0.2, Rectangle(0.03, 0.02), Material.isotropic(E, NU, RHO), None, "bar")
+    matrices = leg_matrices("beam", leg)
+    assert len(free_frequencies(matrices, 3)) == 3
+    stiffness = dense(matrices.stiffness).copy()
+    stiffness[1, 1] += 1e7
+    with pytest.raises(ComputationError, match="5 motions without deformation were found"):
+        free_frequencies(replace(matrices, stiffness=stiffness), 3)
+
+
+def test_free_body_needs_a_body_and_a_dynamic_model(tmp_path, capsys):
+    with pytest.raises(InputError) as refused:
+        api.solve(THICK, "vjm", ends="free-free")
+    assert refused.value.faults == (
+        "ends free-free: only a body alone is free; name it by body",
+        "ends free-free: the vjm model of a body has no frequencies",
+        "modes 0: a free body has frequencies alone; must be 1 or more",
+    )
+
+    path = tmp_path / "bar.toml"
+    path.write_text(toml_of(THICK))
+    options = ["--model", "beam", "--body", "bar", "--ends", "free-free", "--modes", "1", "--json"]
+    assert cli.main(["solve", str(path), *options]) == 0
+    (result,) = json.loads(capsys.readouterr().out)["results"]
+    assert set(result) >= {"body", "frequencies", "rigid"}
+    assert result["rigid"] == 6
+    assert "compliance" not in result
+
+
+def test_digits_of_a_free_leg_are_those_of_its_frequencies():
+    """The 6×6 of the paper's leg has three digits; a free body has no compliance."""
+    (answer,) = api.solve("ifw", "segments", leg=1, modes=3, ends="free-free").answers
+    assert answer.rigid == 6
+    assert answer.of_digits.compliance.size == 0
+    assert np.all(answer.of_digits.frequencies > 0.0)
