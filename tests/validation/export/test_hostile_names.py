@@ -13,6 +13,7 @@ from html.parser import HTMLParser
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
+import msgspec
 import numpy as np
 import pytest
 from gantry import GANTRY
@@ -178,7 +179,8 @@ class Elements(HTMLParser):
 def test_page_has_the_same_elements_under_any_text(monkeypatch):
     def page(text):
         def with_text(record, *names):
-            return replace(record, **{name: text for name in names if getattr(record, name)})
+            copy = msgspec.structs.replace if isinstance(record, msgspec.Struct) else replace
+            return copy(record, **{name: text for name in names if getattr(record, name)})
 
         matrix = replace(
             with_text(MATRIX, "robot"),
