@@ -71,7 +71,7 @@ def require_beams(mechanism: Mechanism) -> None:
 
 
 def _is_coupled(leg: ConstantLeg) -> bool:
-    """Whether bending is coupled, or shear is not known, as in a section given by constants."""
+    """True if bending is coupled, or shear is unknown (section given by constants)."""
     beam = leg.properties("euler-bernoulli")
     return beam.couples_bending or beam.couples_torsion or not leg.section.has_outline
 

@@ -84,7 +84,7 @@ class _Member:
 
     @property
     def unknown_signs(self) -> Array:
-        """How the unknowns (k) of the leg count those of the element."""
+        """Signs (k) of the leg's unknowns relative to those of the element."""
         return np.array([*self.signs, *self.signs, *self.inner * (1.0,)])
 
 
@@ -403,7 +403,7 @@ class ElementLineBeam(Element):  # type: ignore[misc]  # scikit-fem has no types
 
 
 class ElementLineShearBeam(ElementLineBeam):
-    """The same with two unknowns inside, so that M′ + V = −ω²ρI θ and V′ = −ω²μ w can be followed.
+    """Element with two inner unknowns, which approximate M′ + V = −ω²ρI θ and V′ = −ω²μ w.
 
     The first is a deflection by shear alone, a parabola, with γ linear; the second a parabola of
     rotation with the cubic deflection that leaves γ constant. Without them γ is tied to w‴ and the

@@ -49,7 +49,7 @@ class _Rooting:
         return balanced
 
     def copy_to(self, space: Space) -> "_Rooting":
-        """The same projection in another memory."""
+        """Copy of the projection in another memory."""
         return _Rooting(*map(space.put, (self.motions, self.rows, self.wrenches)))
 
 
@@ -169,8 +169,8 @@ class RootedBody:
     def modes(self, count: int) -> CertifiedModes:
         """The lowest `count` modes with the first interface clamped, the others free; on u.
 
-        None is missing: counted by fem.solvers.certificate, for which the factor is given up until
-        it is asked for again. Raises what `fem.solvers.modes.lowest_modes` does.
+        The count by fem.solvers.certificate proves that none is missing. The factor is released
+        for it until it is needed again. Raises errors like `fem.solvers.modes.lowest_modes`.
         """
 
         def counted(sigma: float) -> Inertia:
@@ -183,24 +183,24 @@ class RootedBody:
         return replace(modes, shapes=fix_signs(shapes))
 
     def uncounted_frequencies(self, count: int) -> Array:
-        """Those of `modes` (Hz) as the search finds them: nothing proves that none is missing."""
+        """Frequencies (Hz) of `modes` from the search, without proof that none is missing."""
         mass, space = self.solid.mass, self.space
         return searched_modes(self.flexibility, mass, count, self.name, space).frequencies
 
     def held_inertia(self, sigma: float) -> Inertia:
-        """Of K − σM (σ in rad²/s²) on what moves with the twists of all interfaces held."""
+        """Inertia of K − σM (σ in rad²/s²) on motions with all interfaces held."""
         return self._inertia(sigma, self.solid.twists)
 
     def free_inertia(self, sigma: float) -> Inertia:
-        """Of K − σM (σ in rad²/s²) with nothing held, the six rigid motions among it."""
+        """Inertia of K − σM (σ in rad²/s²) of the free body, including the six rigid motions."""
         return self._inertia(sigma, None)
 
     def rooted_inertia(self, sigma: float) -> Inertia:
-        """Of K − σM (σ in rad²/s²) on what moves with the first interface clamped."""
+        """Inertia of K − σM (σ in rad²/s²) on motions with the first interface clamped."""
         return self._inertia(sigma, self.root)
 
     def _inertia(self, sigma: float, held: Array | None) -> Inertia:
-        """Of K − σM on the x with Bᵀx = 0, B (n×6k) the wrenches of what is held, or on all x."""
+        """Inertia of K − σM on x with Bᵀx = 0, B (n×6k) wrenches of held interfaces, or all x."""
         solid, constraints = self.solid, None
         if held is not None:
             # Forces and moments of one size, so that no twist looks like rounding beside another.

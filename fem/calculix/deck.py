@@ -3,7 +3,7 @@
 Rigid faces, joints and supports are linear equations between nodal displacements: exact in a
 linear step, which *RIGID BODY, made for finite rotations, need not be. A rotation is the
 displacement of a node of its own. Nodes count from 0 here and from 1 in the text; components 0, 1,
-2 are x, y, z. Units are SI, which CalculiX does not know of.
+2 are x, y, z. Units are SI; CalculiX has no units.
 """
 
 from collections.abc import Iterator

@@ -95,15 +95,15 @@ def mass_at_stiffness_points(mesh: VolumeMesh, rho: float) -> SparseMatrix:
     return csr_array(kron(scalar, eye_array(3), format="csr"))
 
 
-def with_bars(at: Posture) -> Posture:
+def with_bars(posture: Posture) -> Posture:
     """The posture with every prism as a solid bar of its outer size, its ends rigid."""
     bodies = {
         name: replace(body, shape=replace(shape, section=Rectangle(*shape.section.extent)))
         if isinstance(shape := body.shape, ConstantLeg)
         else body
-        for name, body in at.mechanism.bodies.items()
+        for name, body in posture.mechanism.bodies.items()
     }
-    return replace(at, mechanism=replace(at.mechanism, bodies=bodies))
+    return replace(posture, mechanism=replace(posture.mechanism, bodies=bodies))
 
 
 def bar_solids(mechanism: Mechanism) -> dict[str, SolidLeg]:
@@ -112,13 +112,13 @@ def bar_solids(mechanism: Mechanism) -> dict[str, SolidLeg]:
     Legs known by a 6×6 as their equivalents; mass is summed over the points that CalculiX sums it
     over.
     """
-    made: dict[ConstantLeg, SolidLeg] = {}
-    found = {}
+    solid_of_leg: dict[ConstantLeg, SolidLeg] = {}
+    solids = {}
     for name, described in legs_of(mechanism).items():
         leg = equivalent_leg(described)
-        if leg not in made:
+        if leg not in solid_of_leg:
             solid = solid_leg(leg, tetrahedra(leg.section, leg.length, 1))
             mass = mass_at_stiffness_points(solid.mesh, leg.material.rho)
-            made[leg] = replace(solid, mass=mass)
-        found[name] = made[leg]
-    return found
+            solid_of_leg[leg] = replace(solid, mass=mass)
+        solids[name] = solid_of_leg[leg]
+    return solids

@@ -92,8 +92,8 @@ class _Builder:
 
     def terms(self, row: Array) -> tuple[OnFreedom, ...]:
         """A `row` (n) by its freedoms: forces on them that do the work of a unit load, too."""
-        kept = np.flatnonzero(np.abs(row) > _NOTHING)
-        return tuple((self.independent[k], float(row[k])) for k in kept)
+        significant = np.flatnonzero(np.abs(row) > _NOTHING)
+        return tuple((self.independent[k], float(row[k])) for k in significant)
 
 
 def mechanism_deck(posture: Posture, legs: Mapping[str, SolidLeg], modes: int) -> MechanismDeck:
@@ -102,8 +102,8 @@ def mechanism_deck(posture: Posture, legs: Mapping[str, SolidLeg], modes: int) -
     `legs` are the solids of all bodies that are not rigid, with rigid end faces, in body axes.
     """
     mechanism = posture.mechanism
-    found = _freedoms(posture, legs)
-    build = _Builder(found)
+    motions = _freedoms(posture, legs)
+    build = _Builder(motions)
     parts = [_add_leg(build, posture, name, leg) for name, leg in legs.items()]
     masses = []
     for name, body in mechanism.bodies.items():
@@ -115,14 +115,14 @@ def mechanism_deck(posture: Posture, legs: Mapping[str, SolidLeg], modes: int) -
             masses += [(first + k, body.shape.mass / 6.0) for k in range(6)]
     tool = mechanism.tool
     carrier = (tool.body, tool.point if tool.body in legs else "")
-    at = interface_position(posture, Side(tool.body, tool.point))
+    tool_position = interface_position(posture, Side(tool.body, tool.point))
     if tool.mass:
-        first = build.add(at[None])
-        build.carry(np.array([first]), at[None], carrier)
+        first = build.add(tool_position[None])
+        build.carry(np.array([first]), tool_position[None], carrier)
         masses.append((first, tool.mass))
     springs = []
-    idle = ((row, _IDLE_STIFFNESS, 0.0) for row in found.idle)
-    for row, stiffness, inertia in (*found.springs, *idle):
+    idle = ((row, _IDLE_STIFFNESS, 0.0) for row in motions.idle)
+    for row, stiffness, inertia in (*motions.springs, *idle):
         number = build.add(np.zeros((1, 3)))
         if inertia:
             masses.append((number, inertia))
@@ -131,7 +131,7 @@ def mechanism_deck(posture: Posture, legs: Mapping[str, SolidLeg], modes: int) -
         springs.append(((number, 0), stiffness))
     # CalculiX couples freedoms by mass only where stiffness does: springs of none see to that.
     springs += [((node, component), 0.0) for node, _ in masses for component in range(3)]
-    loaded: Array = shift(at - found.places[carrier]) @ found.twists[carrier]
+    loaded: Array = shift(tool_position - motions.places[carrier]) @ motions.twists[carrier]
     deck = Deck(
         title=f"{mechanism.name} {shown_pose(mechanism, posture.pose)}",
         nodes=np.vstack(build.nodes),
@@ -142,9 +142,9 @@ def mechanism_deck(posture: Posture, legs: Mapping[str, SolidLeg], modes: int) -
         springs=tuple(springs),
         load_cases=tuple(build.terms(row) for row in loaded),
         watched=tuple(range(build.packed)),
-        modes=modes + len(found.idle) if modes else 0,
+        modes=modes + len(motions.idle) if modes else 0,
     )
-    return MechanismDeck(deck, loaded, len(found.idle))
+    return MechanismDeck(deck, loaded, len(motions.idle))
 
 
 def _add_leg(build: _Builder, posture: Posture, name: str, leg: SolidLeg) -> ElementSet:
@@ -166,11 +166,11 @@ def compliance_and_frequencies(
 
     As printed: seven digits, not symmetrised; idle motions are left out. Raises as `run_calculix`.
     """
-    made = mechanism_deck(posture, legs, modes)
-    results = run_calculix(made.deck)
-    freedoms = results.displacements.reshape(6, -1)[:, : made.tool.shape[1]]
-    found: Array = made.tool @ freedoms.T
-    return found, results.frequencies[made.idle :]
+    model = mechanism_deck(posture, legs, modes)
+    results = run_calculix(model.deck)
+    freedoms = results.displacements.reshape(6, -1)[:, : model.tool.shape[1]]
+    compliance: Array = model.tool @ freedoms.T
+    return compliance, results.frequencies[model.idle :]
 
 
 def _freedoms(posture: Posture, legs: Mapping[str, SolidLeg]) -> _Freedoms:
@@ -183,8 +183,8 @@ def _freedoms(posture: Posture, legs: Mapping[str, SolidLeg]) -> _Freedoms:
         elif name != GROUND:
             places[name, ""] = posture.frames[name].position
     order = {key: 6 * i for i, key in enumerate(places)}
-    gives = [_give(posture, joint) for joint in mechanism.joints]
-    size = 6 * len(order) + sum(len(stiffnesses) for _, stiffnesses in gives)
+    elastic = [_give(posture, joint) for joint in mechanism.joints]
+    size = 6 * len(order) + sum(len(stiffnesses) for _, stiffnesses in elastic)
     # Translations in units of the mechanism's size: conditions without units.
     unit = np.array([1.0 / mechanism.size] * 3 + [1.0] * 3)
 
@@ -196,35 +196,36 @@ def _freedoms(posture: Posture, legs: Mapping[str, SolidLeg]) -> _Freedoms:
         return rows
 
     conditions, springs, first = [np.zeros((0, size))], [], 6 * len(order)
-    for joint, (directions, stiffnesses) in zip(mechanism.joints, gives, strict=True):
+    for joint, (directions, stiffnesses) in zip(mechanism.joints, elastic, strict=True):
         at = interface_position(posture, joint.first)
-        apart = twist(joint.second, at) - twist(joint.first, at)
-        mine = slice(first, first + len(stiffnesses))
-        apart[:, mine] -= unit[:, None] * directions
+        relative = twist(joint.second, at) - twist(joint.first, at)
+        columns = slice(first, first + len(stiffnesses))
+        relative[:, columns] -= unit[:, None] * directions
         # A drive's spring is a joint's first one.
         rotor = joint.drive.inertia if joint.drive is not None and joint.drive.stiffness else 0.0
         springs += [
             (first + k, stiffness, 0.0 if k else rotor) for k, stiffness in enumerate(stiffnesses)
         ]
-        first = mine.stop
+        first = columns.stop
         free = free_twists(posture, joint)
         passive = unit[:, None] * (free if joint.drive is None else free[:, 1:])
         across = np.linalg.qr(passive, mode="complete")[0][:, passive.shape[1] :]
-        conditions.append(across.T @ apart)
-    all_of = _eliminated(np.vstack(conditions))
-    strains = [all_of[6 * len(order) :]]
+        conditions.append(across.T @ relative)
+    all_unknowns = _eliminated(np.vstack(conditions))
+    strains = [all_unknowns[6 * len(order) :]]
     for name in legs:
-        root, *others = ((name, point) for point in mechanism.bodies[name].interfaces)
-        for tip in others:
-            moved: Array = unit[:, None] * shift(places[tip] - places[root]) / unit
+        root, *other_ends = ((name, point) for point in mechanism.bodies[name].interfaces)
+        for tip in other_ends:
+            rigid_transfer: Array = unit[:, None] * shift(places[tip] - places[root]) / unit
             strains.append(
-                all_of[order[tip] : order[tip] + 6] - moved @ all_of[order[root] : order[root] + 6]
+                all_unknowns[order[tip] : order[tip] + 6]
+                - rigid_transfer @ all_unknowns[order[root] : order[root] + 6]
             )
     _, values, right = np.linalg.svd(np.vstack(strains))
     return _Freedoms(
         places=places,
-        twists={key: all_of[i : i + 6] / unit[:, None] for key, i in order.items()},
-        springs=tuple((all_of[k], *rest) for k, *rest in springs),
+        twists={key: all_unknowns[i : i + 6] / unit[:, None] for key, i in order.items()},
+        springs=tuple((all_unknowns[k], *rest) for k, *rest in springs),
         idle=right[int(np.sum(values > _DEPENDENT)) :],
     )
 
@@ -249,22 +250,22 @@ def _eliminated(conditions: Array) -> Array:
     rows = conditions.copy()
     size = rows.shape[1]
     dependent: list[int] = []
-    for done in range(len(rows)):
-        left = np.abs(rows[done:])
-        pivot, column = divmod(int(np.argmax(left)), size)
-        if left[pivot, column] <= _DEPENDENT:
+    for step in range(len(rows)):
+        remaining = np.abs(rows[step:])
+        pivot, column = divmod(int(np.argmax(remaining)), size)
+        if remaining[pivot, column] <= _DEPENDENT:
             break
-        rows[[done, done + pivot]] = rows[[done + pivot, done]]
-        rows[done] /= rows[done, column]
-        others = np.arange(len(rows)) != done
-        rows[others] -= np.outer(rows[others, column], rows[done])
+        rows[[step, step + pivot]] = rows[[step + pivot, step]]
+        rows[step] /= rows[step, column]
+        other_rows = np.arange(len(rows)) != step
+        rows[other_rows] -= np.outer(rows[other_rows, column], rows[step])
         dependent.append(column)
     independent = np.setdiff1d(np.arange(size), dependent)
-    all_of = np.zeros((size, len(independent)))
-    all_of[independent] = np.eye(len(independent))
-    all_of[dependent] = -rows[: len(dependent), independent]
-    all_of[np.abs(all_of) < _NOTHING] = 0.0
-    return all_of
+    all_unknowns = np.zeros((size, len(independent)))
+    all_unknowns[independent] = np.eye(len(independent))
+    all_unknowns[dependent] = -rows[: len(dependent), independent]
+    all_unknowns[np.abs(all_unknowns) < _NOTHING] = 0.0
+    return all_unknowns
 
 
 def _six_points(shape: Rigid) -> Array:

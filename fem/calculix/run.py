@@ -39,11 +39,11 @@ class CalculixResults:
 
 
 def calculix_program() -> str:
-    """Path of CalculiX; raises CalculixMissing where it is not installed."""
+    """Path of CalculiX. Raises CalculixMissing if it is not installed."""
     for name in PROGRAMS:
-        found = shutil.which(name)
-        if found is not None:
-            return found
+        path = shutil.which(name)
+        if path is not None:
+            return path
     raise CalculixMissing(
         f"CalculiX ({' or '.join(PROGRAMS)}) is not installed; on Debian: package calculix-ccx"
     )
@@ -51,44 +51,44 @@ def calculix_program() -> str:
 
 @cache
 def calculix_version() -> str | None:
-    """The version that CalculiX says it has, None where it is not installed or says none."""
+    """Version that CalculiX prints. None if it is not installed or prints none."""
     try:
-        said = subprocess.run(  # noqa: S603  found on the path, without arguments of others
+        output = subprocess.run(  # noqa: S603  found on the path, without arguments of others
             [calculix_program(), "-v"], capture_output=True, text=True, timeout=10.0, check=False
         ).stdout
     except (CalculixMissing, OSError, subprocess.TimeoutExpired):
         return None
-    found = re.search(r"Version\s+(\S+)", said)
-    return found[1] if found else None
+    match = re.search(r"Version\s+(\S+)", output)
+    return match[1] if match else None
 
 
 def run_calculix(deck: Deck, timeout: float = 600.0) -> CalculixResults:
     """Solve a deck in a temporary folder, with one thread, in at most `timeout` s.
 
-    Raises CalculixMissing where CalculiX is not installed, InputError for a deck that it cannot
-    express, ComputationError where it fails or takes too long.
+    Raises CalculixMissing if CalculiX is not installed, InputError for a deck that it cannot
+    express, ComputationError if it fails or takes too long.
     """
     program = calculix_program()
     with TemporaryDirectory(prefix="calculix-") as folder:
         job = Path(folder) / _JOB
         job.with_suffix(".inp").write_text(deck_text(deck), encoding="ascii", errors="replace")
-        said = _run(program, job, deck.title, timeout)
+        output = _run(program, job, deck.title, timeout)
         printed = job.with_suffix(".dat")
         text = printed.read_text(encoding="ascii") if printed.exists() else ""
     try:
         return read_results(text, deck)
     except ComputationError as error:
-        last = next((line for line in reversed(said.splitlines()) if line.strip()), "nothing")
+        last = next((line for line in reversed(output.splitlines()) if line.strip()), "nothing")
         raise ComputationError(f"{error}; its output ends with: {last.strip()}") from None
 
 
 def _run(program: str, job: Path, title: str, timeout: float) -> str:
-    """Runs the program; returns what it said, or raises ComputationError with its first error."""
-    alone = ("OMP_NUM_THREADS", "CCX_NPROC_EQUATION_SOLVER", "CCX_NPROC_STIFFNESS")
-    environment = os.environ | dict.fromkeys(alone, "1")
+    """Run the program and return its output. Raises ComputationError with its first error."""
+    thread_variables = ("OMP_NUM_THREADS", "CCX_NPROC_EQUATION_SOLVER", "CCX_NPROC_STIFFNESS")
+    environment = os.environ | dict.fromkeys(thread_variables, "1")
     try:
         # The program is found on the path, and its arguments are ours.
-        done = subprocess.run(  # noqa: S603
+        result = subprocess.run(  # noqa: S603
             [program, "-i", job.name],
             cwd=job.parent,
             env=environment,
@@ -102,24 +102,24 @@ def _run(program: str, job: Path, title: str, timeout: float) -> str:
         raise ComputationError(f"{title}: CalculiX took more than {timeout:g} s") from None
     except OSError as error:
         raise ComputationError(f"{title}: CalculiX cannot be started: {error}") from error
-    complaint = first_error(done.stdout + done.stderr)
+    complaint = first_error(result.stdout + result.stderr)
     if complaint is not None:
         raise ComputationError(f"{title}: CalculiX stopped with {complaint}")
-    if done.returncode != 0:
-        raise ComputationError(f"{title}: CalculiX ended with exit code {done.returncode}")
-    return done.stdout
+    if result.returncode != 0:
+        raise ComputationError(f"{title}: CalculiX ended with exit code {result.returncode}")
+    return result.stdout
 
 
-def first_error(said: str) -> str | None:
-    """The first *ERROR of CalculiX's output with its continuation lines, None without one."""
-    lines = said.splitlines()
+def first_error(output: str) -> str | None:
+    """The first *ERROR of CalculiX's output with its continuation lines. None if there is none."""
+    lines = output.splitlines()
     for start, line in enumerate(lines):
         if line.lstrip().startswith("*ERROR"):
             message = [line.strip()]
-            for more in lines[start + 1 :]:
-                if not more.startswith("  ") or not more.strip():
+            for continuation in lines[start + 1 :]:
+                if not continuation.startswith("  ") or not continuation.strip():
                     break
-                message.append(more.strip())
+                message.append(continuation.strip())
             return " ".join(message)
     return None
 

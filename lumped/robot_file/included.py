@@ -90,7 +90,9 @@ class _Includer:
         if not file.is_relative_to(self.folder):
             raise line.fault(f"{include}: lies outside the folder of the deck; move it there")
         if file in chain:
-            cycle = " includes ".join(one.name for one in (*chain[chain.index(file) :], file))
+            cycle = " includes ".join(
+                included.name for included in (*chain[chain.index(file) :], file)
+            )
             raise line.fault(f"{include}: includes itself ({cycle})")
         if len(chain) > _DEEPEST:
             raise line.fault(f"{include}: is more than {_DEEPEST} files deep; write them into one")

@@ -190,8 +190,8 @@ def load_robot(name_or_path: str | Path) -> RobotFile:
     unit and what is allowed.
     """
     source = str(name_or_path)
-    known = source in built_in_robots()
-    return _of_built_in(source) if known else _described(source, _read(source))
+    is_built_in = source in built_in_robots()
+    return _of_built_in(source) if is_built_in else _described(source, _read(source))
 
 
 def robot_of(tables: Mapping[str, Any]) -> RobotFile:
@@ -331,12 +331,12 @@ def with_measured(robot_file: RobotFile, path: Path) -> RobotFile:
     Raises InputError with one line per fault, also for poses that the robot cannot reach.
     """
     robot = robot_file.mechanism
-    ones = read_measured(path, robot.judged_responses, robot.lengths, robot.tool.moves)
+    values = read_measured(path, robot.judged_responses, robot.lengths, robot.tool.moves)
     faults = [
         fault
-        for number, one in enumerate(ones, start=2)
-        for fault in pose_faults(robot, one, f"{path}: line {number}")
+        for number, value in enumerate(values, start=2)
+        for fault in pose_faults(robot, value, f"{path}: line {number}")
     ]
     if faults:
         raise InputError(faults)
-    return replace(robot_file, measured=(*robot_file.measured, *ones))
+    return replace(robot_file, measured=(*robot_file.measured, *values))

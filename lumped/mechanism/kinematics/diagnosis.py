@@ -51,18 +51,18 @@ def off_axes(mechanism: Mechanism) -> list[OffAxis]:
         for number, joint in enumerate(mechanism.joints)
         if joint.kind in {"revolute", "prismatic"} and joint.first.point == joint.second.point
     )
-    found = [one for one in candidates if one is not None and _moves_with(mechanism, one)]
-    smallest = min((one.angle for one in found), default=0.0)
-    comparable = (one for one in found if one.angle <= _COMPARABLE * smallest)
-    return sorted(comparable, key=lambda one: -_parallel_axes(mechanism, one))
+    causes = [cause for cause in candidates if cause is not None and _moves_with(mechanism, cause)]
+    smallest = min((cause.angle for cause in causes), default=0.0)
+    comparable = (cause for cause in causes if cause.angle <= _COMPARABLE * smallest)
+    return sorted(comparable, key=lambda cause: -_parallel_axes(mechanism, cause))
 
 
 def _candidate(closure: Closure, jacobian: Array, number: int) -> OffAxis | None:
     """The axis that a joint would need. None if no axis of this joint alone is enough."""
     joint = closure.mechanism.joints[number]
     slides = joint.kind == "prismatic"
-    own = (closure.joint_of == number) & (closure.is_sliding == slides)
-    free = null_space(jacobian[~own])
+    joint_rows = (closure.joint_of == number) & (closure.is_sliding == slides)
+    free = null_space(jacobian[~joint_rows])
     moves = closure.pose_jacobian(closure.reference) @ free
     if len(row_space(moves)) < len(moves):
         return None
@@ -84,21 +84,21 @@ def _candidate(closure: Closure, jacobian: Array, number: int) -> OffAxis | None
     return OffAxis(joint, direction, angle) if angle > _SMALLEST_ANGLE else None
 
 
-def _parallel_axes(mechanism: Mechanism, one: OffAxis) -> int:
+def _parallel_axes(mechanism: Mechanism, cause: OffAxis) -> int:
     """Number of axes of other joints along the axis that a joint would need."""
-    axes = np.vstack([joint.axes for joint in mechanism.joints if joint is not one.joint])
-    return int(np.count_nonzero(np.linalg.norm(np.cross(axes, one.axis), axis=1) < _NOTHING))
+    axes = np.vstack([joint.axes for joint in mechanism.joints if joint is not cause.joint])
+    return int(np.count_nonzero(np.linalg.norm(np.cross(axes, cause.axis), axis=1) < _NOTHING))
 
 
-def _moves_with(mechanism: Mechanism, one: OffAxis) -> bool:
-    """Whether the tool can move as prescribed with another axis of a joint, also near there."""
+def _moves_with(mechanism: Mechanism, cause: OffAxis) -> bool:
+    """True if the tool can move as prescribed with the other axis of a joint, also nearby."""
     joints = tuple(
-        replace(joint, axes=one.axis[None]) if joint is one.joint else joint
+        replace(joint, axes=cause.axis[None]) if joint is cause.joint else joint
         for joint in mechanism.joints
     )
     changed = replace(mechanism, joints=joints)
-    found = (mobility(reference_posture(changed)), generic_mobility(changed))
-    return not any(each.barred or each.at_limit for each in found)
+    results = (mobility(reference_posture(changed)), generic_mobility(changed))
+    return not any(each.barred or each.at_limit for each in results)
 
 
 def legs_in_line(mechanism: Mechanism) -> list[tuple[str, str, bool]]:
@@ -106,19 +106,19 @@ def legs_in_line(mechanism: Mechanism) -> list[tuple[str, str, bool]]:
 
     The third entry is True if they are stretched and False if they are folded.
     """
-    found = []
+    pairs = []
     for joint in mechanism.joints:
         if joint.kind not in {"revolute", "universal", "spherical"}:
             continue
-        ways = []
+        vectors = []
         for side in (joint.first, joint.second):
             body = mechanism.bodies[side.body]
-            others = [frame for point, frame in body.interfaces.items() if point != side.point]
-            if len(others) == 1:
-                way = others[0].position - body.interfaces[side.point].position
-                ways.append(mechanism.reference[side.body].rotation @ way)
-        if len(ways) == 2:
-            first, second = (way / np.linalg.norm(way) for way in ways)
+            other_ends = [frame for point, frame in body.interfaces.items() if point != side.point]
+            if len(other_ends) == 1:
+                vector = other_ends[0].position - body.interfaces[side.point].position
+                vectors.append(mechanism.reference[side.body].rotation @ vector)
+        if len(vectors) == 2:
+            first, second = (vector / np.linalg.norm(vector) for vector in vectors)
             if np.linalg.norm(np.cross(first, second)) < _IN_LINE:
-                found.append((joint.first.body, joint.second.body, bool(first @ second < 0.0)))
-    return found
+                pairs.append((joint.first.body, joint.second.body, bool(first @ second < 0.0)))
+    return pairs

@@ -148,8 +148,8 @@ def _idle_points(description: Draft, loaded: Collection[str | None]) -> Iterator
 
 def motion_faults(mechanism: Mechanism) -> list[str]:
     """Faults of the mobility in the reference posture, else of the poses of the path."""
-    found = mobility(reference_posture(mechanism))
-    if faults := list(_mobility_faults(mechanism, found)):
+    result = mobility(reference_posture(mechanism))
+    if faults := list(_mobility_faults(mechanism, result)):
         return faults
     if faults := list(_path_faults(mechanism)):
         # An axis may let the tool move in the reference posture alone.
@@ -158,52 +158,52 @@ def motion_faults(mechanism: Mechanism) -> list[str]:
     return []
 
 
-def _mobility_faults(mechanism: Mechanism, found: Mobility) -> Iterator[str]:
+def _mobility_faults(mechanism: Mechanism, result: Mobility) -> Iterator[str]:
     moves = f"tool.moves = {list(mechanism.tool.moves)}"
-    left = indeterminacy(found, mechanism.size, singular=True)
-    uncontrolled = bool(len(found.uncontrolled_twists))
-    if uncontrolled or found.barred:
+    free_motions = indeterminacy(result, mechanism.size, singular=True)
+    uncontrolled = bool(len(result.uncontrolled_twists))
+    if uncontrolled or result.barred:
         nearby = generic_mobility(mechanism)
         if not (nearby.barred or nearby.at_limit or len(nearby.uncontrolled_twists)):
-            yield _singular(mechanism, found, left)
+            yield _singular(mechanism, result, free_motions)
             return
     if uncontrolled:
-        yield f"joints: {left}"
-    if found.barred:
-        yield from _axis_faults(mechanism, found.barred) or [_barred(moves, found)]
-    if left and not uncontrolled:
-        yield f"{moves}: {left}"
+        yield f"joints: {free_motions}"
+    if result.barred:
+        yield from _axis_faults(mechanism, result.barred) or [_barred(moves, result)]
+    if free_motions and not uncontrolled:
+        yield f"{moves}: {free_motions}"
 
 
-def _singular(mechanism: Mechanism, found: Mobility, left: str) -> str:
+def _singular(mechanism: Mechanism, result: Mobility, free_motions: str) -> str:
     """Fault of a posture that is singular, with the legs that lie in one line."""
-    why = [
+    reasons = [
         f"{first} and {second} are {'stretched out in' if stretched else 'folded into'} one line"
         for first, second, stretched in legs_in_line(mechanism)
     ]
-    if found.at_limit:
-        why.append(
-            f"drives {', '.join(found.stirring)} move while the tool cannot move along "
-            f"{', '.join(found.barred)}"
+    if result.at_limit:
+        reasons.append(
+            f"drives {', '.join(result.stirring)} move while the tool cannot move along "
+            f"{', '.join(result.barred)}"
         )
-    elif found.barred:
-        why.append(f"the tool cannot move along {', '.join(found.barred)}")
-    if len(found.uncontrolled_twists):
-        why.append(left)
+    elif result.barred:
+        reasons.append(f"the tool cannot move along {', '.join(result.barred)}")
+    if len(result.uncontrolled_twists):
+        reasons.append(free_motions)
     return (
-        f"points: the reference posture is singular: {'; '.join(why)}; must be a posture inside "
-        "the workspace"
+        f"points: the reference posture is singular: {'; '.join(reasons)}; must be a posture "
+        "inside the workspace"
     )
 
 
-def _barred(moves: str, found: Mobility) -> str:
+def _barred(moves: str, result: Mobility) -> str:
     allowed = (
-        f"{counted(found.almost_redundant, 'constraint repeats', 'constraints repeat')} others "
+        f"{counted(result.almost_redundant, 'constraint repeats', 'constraints repeat')} others "
         "almost; are parallel axes given with all their digits?"
-        if found.almost_redundant
+        if result.almost_redundant
         else "must name motions that they allow, each by itself"
     )
-    barred = ", ".join(found.barred)
+    barred = ", ".join(result.barred)
     return f"{moves}: the joints do not let the tool move along {barred}; {allowed}"
 
 
@@ -211,12 +211,12 @@ def _axis_faults(mechanism: Mechanism, barred: Sequence[str]) -> list[str]:
     """The joint whose axis prevents the moves, with others that could be it. Empty if none is."""
     if len(mechanism.joints) > _DIAGNOSED:
         return []
-    first, *others = off_axes(mechanism) or (None,)
+    first, *alternatives = off_axes(mechanism) or (None,)
     if first is None:
         return []
     needed = [float(f"{x:.6g}") for x in np.where(np.abs(first.axis) < _NO_SHARE, 0.0, first.axis)]
-    names = " or ".join(one.joint.name for one in others)
-    also = f" (or the axis of {names} is off as much)" if others else ""
+    names = " or ".join(alternative.joint.name for alternative in alternatives)
+    also = f" (or the axis of {names} is off as much)" if alternatives else ""
     return [
         f"joints.{first.joint.name}.axis = {[float(f'{x:.6g}') for x in first.joint.axes[0]]}: "
         f"keeps the tool from moving along {', '.join(barred)}; along {needed}, "

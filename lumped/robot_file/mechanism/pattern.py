@@ -62,17 +62,17 @@ class _Pattern:
         return turned
 
     def misses(self, tables: Tables, point: str) -> bool:
-        """Whether a known point lies off the axis."""
-        place = tables["points"].get(point)
-        if not isinstance(place, list):
+        """True if a known point lies off the axis."""
+        position = tables["points"].get(point)
+        if not isinstance(position, list):
             return False
-        arm = np.array(place) - np.array(self.through)
+        arm = np.array(position) - np.array(self.through)
         far = np.linalg.norm(np.cross(self.about, arm))
         return bool(far > _ON_AXIS * max(1.0, float(np.linalg.norm(arm))))
 
 
 def has_patterns(tables: Tables) -> bool:
-    """Whether an entry of the tables has a pattern."""
+    """True if an entry of the tables has a pattern."""
     return bool(_repeated(tables))
 
 
