@@ -292,7 +292,7 @@ def test_checking_a_robot_opens_the_files_of_its_parts(command):
 @pytest.mark.parametrize(
     ("asked", "said"),
     [
-        (["identify", "--body", "rod"], "the parts of"),
+        (["identify", "--body", "rod"], "the CAD parts of"),
         (["solve", "--model", "links", "--body", "rocker"], "from a file, see flexproof identify"),
     ],
 )
