@@ -169,22 +169,22 @@ def _shear_stiffnesses(p: BeamProperties) -> tuple[float, float, float]:
 
 def _coupling_stiffness(first: _Member, second: _Member, EI: float, GA: float) -> Array:
     """∫ EI θ₁′θ₂′ + GA γ₁γ₂ (k₁×k₂) of the unknowns of two bending members."""
-    weights, (one, two) = _integrated(first, second)
-    (w1, theta1), (w2, theta2) = one, two
+    weights, (first_fields, second_fields) = _integrated(first, second)
+    (w1, theta1), (w2, theta2) = first_fields, second_fields
     gamma1, gamma2 = w1[1] - theta1[0], w2[1] - theta2[0]
     return np.asarray(EI * (theta1[1] * weights) @ theta2[1].T + GA * (gamma1 * weights) @ gamma2.T)
 
 
 def _coupling_mass(first: _Member, second: _Member, field: int, inertia: float) -> Array:
     """∫ `inertia` u₁u₂ (k₁×k₂) of one field of each of two members."""
-    weights, (one, two) = _integrated(first, second)
-    return np.asarray(inertia * (one[field][0] * weights) @ two[field][0].T)
+    weights, (first_fields, second_fields) = _integrated(first, second)
+    return np.asarray(inertia * (first_fields[field][0] * weights) @ second_fields[field][0].T)
 
 
 def _integrated(*members: _Member) -> tuple[Array, list[list[tuple[Array, Array]]]]:
     """Weights (m, in m) of integration points, and there the fields of each member."""
     points, weights = get_quadrature(RefLine, _INTEGRATION_ORDER)
-    fields = [_fields(one.element, one.mesh, points) for one in members]
+    fields = [_fields(member.element, member.mesh, points) for member in members]
     return weights * members[0].mesh.p[0, -1], fields
 
 
@@ -194,16 +194,20 @@ def _on_centroids(leg: LegMatrices, nodes: int, to_shear_centre: Array) -> LegMa
     Its first unknowns are the twists of so many `nodes`.
     """
     rest = leg.size - 6 * nodes
-    moved = csr_array(block_diag([*[to_shear_centre] * nodes, eye_array(rest)], format="csr"))
+    transformation = csr_array(
+        block_diag([*[to_shear_centre] * nodes, eye_array(rest)], format="csr")
+    )
     back = np.linalg.inv(to_shear_centre)
 
     def on_centroids(matrix: SparseMatrix) -> SparseMatrix:
-        return csr_matrix(moved.T @ csr_array(matrix) @ moved)
+        return csr_matrix(transformation.T @ csr_array(matrix) @ transformation)
 
     def centreline(stations: Array) -> SparseMatrix:
         of_shear_centre = csr_array(leg.centreline(stations))
         count = of_shear_centre.shape[0] // 6
-        return csr_matrix(block_diag([back] * count, format="csr") @ of_shear_centre @ moved)
+        return csr_matrix(
+            block_diag([back] * count, format="csr") @ of_shear_centre @ transformation
+        )
 
     parts = {kind: on_centroids(part) for kind, part in leg.parts.items()}
     return replace(
@@ -338,26 +342,29 @@ def with_warping(leg: LegMatrices, rod: WarpingRod, elements: int, ends: Ends) -
     basis = Basis(MeshLine(np.linspace(0.0, leg.length, elements + 1)), ElementLineP2())
     places = basis.doflocs[0]
     inside = (places > 0.0) & (places < leg.length)
-    kept = np.flatnonzero(inside) if ends == "rigid" else np.arange(len(places))
+    free_nodes = np.flatnonzero(inside) if ends == "rigid" else np.arange(len(places))
     # Rotation about x at the places of the quadratic shape functions, from the leg's unknowns.
     rotation = csr_array(leg.centreline(places))[3::6]
     gradients, coupling, products = line_products(basis)
-    cross = csr_array(-rod.shear * (coupling[kept] @ rotation))
-    warping = rod.shear * products[kept][:, kept] + rod.bimoment * gradients[kept][:, kept]
+    cross = csr_array(-rod.shear * (coupling[free_nodes] @ rotation))
+    warping = (
+        rod.shear * products[free_nodes][:, free_nodes]
+        + rod.bimoment * gradients[free_nodes][:, free_nodes]
+    )
     torsion = csr_matrix(
         block_array([[rotation.T @ (rod.twist * gradients) @ rotation, cross.T], [cross, warping]])
     )
 
     def wide(matrix: SparseMatrix) -> SparseMatrix:
-        return csr_matrix(block_diag([matrix, csr_array((len(kept), len(kept)))]))
+        return csr_matrix(block_diag([matrix, csr_array((len(free_nodes), len(free_nodes)))]))
 
     def centreline(stations: Array) -> SparseMatrix:
         own = leg.centreline(stations)
-        return csr_matrix(hstack([own, csr_array((own.shape[0], len(kept)))]))
+        return csr_matrix(hstack([own, csr_array((own.shape[0], len(free_nodes)))]))
 
-    others = {kind: wide(part) for kind, part in leg.parts.items() if kind != "torsion"}
-    parts = {**others, "torsion": torsion}
-    mass = block_diag([leg.mass, rod.warping * products[kept][:, kept]])
+    other_parts = {kind: wide(part) for kind, part in leg.parts.items() if kind != "torsion"}
+    parts = {**other_parts, "torsion": torsion}
+    mass = block_diag([leg.mass, rod.warping * products[free_nodes][:, free_nodes]])
     return LegMatrices(
         model="beam with warping",
         length=leg.length,

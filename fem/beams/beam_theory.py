@@ -300,7 +300,7 @@ def _coupled_pieces(p: BeamProperties, length: float, omega: float) -> int:
     bending = np.linalg.eigvalsh(p.bending)[0]
     shear = np.array([[1.0 / p.GAy, p.shear_yz], [p.shear_yz, 1.0 / p.GAz]])
     rotary = np.array([[p.rho_Iz, p.rho_Iyz], [p.rho_Iyz, p.rho_Iy]])
-    largest = (float(np.linalg.eigvalsh(one)[-1]) for one in (shear, rotary))
+    largest = (float(np.linalg.eigvalsh(matrix)[-1]) for matrix in (shear, rotary))
     plane = _Plane(float(bending), next(largest), 2.0 * p.mu, next(largest))
     polar = p.rho_J + 2.0 * p.mu * (p.centre_y**2 + p.centre_z**2)
     by_torsion = int(length * omega / (np.pi * sqrt(p.GJ / polar))) + 1

@@ -230,10 +230,10 @@ def _statically_determinate(solid: CoupledSolid, name: str) -> IntArray:
 
     Springs at a rigid root itself would leave a digit less of a leg 87 diameters long.
     """
-    own = solid.size - 3 * len(solid.places)
+    first_node_unknown = solid.size - 3 * len(solid.places)
     size = float(np.ptp(solid.places, axis=0).max())
-    scaled = solid.motions[own:] * np.repeat([1.0, 1.0 / size], [3, 3])
+    scaled = solid.motions[first_node_unknown:] * np.repeat([1.0, 1.0 / size], [3, 3])
     _, triangle, order = qr(scaled.T, mode="economic", pivoting=True)
     if abs(triangle[5, 5]) <= 1e-9 * abs(triangle[0, 0]):
         raise ComputationError(f"{name}: its nodes lie on one line")
-    return np.sort(own + order[:6])
+    return np.sort(first_node_unknown + order[:6])

@@ -149,7 +149,7 @@ def _change(fields: SectionFields, length: float) -> Array:
     rigid = np.kron(np.eye(2), fields.rigid)
     solved = np.linalg.solve(np.hstack([decaying, rigid]), -warping.astype(complex))
     amplitudes = solved[: 2 * len(rates)]
-    displacements, slope = (one.real for one in (decaying @ amplitudes, slopes @ amplitudes))
+    displacements, slope = (field.real for field in (decaying @ amplitudes, slopes @ amplitudes))
     n = len(fields.E0)
     at_root, at_tip = (
         fields.E0 @ slope[face] + fields.E1 @ displacements[face]

@@ -220,17 +220,20 @@ def _described(source: str, content: bytes, *, built_in: bool = False) -> RobotF
     except InputError as error:
         raise InputError(visible(f"{source}: {fault}") for fault in error.faults) from None
     loads = read["loads"]
-    parts = [one.shape.file for one in mechanism.bodies.values() if isinstance(one.shape, Part)]
+    parts = [body.shape.file for body in mechanism.bodies.values() if isinstance(body.shape, Part)]
     return RobotFile(
         mechanism=mechanism,
         source=source,
         built_in=built_in,
         text=text,
-        sha256=_digest(content, [*parts, *(folder / one["file"] for one in loads if one["file"])]),
-        corrections=tuple(Correction(**one) for one in read.get("corrections", ())),
+        sha256=_digest(
+            content, [*parts, *(folder / load["file"] for load in loads if load["file"])]
+        ),
+        corrections=tuple(Correction(**table) for table in read.get("corrections", ())),
         requirement=requirement_of(read["accept"], mechanism),
         measured=tuple(
-            measured_value(one, "measured", mechanism.judged_responses) for one in read["measured"]
+            measured_value(table, "measured", mechanism.judged_responses)
+            for table in read["measured"]
         ),
         agreement=AgreementLimits(**read["agree"]) if read["agree"] else DEFAULT_LIMITS,
     )

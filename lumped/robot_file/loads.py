@@ -127,7 +127,7 @@ def response_faults(read: Sequence[Mapping[str, Any]], robot: Mechanism) -> Iter
 
 
 def _names_twice(read: Sequence[Mapping[str, Any]], array_name: str) -> Iterator[str]:
-    for fault in named_twice([one["name"] for one in read], f"{array_name}[{{}}].name"):
+    for fault in named_twice([table["name"] for table in read], f"{array_name}[{{}}].name"):
         yield f"{fault}; must be named once"
 
 

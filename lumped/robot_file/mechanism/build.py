@@ -82,7 +82,7 @@ def _part(description: Draft, name: str, table: Entry, folder: Path) -> tuple[Bo
     shape = Part(
         file=folder / (table["step"] or table["mesh"]),
         material=isotropic_of(table["material"]),
-        interfaces={point: interface_of(one) for point, one in table["interfaces"].items()},
+        interfaces={point: interface_of(entry) for point, entry in table["interfaces"].items()},
         unit=table["unit"],
     )
     file_frame = frame.inverse()

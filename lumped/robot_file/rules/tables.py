@@ -358,7 +358,7 @@ ACCEPT = TableRule(
     Key("response", _SHARE, "largest relative error of responses", default=Requirement.response),
     Key("modes", _MODES, "number of frequencies that are judged", default=Requirement.modes),
     Key("rely", Several(OneOf(MODEL_KINDS)), "models whose inadequacy is exit code 1", default=()),
-    *(Key(one.name, _SHARE, f"limit for {one}, instead of `deflection`") for one in UNIT_LOADS),
+    *(Key(load.name, _SHARE, f"limit for {load}, instead of `deflection`") for load in UNIT_LOADS),
 )
 _ELEMENTS = Number(least=1, most=MOST_ELEMENTS, whole=True)
 _FINE = "largest relative error of f1 to f4 and of deflections with these elements"
