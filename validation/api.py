@@ -30,7 +30,7 @@ from fem.machine import usable_cores
 from lumped.acceptance.requirement import Requirement
 from lumped.errors import InputError
 from lumped.legs import Theory
-from lumped.mechanism.mechanism import Mechanism
+from lumped.mechanism.length_unit import UnitOfLength
 from lumped.robot_file import RobotFile, load_robot, robot_of
 from lumped.robot_file.evidence import with_options
 from lumped.robot_file.places import unit_of
@@ -115,7 +115,7 @@ def load(
     """
     loaded = _loaded(robot)
     return replace(
-        loaded, requirement=_accepting(loaded.requirement, accept or {}, loaded.mechanism)
+        loaded, requirement=_accepting(loaded.requirement, accept or {}, loaded.mechanism.lengths)
     )
 
 
@@ -382,8 +382,7 @@ class Adequacy:
         >>> strict.entry("simplified", "z").limit
         0.0001
         """
-        robot = self.subject.responses.robot.mechanism
-        requirement = _accepting(self.requirement, accept, robot)
+        requirement = _accepting(self.requirement, accept, self.subject.lengths)
         if requirement.modes > self.requirement.modes:
             raise InputError(
                 f"accept: modes = {requirement.modes}: must be at most {self.requirement.modes}, "
@@ -413,8 +412,7 @@ class Adequacy:
 
     def _within(self, model: str, quantity: str, limit: float) -> Matrix:
         models = [one for one in self.subject.models if one.name == model]
-        robot = self.subject.responses.robot.mechanism
-        asked = _accepting(self.requirement, {quantity: limit}, robot)
+        asked = _accepting(self.requirement, {quantity: limit}, self.subject.lengths)
         return judged(replace(self.subject, models=models, parts=()), asked)
 
     def table(self) -> ResultTable:
@@ -512,7 +510,7 @@ def adequacy(
     'inadequate'
     """
     loaded = _loaded(robot)
-    requirement = _accepting(loaded.requirement, accept or {}, loaded.mechanism)
+    requirement = _accepting(loaded.requirement, accept or {}, loaded.mechanism.lengths)
     subject, matrix = judged_robot(Context(replace(loaded, requirement=requirement), preset))
     return Adequacy(matrix, requirement, subject)
 
@@ -907,8 +905,8 @@ def _loaded(robot: Robot) -> RobotFile:
 
 
 def _accepting(
-    requirement: Requirement, accept: Mapping[str, float], robot: Mechanism
+    requirement: Requirement, accept: Mapping[str, float], lengths: UnitOfLength
 ) -> Requirement:
     limits = [f"{name}={limit}" for name, limit in accept.items()]
     with _arguments_named():
-        return with_options(requirement, limits, (), robot.lengths)
+        return with_options(requirement, limits, (), lengths)

@@ -20,7 +20,7 @@ from cyclopts import App, CycloptsError, Parameter, UnusedCliTokensError
 
 from fem.extras import require_extra
 from fem.machine import TO_COMPUTE, TO_READ, require_room, usable_cores
-from fem.solvers.backends.choice import request_solver
+from fem.solvers.backends.request import request_solver
 from lumped.errors import EXHAUSTED, ComputationError, InputError, remarks_to
 from lumped.robots import FIRST_TYPE, RobotType
 from lumped.solver_request import VARIABLE

@@ -9,6 +9,7 @@ import numpy as np
 
 from lumped.acceptance.quantities import Quantity, QuantityKind
 from lumped.arrays import Array
+from lumped.mechanism.length_unit import METRE, UnitOfLength
 from validation.adequacy.mechanism.path import Factors, Reading
 from validation.adequacy.responses import Model, Responses
 from validation.verdicts import Coordinate
@@ -204,7 +205,8 @@ class Subject:
     others than the robot's, compared with solids of those; `inputs` its uncertain inputs. None if
     its file names none. `loads` are the quantities of its loads,
     `harmonics` those of its responses to harmonic forces, in their order. `faults` name other
-    computations than models that ended with an error of the program.
+    computations than models that ended with an error of the program. `lengths`: unit of lengths
+    in the robot's file, in which limits are stated.
     """
 
     robot: str
@@ -223,6 +225,7 @@ class Subject:
     loads: tuple[Quantity, ...] = ()
     harmonics: tuple[Quantity, ...] = ()
     faults: tuple[str, ...] = ()
+    lengths: UnitOfLength = METRE
 
     def steps(self, model: Model, quantity: Quantity) -> Sequence[Step]:
         """Steps from a model to the reference of a quantity."""

@@ -4,7 +4,7 @@ import re
 from pathlib import Path
 from typing import Literal
 
-from fem.solvers.backends.choice import request_solver
+from fem.solvers.backends.request import request_solver
 from lumped.errors import InputError
 from validation.console.streams import write_messages, write_results
 from validation.console.typed import (

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
 
 from cyclopts import Parameter
 
-from fem.solvers.backends.choice import request_solver
+from fem.solvers.backends.request import request_solver
 from lumped.errors import InputError
 from validation.console.typed import (
     Force,

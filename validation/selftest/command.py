@@ -4,7 +4,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 from fem.machine import TO_COMPUTE, require_room
-from fem.solvers.backends.choice import request_solver
+from fem.solvers.backends.request import request_solver
 from validation.console.streams import write_results
 from validation.console.typed import SolverName
 

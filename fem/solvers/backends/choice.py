@@ -3,17 +3,16 @@
 `lumped.solver_request` has the request.
 """
 
-import os
 import warnings
 
-from fem.extras import missing_message
 from fem.solvers.backends import cudss, rslab
 from fem.solvers.backends.cudss import CudssOrdering, Device
 from fem.solvers.backends.protocol import DeviceError, Ordering
+from fem.solvers.backends.request import require_usable
 from fem.solvers.backends.rslab import RslabOrdering
 from lumped.arrays import SparseMatrix
-from lumped.errors import InputError, Remark
-from lumped.solver_request import VARIABLE, Solver, requested_solver
+from lumped.errors import Remark
+from lumped.solver_request import Solver, requested_solver
 
 # Unknowns from which the card gains: its start takes 0.65 s (H200). By rslab on 16 cores, ordering,
 # two factors and 14 solutions of 134k unknowns take 4.3 s, about one second of 50k.
@@ -25,25 +24,6 @@ LEAST_BYTES = 1_000
 
 class SolverFallbackWarning(Remark):
     """The processor computes what a graphics card was chosen for."""
-
-
-def request_solver(name: str | None) -> None:
-    """Request a library for this process and those that it starts; None leaves the environment's.
-
-    Raises InputError for an unknown name, and if cuDSS is requested and cannot be used.
-    """
-    if name is not None:
-        os.environ[VARIABLE] = name
-    _require_usable(requested_solver())
-
-
-def _require_usable(request: Solver) -> None:
-    if request is not Solver.CUDSS:
-        return
-    if message := missing_message("gpu"):
-        raise InputError(f"solver cudss: {message}")
-    if cudss.device() is None:
-        raise InputError("solver cudss: CUDA finds no graphics card; must be auto or rslab")
 
 
 def choose(request: Solver, unknowns: int, card: Device | None) -> Solver:
@@ -60,7 +40,7 @@ def order(lower: SparseMatrix) -> Ordering:
     Raises InputError if cuDSS is requested and cannot be used.
     """
     request, unknowns = requested_solver(), int(lower.shape[0])
-    _require_usable(request)
+    require_usable(request)
     # A process that solves small matrices alone does not look for a card.
     small = request is Solver.AUTO and unknowns < GAIN_FROM
     card = None if small or request is Solver.RSLAB else cudss.device()
