@@ -23,7 +23,7 @@ from fem.machine import TO_COMPUTE, TO_READ, require_room, usable_cores
 from fem.solvers.backends.request import request_solver
 from lumped.errors import EXHAUSTED, ComputationError, InputError, remarks_to
 from lumped.robots import FIRST_TYPE, RobotType
-from lumped.solver_request import VARIABLE
+from lumped.solver_request import RANKS_VARIABLE, VARIABLE
 from lumped.text import shortened, visible
 from validation.comparisons.command import converge
 from validation.console import streams
@@ -35,6 +35,7 @@ from validation.console.typed import (
     Force,
     PathArgument,
     ProcessCount,
+    RankCount,
     RobotName,
     SolverName,
     WholeNumber,
@@ -75,6 +76,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             _home(),
             remarks_to(lambda remark: streams.write_message(str(remark))),
             _own_variable(VARIABLE),
+            _own_variable(RANKS_VARIABLE),
         ):
             return _run(list(sys.argv[1:] if arguments is None else arguments))
     except CycloptsError as error:
@@ -186,6 +188,7 @@ def run(
     measured: PathArgument | None = None,
     vary: tuple[str, ...] = (),
     solver: SolverName = None,
+    ranks: RankCount = None,
 ) -> int:
     """Validate a robot's lumped models and write a report.
 
@@ -240,7 +243,7 @@ def run(
     from validation.validate import Request, validate  # noqa: PLC0415
 
     require_room(TO_COMPUTE)
-    request_solver(solver)
+    request_solver(solver, ranks)
     if cluster is not None:
         require_extra("cluster", "--cluster")
     request = Request(
@@ -339,6 +342,7 @@ def solve(
     csv: PathArgument | None = None,
     picture: PathArgument | None = None,
     solver: SolverName = None,
+    ranks: RankCount = None,
     force: Force = False,
     json: AsJson = False,
 ) -> int:
@@ -410,7 +414,7 @@ def solve(
     from validation.solve.question import Question, split_ends  # noqa: PLC0415
 
     require_room(TO_COMPUTE)
-    request_solver(solver)
+    request_solver(solver, ranks)
     if cluster is not None:
         require_extra("cluster", "--cluster")
     require_writable(csv, ".csv", force=force)

@@ -2,7 +2,7 @@
 
 A library (fem.solvers.backends) factorises PᵀAP = L D Lᵀ. The signs of D are those of A's
 eigenvalues (Sylvester): all positive for a stiffness, and counted for K − σM. If a graphics card
-fails, rslab computes again what was on it.
+fails, the processor computes again what was on it.
 """
 
 from dataclasses import dataclass, field, replace
@@ -13,9 +13,8 @@ import numpy as np
 from scipy.sparse import csc_array, csr_array
 
 from fem.machine import available_memory
-from fem.solvers.backends.choice import announce_fallback, order
-from fem.solvers.backends.protocol import DeviceError, Numeric, Space
-from fem.solvers.backends.rslab import RslabOrdering
+from fem.solvers.backends.choice import announce_fallback, order, order_on_host
+from fem.solvers.backends.protocol import HOST, DeviceError, Numeric, Space
 from lumped.arrays import Array, SparseMatrix
 from lumped.errors import ComputationError
 
@@ -51,7 +50,7 @@ class Inertia(NamedTuple):
 
 
 class Analysis:
-    """Order of elimination of one pattern, by rslab after a graphics card has failed."""
+    """Order of elimination of one pattern, on the processor after a graphics card has failed."""
 
     def __init__(self, lower: SparseMatrix) -> None:
         self._lower = lower
@@ -66,10 +65,10 @@ class Analysis:
             return self.ordering.factorise(values, part)
 
     def leave_device(self, error: DeviceError) -> None:
-        """Order by rslab from now on, with one warning."""
-        if not isinstance(self.ordering, RslabOrdering):
+        """Order on the processor from now on, with one warning."""
+        if self.ordering.space is not HOST:
             announce_fallback(error)
-            self.ordering = RslabOrdering(self._lower)
+            self.ordering = order_on_host(self._lower)
 
 
 class Factor:
@@ -85,7 +84,7 @@ class Factor:
         """A⁻¹ times one (n) or several (n×k) right-hand sides, in the same shape and memory.
 
         Raises DeviceError if the right-hand sides are on a graphics card that fails. They are lost
-        with it; the same from the host are then solved by rslab.
+        with it; the same from the host are then solved on the processor.
         """
         columns = right_hand_sides.reshape(self._symbolic.size, -1)
         try:

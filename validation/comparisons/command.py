@@ -11,6 +11,7 @@ from validation.console.typed import (
     AsJson,
     Force,
     PathArgument,
+    RankCount,
     RobotName,
     SolverName,
     require_distinct,
@@ -36,6 +37,7 @@ def converge(
     csv: PathArgument | None = None,
     picture: PathArgument | None = None,
     solver: SolverName = None,
+    ranks: RankCount = None,
     force: Force = False,
 ) -> int:
     """Show how frequencies and deflections converge with element count or with the mesh.
@@ -67,7 +69,7 @@ def converge(
     from validation.comparisons.element_convergence import QUANTITIES  # noqa: PLC0415
     from validation.comparisons.requested import convergence  # noqa: PLC0415
 
-    request_solver(solver)
+    request_solver(solver, ranks)
     require_writable(csv, ".csv", force=force)
     kind = _picture_kind(picture)
     require_writable(picture, kind, force=force)

@@ -57,12 +57,16 @@ PathArgument: TypeAlias = Annotated[Path, Parameter(converter=_path)]
 WholeNumber: TypeAlias = Annotated[int, Parameter(converter=_whole_number)]
 ProcessCount: TypeAlias = Annotated[int | None, Parameter(converter=_process_count)]
 SolverName: TypeAlias = Annotated[
-    Literal["auto", "rslab", "cudss"] | None,
+    Literal["auto", "rslab", "cudss", "petsc"] | None,
     Parameter(
         help="Library that factorises large systems: rslab; cudss, on a graphics card (needs the "
-        "extra gpu); or auto, which uses the card for large systems. Default: FLEXPROOF_SOLVER, or "
-        "auto."
+        "extra gpu); petsc, MUMPS in processes of its own (needs Debian's python3-petsc4py); or "
+        "auto, which takes the card for large ones. FLEXPROOF_SOLVER, or auto, if left out."
     ),
+]
+RankCount: TypeAlias = Annotated[
+    WholeNumber | None,
+    Parameter(help="Processes of MPI for --solver petsc. FLEXPROOF_RANKS, or 1, if left out."),
 ]
 RobotName: TypeAlias = Annotated[str, Parameter(help="A built-in robot or a robot file.")]
 AsJson: TypeAlias = Annotated[bool, Parameter(help="Print JSON for programs.")]

@@ -10,6 +10,7 @@ from lumped.errors import InputError
 from validation.console.typed import (
     Force,
     PathArgument,
+    RankCount,
     RobotName,
     SolverName,
     WholeNumber,
@@ -35,6 +36,7 @@ def export(
     body: str | None = None,
     modes: WholeNumber = 20,
     solver: SolverName = None,
+    ranks: RankCount = None,
     out: PathArgument | None = None,
     force: Force = False,
 ) -> int:
@@ -58,7 +60,7 @@ def export(
         File to write. Default: a file in this folder, named after robot and body, with the ending
         of its kind. The state space may be .npz or .mat.
     """
-    request_solver(solver)
+    request_solver(solver, ranks)
     write_export(robot, to, pose=pose, body=body, modes=modes, out=out, force=force)
     return 0
 

@@ -23,7 +23,7 @@ from fem.machine import one_blas_thread
 from fem.solvers.backends.choice import solver_name
 from lumped.errors import ComputationError, InputError
 from lumped.memo import memo
-from lumped.solver_request import VARIABLE, requested_solver
+from lumped.solver_request import request_variables
 from validation.run.executor import Executor, Finished, Work
 from validation.run.provenance import versions
 from validation.run.sources import source_digest
@@ -163,7 +163,7 @@ def _execute(distributed: ModuleType, waiting: _Waiting, calls: Sequence[Work]) 
 
 
 def _results(distributed: ModuleType, waiting: _Waiting, calls: Sequence[Work]) -> Finished:
-    told: dict[str, Any] = {"own": _program(solver_name()), "solver": requested_solver().value}
+    told: dict[str, Any] = {"own": _program(solver_name()), "request": request_variables()}
     futures = waiting.client.map(_alone, calls, **told, pure=False, batch_size=None)
     numbers = {future.key: number for number, future in enumerate(futures)}
     finished: SimpleQueue[Any] = SimpleQueue()
@@ -205,11 +205,11 @@ def _next(finished: SimpleQueue[Any], waiting: _Waiting) -> Any:
             waiting.has_workers()
 
 
-def _alone(call: Work, own: Mapping[str, str], solver: str) -> Any:
+def _alone(call: Work, own: Mapping[str, str], request: Mapping[str, str]) -> Any:
     from distributed import get_worker  # noqa: PLC0415  an optional extra, and slow to import
 
     # A worker may have joined after the run asked all of them.
-    if differing := _differences(_program_by(solver), own):
+    if differing := _differences(_program_by(request), own):
         worker = get_worker()
         raise OtherProgram(_install(f"{worker.name} ({worker.address})", differing))
     with _ONE_AT_A_TIME, one_blas_thread():
@@ -222,9 +222,9 @@ def _program(solver: str) -> dict[str, str]:
     return {"another flexproof": source_digest()} | versions() | {"linear solver": solver}
 
 
-def _program_by(request: str) -> dict[str, str]:
+def _program_by(request: Mapping[str, str]) -> dict[str, str]:
     """The program of a worker that takes over the run's request for a linear solver."""
-    os.environ[VARIABLE] = request
+    os.environ.update(request)
     return _program(solver_name())
 
 
@@ -257,7 +257,7 @@ def _distributed() -> ModuleType:
 def _require_same_program(client: Any, address: str) -> None:
     faults = []
     # A worker without this program answers with an error.
-    answers = client.run(_told, solver=requested_solver().value, on_error="return")
+    answers = client.run(_told, request=request_variables(), on_error="return")
     for place, answer in sorted(answers.items()):
         name, program = answer if isinstance(answer, tuple) else ("", {})
         if differing := _differences(program, _program(solver_name())):
@@ -267,5 +267,5 @@ def _require_same_program(client: Any, address: str) -> None:
         raise InputError(faults)
 
 
-def _told(dask_worker: Any, solver: str) -> tuple[str, dict[str, str]]:
-    return str(dask_worker.name), _program_by(solver)
+def _told(dask_worker: Any, request: Mapping[str, str]) -> tuple[str, dict[str, str]]:
+    return str(dask_worker.name), _program_by(request)

@@ -12,7 +12,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 from lumped.memo import fingerprint, memo
-from lumped.solver_request import Solver, requested_solver
+from lumped.solver_request import requested_library
 
 PACKAGES = ("lumped", "meshes", "fem", "validation")
 # Libraries that numbers and meshes come from.
@@ -26,13 +26,13 @@ def program(*places: str) -> str:
     All sources if no place is named. With those of `fem` it covers the request for a linear solver.
     """
     chosen = places or PACKAGES
-    return _program(chosen, requested_solver() if "fem" in chosen else Solver.AUTO)
+    return _program(chosen, requested_library() if "fem" in chosen else "")
 
 
 @memo(8)
-def _program(places: tuple[str, ...], solver: Solver) -> str:
+def _program(places: tuple[str, ...], solver: str) -> str:
     libraries = [_version(one) for one in _LIBRARIES]
-    return fingerprint([source_digest(places), libraries, solver.value])
+    return fingerprint([source_digest(places), libraries, solver])
 
 
 @memo(8)

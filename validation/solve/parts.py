@@ -12,6 +12,7 @@ from validation.console.typed import (
     Force,
     LengthUnit,
     PathArgument,
+    RankCount,
     SolverName,
     WholeNumber,
     require_writable,
@@ -82,6 +83,7 @@ def identify(
     modes: WholeNumber | None = None,
     accuracy: float | None = None,
     solver: SolverName = None,
+    ranks: RankCount = None,
     out: PathArgument | None = None,
     force: Force = False,
     json: AsJson = False,
@@ -123,7 +125,7 @@ def identify(
     from validation.parts.identify import Identified  # noqa: PLC0415
     from validation.parts.meshes import part_file  # noqa: PLC0415
 
-    request_solver(solver)
+    request_solver(solver, ranks)
     require_writable(out, ".npz", force=force)
     faults = [] if accuracy is None else accuracy_faults(accuracy)
     faults += request.faults_of_numbers(unknowns, modes)

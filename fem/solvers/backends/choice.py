@@ -1,17 +1,20 @@
-"""Choice of the library for a matrix: by request, by the number of unknowns, by the card.
+"""Choice of the library for a matrix: by request, number of unknowns, card and installation.
 
 `lumped.solver_request` has the request.
 """
 
 import warnings
 
-from fem.solvers.backends import cudss, rslab
+from fem.solvers.backends import cudss, rslab, superlu
 from fem.solvers.backends.cudss import CudssOrdering, Device
+from fem.solvers.backends.petsc import client as petsc
+from fem.solvers.backends.petsc.client import PetscOrdering
 from fem.solvers.backends.protocol import DeviceError, Ordering
-from fem.solvers.backends.request import require_usable
+from fem.solvers.backends.request import REINSTALL, require_usable
 from fem.solvers.backends.rslab import RslabOrdering
+from fem.solvers.backends.superlu import SuperluOrdering
 from lumped.arrays import SparseMatrix
-from lumped.errors import Remark
+from lumped.errors import ComputationError, Remark
 from lumped.solver_request import Solver, requested_solver
 
 # Unknowns from which the card gains: its start takes 0.65 s (H200). By rslab on 16 cores, ordering,
@@ -23,11 +26,16 @@ LEAST_BYTES = 1_000
 
 
 class SolverFallbackWarning(Remark):
-    """The processor computes what a graphics card was chosen for."""
+    """Another library computes than the one that was chosen."""
 
 
 def choose(request: Solver, unknowns: int, card: Device | None) -> Solver:
-    """Library for a matrix of so many unknowns: cuDSS if requested, or if it gains and may fit."""
+    """Library for a matrix: cuDSS if requested, or if it gains and may fit; petsc if requested.
+
+    rslab otherwise.
+    """
+    if request is Solver.PETSC:
+        return Solver.PETSC
     if card is None or request is Solver.RSLAB:
         return Solver.RSLAB
     gains = unknowns >= GAIN_FROM and LEAST_BYTES * unknowns <= card.memory
@@ -37,19 +45,49 @@ def choose(request: Solver, unknowns: int, card: Device | None) -> Solver:
 def order(lower: SparseMatrix) -> Ordering:
     """Order of elimination of a lower triangle (csc n×n) by the library chosen for it.
 
-    Raises InputError if cuDSS is requested and cannot be used.
+    Raises InputError if a requested library cannot be used, ComputationError if there is none.
     """
     request, unknowns = requested_solver(), int(lower.shape[0])
     require_usable(request)
     # A process that solves small matrices alone does not look for a card.
     small = request is Solver.AUTO and unknowns < GAIN_FROM
-    card = None if small or request is Solver.RSLAB else cudss.device()
-    if choose(request, unknowns, card) is Solver.CUDSS:
+    card = None if small or request not in {Solver.AUTO, Solver.CUDSS} else cudss.device()
+    chosen = choose(request, unknowns, card)
+    if chosen is Solver.PETSC:
+        return PetscOrdering(lower)
+    if chosen is Solver.CUDSS:
         try:
             return CudssOrdering(lower)
         except DeviceError as error:
             announce_fallback(error)
-    return RslabOrdering(lower)
+    return order_on_host(lower)
+
+
+def order_on_host(lower: SparseMatrix) -> Ordering:
+    """Order of elimination by rslab. If it cannot be loaded, by SciPy or, for large ones, by petsc.
+
+    Raises ComputationError for a large matrix if neither rslab nor petsc can be used.
+    """
+    if not (reason := rslab.load_error()):
+        return RslabOrdering(lower)
+    unknowns = int(lower.shape[0])
+    if unknowns <= superlu.LARGEST:
+        warnings.warn(_without_rslab(reason), SolverFallbackWarning, stacklevel=2)
+        return SuperluOrdering(lower)
+    if petsc.installed():
+        warnings.warn(_without_rslab(reason), SolverFallbackWarning, stacklevel=2)
+        return PetscOrdering(lower)
+    raise ComputationError(
+        f"{unknowns} unknowns need rslab, which cannot be loaded ({reason}), or PETSc, which is "
+        f"not installed; {REINSTALL}, or install the Debian package python3-petsc4py"
+    )
+
+
+def _without_rslab(reason: str) -> str:
+    return (
+        f"rslab cannot be loaded ({reason}): SciPy computes systems up to {superlu.LARGEST} "
+        "unknowns, PETSc larger ones if it is installed"
+    )
 
 
 def announce_fallback(error: DeviceError) -> None:
@@ -63,8 +101,17 @@ def announce_fallback(error: DeviceError) -> None:
 def solver_name() -> str:
     """Names and versions of the libraries that a request admits here."""
     request = requested_solver()
+    if request is Solver.PETSC:
+        return petsc.title()
     if request is Solver.RSLAB or cudss.device() is None:
-        return rslab.title()
+        return _host_name()
     if request is Solver.CUDSS:
         return cudss.title()
-    return f"{rslab.title()}; from {GAIN_FROM} unknowns {cudss.title()}"
+    return f"{_host_name()}; from {GAIN_FROM} unknowns {cudss.title()}"
+
+
+def _host_name() -> str:
+    if not rslab.load_error():
+        return rslab.title()
+    beyond = f"; beyond them {petsc.title()}" if petsc.installed() else ""
+    return f"{superlu.title()}{beyond}"

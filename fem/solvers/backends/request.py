@@ -7,21 +7,46 @@ import os
 
 from fem.extras import missing_message
 from lumped.errors import InputError
-from lumped.solver_request import VARIABLE, Solver, requested_solver
+from lumped.solver_request import (
+    RANKS_VARIABLE,
+    VARIABLE,
+    Solver,
+    rank_count,
+    requested_ranks,
+    requested_solver,
+)
+
+REINSTALL = "install rslab again (pip install --force-reinstall rslab)"
 
 
-def request_solver(name: str | None) -> None:
+def request_solver(name: str | None, ranks: int | None = None) -> None:
     """Request a library for this process and those that it starts; None leaves the environment's.
 
-    Raises InputError for an unknown name, and if cuDSS is requested and cannot be used.
+    `ranks` are those of petsc. Raises InputError for an unknown name, for ranks of another library,
+    and if the requested library cannot be used.
     """
     if name is not None:
         os.environ[VARIABLE] = name
-    require_usable(requested_solver())
+    request = requested_solver()
+    if ranks is not None:
+        if request is not Solver.PETSC:
+            raise InputError(f"--ranks {ranks}: needs --solver petsc")
+        os.environ[RANKS_VARIABLE] = str(rank_count(str(ranks), "--ranks"))
+    requested_ranks()
+    require_usable(request)
 
 
 def require_usable(request: Solver) -> None:
-    """Raise InputError if cuDSS is requested and its packages or a card are missing."""
+    """Raise InputError if the requested library, its packages or a card are missing."""
+    if request is Solver.PETSC:
+        from fem.solvers.backends.petsc import client  # noqa: PLC0415
+
+        client.server()
+    if request is Solver.RSLAB:
+        from fem.solvers.backends import rslab  # noqa: PLC0415
+
+        if reason := rslab.load_error():
+            raise InputError(f"solver rslab: cannot be loaded ({reason}); {REINSTALL}")
     if request is not Solver.CUDSS:
         return
     if message := missing_message("gpu"):
@@ -29,4 +54,4 @@ def require_usable(request: Solver) -> None:
     from fem.solvers.backends import cudss  # noqa: PLC0415
 
     if cudss.device() is None:
-        raise InputError("solver cudss: CUDA finds no graphics card; must be auto or rslab")
+        raise InputError("solver cudss: CUDA finds no graphics card; must be auto, rslab or petsc")

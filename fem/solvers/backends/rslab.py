@@ -4,18 +4,29 @@ rslab factorises PᵀAP = L D Lᵀ (Bunch and Kaufman, Math. Comp. 31 (1977) 163
 dissection. The bits of a factor do not depend on the number of threads.
 """
 
+from functools import cache
 from importlib.metadata import version
 from typing import Any
 
 import numpy as np
 
-from fem.machine import available_memory, threads
+from fem.machine import threads
+from fem.solvers.backends.host_memory import require_memory
 from fem.solvers.backends.protocol import HOST
 from lumped.arrays import Array, SparseMatrix
-from lumped.errors import ComputationError
 
 # Right-hand sides solved together, for which memory is predicted.
 _COLUMNS_AT_ONCE = 32
+
+
+@cache
+def load_error() -> str:
+    """Reason why the library cannot be loaded, in one line; "" if it can."""
+    try:
+        import rslab  # noqa: F401, PLC0415
+    except Exception as error:  # noqa: BLE001  a damaged wheel fails in many ways
+        return " ".join(str(error).split()) or type(error).__name__
+    return ""
 
 
 def title() -> str:
@@ -56,14 +67,7 @@ class RslabOrdering:
 
     def factorise(self, values: Array, part: str) -> RslabNumeric:
         """Factor of the matrix with these values; ComputationError if memory does not suffice."""
-        available = available_memory()
-        if available is not None and self.peak_bytes > available:
-            raise ComputationError(
-                f"factorising {self._size} unknowns needs about "
-                f"{self.peak_bytes / 1e9:.1f} GB and {available / 1e9:.1f} GB are available: use "
-                "fewer divisions, a shorter leg, or condensation by doubling (statics)",
-                part=part,
-            )
+        require_memory(self.peak_bytes, self._size, part)
         # The values alone: given a matrix, rslab copies it and compares its pattern.
         handle = self._handle.factor(values, threads=threads(), force_accept=True)
         return RslabNumeric(self._size, handle)

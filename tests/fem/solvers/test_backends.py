@@ -6,6 +6,7 @@ import warnings
 import numpy as np
 import pytest
 from fake_card import CUDARuntimeError, CuDSSError, OutOfMemoryError, forget_card, insert_card
+from petsc_here import require_petsc
 from scipy.linalg import eigvalsh
 from scipy.sparse import csr_array
 from scipy.sparse.linalg import spsolve
@@ -22,16 +23,17 @@ from fem.solvers.backends.choice import (
 )
 from fem.solvers.backends.cudss import Device
 from fem.solvers.backends.protocol import HOST
+from fem.solvers.backends.rslab import RslabOrdering
 from fem.solvers.certificate import count_below, pencil
 from fem.solvers.factor import Inertia, NotPositiveDefiniteError, analyse
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, Material
 from lumped.sections import Rectangle
-from lumped.solver_request import VARIABLE, Solver, requested_solver
+from lumped.solver_request import RANKS_VARIABLE, VARIABLE, Solver, requested_solver
 from meshes.prism import extrude, stations
 from meshes.section.section_mesh import SectionMesh
 
-FAKE = "cudss on a fake card"
+FAKE, SUPERLU = "cudss on a fake card", "superlu"
 STEEL = Material.isotropic(E=2.1e11, nu=0.3, rho=7850.0)
 
 
@@ -66,16 +68,22 @@ def card(monkeypatch):
     return insert_card(monkeypatch)
 
 
-@pytest.fixture(params=["rslab", FAKE, "cudss"])
+@pytest.fixture(params=["rslab", FAKE, "cudss", "petsc on 1 rank", "petsc on 2 ranks", SUPERLU])
 def backend(request, monkeypatch):
-    """Each library in turn; cuDSS on a real card where there is one."""
+    """Each library in turn; cuDSS on a real card, and PETSc, where they are installed."""
+    solver, _, rest = request.param.partition(" on ")
+    monkeypatch.setenv(VARIABLE, "auto" if solver == SUPERLU else solver)
     if request.param == FAKE:
         insert_card(monkeypatch)
-    elif request.param == "cudss" and cudss.device() is None:
+    elif solver == "cudss" and cudss.device() is None:
         pytest.skip("no graphics card, or the extra gpu is not installed")
-    monkeypatch.setenv(VARIABLE, "rslab" if request.param == "rslab" else "cudss")
+    elif solver == "petsc":
+        monkeypatch.setenv(RANKS_VARIABLE, rest.split()[0])
+        require_petsc()
+    elif solver == SUPERLU:
+        monkeypatch.setattr("fem.solvers.backends.rslab.load_error", lambda: "damaged")
     with warnings.catch_warnings():
-        warnings.simplefilter("error", SolverFallbackWarning)
+        warnings.simplefilter("ignore" if solver == SUPERLU else "error", SolverFallbackWarning)
         yield request.param
 
 
@@ -97,7 +105,7 @@ class TestContract:
         load = np.random.default_rng(2).standard_normal(K.shape[0])
         solution = analyse(K).factorise().solve(load)
         assert solution.shape == load.shape
-        # Twice the energy equals the work of the loads; both libraries measure 1e-15 and less.
+        # Twice the energy equals the work of the loads; the libraries measure 1e-15 and less.
         assert solution @ (K @ solution) == pytest.approx(load @ solution, rel=1e-12)
         size = np.abs(K.data).max() * np.abs(solution).max() + np.abs(load).max()
         assert np.abs(K @ solution - load).max() <= 1e-13 * size
@@ -164,8 +172,9 @@ class TestContract:
             return body.compliance, modes, kinds
 
         compliance, modes, kinds = numbers()
+        monkeypatch.undo()
         monkeypatch.setenv(VARIABLE, "rslab")
-        assert analyse(leg.stiffness).space is HOST
+        assert type(analyse(leg.stiffness).analysis.ordering) is RslabOrdering
         expected, expected_modes, expected_kinds = numbers()
         np.testing.assert_allclose(
             compliance, expected, rtol=0.0, atol=1e-10 * np.abs(expected).max()
@@ -198,6 +207,8 @@ CARD, SMALL = Device("card", 80_000_000_000), Device("small card", 4_000_000_000
         ("auto", 10**7, SMALL, "rslab"),
         ("auto", 10**6, SMALL, "cudss"),
         ("cudss", 10**7, SMALL, "cudss"),
+        ("petsc", 1, CARD, "petsc"),
+        ("petsc", 10**7, None, "petsc"),
         ("rslab", 10**7, CARD, "rslab"),
         ("rslab", 10**7, None, "rslab"),
         ("cudss", 1, CARD, "cudss"),
@@ -208,13 +219,13 @@ def test_choice_by_request_size_and_card(request_, unknowns, card, expected):
 
 
 def test_request_of_environment_is_validated(monkeypatch):
-    for text, expected in (("", "auto"), ("auto", "auto"), ("rslab", "rslab"), ("cudss", "cudss")):
+    for text, expected in (("", "auto"), ("auto", "auto"), ("rslab", "rslab"), ("petsc", "petsc")):
         monkeypatch.setenv(VARIABLE, text)
         assert requested_solver() is Solver(expected)
     monkeypatch.delenv(VARIABLE)
     assert requested_solver() is Solver.AUTO
     monkeypatch.setenv(VARIABLE, "pardiso")
-    with pytest.raises(InputError, match='FLEXPROOF_SOLVER = "pardiso": must be auto, rslab or'):
+    with pytest.raises(InputError, match='FLEXPROOF_SOLVER = "pardiso": must be auto, rslab, cud'):
         requested_solver()
 
 

@@ -119,7 +119,7 @@ def test_too_little_memory_is_said_before_the_factorisation(short_leg, monkeypat
     # The factor alone: half of the square of the fill, which is at least the band of a slice.
     assert 8 * short_leg[0].nnz / 2 < symbolic.peak_bytes < 1e9
     monkeypatch.setattr(
-        "fem.solvers.backends.rslab.available_memory", lambda: symbolic.peak_bytes - 1
+        "fem.solvers.backends.host_memory.available_memory", lambda: symbolic.peak_bytes - 1
     )
     with pytest.raises(ComputationError, match=r"leg 2: factorising \d+ unknowns needs about"):
         symbolic.factorise("leg 2")

@@ -1,13 +1,16 @@
 """Option `--solver` and its environment variable: checked, passed to processes, then reset."""
 
+import json
 import os
 import warnings
 
+import numpy as np
 import pytest
 from fake_card import forget_card, insert_card
+from petsc_here import require_petsc
 
 from fem.solvers.backends.choice import SolverFallbackWarning
-from lumped.solver_request import VARIABLE, Solver, requested_solver
+from lumped.solver_request import RANKS_VARIABLE, VARIABLE, Solver, requested_solver
 from meshes.processes import in_own_process
 from validation import cli
 from validation.run.executor import on_cores
@@ -20,6 +23,7 @@ SOLVE = ("solve", "five-bar", "--model", "beam")
 @pytest.fixture(autouse=True)
 def no_request(monkeypatch):
     monkeypatch.delenv(VARIABLE, raising=False)
+    monkeypatch.delenv(RANKS_VARIABLE, raising=False)
     yield
     forget_card()
 
@@ -31,7 +35,7 @@ def test_unknown_solver_is_refused_in_one_line(command, monkeypatch):
         )
     monkeypatch.setenv(VARIABLE, "pardiso")
     message = command.refused(*SOLVE)
-    assert message == 'flexproof: FLEXPROOF_SOLVER = "pardiso": must be auto, rslab or cudss'
+    assert message == 'flexproof: FLEXPROOF_SOLVER = "pardiso": must be auto, rslab, cudss or petsc'
 
 
 def test_cudss_without_its_extra_is_refused(command, monkeypatch):
@@ -41,6 +45,43 @@ def test_cudss_without_its_extra_is_refused(command, monkeypatch):
     assert "solver cudss: needs cupy and nvmath, not installed; ./flexproof extras gpu" in message
     monkeypatch.setenv(VARIABLE, "cudss")
     assert command.refused(*SOLVE) == message
+
+
+def test_wrong_ranks_are_refused(command, monkeypatch):
+    for words in (SOLVE, ("run",), ("converge",), ("selftest",)):
+        said = command.refused(*words, "--solver", "petsc", "--ranks", "0")
+        assert said.startswith('flexproof: --ranks = "0": must be a whole number from 1 to ')
+        said = command.refused(*words, "--solver", "rslab", "--ranks", "2")
+        assert said == "flexproof: --ranks 2: needs --solver petsc"
+    assert "--ranks" in command.refused(*SOLVE, "--ranks", "two")
+    monkeypatch.setenv(RANKS_VARIABLE, "two")
+    assert 'FLEXPROOF_RANKS = "two": must be a whole number' in command.refused(*SOLVE)
+
+
+def test_petsc_that_is_missing_is_refused(command, monkeypatch):
+    monkeypatch.setenv("FLEXPROOF_PETSC_PYTHON", "/nowhere/python")
+    assert command.refused(*SOLVE, "--solver", "petsc") == (
+        "flexproof: solver petsc: /nowhere/python does not exist; install the Debian packages "
+        "python3-petsc4py and mpi-default-bin, or set FLEXPROOF_PETSC_PYTHON to a Python with "
+        "petsc4py and MUMPS"
+    )
+
+
+def test_petsc_solves_as_rslab(command, monkeypatch):
+    require_petsc()
+    words = ("solve", "five-bar", "--model", "solid", "--modes", "3", "--json")
+    expected = json.loads(command.told(*words, "--solver", "rslab"))
+    found = json.loads(command.told(*words, "--solver", "petsc", "--ranks", "2"))
+    for pose, other in zip(found["results"], expected["results"], strict=True):
+        compliance = np.array(other["compliance"])
+        # Those of the contract in test_backends.py.
+        size = np.abs(compliance).max()
+        np.testing.assert_allclose(pose["compliance"], compliance, rtol=0.0, atol=1e-10 * size)
+        np.testing.assert_allclose(pose["frequencies"], other["frequencies"], rtol=1e-9)
+    assert RANKS_VARIABLE not in os.environ
+    monkeypatch.setenv(VARIABLE, "petsc")
+    assert "linear solver: PETSc 3." in command.told("--version")
+    assert versions()["linear solver"].startswith("PETSc 3.")
 
 
 def test_option_overrules_variable_for_one_command(command, monkeypatch):
@@ -95,10 +136,11 @@ def test_version_and_provenance_name_the_solver(command, monkeypatch):
 
 def test_cache_keys_depend_on_request(monkeypatch):
     keys = set()
-    for request in ("auto", "rslab", "cudss"):
+    for request, ranks in (("auto", 1), ("rslab", 1), ("cudss", 1), ("petsc", 1), ("petsc", 2)):
         monkeypatch.setenv(VARIABLE, request)
+        monkeypatch.setenv(RANKS_VARIABLE, str(ranks))
         keys |= {program(), program("fem")}
-    assert len(keys) == 6
+    assert len(keys) == 10
     meshes = set()
     for request in ("auto", "rslab"):
         monkeypatch.setenv(VARIABLE, request)

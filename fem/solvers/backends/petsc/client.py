@@ -1,0 +1,365 @@
+"""Factors by MUMPS through PETSc, in a process of its own or in several ranks of MPI.
+
+MUMPS factorises PᵀAP = L D Lᵀ with pivots of one and two rows along a nested dissection by METIS
+(Amestoy, Duff, L'Excellent, Koster, SIAM J. Matrix Anal. Appl. 23 (2001) 15). It detects null
+pivots, and the inertia of D counts eigenvalues. petsc4py belongs to another Python, of the system
+or of conda, which runs `server`. One factor of a pattern is there at a time. An earlier one is
+computed again if it is needed again.
+"""
+
+import json
+import os
+import select
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+from collections import deque
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
+from functools import cache
+from itertools import count
+from pathlib import Path
+from threading import Lock
+from time import monotonic
+from typing import Any
+from weakref import finalize
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from fem.solvers.backends.host_memory import require_memory
+from fem.solvers.backends.protocol import HOST
+from lumped.arrays import Array, SparseMatrix
+from lumped.errors import ComputationError, InputError
+from lumped.solver_request import PYTHON_VARIABLE, petsc_python, requested_ranks
+from lumped.text import counted
+
+# Environment of the server. One thread for each rank, unbuffered output of Fortran, and for Open
+# MPI: any number of ranks on any number of cores, which wait without computing, also for root.
+_ENVIRONMENT: Mapping[str, str] = {
+    "OMP_NUM_THREADS": "1",
+    "OPENBLAS_NUM_THREADS": "1",
+    "OMPI_ALLOW_RUN_AS_ROOT": "1",
+    "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+    "OMPI_MCA_rmaps_base_oversubscribe": "1",
+    "OMPI_MCA_hwloc_base_binding_policy": "none",
+    "OMPI_MCA_mpi_yield_when_idle": "1",
+    "OMPI_MCA_btl_vader_single_copy_mechanism": "none",
+}
+# Right-hand sides solved together.
+_COLUMNS_AT_ONCE = 64
+# Seconds in which a server must start: 1 to 5 are usual.
+_PATIENCE_AT_START = 120.0
+# Seconds for a server to end by itself.
+_PATIENCE_AT_END = 3.0
+# Largest backward error ‖b − A x‖/(max|A| ‖x‖ + ‖b‖) of a factor whose signs are those of the
+# matrix: as for cuDSS.
+_BACKWARD_ERROR = 1e-13
+_SEED = 5
+
+
+class MissingPetscError(InputError):
+    """There is no Python with petsc4py, or no MPI for several ranks."""
+
+
+class Server:
+    """The program `server` on a number of ranks, and its private folder."""
+
+    def __init__(self, interpreter: str, ranks: int, mpiexec: str) -> None:
+        self._lock, self._names = Lock(), count()
+        self._discarded: deque[int] = deque()
+        self._what = f"PETSc on {counted(ranks, 'rank')}"
+        self._folder = Path(tempfile.mkdtemp(prefix="flexproof-petsc-"))
+        pipes = []
+        for rank in range(ranks):
+            os.mkfifo(self._folder / f"commands-{rank}", 0o600)
+            # Opened for both, so that opening does not wait for the server.
+            pipes.append(os.open(self._folder / f"commands-{rank}", os.O_RDWR | os.O_CLOEXEC))
+        self._pipes = tuple(pipes)
+        here = Path(__file__).parent
+        command = [interpreter, "-I", str(here / "server.py"), str(self._folder)]
+        if ranks > 1:
+            command = [mpiexec, "-n", str(ranks), *command]
+        keeper = [sys.executable, "-I", str(here / "keeper.py"), str(self._folder), *command]
+        with (self._folder / "log").open("wb") as log:
+            self._keeper = subprocess.Popen(  # noqa: S603  this interpreter
+                keeper,
+                env={
+                    **os.environ,
+                    **_ENVIRONMENT,
+                    "OMPI_MCA_orte_tmpdir_base": str(self._folder),
+                },
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=log,
+                # A line that has come is not hidden in a buffer.
+                bufsize=0,
+                start_new_session=True,
+            )
+        self.end = finalize(self, _end, self._keeper, self._pipes, self._folder)
+        try:
+            self.about = self._answer(_PATIENCE_AT_START)
+        except BaseException:
+            self.end()
+            raise
+
+    @property
+    def alive(self) -> bool:
+        """Whether it can answer."""
+        return self.end.alive
+
+    def new_name(self) -> int:
+        """A name for an ordering."""
+        return next(self._names)
+
+    def analyse(self, name: int, lower: SparseMatrix) -> int:
+        """Order the unknowns of a lower triangle (csc n×n); predicted memory (bytes)."""
+        with self._command():
+            for kind, array in (
+                ("offsets", lower.indptr),
+                ("columns", lower.indices),
+                ("values", lower.data),
+            ):
+                self._store(f"{name}-{kind}", array)
+            return int(self._execute("analyse", name)["peak_bytes"])
+
+    def factorise(self, name: int, values: Array, part: str) -> tuple[int, int]:
+        """Numbers of negative and of zero eigenvalues of the matrix with these values."""
+        with self._command(part):
+            self._store(f"{name}-values", values)
+            answer = self._execute("factorise", name, part)
+            return int(answer["negative"]), int(answer["zero"])
+
+    def solve(self, name: int, right: Array) -> Array:
+        """Solutions (n×k) by the factor of an ordering."""
+        with self._command():
+            self._store("right", right)
+            self._store("solution", np.zeros_like(right))
+            self._execute("solve", name)
+            return np.asarray(np.load(self._folder / "solution.npy"), dtype=np.float64)
+
+    def discard(self, name: int) -> None:
+        """Free the factor of an ordering, at the latest before the next command."""
+        self._discarded.append(name)
+        # A finaliser may run amidst a command, in any thread.
+        if self._lock.acquire(blocking=False):
+            try:
+                if self.alive:
+                    with suppress(ComputationError):
+                        self._discard_all()
+            finally:
+                self._lock.release()
+
+    def _discard_all(self) -> None:
+        while self._discarded:
+            name = self._discarded.popleft()
+            self._exchange("discard", name)
+            for file in self._folder.glob(f"{name}-*.npy"):
+                file.unlink(missing_ok=True)
+
+    @contextmanager
+    def _command(self, part: str = "") -> Iterator[None]:
+        """Context of files and commands that belong together; ComputationError if they fail."""
+        with self._lock:
+            if not self.alive:
+                raise ComputationError(f"{self._what} has ended before", part)
+            try:
+                yield
+            except OSError as error:
+                self.end()
+                raise ComputationError(f"{self._what}: {self._folder}: {error.strerror}") from error
+
+    def _store(self, name: str, array: Any) -> None:
+        """Write an array to a file of the folder."""
+        np.save(self._folder / f"{name}.npy", array)
+
+    def _execute(self, verb: str, name: int, part: str = "") -> dict[str, Any]:
+        """Answer to a command about an ordering; ComputationError if there is none."""
+        self._discard_all()
+        answer = self._exchange(verb, name, part)
+        if "error" in answer:
+            raise ComputationError(f"{self._what}: {answer['error']}", part)
+        return answer
+
+    def _exchange(self, verb: str, name: int, part: str = "") -> dict[str, Any]:
+        line = f"{json.dumps({'verb': verb, 'name': name})}\n".encode()
+        try:
+            for pipe in self._pipes:
+                os.write(pipe, line)
+            return self._answer(None, part)
+        except BaseException:
+            self.end()
+            raise
+
+    def _answer(self, patience: float | None, part: str = "") -> dict[str, Any]:
+        """The next JSON object on the server's standard output."""
+        output = self._keeper.stdout
+        if output is None:  # pragma: no cover
+            raise AssertionError("standard output is a pipe")
+        end = None if patience is None else monotonic() + patience
+        while True:
+            left = None if end is None else max(0.0, end - monotonic())
+            if not select.select([output], [], [], left)[0]:
+                raise ComputationError(f"{self._what} did not start in {patience:g} s", part)
+            line = output.readline()
+            if not line:
+                raise ComputationError(f"{self._what} {self._how_it_ended()}", part)
+            with suppress(ValueError):
+                answer: object = json.loads(line)
+                if isinstance(answer, dict):
+                    return answer
+
+    def _how_it_ended(self) -> str:
+        code = self._keeper.wait()
+        if code > 128 and code - 128 in set(signal.Signals):
+            name = signal.Signals(code - 128).name
+            why = ", probably for want of memory" if name == "SIGKILL" else ""
+            return f"was ended by {name}{why}"
+        log = (self._folder / "log").read_text(encoding="utf-8", errors="replace").splitlines()
+        last = next((line.strip() for line in reversed(log) if line.strip(" -")), "no message")
+        return f"ended with code {code}: {last}"
+
+
+def _end(keeper: "subprocess.Popen[bytes]", pipes: tuple[int, ...], folder: Path) -> None:
+    """End a server and remove its folder."""
+    for pipe in pipes:
+        os.close(pipe)
+    with suppress(subprocess.TimeoutExpired):
+        keeper.wait(_PATIENCE_AT_END)
+    for stream in (keeper.stdin, keeper.stdout):
+        if stream is not None:
+            stream.close()
+    keeper.wait()
+    shutil.rmtree(folder, ignore_errors=True)
+
+
+def _mpiexec(interpreter: str) -> str:
+    """Program that starts ranks, beside the interpreter as in conda or on the path; "" if none."""
+    beside = Path(interpreter).parent / "mpiexec"
+    return str(beside) if beside.exists() else shutil.which("mpiexec") or ""
+
+
+def _started(interpreter: str, ranks: int) -> Server:
+    """A server that has petsc4py. Raises MissingPetscError."""
+    mpiexec = _mpiexec(interpreter)
+    if not hasattr(os, "mkfifo"):
+        reason = "runs on Linux and macOS alone"
+    elif not Path(interpreter).exists():
+        reason = f"{interpreter} does not exist"
+    elif ranks > 1 and not mpiexec:
+        reason = "several ranks need mpiexec, not found"
+    else:
+        try:
+            server = Server(interpreter, ranks, mpiexec)
+        except ComputationError as error:
+            reason = str(error)
+        else:
+            if "missing" not in server.about:
+                return server
+            server.end()
+            reason = f"{interpreter}: {server.about['missing']}"
+    raise MissingPetscError(
+        f"solver petsc: {reason}; install the Debian packages python3-petsc4py and "
+        f"mpi-default-bin, or set {PYTHON_VARIABLE} to a Python with petsc4py and MUMPS"
+    )
+
+
+@cache
+def _kept(interpreter: str, ranks: int) -> Server:
+    return _started(interpreter, ranks)
+
+
+def server() -> Server:
+    """The server of this process, started when it is first needed and after it has died."""
+    request = petsc_python(), requested_ranks()
+    if not _kept(*request).alive:
+        _kept.cache_clear()
+    return _kept(*request)
+
+
+def installed() -> bool:
+    """Whether there is a Python with petsc4py, PETSc and MUMPS."""
+    try:
+        server()
+    except MissingPetscError:
+        return False
+    return True
+
+
+def title() -> str:
+    """Name and version of the libraries, and the number of ranks. Raises MissingPetscError."""
+    about = server().about
+    mumps = f"MUMPS {about['mumps']}".rstrip()
+    return f"PETSc {about['petsc']}, {mumps} (sparse LDLᵀ) on {counted(about['ranks'], 'rank')}"
+
+
+class PetscNumeric:
+    """A factor: see `Numeric`."""
+
+    def __init__(self, ordering: "PetscOrdering", values: Array, negative: int, zero: int) -> None:
+        self._ordering, self._values = ordering, values
+        self.negative, self.zero = negative, zero
+
+    def solve(self, columns: Array) -> Array:
+        """Solutions (n×k)."""
+        self._ordering.load(self._values, "")
+        return self._ordering.solved(columns)
+
+
+class PetscOrdering:
+    """Order of elimination of a lower triangle (csc n×n): see `Ordering`.
+
+    Its three arrays, read by rows, are the upper triangle. Raises MissingPetscError.
+    """
+
+    space = HOST
+
+    def __init__(self, lower: SparseMatrix) -> None:
+        self._server = server()
+        self._name = self._server.new_name()
+        self._size = int(lower.shape[0])
+        self._upper = lower.indices, lower.indptr
+        self._loaded: Array | None = None
+        self._signs = 0, 0
+        finalize(self, self._server.discard, self._name).atexit = False
+        self.peak_bytes = self._server.analyse(self._name, lower)
+
+    def factorise(self, values: Array, part: str) -> PetscNumeric:
+        """Factor of the matrix with these values; ComputationError if it fails.
+
+        A factor that is not accurate has one entry without a sign.
+        """
+        if self._loaded is None:
+            require_memory(self.peak_bytes, self._size, part)
+        self.load(values, part)
+        negative, zero = self._signs
+        if not zero and self._size and self._backward_error(values) > _BACKWARD_ERROR:
+            zero = 1
+        return PetscNumeric(self, values, negative, zero)
+
+    def load(self, values: Array, part: str) -> None:
+        """Factorise the matrix with these values unless the factor on the server is its own."""
+        if self._loaded is values:
+            return
+        self._loaded = None
+        self._signs = self._server.factorise(self._name, values, part)
+        self._loaded = values
+
+    def solved(self, columns: Array) -> Array:
+        """Solutions (n×k) by the factor that is loaded."""
+        solution = np.zeros(columns.shape)
+        for start in range(0, columns.shape[1], _COLUMNS_AT_ONCE):
+            some = slice(start, start + _COLUMNS_AT_ONCE)
+            solution[:, some] = self._server.solve(self._name, columns[:, some])
+        return solution
+
+    def _backward_error(self, values: Array) -> float:
+        """Largest residual of a solution for random forces, in units of the sums' terms."""
+        forces = np.random.default_rng(_SEED).standard_normal((self._size, 1))
+        solution = self.solved(forces)
+        upper = csr_array((values, *self._upper), shape=(self._size, self._size))
+        product = upper @ solution + upper.T @ solution - upper.diagonal()[:, None] * solution
+        size = np.abs(solution).max() * np.abs(values).max() + np.abs(forces).max()
+        return float(np.abs(forces - product).max() / size)

@@ -1,0 +1,83 @@
+"""Factors by SuperLU of SciPy, for small systems where rslab cannot be loaded.
+
+With SuperLU's symmetric mode and without a threshold, all pivots are on the diagonal unless one is
+zero. Then P A Pᵀ = L U with U = D Lᵀ, and the signs of U's diagonal are those of A's eigenvalues
+(Sylvester). Pivots are not paired: as with cuDSS, a factor is checked by the backward error of a
+solution. A factor that fails, or whose pivots left the diagonal, has an entry without a sign.
+"""
+
+from typing import Any
+
+import numpy as np
+import scipy
+from scipy.sparse import csc_array
+
+from fem.solvers.backends.host_memory import require_memory
+from fem.solvers.backends.protocol import HOST
+from lumped.arrays import Array, SparseMatrix
+
+# Largest number of unknowns: minimum degree fills L and U of solids much more than a dissection.
+LARGEST = 20_000
+# Bytes of L, U and working memory per unknown of a leg of second-order tetrahedra, at the largest.
+_BYTES_PER_UNKNOWN = 60_000
+# Largest backward error of a factor whose signs are those of the matrix: as for cuDSS.
+_BACKWARD_ERROR = 1e-13
+_SEED = 5
+
+
+def title() -> str:
+    """Name and version of the library."""
+    return f"SciPy {scipy.__version__} (SuperLU, up to {LARGEST} unknowns)"
+
+
+class SuperluNumeric:
+    """A factor: see `Numeric`. A singular matrix has no `handle`."""
+
+    def __init__(self, handle: Any, negative: int, zero: int) -> None:
+        self._handle = handle
+        self.negative, self.zero = negative, zero
+
+    def solve(self, columns: Array) -> Array:
+        """Solutions (n×k)."""
+        if not columns.shape[1]:
+            return np.zeros(columns.shape)
+        return np.asarray(self._handle.solve(np.ascontiguousarray(columns)))
+
+
+class SuperluOrdering:
+    """Order of elimination of a lower triangle (csc n×n): see `Ordering`."""
+
+    space = HOST
+
+    def __init__(self, lower: SparseMatrix) -> None:
+        self._lower = lower
+        self.peak_bytes = _BYTES_PER_UNKNOWN * int(lower.shape[0])
+
+    def factorise(self, values: Array, part: str) -> SuperluNumeric:
+        """Factor of the matrix with these values; ComputationError if memory does not suffice."""
+        from scipy.sparse.linalg import splu  # noqa: PLC0415  rslab computes nearly always
+
+        size = int(self._lower.shape[0])
+        require_memory(self.peak_bytes, size, part)
+        lower = csc_array((values, self._lower.indices, self._lower.indptr), (size, size))
+        diagonal = lower.diagonal()
+        matrix = csc_array(lower + lower.T)
+        matrix.setdiag(diagonal)
+        try:
+            handle = splu(
+                matrix,
+                permc_spec="MMD_AT_PLUS_A",
+                diag_pivot_thresh=0.0,
+                options={"SymmetricMode": True},
+            )
+        except RuntimeError:
+            return SuperluNumeric(None, 0, size)
+        forces = np.random.default_rng(_SEED).standard_normal(size)
+        solution = handle.solve(forces)
+        scale = np.abs(solution).max() * np.abs(values).max() + np.abs(forces).max()
+        accurate = np.abs(forces - matrix @ solution).max() <= _BACKWARD_ERROR * scale
+        pivots = handle.U.diagonal()
+        zero = int((pivots == 0.0).sum())
+        if not accurate or not np.array_equal(handle.perm_r, handle.perm_c):
+            zero = max(zero, 1)
+        return SuperluNumeric(handle, int((pivots < 0.0).sum()), zero)

@@ -1,0 +1,180 @@
+"""MUMPS through PETSc: its processes, their death, and the request for ranks."""
+
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from petsc_here import require_petsc
+from scipy.sparse import diags_array
+
+from fem.solvers.backends.choice import solver_name
+from fem.solvers.backends.petsc import client
+from fem.solvers.backends.request import request_solver
+from fem.solvers.factor import analyse
+from lumped.errors import ComputationError, InputError
+from lumped.solver_request import PYTHON_VARIABLE, RANKS_VARIABLE, VARIABLE, requested_ranks
+
+CHAIN = diags_array([-1.0, 2.0, -1.0], offsets=[-1, 0, 1], shape=(300, 300), format="csr")
+# Solution of the chain for unit forces at all nodes: a parabola.
+PARABOLA = np.arange(1, 301) * (301 - np.arange(1, 301)) / 2.0
+# Seconds in which processes must have ended: killing takes up to five.
+PATIENCE = 30.0
+
+
+@pytest.fixture(params=["1", "2"])
+def ranks(request, monkeypatch, tmp_path):
+    """A server of this test's own, whose folder is in `tmp_path`."""
+    monkeypatch.setenv(VARIABLE, "petsc")
+    monkeypatch.setenv(RANKS_VARIABLE, request.param)
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    client._kept.cache_clear()
+    require_petsc()
+    yield int(request.param)
+    client.server().end()
+    client._kept.cache_clear()
+
+
+def processes(word: str) -> dict[int, list[str]]:
+    """Living processes with a word in their command line: number and command line."""
+    found = {}
+    for folder in Path("/proc").glob("[0-9]*"):
+        try:
+            words = (folder / "cmdline").read_bytes().decode().split("\0")
+        except OSError:
+            continue
+        if any(word in one for one in words):
+            found[int(folder.name)] = words
+    return found
+
+
+def assert_nothing_left(folder: Path) -> None:
+    end = time.monotonic() + PATIENCE
+    while (left := (processes(str(folder)), list(folder.iterdir()))) != ({}, []):
+        assert time.monotonic() < end, left
+        time.sleep(0.05)
+
+
+def test_killed_server_is_one_line_and_replaced(ranks, tmp_path):
+    factor = analyse(CHAIN).factorise()
+    servers = [
+        number
+        for number, words in processes(str(tmp_path)).items()
+        if words[1:3] == ["-I", str(Path(client.__file__).with_name("server.py"))]
+    ]
+    assert len(servers) == ranks
+    os.kill(servers[-1], signal.SIGKILL)
+    plural = "" if ranks == 1 else "s"
+    message = f"PETSc on {ranks} rank{plural} was ended by SIGKILL, probably for want of memory"
+    with pytest.raises(ComputationError, match=f"^{message}$"):
+        factor.solve(np.ones(300))
+    assert_nothing_left(tmp_path)
+    with pytest.raises(ComputationError, match=r"has ended before$"):
+        factor.solve(np.ones(300))
+    # The condition number, 4e4, times 1e-16.
+    np.testing.assert_allclose(analyse(CHAIN).factorise().solve(np.ones(300)), PARABOLA, rtol=1e-10)
+
+
+SCRIPT = """
+import sys
+import numpy as np
+from scipy.sparse import diags_array
+from fem.solvers.factor import analyse
+chain = diags_array([-1.0, 2.0, -1.0], offsets=[-1, 0, 1], shape=(300, 300), format="csr")
+factor = analyse(chain).factorise()
+print(factor.solve(np.ones(300))[0], flush=True)
+sys.stdin.read()
+"""
+
+
+@pytest.mark.parametrize("end", ["exit", "SIGKILL", "SIGINT"])
+def test_dead_client_leaves_nothing(ranks, tmp_path, end):
+    folder = tmp_path / "of client"
+    folder.mkdir()
+    environment = os.environ | {"TMPDIR": str(folder)}
+    with subprocess.Popen(
+        [sys.executable, "-c", SCRIPT],
+        env=environment,
+        cwd=Path(__file__).parents[3],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+    ) as script:
+        assert float(script.stdout.readline()) == pytest.approx(150.0, rel=1e-10)
+        assert len(processes(str(folder))) >= ranks
+        if end == "exit":
+            script.stdin.close()
+        else:
+            script.send_signal(getattr(signal, end))
+        script.wait()
+    assert_nothing_left(folder)
+
+
+def test_discarded_factor_leaves_no_files(ranks, tmp_path):
+    assert ranks
+    symbolic = analyse(CHAIN)
+    symbolic.factorise()
+    folder = next(tmp_path.iterdir())
+    assert len(list(folder.glob("*-values.npy"))) == 1
+    del symbolic
+    assert not list(folder.glob("*-*.npy"))
+
+
+def test_name_has_versions_and_ranks(ranks):
+    plural = "" if ranks == 1 else "s"
+    name = solver_name()
+    assert name.startswith("PETSc 3.")
+    assert ", MUMPS 5." in name
+    assert name.endswith(f"(sparse LDLᵀ) on {ranks} rank{plural}")
+
+
+def test_too_little_memory_is_refused_beforehand(ranks, monkeypatch):
+    assert ranks
+    symbolic = analyse(diags_array([np.full(20_000, 2.0)], offsets=[0], format="csr"))
+    assert 20_000 * 16 < symbolic.peak_bytes < 1e9
+    place = "fem.solvers.backends.host_memory.available_memory"
+    monkeypatch.setattr(place, lambda: symbolic.peak_bytes - 1)
+    with pytest.raises(ComputationError, match="leg 2: factorising 20000 unknowns needs about"):
+        symbolic.factorise("leg 2")
+
+
+@pytest.mark.parametrize("text", ["0", "-1", "two", "1.5", "100000"])
+def test_wrong_ranks_are_refused(monkeypatch, text):
+    monkeypatch.setenv(RANKS_VARIABLE, text)
+    message = f'FLEXPROOF_RANKS = "{text}": must be a whole number from 1 to'
+    with pytest.raises(InputError, match=message):
+        requested_ranks()
+    with pytest.raises(InputError, match=message):
+        request_solver("rslab")
+
+
+@pytest.mark.parametrize(
+    ("interpreter", "reason"),
+    [
+        ("/nowhere/python", "/nowhere/python does not exist"),
+        (sys.executable, "No module named 'petsc4py'"),
+        (shutil.which("false"), "ended with code 1: no message"),
+    ],
+)
+def test_missing_petsc_names_packages(monkeypatch, interpreter, reason):
+    monkeypatch.setenv(VARIABLE, "petsc")
+    monkeypatch.setenv(PYTHON_VARIABLE, interpreter)
+    with pytest.raises(InputError) as refused:
+        analyse(CHAIN)
+    assert len(refused.value.faults) == 1
+    for words in ("solver petsc: ", reason, "install the Debian packages python3-petsc4py and mpi"):
+        assert words in str(refused.value)
+
+
+def test_missing_mpiexec_names_its_package(monkeypatch):
+    monkeypatch.setenv(VARIABLE, "petsc")
+    monkeypatch.setenv(PYTHON_VARIABLE, sys.executable)
+    monkeypatch.setenv(RANKS_VARIABLE, "3")
+    monkeypatch.setattr("fem.solvers.backends.petsc.client._mpiexec", lambda _: "")
+    with pytest.raises(InputError, match="several ranks need mpiexec, not found; install"):
+        analyse(CHAIN)
