@@ -1,4 +1,4 @@
-"""What a matrix says of every model, quantity by quantity: errors, and measured values."""
+"""Charts of a matrix of verdicts, a panel for each quantity: errors, and measured values."""
 
 from collections.abc import Mapping, Sequence
 from functools import partial
@@ -12,73 +12,87 @@ from validation.drawing.chart import Chart, Column, Panel, Series, few_ticks, pe
 from validation.verdicts import Entry, Matrix
 
 _POSE = "pose"
-# The deflections, and the frequencies where there are any: what is read off first.
+# Error panels: the deflections, and the first frequencies if the matrix has any.
 _DEFLECTIONS = tuple(quantity for quantity in UNIT_LOADS if not quantity.rotational)
 _MODES = 2
 _COLUMNS = 3
 
 
 def error_curves(matrix: Matrix) -> Chart | None:
-    """A panel for each deflection and the first frequencies; None where nothing is known.
+    """A panel for each deflection and the first frequencies. None if no error is known.
 
     Errors within the limit lie in the shaded band, on a linear scale; beyond it the scale is
     logarithmic.
     """
-    modes = [one for one in matrix.quantities if one.kind is QuantityKind.FREQUENCY][:_MODES]
-    shown = [one for one in (*_DEFLECTIONS, *modes) if any(_known(matrix, one))]
-    if not shown:
+    modes = [quantity for quantity in matrix.quantities if quantity.kind is QuantityKind.FREQUENCY][
+        :_MODES
+    ]
+    plotted = [
+        quantity
+        for quantity in (*_DEFLECTIONS, *modes)
+        if any(_entries_with_errors(matrix, quantity))
+    ]
+    if not plotted:
         return None
-    panels = [_panel(matrix, q, leftmost=not i % _COLUMNS) for i, q in enumerate(shown)]
+    panels = [_panel(matrix, q, leftmost=not i % _COLUMNS) for i, q in enumerate(plotted)]
     return _chart(panels, matrix, _table(matrix)).captioned(
         "Error of the whole displacement of the loaded point (never negative) and of frequencies; "
-        "bars: from the lowest to the highest error that the reference leaves open. Shaded: the "
+        "bars: from the lowest to the highest error that the reference allows. Shaded: the "
         "accepted error, beyond which the scale is logarithmic.",
         title="Relative error of the models",
     )
 
 
 def measured_curves(matrix: Matrix) -> Chart | None:
-    """A panel for each measured quantity: measured with its 95 % interval, models beside it."""
+    """A panel for each measured quantity: measured value with 95 % interval, and all models.
+
+    None if nothing was measured.
+    """
     if not matrix.quantities:
         return None
-    found = {
+    entries_by_quantity = {
         quantity: [entry for entry in matrix.entries if entry.quantity == quantity]
         for quantity in matrix.quantities
     }
     panels = []
-    for place, (quantity, entries) in enumerate(found.items()):
-        label = "" if place % 3 else "value / measured value"
-        named = {"title": quantity.loading or quantity.label, "y_label": label}
-        shape: dict[str, Any] = {**named, "levels": (1.0,), "staggered": False}
+    for index, (quantity, entries) in enumerate(entries_by_quantity.items()):
+        label = "" if index % 3 else "value / measured value"
+        texts = {"title": quantity.loading or quantity.label, "y_label": label}
+        options: dict[str, Any] = {**texts, "levels": (1.0,), "staggered": False}
         if any(sum(error is not None for error in entry.errors) > 1 for entry in entries):
-            panels.append(Panel(_over_poses(matrix, entries), **shape))
+            panels.append(Panel(_path_series(matrix, entries), **options))
         else:
-            panels.append(Panel(_one_pose(entries), scale=side_by_side, x_label="", **shape))
+            panels.append(
+                Panel(_single_pose_series(entries), scale=side_by_side, x_label="", **options)
+            )
     data: dict[str, Column] = {
         "model": [entry.model for entry in matrix.entries],
         "quantity": [entry.quantity.name for entry in matrix.entries],
         "value": [entry.value for entry in matrix.entries],
         "measured": [entry.expected for entry in matrix.entries],
-        "95 % of the measurement": [_part(e, "measurement") for e in matrix.entries],
-        "95 % of numerics and inputs": [_of_model(e) for e in matrix.entries],
+        "95 % of the measurement": [_uncertainty(e, "measurement") for e in matrix.entries],
+        "95 % of numerics and inputs": [_model_uncertainty(e) for e in matrix.entries],
     }
     return _chart(panels, matrix, data).captioned(
         "All values divided by the measured one. Black: measured, with its 95 % interval. Models: "
-        "with the 95 % interval of numerics and uncertain inputs; where there are several poses, "
+        "with the 95 % interval of numerics and uncertain inputs; if there are several poses, "
         "of the measurement, too.",
-        title="Measured values, and what the models say",
+        title="Measured values and predictions of the models",
     )
 
 
 def _chart(panels: Sequence[Panel], matrix: Matrix, table: Mapping[str, Column]) -> Chart:
-    """Panels of a matrix, a quantity each, over its poses, and its numbers."""
+    """Chart of a panel for each quantity over the poses of a matrix, with its table."""
     _, label = _abscissa(matrix)
     ticks = partial(few_ticks, count=5, whole=label == _POSE)
     return Chart(panels, label, min(len(panels), _COLUMNS), 1.9, table, ticks)
 
 
 def _abscissa(matrix: Matrix) -> tuple[Array, str]:
-    """The poses' only coordinate, or their number along the path; entries of legs have no pose."""
+    """Abscissa with its label: the only coordinate of the poses, or the number along the path.
+
+    Entries of legs have no pose.
+    """
     poses = np.reshape(matrix.poses, (len(matrix.poses), len(matrix.coordinates)))
     if len(matrix.coordinates) == 1:
         return poses[:, 0], matrix.coordinates[0].axis
@@ -86,32 +100,32 @@ def _abscissa(matrix: Matrix) -> tuple[Array, str]:
 
 
 def _numbers(values: Sequence[float | None]) -> Array:
-    """Values with NaN where there is none."""
+    """Values as an array, NaN for each None."""
     return np.array([np.nan if value is None else value for value in values])
 
 
-def _left_open(entry: Entry) -> Array:
-    """By how much errors may be lower and higher at each pose (2×p)."""
+def _error_ranges(entry: Entry) -> Array:
+    """Distances of each pose's error from its lowest and highest value (2×p)."""
     errors, lows, highs = map(_numbers, (entry.errors, entry.lows, entry.highs))
     # Differences of numbers that are one up to rounding are never negative.
     return np.maximum([errors - lows, highs - errors], 0.0)
 
 
-def _known(matrix: Matrix, quantity: Quantity) -> list[Entry]:
-    """What is known of a quantity, a model each."""
+def _entries_with_errors(matrix: Matrix, quantity: Quantity) -> list[Entry]:
+    """Entries of a quantity with at least one error, one for each model."""
     entries = (entry for entry in matrix.entries if entry.quantity == quantity)
     return [entry for entry in entries if np.isfinite(_numbers(entry.errors)).any()]
 
 
 def _panel(matrix: Matrix, quantity: Quantity, *, leftmost: bool) -> Panel:
     x, _ = _abscissa(matrix)
-    entries, series = _known(matrix, quantity), []
+    entries, series = _entries_with_errors(matrix, quantity), []
     limit = 100.0 * max(entry.limit for entry in entries)
     signed = any(entry.signed for entry in entries)
     for entry in entries:
-        left_open = 100.0 * _left_open(entry)
-        bars = left_open if np.nanmax(left_open, initial=0.0) > 0.02 * limit else None
-        series.append(Series(entry.model, x, 100.0 * _numbers(entry.errors), bars=bars))
+        half_widths = 100.0 * _error_ranges(entry)
+        error_bars = half_widths if np.nanmax(half_widths, initial=0.0) > 0.02 * limit else None
+        series.append(Series(entry.model, x, 100.0 * _numbers(entry.errors), bars=error_bars))
     return Panel(
         series,
         quantity.loading or quantity.label,
@@ -123,53 +137,53 @@ def _panel(matrix: Matrix, quantity: Quantity, *, leftmost: bool) -> Panel:
 
 def _table(matrix: Matrix) -> Mapping[str, Column]:
     columns: dict[str, Column] = {
-        str(coordinate): [pose[place] for pose in matrix.poses]
-        for place, coordinate in enumerate(matrix.coordinates)
+        str(coordinate): [pose[column] for pose in matrix.poses]
+        for column, coordinate in enumerate(matrix.coordinates)
     }
     for entry in matrix.entries:
-        for what, errors in (
+        for kind, errors in (
             ("error", entry.errors),
             ("lowest error", entry.lows),
             ("highest error", entry.highs),
             ("error along the load", entry.alongs),
         ):
             if len(errors) == len(matrix.poses):
-                columns[f"{entry.model}: {what} of {entry.quantity}"] = errors
+                columns[f"{entry.model}: {kind} of {entry.quantity}"] = errors
     return columns
 
 
-def _one_pose(entries: Sequence[Entry]) -> list[Series]:
-    """In one pose: what was measured, then the models."""
-    bar = max((_part(entry, "measurement") for entry in entries), default=0.0)
+def _single_pose_series(entries: Sequence[Entry]) -> list[Series]:
+    """Points of one pose: the measured value, then the models."""
+    bar = max((_uncertainty(entry, "measurement") for entry in entries), default=0.0)
     series = [_point("measured", 0, 1.0, bar)]
-    for place, entry in enumerate(entries, start=1):
+    for row, entry in enumerate(entries, start=1):
         if entry.value is not None and entry.expected:
             ratio = entry.value / entry.expected
-            series.append(_point(entry.model, place, ratio, _of_model(entry)))
+            series.append(_point(entry.model, row, ratio, _model_uncertainty(entry)))
     return series
 
 
-def _point(label: str, place: int, value: float, bar: float) -> Series:
-    x, y, bars = (np.array([number]) for number in (float(place), value, bar))
+def _point(label: str, row: int, value: float, bar: float) -> Series:
+    x, y, bars = (np.array([number]) for number in (float(row), value, bar))
     return Series(label, x, y, bars=bars)
 
 
-def _over_poses(matrix: Matrix, entries: Sequence[Entry]) -> list[Series]:
-    """Over the poses where it was measured: the models, and one for what was measured."""
+def _path_series(matrix: Matrix, entries: Sequence[Entry]) -> list[Series]:
+    """Curves over the measured poses: the models, and the measured values as one."""
     x, _ = _abscissa(matrix)
     series = []
     for entry in entries:
         errors = _numbers(entry.errors)
-        known = np.isfinite(errors)
-        bars = _left_open(entry)[:, known]
-        series.append(Series(entry.model, x[known], 1.0 + errors[known], bars=bars))
-    at = series[-1].x
-    return [*series, Series("measured", at, np.ones(len(at)))]
+        finite = np.isfinite(errors)
+        bars = _error_ranges(entry)[:, finite]
+        series.append(Series(entry.model, x[finite], 1.0 + errors[finite], bars=bars))
+    measured_x = series[-1].x
+    return [*series, Series("measured", measured_x, np.ones(len(measured_x)))]
 
 
-def _part(entry: Entry, name: str) -> float:
+def _uncertainty(entry: Entry, name: str) -> float:
     return float(entry.uncertainties.get(name, 0.0))
 
 
-def _of_model(entry: Entry) -> float:
-    return float(np.hypot(_part(entry, "numerics"), _part(entry, "inputs")))
+def _model_uncertainty(entry: Entry) -> float:
+    return float(np.hypot(_uncertainty(entry, "numerics"), _uncertainty(entry, "inputs")))

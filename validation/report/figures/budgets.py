@@ -1,7 +1,7 @@
-"""The error budget as stacked bars: what is measured, what explains it, and what is left.
+"""The error budget as stacked bars: difference, named causes and unexplained rest.
 
 Vocabulary of ASME V&V 20: comparison error E = value − reference; allowances for named model
-differences; the rest is unexplained and stands against numerical uncertainty and tolerance.
+differences; the rest is unexplained and is compared with numerical uncertainty and tolerance.
 """
 
 from collections.abc import Sequence
@@ -18,57 +18,67 @@ from validation.drawing.text import function_name
 from validation.exhibits import Figure
 from validation.run.outcome import Outcome
 
-# Of the causes: the hatch tells them apart in black and white.
+# Hatches distinguish the causes in black and white.
 _HATCHES = ("", "//", "..", "\\\\", "xx", "++", "--")
-# How many characters a row's name, and an entry of the legend, have room for in one line.
+# Characters in one line of a row's name and of an entry of the legend.
 _NAME_WIDTH, _CAUSE_WIDTH = 38, 46
 
 
 def budget_figure(
     identifier: str, title: str, section: str, outcomes: Sequence[Outcome]
 ) -> Figure | None:
-    """The budget of what was measured with allowances and has a reference to be relative to."""
-    found = [
-        (outcome, own)
+    """Budget of the measurements with allowances and a reference. None if there are none."""
+    budgeted = [
+        (outcome, measurement)
         for outcome in outcomes
-        if (own := outcome.measurement) and own.allowances and own.reference
-        if np.isfinite(own.unexplained)
+        if (measurement := outcome.measurement) and measurement.allowances and measurement.reference
+        if np.isfinite(measurement.unexplained)
     ]
-    if not found:
+    if not budgeted:
         return None
-    makers = tuple(dict.fromkeys(function_name(outcome.case.compute) for outcome, _ in found))
-    return drawn_figure(budget_curves(found), identifier, title, section, makers)
+    makers = tuple(dict.fromkeys(function_name(outcome.case.compute) for outcome, _ in budgeted))
+    return drawn_figure(budget_curves(budgeted), identifier, title, section, makers)
 
 
-def budget_curves(found: Sequence[tuple[Outcome, Measurement]]) -> Chart:
-    """Left the difference and its named causes, right what is left over the tolerance."""
-    measured = [one for _, one in found]
-    causes = {one.cause: np.zeros(len(found)) for own in measured for one in own.allowances}
-    for place, own in enumerate(measured):
-        for one in own.allowances:
-            causes[one.cause][place] += one.amount
-    difference = np.array([one.difference for one in measured])
-    left = np.array([one.unexplained for one in measured])
-    uncertain = np.array([one.numerical_uncertainty or 0.0 for one in measured])
-    tolerance = np.array([outcome.tolerance for outcome, _ in found])
-    share = 100.0 / np.abs([one.reference for one in measured])
+def budget_curves(budgeted: Sequence[tuple[Outcome, Measurement]]) -> Chart:
+    """Chart with difference and named causes on the left, unexplained/tolerance on the right."""
+    measurements = [measurement for _, measurement in budgeted]
+    causes = {
+        allowance.cause: np.zeros(len(budgeted))
+        for measurement in measurements
+        for allowance in measurement.allowances
+    }
+    for row, measurement in enumerate(measurements):
+        for allowance in measurement.allowances:
+            causes[allowance.cause][row] += allowance.amount
+    difference = np.array([measurement.difference for measurement in measurements])
+    unexplained = np.array([measurement.unexplained for measurement in measurements])
+    uncertainties = np.array(
+        [measurement.numerical_uncertainty or 0.0 for measurement in measurements]
+    )
+    tolerance = np.array([outcome.tolerance for outcome, _ in budgeted])
+    share = 100.0 / np.abs([measurement.reference for measurement in measurements])
     of_tolerance = 100.0 / tolerance
-    rows, names = np.arange(float(len(found))), _names([outcome for outcome, _ in found])
+    rows, names = np.arange(float(len(budgeted))), _names([outcome for outcome, _ in budgeted])
     hatches = cycle(_HATCHES)
     bars = [
         Bars(fill(cause, _CAUSE_WIDTH), share * amounts, next(hatches))
         for cause, amounts in causes.items()
     ]
     panel = partial(Panel, names=names, levels=(0.0,), lying=True)
-    whole = panel(
+    differences = panel(
         [Series("difference E", rows, share * difference)],
-        bars=[*bars, Bars("unexplained", share * left)],
+        bars=[*bars, Bars("unexplained", share * unexplained)],
         x_label="value − reference\n(% of the reference)",
     )
-    spread = of_tolerance * uncertain
-    rest = panel(
-        [Series("numerical uncertainty of both sides", rows, of_tolerance * left, bars=spread)],
-        bars=[Bars("unexplained", of_tolerance * left)],
+    spread = of_tolerance * uncertainties
+    remainders = panel(
+        [
+            Series(
+                "numerical uncertainty of both sides", rows, of_tolerance * unexplained, bars=spread
+            )
+        ],
+        bars=[Bars("unexplained", of_tolerance * unexplained)],
         x_label="unexplained\n(% of the tolerance)",
         band=(-100.0, 100.0),
         band_label="tolerance",
@@ -77,23 +87,24 @@ def budget_curves(found: Sequence[tuple[Outcome, Measurement]]) -> Chart:
     columns = {
         "difference": difference,
         **causes,
-        "unexplained": left,
-        "numerical uncertainty": uncertain,
+        "unexplained": unexplained,
+        "numerical uncertainty": uncertainties,
         "tolerance": tolerance,
     }
     table = {
-        f"{name} (% of the reference)": (share * own).tolist() for name, own in columns.items()
+        f"{name} (% of the reference)": (share * values).tolist()
+        for name, values in columns.items()
     }
-    cases = {"case": [one.case.id for one, _ in found]}
-    return Chart([whole, rest], "", 2, 0.0, cases | table).captioned(
+    cases = {"case": [outcome.case.id for outcome, _ in budgeted]}
+    return Chart([differences, remainders], "", 2, 0.0, cases | table).captioned(
         "Left: the difference (diamond) and the named causes that explain it, each "
-        "computed on its own. Right: what no cause explains, with the numerical uncertainty "
+        "computed separately. Right: the unexplained difference with the numerical uncertainty "
         "of both sides; the shaded band is the tolerance.",
     )
 
 
 def _names(outcomes: Sequence[Outcome]) -> list[str]:
-    """A name for each row: its label or quantity, or its title where two rows share it."""
+    """A name for each row: its label or quantity, or its title if two rows share that name."""
     names = [outcome.case.label or outcome.case.quantity for outcome in outcomes]
     return [
         fill(outcome.case.title if names.count(name) > 1 else name, _NAME_WIDTH)

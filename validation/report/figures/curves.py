@@ -39,9 +39,9 @@ from validation.variations.decision import MEANING, UNITS, Decision, choice
 
 _FORCE, _MOMENT = 1000.0, 100.0
 _OWN_LOADS = f"under {_FORCE:g} N along each axis or {_MOMENT:g} N m about it"
-_HELD = (
-    "Ends and interfaces of solids are held as the robot file says; where it does not, both limits "
-    "are shown: rigid, and free to warp or averaged."
+_END_CONDITIONS = (
+    "End conditions of legs and interfaces of solids are those of the robot file; if it has none, "
+    "both limits are shown: rigid, and free to warp or averaged."
 )
 _ONE_SHAPE = "In ascending order; differences compare modes of the same shape."
 _OF_THE_POINT = "Motion of the loaded point along the force or about the moment"
@@ -58,118 +58,122 @@ figures = FigureGroup(PATH, SHARED_SOLIDS)
 def deflections(context: Context) -> Chart:
     """A panel for each direction, under a force or a moment along it."""
     try:
-        found = compared_compliances(*compared_statics(robot_on_path(context)))
+        compared = compared_compliances(*compared_statics(robot_on_path(context)))
     except UNSOLVED as error:
         raise Skip(str(error)) from error
-    chart = deflection_chart(found, *_path(context))
-    said = (f"{_OF_THE_POINT}. {_HELD}", compared_with(found.against))
-    return chart.captioned(*said, title=f"{_TITLE} {_OWN_LOADS}")
+    chart = deflection_chart(compared, *_path_abscissa(context))
+    sentences = (f"{_OF_THE_POINT}. {_END_CONDITIONS}", compared_with(compared.against))
+    return chart.captioned(*sentences, title=f"{_TITLE} {_OWN_LOADS}")
 
 
 @figures.figure("mechanism.frequencies", "Natural frequencies over the path", effort=3.0)
 def frequencies(context: Context) -> Chart:
     """A panel for each of the first frequencies, in ascending order at each pose."""
     try:
-        found = compared_frequencies(robot_on_path(context))
+        compared = compared_frequencies(robot_on_path(context))
     except UNSOLVED as error:
         raise Skip(str(error)) from error
-    chart = frequency_chart(found, *_path(context))
-    return chart.captioned(_ONE_SHAPE, compared_with(found.against))
+    chart = frequency_chart(compared, *_path_abscissa(context))
+    return chart.captioned(_ONE_SHAPE, compared_with(compared.against))
 
 
 def deflection_chart(
-    found: Compared, x: Array, label: str, abscissa: Mapping[str, Column]
+    compared: Compared, x: Array, label: str, abscissa: Mapping[str, Column]
 ) -> Chart:
-    """Compliances (p×6, SI) as deflections under `_FORCE` and `_MOMENT`, a panel each.
+    """Compliances (p×6, SI) as deflections under `_FORCE` and `_MOMENT` over x (p), a panel each.
 
-    Over x (p), which the table has with the columns of `abscissa`.
+    The columns of `abscissa` are in the table.
     """
     panels = []
-    for place, name in enumerate(AXES):
+    for direction, name in enumerate(AXES):
         axis = ROTATIONS.get(name)
         title = f"about {axis} (µrad)" if axis else f"along {name} (µm)"
         factor = 1e6 * (_MOMENT if axis else _FORCE)
-        panels.append(_panel(found, x, place, title, factor))
+        panels.append(_panel(compared, x, direction, title, factor))
     return _chart(panels, label, abscissa)
 
 
-def frequency_chart(found: Compared, x: Array, label: str, abscissa: Mapping[str, Column]) -> Chart:
+def frequency_chart(
+    compared: Compared, x: Array, label: str, abscissa: Mapping[str, Column]
+) -> Chart:
     """The first frequencies (p×k, Hz), a panel each."""
-    count = min(JUDGED_MODES, next(iter(found.values.values())).shape[1])
-    panels = [_panel(found, x, mode, f"f{mode + 1} (Hz)", 1.0) for mode in range(count)]
+    count = min(JUDGED_MODES, next(iter(compared.values.values())).shape[1])
+    panels = [_panel(compared, x, mode, f"f{mode + 1} (Hz)", 1.0) for mode in range(count)]
     return _chart(panels, label, abscissa, columns=count)
 
 
 def _chart(
     panels: Sequence[Panel], label: str, abscissa: Mapping[str, Column], columns: int = 3
 ) -> Chart:
-    """Panels over a path or a number of the file; numbers of poses have whole ticks."""
+    """Panels over a path or a number of the robot file; numbers of poses have whole ticks."""
     ticks = partial(few_ticks, whole=label == _POSE)
     return Chart(panels, label, columns, table=abscissa, x_scale=ticks)
 
 
-def _panel(found: Compared, x: Array, place: int, title: str, factor: float) -> Panel:
-    above, below = (
-        [Series(name, x, times * values[:, place], title) for name, values in curves_of.items()]
-        for curves_of, times in ((found.values, factor), (found.differences, 100.0))
+def _panel(compared: Compared, x: Array, column: int, title: str, factor: float) -> Panel:
+    value_series, difference_series = (
+        [Series(name, x, scale * values[:, column], title) for name, values in curves.items()]
+        for curves, scale in ((compared.values, factor), (compared.differences, 100.0))
     )
-    return Panel(above, title, scale=from_zero, below=below)
+    return Panel(value_series, title, scale=from_zero, below=difference_series)
 
 
-def _path(context: Context) -> tuple[Array, str, Mapping[str, Column]]:
+def _path_abscissa(context: Context) -> tuple[Array, str, Mapping[str, Column]]:
     """The only coordinate that changes along the path, or the poses' numbers along it."""
-    known = coordinates(context.robot_file.mechanism)
-    poses = np.array([at.pose for at in path_postures(context)])
-    columns = {str(one): poses[:, place].tolist() for place, one in enumerate(known)}
+    moves = coordinates(context.robot_file.mechanism)
+    poses = np.array([posture.pose for posture in path_postures(context)])
+    columns = {
+        str(coordinate): poses[:, column].tolist() for column, coordinate in enumerate(moves)
+    }
     changing = np.flatnonzero(np.ptp(poses, axis=0) > 0.0)
     if len(changing) == 1:
-        return poses[:, changing[0]], known[changing[0]].axis, columns
+        return poses[:, changing[0]], moves[changing[0]].axis, columns
     return np.arange(1.0, len(poses) + 1.0), _POSE, columns
 
 
 def figures_over(variations: Sequence[Variation]) -> tuple[PlannedFigure, ...]:
-    """Deflections, frequencies and what each model chooses, over each number that is varied."""
+    """Deflections, frequencies and choices of the models over each varied number."""
     planned: list[PlannedFigure] = []
     for number, variation in enumerate(variations, start=1):
         group, effort = FigureGroup(PARAMETERS, f"vary.{number}"), float(len(variation.values))
-        for what, (title, shown) in _FIGURES.items():
-            named = f"vary.{number}.{what}", f"{title} over {variation.key}"
-            group.figure(*named, effort=effort)(partial(shown, variation=variation))
+        for name, (title, draw) in _FIGURES.items():
+            identity = f"vary.{number}.{name}", f"{title} over {variation.key}"
+            group.figure(*identity, effort=effort)(partial(draw, variation=variation))
         planned += group()
     return tuple(planned)
 
 
 def _deflections(context: Context, variation: Variation) -> Chart:
     """A panel for each direction, under a force or a moment along it."""
-    found = varied_curves(context, variation)["deflection"]
-    return deflection_chart(found.compared, *_over(context, variation)).captioned(
-        f"{_OF_THE_POINT}, {_place(context, found)}.",
-        f"{_HELD}{_alike(variation)}",
-        compared_with(found.compared.against),
+    deflection = varied_curves(context, variation)["deflection"]
+    return deflection_chart(deflection.compared, *_varied_abscissa(context, variation)).captioned(
+        f"{_OF_THE_POINT}, {_location(context, deflection)}.",
+        f"{_END_CONDITIONS}{_joint_change(variation)}",
+        compared_with(deflection.compared.against),
         title=f"Deflection over {variation.key} {_OWN_LOADS}",
     )
 
 
 def _frequencies(context: Context, variation: Variation) -> Chart:
     """A panel for each of the first frequencies, in ascending order at each value."""
-    found = varied_curves(context, variation)["frequency"]
-    said = _place(context, found)
-    return frequency_chart(found.compared, *_over(context, variation)).captioned(
-        f"{said[0].upper()}{said[1:]}.",
-        f"{_ONE_SHAPE}{_alike(variation)}",
-        compared_with(found.compared.against),
+    frequency = varied_curves(context, variation)["frequency"]
+    location = _location(context, frequency)
+    return frequency_chart(frequency.compared, *_varied_abscissa(context, variation)).captioned(
+        f"{location[0].upper()}{location[1:]}.",
+        f"{_ONE_SHAPE}{_joint_change(variation)}",
+        compared_with(frequency.compared.against),
     )
 
 
 def _decisions(context: Context, variation: Variation) -> Chart:
-    """A panel for each objective: all models over the values, what each finds best with a star."""
-    found = varied_curves(context, variation)
-    x, label, abscissa = _over(context, variation)
-    panels = [objective_panel(one.decision, x) for one in found.values()]
+    """A panel for each objective: all models over the values, with a star at each one's best."""
+    objectives = varied_curves(context, variation)
+    x, label, abscissa = _varied_abscissa(context, variation)
+    panels = [objective_panel(varied.decision, x) for varied in objectives.values()]
     return Chart(panels, label, 2, 3.2, abscissa, few_ticks).captioned(
-        *(_verdict(one, variation) for one in found.values()),
-        "Every robot over its whole path. Stars mark the best of the computed values by each "
-        "curve; values between them were not searched.",
+        *(_choices_sentence(varied, variation) for varied in objectives.values()),
+        "Each robot over its whole path. A star marks the best computed value of a "
+        "curve; values between the computed ones were not searched.",
     )
 
 
@@ -184,47 +188,50 @@ def objective_panel(decision: Decision, x: Array) -> Panel:
     return Panel(series, _OBJECTIVES[objective], scale=from_zero)
 
 
-def _verdict(found: VariedCurves, variation: Variation) -> str:
-    """What each model chooses by an objective, and what that costs."""
-    decision, values = found.decision, variation.values
+def _choices_sentence(varied: VariedCurves, variation: Variation) -> str:
+    """A sentence on each model's choice by an objective, with its loss."""
+    decision, values = varied.decision, variation.values
     best = decision.best
-    told = []
+    choices = []
     for model in decision.models:
-        chosen = decision.choice(model)
-        several = len(chosen.equally_good)
-        among = f" (one of {several} that it finds equally good)" if several > 1 else ""
-        told.append(
-            f"{model} {values[chosen.design]:.6g}{among} with a loss of {100.0 * chosen.loss:.2g} %"
+        selection = decision.choice(model)
+        equally_good = len(selection.equally_good)
+        tie = f" (one of {equally_good} equally good values)" if equally_good > 1 else ""
+        choices.append(
+            f"{model} {values[selection.design]:.6g}{tie} with a loss of "
+            f"{100.0 * selection.loss:.2g} %"
         )
     return (
-        f"By the {MEANING[decision.objective]}, the reference ({found.compared.against}) chooses "
+        f"By the {MEANING[decision.objective]}, the reference ({varied.compared.against}) chooses "
         f"{values[best]:.6g} ({decision.reference[best]:.4g} {UNITS[decision.objective]}); "
-        f"{', '.join(told)}."
+        f"{', '.join(choices)}."
     )
 
 
-def _place(context: Context, found: VariedCurves) -> str:
-    """Where the robots are, which follow paths of their own where these are varied."""
-    shown = shown_pose(context.robot_file.mechanism, found.poses[0])
-    alike = shown and np.ptp(found.poses, axis=0).max() == 0.0
-    return f"with the tool at {shown}" if alike else "in the middle of the path"
+def _location(context: Context, varied: VariedCurves) -> str:
+    """Pose of the robots in words. They differ if the paths are varied."""
+    pose = shown_pose(context.robot_file.mechanism, varied.poses[0])
+    same_pose = pose and np.ptp(varied.poses, axis=0).max() == 0.0
+    return f"with the tool at {pose}" if same_pose else "in the middle of the path"
 
 
-def _over(context: Context, variation: Variation) -> tuple[Array, str, Mapping[str, Column]]:
+def _varied_abscissa(
+    context: Context, variation: Variation
+) -> tuple[Array, str, Mapping[str, Column]]:
     unit = unit_of(context.robot_file.tables, variation.keys[0])
     label = f"{variation.key} ({unit})" if unit else variation.key
     values = np.array(variation.values)
     return values, label, {label: values.tolist()}
 
 
-def _alike(variation: Variation) -> str:
+def _joint_change(variation: Variation) -> str:
     keys = len(variation.keys)
     return "" if keys == 1 else f" {keys} numbers change together."
 
 
-# What each is called, and what it shows.
+# Title and function of each figure.
 _FIGURES: Mapping[str, tuple[str, Callable[..., Chart]]] = {
     "deflections": ("Deflection", _deflections),
     "frequencies": ("Natural frequencies", _frequencies),
-    "decision": ("What each model chooses", _decisions),
+    "decision": ("Best value by each model", _decisions),
 }

@@ -25,57 +25,59 @@ def mesh_curves(studies: Sequence[Study]) -> Chart:
     """Studies with panels: sizes of the errors from the limits, or values if there is no order."""
     formal = {study.variant: study.formal_order for study in studies if study.formal_order}
     titles = list(dict.fromkeys(study.panel for study in studies))
-    panels = [_panel([one for one in studies if one.panel == title], formal) for title in titles]
-    rows = [(study, place) for study in studies for place in range(len(study.x))]
+    panels = [
+        _panel([study for study in studies if study.panel == title], formal) for title in titles
+    ]
+    rows = [(study, index) for study in studies for index in range(len(study.x))]
     table: dict[str, Column] = {
         "quantity": [study.panel for study, _ in rows],
         "mesh": [study.variant for study, _ in rows],
-        "unknowns": [study.x[place] for study, place in rows],
-        "value": [_values(study)[place] for study, place in rows],
+        "unknowns": [study.x[index] for study, index in rows],
+        "value": [_values(study)[index] for study, index in rows],
         "unit": [study.unit for study, _ in rows],
-        "error (%)": [_error(study, place) for study, place in rows],
+        "error (%)": [_error(study, index) for study, index in rows],
     }
     chart = Chart(panels, studies[0].x_label, min(2, len(panels)), 2.0, table)
-    known = "; ".join(_limit(study) for study in studies if study.limits)
+    limits = "; ".join(_limit(study) for study in studies if study.limits)
     return chart.captioned(
         "Relative error over the unknowns of the mesh, from the extrapolated limit of the "
         "hexahedra, and CPU time of mesh, factor and modes; bars: half-width of the finest value. "
         "Ends held plane, or free to warp and contract. Deflections and torsion by doubling, with "
-        f"thin slices, so with more unknowns. Limits with their half-widths: {known}.",
+        f"thin slices, so with more unknowns. Limits with their half-widths: {limits}.",
         *_without_order(studies),
     )
 
 
 def _without_order(studies: Sequence[Study]) -> list[str]:
-    """A sentence on the quantities with too few meshes for an order, and on how to see it."""
+    """A sentence on the quantities with too few meshes for an order, with a remedy."""
     meshes: dict[str, int] = {}
     for study in studies:
         if study.formal_order:
             meshes[study.panel] = max(meshes.get(study.panel, 0), len(study.x))
-    few = [panel for panel, count in meshes.items() if count < GRIDS]
-    if not few:
+    panels_without_order = [panel for panel, count in meshes.items() if count < GRIDS]
+    if not panels_without_order:
         return []
     return [
-        f"{', '.join(few)}: fewer than {GRIDS} meshes in this preset, which show no order; "
-        "flexproof converge ROBOT --body LEG --model solid shows the orders of f1 to f4."
+        f"{', '.join(panels_without_order)}: fewer than {GRIDS} meshes in this preset, which show "
+        "no order; flexproof converge ROBOT --body LEG --model solid shows the orders of f1 to f4."
     ]
 
 
 def _panel(studies: Sequence[Study], formal: Mapping[str, float]) -> Panel:
-    shown, ends = [], []
+    curves, ends = [], []
     for study in studies:
         x, sizes = np.array(study.x), _sizes(study)
         order = f" (formal order {formal[study.variant]:.3g})" if study.variant in formal else ""
         bars = None
         if study.formal_order and np.isfinite(sizes[-1]):
             bars = _bar(study, sizes)
-        shown.append(Series(f"{study.variant}{order}", x, sizes, of=study.variant, bars=bars))
+        curves.append(Series(f"{study.variant}{order}", x, sizes, of=study.variant, bars=bars))
         visible = np.flatnonzero(np.isfinite(sizes))
         if study.formal_order and len(visible) and len(study.x) >= GRIDS:
             last = int(visible[-1])
             ends.append((float(sizes[last]), float(x[last]), _order(study)))
     unit = "|error| (%)" if studies[0].formal_order else studies[0].y_label
-    return Panel(shown, studies[0].panel, unit, _logarithmic, notes=_notes(ends), staggered=False)
+    return Panel(curves, studies[0].panel, unit, _logarithmic, notes=_notes(ends), staggered=False)
 
 
 def _logarithmic(axes: "Axes") -> None:
@@ -87,24 +89,24 @@ def _values(study: Study) -> tuple[float, ...]:
     return study.series[study.variant]
 
 
-def _error(study: Study, place: int) -> float | None:
-    """Relative error in percent; None without a limit."""
+def _error(study: Study, index: int) -> float | None:
+    """Relative error in percent. None without a limit."""
     limit = study.limits.get(study.variant)
-    return None if limit is None else 100.0 * (_values(study)[place] / limit - 1.0)
+    return None if limit is None else 100.0 * (_values(study)[index] / limit - 1.0)
 
 
 def _sizes(study: Study) -> Array:
-    """Sizes of the errors in percent, NaN below rounding; the values without a formal order."""
+    """Sizes of the errors in percent, NaN below rounding. Without a formal order, the values."""
     if not study.formal_order:
         return np.array(_values(study))
-    errors = [_error(study, place) for place in range(len(study.x))]
+    errors = [_error(study, index) for index in range(len(study.x))]
     sizes = np.array([np.nan if error is None else abs(error) for error in errors])
     sizes[sizes < _LOWEST] = np.nan
     return sizes
 
 
 def _bar(study: Study, sizes: Array) -> Array | None:
-    """Half-width of the finest value in percent (2×n, down and up); None if there is none."""
+    """Half-width of the finest value in percent (2×n, down and up). None if it has none."""
     width = study.uncertainties.get(study.variant)
     if width is None:
         return None
@@ -131,7 +133,7 @@ def _limit(study: Study) -> str:
 
 
 def _notes(ends: Sequence[tuple[float, float, str]]) -> list[Note]:
-    """Orders at the ends (error, unknowns) of curves; those of near ones above each other."""
+    """Orders at the ends (error, unknowns) of curves, above each other if the ends are close."""
     notes: list[Note] = []
     height, last = -3.0, 0.0
     for size, count, text in sorted(ends):

@@ -1,8 +1,8 @@
-"""What a mode is called: by the deformation that stores its energy, and by where its mass moves.
+"""Names of modes by the deformation that stores their energy and the direction of their motion.
 
-One measure for titles, captions and tables. Strain energy by kind of deformation says whether a
-mode is torsion; kinetic energy by direction, turning sections included, whether it stays in the
-plane of a planar mechanism.
+Titles, captions and tables use the same names. Strain energy by kind of deformation identifies
+torsion. Kinetic energy by direction, with rotating sections, identifies motion in the plane of a
+planar mechanism.
 """
 
 from collections.abc import Callable, Mapping
@@ -48,9 +48,9 @@ class ModeNames:
     planar: bool
 
     def name(self, mode: int) -> str:
-        """What a mode (from 0) is: "torsion", "in the plane", "along z"; in space "bending" or so.
+        """Name of a mode (from 0): "torsion", "in the plane", "along z"; in space e.g. "bending".
 
-        Empty where nothing is known of its deformation.
+        Empty if its kind of deformation is unknown.
         """
         kind = leading_kind(self._without_axes(), mode)
         if kind == "torsion":
@@ -59,8 +59,8 @@ class ModeNames:
             return "along z" if self.kinetic[2, mode] > 0.5 else IN_THE_PLANE
         return "" if kind == PARTS else kind
 
-    def said(self, mode: int) -> str:
-        """A sentence on a mode (from 0): its name, and the shares that it has it from."""
+    def sentence(self, mode: int) -> str:
+        """A sentence on a mode (from 0): its name, and the shares of energy that determine it."""
         shares = self._without_axes()
         kind, name = leading_kind(shares, mode), self.name(mode)
         return (
@@ -70,10 +70,10 @@ class ModeNames:
         )
 
     def _without_axes(self) -> Mapping[str, Array]:
-        """Bending about either axis together: axes are those of single legs."""
+        """Shares with bending about both axes summed, as the axes differ from leg to leg."""
         bending = [self.strain[kind] for kind in _BENDING if kind in self.strain]
-        others = {kind: share for kind, share in self.strain.items() if kind not in _BENDING}
-        return others | ({"bending": np.sum(bending, axis=0)} if bending else {})
+        remaining = {kind: share for kind, share in self.strain.items() if kind not in _BENDING}
+        return remaining | ({"bending": np.sum(bending, axis=0)} if bending else {})
 
 
 def leading_kind(strain: Mapping[str, Array], mode: int) -> str:
@@ -84,11 +84,11 @@ def leading_kind(strain: Mapping[str, Array], mode: int) -> str:
 def mode_names(system: System, shapes: Array) -> ModeNames:
     """Names of modes of a system (`shapes` n×m)."""
     mechanism = system.posture.mechanism
-    strain = by_kind(strain_shares(system, shapes), mechanism)
+    strain = shares_by_kind(strain_shares(system, shapes), mechanism)
     return ModeNames(strain, kinetic_shares(system, shapes), in_one_plane(system.posture))
 
 
-def by_kind(strain: Mapping[Portion, Array], mechanism: Mechanism) -> dict[str, Array]:
+def shares_by_kind(strain: Mapping[Portion, Array], mechanism: Mechanism) -> dict[str, Array]:
     """Shares of strain energy by kind of deformation, drives, joints and parts each together."""
     legs = legs_of(mechanism)
 
@@ -99,15 +99,17 @@ def by_kind(strain: Mapping[Portion, Array], mechanism: Mechanism) -> dict[str, 
             return part.kind
         return DRIVES if part.kind == "drive" else JOINTS
 
-    return summed(strain, kind)
+    return sum_shares(strain, kind)
 
 
-def summed(strain: Mapping[Portion, Array], what: Callable[[Portion], str]) -> dict[str, Array]:
-    """Shares of strain energy summed by `what` they are, those with a fill of their own first."""
-    found: dict[str, Array] = {}
+def sum_shares(
+    strain: Mapping[Portion, Array], group: Callable[[Portion], str]
+) -> dict[str, Array]:
+    """Shares of strain energy summed by `group`, groups with their own fill first."""
+    sums: dict[str, Array] = {}
     for part, share in strain.items():
-        found[what(part)] = found.get(what(part), 0.0) + share
-    return {key: found[key] for key in dict.fromkeys((*FILLS, *found)) if key in found}
+        sums[group(part)] = sums.get(group(part), 0.0) + share
+    return {key: sums[key] for key in dict.fromkeys((*FILLS, *sums)) if key in sums}
 
 
 def kinetic_shares(system: System, shapes: Array) -> Array:
@@ -117,16 +119,16 @@ def kinetic_shares(system: System, shapes: Array) -> Array:
 
 
 def kinetic_energies(system: System, shapes: Array) -> Array:
-    """∫ρ uᵢ² dV (3×m, kg m²) along base x, y and z, all mass in points that turn with it."""
+    """∫ρ uᵢ² dV (3×m, kg m²) along base x, y and z, with all mass in points of the bodies."""
     mechanism, posture = system.posture.mechanism, system.posture
     energy = np.zeros((3, shapes.shape[1]))
     for name, model in system.models.items():
         points, masses = _mass_points(mechanism.bodies[name])
-        own = (model.displacements(points) @ system.body_unknowns(name, shapes)).reshape(
+        local_motions = (model.displacements(points) @ system.body_unknowns(name, shapes)).reshape(
             len(points), 3, -1
         )
-        moved = np.einsum("ij,njm->nim", posture.frames[name].rotation, own)
-        energy += np.einsum("n,nim->im", masses, np.square(moved))
+        motions = np.einsum("ij,njm->nim", posture.frames[name].rotation, local_motions)
+        energy += np.einsum("n,nim->im", masses, np.square(motions))
     loaded = Side(mechanism.tool.body, mechanism.tool.point)
     carried = [(loaded, interface_position(posture, loaded)[None], np.array([mechanism.tool.mass]))]
     for name, body in mechanism.bodies.items():
@@ -136,15 +138,15 @@ def kinetic_energies(system: System, shapes: Array) -> Array:
             places = frame.position + points @ frame.rotation.T
             carried.append((Side(name, next(iter(body.interfaces))), places, masses))
     for side, places, masses in carried:
-        place = interface_position(posture, side)
-        twists = system.motions.at(side.body, side.point, place) @ shapes[: system.outer]
-        turned = np.cross(twists[3:].T, (places - place)[:, None])
-        energy += np.einsum("n,nmi->im", masses, np.square(twists[:3].T + turned))
+        point = interface_position(posture, side)
+        twists = system.motions.at(side.body, side.point, point) @ shapes[: system.outer]
+        rotations = np.cross(twists[3:].T, (places - point)[:, None])
+        energy += np.einsum("n,nmi->im", masses, np.square(twists[:3].T + rotations))
     return energy
 
 
 def _mass_points(body: Body) -> tuple[Array, Array]:
-    """Points (n×3, m, body axes) with masses (n, kg) that move as the body's own mass does."""
+    """Points (n×3, m, body axes) with masses (n, kg) equivalent to the mass of a body."""
     if isinstance(body.shape, Rigid):
         moments = 0.5 * np.trace(body.shape.inertia) * np.eye(3) - body.shape.inertia
         squared, axes = np.linalg.eigh(moments / body.shape.mass)
@@ -152,13 +154,13 @@ def _mass_points(body: Body) -> tuple[Array, Array]:
         points = body.shape.centre + np.vstack([arms.T, -arms.T])
         return points, np.full(6, body.shape.mass / 6.0)
     if isinstance(body.shape, Part):
-        found = identified(body)
-        return found.places, found.shares
+        samples = identified(body)
+        return samples.places, samples.shares
     leg = equivalent_leg(leg_of(body))
     section = leg.section
-    at, weights = np.polynomial.legendre.leggauss(_STATIONS)
+    nodes, weights = np.polynomial.legendre.leggauss(_STATIONS)
     radii = np.sqrt(np.array([section.second_moment_z, section.second_moment_y]) / section.area)
     corners = np.column_stack([np.zeros(4), _CORNERS * radii])
-    along = np.column_stack([0.5 * leg.length * (1.0 + at), np.zeros((_STATIONS, 2))])
+    along = np.column_stack([0.5 * leg.length * (1.0 + nodes), np.zeros((_STATIONS, 2))])
     points = (along[:, None] + corners).reshape(-1, 3)
     return points, np.repeat(leg.mass * 0.5 * weights / 4.0, 4)

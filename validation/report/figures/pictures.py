@@ -1,4 +1,4 @@
-"""Pictures of a mechanism: the one beside its verdict, its first modes, and how it yields."""
+"""Pictures of a mechanism: at rest beside its verdict, its first modes, and under unit loads."""
 
 from dataclasses import replace
 
@@ -22,8 +22,8 @@ from validation.kinematics.solids import tool_position
 from validation.models.mechanism import PostureModes
 from validation.report.figures.bodies import (
     compared_points,
-    moved,
-    outlines_of,
+    displaced_solids,
+    leg_outlines,
     rails,
 )
 from validation.report.figures.mode_names import IN_THE_PLANE, mode_names
@@ -31,17 +31,17 @@ from validation.report.figures.modes import finite_elements, segments
 
 FORCE = 1000.0  # N
 _MODES = 4
-# Modes of the segments among which those of the beams are looked for.
-_BESIDES = 4
+# Additional modes of the segments among which partners of the beams' modes are searched.
+_EXTRA_MODES = 4
 # Relative width of the space of modes in which two discretisations of a robot may mix them.
 _MIX = 0.02
 _MICRO = 1e6
-# Largest displacement in a picture, of the size of the mechanism (half its extent).
-_DRAWN = 0.16
-# in, of a panel in two and in three columns, and the width of a picture beside the errors.
+# Largest drawn displacement over the size of the mechanism (half its extent).
+_DRAWN_DISPLACEMENT = 0.16
+# Inches: height of a panel in two and in three columns, width of the picture beside the errors.
 _HEIGHT, _SMALL_HEIGHT, _HALF = 2.9, 2.5, 4.2
-_ABOVE = (np.array([0.0, -0.3, 1.0]), np.array([0.0, 1.0, 0.0]))
-_ASIDE = (np.array([0.35, -0.95, 0.5]), np.array([0.0, 0.0, 1.0]))
+_VIEW_FROM_ABOVE = (np.array([0.0, -0.3, 1.0]), np.array([0.0, 1.0, 0.0]))
+_VIEW_FROM_SIDE = (np.array([0.35, -0.95, 0.5]), np.array([0.0, 0.0, 1.0]))
 portraits = FigureGroup(PATH, "pictures")
 figures = FigureGroup(PATH, "pictures")
 
@@ -50,11 +50,11 @@ figures = FigureGroup(PATH, "pictures")
 def portrait(context: Context) -> SceneGrid:
     """The middle pose in full, the first and the last as lines."""
     postures = path_postures(context)
-    shown = [postures[0], postures[len(postures) // 2], postures[-1]]
+    drawn_postures = [postures[0], postures[len(postures) // 2], postures[-1]]
     return SceneGrid(
         "In the middle of its path; thin lines: first and last pose. Driven joints are orange, the "
         "loaded point red.",
-        scenes=[scene(context.robot_file.mechanism, shown, named=False)],
+        scenes=[scene(context.robot_file.mechanism, drawn_postures, named=False)],
         width=_HALF,
         turned=False,
     )
@@ -62,39 +62,39 @@ def portrait(context: Context) -> SceneGrid:
 
 @figures.figure("mechanism.mode-shapes", "First mode shapes of the mechanism", effort=4.0)
 def mode_shapes(context: Context) -> SceneGrid:
-    """A panel for each mode: beams coloured by displacement, places of the segments over them."""
-    beam, lumped = _both(context)
+    """A panel for each mode: beams coloured by displacement, points of the segments over them."""
+    beam, lumped = _compared_modes(context)
     count = min(_MODES, len(beam.modes.frequencies))
     names = mode_names(beam.system, beam.modes.shapes[:, :count])
-    columns = _places(beam.system)
+    columns = _point_columns(beam.system)
     scenes = []
     for mode, frequency in enumerate(beam.modes.frequencies[:count]):
-        bent = _Bent(beam.system, beam.modes.shapes[:, mode], names.name(mode))
-        like = _like(beam, lumped, mode)
-        factor = _DRAWN * beam.posture.mechanism.size / bent.largest
-        called = f", {bent.name}" if bent.name else ""
-        points, displaced = compared_points(lumped.system, like)
-        shown = replace(
-            bent.scene(factor, bent.largest),
-            title=f"({'abcd'[mode]}) mode {mode + 1}{called}: {frequency:.1f} Hz",
+        shape = _DisplacedRobot(beam.system, beam.modes.shapes[:, mode], names.name(mode))
+        partner = _matching_shape(beam, lumped, mode)
+        factor = _DRAWN_DISPLACEMENT * beam.posture.mechanism.size / shape.largest
+        suffix = f", {shape.name}" if shape.name else ""
+        points, displaced = compared_points(lumped.system, partner)
+        panel = replace(
+            shape.scene(factor, shape.largest),
+            title=f"({'abcd'[mode]}) mode {mode + 1}{suffix}: {frequency:.1f} Hz",
             bar="displacement, largest = 1",
             marks=[Marks(points + factor * displaced, "square", LOOKS["segments"].colour)],
-            turned=[outlines_of(lumped.system, factor * like)],
+            turned=[leg_outlines(lumped.system, factor * partner)],
         )
-        scenes.append(shown)
+        scenes.append(panel)
         for name, system, unknowns in (
-            ("beam FE", beam.system, bent.unknowns),
-            ("segments", lumped.system, like),
+            ("beam FE", beam.system, shape.unknowns),
+            ("segments", lumped.system, partner),
         ):
-            what = f"mode {mode + 1}, {name} (largest = 1)"
-            columns |= _columns(what, system, unknowns / bent.largest)
-    model, beside = _said(context)
-    said = (
+            heading = f"mode {mode + 1}, {name} (largest = 1)"
+            columns |= _motion_columns(heading, system, unknowns / shape.largest)
+    model, comparison = _model_texts(context)
+    description = (
         f"{model}, coloured by displacement; thin lines: at rest. Orange squares, and outlines in "
-        f"3-D: the same mode {beside}."
+        f"3-D: the same mode {comparison}."
     )
     mixture = "Any mixture of modes of equal frequency is a mode, too."
-    caption = " ".join((said, *map(names.said, range(count)), mixture))
+    caption = " ".join((description, *map(names.sentence, range(count)), mixture))
     return SceneGrid(caption, scenes=scenes, columns=2, height=_HEIGHT, data=csv_of(columns))
 
 
@@ -103,97 +103,99 @@ def mode_shapes(context: Context) -> SceneGrid:
 )
 def deformed(context: Context) -> SceneGrid:
     """A panel for each force along x, y and z at the loaded point, each with its own scale."""
-    beam, lumped = _both(context)
+    beam, lumped = _compared_modes(context)
     size = beam.posture.mechanism.size
-    columns = _places(beam.system)
-    scenes, moves = [], []
-    for place, name in enumerate("xyz"):
-        unknowns = _under(beam.system, place)
-        called = mode_names(beam.system, unknowns[:, None]).name(0)
-        bent = _Bent(beam.system, unknowns, called)
-        factor = readable_factor(bent.largest, _DRAWN * size)
-        tail = tool_position(beam.posture) + factor * bent.tip + 0.16 * size * np.eye(3)[place]
-        head = tail + 0.4 * size * np.eye(3)[place]
-        shown = bent.scene(factor, 1.0 / _MICRO)
-        shown = replace(
-            shown,
-            title=f"({'abc'[place]}) {FORCE:g} N along {name}, drawn × {_grouped(factor)}",
+    columns = _point_columns(beam.system)
+    scenes, motions = [], []
+    for axis, name in enumerate("xyz"):
+        unknowns = _force_unknowns(beam.system, axis)
+        mode_name = mode_names(beam.system, unknowns[:, None]).name(0)
+        shape = _DisplacedRobot(beam.system, unknowns, mode_name)
+        factor = readable_factor(shape.largest, _DRAWN_DISPLACEMENT * size)
+        tail = tool_position(beam.posture) + factor * shape.tip + 0.16 * size * np.eye(3)[axis]
+        head = tail + 0.4 * size * np.eye(3)[axis]
+        panel = shape.scene(factor, 1.0 / _MICRO)
+        panel = replace(
+            panel,
+            title=f"({'abc'[axis]}) {FORCE:g} N along {name}, drawn × {_grouped(factor)}",
             bar="displacement (µm)",
             arrows=[Arrow(tail, head, VERMILLION)],
-            turned=[outlines_of(lumped.system, factor * _under(lumped.system, place))],
+            turned=[leg_outlines(lumped.system, factor * _force_unknowns(lumped.system, axis))],
             motion="push",
-            inside=[*shown.inside, np.array([tail, head])],
+            inside=[*panel.inside, np.array([tail, head])],
         )
-        scenes.append(shown)
-        far = np.linalg.norm(bent.tip) * _MICRO
-        moves.append(f"{number(far, 4)} µm in all under the force along {name}")
-        columns |= _columns(f"force along {name} (µm)", beam.system, bent.unknowns * _MICRO)
-    model, beside = _said(context)
+        scenes.append(panel)
+        distance = np.linalg.norm(shape.tip) * _MICRO
+        motions.append(f"{number(distance, 4)} µm in all under the force along {name}")
+        columns |= _motion_columns(f"force along {name} (µm)", beam.system, shape.unknowns * _MICRO)
+    model, comparison = _model_texts(context)
     caption = (
-        f"{model}, displacements enlarged as the titles say. The loaded point moves "
-        f"{', '.join(moves)}. Red arrow: the force; orange outlines in 3-D: the same {beside}."
+        f"{model}, displacements enlarged by the factors in the titles. The loaded point moves "
+        f"{', '.join(motions)}. Red arrow: the force; orange outlines in 3-D: "
+        f"the same {comparison}."
     )
     return SceneGrid(caption, scenes=scenes, columns=3, height=_SMALL_HEIGHT, data=csv_of(columns))
 
 
-def _both(context: Context) -> tuple[PostureModes, PostureModes]:
-    """Finite elements, and the segments beside them."""
+def _compared_modes(context: Context) -> tuple[PostureModes, PostureModes]:
+    """Modes by finite elements and by segments."""
     mechanism = context.robot_file.mechanism
     if not (legs_of(mechanism) or mechanism.parts):
         raise Skip("all bodies are rigid: there are no shapes to be drawn")
-    return finite_elements(context, _MODES), segments(context, _MODES + _BESIDES)
+    return finite_elements(context, _MODES), segments(context, _MODES + _EXTRA_MODES)
 
 
-def _said(context: Context) -> tuple[str, str]:
-    """What is drawn, and what it is compared with."""
+def _model_texts(context: Context) -> tuple[str, str]:
+    """Texts on the drawn model and on the model compared with it."""
     mechanism = context.robot_file.mechanism
     beams = " and other legs as beams" if legs_of(mechanism) else ""
     model = f"Parts as solids{beams}" if mechanism.parts else "Beam model"
-    beside = "with parts condensed on their interfaces" if mechanism.parts else "by segments"
-    return f"{model} in the middle of the path", beside
+    comparison = "with parts condensed on their interfaces" if mechanism.parts else "by segments"
+    return f"{model} in the middle of the path", comparison
 
 
-class _Bent:
-    """A robot displaced by `unknowns` (n) of its system, in a way that has a `name`."""
+class _DisplacedRobot:
+    """A robot displaced by `unknowns` (n) of its system; `name` is that of the deformation."""
 
     def __init__(self, system: System, unknowns: Array, name: str) -> None:
         self.system, self.unknowns, self.name = system, unknowns, name
-        self.moved = moved(system, unknowns)
-        self.deformed = [one for one in self.moved if one.deforms]
-        self.largest = max(float(one.sizes.max()) for one in self.deformed)
+        self.moved = displaced_solids(system, unknowns)
+        self.deformed = [solid for solid in self.moved if solid.deforms]
+        self.largest = max(float(solid.sizes.max()) for solid in self.deformed)
         self.tip = (system.tool @ unknowns)[:3]
 
     def scene(self, factor: float, unit: float) -> Scene:
-        """Drawn `factor` times displaced, coloured by displacements in `unit` (m).
+        """Scene with `factor` times the displacements, coloured by displacements in `unit` (m).
 
-        From above what stays in the plane of the mechanism, else from aside.
+        Motion in the plane of the mechanism is seen from above, any other from the side.
         """
         return Scene(
-            [one.body(factor, unit) for one in self.moved],
-            _ABOVE if self.name == IN_THE_PLANE else _ASIDE,
-            [*rails(self.system), *(one.wire() for one in self.deformed)],
+            [solid.body(factor, unit) for solid in self.moved],
+            _VIEW_FROM_ABOVE if self.name == IN_THE_PLANE else _VIEW_FROM_SIDE,
+            [*rails(self.system), *(solid.wire() for solid in self.deformed)],
             limits=(0.0, self.largest / unit),
-            inside=[one.solid.surface.points for one in self.deformed],
+            inside=[solid.solid.surface.points for solid in self.deformed],
         )
 
 
-def _like(beam: PostureModes, lumped: PostureModes, mode: int) -> Array:
-    """Unknowns of the segments in the mixture of their modes that is most like the beam's mode.
+def _matching_shape(beam: PostureModes, lumped: PostureModes, mode: int) -> Array:
+    """Unknowns of the segments in the mixture of their modes that is closest to the beam's mode.
 
-    Of the modes close to its partner, so that sense and, of equal frequencies, mixture are its own.
+    Only modes close in frequency to the partner are mixed. The result has the sense of the beam's
+    mode, and for equal frequencies its mixture.
     """
-    wanted = compared_points(beam.system, beam.modes.shapes[:, mode])[1].ravel()
+    beam_samples = compared_points(beam.system, beam.modes.shapes[:, mode])[1].ravel()
     nearest = int(np.argmin(np.abs(lumped.modes.frequencies - beam.modes.frequencies[mode])))
     spaces = one_frequency(lumped.modes.frequencies, np.full(len(lumped.modes.frequencies), _MIX))
     close = np.flatnonzero(spaces == spaces[nearest])
     shapes = lumped.modes.shapes[:, close]
-    sampled = compared_points(lumped.system, shapes)[1].reshape(len(wanted), -1)
-    mixture = np.linalg.lstsq(sampled, wanted, rcond=None)[0]
-    like: Array = shapes @ mixture
-    return like
+    sampled = compared_points(lumped.system, shapes)[1].reshape(len(beam_samples), -1)
+    mixture = np.linalg.lstsq(sampled, beam_samples, rcond=None)[0]
+    partner: Array = shapes @ mixture
+    return partner
 
 
-def _under(system: System, direction: int) -> Array:
+def _force_unknowns(system: System, direction: int) -> Array:
     """Unknowns (n) under `FORCE` along an axis at the loaded point."""
     load = FORCE * system.tool[[direction]].T
     return solved(system).displacements(load)[:, 0]
@@ -206,14 +208,14 @@ def _grouped(number: float) -> str:
     return f"{number:,.0f}".replace(",", "\N{THIN SPACE}")
 
 
-def _places(system: System) -> dict[str, list[float | str]]:
+def _point_columns(system: System) -> dict[str, list[float | str]]:
     points, _ = compared_points(system, np.zeros(system.size))
     names = [*legs_of(system.posture.mechanism), *system.posture.mechanism.parts]
-    each = len(points) // len(names)
-    found: dict[str, list[float | str]] = {"body": [name for name in names for _ in range(each)]}
-    return found | {f"{axis} (m)": points[:, i].tolist() for i, axis in enumerate("xyz")}
+    count = len(points) // len(names)
+    bodies: dict[str, list[float | str]] = {"body": [name for name in names for _ in range(count)]}
+    return bodies | {f"{axis} (m)": points[:, i].tolist() for i, axis in enumerate("xyz")}
 
 
-def _columns(what: str, system: System, unknowns: Array) -> dict[str, list[float | str]]:
-    _, moved = compared_points(system, unknowns)
-    return {f"{what}: along {axis}": moved[:, i].tolist() for i, axis in enumerate("xyz")}
+def _motion_columns(heading: str, system: System, unknowns: Array) -> dict[str, list[float | str]]:
+    _, motions = compared_points(system, unknowns)
+    return {f"{heading}: along {axis}": motions[:, i].tolist() for i, axis in enumerate("xyz")}

@@ -1,4 +1,4 @@
-"""The answer to a force that swings, of the tool or measured: size and phase, by all models."""
+"""Receptances of the tool or of a modal test: size and phase, measured and by all models."""
 
 from collections.abc import Mapping
 from functools import partial
@@ -32,104 +32,114 @@ from validation.measured.modes import modal_answer
 from validation.solids.legs import SHARED_SOLIDS
 from validation.verdicts import MEASURED_RESPONSE
 
-# Of a size that is known to no digit the band ends at this part of it: a logarithm has no zero.
-_LEAST = 0.01
-# Frequencies up to so many times that of the highest measured mode.
-_SHOWN = 1.2
+# Lowest end of a band over the size itself, as a logarithmic axis has no zero.
+_LOWEST_SHARE = 0.01
+# Highest drawn frequency over that of the highest measured mode.
+_FREQUENCY_FACTOR = 1.2
 
 
 def figures(mechanism: Mechanism) -> tuple[PlannedFigure, ...]:
-    """A figure for each response that is asked for."""
+    """A figure for each response that the robot file requests."""
     group = FigureGroup(PATH, SHARED_SOLIDS)
-    for number, one in enumerate(mechanism.excitations):
-        named = f"mechanism.response.{one.name}", f"Response of the tool: {one.name}"
-        group.figure(*named, effort=3.0)(partial(_response, number=number))
+    for number, excitation in enumerate(mechanism.excitations):
+        identity = (
+            f"mechanism.response.{excitation.name}",
+            f"Response of the tool: {excitation.name}",
+        )
+        group.figure(*identity, effort=3.0)(partial(_response, number=number))
     return group()
 
 
 def measured_figures(robot_file: RobotFile) -> tuple[PlannedFigure, ...]:
-    """The response of a modal test from which most values were read, where it has any."""
+    """The response of a modal test from which most values were read. Empty without responses."""
     group = FigureGroup(PATH, "")
-    if any(one.response is not None for one in robot_file.measured):
-        group.figure(MEASURED_RESPONSE, "Measured response, and the models'", effort=2.0)(_measured)
+    if any(value.response is not None for value in robot_file.measured):
+        group.figure(
+            MEASURED_RESPONSE, "Measured response, and responses of the models", effort=2.0
+        )(_measured)
     return group()
 
 
 def _measured(context: Context) -> Chart:
     robot_file, robot = context.robot_file, context.robot_file.mechanism
-    one = next(one for one in robot_file.measured if one.response is not None)
-    test, number = one.test, one.response
+    value = next(value for value in robot_file.measured if value.response is not None)
+    test, number = value.test, value.response
     if test is None or number is None:
         raise Skip("no response was measured")
-    own = test.responses[number]
-    x = own.frequencies[own.frequencies <= _SHOWN * test.frequencies.max()]
-    found = {"measured response": own.receptance[: len(x)]}
+    measured = test.responses[number]
+    x = measured.frequencies[measured.frequencies <= _FREQUENCY_FACTOR * test.frequencies.max()]
+    receptances = {"measured response": measured.receptance[: len(x)]}
     for name, (model, _, options) in judged_models(robot).items():
         responses = modal_answer(model, robot, test, options).responses
-        if responses and (told := responses[number].receptance(x)).any():
-            found[name] = told
-    place = shown_pose(robot, np.array(test.pose))
-    return _chart(x, found, round_angles).captioned(
-        f"Displacement of {own.name}{place and f', with the tool at {place}'}; black: as measured. "
-        f"Models are damped as {'the robot file says' if robot.is_damped else 'measured'}.",
+        if responses and (receptance := responses[number].receptance(x)).any():
+            receptances[name] = receptance
+    pose = shown_pose(robot, np.array(test.pose))
+    return _chart(x, receptances, round_angles).captioned(
+        f"Displacement of {measured.name}{pose and f', with the tool at {pose}'}; black: measured. "
+        f"Damping of the models: {'that of the robot file' if robot.is_damped else 'as measured'}.",
     )
 
 
 def _chart(
     x: Array,
-    found: Mapping[str, ComplexArray],
+    receptances: Mapping[str, ComplexArray],
     phases: Scale,
-    left_open: Mapping[str, Array] | None = None,
+    size_ranges: Mapping[str, Array] | None = None,
 ) -> Chart:
     """Size and phase (from −270° to 90°) of receptances (m/N) over frequencies x (Hz).
 
-    `left_open`: the least and largest size (2×n, µm/N) of some of them.
+    `size_ranges`: smallest and largest size (2×n, µm/N) of some of them.
     """
-    size, phase, open_of = "size (µm/N)", "phase (°)", left_open or {}
+    size, phase, intervals = "size (µm/N)", "phase (°)", size_ranges or {}
     sizes = [
-        Series(name, x, 1e6 * np.abs(one), size, interval=open_of.get(name))
-        for name, one in found.items()
+        Series(name, x, 1e6 * np.abs(receptance), size, interval=intervals.get(name))
+        for name, receptance in receptances.items()
     ]
     angles = [
-        Series(name, x, np.degrees(np.angle(1j * one)) - 90.0, phase) for name, one in found.items()
+        Series(name, x, np.degrees(np.angle(1j * receptance)) - 90.0, phase)
+        for name, receptance in receptances.items()
     ]
     panels = [Panel(sizes, size, scale=powers), Panel(angles, phase, scale=phases)]
     return Chart(panels, _FREQUENCY, 2, 3.0, {_FREQUENCY: x.tolist()}, octaves)
 
 
 def _response(context: Context, number: int) -> Chart:
-    """Size and phase over the frequency, in the middle of the path; the reference with its band."""
+    """Size and phase over frequency in the middle of the path, with the band of the reference."""
     robot = robot_on_path(context)
     responses = Responses(robot)
-    asked, at = robot.mechanism.excitations[number], len(robot.postures) // 2
+    excitation, middle = robot.mechanism.excitations[number], len(robot.postures) // 2
     try:
-        found = {
-            name: own
-            for name, one in solved_modes(responses).items()
+        receptances_by_model = {
+            name: receptances
+            for name, modes in solved_modes(responses).items()
             # Models that are rigid along the force have neither size nor phase.
-            if (own := one.receptances[number][at]).any()
+            if (receptances := modes.receptances[number][middle]).any()
         }
         reference = dynamic_reference(responses)
     except UNSOLVED as error:
         raise Skip(str(error)) from error
     bands = []
-    for one in reference.interpretations:
-        modes = reference.model and responses.known_modes(reference.model, one.reading)
+    for interpretation in reference.interpretations:
+        modes = reference.model and responses.known_modes(reference.model, interpretation.reading)
         if modes:
-            known = modes.receptances[number][at]
-            half_widths = sum(of.receptances[number][at] for of in one.budget.values())
-            left_open = np.outer([-1.0, 1.0], half_widths)
-            bands.append(1e6 * np.abs(known) * np.maximum(1.0 + left_open, _LEAST))
-            found.setdefault(_REFERENCE, known)
+            receptance = modes.receptances[number][middle]
+            half_widths = sum(
+                source.receptances[number][middle] for source in interpretation.budget.values()
+            )
+            half_width_range = np.outer([-1.0, 1.0], half_widths)
+            bands.append(
+                1e6 * np.abs(receptance) * np.maximum(1.0 + half_width_range, _LOWEST_SHARE)
+            )
+            receptances_by_model.setdefault(_REFERENCE, receptance)
     band = np.array([np.min(bands, axis=0)[0], np.max(bands, axis=0)[1]]) if bands else None
-    force = ", ".join(f"{one:.3g}" for one in asked.direction)
-    place = shown_pose(robot.mechanism, robot.postures[at].pose)
+    force = ", ".join(f"{component:.3g}" for component in excitation.direction)
+    pose = shown_pose(robot.mechanism, robot.postures[middle].pose)
     # Phases from 0 to −180°: no force takes energy from where it acts.
     shaded = {} if band is None else {_REFERENCE: band}
-    return _chart(asked.frequencies, found, degrees, shaded).captioned(
+    return _chart(excitation.frequencies, receptances_by_model, degrees, shaded).captioned(
         f"Displacement of the loaded point along a force of 1 N along ({force})"
-        f"{place and f', with the tool at {place}'}. Solid: {reference.title}; shaded, what it "
-        "leaves open.",
+        f"{pose and f', with the tool at {pose}'}. Solid: {reference.title}; shaded: its "
+        "range over all its interpretations, with their uncertainty.",
     )
 
 

@@ -19,9 +19,9 @@ _DEVIATION = "deviation from the limit (%)"
 
 @dataclass(frozen=True)
 class Curve:
-    """One series of a study under the name it has beside its fellows, with what is known of it.
+    """One series of a study, with its label among the series of the same family.
 
-    `limit`, observed `order` and `uncertainty` of the finest value are None where not known.
+    `limit`, observed `order` and `uncertainty` of the finest value. Each is None if unknown.
     """
 
     label: str
@@ -48,12 +48,12 @@ class Family:
 
     @property
     def panels(self) -> bool:
-        """True if the studies have panels of their own, over an x of their own."""
+        """True if each study names its panel, with its own abscissa."""
         return all(curve.study.panel for curve in self.curves)
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What the studies remark, each remark once, with the curves it is about if not all."""
+        """Notes of the studies, each once, with its curves unless it applies to all."""
         remarks: dict[str, list[str]] = {}
         for curve in self.curves:
             for note in curve.study.notes:
@@ -67,24 +67,24 @@ class Family:
 
 
 def families(outcomes: Sequence[Outcome]) -> tuple[Family, ...]:
-    """The studies that came with the outcomes by family, in the order of their first member."""
-    gathered: dict[str, dict[str, Study]] = {}
+    """Families of the studies of the outcomes, in the order of their first member."""
+    studies_by_key: dict[str, dict[str, Study]] = {}
     makers: dict[str, list[str]] = {}
     for outcome in outcomes:
         for study in outcome.measurement.studies if outcome.measurement else ():
             key = study.family or study.id
-            gathered.setdefault(key, {})[study.id] = study
+            studies_by_key.setdefault(key, {})[study.id] = study
             makers.setdefault(key, []).append(function_name(outcome.case.compute))
     return tuple(
         replace(family_of(members.values()), computed_by=tuple(dict.fromkeys(makers[key])))
-        for key, members in gathered.items()
+        for key, members in studies_by_key.items()
     )
 
 
 def family_of(studies: Iterable[Study]) -> Family:
-    """The family that studies are; their series go by the variants of the studies, if any."""
+    """Family of studies; the label of a series is the variant of its study, if it has one."""
     members = tuple(studies)
-    found = tuple(
+    curves = tuple(
         Curve(
             study.variant or name,
             study,
@@ -97,44 +97,48 @@ def family_of(studies: Iterable[Study]) -> Family:
         for name, values in study.series.items()
     )
     title = members[0].family_title or members[0].title
-    return Family(members[0].family or members[0].id, title[0].upper() + title[1:], found)
+    return Family(members[0].family or members[0].id, title[0].upper() + title[1:], curves)
 
 
 def study_figure(family: Family) -> Figure:
     """The figure of `study_curves`, or of `mesh_curves` if the studies name panels."""
-    shown = mesh_curves(family.studies) if family.panels else study_curves(family)
-    return drawn_figure(shown, family.id, family.title, "studies", family.computed_by)
+    chart = mesh_curves(family.studies) if family.panels else study_curves(family)
+    return drawn_figure(chart, family.id, family.title, "studies", family.computed_by)
 
 
 def study_curves(family: Family) -> Chart:
-    """Left the deviation from the limit with its uncertainty, right its decay.
+    """Chart of the deviation from the limit with its uncertainty (left) and its decay (right).
 
-    Where no limit is known, the finest value stands in for it. A limit of zero means that the
-    values are relative errors themselves.
+    If no limit is known, the finest value replaces it. A limit of zero means that the values are
+    relative errors themselves.
     """
     x = np.asarray(family.curves[0].study.x)
-    plain = []
+    deviations = []
     for curve in family.curves:
         order = f"order {curve.order:.2f}" if curve.order is not None else "no order"
         deviation, bars = _deviation(curve)
-        plain.append(Series(f"{curve.label}: {order}", x, deviation, of=curve.label, bars=bars))
-    decay = [_decaying(one) for one in plain]
+        deviations.append(
+            Series(f"{curve.label}: {order}", x, deviation, of=curve.label, bars=bars)
+        )
+    decay = [_decaying(series) for series in deviations]
     decay += _slopes(x, decay, sorted({c.study.formal_order or 0.0 for c in family.curves} - {0.0}))
     panels = [
-        Panel(plain, "", _DEVIATION, partial(refined, x=x), levels=(0.0,), staggered=False),
+        Panel(deviations, "", _DEVIATION, partial(refined, x=x), levels=(0.0,), staggered=False),
         Panel(decay, "", "|deviation| (%)", partial(refined, x=x, decay=True), staggered=False),
     ]
     label = family.curves[0].study.x_label
     table: dict[str, Column] = {label: x.tolist()}
     table |= {f"{curve.label} ({curve.study.unit})": curve.values for curve in family.curves}
-    said = ["Left: deviation from the limit. Right: its decay; the legend names the order."]
+    sentences = [
+        "Left: deviation from the limit. Right: its decay; observed orders are in the legend."
+    ]
     if any(curve.uncertainty is not None for curve in family.curves):
-        said.append("The bar at the finest value is its numerical uncertainty.")
-    return Chart(panels, label, 2, 2.2, table).captioned(*said, *family.notes)
+        sentences.append("The bar at the finest value is its numerical uncertainty.")
+    return Chart(panels, label, 2, 2.2, table).captioned(*sentences, *family.notes)
 
 
 def _deviation(curve: Curve) -> tuple[Array, Array | None]:
-    """From the limit in percent, with the bar of the finest value where there is one."""
+    """Deviation from the limit in percent, and bar of the finest value. None without a bar."""
     values = np.asarray(curve.values)
     limit = values[-1] if curve.limit is None else curve.limit
     scale = abs(limit) or 1.0
@@ -145,24 +149,24 @@ def _deviation(curve: Curve) -> tuple[Array, Array | None]:
     return 100.0 * (values - limit) / scale, bars
 
 
-def _decaying(one: Series) -> Series:
-    """The size of a deviation where there is one, for a logarithmic axis."""
-    apart = one.y != 0.0
-    sizes = np.abs(one.y[apart])
+def _decaying(series: Series) -> Series:
+    """Sizes of the deviations other than zero, for a logarithmic axis."""
+    nonzero = series.y != 0.0
+    sizes = np.abs(series.y[nonzero])
     bars = None
-    if one.bars is not None and one.bars[-1] > 0.0:
+    if series.bars is not None and series.bars[-1] > 0.0:
         # An uncertainty beyond the deviation itself would reach below any logarithmic axis.
-        up = one.bars[apart]
+        up = series.bars[nonzero]
         bars = np.array([np.minimum(up, 0.9 * sizes), up])
-    return replace(one, x=one.x[apart], y=sizes, bars=bars)
+    return replace(series, x=series.x[nonzero], y=sizes, bars=bars)
 
 
-def _slopes(x: Array, drawn: Sequence[Series], orders: Sequence[float]) -> list[Series]:
+def _slopes(x: Array, curves: Sequence[Series], orders: Sequence[float]) -> list[Series]:
     """Grey lines of the formal orders below the curves."""
-    starts = [one.y[0] for one in drawn if len(one.y) > 1]
+    starts = [series.y[0] for series in curves if len(series.y) > 1]
     if not starts:
         return []
-    # Refinement goes with rising x for element counts, with falling x for mesh sizes.
+    # Refinement means rising x for element counts, falling x for mesh sizes.
     sign = -1.0 if x[-1] > x[0] else 1.0
     return [
         Series(f"slope {order:g}", x, 0.5 * min(starts) * (x / x[0]) ** (sign * order), of="slope")

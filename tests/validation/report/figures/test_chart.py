@@ -37,7 +37,7 @@ def series(label, values, quantity="deflection (µm)", **more):
     return Series(label, X, np.array(values, dtype=float), quantity, **more)
 
 
-def test_differences_are_in_percent_of_the_same_quantity_and_stand_below():
+def test_differences_are_in_percent_below_their_curves():
     turned = [series("a", [4, 4, np.nan], "turn"), series("b", [5, 4, 4], "turn")]
     panel = compared(Panel([series("a", [1, 2, 0]), series("b", [1.1, 1, 3]), *turned]), "a")
     assert compared(panel, "c").below == []
@@ -52,7 +52,7 @@ def test_differences_are_in_percent_of_the_same_quantity_and_stand_below():
     assert (below.get_xlabel(), above.get_xlabel()) == ("x (m)", "")
 
 
-def test_the_table_has_the_abscissa_and_every_curve_that_has_numbers():
+def test_table_has_abscissa_and_all_finite_curves():
     chart = Chart(
         [
             Panel([series("a", [1, 2, 3]), series("b", [np.nan] * 3)], column_prefix="left end"),
@@ -66,7 +66,7 @@ def test_the_table_has_the_abscissa_and_every_curve_that_has_numbers():
     assert [[float(cell) for cell in row] for row in rows[1:]] == [[0, 1, 4], [1, 2, 5], [2, 3, 6]]
 
 
-def test_curves_of_one_label_have_one_entry_in_the_legend_and_get_thinner():
+def test_curves_with_one_label_share_a_legend_entry():
     first = Panel([*(series("a", [n, 2, 3]) for n in (1, 2)), series("b", [np.nan] * 3)], "first")
     others = [*(series(name, [1, 2, 3]) for name in "ac"), series("d", [1, 1, 1], best=2)]
     with plot_style():
@@ -82,7 +82,7 @@ def test_curves_of_one_label_have_one_entry_in_the_legend_and_get_thinner():
 
 
 @pytest.mark.parametrize("names", [list(LOOKS), ["a much longer entry " * 3] * 9])
-def test_a_legend_shows_all_of_its_entries_above_the_axes(names):
+def test_legend_shows_all_entries_above_axes(names):
     named = [f"{name} {number}" for number, name in enumerate(names)]
     with plot_style():
         picture = drawn_chart(Chart([Panel([series(name, X) for name in named])], "x (m)", 1))
@@ -95,7 +95,7 @@ def test_a_legend_shows_all_of_its_entries_above_the_axes(names):
     assert box.y1 <= picture.bbox.height
 
 
-def test_bars_stack_away_from_zero_and_lie_in_rows_from_above():
+def test_bars_stack_away_from_zero_in_rows():
     bars = [Bars("shear", np.array([1.0, -2.0])), Bars("unexplained", np.array([-3.0, -4.0]))]
     point = Series("difference E", X[:2], np.array([-2.0, -6.0]), bars=np.array([0.1, 0.2]))
     more = {"names": ["upper", "lower\nin two lines"], "band": (-1.0, 1.0)}
@@ -123,7 +123,7 @@ def test_bars_stack_away_from_zero_and_lie_in_rows_from_above():
     assert set(legend) == {"shear", "unexplained", "difference E", "tolerance", "0", "1"}
 
 
-def test_percent_has_ticks_at_the_limit_and_beyond_as_far_as_curves_go():
+def test_percent_axis_has_ticks_at_limit_and_beyond():
     with plot_style():
         axes, finer = Figure().subplots(1, 2)
         axes.plot([0.0, 1.0], [0.5, -50.0])
@@ -135,7 +135,7 @@ def test_percent_has_ticks_at_the_limit_and_beyond_as_far_as_curves_go():
     assert sorted(finer.get_yticks()) == [-5.0, 0.0, 5.0, 10.0, 30.0]
 
 
-def test_ticks_say_the_number_and_logarithmic_axes_have_plain_ones():
+def test_tick_labels_are_plain_numbers():
     told = {0.0: "0", 0.0125: "0.0125", -1000.0: "-1000", 1250.0: "1250", 150000.0: "1.5 × 10⁵"}
     told |= {1e-6: "10⁻⁶", 2e-6: "2 × 10⁻⁶", 500.0: "500"}
     assert {value: short_number(value) for value in told} == told
@@ -150,13 +150,13 @@ def test_ticks_say_the_number_and_logarithmic_axes_have_plain_ones():
     assert shown == ["1", "2", "5"]
 
 
-def test_every_line_has_a_marker_even_where_there_are_more_lines_than_points():
+def test_every_line_has_a_marker():
     assert [marker_positions(1, rank, 3)[0] for rank in range(3)] == [0, 0, 0]
     assert [marker_positions(2, rank, 4)[0] for rank in range(4)] == [0, 1, 0, 1]
     assert [marker_positions(41, rank, 2) for rank in range(2)] == [(0, 10), (5, 10)]
 
 
-def test_every_model_has_a_look_that_no_other_curve_has():
+def test_every_model_has_a_unique_line_style():
     """Told apart without colours, too: by marker and dashes, and points alone by their markers."""
     assert set(MODEL_KINDS) | set(JUDGED) <= set(LOOKS)
     looks = [*LOOKS.values(), *OTHERS]
@@ -165,7 +165,7 @@ def test_every_model_has_a_look_that_no_other_curve_has():
     assert len(set(as_points)) == len(as_points)
 
 
-def test_alternatives_of_a_reference_have_looks_of_their_own():
+def test_alternative_references_have_unique_styles():
     """As solids, and where legs are known by a 6×6 and a mass."""
     held = [(f"{one} as given",) for one in ("ends", "interfaces")]
     held += [("ends rigid", "ends free"), ("interfaces rigid", "interfaces averaged")]
@@ -207,7 +207,7 @@ def test_panels_and_legend_agree_on_every_model(declare):
         assert handle.get_linestyle().lower() == look.line
 
 
-def test_names_are_no_formulas():
+def test_names_are_not_drawn_as_formulas():
     with plot_style():
         picture = Figure()
         picture.suptitle("a $\\frac{1$")

@@ -25,7 +25,7 @@ from validation.kinematics.poses import postures_of
 from validation.models import parts
 from validation.models.mechanism import answers, mechanism_modes
 from validation.report.figures import curves, modes, pictures
-from validation.report.figures.bodies import compared_points, moved
+from validation.report.figures.bodies import compared_points, displaced_solids
 from validation.report.figures.mode_names import kinetic_energies, mode_names
 from validation.report.figures.modes import finite_elements, segments
 
@@ -59,14 +59,14 @@ def carried(twist, arms):
 def drawn_alike(fine, coarse, mode):
     """Whether the coarse one's shape, in the mixture that is drawn, is the fine one's."""
     _, own = compared_points(fine.system, fine.modes.shapes[:, mode])
-    _, other = compared_points(coarse.system, pictures._like(fine, coarse, mode))
+    _, other = compared_points(coarse.system, pictures._matching_shape(fine, coarse, mode))
     return np.linalg.norm(own - other) <= 0.02 * np.linalg.norm(own)
 
 
 @pytest.mark.parametrize(
     "name", ["ifw", "delta", pytest.param("hexapod", marks=pytest.mark.exhaustive)]
 )
-def test_what_is_drawn_at_the_tool_moves_as_the_tool_and_no_mass_is_lost(name):
+def test_drawn_tool_moves_with_tool_and_mass_is_kept(name):
     """The nearest point drawn of the tool's body, carried to the tool by its own turn."""
     found = modes_of(name)
     system = found.system
@@ -78,7 +78,7 @@ def test_what_is_drawn_at_the_tool_moves_as_the_tool_and_no_mass_is_lost(name):
     for shape in found.modes.shapes.T:
         twist = system.tool @ shape
         nearest = []
-        for one in moved(system, shape):
+        for one in displaced_solids(system, shape):
             arms = one.solid.surface.points - place
             errors = np.linalg.norm(one.displacements - carried(twist, arms), axis=1)
             near = np.linalg.norm(arms, axis=1) < 0.3
@@ -88,11 +88,11 @@ def test_what_is_drawn_at_the_tool_moves_as_the_tool_and_no_mass_is_lost(name):
         assert min(nearest) <= 1e-12 * np.abs(twist).max()
 
 
-def test_the_root_of_a_leg_is_drawn_where_its_interface_goes():
+def test_drawn_leg_root_follows_its_interface():
     """The rim turns with the interface; drawn enlarged, and coloured by what it moves."""
     found = modes_of("delta")
     system, shape = found.system, found.modes.shapes[:, 3]
-    legs = [one for one in moved(system, shape) if one.deforms]
+    legs = [one for one in displaced_solids(system, shape) if one.deforms]
     assert len(legs) == len(system.models)
     for leg in legs:
         points, frame = leg.solid.surface.points, system.posture.frames[leg.solid.name]
@@ -110,13 +110,13 @@ def test_the_root_of_a_leg_is_drawn_where_its_interface_goes():
         assert drawn.values == pytest.approx(1e2 * np.linalg.norm(leg.displacements, axis=1))
 
 
-def test_segments_are_drawn_in_the_sense_and_mixture_of_the_beams():
+def test_drawn_segments_match_sense_of_beam_modes():
     """Double modes of a Delta: whatever mixture each solver returns, both pictures agree."""
     for mode in range(6):
         assert drawn_alike(modes_of("delta"), modes_of("delta", "segments", 8), mode), mode
 
 
-def test_mode_shapes_have_scenes_that_move_and_loads_push_the_tool_by_the_compliance(five_bar):
+def test_scenes_move_by_modes_and_by_compliance(five_bar):
     shapes, deformed = pictures.mode_shapes(five_bar), pictures.deformed(five_bar)
     mechanism = five_bar.robot_file.mechanism
     (expected,) = answers("beam", postures_of(mechanism, mechanism.poses[4:5]), 4)
@@ -132,8 +132,8 @@ def test_mode_shapes_have_scenes_that_move_and_loads_push_the_tool_by_the_compli
         assert f"{far:.4g} µm in all under the force along {'xyz'[axis]}" in deformed.caption
 
 
-def test_energies_of_modes_are_whole(five_bar, monkeypatch):
-    monkeypatch.setattr(modes, "SIXTY", 12)
+def test_strain_energies_of_a_mode_sum_to_one(five_bar, monkeypatch):
+    monkeypatch.setattr(modes, "ENERGY_MODES", 12)
     rows = table(modes.energies(five_bar))
     assert len(rows) == 12
     shares = [name for name in rows[0] if name.endswith("(%)")]
@@ -142,7 +142,7 @@ def test_energies_of_modes_are_whole(five_bar, monkeypatch):
         assert sum(float(row[name]) for name in shares) == pytest.approx(100.0, abs=1e-9)
 
 
-def test_modes_are_paired_by_shape_in_the_middle_of_the_path(five_bar, monkeypatch):
+def test_modes_are_paired_by_shape_in_middle_pose(five_bar, monkeypatch):
     """Made up: two modes of the models exchanged, each a tenth too high."""
     shapes = np.linalg.qr(np.random.default_rng(2).normal(size=(3, 12, 4)))[0]
     frequencies = np.outer([1.0, 2.0, 3.0], [10.0, 20.0, 40.0, 80.0])
@@ -164,7 +164,7 @@ def test_modes_are_paired_by_shape_in_the_middle_of_the_path(five_bar, monkeypat
         assert [float(row[name]) for row in rows] == pytest.approx(expected), name
 
 
-def test_deflections_are_those_of_the_loads_and_differences_in_percent():
+def test_deflections_and_percent_differences_of_loads():
     """Of made-up compliances: µm under a force, µrad under a moment, and what they differ by."""
     rng = np.random.default_rng(4)
     names = ("simplified", "vjm", "beam", "solid, ends rigid")
@@ -189,12 +189,12 @@ def test_deflections_are_those_of_the_loads_and_differences_in_percent():
 
 
 @pytest.mark.exhaustive
-def test_a_part_is_drawn_as_its_solid_moves_and_condensed_ones_beside_it(tmp_path):
+def test_part_is_drawn_as_solid_and_condensed(tmp_path):
     """Of a bore that is held rigidly the surface goes with the interface's twist."""
     crane = Context(load_robot(write_crane(tmp_path)), "quick")
     found = finite_elements(crane, 4)
     system, shape = found.system, found.modes.shapes[:, 1]
-    (arm,) = (one for one in moved(system, shape) if one.deforms)
+    (arm,) = (one for one in displaced_solids(system, shape) if one.deforms)
     for name, radius in (("A", 0.016), ("B", 0.010)):
         place = interface_position(found.posture, Side("arm", name))
         twist = system.motions.at("arm", name, place) @ shape[: system.outer]
@@ -215,7 +215,7 @@ def test_a_part_is_drawn_as_its_solid_moves_and_condensed_ones_beside_it(tmp_pat
         assert float(row["A drive (%)"]) + float(row["arm (%)"]) == pytest.approx(100.0, abs=1e-9)
 
 
-def test_displacements_between_nodes_give_linear_fields_exactly():
+def test_interpolation_reproduces_linear_fields():
     rng = np.random.default_rng(5)
     nodes, points, gradient = rng.random((300, 3)), rng.random((40, 3)), rng.random((3, 3))
     found = parts.interpolated(nodes, (nodes @ gradient + 2.0).reshape(-1, 1))(points).toarray()
@@ -256,7 +256,7 @@ def closed_forms():
 
 
 @pytest.mark.parametrize("model", ["beam", "segments"])
-def test_modes_of_a_cantilever_are_what_the_closed_forms_say(model):
+def test_cantilever_mode_names_match_closed_forms(model):
     (found,) = mechanism_modes(model, [reference_posture(described(BLADE))], 6)
     names = mode_names(found.system, found.modes.shapes)
     said = [names.name(mode) for mode in range(6)]
@@ -266,7 +266,7 @@ def test_modes_of_a_cantilever_are_what_the_closed_forms_say(model):
         # Twenty segments and the slenderness of the blade leave less than 4 % in these modes.
         assert frequency == pytest.approx(expected, rel=0.04)
         assert said[mode] == name
-        assert names.said(mode).startswith(f"Mode {mode + 1}, {name}: ")
+        assert names.sentence(mode).startswith(f"Mode {mode + 1}, {name}: ")
     # A section that turns moves its mass along y and z as its second moments are.
     turning = names.kinetic[:, said.index("torsion")]
     share = ALONG_Z / (ALONG_Y + ALONG_Z)

@@ -54,7 +54,7 @@ def volume(surface):
         (Tube(diameter=0.2, thickness=0.02), (0.1 - 0.064 / 3.0) * np.sin(np.pi / 10.0)),
     ],
 )
-def test_a_prism_is_closed_and_faces_outwards(section, area):
+def test_prism_is_closed_and_faces_outwards(section, area):
     corners, bore = outlines(section)
     whole = prism(corners, np.array([0.0, 0.4, 2.0]), bore)
     turned = whole.placed(np.array([1.0, 2.0, 3.0]), np.array([[0, -1, 0], [1, 0, 0], [0, 0, 1.0]]))
@@ -62,7 +62,7 @@ def test_a_prism_is_closed_and_faces_outwards(section, area):
         assert volume(surface) == pytest.approx(times * area, rel=1e-11)
 
 
-def test_the_edges_of_a_rectangular_prism_are_its_twelve():
+def test_rectangular_prism_has_twelve_edges():
     whole = prism(outlines(Rectangle(width=0.2, height=0.4))[0], np.array([0.0, 1.0]))
     # So are those of a box whose faces are given.
     for surface in (whole, faceted(whole.points, whole.faces[:, None])):
@@ -73,7 +73,7 @@ def test_the_edges_of_a_rectangular_prism_are_its_twelve():
 
 
 @pytest.mark.parametrize("robot", ["delta", "ifw"])
-def test_every_body_and_joint_is_drawn_where_it_is(robot):
+def test_bodies_and_joints_are_drawn_in_position(robot):
     """Legs reach from interface to interface, slides lie where they have slid to."""
     mechanism = load_robot(robot).mechanism
     (at,) = postures_of(mechanism, mechanism.poses[1:2])
@@ -93,12 +93,12 @@ def test_every_body_and_joint_is_drawn_where_it_is(robot):
         np.testing.assert_allclose(drawn[joint.name].mean(axis=0), ends[1], atol=ROUNDING)
 
 
-def test_an_enlargement_is_a_round_number_and_not_too_large():
+def test_enlargement_is_round_and_bounded():
     factors = {1e-5: 1e4, 1.9e-5: 5e3, 2e-5: 5e3, 0.3: 0.2, 0.0: 1.0}
     assert {one: readable_factor(one, target=0.1) for one in factors} == pytest.approx(factors)
 
 
-def test_a_fitted_view_shows_every_point_and_fills_the_picture():
+def test_fitted_view_shows_all_points_and_fills_page():
     points = np.array([[x, y, z] for x in (0.0, 2.0) for y in (0.0, 1.0) for z in (-0.2, 0.2)])
     view = fitted_view(points, np.array([1.0, -2.0, 0.7]), np.array([0, 0, 1.0]), (800, 600))
     seen = view.pixels(points)
@@ -109,7 +109,7 @@ def test_a_fitted_view_shows_every_point_and_fills_the_picture():
     assert used.max() == pytest.approx(0.86, rel=1e-9)
 
 
-def test_what_a_browser_is_told_of_a_scene_is_what_is_drawn():
+def test_browser_scene_equals_drawn_scene():
     """Points to a pixel in ten thousand, colours of both limits, motions, and the view."""
     cuboid = prism(rectangle(1.0, 1.0), np.array([-1.5, 1.5]))
     away = np.tile([0.0, 0.0, 0.4], (8, 1))
@@ -144,7 +144,7 @@ def test_what_a_browser_is_told_of_a_scene_is_what_is_drawn():
 
 
 @pytest.mark.usefixtures("needs_opengl")
-def test_a_small_box_is_drawn_where_the_projection_says():
+def test_small_box_is_drawn_at_its_projection():
     """VTK's own camera against `pixels`: the centre of what is coloured."""
     corners = np.array([[0.0, 0.0, 0.0], [1.0, 1.0, 1.0]])
     view = fitted_view(corners, np.array([0.5, -1.0, 0.4]), np.array([0, 0, 1.0]), (200, 160))
@@ -158,7 +158,7 @@ def test_a_small_box_is_drawn_where_the_projection_says():
 
 
 @pytest.mark.usefixtures("needs_opengl")
-def test_names_stand_beside_their_points_and_small_things_keep_their_colours():
+def test_names_are_beside_points_and_colours_remain():
     cuboid = prism(rectangle(1.0, 0.1), np.array([-1.0, 1.0]))
     wire = Wire(np.array([[-1.0, 0.0, 0.2], [1.0, 0.0, 0.2]]), np.array([[0, 1]]), "#D55E00", 2.5)
     names = [Label(name, np.zeros(3), "#0000ff") for name in ("one", "two")]
