@@ -92,7 +92,10 @@ def agreement_text(outcome: Outcome) -> str:
     case, measurement = outcome.case, outcome.measurement
     assert measurement is not None  # noqa: S101  judged, so measured
     scale, unit = abs(measurement.reference), f" {case.unit}"
-    causes = [f"{one.cause} {percent(one.amount / scale)}" for one in measurement.allowances]
+    causes = [
+        f"{allowance.cause} {percent(allowance.amount / scale)}"
+        for allowance in measurement.allowances
+    ]
     half_width = percent((measurement.numerical_uncertainty or 0.0) / scale, signed=False)
     return _block(
         f"{case.body or 'robot'}, {_quantity(case)} by {case.model} and by the solid: "
@@ -120,11 +123,11 @@ def convergence_check(
     """
     series, column = study.of(model), study.column(quantity)
     if limits.elements not in series.counts:
-        known = ", ".join(map(str, series.counts))
-        raise Skip(f"agree.elements = {limits.elements}: was not computed; must be one of {known}")
+        listed = ", ".join(map(str, series.counts))
+        raise Skip(f"agree.elements = {limits.elements}: was not computed; must be one of {listed}")
     fine = series.counts.index(limits.elements)
-    place = fine + int(np.argmax(np.abs(series.errors[fine:, column])))
-    error, half_width = series.errors[place, column], series.limit_half_widths[column]
+    row = fine + int(np.argmax(np.abs(series.errors[fine:, column])))
+    error, half_width = series.errors[row, column], series.limit_half_widths[column]
     verdict: Verdict = "undecided"
     if abs(error) + half_width <= limits.convergence:
         verdict = "agree"
@@ -134,7 +137,7 @@ def convergence_check(
     text = _block(
         f"{study.subject or 'robot'}, {quantity} by {model} with {limits.elements} elements or "
         f"more: {verdict}",
-        value=f"{series.values[place, column]:.6g} {unit} with {series.counts[place]} elements",
+        value=f"{series.values[row, column]:.6g} {unit} with {series.counts[row]} elements",
         reference=f"{series.limits[column]:.6g} {unit}, {study.reference}",
         difference=f"{percent(error)}, allowed {percent(limits.convergence, signed=False)}",
         explained="nothing: the same legs",

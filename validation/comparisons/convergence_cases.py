@@ -40,8 +40,8 @@ _FINE = 5
 def subjects(mechanism: Mechanism) -> tuple[str, ...]:
     """Distinct legs by name, then "" for the whole robot; nothing for a robot without legs."""
     names = leg_names(mechanism)
-    alike = distinct_legs(mechanism)
-    distinct = [name for name in names if name in alike or name in mechanism.parts]
+    representatives = distinct_legs(mechanism)
+    distinct = [name for name in names if name in representatives or name in mechanism.parts]
     return (*distinct, "") if names else ()
 
 
@@ -103,11 +103,11 @@ cases = CaseGroup(
 def _order(context: Context, body: str, model: RefinedModel) -> Measurement:
     series = study_of(context, body).of(model)
     frequencies = [k for k, name in enumerate(QUANTITIES) if name not in "xyz"]
-    shown = [k for k in frequencies if not np.isnan(series.orders[k])]
-    if not shown:
+    ordered = [k for k in frequencies if not np.isnan(series.orders[k])]
+    if not ordered:
         behaviours = ", ".join(f"{QUANTITIES[k]} {series.behaviour(k)}" for k in frequencies)
         raise Skip(f"no frequency shows an order: {behaviours}")
-    first, *others = shown
+    first, *other_columns = ordered
     return Measurement(
         float(series.orders[first]),
         series.formal_order,
@@ -120,16 +120,16 @@ def _order(context: Context, body: str, model: RefinedModel) -> Measurement:
                 series.formal_order,
                 _order_uncertainty(series, k),
             )
-            for k in others
+            for k in other_columns
         ),
     )
 
 
 def _order_uncertainty(series: ConvergenceSeries, column: int) -> float:
     """Change of the order between the two finest steps that show one."""
-    shown = series.pairwise_orders(column)
-    shown = shown[~np.isnan(shown)]
-    return float(abs(shown[-1] - shown[-2])) if len(shown) > 1 else float("inf")
+    orders = series.pairwise_orders(column)
+    orders = orders[~np.isnan(orders)]
+    return float(abs(orders[-1] - orders[-2])) if len(orders) > 1 else float("inf")
 
 
 @cases.case(
@@ -179,8 +179,8 @@ def _stated_error(
 def _half_width(context: Context, body: str, model: RefinedModel) -> Measurement:
     series = study_of(context, body).of(model)
     # The first count has no half-width.
-    fine = [place for place, count in enumerate(series.counts) if place and count >= _FINE]
-    shares = np.abs(series.errors[fine]) / series.half_widths[fine]
+    asymptotic_rows = [row for row, count in enumerate(series.counts) if row and count >= _FINE]
+    shares = np.abs(series.errors[asymptotic_rows]) / series.half_widths[asymptotic_rows]
     worst = int(np.argmax(shares.max(axis=0)))
     return Measurement(
         float(shares.max()), 1.0, exact=True, notes=(f"largest of {QUANTITIES[worst]}",)

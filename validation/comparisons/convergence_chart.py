@@ -13,7 +13,8 @@ from validation.drawing.text import number
 
 # Errors below are round-off and are not drawn (%).
 _LOWEST = 1e-7
-# Curves whose last errors differ by a smaller factor have their remarks above each other (pt).
+# Remarks of curves whose last errors differ by less than the factor _NEAR are stacked, _LINE (pt)
+# apart.
 _NEAR, _LINE = 3.0, 9.0
 _LABELLED = (1, 2, 5, 20, 80)
 
@@ -52,11 +53,15 @@ def convergence_chart(
     agreement: AgreementLimits = DEFAULT_LIMITS,
     columns: int = 2,
 ) -> Chart:
-    """One panel each, with lines at the stated error and element count; errors in percent."""
-    counts = np.unique(np.concatenate([curve.counts for one in panels for curve in one.curves]))
+    """Chart with one panel for each quantity of a subject, errors in percent.
+
+    Lines mark the error limit and the element count of `agreement`.
+    """
+    counts = np.unique(np.concatenate([curve.counts for panel in panels for curve in panel.curves]))
     columns = min(columns, len(panels))
     drawn = [
-        _panel(one, counts, agreement, leftmost=k % columns == 0) for k, one in enumerate(panels)
+        _panel(panel, counts, agreement, leftmost=k % columns == 0)
+        for k, panel in enumerate(panels)
     ]
     table: dict[str, Column] = {x_label: counts.tolist()}
     for panel in panels:
@@ -66,7 +71,7 @@ def convergence_chart(
 
 
 def _column(curve: ErrorCurve, counts: Array) -> Column:
-    """Errors in percent at all `counts`; None where the curve has none."""
+    """Errors in percent at all `counts`. None at a count without a value of the curve."""
     errors = dict(zip(curve.counts.tolist(), (100.0 * curve.errors).tolist(), strict=True))
     return [errors.get(count) for count in counts.tolist()]
 
@@ -79,7 +84,7 @@ def _panel(
     stated: list[tuple[float, float, str]] = []
     error, count = 100.0 * agreement.convergence, float(agreement.elements)
     lowest = error
-    for curve in (one for one in panel.curves if one.drawn):
+    for curve in (curve for curve in panel.curves if curve.drawn):
         sizes = 100.0 * np.abs(curve.errors)
         sizes[sizes < _LOWEST] = np.nan
         series.append(Series(curve.label, curve.counts, sizes, of=curve.look))
@@ -92,7 +97,7 @@ def _panel(
             text = f"{number(size, 2)}\N{NO-BREAK SPACE}%"
             stated.append((size, count, text))
     ends = np.array([counts[0], counts[-1]])
-    highest = np.nanmax([np.nanmax(one.y, initial=error) for one in series])
+    highest = np.nanmax([np.nanmax(line.y, initial=error) for line in series])
     lines = [Series(f"{error:g} %", ends, np.full(2, error), of="stated error")]
     if counts[0] <= count <= counts[-1]:
         upright = np.full(2, count), np.array([lowest, highest])
@@ -108,7 +113,7 @@ def _panel(
 
 
 def _notes(texts: Sequence[tuple[float, float, str]], away: float, below: float) -> list[Note]:
-    """Texts at points (error, count); those of near ones stand above each other."""
+    """Texts at points (error, count). Texts of points close to each other are stacked."""
     notes: list[Note] = []
     height, last = below, 0.0
     for size, count, text in sorted(texts):
@@ -119,6 +124,6 @@ def _notes(texts: Sequence[tuple[float, float, str]], away: float, below: float)
 
 
 def _ticks(counts: Array) -> Array:
-    """Counts that are labelled: a few with room between them if they were computed, else all."""
+    """Labelled counts: those of `_LABELLED` that were computed. All if fewer than two were."""
     labelled = counts[np.isin(counts, _LABELLED)]
     return labelled if len(labelled) > 1 else counts

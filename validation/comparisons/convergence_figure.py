@@ -15,7 +15,7 @@ from validation.drawing.chart import Chart
 from validation.drawing.figures import FigureGroup
 from validation.exhibits import CONVERGENCE
 
-# Legs drawn beside the robot; all of them are judged, and in the data of the figure.
+# Legs drawn beside the robot. All legs are judged and are in the data of the figure.
 _MOST_LEGS = 2
 _ROWS = ("f1", "f4", "z")
 
@@ -34,9 +34,9 @@ def element_convergence(context: Context) -> Chart:
     panels: list[ErrorPanel] = [study.panel(name) for name in drawn for study in studies]
     limits = context.robot_file.agreement
     chart = convergence_chart(panels, X_LABELS["elements"], limits, columns=len(studies))
-    shown = chart.captioned(*_caption(studies, len(bodies) - 1 - len(legs)))
-    records = [one for body in bodies for one in study_of(context, body).study_records()]
-    return replace(shown, studies=records)
+    captioned = chart.captioned(*_caption(studies, len(bodies) - 1 - len(legs)))
+    records = [record for body in bodies for record in study_of(context, body).study_records()]
+    return replace(captioned, studies=records)
 
 
 def _has_errors(study: ConvergenceStudy, quantity: str) -> bool:
@@ -45,7 +45,7 @@ def _has_errors(study: ConvergenceStudy, quantity: str) -> bool:
     return not all(series.exact[column] for series in study.series)
 
 
-def _caption(studies: Sequence[ConvergenceStudy], left_out: int) -> list[str]:
+def _caption(studies: Sequence[ConvergenceStudy], undrawn_legs: int) -> list[str]:
     elements = studies[0].agreement.elements
     subjects: dict[str, list[str]] = {}
     for study in studies:
@@ -58,7 +58,9 @@ def _caption(studies: Sequence[ConvergenceStudy], left_out: int) -> list[str]:
         "deflections that are exact for every count are not drawn.",
     ]
     if any(
-        one.discretisation.theory == "euler-bernoulli" for study in studies for one in study.series
+        series.discretisation.theory == "euler-bernoulli"
+        for study in studies
+        for series in study.series
     ):
         sentences.append(
             "Euler–Bernoulli elements are drawn if their errors differ visibly from those by "
@@ -69,14 +71,17 @@ def _caption(studies: Sequence[ConvergenceStudy], left_out: int) -> list[str]:
         "0.1 % and 0.01 %:"
     )
     for study in studies:
-        by_label = {one.discretisation.label: study.short_summary(one, 0) for one in study.series}
-        known = [
-            f"{one.discretisation.label} {by_label[one.discretisation.label]}"
-            for one in study.series
-            if one.discretisation.theory == "timoshenko"
-            or by_label[one.discretisation.label] != by_label.get(one.discretisation.formulation)
+        by_label = {
+            series.discretisation.label: study.short_summary(series, 0) for series in study.series
+        }
+        summaries = [
+            f"{series.discretisation.label} {by_label[series.discretisation.label]}"
+            for series in study.series
+            if series.discretisation.theory == "timoshenko"
+            or by_label[series.discretisation.label]
+            != by_label.get(series.discretisation.formulation)
         ]
-        sentences.append(f"{study.subject or 'robot'}: {'; '.join(known)}.")
-    if left_out:
-        sentences.append(f"{left_out} more legs are judged and not drawn.")
+        sentences.append(f"{study.subject or 'robot'}: {'; '.join(summaries)}.")
+    if undrawn_legs:
+        sentences.append(f"{undrawn_legs} more legs are judged and not drawn.")
     return sentences

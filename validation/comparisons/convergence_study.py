@@ -35,9 +35,9 @@ if TYPE_CHECKING:
 
 REFINED = {"elements": "element count", "divisions": "mesh"}
 X_LABELS = {"elements": "elements per leg", "divisions": "divisions across the section"}
-# Ratio of errors that can be told apart in a figure over eight decades.
+# Smallest ratio of errors that is visible in a figure over eight decades.
 _VISIBLE = 1.5
-# Relative errors that make no difference in it.
+# Relative errors too small to be visible in the figure.
 _NEARLY_EXACT = 1e-7
 
 
@@ -45,11 +45,11 @@ _NEARLY_EXACT = 1e-7
 class ConvergenceStudy:
     """Convergence of a leg or of a robot with element count, or with the mesh of solids.
 
-    `subject`: the body's name, empty for the whole robot, which stands in `pose`: its coordinates
-    (m, rad) by name.
+    `subject` is the body's name, or empty for the whole robot. The robot is in `pose`: its
+    coordinates (m, rad) by name.
     `quantities` (q) are f1, f2, … (Hz) and x, y, z: the deflection of the tip or tool under a unit
-    force along that axis (m/N). `reference` names the source of the limits. `agreement`: the
-    element count whose error is stated, and the limit on it.
+    force along that axis (m/N). `reference` names the source of the limits. `agreement` contains
+    the element count whose error is stated, and the limit on this error.
 
     Examples
     --------
@@ -119,8 +119,8 @@ class ConvergenceStudy:
     def column(self, quantity: str) -> int:
         """Column of a quantity; raises InputError for one that the study does not have."""
         if quantity not in self.quantities:
-            known = ", ".join(self.quantities)
-            raise InputError(f'quantity "{quantity}": must be one of {known}')
+            names = ", ".join(self.quantities)
+            raise InputError(f'quantity "{quantity}": must be one of {names}')
         return self.quantities.index(quantity)
 
     def assert_converged(
@@ -148,7 +148,7 @@ class ConvergenceStudy:
             Largest relative error. That of `agreement` if None (0.01 if the robot file does not
             change it).
         model, layout, theory
-            The formulation, as of `of`.
+            The formulation, as in `of`.
 
         Raises
         ------
@@ -184,10 +184,12 @@ class ConvergenceStudy:
     ) -> None:
         column = self.column(quantity)
         if count not in series.counts:
-            known = ", ".join(map(str, series.counts))
-            raise InputError(f"{self.refined} = {count}: was not computed; must be one of {known}")
-        place = series.counts.index(count)
-        bound = series.largest_errors[place, column] + series.limit_half_widths[column]
+            computed_counts = ", ".join(map(str, series.counts))
+            raise InputError(
+                f"{self.refined} = {count}: was not computed; must be one of {computed_counts}"
+            )
+        row = series.counts.index(count)
+        bound = series.largest_errors[row, column] + series.limit_half_widths[column]
         if not bound <= within:
             raise AssertionError(
                 f"{series.discretisation.label}, {self.title}, {quantity}: the error with {count} "
@@ -269,15 +271,15 @@ class ConvergenceStudy:
                 f"{series.discretisation.label}: {quantity}",
                 series_rows(series, column, self.refined, self.units[column]),
             ]
-            others = [k for k in range(len(self.quantities)) if k != column]
+            other_columns = [k for k in range(len(self.quantities)) if k != column]
             lines += [
                 f"  {self.quantities[k]}: {series.behaviour(k)}; {summary(series, k, self._stated)}"
-                for k in (column, *others)
+                for k in (column, *other_columns)
             ]
         return "\n".join(lines).replace("\N{NO-BREAK SPACE}", " ")
 
     def record(self) -> dict[str, Any]:
-        """The study as plain data; JSON has null for an order that there is none of."""
+        """The study as plain data. An order that does not exist is None, null in JSON."""
         return {
             "schema": 1,
             "kind": "convergence",
@@ -307,34 +309,41 @@ class ConvergenceStudy:
                 "unit": self.units[k],
                 "x": counts,
                 "series": {
-                    one.discretisation.label: [
-                        float(one.values[one.counts.index(count), k])
-                        if count in one.counts
+                    series.discretisation.label: [
+                        float(series.values[series.counts.index(count), k])
+                        if count in series.counts
                         else None
                         for count in counts
                     ]
-                    for one in self.series
+                    for series in self.series
                 },
-                "formal_order": {one.discretisation.label: one.formal_order for one in self.series},
+                "formal_order": {
+                    series.discretisation.label: series.formal_order for series in self.series
+                },
                 "order": {
-                    one.discretisation.label: float(one.orders[k])
-                    for one in self.series
-                    if not np.isnan(one.orders[k])
+                    series.discretisation.label: float(series.orders[k])
+                    for series in self.series
+                    if not np.isnan(series.orders[k])
                 },
                 "uncertainty": {
-                    one.discretisation.label: float(one.half_widths[-1, k] * abs(one.values[-1, k]))
-                    for one in self.series
+                    series.discretisation.label: float(
+                        series.half_widths[-1, k] * abs(series.values[-1, k])
+                    )
+                    for series in self.series
                 },
-                "limit": {one.discretisation.label: float(one.limits[k]) for one in self.series},
+                "limit": {
+                    series.discretisation.label: float(series.limits[k]) for series in self.series
+                },
                 "theory": {
-                    one.discretisation.label: one.discretisation.theory for one in self.series
+                    series.discretisation.label: series.discretisation.theory
+                    for series in self.series
                 },
                 "needed": {
-                    one.discretisation.label: {
+                    series.discretisation.label: {
                         f"{target:g}": int(row[k]) or None
-                        for target, row in zip(TARGETS, one.needed, strict=True)
+                        for target, row in zip(TARGETS, series.needed, strict=True)
                     }
-                    for one in self.series
+                    for series in self.series
                 },
                 "stated": self.agreement.elements,
                 "notes": [self.reference],
@@ -417,9 +426,9 @@ class ConvergenceStudy:
         'model,layout,theory,body,elemen'
         """
         rows = [
-            (series, place, count)
+            (series, row, count)
             for series in self.series
-            for place, count in enumerate(series.counts)
+            for row, count in enumerate(series.counts)
         ]
         columns: dict[str, list[float | str | None]] = {
             "model": [series.discretisation.model for series, _, _ in rows],
@@ -471,23 +480,24 @@ class ConvergenceStudy:
         return chart_svg(chart).encode() if kind == ".svg" else chart_png(chart, dots)
 
     def chart(self, quantities: Sequence[str]) -> Chart:
-        """The figure declared; raises InputError for a quantity that the study does not have."""
-        panels = [self.panel(one) for one in quantities]
+        """Chart of `quantities`. Raises InputError for a quantity that the study does not have."""
+        panels = [self.panel(quantity) for quantity in quantities]
         return convergence_chart(panels, X_LABELS[self.refined], self.agreement)
 
     def panel(self, quantity: str) -> ErrorPanel:
-        """The errors of one quantity as they are drawn.
+        """Error curves of one quantity.
 
-        Beside Timoshenko's theory the other one is drawn only if its errors are visibly different.
+        Curves by Euler–Bernoulli theory are drawn only if they differ visibly from those by
+        Timoshenko's theory.
         """
         column = self.column(quantity)
         limit = self.series[0].limits[column]
-        shown = (
+        limit_text = (
             f"{limit:.4g} Hz" if self.units[column] == "Hz" else f"{number(1e9 * limit, 3)} µm/kN"
         )
         return ErrorPanel(
             f"{self.subject or 'robot'}: {quantity}",
-            f"{self.subject or 'robot'}: {quantity}, limit {shown}",
+            f"{self.subject or 'robot'}: {quantity}, limit {limit_text}",
             tuple(
                 ErrorCurve(
                     series.discretisation.label,
@@ -505,14 +515,17 @@ class ConvergenceStudy:
 
     def _visible(self, series: ConvergenceSeries, column: int) -> bool:
         """True unless the same formulation by Timoshenko's theory has nearly equal errors."""
-        twin = replace(series.discretisation, theory="timoshenko")
-        for other in self.series:
+        timoshenko = replace(series.discretisation, theory="timoshenko")
+        for other_series in self.series:
             if (
-                other is not series
-                and other.discretisation == twin
-                and other.counts == series.counts
+                other_series is not series
+                and other_series.discretisation == timoshenko
+                and other_series.counts == series.counts
             ):
-                pairs = np.abs([series.errors[:, column], other.errors[:, column]]) + _NEARLY_EXACT
+                pairs = (
+                    np.abs([series.errors[:, column], other_series.errors[:, column]])
+                    + _NEARLY_EXACT
+                )
                 fine = np.array(series.counts) >= min(COARSE_COUNT, series.counts[-1])
                 ratios = np.log(pairs[0] / pairs[1])[fine]
                 return bool(np.max(np.abs(ratios)) > np.log(_VISIBLE))

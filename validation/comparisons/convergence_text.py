@@ -85,7 +85,7 @@ def _stated_error(series: ConvergenceSeries, column: int, stated: int | None) ->
 def series_record(
     series: ConvergenceSeries, quantities: Sequence[str], refined: str
 ) -> dict[str, Any]:
-    """The series as plain data by quantity; null for what it does not have."""
+    """The series as plain data by quantity. A missing order or half-width is None."""
     by_quantity = dict(enumerate(quantities))
     return {
         "model": series.discretisation.model,
@@ -95,7 +95,7 @@ def series_record(
         refined: list(series.counts),
         "values": {q: series.values[:, k].tolist() for k, q in by_quantity.items()},
         "errors": {q: series.errors[:, k].tolist() for k, q in by_quantity.items()},
-        # Nothing can be stated of the first count.
+        # The first count has no half-width, because it has no coarser count.
         "half_widths": {
             q: [None, *series.half_widths[1:, k].tolist()] for k, q in by_quantity.items()
         },
@@ -120,7 +120,7 @@ def size_text(error: float) -> str:
 
 
 def _percent(error: float) -> str:
-    """A relative error in percent; below the round-off it is only bounded."""
+    """A relative error in percent. An error below the round-off is given by its bound."""
     if abs(error) < ROUND_OFF["timoshenko"]:
         return f"below {number(100.0 * ROUND_OFF['timoshenko'])}\N{NO-BREAK SPACE}%"
     return percent(error)

@@ -98,7 +98,7 @@ FORMULATIONS = (
     Discretisation("segments", "literal"),
     Discretisation("beam"),
 )
-# The same without shear and rotary inertia.
+# The formulations without shear and rotary inertia.
 EULER_BERNOULLI = tuple(
     replace(discretisation, theory="euler-bernoulli") for discretisation in FORMULATIONS
 )

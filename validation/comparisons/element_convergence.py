@@ -127,14 +127,16 @@ def _study(
 
 
 def _checked_counts(discretisation: Discretisation, counts: Sequence[int]) -> tuple[int, ...]:
-    """Counts that the formulation allows, ascending; raises InputError if none is left."""
-    kept = tuple(sorted({count for count in counts if count >= discretisation.fewest_elements}))
-    if not kept:
+    """Counts that the formulation allows, ascending. Raises InputError if it allows none."""
+    allowed_counts = tuple(
+        sorted({count for count in counts if count >= discretisation.fewest_elements})
+    )
+    if not allowed_counts:
         raise InputError(
             f"elements: {discretisation.label} needs a count of "
             f"{discretisation.fewest_elements} or more"
         )
-    return kept
+    return allowed_counts
 
 
 def _series(
@@ -144,14 +146,14 @@ def _series(
     limit_half_widths: Array,
     counts: tuple[int, ...],
 ) -> ConvergenceSeries:
-    known = {count: evaluate(discretisation.with_count(count)) for count in counts}
+    values_by_count = {count: evaluate(discretisation.with_count(count)) for count in counts}
 
     def errors(count: int) -> Array:
-        if count not in known:
-            known[count] = evaluate(discretisation.with_count(count))
-        return np.abs(relative_errors(known[count], limits))
+        if count not in values_by_count:
+            values_by_count[count] = evaluate(discretisation.with_count(count))
+        return np.abs(relative_errors(values_by_count[count], limits))
 
-    values = np.array([known[count] for count in counts])
+    values = np.array([values_by_count[count] for count in counts])
     columns = range(len(limits))
     needed = [[_smallest_count(counts, errors, k, target) for k in columns] for target in TARGETS]
     return ConvergenceSeries(
@@ -200,10 +202,10 @@ def leg_values(leg: ConstantLeg | SteppedLeg, discretisation: Discretisation) ->
 
 
 def _cantilever(leg: ConstantLeg, theory: Theory) -> tuple[Array, Array]:
-    """Exact values of the cantilever, and their half-widths: zero."""
+    """Exact values of the cantilever, and their half-widths, which are zero."""
     properties = leg.properties(theory)
-    exact = cantilever_frequencies(properties, leg.length, MODES)
-    frequencies = np.array([one.frequency for one in exact])
+    exact_modes = cantilever_frequencies(properties, leg.length, MODES)
+    frequencies = np.array([mode.frequency for mode in exact_modes])
     values = _values(frequencies, tip_compliance(properties, leg.length))
     return values, np.zeros(len(values))
 

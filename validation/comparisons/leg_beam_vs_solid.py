@@ -1,11 +1,11 @@
 """Leg by leg: VJM, links, rigid segments and beam elements against the solid of the same leg.
 
-The leg is of constant section, its root clamped, its tip loaded or free. The solid has end faces as
-[agree] of the robot file says, else the leg's own `ends`; kept plane if neither does. Named
-differences are allowed for, each computed without the model that is judged: what held end faces
-take (fields that decay from the faces of a prism), section constants by formula in place of finite
-elements on the section, as far as a correct formula may be off
-(`validation.comparisons.section_formulas`), and distortion of the section in vibration (waves of
+The leg is of constant section, its root clamped, its tip loaded or free. The end condition of the
+solid is that of [agree] in the robot file, else `ends` of the leg, else rigid (faces kept plane).
+Allowances are made for three named differences, each computed without the judged model: the end
+restraint by held end faces (fields that decay from the faces of a prism); section constants by
+formula in place of finite elements on the section, within the error of a correct formula
+(`validation.comparisons.section_formulas`); and distortion of the section in vibration (waves of
 3-D elasticity in a prism).
 """
 
@@ -58,8 +58,9 @@ HELD_SOURCE = (
     "solids with free and held ends, at most twice what fields that decay from held faces make "
     "(fem.couplings.end_effects)"
 )
-# Entries of the tip compliance that modes of a kind strain most, and the power of 2n − 1 with which
-# the share of the strain energy at the ends grows at most with the order n: waves become shorter.
+# Entry of the tip compliance that the modes of a kind strain most. _GROWTH: power of 2n − 1 with
+# which the share of strain energy at the ends grows at most with the order n, because waves become
+# shorter.
 _STRAINED = {"tension": (0, 0), "torsion": (3, 3), "bending y": (2, 2), "bending z": (1, 1)}
 _GROWTH = {"tension": 1, "torsion": 1, "bending y": 2, "bending z": 2}
 DISTORTION = "distortion of the section"
@@ -74,7 +75,7 @@ MOTIONS = {
     "φy": (4, "rad/(N m)"),
     "φz": (5, "rad/(N m)"),
 }
-# Static formulations take the equivalent leg of a 6×6, as the solid does.
+# Static formulations use the equivalent leg of a 6×6, as the solid does.
 _OPTIONS = ModelOptions(legs="equivalent")
 STATIC_MODELS: tuple[ModelName, ...] = ("vjm", "links", "segments", "beam")
 DYNAMIC_MODELS: tuple[ModelName, ...] = ("segments", "beam")
@@ -100,7 +101,9 @@ cases = CaseGroup(
     "{body}: {motion} by {model} is that of the solid of the same leg",
     over={
         "model": STATIC_MODELS,
-        "motion, entry, unit": [(name, *of) for name, of in MOTIONS.items()],
+        "motion, entry, unit": [
+            (name, *entry_and_unit) for name, entry_and_unit in MOTIONS.items()
+        ],
     },
     quantity="tip motion {motion} under its unit load, root clamped",
     label="{motion}",
@@ -122,28 +125,31 @@ def _motion(
             "which 0.6 times thickness over width of the torsion constant depends"
         )
     solid, sections = _solid_statics(context, body, ends)
-    own = context.get(own_compliances, leg, sections)
-    taken = context.get(restrained, leg, sections) if ends == "rigid" else 0.0 * own
-    left = Refinement(solid.divisions, own + taken - solid.values, formal_order(leg, ends))
-    at = entry, entry
-    theory = tip_compliance(leg.timoshenko, leg.length)[at]
-    # Constants are no finer with longer slices: two section meshes show what they leave open.
+    computed = context.get(own_compliances, leg, sections)
+    restraint = context.get(restrained, leg, sections) if ends == "rigid" else 0.0 * computed
+    residuals = Refinement(
+        solid.divisions, computed + restraint - solid.values, formal_order(leg, ends)
+    )
+    diagonal = entry, entry
+    theory = tip_compliance(leg.timoshenko, leg.length)[diagonal]
+    # The number of slices does not affect section constants: their uncertainty needs two meshes of
+    # the section.
     meshes = sections if sections[0] != sections[-1] else (sections[-1], SECTION_DIVISIONS)
     by_section = context.get(own_compliances, leg, meshes)
-    of_section = Refinement(meshes, by_section, formal_order(leg, "free"))
-    stiff, soft = (one[at] for one in context.get(compliance_band, leg, sections[-1]))
+    section_refinement = Refinement(meshes, by_section, formal_order(leg, "free"))
+    stiff, soft = (bound[diagonal] for bound in context.get(compliance_band, leg, sections[-1]))
     formula = limited(
-        float(theory - own[-1][at]),
-        (float(stiff - own[-1][at]), float(soft - own[-1][at])),
-        of_section.uncertainty(*at),
+        float(theory - computed[-1][diagonal]),
+        (float(stiff - computed[-1][diagonal]), float(soft - computed[-1][diagonal])),
+        section_refinement.uncertainty(*diagonal),
     )
     return Measurement(
-        float(leg_compliance(model, leg, _options(limits))[at]),
-        float(solid.values[-1][at]),
-        reference_uncertainty=solid.uncertainty(*at),
-        judged_uncertainty=left.uncertainty(*at),
+        float(leg_compliance(model, leg, _options(limits))[diagonal]),
+        float(solid.values[-1][diagonal]),
+        reference_uncertainty=solid.uncertainty(*diagonal),
+        judged_uncertainty=residuals.uncertainty(*diagonal),
         allowances=(
-            Allowance(HELD_FACES, -float(taken[-1][at]), "fem.couplings.end_effects"),
+            Allowance(HELD_FACES, -float(restraint[-1][diagonal]), "fem.couplings.end_effects"),
             Allowance(FORMULA, formula, FORMULA_SOURCE),
         ),
     )
@@ -166,38 +172,38 @@ def _frequency(
     context: Context, body: str, model: ModelName, index: int, limits: AgreementLimits
 ) -> Measurement:
     leg = constant_leg_of(context, body)
-    judged = modes_of_beams(context, leg)
+    offered = modes_of_beams(context, leg)
     modes = exact_modes(leg)
     if reason := context.get(not_a_beam, leg, modes[index]):
         raise Skip(f"{modes[index].kind}, number {modes[index].order}: {reason}")
-    held = frequencies(context, body, limits.ends_of(leg.ends), judged)
-    free = frequencies(context, body, "free", judged)
-    divisions = free.frequencies.divisions
-    kinds = tuple((one.kind, one.order) for one in modes)
-    beam = context.get(own_frequencies, leg, divisions, kinds)[:, index]
-    change = beam * context.get(distortion, leg, divisions, modes[index])
-    solid = free.frequencies.values[:, index]
-    left = Refinement(divisions, beam + change - solid)
-    reference = float(held.frequencies.values[-1, index])
+    specified_ends = frequencies(context, body, limits.ends_of(leg.ends), offered)
+    free_ends = frequencies(context, body, "free", offered)
+    divisions = free_ends.frequencies.divisions
+    kinds = tuple((mode.kind, mode.order) for mode in modes)
+    beam_frequencies = context.get(own_frequencies, leg, divisions, kinds)[:, index]
+    change = beam_frequencies * context.get(distortion, leg, divisions, modes[index])
+    free_frequencies = free_ends.frequencies.values[:, index]
+    residuals = Refinement(divisions, beam_frequencies + change - free_frequencies)
+    reference = float(specified_ends.frequencies.values[-1, index])
     value = float(leg_frequencies(model, leg, index + 1, _options(limits))[index])
     band = context.get(frequency_band, leg, divisions[-1], kinds)[:, index]
     formula = limited(
-        modes[index].frequency - float(beam[-1]),
-        (float(band[0] - beam[-1]), float(band[1] - beam[-1])),
-        Refinement(divisions, beam).uncertainty(),
+        modes[index].frequency - float(beam_frequencies[-1]),
+        (float(band[0] - beam_frequencies[-1]), float(band[1] - beam_frequencies[-1])),
+        Refinement(divisions, beam_frequencies).uncertainty(),
     )
-    raised = context.get(held_share, leg, divisions[-1], modes[index].kind)
-    raised *= (2 * modes[index].order - 1) ** _GROWTH[modes[index].kind]
+    stiffening = context.get(held_share, leg, divisions[-1], modes[index].kind)
+    stiffening *= (2 * modes[index].order - 1) ** _GROWTH[modes[index].kind]
     faces = limited(
-        float(solid[-1]) - reference,
-        (-raised * reference, 0.0),
-        held.frequencies.uncertainty(index) + free.frequencies.uncertainty(index),
+        float(free_frequencies[-1]) - reference,
+        (-stiffening * reference, 0.0),
+        specified_ends.frequencies.uncertainty(index) + free_ends.frequencies.uncertainty(index),
     )
     return Measurement(
         value,
         reference,
-        reference_uncertainty=held.frequencies.uncertainty(index),
-        judged_uncertainty=left.uncertainty(),
+        reference_uncertainty=specified_ends.frequencies.uncertainty(index),
+        judged_uncertainty=residuals.uncertainty(),
         allowances=(
             Allowance(HELD_FACES, faces, HELD_SOURCE),
             Allowance(DISTORTION, -float(change[-1]), DISTORTION_SOURCE),
@@ -216,11 +222,13 @@ def _solid_statics(context: Context, body: str, ends: Ends) -> tuple[Refinement,
     leg = constant_leg_of(context, body)
     if shapeless := why_shapeless([leg]):
         raise Skip(shapeless)
-    most = most_unknowns(context.meshes, leg)
-    if context.get(static_ladder, leg, STATICS[context.preset]) or not has_meshes(leg, most):
+    largest_unknowns = most_unknowns(context.meshes, leg)
+    if context.get(static_ladder, leg, STATICS[context.preset]) or not has_meshes(
+        leg, largest_unknowns
+    ):
         solid = compliances(context, body, ends)
         return solid, solid.divisions
-    pair = mesh_pair(leg, most)
+    pair = mesh_pair(leg, largest_unknowns)
     along = tuple(slices for _, slices in pair)
     tips = [context.get(doubled_tips, leg, *mesh) for mesh in pair]
 
@@ -234,19 +242,20 @@ def _solid_statics(context: Context, body: str, ends: Ends) -> tuple[Refinement,
 
 
 def is_strip(leg: ConstantLeg) -> bool:
-    """Whether the section is thin and wider than a tenth of the length."""
+    """True if the section is thin and wider than a tenth of the length."""
     smaller, larger = sorted(leg.section.extent)
     return larger > max(WALL_ASPECT * smaller, _SHORT * leg.length)
 
 
 def held_share(leg: ConstantLeg, divisions: int, kind: str) -> float:
-    """Relative change of stiffness by held end faces: twice that of a first frequency (Rayleigh).
+    """Relative change of a leg's stiffness by held end faces, under a load at its tip.
 
-    Of a leg under a load at its tip, whose both ends are strained.
+    It is twice the relative change of a first frequency (Rayleigh), because the load strains both
+    ends.
     """
-    at = _STRAINED[kind]
-    taken = restrained(leg, (divisions,))[0][at]
-    return float(-taken / (own_compliances(leg, (divisions,))[0][at] + taken))
+    entry = _STRAINED[kind]
+    restraint = restrained(leg, (divisions,))[0][entry]
+    return float(-restraint / (own_compliances(leg, (divisions,))[0][entry] + restraint))
 
 
 def compliance_band(leg: ConstantLeg, divisions: int) -> tuple[Array, Array]:
@@ -256,7 +265,7 @@ def compliance_band(leg: ConstantLeg, divisions: int) -> tuple[Array, Array]:
 
 
 def frequency_band(leg: ConstantLeg, divisions: int, kinds: tuple[tuple[Kind, int], ...]) -> Array:
-    """Frequencies (2×k, Hz) by kind and order of the softest and the stiffest such beam."""
+    """Frequencies (2×k, Hz) by kind and order of the softest and stiffest beam by formula."""
     band = _band(leg, divisions)
     return np.array(
         [[frequency_of_kind(beam, leg.length, *kind) for kind in kinds] for beam in band]
@@ -269,7 +278,7 @@ def _band(leg: ConstantLeg, divisions: int) -> tuple[BeamProperties, BeamPropert
 
 
 def limited(difference: float, band: tuple[float, float], uncertainty: float) -> float:
-    """The part of a difference that correct formulas, and the section's mesh, may cause."""
+    """Part of a difference within `band`, widened by `uncertainty` and containing zero."""
     low, high = min(0.0, *band) - uncertainty, max(0.0, *band) + uncertainty
     return min(max(difference, low), high)
 

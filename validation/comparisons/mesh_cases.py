@@ -1,8 +1,8 @@
 """Cases and studies of the convergence with mesh: a leg as a solid, ends free and held.
 
-Tip compliances by doubling show orders: coarse meshes are cheap. Frequencies have few meshes; a
-second family, unstructured tetrahedra, is held against the hexahedra. CPU times are shown and
-decide nothing.
+Tip compliances by doubling show orders, because coarse meshes are cheap. Frequencies have few
+meshes; a second family, unstructured tetrahedra, is compared with the hexahedra. CPU times are
+shown and do not affect verdicts.
 """
 
 from collections.abc import Sequence
@@ -34,7 +34,7 @@ from validation.solids.legs import (
     formal_order,
 )
 
-HELD: dict[Ends, str] = {"free": "free", "rigid": "held"}
+END_NAMES: dict[Ends, str] = {"free": "free", "rigid": "held"}
 # Tetrahedra across the smaller side of a rectangle.
 TETRAHEDRA = (1, 2)
 _CPU = "CPU time"
@@ -87,9 +87,9 @@ def _order(context: Context, body: str, name: str, ends: Ends) -> Measurement:
     notes = (convergence.refusal,) if convergence.refusal else ()
     study = _study(
         body,
-        f"{name}.hexahedra.{HELD[ends]}",
+        f"{name}.hexahedra.{END_NAMES[ends]}",
         (meaning, f"{name} ({unit})", unit),
-        f"hexahedra, {HELD[ends]} ends",
+        f"hexahedra, {END_NAMES[ends]} ends",
         [doubled_unknowns(leg, number) for number in divisions],
         convergence.values,
         refinement.formal_order,
@@ -106,7 +106,7 @@ def _order(context: Context, body: str, name: str, ends: Ends) -> Measurement:
     return Measurement(
         order,
         refinement.formal_order,
-        # What the finest mesh has changed of the order, and rounding of its last step.
+        # Change of the order by the finest mesh, and round-off of the last step.
         value_uncertainty=float(
             abs(convergence.orders[-1] - convergence.orders[-2])
             + ROUND_OFF * abs(convergence.values[-1] / np.diff(convergence.values)[-1])
@@ -117,11 +117,11 @@ def _order(context: Context, body: str, name: str, ends: Ends) -> Measurement:
 
 
 @cases.case(
-    "{body}.converged[solid-{held}-half-width]",
-    "{body}, quadratic solid with {held} ends: each half-width contains the next finer mesh",
-    over={"ends, held": list(HELD.items())},
+    "{body}.converged[solid-{condition}-half-width]",
+    "{body}, quadratic solid with {condition} ends: each half-width contains the next finer mesh",
+    over={"ends, condition": list(END_NAMES.items())},
     quantity="largest change by the next finer mesh over the half-width, all tip motions",
-    label="solid, {held} ends: change over half-width",
+    label="solid, {condition} ends: change over half-width",
     citation="the next finer mesh of the same leg",
     relation=Relation.AT_MOST,
     tolerance=Absolute(1e-9),
@@ -148,7 +148,7 @@ def half_width_shares(refinement: Refinement) -> Array:
         coarse = _first(refinement, count)
         diagonal = range(refinement.values.shape[-1])
         widths = np.array([coarse.uncertainty(k, k) for k in diagonal])
-        values, finer = (np.diag(refinement.values[place]) for place in (count - 1, count))
+        values, finer = (np.diag(refinement.values[mesh]) for mesh in (count - 1, count))
         rows.append(np.abs(finer - values) / (widths + ROUND_OFF * np.abs(values)))
     return np.array(rows)
 
@@ -160,27 +160,27 @@ def _first(refinement: Refinement, count: int) -> Refinement:
 
 
 @cases.case(
-    "{body}.converged[solid-{held}-f1]",
-    "{body}, quadratic solid with {held} ends: the half-width of f1 is at most 1 %",
-    over={"ends, held": list(HELD.items())},
+    "{body}.converged[solid-{condition}-f1]",
+    "{body}, quadratic solid with {condition} ends: the half-width of f1 is at most 1 %",
+    over={"ends, condition": list(END_NAMES.items())},
     quantity="relative half-width of f1 on the finest mesh",
-    label="solid, {held} ends: half-width of f1",
+    label="solid, {condition} ends: half-width of f1",
     citation="meshes of the preset",
     relation=Relation.AT_MOST,
     tolerance=Absolute(1e-4),
     tolerance_reason="1 % is meant to a hundredth of itself",
     group="{body}.modes",
 )
-def _first_frequency(context: Context, body: str, ends: Ends, held: str) -> Measurement:
+def _first_frequency(context: Context, body: str, ends: Ends, condition: str) -> Measurement:
     leg = constant_leg_of(context, body)
     modes = frequencies(context, body, ends, modes_of_beams(context, leg))
     refinement = modes.frequencies
     values = refinement.values[:, 0]
-    name = f"hexahedra, {held} ends"
+    name = f"hexahedra, {condition} ends"
     studies = (
         _study(
             body,
-            f"f1.hexahedra.{held}",
+            f"f1.hexahedra.{condition}",
             ("f1", "f1 (Hz)", "Hz"),
             name,
             modes.unknowns,
@@ -188,10 +188,10 @@ def _first_frequency(context: Context, body: str, ends: Ends, held: str) -> Meas
             refinement.formal_order,
             _convergence(refinement),
         ),
-        _cost(body, f"hexahedra.{held}", name, modes.unknowns, modes.seconds),
+        _cost(body, f"hexahedra.{condition}", name, modes.unknowns, modes.seconds),
     )
     width = refinement.uncertainty(0) / float(values[-1])
-    # Too coarse a mesh is no disagreement: what exceeds the limit is uncertainty.
+    # A mesh that is too coarse is no disagreement: the excess over the limit counts as uncertainty.
     return Measurement(
         width,
         0.01,
@@ -202,18 +202,19 @@ def _first_frequency(context: Context, body: str, ends: Ends, held: str) -> Meas
 
 
 @cases.case(
-    "{body}.converged[tetrahedra-{held}-f1]",
-    "{body}, {held} ends: f1 of tetrahedra and of hexahedra differ by less than their half-widths",
-    over={"ends, held": list(HELD.items())},
+    "{body}.converged[tetrahedra-{condition}-f1]",
+    "{body}, {condition} ends: f1 of tetrahedra and of hexahedra differ by less than their "
+    "half-widths",
+    over={"ends, condition": list(END_NAMES.items())},
     quantity="difference over the sum of both half-widths",
-    label="tetrahedra, {held} ends: difference over half-widths",
+    label="tetrahedra, {condition} ends: difference over half-widths",
     citation="quadratic hexahedra",
     relation=Relation.AT_MOST,
     tolerance=Absolute(1e-9),
     tolerance_reason="each half-width contains the common limit",
     group="{body}.modes",
 )
-def _tetrahedra(context: Context, body: str, ends: Ends, held: str) -> Measurement:
+def _tetrahedra(context: Context, body: str, ends: Ends, condition: str) -> Measurement:
     leg = constant_leg_of(context, body)
     if not isinstance(leg.section, Rectangle):
         raise Skip(f"{leg.section.shape}: tetrahedra fill solid rectangles alone")
@@ -222,20 +223,21 @@ def _tetrahedra(context: Context, body: str, ends: Ends, held: str) -> Measureme
     tetrahedral = meshes.frequencies
     limit = _convergence(hexahedral).extrapolated
     width = tetrahedral.uncertainty(0)
-    name = f"tetrahedra, {held} ends"
+    name = f"tetrahedra, {condition} ends"
     studies = (
         _study(
             body,
-            f"f1.tetrahedra.{held}",
+            f"f1.tetrahedra.{condition}",
             ("f1", "f1 (Hz)", "Hz"),
             name,
             meshes.unknowns,
             tetrahedral.values[:, 0],
             hexahedral.formal_order,
-            # Unstructured meshes are not similar: their errors are those from the other's limit.
+            # Unstructured meshes are not similar, so that they have no limit of their own: errors
+            # are relative to the limit of the hexahedra.
             Convergence(tetrahedral.values[:, 0], np.array([]), None, limit, width),
         ),
-        _cost(body, f"tetrahedra.{held}", name, meshes.unknowns, meshes.seconds),
+        _cost(body, f"tetrahedra.{condition}", name, meshes.unknowns, meshes.seconds),
     )
     difference = abs(float(tetrahedral.values[-1, 0]) - float(hexahedral.values[-1, 0]))
     both = width + hexahedral.uncertainty(0)
@@ -244,16 +246,18 @@ def _tetrahedra(context: Context, body: str, ends: Ends, held: str) -> Measureme
 
 def tetrahedral_modes(leg: ConstantLeg) -> dict[Ends, SolidModes]:
     """First frequency of the leg by its ends on the meshes `TETRAHEDRA`; no MAC."""
-    found: dict[Ends, list[tuple[float, int, float]]] = {ends: [] for ends in HELD}
+    rows_by_ends: dict[Ends, list[tuple[float, int, float]]] = {ends: [] for ends in END_NAMES}
     for number in TETRAHEDRA:
         start = process_time()
         solid = solid_leg(leg, tetrahedra(leg.section, leg.length, number))
         shared = process_time() - start
-        for ends, rows in found.items():
+        for ends, rows in rows_by_ends.items():
             start = process_time()
             frequency = float(clamped_leg(solid, ends).modes(1).frequencies[0])
             rows.append((frequency, solid.mesh.nodes.size, shared + process_time() - start))
-    return {ends: _solid_modes(rows, formal_order(leg, ends)) for ends, rows in found.items()}
+    return {
+        ends: _solid_modes(rows, formal_order(leg, ends)) for ends, rows in rows_by_ends.items()
+    }
 
 
 def _solid_modes(rows: Sequence[tuple[float, int, float]], order: float) -> SolidModes:
@@ -264,7 +268,7 @@ def _solid_modes(rows: Sequence[tuple[float, int, float]], order: float) -> Soli
 
 
 def _convergence(refinement: Refinement) -> Convergence:
-    """Convergence of the first value; its limit by the formal order if there are too few meshes."""
+    """Convergence of the first value. With too few meshes its limit is by the formal order."""
     if len(refinement.divisions) >= GRIDS_FOR_ORDER:
         return refinement.at(0)
     values = refinement.values[:, 0]
@@ -275,7 +279,7 @@ def _convergence(refinement: Refinement) -> Convergence:
 
 def _study(
     body: str,
-    what: str,
+    name: str,
     panel: tuple[str, str, str],
     variant: str,
     unknowns: Sequence[int],
@@ -284,12 +288,12 @@ def _study(
     convergence: Convergence,
     notes: tuple[str, ...] = (),
 ) -> Study:
-    """Values over unknowns; `panel`: its title, the label of y, and the unit."""
+    """Study of values over unknowns. `panel` has the title, the label of y, and the unit."""
     title, label, unit = panel
     observed = convergence.observed_order
     width, limit = convergence.uncertainty, convergence.extrapolated
     return Study(
-        id=f"convergence.{body}.solid.{what}",
+        id=f"convergence.{body}.solid.{name}",
         title=f"{body} as a solid, {variant}: {title}",
         x_label="unknowns",
         y_label=label,
@@ -309,10 +313,10 @@ def _study(
 
 
 def _cost(
-    body: str, what: str, variant: str, unknowns: Sequence[int], seconds: tuple[float, ...]
+    body: str, name: str, variant: str, unknowns: Sequence[int], seconds: tuple[float, ...]
 ) -> Study:
     return Study(
-        id=f"convergence.{body}.solid.seconds.{what}",
+        id=f"convergence.{body}.solid.seconds.{name}",
         title=f"{body} as a solid, {variant}: {_CPU}",
         x_label="unknowns",
         y_label=f"{_CPU} (s)",

@@ -23,8 +23,8 @@ from validation.solids.legs import ROUND_OFF, formal_order
 
 DIVISIONS = (1, 2, 3, 4)
 SOLIDS = (Discretisation("solid", ends="rigid"), Discretisation("solid", ends="free"))
-# An order can be observed from so many meshes on.
-_OBSERVED = 4
+# Fewest meshes from which an order can be observed.
+_FEWEST_FOR_ORDER = 4
 
 
 def leg_mesh_convergence(
@@ -71,7 +71,15 @@ def _series(
         limits=limits,
         limit_half_widths=half_widths / np.abs(limits),
         orders=orders,
-        needed=np.array([[_listed(counts, own, target) for own in errors.T] for target in TARGETS]),
+        needed=np.array(
+            [
+                [
+                    _smallest_listed_count(counts, column_errors, target)
+                    for column_errors in errors.T
+                ]
+                for target in TARGETS
+            ]
+        ),
     )
 
 
@@ -88,7 +96,7 @@ def _limits(counts: tuple[int, ...], values: Array, formal: float) -> tuple[Arra
     limits = richardson(values[-2], values[-1], ratio, formal)
     half_widths = mesh_half_widths([np.abs(values[-1] - values[-2])], policy)
     orders = np.full(len(limits), np.nan)
-    if len(counts) < _OBSERVED:
+    if len(counts) < _FEWEST_FOR_ORDER:
         return limits, half_widths, orders
     sizes = 1.0 / np.array(counts, dtype=float)
     for k, column in enumerate(values.T):
@@ -99,7 +107,7 @@ def _limits(counts: tuple[int, ...], values: Array, formal: float) -> tuple[Arra
     return limits, half_widths, orders
 
 
-def _listed(counts: tuple[int, ...], errors: Array, target: float) -> int:
+def _smallest_listed_count(counts: tuple[int, ...], errors: Array, target: float) -> int:
     """Smallest of `counts` from which on the error stays below `target`; 0 if none does."""
     missed = np.flatnonzero(errors > target)
     first = int(missed[-1]) + 1 if len(missed) else 0

@@ -5,9 +5,9 @@ are in the solid and not in a stepped beam, and the condensed part has six modes
 are named, not bounded, so that no small tolerance applies to them. They are shown without a
 verdict; the matrix of models judges the robot for the user's [accept] limits.
 
-What is judged follows from Rayleigh's principle: stiffness and mass condensed on the interfaces
-(Guyan, AIAA J. 3 (1965) 380) restrain the part to static shapes, so that no frequency can be below
-that of the same number of the solid on the same mesh.
+The judged bound follows from Rayleigh's principle. Stiffness and mass condensed on the interfaces
+(Guyan, AIAA J. 3 (1965) 380) restrain the part to static shapes. No frequency can therefore be
+below the frequency of the same number of the solid on the same mesh.
 """
 
 from collections.abc import Iterator
@@ -58,26 +58,26 @@ def parts_as_legs(mechanism: Mechanism) -> tuple[str, ...]:
 
 def solid_values(body: Body) -> PartValues:
     """The identified part on its finest mesh, first interface clamped."""
-    found, rotation = identified(body), leg_axes(body).rotation.T
+    part, rotation = identified(body), leg_axes(body).rotation.T
     block = np.abs(turn(rotation))
     return PartValues(
-        _values(turn_matrix(found.compliance, rotation), found.frequencies),
+        _values(turn_matrix(part.compliance, rotation), part.frequencies),
         # Half-widths of the entries add up at most.
-        _values(block @ found.compliance_refinement @ block.T, found.frequency_refinement),
+        _values(block @ part.compliance_refinement @ block.T, part.frequency_refinement),
     )
 
 
 def condensed_values(body: Body) -> Array:
     """Tip compliances and frequencies of the condensed part, first interface clamped."""
-    found, tip = identified(body), np.s_[6:, 6:]
-    squared = eigh(found.stiffness[tip], found.mass[tip], eigvals_only=True)
-    compliance = np.linalg.inv(found.stiffness[tip]).astype(float)
+    part, tip = identified(body), np.s_[6:, 6:]
+    squared = eigh(part.stiffness[tip], part.mass[tip], eigvals_only=True)
+    compliance = np.linalg.inv(part.stiffness[tip]).astype(float)
     frequencies = np.sqrt(squared) / (2.0 * np.pi)
     return _values(turn_matrix(compliance, leg_axes(body).rotation.T), frequencies)
 
 
 def stepped_values(body: Body, discretisation: Discretisation) -> Array:
-    """Tip compliances and frequencies of the part as prismatic pieces; raises as `stepped`."""
+    """Tip compliances and frequencies of the part as prismatic pieces. Raises as `stepped` does."""
     matrices = leg_matrices(discretisation.model, stepped(body), discretisation.options)
     return _values(tip_compliance_of(matrices), clamped_modes(matrices, MODES).frequencies)
 
@@ -112,21 +112,23 @@ def _bound(context: Context, body: str, limits: AgreementLimits) -> Measurement:
     solid, condensed = solid_values(part), condensed_values(part)
     first = len(MOTIONS)
     pairs = zip(QUANTITIES[first:], condensed[first:], solid.values[first:], strict=True)
-    (_, value, reference), *others = pairs
+    (_, value, reference), *other_pairs = pairs
     notes = []
-    # One mesh: its half-widths are none of the difference.
-    shown = [*_shown("condensed", 0, condensed, replace(solid, half_widths=0.0 * solid.values))]
+    # Both are on one mesh, so that its half-widths do not affect the difference.
+    unjudged_values = [
+        *_unjudged_values("condensed", 0, condensed, replace(solid, half_widths=0.0 * solid.values))
+    ]
     try:
-        shown = [*_stepped(part, limits, solid), *shown]
+        unjudged_values = [*_stepped(part, limits, solid), *unjudged_values]
     except InputError as error:
         notes.append(f"no stepped form: {error}")
     return Measurement(
         float(value),
         float(reference),
         exact=True,
-        elsewhere=tuple(Elsewhere(name, float(a), float(b)) for name, a, b in others),
+        elsewhere=tuple(Elsewhere(name, float(a), float(b)) for name, a, b in other_pairs),
         notes=tuple(notes),
-        shown=tuple(shown),
+        shown=tuple(unjudged_values),
     )
 
 
@@ -135,10 +137,12 @@ def _stepped(body: Body, limits: AgreementLimits, solid: PartValues) -> Iterator
     elements = PIECES * max(1, round(limits.elements / PIECES))
     for model in _STEPPED:
         values = stepped_values(body, Discretisation(model, elements=elements))
-        yield from _shown(f"{model}-stepped", elements, values, solid)
+        yield from _unjudged_values(f"{model}-stepped", elements, values, solid)
 
 
-def _shown(model: str, elements: int, values: Array, solid: PartValues) -> Iterator[UnjudgedValue]:
+def _unjudged_values(
+    model: str, elements: int, values: Array, solid: PartValues
+) -> Iterator[UnjudgedValue]:
     columns = zip(QUANTITIES, UNITS, values, solid.values, solid.half_widths, strict=True)
     for label, unit, value, reference, width in columns:
         half_width = float(width) if np.isfinite(width) else None

@@ -1,4 +1,4 @@
-"""The convergence study of a robot or of one of its legs."""
+"""Convergence study of a robot or of one of its legs."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -44,21 +44,27 @@ def convergence(
         )
         return replace(study, agreement=limits)
     formulations = EULER_BERNOULLI if theory == "euler-bernoulli" else FORMULATIONS
-    readings = [one for one in formulations if model in (None, one.model)]
+    discretisations = [
+        discretisation for discretisation in formulations if model in (None, discretisation.model)
+    ]
     counts = tuple(elements or {*COUNTS, limits.elements})
     if body in mechanism.parts or (body is None and mechanism.parts):
         # Each prismatic piece has whole elements; the literal layout is about one prism.
-        readings = [one for one in readings if one.layout != "literal"]
+        discretisations = [
+            discretisation
+            for discretisation in discretisations
+            if discretisation.layout != "literal"
+        ]
         counts = tuple(count for count in counts if count % PIECES == 0)
         if not counts:
             raise InputError(
                 f"elements: CAD parts are legs of {PIECES} pieces; must have a multiple of {PIECES}"
             )
     if body is None:
-        study = robot_convergence(middle_posture(mechanism), readings, counts)
+        study = robot_convergence(middle_posture(mechanism), discretisations, counts)
     else:
         leg_alone = _leg(mechanism, body)
-        study = leg_convergence(mechanism.name, body, leg_alone, readings, counts)
+        study = leg_convergence(mechanism.name, body, leg_alone, discretisations, counts)
     return replace(study, agreement=limits)
 
 
@@ -94,8 +100,8 @@ def _faults(
     names = leg_names(mechanism)
     solid = model == "solid" or divisions is not None
     if body is not None and body not in names:
-        known = ", ".join(names) or "none"
-        faults.append(f"body {body}: is no leg of the robot; must be one of {known}")
+        leg_list = ", ".join(names) or "none"
+        faults.append(f"body {body}: is no leg of the robot; must be one of {leg_list}")
     elif solid and body is None:
         faults.append("model solid: converges leg by leg; name one with body")
     elif solid and body not in legs:

@@ -1,14 +1,15 @@
 """The whole robot: VJM, links, segments and beam elements against the robot with solid legs.
 
-All legs are of constant section, those known by their 6×6 by their equivalent leg; the robot stands
-in the middle of its path. End faces of the solids are as [agree] of the robot file says, else as
-`ends` of each leg does; kept plane if neither does. Named differences are those of a single leg
-(`validation.comparisons.leg_beam_vs_solid`), carried through the robot: each is the difference of
-two robots that have legs with and without it.
+All legs are of constant section; a leg known by its 6×6 is replaced by its equivalent leg. The
+robot is in the middle of its path. The end condition of the solids is that of [agree] in the robot
+file, else `ends` of each leg, else rigid (faces kept plane). Named differences are those of a
+single leg (`validation.comparisons.leg_beam_vs_solid`), carried through the robot: each is the
+difference of two robots, with legs that have it and legs that do not.
 
 Statics: legs by their tip compliance, solids by doubling on two meshes. Dynamics: solids reduced to
-their ends; beams of the solids' own section constants, with and without the waves of 3-D elasticity
-in them (`validation.cases.leg_waves`). Modes are paired by shape with those of the reference.
+their ends; beams with section constants computed on the mesh of the solid, with and without the
+waves of 3-D elasticity (`validation.cases.leg_waves`). Modes are paired by shape with those of the
+reference.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -94,15 +95,16 @@ from validation.solids.legs import (
 )
 from validation.solids.size import too_large, why_shapeless
 
-# What settles a comparison that held faces, or meshes, leave undecided.
+# Remedies for a comparison that is undecided because of held faces, or of meshes.
 _FREE_ENDS = "held end faces change this mode by more than their theory; compare with free ends"
 _REFINE = "refine the models"
-# Share of a leg's length to which warping may reach from an end. The waves leave it out: 3e-4 of f4
-# of the built-in robot, whose leg 2 has a share of 0.106.
+# Largest decay length of warping over the length of a leg. The waves neglect warping, which is 3e-4
+# of f4 of the built-in robot, whose leg 2 has a share of 0.106.
 _WARPING = 0.2
-# Share of the largest motion of its kind below which a motion is none.
+# Share of the largest motion of its kind below which a motion is round-off of zero.
 _STILL = 1e-9
-# Reissner's theory of held warping is within a fifth of the solids' change of a frequency.
+# Factor on the change of a frequency by Reissner's theory of held warping, which is within a fifth
+# of the change by solids.
 _REISSNER = 1.2
 HELD_SOURCE = (
     "solids with free and held ends, at most what beams with warping and, in bending and tension, "
@@ -129,17 +131,18 @@ Spring: TypeAlias = Callable[[str, ConstantLeg, int], Array]
 class RobotStatics:
     """Motions (6, SI) of the tool along and about the axes under their unit loads.
 
-    `solid`, `own` (legs of the solids' own section constants) and `restrained` (less what held
-    faces take) on two meshes (2×6, coarse and fine), whose sizes differ by `ratio` at least.
-    `rough`: as `own` on another section mesh than the fine one. `theory`: textbook constants,
-    `soft` and `stiff` the bounds of those by correct formulas.
+    On two meshes (2×6, coarse and fine), whose sizes differ by `ratio` at least: `solid` legs,
+    `computed` (beams with section constants computed on the mesh of the solid) and `restrained`
+    (the same beams with the end restraint of held faces). `other_mesh` are the `computed` values on
+    a section mesh other than the fine one. `textbook` are beams with textbook constants, `soft` and
+    `stiff` the bounds of textbook constants by correct formulas.
     """
 
     solid: Array
-    own: Array
+    computed: Array
     restrained: Array
-    rough: Array
-    theory: Array
+    other_mesh: Array
+    textbook: Array
     soft: Array
     stiff: Array
     ratio: float
@@ -149,20 +152,21 @@ class RobotStatics:
 class RobotModes:
     """Frequencies (Hz) of the first modes (k) of solid legs, and of their partners by shape.
 
-    `held` (2×k, coarse and fine mesh) have end faces as they are, `free` ones free to warp, and
-    `raised` (k) are the relative changes by holding them of beams with warping; `own`
-    beams of the solids' own section constants, `changes` (2×k, relative) of those by waves in the
-    legs. `theory`, `soft` and `stiff` (k) as of `RobotStatics`. NaN without a partner. `reference`:
-    the modes `held` on the fine mesh, by which models are paired.
+    On the coarse and the fine mesh (2×k): solids with `specified_ends` and with `free_ends`; beams
+    with section constants `computed` on the mesh of the solid; and the relative change of those by
+    `distortion` of the section (waves in the legs). `held_end_changes` (k) are the relative changes
+    by held ends of beams with warping. `textbook`, `soft` and `stiff` (k) as in `RobotStatics`. NaN
+    for a mode without a partner. `reference` are the modes with `specified_ends` on the fine mesh,
+    with which models are paired.
     """
 
     reference: PathModes
-    held: Array
-    free: Array
-    raised: Array
-    own: Array
-    changes: Array
-    theory: Array
+    specified_ends: Array
+    free_ends: Array
+    held_end_changes: Array
+    computed: Array
+    distortion: Array
+    textbook: Array
     soft: Array
     stiff: Array
 
@@ -193,7 +197,7 @@ def _ends(mechanism: Mechanism, limits: AgreementLimits) -> Holds:
 
 
 def _prisms(mechanism: Mechanism) -> dict[str, ConstantLeg]:
-    """Legs by name, alike ones the same."""
+    """Legs of constant section by name. Equal legs are one object."""
     return {
         name: leg for name, leg in known_legs(mechanism).items() if isinstance(leg, ConstantLeg)
     }
@@ -202,11 +206,11 @@ def _prisms(mechanism: Mechanism) -> dict[str, ConstantLeg]:
 def robot_statics(
     posture: Posture, preset: Preset, limits: AgreementLimits = DEFAULT_LIMITS
 ) -> RobotStatics:
-    """Statics with solid legs on the two finest meshes that a preset allows, and of their beams."""
+    """Statics with solid legs and with their beams, on the two finest meshes of a preset."""
     mechanism = posture.mechanism
     legs, ends = _prisms(mechanism), _ends(mechanism, limits)
     meshes = {name: mesh_pair(leg, most_unknowns(preset, leg)) for name, leg in legs.items()}
-    # Where both meshes share the section, other constants show what it leaves open.
+    # If both meshes share the section, a third section mesh gives the uncertainty of the constants.
     other = {
         name: coarse if coarse != fine else SECTION_DIVISIONS
         for name, ((coarse, _), (fine, _)) in meshes.items()
@@ -223,12 +227,12 @@ def robot_statics(
     def solid(name: str, leg: ConstantLeg, mesh: int) -> Array:
         return doubled_tips(leg, *meshes[name][mesh])[ends[name]]
 
-    def own(name: str, leg: ConstantLeg, mesh: int) -> Array:
-        return _own_tip(leg, meshes[name][mesh][0])
+    def computed(name: str, leg: ConstantLeg, mesh: int) -> Array:
+        return _computed_tip(leg, meshes[name][mesh][0])
 
     def restrained(name: str, leg: ConstantLeg, mesh: int) -> Array:
-        taken = face_restraint(leg, meshes[name][mesh][0]) if ends[name] == "rigid" else 0.0
-        return own(name, leg, mesh) + taken
+        restraint = face_restraint(leg, meshes[name][mesh][0]) if ends[name] == "rigid" else 0.0
+        return computed(name, leg, mesh) + restraint
 
     def by_formula(side: int) -> Array:
         return motions(
@@ -239,10 +243,10 @@ def robot_statics(
 
     return RobotStatics(
         solid=on_both(solid),
-        own=on_both(own),
+        computed=on_both(computed),
         restrained=on_both(restrained),
-        rough=motions(lambda name, leg, _: _own_tip(leg, other[name])),
-        theory=motions(lambda _name, leg, _mesh: tip_compliance(leg.timoshenko, leg.length)),
+        other_mesh=motions(lambda name, leg, _: _computed_tip(leg, other[name])),
+        textbook=motions(lambda _name, leg, _mesh: tip_compliance(leg.timoshenko, leg.length)),
         soft=by_formula(0),
         stiff=by_formula(1),
         ratio=min(fine[1] / coarse[1] for coarse, fine in meshes.values()),
@@ -250,8 +254,8 @@ def robot_statics(
 
 
 @memo(16)
-def _own_tip(leg: ConstantLeg, divisions: int) -> Array:
-    """Tip compliance (6×6) of the beam of the section's own constants."""
+def _computed_tip(leg: ConstantLeg, divisions: int) -> Array:
+    """Tip compliance (6×6) of the beam with section constants computed on `divisions`."""
     return tip_compliance(own_properties(leg, divisions), leg.length)
 
 
@@ -267,7 +271,9 @@ def _band(leg: ConstantLeg, divisions: int) -> tuple[BeamProperties, BeamPropert
     "{motion} of the robot by {model} is that of the robot with solid legs",
     over={
         "model": STATIC_MODELS,
-        "motion, entry, unit": [(name, *of) for name, of in MOTIONS.items()],
+        "motion, entry, unit": [
+            (name, *entry_and_unit) for name, entry_and_unit in MOTIONS.items()
+        ],
     },
     quantity="tool motion {motion} under its unit load, middle of the path",
     label="{motion}",
@@ -288,27 +294,29 @@ def _motion(context: Context, model: ModelName, entry: int, limits: AgreementLim
             raise Skip(
                 f"{leg.name}: its section takes too many unknowns in preset {context.meshes}"
             )
-    found = context.get(robot_statics, posture, context.meshes, limits)
-    reference = float(found.solid[_FINE, entry])
-    of_kind = found.solid[_FINE, :3] if entry < 3 else found.solid[_FINE, 3:]
-    if reference <= _STILL * of_kind.max():
+    statics = context.get(robot_statics, posture, context.meshes, limits)
+    reference = float(statics.solid[_FINE, entry])
+    motions_of_kind = statics.solid[_FINE, :3] if entry < 3 else statics.solid[_FINE, 3:]
+    if reference <= _STILL * motions_of_kind.max():
         raise Skip("the tool does not give way in this direction")
-    (answer,) = context.get(answers, model, (posture,), 0, _options(limits))
-    own = float(found.own[_FINE, entry])
-    left = (found.restrained - found.solid)[:, entry]
+    (model_response,) = context.get(answers, model, (posture,), 0, _options(limits))
+    computed = float(statics.computed[_FINE, entry])
+    residuals = (statics.restrained - statics.solid)[:, entry]
     formula = limited(
-        float(found.theory[entry]) - own,
-        (float(found.stiff[entry]) - own, float(found.soft[entry]) - own),
-        _step(own - found.rough[entry], found.ratio),
+        float(statics.textbook[entry]) - computed,
+        (float(statics.stiff[entry]) - computed, float(statics.soft[entry]) - computed),
+        _step(computed - statics.other_mesh[entry], statics.ratio),
     )
     return Measurement(
-        float(answer.compliance[entry, entry]),
+        float(model_response.compliance[entry, entry]),
         reference,
-        reference_uncertainty=_step(reference - found.solid[_COARSE, entry], found.ratio),
-        judged_uncertainty=_step(left[_FINE] - left[_COARSE], found.ratio),
+        reference_uncertainty=_step(reference - statics.solid[_COARSE, entry], statics.ratio),
+        judged_uncertainty=_step(residuals[_FINE] - residuals[_COARSE], statics.ratio),
         allowances=(
             Allowance(
-                HELD_FACES, own - float(found.restrained[_FINE, entry]), "fem.couplings.end_effects"
+                HELD_FACES,
+                computed - float(statics.restrained[_FINE, entry]),
+                "fem.couplings.end_effects",
             ),
             Allowance(FORMULA, formula, FORMULA_SOURCE),
         ),
@@ -327,23 +335,23 @@ def _step(change: float, ratio: float) -> float:
 def robot_modes(
     posture: Posture, meshes: SolidMeshes, count: int, limits: AgreementLimits = DEFAULT_LIMITS
 ) -> RobotModes:
-    """Modes with solid legs on two meshes and of their beams, `count` of each looked at."""
+    """Modes with solid legs and with their beams, on two meshes, `count` of each computed."""
     legs, ends = _prisms(posture.mechanism), _ends(posture.mechanism, limits)
     free: Holds = dict.fromkeys(legs, "free")
 
     def solids(hold: Holds) -> list[PathModes]:
         return [solid_vibration((posture,), Reading(hold), mesh, count) for mesh in meshes]
 
-    relaxed = solids(free)
-    held = relaxed if ends == free else solids(ends)
-    reference = held[_FINE]
+    free_ends = solids(free)
+    specified = free_ends if ends == free else solids(ends)
+    reference = specified[_FINE]
 
     def partner(other: PathModes) -> tuple[Array, IntArray]:
-        found = partners(reference, other, MODES)
-        return found.frequency[0], found.number[0]
+        paired = partners(reference, other, MODES)
+        return paired.frequency[0], paired.number[0]
 
     faces = [{name: mesh.section_divisions(leg) for name, leg in legs.items()} for mesh in meshes]
-    own, changes = [], []
+    computed, distortion = [], []
     for face in faces:
         beams = {leg: own_beam(leg, face[name]) for name, leg in legs.items()}
         vibration, reduced = _beam_vibration(posture, beams, count)
@@ -357,8 +365,8 @@ def robot_modes(
             offered=count,
             count=int(numbers.max()) + 1,
         )[0]
-        own.append(frequencies)
-        changes.append(np.where(numbers >= 0, by_waves[numbers], np.nan))
+        computed.append(frequencies)
+        distortion.append(np.where(numbers >= 0, by_waves[numbers], np.nan))
 
     def warping(hold: Holds) -> Array:
         return partner(own_vibration((posture,), meshes.fine, hold, count))[0]
@@ -372,19 +380,19 @@ def robot_modes(
 
     return RobotModes(
         reference=reference,
-        held=np.array([partner(one)[0] for one in held]),
-        free=np.array([partner(one)[0] for one in relaxed]),
-        raised=warping(ends) / warping(free) - 1.0,
-        own=np.array(own),
-        changes=np.array(changes),
-        theory=partner(model_vibration((posture,), "beam", DEFAULT_OPTIONS, count))[0],
+        specified_ends=np.array([partner(solution)[0] for solution in specified]),
+        free_ends=np.array([partner(solution)[0] for solution in free_ends]),
+        held_end_changes=warping(ends) / warping(free) - 1.0,
+        computed=np.array(computed),
+        distortion=np.array(distortion),
+        textbook=partner(model_vibration((posture,), "beam", DEFAULT_OPTIONS, count))[0],
         soft=by_formula(0),
         stiff=by_formula(1),
     )
 
 
 def _section_band(leg: ConstantLeg, divisions: int) -> tuple[BeamProperties, BeamProperties]:
-    """As `_band`, on the mesh of the solid that vibrates."""
+    """Softest and stiffest beam by correct formulas, on the section mesh of the solid."""
     material = leg.material
     constants = section_constants(
         section_mesh(leg.section, divisions), material.nu, material.G / material.E
@@ -395,7 +403,7 @@ def _section_band(leg: ConstantLeg, divisions: int) -> tuple[BeamProperties, Bea
 def _beam_vibration(
     posture: Posture, beams: Mapping[ConstantLeg, LegMatrices], count: int
 ) -> tuple[PathModes, dict[ConstantLeg, CraigBampton]]:
-    """Modes with such beams as legs, and the beams reduced."""
+    """Modes of the robot with `beams` as legs, and the reduced beams."""
     highest = highest_frequency((posture,), count)
     reduced = {
         leg: craig_bampton(held_leg(beam), highest, CUTOFF["beam"] * highest)
@@ -407,15 +415,15 @@ def _beam_vibration(
     return vibration_of(samples_of(posture.mechanism), modes, count), reduced
 
 
-def _looked_at(context: Context) -> int:
-    """Modes looked at: as many as the verdicts do if these have the same solids, else fewer."""
-    given = known_legs(context.robot_file.mechanism).values()
-    shared = all(isinstance(leg, ConstantLeg) for leg in given)
+def _mode_count(context: Context) -> int:
+    """Number of computed modes: that of the verdicts if these have the same solids, else fewer."""
+    legs = known_legs(context.robot_file.mechanism).values()
+    shared = all(isinstance(leg, ConstantLeg) for leg in legs)
     return offered(max(MODES, context.robot_file.requirement.modes)) if shared else offered(1)
 
 
 def _require_waves(context: Context, legs: Sequence[ConstantLeg], meshes: SolidMeshes) -> None:
-    """Raise Skip if a preset does not mesh the legs or beams and their waves leave out a cause."""
+    """Raise Skip if a preset does not mesh the legs, or if beams with waves neglect a cause."""
     numbers = [meshes.fine.divisions(leg) for leg in legs]
     if reason := too_large(legs, numbers, context.preset):
         raise Skip(reason)
@@ -458,28 +466,28 @@ def _frequency(
     posture = constant_posture(context)
     legs = list(_prisms(posture.mechanism).values())
     coarse, fine = solid_meshes(context.preset)
-    # As the reference of the verdicts: one mesh of a wall is too stiff against distortion.
+    # At least four divisions, as in the reference of the verdicts: fewer are too stiff.
     meshes = SolidMeshes(coarse, fine._replace(least=COARSEST_WALLS))
     _require_waves(context, legs, meshes)
-    count = _looked_at(context)
-    found = context.get(robot_modes, posture, meshes, count, limits)
+    count = _mode_count(context)
+    modes = context.get(robot_modes, posture, meshes, count, limits)
     vibration = context.get(model_vibration, (posture,), model, _options(limits), count)
-    value = float(partners(found.reference, vibration, MODES).frequency[0, index])
-    distorted = (found.own * (1.0 + found.changes))[:, index]
+    value = float(partners(modes.reference, vibration, MODES).frequency[0, index])
+    distorted = (modes.computed * (1.0 + modes.distortion))[:, index]
     if not np.isfinite(distorted).all():
         raise Skip(NO_WAVES)
-    reference, free = float(found.held[_FINE, index]), found.free[:, index]
-    own = float(found.own[_FINE, index])
+    reference, free = float(modes.specified_ends[_FINE, index]), modes.free_ends[:, index]
+    computed = float(modes.computed[_FINE, index])
     policy = MeshPolicy.of_order(meshes.ratio(legs), FORMAL_ORDER)
 
     def half_width(*steps: float) -> float:
         return float(mesh_half_widths([np.sum(np.abs(steps))], policy))
 
-    left = distorted - free
+    residuals = distorted - free
     formula = limited(
-        float(found.theory[index]) - own,
-        (float(found.soft[index]) - own, float(found.stiff[index]) - own),
-        half_width(own - float(found.own[_COARSE, index])),
+        float(modes.textbook[index]) - computed,
+        (float(modes.soft[index]) - computed, float(modes.stiff[index]) - computed),
+        half_width(computed - float(modes.computed[_COARSE, index])),
     )
     shares = [
         context.get(held_share, leg, meshes.fine.section_divisions(leg), kind)
@@ -487,22 +495,25 @@ def _frequency(
         if limits.ends_of(leg.ends) == "rigid"
         for kind in ("tension", "bending y", "bending z")
     ]
-    steps = reference - float(found.held[_COARSE, index]), float(free[_FINE] - free[_COARSE])
+    steps = (
+        reference - float(modes.specified_ends[_COARSE, index]),
+        float(free[_FINE] - free[_COARSE]),
+    )
     difference = float(free[_FINE]) - reference
-    share = _REISSNER * float(found.raised[index]) + max(shares, default=0.0)
+    share = _REISSNER * float(modes.held_end_changes[index]) + max(shares, default=0.0)
     faces = limited(difference, (-share * reference, 0.0), half_width(*steps))
-    # Static fields underestimate held faces in vibration, of short waves by less than a factor of
-    # two: up to there the comparison is undecided, beyond it the solid is wrong.
+    # Static fields underestimate the end restraint in vibration, for short waves by less than a
+    # factor of two. Within this factor the comparison is undecided, beyond it the solid is wrong.
     beyond = abs(difference - faces) if abs(difference) <= 2.0 * abs(faces) else 0.0
     return Measurement(
         value,
         reference,
         reference_uncertainty=half_width(steps[0]),
-        # Constants, waves and solids have the errors of one section mesh in common.
-        judged_uncertainty=half_width(float(left[_FINE] - left[_COARSE])) + beyond,
+        # Constants, waves and solids share the error of one section mesh, which cancels.
+        judged_uncertainty=half_width(float(residuals[_FINE] - residuals[_COARSE])) + beyond,
         allowances=(
             Allowance(HELD_FACES, faces, HELD_SOURCE),
-            Allowance(DISTORTION, own - float(distorted[_FINE]), WAVES_SOURCE),
+            Allowance(DISTORTION, computed - float(distorted[_FINE]), WAVES_SOURCE),
             Allowance(FORMULA, formula, FORMULA_SOURCE),
         ),
         pose=tuple(posture.pose.tolist()),

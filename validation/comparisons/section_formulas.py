@@ -1,4 +1,4 @@
-"""Known inaccuracy of textbook section constants: how far a correct formula may be off.
+"""Known inaccuracy of textbook section constants: largest error of a correct formula.
 
 Areas and second moments of area are exact for all sections, and so are the torsion constants and
 Cowper's shear coefficients of rectangle, circle and tube (`lumped.sections`). Those of outlines are
@@ -8,20 +8,21 @@ walls count them on their middle lines, which is wrong in the first order of thi
 
 box     J by Bredt counts the corners, t×t, as walls. They are stiffer, at most rigid, which
         shortens the line about the hole from 2 (b + h) to 2 (b + h) − 4t.
-        κ by Cowper counts the webs up to the middle lines of the flanges; they reach to their outer
-        faces, t/2 farther at both ends: at most t over the web's height.
+        κ by Cowper counts the webs up to the middle lines of the flanges. In fact they extend to
+        the outer faces, t/2 farther at both ends: the error is at most t over the web's height.
 I       J = Σ b t³/3 leaves out 2αD⁴ where web and flanges join, α = −0.042 + 0.2204 w/f −
         0.0725 (w/f)², D = f + w²/4f, counts four free ends with 0.42 f⁴ in all, and f of the web
         within the joints (A. A. El Darwish, B. G. Johnston, J. Struct. Div. ASCE 91 (1965) 203).
-        κ along the web: it is counted up to the middle lines of the flanges, as for the box; a web
-        thicker than them has joints as deep as itself.
+        κ along the web: it is counted up to the middle lines of the flanges, as for the box. If the
+        web is thicker than the flanges, the joints are as deep as the web is thick.
         κ along the flanges, as rectangles: the web stiffens their middle over its thickness w, at
-        most as if rigid, where a share 1.5² w/1.2b of the strain energy of shear is. The ν in
-        Cowper's κ is that of a mean displacement: up to 12 (1 + ν)/(12 + 11ν) of the energy's.
+        most like a rigid body. A share 1.5² w/1.2b of the strain energy of shear is there. The ν in
+        Cowper's κ is that of a mean displacement: up to 12 (1 + ν)/(12 + 11ν) times the κ by strain
+        energy.
 
-Cowper's coefficient is a mean displacement, the beam of the section's own constants has that of
-strain energy (`fem.sections.section_constants`): both are known from finite elements, and their
-difference is one of definition, no inaccuracy.
+Cowper's coefficient follows from a mean displacement. The beam with computed section constants has
+the coefficient by strain energy (`fem.sections.section_constants`). Both are known from finite
+elements. Their difference is one of definition, not an inaccuracy.
 """
 
 from dataclasses import replace
@@ -43,26 +44,26 @@ _EXACT = Limits(1.0, 1.0)
 
 
 def formula_band(
-    leg: ConstantLeg, constants: SectionConstants, own: BeamProperties
+    leg: ConstantLeg, constants: SectionConstants, exact_beam: BeamProperties
 ) -> tuple[BeamProperties, BeamProperties]:
     """Softest and stiffest beam that correct textbook formulas can make of the section.
 
-    `own`: the beam of the `constants`, which are those of finite elements on the section.
+    `exact_beam` has the `constants`, which are those of finite elements on the section.
     """
     torsion = torsion_limits(leg)
-    softer, stiffer = own, own
+    softer, stiffer = exact_beam, exact_beam
     for name, axis in (("GAy", 0), ("GAz", 1)):
         shear = shear_limits(leg, axis)
         if shear.of_mean_displacement:
             definition = constants.cowper_coefficients[axis] / constants.shear_coefficients[axis]
         else:
             definition = 1.0
-        exact = definition * getattr(own, name)
-        softer = replace(softer, **{name: shear.limits.low * exact})
-        stiffer = replace(stiffer, **{name: shear.limits.high * exact})
+        exact_stiffness = definition * getattr(exact_beam, name)
+        softer = replace(softer, **{name: shear.limits.low * exact_stiffness})
+        stiffer = replace(stiffer, **{name: shear.limits.high * exact_stiffness})
     return (
-        replace(softer, GJ=torsion.low * own.GJ),
-        replace(stiffer, GJ=torsion.high * own.GJ),
+        replace(softer, GJ=torsion.low * exact_beam.GJ),
+        replace(stiffer, GJ=torsion.high * exact_beam.GJ),
     )
 
 

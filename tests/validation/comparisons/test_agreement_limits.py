@@ -77,7 +77,7 @@ def test_ends_choose_the_solid():
     assert abs(differences["free"]) < 2e-4
 
 
-def test_changed_limit_changes_the_verdict_of_kept_results(mine, tmp_path, capsys):
+def test_new_limit_changes_verdict_of_stored_results(mine, tmp_path, capsys):
     """Segments of leg 1: f3 is 0.123 % off at 20 elements, more than any other quantity."""
     only, name = "leg1.converged?segments-20?", "leg1.converged[segments-20]"
     code, before = run(mine(""), tmp_path / "out", only)

@@ -70,7 +70,7 @@ def test_leg_of_the_paper_agrees(model, what):
 
 
 @pytest.mark.parametrize("what", ["order", "20"])
-def test_literal_layout_in_place_of_the_other_disagrees(what):
+def test_literal_layout_instead_of_half_disagrees(what):
     """Order 1.0 for 2.0, and 5.1 % at 20 elements."""
     study = leg1_study()
     literal = study.of("segments", "literal")
@@ -167,7 +167,7 @@ def test_error_of_a_study_is_a_fault_and_no_skip(monkeypatch):
 
 
 @pytest.mark.parametrize("body", ["arm", ""])
-def test_leg_without_beam_theory_is_skipped_with_reason(tmp_path, body):
+def test_leg_without_beam_theory_is_skipped(tmp_path, body):
     """Cowper's κ of a wide I of an auxetic material is negative."""
     wide = ONE_ARM.replace(
         'shape = "rectangle", width = 0.06, height = 0.04',
@@ -180,7 +180,7 @@ def test_leg_without_beam_theory_is_skipped_with_reason(tmp_path, body):
 
 
 @pytest.mark.usefixtures("coarse_parts")
-def test_part_without_prismatic_sections_is_skipped_with_reason(tmp_path):
+def test_part_without_prismatic_sections_is_skipped(tmp_path):
     write_overlapping_crane(tmp_path)
     robot = load_robot(tmp_path / "robot.toml")
     skips = list(outcomes_of(robot, "arm"))

@@ -96,7 +96,7 @@ def test_leg_errors_land_on_known_values(leg1, model, layout, quantity, count, e
     assert computed == pytest.approx(error, rel=5e-3)
 
 
-def test_literal_layout_is_5_2_percent_off_without_shear():
+def test_literal_layout_without_shear_has_known_error():
     """5.2 % at 20 elements against Euler–Bernoulli's cantilever (physics of §3.2 as printed)."""
     leg = equivalent_leg(legs_of(BIGLIDE.mechanism)["leg1"])
     discretisation = replace(LITERAL, theory="euler-bernoulli")
@@ -223,7 +223,7 @@ def random_leg(seed):
 @pytest.mark.parametrize(
     "seed", [*range(4), *(pytest.param(seed, marks=EXHAUSTIVE) for seed in range(4, 10))]
 )
-def test_random_legs_have_formal_orders_and_true_half_widths(seed):
+def test_random_legs_have_formal_order_and_half_width(seed):
     study = leg_convergence("", f"random {seed}", random_leg(seed))
     for series, tolerance in zip(study.series, (0.05, 0.1, 0.1), strict=True):
         np.testing.assert_allclose(series.orders[:4], series.formal_order, atol=tolerance)
@@ -270,7 +270,7 @@ def test_robots_have_formal_orders(robot):
 
 @EXHAUSTIVE
 @pytest.mark.parametrize("body", ["leg1", None])
-def test_legs_of_cad_parts_converge_in_prismatic_pieces(body):
+def test_stepped_part_converges_with_second_order(body):
     """Ten pieces have one to eight segments each: second order, whole elements alone."""
     path = Path(__file__).parents[3] / "examples" / "tapered-biglide" / "robot.toml"
     study = convergence(load_robot(path).mechanism, body=body)
@@ -300,7 +300,8 @@ def test_order_by_regression_over_three_finest_counts():
     assert order == pytest.approx(-slope, rel=1e-12)
 
 
-def test_half_width_without_order_is_three_times_the_largest_finer_error():
+def test_half_width_without_order_is_threefold_error():
+    """Three times the largest error of this and every finer count, plus that of the limit."""
     series = ConvergenceSeries(
         discretisation=Discretisation("segments"),
         formal_order=2.0,
@@ -377,6 +378,6 @@ def test_deflection_of_zero_is_exact(tmp_path):
     assert beam == pytest.approx(1.0 / (2.1e11 * np.pi * 0.005**2 + 1.0), rel=1e-9)
 
 
-def test_value_beside_a_reference_of_zero_is_infinitely_off():
+def test_error_from_a_reference_of_zero_is_infinite():
     errors = relative_errors(np.array([[0.0, 1e-9, 2.0]]), np.array([0.0, 0.0, 1.0]))
     np.testing.assert_array_equal(errors, [[0.0, np.inf, 1.0]])

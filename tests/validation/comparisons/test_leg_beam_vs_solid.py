@@ -70,14 +70,14 @@ def test_literal_layout_disagrees(monkeypatch):
     assert share == pytest.approx(-0.073, abs=1e-3)
 
 
-def test_own_constants_of_a_rectangle_are_those_of_the_formula():
+def test_computed_constants_of_rectangle_match_formula():
     """A solid rectangle without contraction: the section's finite elements agree to 0.1 %."""
     outcome = outcome_of("leg1.agrees[vjm-solid-y]")
     formula = next(one for one in outcome.measurement.allowances if one.cause == FORMULA)
     assert abs(formula.amount) < 1e-3 * outcome.measurement.reference
 
 
-def test_wrong_held_solid_is_not_explained_by_its_faces(monkeypatch):
+def test_wrong_held_solid_is_not_explained(monkeypatch):
     """Held faces change f1 of leg 1 by 0.001 %: 3 % more is no held face."""
     right = leg_beam_vs_solid.frequencies
 
@@ -129,7 +129,7 @@ def test_section_by_correct_formulas_agrees(steel_arm, motion):
     assert vjm_verdict(steel_arm[1], motion) == "agree"
 
 
-def test_quick_preset_compares_walls_on_one_section_mesh(steel_arm, monkeypatch):
+def test_quick_preset_compares_walls_on_one_mesh(steel_arm, monkeypatch):
     """Two section meshes of walls are too large for it: slices alone differ, and decide as well."""
     shape, context = steel_arm
     quick = Context(context.robot_file, "quick")
@@ -209,7 +209,7 @@ def agreeing(model, label, value, reference, *allowances, body="leg1", **more):
     return judge(case, outcome.measurement, 0.0)
 
 
-def test_table_shows_values_differences_and_what_is_left():
+def test_table_has_values_and_unexplained_differences():
     """Solid 2 and 4 nm/N; VJM 1.5 % off, 1.45 % of it by held faces."""
     outcomes = [
         agreeing("vjm", "x", 2.0e-9, 2.0e-9),
@@ -233,7 +233,7 @@ def test_table_shows_values_differences_and_what_is_left():
     assert first.causes == (("held end faces", ("", "+1.45\N{NO-BREAK SPACE}%")),)
 
 
-def test_sentence_states_the_largest_unexplained_and_disagreements():
+def test_sentence_has_largest_difference_and_verdicts():
     good = [
         agreeing("vjm", "x", 2.001e-9, 2.0e-9),
         agreeing("vjm", "z", 4.06e-9, 4.0e-9, Allowance(HELD_FACES, 0.0599e-9)),

@@ -28,7 +28,7 @@ def test_solid_limit_is_the_timoshenko_cantilever(study):
     assert (series.limit_half_widths[4:] < 1e-3).all()
 
 
-def test_needed_divisions_are_the_fewest_that_stay_below(study):
+def test_needed_divisions_are_the_smallest_sufficient(study):
     """Of the meshes that were computed; 0 if the finest misses the target."""
     found = set()
     for series in study.series:

@@ -57,7 +57,7 @@ def test_bar_has_the_values_of_the_cantilever(bar):
         assert values[AT["f1"]] == pytest.approx(3.5160 * speed, rel=5e-3)
 
 
-def test_condensed_bar_is_one_element_with_consistent_mass(bar):
+def test_condensed_bar_equals_one_consistent_element(bar):
     solid, condensed = solid_values(bar).values, condensed_values(bar)
     shares = condensed / solid - 1.0
     np.testing.assert_allclose(shares[: AT["f1"]], 0.0, atol=1e-6)
@@ -76,7 +76,7 @@ def outcomes_of(path):
     ]
 
 
-def test_table_of_a_part_has_differences_without_verdicts(tmp_path):
+def test_table_of_part_has_no_verdicts(tmp_path):
     (outcome,) = outcomes_of(write_crane(tmp_path))
     assert outcome.verdict == "agree"
     (table,) = agreement_tables([outcome])
@@ -113,7 +113,7 @@ def test_condensed_frequency_below_the_solid_disagrees(tmp_path, monkeypatch):
     assert outcome.verdict == "disagree"
 
 
-def test_part_that_cannot_be_stepped_shows_its_condensed_form(tmp_path):
+def test_unsteppable_part_has_only_condensed_values(tmp_path):
     write_overlapping_crane(tmp_path)
     (outcome,) = outcomes_of(tmp_path / "robot.toml")
     (table,) = agreement_tables([outcome])

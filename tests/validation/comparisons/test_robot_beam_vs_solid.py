@@ -67,7 +67,7 @@ def test_first_frequency_of_the_biglide_agrees(model):
 
 @pytest.mark.parametrize("model", ["vjm", "links", "segments", "beam"])
 @pytest.mark.parametrize("motion", ["x", "z", "φx", "φz"])
-def test_motion_of_the_biglide_differs_by_held_faces_alone(model, motion):
+def test_motion_of_biglide_differs_by_held_faces_only(model, motion):
     """Held warping of the legs makes the robot 2.9 % stiffer about x, not stiffer along x."""
     outcome = outcome_of("ifw", f"robot.agrees[{model}-solid-{motion}]")
     measurement = outcome.measurement
@@ -125,7 +125,7 @@ def changed(context, function, change):
     return replace(context, _memo=memo)
 
 
-@pytest.mark.parametrize("field", ["held", "own"])
+@pytest.mark.parametrize("field", ["specified_ends", "computed"])
 def test_wrong_ingredient_is_not_explained(field):
     """3 % off in one of the frequencies that the named differences are made of."""
     outcome_of("ifw", "robot.agrees[beam-solid-f2]")
