@@ -37,8 +37,7 @@ from lumped.robot_file.places import unit_of
 from lumped.robot_file.written import toml_of, toml_value
 from meshes.part.interfaces import find_interfaces
 from validation.adequacy.judgement import judged
-from validation.adequacy.references import Subject
-from validation.adequacy.robot import judged_robot
+from validation.adequacy.robot_verdicts import judged_robot
 from validation.case import Skip
 from validation.comparisons.convergence_study import ConvergenceStudy
 from validation.comparisons.discretisations import RefinedModel
@@ -54,7 +53,7 @@ from validation.maps.workspace import directions
 from validation.measured.matrix import measured_matrix
 from validation.measured.modes import with_measured_file
 from validation.models.options import ModelName, ModelOptions
-from validation.models.parts import identified
+from validation.models.reduced_parts import identified
 from validation.parts.identify import DEFAULT_MODES, DEFAULT_UNKNOWNS, Identified
 from validation.parts.identify import identify as identified_between
 from validation.parts.meshes import part_file
@@ -67,6 +66,7 @@ from validation.parts.request import (
 from validation.python.designs import Designs
 from validation.python.finished import Run
 from validation.python.measured import MeasuredComparison
+from validation.references.reference import Subject
 from validation.report.table import entry_line, matrix_table, table_of
 from validation.report.words import sentence
 from validation.solve.answer import Solution

@@ -16,9 +16,9 @@ from typing import Literal, TypeAlias
 
 from fem.calculix.run import CalculixMissing
 from lumped.errors import ComputationError, InputError
-from validation.claims import Claim
 from validation.context import PRESETS, About, Context, Preset
-from validation.exhibits import Study
+from validation.published_statements import Claim
+from validation.studies_and_figures import Study
 
 # A comparison of two models, of a model with its own refinement, or of all formulations of one leg.
 CaseKind: TypeAlias = Literal["comparison", "convergence", "agreement"]

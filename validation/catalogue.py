@@ -5,8 +5,7 @@ from collections.abc import Sequence
 from lumped.robot_file import RobotFile
 from lumped.robot_file.variation import Variation
 from validation import paper
-from validation.adequacy.mechanism.path import distinct_legs
-from validation.adequacy.robot import robot_adequacy
+from validation.adequacy.robot_verdicts import robot_adequacy
 from validation.cases import cases
 from validation.comparisons import (
     convergence_cases,
@@ -19,9 +18,10 @@ from validation.maps.figure import figures as maps
 from validation.maps.workspace import directions
 from validation.measured.matrix import measured_matrix
 from validation.paper.robot import is_paper_robot
+from validation.references.robot_on_path import distinct_legs
 from validation.report.figures import curves, modes, pictures, responses
 from validation.run.outcome import Task
-from validation.solids.legs import SHARED_SOLIDS
+from validation.solids.solid_legs import SHARED_SOLIDS
 from validation.variations.cases import cases_over
 from validation.verdicts import ADEQUACY, MEASURED, Assessment
 

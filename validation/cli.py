@@ -45,7 +45,7 @@ from validation.console.typed import (
 from validation.export.command import export as export_model
 from validation.kinematics import commands as kinematics
 from validation.selftest.command import selftest
-from validation.solve import parts as commands
+from validation.solve import part_commands as commands
 
 app = App(
     name="flexproof",

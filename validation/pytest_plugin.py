@@ -94,7 +94,7 @@ class RobotCollector(pytest.File):
 
         Raises UsageError with the faults of the file.
         """
-        from validation.adequacy.models import judged_models  # noqa: PLC0415
+        from validation.adequacy.judged_models import judged_models  # noqa: PLC0415
         from validation.comparisons.checks import checks  # noqa: PLC0415
 
         robot_file = _robot_file(self.robot)

@@ -16,7 +16,6 @@ from lumped.models.bodies import legs_of
 from lumped.robot_file import RobotFile
 from lumped.robot_file.evidence import with_options
 from lumped.robot_file.variation import Variation
-from validation.agreement.accuracy import accuracy_faults
 from validation.console.progress import stage
 from validation.console.streams import write_message
 from validation.context import Context, Preset
@@ -33,6 +32,7 @@ from validation.run.provenance import last_selftest
 from validation.run.records import RunRecord, load_run
 from validation.run.results import Results
 from validation.solve.cost import PER_PART
+from validation.uncertainty.refinement import accuracy_faults
 from validation.verdicts import ADEQUACY, MEASURED, MEASURED_RESPONSE
 
 # How many times as long as results.json takes to write it is left alone.
@@ -254,7 +254,7 @@ def _prepare(request: Request, cluster: Executor | None) -> None:
     if not request.robot_file.mechanism.parts:
         return
     # Meshes and solvers, of which most runs ask for none.
-    from validation.adequacy.mechanism.parts_ahead import prepare_parts  # noqa: PLC0415
+    from validation.references.part_preparation import prepare_parts  # noqa: PLC0415
 
     context = Context(request.robot_file, request.preset)
     parts = len(request.robot_file.mechanism.parts)
@@ -266,7 +266,7 @@ def _prepare(request: Request, cluster: Executor | None) -> None:
 def _refuse_large_exports(request: Request) -> None:
     """Raise InputError for legs whose solids are too large to be written."""
     from validation.export.files import DIVISIONS  # noqa: PLC0415
-    from validation.solids.size import too_large  # noqa: PLC0415
+    from validation.solids.solid_size import too_large  # noqa: PLC0415
 
     legs = list(legs_of(request.robot_file.mechanism).values())
     reason = too_large(legs, len(legs) * (DIVISIONS[request.preset],), request.preset)

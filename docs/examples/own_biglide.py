@@ -6,7 +6,7 @@ from lumped.legs import ConstantLeg, Material
 from lumped.mechanism.biglide import biglide
 from lumped.mechanism.kinematics.postures import reference_posture
 from lumped.sections import Tube
-from validation.models.mechanism import answers
+from validation.models.robot_models import answers
 
 steel = Material.isotropic(E=2.1e11, nu=0.3, rho=7850.0)
 robot = biglide(

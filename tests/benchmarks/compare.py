@@ -46,8 +46,8 @@ from lumped.system.assembly import assembly
 from lumped.system.sweep import swept
 from meshes.prism import tetrahedra
 from meshes.section.section_mesh import section_mesh
-from validation.models import parts
-from validation.models.mechanism import dynamic_bodies, highest_frequency
+from validation.models import reduced_parts
+from validation.models.robot_models import dynamic_bodies, highest_frequency
 from validation.parts.identify import identify
 from validation.run import provenance
 
@@ -198,7 +198,7 @@ def identified() -> Figures:
     """A CAD part identified: six compliances, mass, clamped frequencies, with their intervals."""
     body = load_robot(TAPERED).mechanism.bodies["leg1"]
     start = perf_counter()
-    found = identify(*parts.found_in(body), parts.shape_of(body).material, UNKNOWNS)
+    found = identify(*reduced_parts.found_in(body), reduced_parts.shape_of(body).material, UNKNOWNS)
     return {"s": perf_counter() - start, "unknowns": found.unknowns[-1]}
 
 

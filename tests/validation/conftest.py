@@ -12,11 +12,11 @@ from meshes.part import slices, volume
 from meshes.part.reading import read
 from validation import cli
 from validation.adequacy.judgement import judged
-from validation.adequacy.mechanism import legs
-from validation.adequacy.references import Subject
-from validation.adequacy.robot import robot_subject
+from validation.adequacy.robot_verdicts import robot_subject
 from validation.context import Context
-from validation.models import parts
+from validation.models import reduced_parts
+from validation.references import reference_legs
+from validation.references.reference import Subject
 from validation.verdicts import Matrix
 
 
@@ -88,7 +88,7 @@ def paper(paper_subject: Subject) -> Matrix:
 def coarse_parts():
     """Meshes of some thousand unknowns in the place of those of a run, made in this process."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(parts, "UNKNOWNS", 6_000)
+        patch.setattr(reduced_parts, "UNKNOWNS", 6_000)
         for module in (read, volume, slices):
             patch.setattr(module, "within_limits", lambda _, function, *given: function(*given))
         yield patch
@@ -98,5 +98,5 @@ def coarse_parts():
 def coarse_legs():
     """Legs' solids on section meshes of a hundred nodes in the place of those of a quick run."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setitem(legs.UNKNOWNS, "quick", (300, 2500))
+        patch.setitem(reference_legs.UNKNOWNS, "quick", (300, 2500))
         yield

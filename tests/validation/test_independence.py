@@ -35,12 +35,12 @@ from lumped.system.assembly import assembly
 from lumped.system.solution import solved
 from lumped.system.sweep import swept
 from validation import paper
-from validation.adequacy.models import JUDGED
+from validation.adequacy.judged_models import JUDGED
 from validation.case import Case
 from validation.cases import cases, ritz
 from validation.comparisons.robot_beam_vs_solid import robot_modes
-from validation.models.legs import leg_matrices
-from validation.solids.legs import held_solid
+from validation.models.leg_models import leg_matrices
+from validation.solids.solid_legs import held_solid
 from validation.variations.cases import cases_over
 
 ROOT = Path(__file__).resolve().parents[2]

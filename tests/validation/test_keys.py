@@ -33,7 +33,7 @@ from meshes.part.reading.read import PartFile
 from validation import api, pytest_plugin
 from validation.case import Absolute, Relative
 from validation.context import PRESETS, memo_key
-from validation.models import parts, stepped_parts
+from validation.models import reduced_parts, stepped_parts
 from validation.models.options import ModelOptions
 from validation.parts import identify, meshes
 from validation.run import provenance, sources
@@ -146,7 +146,7 @@ def test_changed_source_line_changes_keys_of_its_results(tmp_path, monkeypatch):
         "lumped/screws.py": [True, True, True],
         "meshes/part/volume.py": [True, True, True],
         "fem/elasticity.py": [False, True, True],
-        "validation/models/parts.py": [False, True, True],
+        "validation/models/reduced_parts.py": [False, True, True],
         "validation/report/page.py": [False, False, True],
     }
     for name, changed in changes.items():
@@ -168,7 +168,7 @@ def test_sources_in_keys_of_parts_are_all_that_compute_them():
     files = drawn["modules"]()
     for start, places in (
         ({"validation.parts.meshes"}, meshes.MESHING),
-        ({one.__name__ for one in (identify, parts, stepped_parts)}, meshes.COMPUTING),
+        ({one.__name__ for one in (identify, reduced_parts, stepped_parts)}, meshes.COMPUTING),
     ):
         found, waiting = set(), list(start)
         while waiting:
@@ -232,8 +232,10 @@ def asked_of_parts(file: PartFile, interfaces: tuple[Interface, ...]) -> Iterato
     yield partial(identify.identify, file, interfaces, replace(STEEL, nu=0.29), 1000, 6)
     plain = {"highest": 800.0, "cutoff": 2000.0}
     others = {"highest": 801.0, "cutoff": 2001.0, "level": 1, "hold": "average", "by": "free"}
-    yield from (partial(parts.reduced, one, **plain) for one in (body, lighter))
-    yield from (partial(parts.reduced, body, **plain | {name: others[name]}) for name in others)
+    yield from (partial(reduced_parts.reduced, one, **plain) for one in (body, lighter))
+    yield from (
+        partial(reduced_parts.reduced, body, **plain | {name: others[name]}) for name in others
+    )
     yield from (partial(stepped_parts.stepped, leg, pieces) for pieces in (10, 11))
 
 
@@ -244,7 +246,7 @@ def test_everything_that_is_kept_of_parts_has_a_key_of_its_own(tmp_path, monkeyp
 
     keys: list[str] = []
     part = given(tmp_path)
-    monkeypatch.setattr(parts, "found_in", lambda _: part)
+    monkeypatch.setattr(reduced_parts, "found_in", lambda _: part)
     monkeypatch.setattr(CacheEntry, "value", noted)
     asked = list(asked_of_parts(*part))
     for ask in asked:
@@ -301,10 +303,10 @@ def test_the_digest_of_a_robot_is_that_of_its_file_and_its_parts(tmp_path):
     assert load_robot("ifw").sha256 == hashlib.sha256(load_robot("ifw").text.encode()).hexdigest()
     # A part that was written again under a session, as long as before, is read again.
     body, part = one.mechanism.parts["rocker"], tmp_path / "one" / "rocker.step"
-    before, _ = parts.found_in(body)
-    assert parts.found_in(body)[0] is before
+    before, _ = reduced_parts.found_in(body)
+    assert reduced_parts.found_in(body)[0] is before
     part.write_text(part.read_text().replace("\n", " ", 1))
-    assert parts.found_in(body)[0] is not before
+    assert reduced_parts.found_in(body)[0] is not before
     part.unlink()
     assert load_robot(tmp_path / "one" / "robot.toml").sha256 != one.sha256
 

@@ -9,13 +9,13 @@ from numpy.typing import NDArray
 
 from lumped.acceptance.quantities import ANY_FORCE, ORDER, Quantity, QuantityKind
 from lumped.arrays import Array, IntArray
-from validation.adequacy.mechanism.path import Factors
-from validation.adequacy.partners import Partners, partners, shape_ranges
-from validation.adequacy.references import Interpretation, Source, Subject
-from validation.adequacy.responses import Model
-from validation.agreement.displacement import difference_under, nearest_between, relative
-from validation.agreement.mode_pairing import one_frequency
-from validation.agreement.responses import PathModes, Statics
+from validation.references.reference import Interpretation, Source, Subject
+from validation.references.responses import Model
+from validation.references.robot_on_path import Factors
+from validation.responses.displacement import difference_under, nearest_between, relative
+from validation.responses.mode_pairing import one_frequency
+from validation.responses.mode_partners import Partners, partners, shape_ranges
+from validation.responses.statics_and_modes import PathModes, Statics
 
 # Relative difference up to which errors of two poses or interpretations tie, far above rounding.
 _SAME = 1e-9

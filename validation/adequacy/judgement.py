@@ -15,11 +15,11 @@ from lumped.acceptance.quantities import ANY_FORCE, ORDER, Quantity, QuantityKin
 from lumped.acceptance.requirement import Requirement
 from lumped.arrays import Array, IntArray
 from validation.adequacy.errors import Errors, ModelErrors, first_largest
-from validation.adequacy.mechanism.path import NOMINAL
 from validation.adequacy.probability import Probability, UncertainInputs, probability
-from validation.adequacy.references import NOT_FINER, SAY_LINEAR, Reference, Source, Subject
-from validation.adequacy.responses import Model
-from validation.agreement.responses import Unsolved
+from validation.references.reference import NOT_FINER, SAY_LINEAR, Reference, Source, Subject
+from validation.references.responses import Model
+from validation.references.robot_on_path import NOMINAL
+from validation.responses.statics_and_modes import Unsolved
 from validation.verdicts import Adequacy, Cause, Entry, Matrix, ModelNote, worst_of
 
 REST = "rest, not attributed"

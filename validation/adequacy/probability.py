@@ -30,11 +30,11 @@ from lumped.acceptance.quantities import ANY_FORCE, Quantity
 from lumped.arrays import Array
 from lumped.memo import memo
 from validation.adequacy.errors import Errors, ModelErrors
-from validation.adequacy.references import InputUncertainties
-from validation.adequacy.responses import Model
-from validation.agreement.combiners import Combiner, combined
-from validation.agreement.displacement import FLOOR, nearest_between
-from validation.agreement.responses import Statics
+from validation.references.reference import InputUncertainties
+from validation.references.responses import Model
+from validation.responses.displacement import FLOOR, nearest_between
+from validation.responses.statics_and_modes import Statics
+from validation.uncertainty.combiners import Combiner, combined
 from validation.verdicts import Adequacy
 
 # Of a normal distribution, two-sided 95 %.

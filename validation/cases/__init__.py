@@ -4,9 +4,9 @@ In: the mechanism of a run. Out: cases whose subject is the robot, or one of its
 """
 
 from lumped.mechanism.mechanism import Mechanism
-from validation.adequacy.mechanism.path import distinct_legs
 from validation.case import Case
-from validation.cases import legs, other_programs, part_reductions, polynomials
+from validation.cases import leg_theory, other_programs, part_reductions, polynomials
+from validation.references.robot_on_path import distinct_legs
 
 
 def cases(described: Mechanism, modes: int) -> tuple[Case, ...]:
@@ -15,7 +15,7 @@ def cases(described: Mechanism, modes: int) -> tuple[Case, ...]:
     `modes` frequencies of the robot are judged.
     """
     return (
-        *legs.cases(legs=distinct_legs(described)),
+        *leg_theory.cases(legs=distinct_legs(described)),
         *part_reductions.cases(mechanism=described),
         *other_programs.cases(mechanism=described),
         *polynomials.cases(mechanism=described, modes=modes),

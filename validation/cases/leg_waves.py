@@ -28,7 +28,7 @@ from lumped.mechanism.mechanism import Posture
 from lumped.system.assembly import assembly
 from lumped.system.solution import modes, solved
 from meshes.section.section_mesh import section_mesh
-from validation.models.legs import filled
+from validation.models.leg_models import filled
 
 WAVES = "waves in the legs: contraction, warping by shear on the way, walls that bend"
 WAVES_SOURCE = "waves of 3-D elasticity on the section's mesh (validation.cases.leg_waves)"

@@ -22,14 +22,14 @@ from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.models.bodies import legs_of
 from lumped.system.assembly import assembly
 from lumped.system.solution import compliance, modes, solved
-from validation.adequacy.mechanism.path import known_legs, path_postures
-from validation.agreement.mesh_half_widths import MeshPolicy, mesh_half_widths
 from validation.case import Absolute, Elsewhere, Measurement, Relative, Skip
 from validation.case_group import CaseGroup
 from validation.context import Context
-from validation.exhibits import PATH
-from validation.models.legs import filled
-from validation.models.mechanism import PostureAnswer, answers, highest_frequency
+from validation.models.leg_models import filled
+from validation.models.robot_models import PostureAnswer, answers, highest_frequency
+from validation.references.robot_on_path import known_legs, path_postures
+from validation.studies_and_figures import PATH
+from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
 
 # Frequencies compared with CalculiX, and with EXUDYN.
 SOLID_MODES, BEAM_MODES = 10, 6

@@ -5,18 +5,18 @@ which span different spaces; each reduction bounds what it has dropped.
 """
 
 from lumped.mechanism.mechanism import Mechanism
-from validation.adequacy.mechanism.parts import bounded_frequencies
-from validation.adequacy.mechanism.path import (
-    robot_on_path,
-)
 from validation.case import Measurement, Relative
 from validation.case_group import CaseGroup, numbered
 from validation.context import Context
-from validation.exhibits import PATH
-from validation.models.mechanism import (
+from validation.models.robot_models import (
     JUDGED_MODES,
 )
 from validation.parts.meshes import COARSE
+from validation.references.reference_parts import bounded_frequencies
+from validation.references.robot_on_path import (
+    robot_on_path,
+)
+from validation.studies_and_figures import PATH
 
 cases = CaseGroup(
     reference_kind="independent-solver", model="solid", section=PATH, unit="Hz", effort=5.0

@@ -22,17 +22,17 @@ from lumped.models.serial_chains import serial_chains
 from lumped.system.assembly import assembly
 from lumped.system.solution import rounding, solved
 from lumped.text import counted
-from validation.adequacy.mechanism.path import path_postures, why_not_serial
-from validation.adequacy.mechanism.solids import model_statics
-from validation.adequacy.models import JudgedModel, judged_models
+from validation.adequacy.judged_models import JudgedModel, judged_models
 from validation.case import Measurement, Relative, Skip
 from validation.case_group import CaseGroup, numbered
 from validation.cases.ritz import DEGREE, compliance, frequencies, on_drives
 from validation.context import Context
-from validation.exhibits import PATH
-from validation.models.mechanism import answers, static_bodies
 from validation.models.options import STATIC, ModelName, ModelOptions
 from validation.models.part_legs import part_springs
+from validation.models.robot_models import answers, static_bodies
+from validation.references.model_ladder import model_statics
+from validation.references.robot_on_path import path_postures, why_not_serial
+from validation.studies_and_figures import PATH
 
 LOAD = 1000.0  # N or N m
 _MICRO, _MILLI = 1e-6, 1e-3

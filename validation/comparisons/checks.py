@@ -13,7 +13,6 @@ import numpy as np
 
 from lumped.acceptance.requirement import AgreementLimits
 from lumped.robot_file import RobotFile
-from validation.adequacy.mechanism.path import distinct_legs
 from validation.case import Case, Skip
 from validation.comparisons import leg_beam_vs_solid, robot_beam_vs_solid
 from validation.comparisons.convergence_cases import JUDGED, study_of, subjects
@@ -23,6 +22,7 @@ from validation.comparisons.element_convergence import QUANTITIES
 from validation.comparisons.requested import leg_names
 from validation.context import Context
 from validation.drawing.text import percent
+from validation.references.robot_on_path import distinct_legs
 from validation.run.outcome import Outcome, Verdict, judge
 
 # Names of rotations as they are typed, by the labels of the cases.

@@ -14,7 +14,6 @@ from lumped.legs import NoBeamTheoryError
 from lumped.mechanism.mechanism import Mechanism
 from lumped.models.bodies import legs_of
 from meshes.part.slices import NotPrismaticError
-from validation.adequacy.mechanism.path import distinct_legs
 from validation.case import Absolute, Elsewhere, Measurement, Relation, Skip
 from validation.case_group import CaseGroup
 from validation.comparisons.convergence_series import ConvergenceSeries
@@ -23,8 +22,9 @@ from validation.comparisons.discretisations import RefinedModel
 from validation.comparisons.element_convergence import QUANTITIES
 from validation.comparisons.requested import convergence, leg_names
 from validation.context import Context
-from validation.exhibits import CONVERGENCE
 from validation.models.stepped_parts import PIECES
+from validation.references.robot_on_path import distinct_legs
+from validation.studies_and_figures import CONVERGENCE
 
 GROUP = "convergence"
 FIGURE = "robot.element-convergence"

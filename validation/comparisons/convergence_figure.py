@@ -13,7 +13,7 @@ from validation.comparisons.convergence_study import (
 from validation.context import Context
 from validation.drawing.chart import Chart
 from validation.drawing.figures import FigureGroup
-from validation.exhibits import CONVERGENCE
+from validation.studies_and_figures import CONVERGENCE
 
 # Legs drawn beside the robot. All legs are judged and are in the data of the figure.
 _MOST_LEGS = 2

@@ -20,14 +20,14 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.legs import Theory
-from validation.agreement.convergence import (
+from validation.comparisons.discretisations import Discretisation
+from validation.uncertainty.grid_convergence import (
     CLOSE_TO_FORMAL,
     COARSE_COUNT,
     orders_to_limits,
     pairwise_orders,
 )
-from validation.agreement.mesh_half_widths import PROVEN, UNPROVEN, MeshPolicy, mesh_half_widths
-from validation.comparisons.discretisations import Discretisation
+from validation.uncertainty.mesh_half_widths import PROVEN, UNPROVEN, MeshPolicy, mesh_half_widths
 
 # Relative errors whose smallest element counts are reported.
 TARGETS = (0.01, 0.001, 0.0001)

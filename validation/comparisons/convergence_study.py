@@ -13,7 +13,6 @@ from lumped.errors import InputError
 from lumped.legs import Theory
 from lumped.mechanism.mechanism import UNITS_OF_MOVES
 from lumped.models.segments import Layout
-from validation.agreement.convergence import COARSE_COUNT
 from validation.comparisons.convergence_chart import ErrorCurve, ErrorPanel, convergence_chart
 from validation.comparisons.convergence_series import TARGETS, ConvergenceSeries
 from validation.comparisons.convergence_text import (
@@ -29,6 +28,7 @@ from validation.drawing.chart import Chart
 from validation.drawing.style import csv_of, plot_style
 from validation.drawing.text import number
 from validation.tables import ResultTable
+from validation.uncertainty.grid_convergence import COARSE_COUNT
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

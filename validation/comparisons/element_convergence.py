@@ -21,8 +21,6 @@ from lumped.mechanism.mechanism import Posture
 from lumped.models.bodies import clamped_modes, legs_of, tip_compliance_of
 from lumped.system.assembly import assembly
 from lumped.system.solution import compliance, modes, solved
-from validation.agreement.convergence import richardson
-from validation.agreement.mesh_half_widths import MeshPolicy, mesh_half_widths
 from validation.comparisons.convergence_series import (
     TARGETS,
     ConvergenceSeries,
@@ -31,9 +29,11 @@ from validation.comparisons.convergence_series import (
 )
 from validation.comparisons.convergence_study import ConvergenceStudy
 from validation.comparisons.discretisations import FORMULATIONS, Discretisation
-from validation.models.legs import leg_matrices, reduced_leg
-from validation.models.mechanism import bodies_of, highest_frequency
+from validation.models.leg_models import leg_matrices, reduced_leg
 from validation.models.options import BEAM_ORDER, ModelOptions
+from validation.models.robot_models import bodies_of, highest_frequency
+from validation.uncertainty.grid_convergence import richardson
+from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
 
 # Elements per leg: about equal steps on a logarithmic axis, with 2:1 pairs for the half-widths.
 COUNTS = (1, 2, 3, 5, 8, 10, 15, 20, 30, 40, 80)

@@ -20,10 +20,9 @@ from lumped.arrays import Array
 from lumped.legs import BeamProperties, ConstantLeg, Ends, tip_compliance
 from lumped.sections import Rectangle
 from meshes.section.section_blocks import WALL_ASPECT
-from validation.adequacy.mechanism.legs import SECTION_DIVISIONS, most_unknowns
 from validation.case import Allowance, Measurement, Relative, Skip
 from validation.case_group import CaseGroup, numbered
-from validation.cases.legs import (
+from validation.cases.leg_theory import (
     DISTORTION_SOURCE,
     STATICS,
     compliances,
@@ -39,10 +38,10 @@ from validation.cases.legs import (
 from validation.comparisons.element_convergence import MODES
 from validation.comparisons.section_formulas import formula_band
 from validation.context import Context
-from validation.exhibits import AGREEMENT
-from validation.models.legs import constant_leg_of, leg_compliance, leg_frequencies
+from validation.models.leg_models import constant_leg_of, leg_compliance, leg_frequencies
 from validation.models.options import ModelName, ModelOptions
-from validation.solids.legs import (
+from validation.references.reference_legs import SECTION_DIVISIONS, most_unknowns
+from validation.solids.solid_legs import (
     Refinement,
     doubled_tips,
     formal_order,
@@ -51,7 +50,8 @@ from validation.solids.legs import (
     mesh_pair,
     static_ladder,
 )
-from validation.solids.size import why_shapeless
+from validation.solids.solid_size import why_shapeless
+from validation.studies_and_figures import AGREEMENT
 
 HELD_FACES = "held end faces"
 HELD_SOURCE = (

@@ -17,15 +17,13 @@ from lumped.legs import ConstantLeg
 from lumped.sections import Rectangle
 from lumped.text import counted
 from meshes.prism import tetrahedra
-from validation.agreement.convergence import Convergence, richardson
 from validation.case import Absolute, Measurement, Relation, Skip
 from validation.case_group import CaseGroup
-from validation.cases.legs import ENTRIES, compliances, frequencies, modes_of_beams
+from validation.cases.leg_theory import ENTRIES, compliances, frequencies, modes_of_beams
 from validation.context import Context
-from validation.exhibits import MESHES, Study
-from validation.models.legs import constant_leg_of
+from validation.models.leg_models import constant_leg_of
 from validation.models.options import Ends
-from validation.solids.legs import (
+from validation.solids.solid_legs import (
     GRIDS_FOR_ORDER,
     ROUND_OFF,
     Refinement,
@@ -33,6 +31,8 @@ from validation.solids.legs import (
     doubled_unknowns,
     formal_order,
 )
+from validation.studies_and_figures import MESHES, Study
+from validation.uncertainty.grid_convergence import Convergence, richardson
 
 END_NAMES: dict[Ends, str] = {"free": "free", "rigid": "held"}
 # Tetrahedra across the smaller side of a rectangle.

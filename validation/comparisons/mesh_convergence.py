@@ -1,8 +1,8 @@
 """Convergence with mesh: a leg of quadratic hexahedra over the divisions of its section.
 
 No closed solution of the solid exists: its limit is extrapolated (Richardson). From four meshes on
-the observed order decides (`validation.agreement.convergence.analyse`), with two or three the
-formal one, f∞ = f_n + (f_n − f_m)/((n/m)^p − 1), and three times that step is its half-width.
+the observed order decides (`validation.uncertainty.grid_convergence.analyse`), with two or three
+the formal one, f∞ = f_n + (f_n − f_m)/((n/m)^p − 1), and three times that step is its half-width.
 """
 
 from collections.abc import Sequence
@@ -12,14 +12,14 @@ import numpy as np
 from lumped.arrays import Array
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg
-from validation.agreement.convergence import analyse, richardson
-from validation.agreement.mesh_half_widths import MeshPolicy, mesh_half_widths
 from validation.comparisons.convergence_series import TARGETS, ConvergenceSeries
 from validation.comparisons.convergence_study import ConvergenceStudy
 from validation.comparisons.discretisations import Discretisation
 from validation.comparisons.element_convergence import DEFLECTIONS, MODES, QUANTITIES, UNITS
-from validation.models.legs import clamped_solid
-from validation.solids.legs import ROUND_OFF, formal_order
+from validation.models.leg_models import clamped_solid
+from validation.solids.solid_legs import ROUND_OFF, formal_order
+from validation.uncertainty.grid_convergence import analyse, richardson
+from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
 
 DIVISIONS = (1, 2, 3, 4)
 SOLIDS = (Discretisation("solid", ends="rigid"), Discretisation("solid", ends="free"))

@@ -29,11 +29,11 @@ from validation.comparisons.discretisations import Discretisation, RefinedModel
 from validation.comparisons.element_convergence import MODES
 from validation.comparisons.leg_beam_vs_solid import MOTIONS
 from validation.context import Context
-from validation.exhibits import AGREEMENT
-from validation.models.legs import leg_matrices
-from validation.models.parts import identified, is_leg, leg_axes
+from validation.models.leg_models import leg_matrices
+from validation.models.reduced_parts import identified, is_leg, leg_axes
 from validation.models.stepped_parts import PIECES, stepped
-from validation.solids.legs import SHARED_SOLIDS
+from validation.solids.solid_legs import SHARED_SOLIDS
+from validation.studies_and_figures import AGREEMENT
 
 QUANTITIES = (*MOTIONS, *(f"f{number}" for number in range(1, MODES + 1)))
 _STEPPED: tuple[RefinedModel, ...] = ("segments", "beam")

@@ -15,7 +15,7 @@ from validation.comparisons.convergence_study import ConvergenceStudy
 from validation.comparisons.discretisations import EULER_BERNOULLI, FORMULATIONS, RefinedModel
 from validation.comparisons.element_convergence import COUNTS, leg_convergence, robot_convergence
 from validation.comparisons.mesh_convergence import DIVISIONS, leg_mesh_convergence
-from validation.models.parts import is_leg
+from validation.models.reduced_parts import is_leg
 from validation.models.stepped_parts import PIECES, stepped
 
 

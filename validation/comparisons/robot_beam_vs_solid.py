@@ -32,31 +32,6 @@ from lumped.models.bodies import links, on_equivalent_legs
 from lumped.system.assembly import assembly
 from lumped.system.solution import compliance, solved
 from meshes.section.section_mesh import section_mesh
-from validation.adequacy.mechanism.legs import (
-    SECTION_DIVISIONS,
-    most_unknowns,
-    slowest,
-)
-from validation.adequacy.mechanism.path import (
-    Holds,
-    Reading,
-    known_legs,
-    offered,
-    path_postures,
-    why_not_serial,
-)
-from validation.adequacy.mechanism.samples import samples_of
-from validation.adequacy.mechanism.vibration import (
-    SolidMeshes,
-    model_vibration,
-    own_vibration,
-    solid_meshes,
-    solid_vibration,
-    vibration_of,
-)
-from validation.adequacy.partners import partners
-from validation.agreement.mesh_half_widths import MeshPolicy, mesh_half_widths
-from validation.agreement.responses import PathModes
 from validation.case import Allowance, Measurement, Relative, Skip
 from validation.case_group import CaseGroup, numbered
 from validation.cases.leg_waves import NO_WAVES, WAVES_SOURCE, wave_changes, waves_of
@@ -75,11 +50,34 @@ from validation.comparisons.leg_beam_vs_solid import (
 )
 from validation.comparisons.section_formulas import formula_band
 from validation.context import Context, Preset
-from validation.exhibits import AGREEMENT
-from validation.models.legs import filled
-from validation.models.mechanism import CUTOFF, answers, highest_frequency, modes_along
+from validation.models.leg_models import filled
 from validation.models.options import DEFAULT_OPTIONS, ModelName, ModelOptions
-from validation.solids.legs import (
+from validation.models.robot_models import CUTOFF, answers, highest_frequency, modes_along
+from validation.references.mode_samples import samples_of
+from validation.references.modes_on_path import (
+    SolidMeshes,
+    model_vibration,
+    own_vibration,
+    solid_meshes,
+    solid_vibration,
+    vibration_of,
+)
+from validation.references.reference_legs import (
+    SECTION_DIVISIONS,
+    most_unknowns,
+    slowest,
+)
+from validation.references.robot_on_path import (
+    Holds,
+    Reading,
+    known_legs,
+    offered,
+    path_postures,
+    why_not_serial,
+)
+from validation.responses.mode_partners import partners
+from validation.responses.statics_and_modes import PathModes
+from validation.solids.solid_legs import (
     COARSEST_WALLS,
     ELEMENTS,
     FORMAL_ORDER,
@@ -93,7 +91,9 @@ from validation.solids.legs import (
     own_beam,
     own_properties,
 )
-from validation.solids.size import too_large, why_shapeless
+from validation.solids.solid_size import too_large, why_shapeless
+from validation.studies_and_figures import AGREEMENT
+from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
 
 # Remedies for a comparison that is undecided because of held faces, or of meshes.
 _FREE_ENDS = "held end faces change this mode by more than their theory; compare with free ends"

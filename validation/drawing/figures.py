@@ -9,7 +9,7 @@ from validation.context import PRESETS, Context
 from validation.drawing.chart import Chart, chart_table
 from validation.drawing.scene import SceneGrid
 from validation.drawing.turnable import turnable
-from validation.exhibits import Figure, PlannedFigure
+from validation.studies_and_figures import Figure, PlannedFigure
 
 
 def drawn_figure(

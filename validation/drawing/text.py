@@ -11,7 +11,7 @@ from typing import Any, Protocol
 from markupsafe import escape
 
 from validation.case import Absolute, Tolerance
-from validation.exhibits import Figure
+from validation.studies_and_figures import Figure
 from validation.verdicts import EntryRecord
 
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")

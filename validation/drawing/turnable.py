@@ -15,7 +15,7 @@ from lumped.arrays import Array
 from validation.drawing.scene import DrawnBody, Scene, Wire
 from validation.drawing.style import COLOUR_MAP
 from validation.drawing.text import base64
-from validation.exhibits import InteractiveScene
+from validation.studies_and_figures import InteractiveScene
 
 # Size (pixels) of the first view.
 _SIZE = (400, 300)

@@ -135,7 +135,7 @@ def _content(
     from lumped.mechanism.kinematics.postures import posture, reference_posture  # noqa: PLC0415
     from validation.export import formats, reduced  # noqa: PLC0415
     from validation.kinematics.poses import parsed_pose  # noqa: PLC0415
-    from validation.models.mechanism import highest_frequency  # noqa: PLC0415
+    from validation.models.robot_models import highest_frequency  # noqa: PLC0415
 
     mechanism = robot_file.mechanism
     robot_posture = reference_posture(mechanism)

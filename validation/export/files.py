@@ -29,10 +29,10 @@ from lumped.system.solution import solved
 from meshes.elements import ELEMENTS
 from meshes.solid_mesh import VolumeMesh
 from validation.context import Preset
-from validation.models.legs import leg_matrices
-from validation.models.mechanism import constant_legs, mechanism_modes
+from validation.models.leg_models import leg_matrices
 from validation.models.options import DEFAULT_OPTIONS
-from validation.models.parts import found_in, shape_of, unknowns_of
+from validation.models.reduced_parts import found_in, shape_of, unknowns_of
+from validation.models.robot_models import constant_legs, mechanism_modes
 from validation.parts.meshes import part_mesh
 
 # VTK takes seconds to load and needs system libraries. It is imported only to write VTK files.

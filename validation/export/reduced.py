@@ -27,11 +27,11 @@ from lumped.models.bodies import legs_of
 from lumped.system.assembly import assemble
 from lumped.system.joint_motion import Portion
 from lumped.system.solution import Solved, modes_with_mass, solved
-from validation.models import parts
-from validation.models.legs import filled, reduced_superelement
+from validation.models import reduced_parts
+from validation.models.leg_models import filled, reduced_superelement
 from validation.models.loads.leg_masses import MASSES, Inside, leg_with_inside
-from validation.models.mechanism import CUTOFF, constant_legs, with_enough_modes
 from validation.models.options import DEFAULT_OPTIONS
+from validation.models.robot_models import CUTOFF, constant_legs, with_enough_modes
 
 TWIST = ("x", "y", "z", "phi_x", "phi_y", "phi_z")
 # Share of the cut-off frequency up to which frequencies of a free body are exported.
@@ -185,5 +185,5 @@ def _solids(
             yield name, (filled(reduced.matrices), reduced, (len(reduced.frequencies), cutoff))
     for name, body in mechanism.parts.items():
         if only in {None, name}:
-            part = parts.reduced(body, highest, cutoff)
+            part = reduced_parts.reduced(body, highest, cutoff)
             yield name, (part, part, (part.counted, part.cutoff))

@@ -41,7 +41,7 @@ from validation.drawing.surfaces import (
     rectangle,
 )
 from validation.drawing.walls import walled
-from validation.models.parts import found_in
+from validation.models.reduced_parts import found_in
 
 Matter: TypeAlias = Literal["leg", "rigid", "joint", "drive"]
 COLOURS: dict[Matter, str] = {

@@ -15,14 +15,12 @@ import numpy as np
 from lumped.arrays import Array
 from lumped.errors import InputError
 from lumped.mechanism.kinematics.postures import shown_pose
-from validation.adequacy.mechanism.path import coordinates
 from validation.case import Skip
 from validation.context import Context, Preset
 from validation.drawing.chart import Chart, Column, Contours, Panel, few_ticks
 from validation.drawing.figures import FigureGroup
 from validation.drawing.style import plot_style
 from validation.drawing.text import number
-from validation.exhibits import PATH
 from validation.maps.quantities import MappedQuantity, mapped_quantities
 from validation.maps.workspace import (
     Indices,
@@ -33,8 +31,10 @@ from validation.maps.workspace import (
     workspace,
     worst_posture,
 )
+from validation.references.robot_on_path import coordinates
 from validation.report.words import capital
-from validation.solids.legs import SHARED_SOLIDS
+from validation.solids.solid_legs import SHARED_SOLIDS
+from validation.studies_and_figures import PATH
 from validation.tables import ResultTable
 
 if TYPE_CHECKING:

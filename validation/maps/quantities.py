@@ -17,19 +17,19 @@ from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.models.bodies import links
 from lumped.system.assembly import Assembly, assembly
 from lumped.system.sweep import swept
-from validation.adequacy.mechanism.legs import solid_tip
-from validation.adequacy.mechanism.parts import solid_parts
-from validation.adequacy.mechanism.path import RobotOnPath, path_postures, robot_at
-from validation.adequacy.mechanism.solids import model_statics
-from validation.adequacy.models import JudgedModel, judged_models, why_unable
-from validation.adequacy.responses import UNSOLVED
-from validation.agreement.displacement import relative
-from validation.agreement.responses import Statics
+from validation.adequacy.judged_models import JudgedModel, judged_models, why_unable
 from validation.context import Context
 from validation.maps.workspace import Solve
-from validation.models.legs import reduced_leg
-from validation.models.mechanism import CUTOFF, bodies_of, with_enough_modes
+from validation.models.leg_models import reduced_leg
 from validation.models.options import ModelOptions
+from validation.models.robot_models import CUTOFF, bodies_of, with_enough_modes
+from validation.references.model_ladder import model_statics
+from validation.references.reference_legs import solid_tip
+from validation.references.reference_parts import solid_parts
+from validation.references.responses import UNSOLVED
+from validation.references.robot_on_path import RobotOnPath, path_postures, robot_at
+from validation.responses.displacement import relative
+from validation.responses.statics_and_modes import Statics
 
 _MICRO, _PERCENT = 1e-6, 100.0
 

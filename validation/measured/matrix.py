@@ -20,23 +20,23 @@ from lumped.errors import ComputationError
 from lumped.mechanism.kinematics.postures import posture
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.models.bodies import legs_of
-from validation.adequacy.mechanism.path import (
+from validation.adequacy.judged_models import JudgedModel, judged_models
+from validation.adequacy.probability import COVERAGE, propagated
+from validation.case import failure_reason
+from validation.context import Context
+from validation.measured.modes import Partner, modal_answer
+from validation.models.leg_models import leg_compliance
+from validation.models.options import STATIC, ModelName, ModelOptions
+from validation.references.model_ladder import formulation, with_elements
+from validation.references.responses import UNSOLVED, Model, Responses
+from validation.references.robot_on_path import (
     NOMINAL,
     Reading,
     coordinates,
     robot_at,
     why_not_serial,
 )
-from validation.adequacy.mechanism.solids import formulation, with_elements
-from validation.adequacy.models import JudgedModel, judged_models
-from validation.adequacy.probability import COVERAGE, propagated
-from validation.adequacy.responses import UNSOLVED, Model, Responses
-from validation.agreement.mesh_half_widths import MeshPolicy, mesh_half_widths
-from validation.case import failure_reason
-from validation.context import Context
-from validation.measured.modes import Partner, modal_answer
-from validation.models.legs import leg_compliance
-from validation.models.options import STATIC, ModelName, ModelOptions
+from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
 from validation.verdicts import Adequacy, Entry, Matrix, ModelNote, worst_of
 
 # Models of elements; the others have none and no discretisation.

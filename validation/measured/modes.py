@@ -25,16 +25,16 @@ from lumped.robot_file.load import RobotFile, with_measured
 from lumped.system.assembly import System
 from lumped.system.response import DampedModes, damped_modes
 from lumped.text import counted
-from validation.agreement.mode_pairing import (
+from validation.measured.responses import responses_of
+from validation.measured.tested import SUFFIXES, read_modes
+from validation.models.options import DEFAULT_OPTIONS, STATIC, ModelName, ModelOptions
+from validation.models.robot_models import PostureModes, mechanism_modes
+from validation.responses.mode_pairing import (
     one_frequency,
     pair_modes,
     sampled_modes,
     space_likeness,
 )
-from validation.measured.responses import responses_of
-from validation.measured.tested import SUFFIXES, read_modes
-from validation.models.mechanism import PostureModes, mechanism_modes
-from validation.models.options import DEFAULT_OPTIONS, STATIC, ModelName, ModelOptions
 
 # From here on two shapes are one mode: 0.9 is usual of modes that belong together, 0.1 of others,
 # and sensors a few centimetres off take a tenth away.

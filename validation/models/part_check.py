@@ -8,7 +8,7 @@ from lumped.mechanism.body import Body
 from lumped.mechanism.mechanism import Mechanism
 from meshes.part.interfaces import Interface
 from meshes.part.reading.read import PartFile
-from validation.models.parts import found_in
+from validation.models.reduced_parts import found_in
 
 
 def parts_text(mechanism: Mechanism) -> str:

@@ -22,7 +22,7 @@ from lumped.mechanism.mechanism import Mechanism
 from lumped.screws import turn, turn_matrix
 from lumped.text import counted
 from validation.models.options import ModelOptions
-from validation.models.parts import condensed, identified, is_leg, leg_axes
+from validation.models.reduced_parts import condensed, identified, is_leg, leg_axes
 from validation.models.stepped_parts import stepped
 
 

@@ -10,7 +10,7 @@ from lumped.legs import ConstantLeg
 from lumped.mechanism.body import Body, Part
 from lumped.mechanism.joint import Joint
 from lumped.mechanism.mechanism import GROUND, Mechanism
-from validation.models.parts import found_in
+from validation.models.reduced_parts import found_in
 
 # Length (m), mass (kg) and mass per length (kg/m) above which a leg is no machine's: a solid steel
 # bar of 1.1 m × 1.1 m has 1e4 kg/m, the box boom of a large crane 3e3. In millimetres taken for

@@ -19,7 +19,7 @@ from meshes.part.boundary import Facets, PartMesh, boundary
 from meshes.part.slices import NotPrismaticError, slice_meshes, slices_of
 from meshes.part.spread import cell_volumes
 from meshes.section.section_mesh import SectionMesh
-from validation.models import parts
+from validation.models import reduced_parts
 from validation.parts.meshes import MIDDLE, mesh_entries, part_key, part_mesh
 from validation.run.cache import Arrays, CacheEntry, require_shape
 
@@ -47,10 +47,10 @@ def stepped(body: Body, pieces: int = PIECES) -> SteppedLeg:
 
 def stepped_entry(body: Body, pieces: int = PIECES) -> CacheEntry[SteppedLeg]:
     """Cache entry of what `stepped` returns."""
-    file, interfaces = parts.found_in(body)
-    material = parts.shape_of(body).material
-    frame = parts.leg_axes(body)
-    unknowns = parts.unknowns_of(body)
+    file, interfaces = reduced_parts.found_in(body)
+    material = reduced_parts.shape_of(body).material
+    frame = reduced_parts.leg_axes(body)
+    unknowns = reduced_parts.unknowns_of(body)
     key = part_key(file, interfaces, material, "stepped", unknowns, pieces)
 
     def compute() -> dict[str, Any]:
@@ -97,7 +97,7 @@ def stepped_entry(body: Body, pieces: int = PIECES) -> CacheEntry[SteppedLeg]:
 
 def why_not_stepped(mechanism: Mechanism) -> str:
     """Empty where every part that is a leg can be stepped, else what is in the way."""
-    legs = [body for body in mechanism.parts.values() if parts.is_leg(body)]
+    legs = [body for body in mechanism.parts.values() if reduced_parts.is_leg(body)]
     if not legs:
         return "no part has exactly two interfaces, as stepped legs need"
     try:

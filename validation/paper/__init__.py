@@ -6,8 +6,8 @@ paper's robot, the IFW demonstrator, alone.
 """
 
 from validation.case import Case
-from validation.exhibits import PlannedFigure
 from validation.paper import family, frequencies, statics
+from validation.studies_and_figures import PlannedFigure
 
 
 def cases() -> tuple[Case, ...]:

@@ -24,7 +24,6 @@ from validation.drawing.chart import (
 )
 from validation.drawing.figures import FigureGroup
 from validation.drawing.text import percent
-from validation.exhibits import FAMILY, STROKE
 from validation.models.options import DEFAULT_OPTIONS, ModelName, ModelOptions
 from validation.paper.robot import (
     ALPHAS,
@@ -37,6 +36,7 @@ from validation.paper.robot import (
     frequencies,
     stroke_of,
 )
+from validation.studies_and_figures import FAMILY, STROKE
 
 T = TypeVar("T")
 _POINT_TITLES = {"centre": "centre of the stroke", "left": "left end", "right": "right end"}

@@ -11,7 +11,7 @@ from lumped.legs import ConstantLeg
 from lumped.system.joint_motion import Portion
 from validation.case import Absolute, Measurement, Relation, Relative
 from validation.context import Context
-from validation.models.legs import leg_frequencies
+from validation.models.leg_models import leg_frequencies
 from validation.models.options import (
     BEAM_ORDER,
     LITERAL_ORDER,

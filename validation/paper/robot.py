@@ -23,8 +23,8 @@ from lumped.system.assembly import System
 from lumped.system.joint_motion import Portion
 from lumped.system.solution import strain_shares
 from validation.context import BUILT_IN
-from validation.models.mechanism import answers, mechanism_modes
 from validation.models.options import DEFAULT_OPTIONS, ModelName, ModelOptions
+from validation.models.robot_models import answers, mechanism_modes
 from validation.report.figures.mode_names import kinetic_shares
 
 LOAD = 1000.0  # N, force of the paper's load cases (§2.1, §2.2)

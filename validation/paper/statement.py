@@ -15,13 +15,13 @@ from typing import Any, TypeVar, Unpack
 
 import numpy as np
 
-from validation.agreement.mesh_half_widths import MeshPolicy, mesh_half_widths
 from validation.case import Case, Measurement
 from validation.case_group import CaseFields, CaseGroup, Over
-from validation.claims import Claim, ClaimedCurve
 from validation.context import Context
 from validation.models.options import DEFAULT_OPTIONS, ModelOptions
+from validation.published_statements import Claim, ClaimedCurve
 from validation.run.outcome import verdict
+from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
 
 # Postures over the stroke at which curves are compared.
 POSTURES = 81

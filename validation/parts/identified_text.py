@@ -10,8 +10,8 @@ from lumped.arrays import Array
 from lumped.mechanism.placing import leg_frame
 from lumped.screws import turn
 from lumped.text import counted
-from validation.agreement.accuracy import Accuracy
 from validation.parts.identify import Identified
+from validation.uncertainty.refinement import Accuracy
 
 _COMPONENTS = ("x", "y", "z", "φx", "φy", "φz")
 # Arrays with equal names in JSON and in .npz files, and for each uncertain one the first word of

@@ -26,7 +26,7 @@ from validation.run.sources import program
 # meshes (COMPUTING).
 _CACHE = ("validation/run/cache.py", "validation/run/sources.py")
 MESHING = ("lumped", "meshes", "validation/parts/meshes.py", *_CACHE)
-_ROOMS = ("validation/agreement", "validation/parts", "validation/models")
+_ROOMS = ("validation/uncertainty", "validation/responses", "validation/parts", "validation/models")
 COMPUTING = ("lumped", "meshes", "fem", *_ROOMS, *_CACHE)
 COARSE, MIDDLE, FINEST = 0, 1, 2
 LEVELS = (COARSE, MIDDLE, FINEST)

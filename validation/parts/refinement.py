@@ -14,8 +14,8 @@ import numpy as np
 
 from lumped.arrays import Array
 from meshes.part.volume import RATIO
-from validation.agreement.combiners import relative_sizes
-from validation.agreement.mesh_half_widths import MeshPolicy, mesh_half_widths
+from validation.uncertainty.combiners import relative_sizes
+from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
 
 # Relative rounding of compliances and frequencies. Changes below it have no order.
 _ROUND_OFF = 1e-9

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from validation.drawing.text import percent
-from validation.exhibits import Figure
+from validation.studies_and_figures import Figure
 
 _TARGET = "0.01"
 # Smaller errors are of no use to a reader.

@@ -6,7 +6,6 @@ from math import sqrt
 
 from validation.drawing.figures import attempted, drawn_figure
 from validation.drawing.text import percent
-from validation.exhibits import Figure
 from validation.report.figures.adequacy import error_curves, measured_curves
 from validation.report.remedies import RemedyLine, remedies_of
 from validation.report.table import Table, csv_of_matrix, table_of
@@ -19,6 +18,7 @@ from validation.report.words import (
     sentence,
     supposition,
 )
+from validation.studies_and_figures import Figure
 from validation.verdicts import Entry, Matrix
 
 

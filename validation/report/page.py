@@ -13,13 +13,13 @@ from lumped.audit import Finding
 from lumped.text import counted
 from validation.drawing import text
 from validation.drawing.turnable import viewer
-from validation.exhibits import PORTRAIT, Figure
 from validation.report.agreement import MARKS
 from validation.report.first_screen import FirstScreen, first_screen
 from validation.report.sections import Chapter, chapters_of
 from validation.run.outcome import Outcome, Verdict
 from validation.run.records import CaseRecord, studies_of
 from validation.run.results import Results
+from validation.studies_and_figures import PORTRAIT, Figure
 from validation.verdicts import Matrix
 
 

@@ -11,17 +11,6 @@ from math import isnan
 from validation.case import Relation, Relative
 from validation.drawing.figures import attempted
 from validation.drawing.text import anchor
-from validation.exhibits import (
-    AGREEMENT,
-    CONVERGENCE,
-    FAMILY,
-    MESHES,
-    MODES,
-    PARAMETERS,
-    PATH,
-    STROKE,
-    Figure,
-)
 from validation.report.agreement import (
     AgreementTable,
     agreement_reservations,
@@ -32,9 +21,20 @@ from validation.report.agreement_parts import agreement_rows
 from validation.report.element_counts import ElementCounts, element_counts
 from validation.report.figures.budgets import budget_figure
 from validation.report.figures.studies import Family, families, study_figure
-from validation.report.said import SaidTable
+from validation.report.published_statements import SaidTable
 from validation.run.outcome import Outcome, Verdict
 from validation.run.records import claims_of
+from validation.studies_and_figures import (
+    AGREEMENT,
+    CONVERGENCE,
+    FAMILY,
+    MESHES,
+    MODES,
+    PARAMETERS,
+    PATH,
+    STROKE,
+    Figure,
+)
 from validation.verdicts import Coordinate
 
 # Chapters in their order, with their sections as they follow each other; sections that stand in no

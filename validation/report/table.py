@@ -10,7 +10,7 @@ from lumped.acceptance.quantities import (
     Quantity,
     QuantityKind,
 )
-from validation.adequacy.models import JUDGED
+from validation.adequacy.judged_models import JUDGED
 from validation.drawing.style import csv_of
 from validation.drawing.text import (
     anchor,

@@ -13,7 +13,7 @@ import msgspec
 import numpy as np
 
 from validation.case import Case, Measurement, Relation
-from validation.exhibits import Figure, PlannedFigure
+from validation.studies_and_figures import Figure, PlannedFigure
 from validation.verdicts import Assessment, Matrix
 
 Verdict: TypeAlias = Literal["agree", "disagree", "undecided", "failed", "skipped"]

@@ -11,9 +11,9 @@ from msgspec.structs import replace
 from lumped.errors import InputError
 from lumped.files import read_ordinary
 from validation.case import Relation
-from validation.claims import Claim, claim_records, gathered
-from validation.exhibits import Figure, Study, study_record
+from validation.published_statements import Claim, claim_records, gathered
 from validation.run.outcome import Outcome, Verdict
+from validation.studies_and_figures import Figure, Study, study_record
 from validation.verdicts import CauseShare, EntryRecord, Matrix
 
 _FILE = "results.json"

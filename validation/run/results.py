@@ -10,7 +10,6 @@ import msgspec
 
 from lumped.text import counted
 from validation.case import Case
-from validation.exhibits import Figure, PlannedFigure
 from validation.run.compare import RunComparison, compare, with_drift
 from validation.run.outcome import (
     AnyResult,
@@ -22,6 +21,7 @@ from validation.run.outcome import (
     still_holding,
 )
 from validation.run.records import CaseRecord, RunRecord, case_record, parse_run, run_record
+from validation.studies_and_figures import Figure, PlannedFigure
 from validation.verdicts import ADEQUACY, MEASURED, Matrix
 
 _TROUBLED: tuple[Verdict, ...] = ("disagree", "undecided", "failed", "skipped")

@@ -22,9 +22,9 @@ from lumped.text import did_you_mean
 from validation.case import OUT_OF_MEMORY, Case, Skip, failure_reason
 from validation.context import Context, Preset
 from validation.drawing.text import function_name
-from validation.exhibits import PlannedFigure
 from validation.run.executor import OutOfMemoryCrash, on_cores
 from validation.run.outcome import AnyResult, Record, Result, Task, judge, plain
+from validation.studies_and_figures import PlannedFigure
 from validation.verdicts import Assessment
 
 if TYPE_CHECKING:

@@ -35,8 +35,8 @@ from meshes.part.reading.read import read_part
 from meshes.part.volume import Grading, volume_mesh
 from meshes.prism import extrude, stations, tetrahedra
 from meshes.section.section_mesh import section_mesh
-from validation.models.mechanism import answers
 from validation.models.options import ModelOptions
+from validation.models.robot_models import answers
 
 TOLERANCE = 1e-3
 

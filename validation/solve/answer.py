@@ -12,9 +12,9 @@ from lumped.errors import InputError
 from lumped.system.joint_motion import Portion
 from lumped.system.response import ToolResponse
 from lumped.system.stability import Stability
-from validation.agreement.accuracy import Accuracy
 from validation.models.options import ModelName, ReductionBy
 from validation.tables import Cell, ResultTable, html_paragraph, html_table
+from validation.uncertainty.refinement import Accuracy
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

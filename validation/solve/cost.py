@@ -10,7 +10,7 @@ from math import inf
 from fem.machine import available_memory
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg
-from validation.solids.size import solid_unknowns
+from validation.solids.solid_size import solid_unknowns
 
 # Entries of the factor of a solid leg over n^(4/3), 9 to 14 for legs of all shapes with 3000 to
 # 120 000 unknowns; bytes for each with the copies at the height of a factorisation; its flops in

@@ -14,12 +14,11 @@ from lumped.errors import InputError
 from lumped.legs import ConstantLeg
 from lumped.mechanism.mechanism import UNITS_OF_MOVES, Mechanism, Posture
 from lumped.models.bodies import RIGID_MOTIONS, leg_of
-from validation.agreement.accuracy import refined
-from validation.agreement.combiners import Combiner, combined, relative_sizes
-from validation.models.legs import free_leg_frequencies, leg_compliance, leg_frequencies
+from validation.models.leg_models import free_leg_frequencies, leg_compliance, leg_frequencies
 from validation.models.loads.displacements import displacements
 from validation.models.loads.stability import stabilities
-from validation.models.mechanism import (
+from validation.models.reduced_parts import with_finer_parts
+from validation.models.robot_models import (
     PostureAnswer,
     PostureModes,
     answers,
@@ -27,9 +26,8 @@ from validation.models.mechanism import (
     mechanism_modes,
     static_bodies,
 )
-from validation.models.parts import with_finer_parts
 from validation.models.roundings import roundings_of
-from validation.solids.legs import formal_order
+from validation.solids.solid_legs import formal_order
 from validation.solve.answer import Answer, LeftOpen, Place, Solution
 from validation.solve.cost import (
     LONGEST,
@@ -42,6 +40,8 @@ from validation.solve.cost import (
 )
 from validation.solve.question import OF_ELEMENTS, Question
 from validation.solve.uncertainty import beside, extrapolated, with_uncertainty
+from validation.uncertainty.combiners import Combiner, combined, relative_sizes
+from validation.uncertainty.refinement import refined
 
 # Per leg: shares of six modes by these and by 20 differ by a hundredth of themselves.
 _FEW_ELEMENTS = 6

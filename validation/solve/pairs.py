@@ -2,11 +2,11 @@
 
 from collections.abc import Sequence
 
-from validation.adequacy.mechanism.samples import samples_of
-from validation.adequacy.mechanism.vibration import vibration_of
-from validation.adequacy.partners import Partners, partners
-from validation.models.mechanism import PostureModes, mechanism_modes
 from validation.models.options import ModelName, ModelOptions
+from validation.models.robot_models import PostureModes, mechanism_modes
+from validation.references.mode_samples import samples_of
+from validation.references.modes_on_path import vibration_of
+from validation.responses.mode_partners import Partners, partners
 from validation.solve.answer import ModePair, PairedModes
 
 # Modes of the other model besides as many as asked: a partner may come later in its order.

@@ -12,15 +12,15 @@ from lumped.mechanism.body_model import BodyModel
 from lumped.mechanism.mechanism import Posture
 from lumped.system.assembly import System, assembly
 from lumped.system.sweep import swept
-from validation.adequacy.mechanism.parts import UNKNOWN, part_policy
-from validation.agreement.combiners import relative_sizes
-from validation.agreement.mesh_half_widths import half_widths_on
 from validation.models.loads.displacements import displacements_of
-from validation.models.mechanism import CUTOFF
 from validation.models.options import ReductionBy
-from validation.models.parts import Hold, ReducedPart, is_held_as_said, reduced
+from validation.models.reduced_parts import Hold, ReducedPart, is_held_as_said, reduced
+from validation.models.robot_models import CUTOFF
 from validation.parts.meshes import FINEST, LEVELS
+from validation.references.reference_parts import UNKNOWN, part_policy
 from validation.solve.answer import LeftOpen, PartUncertainty
+from validation.uncertainty.combiners import relative_sizes
+from validation.uncertainty.mesh_half_widths import half_widths_on
 
 # Parts are reduced for statics alone by modes up to here (Hz), where they have none.
 _STILL = 1e-3

@@ -10,9 +10,9 @@ from lumped.mechanism.kinematics.postures import posture, reference_posture
 from lumped.mechanism.mechanism import GROUND, Mechanism, Posture
 from lumped.models.bodies import legs_of
 from lumped.robot_file import RobotFile
-from validation.agreement.accuracy import accuracy_faults
 from validation.kinematics.poses import parsed_pose
 from validation.models.options import STATIC, ModelName, ModelOptions
+from validation.uncertainty.refinement import accuracy_faults
 
 # What each model listens to; anything else given on the command line is a fault.
 OPTIONS: dict[ModelName, tuple[str, ...]] = {

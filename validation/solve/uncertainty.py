@@ -12,11 +12,11 @@ from lumped.errors import InputError
 from lumped.legs import Leg
 from lumped.sections import Rectangle, Section
 from meshes.section.section_blocks import element_count
-from validation.agreement.convergence import richardson_limits
-from validation.agreement.mesh_half_widths import MeshPolicy, mesh_half_widths
 from validation.models.options import ModelOptions
-from validation.solids.legs import GRIDS_FOR_ORDER, ROUND_OFF, formal_order
+from validation.solids.solid_legs import GRIDS_FOR_ORDER, ROUND_OFF, formal_order
 from validation.solve.answer import Answer, MeshUncertainty
+from validation.uncertainty.grid_convergence import richardson_limits
+from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
 
 # Elements of one mesh to those of the other, in size: walls of one element across keep that one,
 # so that half the divisions come to 1.2 (tubes) and 1.3.

@@ -10,11 +10,11 @@ from math import isnan
 from lumped.errors import InputError
 from lumped.robot_file import RobotFile
 from lumped.robot_file.variation import Variation
-from validation.adequacy.compared import compared_models
+from validation.adequacy.posture_errors import compared_models
 from validation.case import Absolute, Case, Measurement, Skip
 from validation.case_group import CaseGroup, Over
 from validation.context import Context
-from validation.exhibits import PARAMETERS
+from validation.studies_and_figures import PARAMETERS
 from validation.variations.curves import VariedCurves, variation_study
 from validation.variations.decision import MEANING, OBJECTIVES, UNITS, Decision, Objective
 

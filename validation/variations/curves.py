@@ -17,14 +17,14 @@ from lumped.mechanism.mechanism import Posture
 from lumped.memo import memo
 from lumped.robot_file import RobotFile, load_robot
 from lumped.robot_file.variation import Variation, assignments, variations_of, varied
-from validation.adequacy.compared import (
+from validation.adequacy.posture_errors import (
     Compared,
     compared_compliances,
     compared_frequencies,
     compared_statics,
 )
-from validation.adequacy.mechanism.path import RobotOnPath, path_postures, robot_at
 from validation.context import BUILT_IN, Context, Preset
+from validation.references.robot_on_path import RobotOnPath, path_postures, robot_at
 from validation.run.cache import find, keep, key_of
 from validation.run.executor import Executor, in_turn
 from validation.run.sources import program

@@ -36,7 +36,7 @@ from lumped.system.assembly import assemble
 from lumped.system.response import damped_modes
 from lumped.system.solution import compliance, modes, solved
 from meshes.prism import tetrahedra
-from validation.adequacy.robot import leg_alone
+from validation.adequacy.robot_verdicts import leg_alone
 
 
 @pytest.mark.parametrize(

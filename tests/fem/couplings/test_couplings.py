@@ -35,7 +35,7 @@ from lumped.sections import HollowRectangle, ISection, Rectangle, Tube
 from meshes.part.interfaces import find_interfaces
 from meshes.prism import tetrahedra
 from meshes.section.section_mesh import section_mesh
-from validation.solids.legs import own_beam
+from validation.solids.solid_legs import own_beam
 
 # The second bore is referred to a point beside its axis.
 OFF = np.array([1e-3, 2e-3, 0.0])

@@ -7,7 +7,7 @@ lacks one or the other; ladders of causes lead from the model to the reference.
 import numpy as np
 from toy_responses import model, model_by_reading, reading
 
-from validation.adequacy.references import (
+from validation.references.reference import (
     HalfWidths,
     Interpretation,
     Reference,
@@ -16,8 +16,8 @@ from validation.adequacy.references import (
     Step,
     Subject,
 )
-from validation.adequacy.responses import Responses
-from validation.agreement.responses import PathModes, Statics
+from validation.references.responses import Responses
+from validation.responses.statics_and_modes import PathModes, Statics
 from validation.verdicts import Coordinate
 
 POSES, MODES, SAMPLES = 3, 4, 12

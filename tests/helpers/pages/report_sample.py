@@ -12,11 +12,11 @@ import toy_catalogue
 from lumped.acceptance.quantities import measured_quantity, quantities
 from lumped.audit import Finding
 from validation.case import Absolute, Allowance, Measurement, Relation, Relative
-from validation.exhibits import Figure, PlannedFigure, Study
 from validation.report.figures.studies import family_of, study_figure
 from validation.report.page import Report
 from validation.run.outcome import Outcome, Result, judge
 from validation.run.results import Results
+from validation.studies_and_figures import Figure, PlannedFigure, Study
 from validation.verdicts import (
     ADEQUACY,
     MEASURED,

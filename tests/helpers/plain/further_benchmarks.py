@@ -16,8 +16,8 @@ from lumped.mechanism.joint import Joint, Side
 from lumped.mechanism.kinematics.postures import reference_posture
 from lumped.mechanism.mechanism import GROUND, Mechanism, Tool
 from lumped.sections import Rectangle
-from validation.models.mechanism import answers
 from validation.models.options import ModelOptions
+from validation.models.robot_models import answers
 from validation.selftest import benchmarks as own
 from validation.selftest.benchmarks import Benchmark, Cluster, KnownNumber
 

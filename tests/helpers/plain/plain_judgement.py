@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from validation.agreement.displacement import worst_force
+from validation.responses.displacement import worst_force
 
 AXES = ("x", "y", "z", "phi_x", "phi_y", "phi_z")
 # Sources of uncertainty.

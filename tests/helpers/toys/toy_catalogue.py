@@ -11,7 +11,7 @@ import numpy as np
 
 from lumped.errors import ComputationError
 from validation.case import Absolute, Case, Measurement, Skip
-from validation.exhibits import Figure, PlannedFigure, Study
+from validation.studies_and_figures import Figure, PlannedFigure, Study
 
 STUDY = Study("toy.study", "Toy study", "x (m)", "y", "m", (1.0, 2.0), {"beam": (1.0, 2.0)})
 

@@ -1,9 +1,9 @@
 """Models with made-up responses, and references with made-up responses by interpretation."""
 
-from validation.adequacy.mechanism.path import Reading
-from validation.adequacy.references import HalfWidths, Interpretation, Reference, Source
-from validation.adequacy.responses import Model
-from validation.agreement.responses import Statics
+from validation.references.reference import HalfWidths, Interpretation, Reference, Source
+from validation.references.responses import Model
+from validation.references.robot_on_path import Reading
+from validation.responses.statics_and_modes import Statics
 
 
 def reading(name):

@@ -7,9 +7,9 @@ reference is known to ± 2 % alone; `vjm` is right, and says nothing of frequenc
 import numpy as np
 from toy_responses import meshes, model, reference
 
-from validation.adequacy.references import Subject
-from validation.adequacy.responses import Responses
-from validation.agreement.responses import PathModes, Statics
+from validation.references.reference import Subject
+from validation.references.responses import Responses
+from validation.responses.statics_and_modes import PathModes, Statics
 from validation.verdicts import Coordinate
 
 ERROR, OPEN = 0.04, 0.02

@@ -20,26 +20,11 @@ from lumped.robot_file import load_robot
 from lumped.screws import shift
 from lumped.sections import HollowRectangle, ISection, Rectangle, Tube
 from meshes.section.section_mesh import section_mesh
+from validation.adequacy.judged_models import JUDGED, judged_model
 from validation.adequacy.judgement import judged
-from validation.adequacy.mechanism.dynamics import dynamic_reference, mass_notes
-from validation.adequacy.mechanism.path import robot_at, robot_on_path
-from validation.adequacy.mechanism.solids import SOLID
-from validation.adequacy.mechanism.statics import static_reference
-from validation.adequacy.mechanism.vibration import (
-    LegMesh,
-    built_vibration,
-    modes_by_model,
-    modes_of_solids,
-    solid_meshes,
-    solid_vibration,
-)
-from validation.adequacy.models import JUDGED, judged_model
-from validation.adequacy.partners import frequency_changes
-from validation.adequacy.references import Reference, Source, Subject
-from validation.adequacy.responses import Responses
-from validation.adequacy.robot import leg_subject, robot_adequacy
+from validation.adequacy.robot_verdicts import leg_subject, robot_adequacy
 from validation.context import Context
-from validation.models.legs import leg_matrices
+from validation.models.leg_models import leg_matrices
 from validation.models.loads.leg_masses import (
     MASSES,
     Inside,
@@ -47,7 +32,22 @@ from validation.models.loads.leg_masses import (
     plausible_masses,
 )
 from validation.models.options import DEFAULT_OPTIONS
-from validation.solids.legs import COARSEST_WALLS
+from validation.references.modal_reference import dynamic_reference, mass_notes
+from validation.references.model_ladder import SOLID
+from validation.references.modes_on_path import (
+    LegMesh,
+    built_vibration,
+    modes_by_model,
+    modes_of_solids,
+    solid_meshes,
+    solid_vibration,
+)
+from validation.references.reference import Reference, Source, Subject
+from validation.references.responses import Responses
+from validation.references.robot_on_path import robot_at, robot_on_path
+from validation.references.static_reference import static_reference
+from validation.responses.mode_partners import frequency_changes
+from validation.solids.solid_legs import COARSEST_WALLS
 
 STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 FLANGED = ConstantLeg(

@@ -5,12 +5,12 @@ from one_arm import LOADS, ONE_ARM
 from written_robot import robot_of
 
 from lumped.errors import ComputationError
-from validation.adequacy import robot
+from validation.adequacy import robot_verdicts
 from validation.adequacy.judgement import judged
-from validation.adequacy.mechanism import solids, statics
-from validation.adequacy.robot import robot_subject
+from validation.adequacy.robot_verdicts import robot_subject
 from validation.context import Context
 from validation.models.options import DEFAULT_OPTIONS
+from validation.references import model_ladder, uncertainty_sources
 
 pytestmark = pytest.mark.usefixtures("coarse_legs")
 
@@ -48,8 +48,8 @@ def failing(function, place, model, options):
 def test_model_that_raises_leaves_the_others_judged(arm, monkeypatch, capsys, model):
     due = verdicts_of(arm)[1]
     for name in ("model_statics", "modes_by_model"):
-        function = failing(getattr(solids, name), 1, model, DEFAULT_OPTIONS)
-        monkeypatch.setattr(solids, name, function)
+        function = failing(getattr(model_ladder, name), 1, model, DEFAULT_OPTIONS)
+        monkeypatch.setattr(model_ladder, name, function)
     matrix, found = verdicts_of(arm)
     assert {key: one for key, one in found.items() if key[0] != model} == {
         key: one for key, one in due.items() if key[0] != model
@@ -68,7 +68,7 @@ def test_model_that_raises_leaves_the_others_judged(arm, monkeypatch, capsys, mo
 def test_stability_that_raises_leaves_all_models_judged(arm, monkeypatch):
     """What loads take of the stiffness is then left open of every error under them."""
     due = verdicts_of(arm)[1]
-    for module in (robot, statics):
+    for module in (robot_verdicts, uncertainty_sources):
         monkeypatch.setattr(module, "stabilities", raising)
     matrix, found = verdicts_of(arm)
     under_loads = {key for key in due if key[1].startswith("load:")}
@@ -85,7 +85,7 @@ def test_model_that_robot_does_not_allow_is_no_fault(arm, monkeypatch):
     def refusing(*_):
         raise ComputationError("the arm is too thin")
 
-    monkeypatch.setattr(solids, "model_statics", refusing)
+    monkeypatch.setattr(model_ladder, "model_statics", refusing)
     matrix, found = verdicts_of(arm)
     assert found["beam", "x"] == "undecided"
     assert "too thin" in matrix.entry("beam", "x").reason

@@ -19,16 +19,16 @@ from lumped.mechanism.mechanism import Mechanism
 from lumped.models.bodies import legs_of, tip_compliance_of
 from lumped.sections import HollowRectangle, ISection, Rectangle, Tube
 from validation.adequacy.errors import ModelErrors
+from validation.adequacy.judged_models import JudgedModel, judged_model
 from validation.adequacy.judgement import judged
-from validation.adequacy.mechanism.dynamics import dynamic_reference
-from validation.adequacy.mechanism.path import robot_at
-from validation.adequacy.mechanism.vibration import built_vibration
-from validation.adequacy.models import JudgedModel, judged_model
-from validation.adequacy.references import Reference, Subject
-from validation.adequacy.responses import Responses
 from validation.context import Context
 from validation.models.options import DEFAULT_OPTIONS, ModelOptions
-from validation.solids.legs import COARSEST_WALLS, divisions_across, held_solid
+from validation.references.modal_reference import dynamic_reference
+from validation.references.modes_on_path import built_vibration
+from validation.references.reference import Reference, Subject
+from validation.references.responses import Responses
+from validation.references.robot_on_path import robot_at
+from validation.solids.solid_legs import COARSEST_WALLS, divisions_across, held_solid
 
 MODES = 6
 # Relative. The shapes by which the inside follows the ends are others with each stiffness inside,

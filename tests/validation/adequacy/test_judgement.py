@@ -15,9 +15,9 @@ from lumped.acceptance.quantities import load_quantities
 from lumped.acceptance.requirement import Requirement
 from validation.adequacy.errors import first_largest
 from validation.adequacy.judgement import REST, judged
-from validation.adequacy.partners import frequency_changes, partners
-from validation.agreement.responses import PathModes, Statics
 from validation.drawing.text import error_with_spread
+from validation.responses.mode_partners import frequency_changes, partners
+from validation.responses.statics_and_modes import PathModes, Statics
 
 AXES = np.eye(4)
 A, B, C, D = AXES

@@ -11,20 +11,20 @@ from written_robot import robot_of
 from lumped.acceptance.requirement import Requirement
 from lumped.errors import InputError
 from lumped.robot_file import load_robot
+from validation.adequacy.judged_models import judged_model, judged_models, judged_models_of
 from validation.adequacy.judgement import judged
-from validation.adequacy.mechanism.path import robot_on_path
-from validation.adequacy.mechanism.solids import SOLID
-from validation.adequacy.models import judged_model, judged_models, judged_models_of
-from validation.adequacy.references import SAY_LINEAR, Source
-from validation.adequacy.responses import Responses
-from validation.adequacy.robot import robot_subject, static_subject
+from validation.adequacy.robot_verdicts import robot_subject, static_subject
 from validation.context import Context
 from validation.kinematics.poses import postures_of
 from validation.measured.matrix import measured_matrix
 from validation.models.loads.displacements import displacements
 from validation.models.loads.stability import stabilities, stability_notes
-from validation.models.mechanism import mechanism_modes
 from validation.models.options import ModelOptions
+from validation.models.robot_models import mechanism_modes
+from validation.references.model_ladder import SOLID
+from validation.references.reference import SAY_LINEAR, Source
+from validation.references.responses import Responses
+from validation.references.robot_on_path import robot_on_path
 from validation.report.figures import responses
 from validation.report.table import table_of
 from validation.report.words import quantities_text

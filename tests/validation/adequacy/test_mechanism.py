@@ -13,20 +13,20 @@ from lumped.models.bodies import legs_of
 from lumped.robot_file import load_robot
 from lumped.sections import Rectangle
 from lumped.system.assembly import assembly
-from validation.adequacy.mechanism.path import (
+from validation.adequacy.judged_models import judged_models
+from validation.adequacy.robot_verdicts import robot_adequacy
+from validation.catalogue import catalogue
+from validation.context import Context
+from validation.models.options import ModelOptions
+from validation.models.robot_models import constant_legs, on_drives_alone
+from validation.references.mode_samples import samples_of
+from validation.references.robot_on_path import (
     HOLD,
     MOST_POSES,
     holding,
     path_postures,
     why_not_serial,
 )
-from validation.adequacy.mechanism.samples import samples_of
-from validation.adequacy.models import judged_models
-from validation.adequacy.robot import robot_adequacy
-from validation.catalogue import catalogue
-from validation.context import Context
-from validation.models.mechanism import constant_legs, on_drives_alone
-from validation.models.options import ModelOptions
 
 # A prism welded to an arm known by its 6×6, which is twice as soft along z as it would be one.
 PRISM = ConstantLeg(0.3, Rectangle(0.06, 0.04), Material.isotropic(2.1e11, 0.3, 7850.0))

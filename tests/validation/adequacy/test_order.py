@@ -10,8 +10,8 @@ from toy_subject import toy_subject
 
 from lumped.acceptance.requirement import Requirement
 from validation.adequacy.judgement import judged
-from validation.adequacy.partners import partners
-from validation.agreement.responses import PathModes
+from validation.responses.mode_partners import partners
+from validation.responses.statics_and_modes import PathModes
 
 SAMPLES, JUDGED, LIMIT = 24, 7, 0.05
 

@@ -5,7 +5,7 @@ import pytest
 from written_robot import robot_of
 
 from validation.adequacy.judgement import judged
-from validation.adequacy.robot import robot_subject
+from validation.adequacy.robot_verdicts import robot_subject
 from validation.context import Context
 
 LEG = """

@@ -16,21 +16,21 @@ from lumped.legs import ConstantLeg, GivenLeg, Material, tip_compliance
 from lumped.robot_file import load_robot
 from lumped.robot_file.places import value_at
 from lumped.sections import HollowRectangle
-from validation.adequacy.compared import compared_frequencies
+from validation.adequacy.judged_models import judged_models, judged_models_of
 from validation.adequacy.judgement import judged
-from validation.adequacy.mechanism import sources
-from validation.adequacy.mechanism.dynamics import dynamic_reference
-from validation.adequacy.mechanism.path import NOMINAL, robot_at, robot_on_path
-from validation.adequacy.mechanism.solids import SOLID
-from validation.adequacy.models import judged_models, judged_models_of
-from validation.adequacy.references import Source
-from validation.adequacy.responses import Responses
-from validation.adequacy.robot import static_subject
+from validation.adequacy.posture_errors import compared_frequencies
+from validation.adequacy.robot_verdicts import static_subject
 from validation.context import Context
 from validation.kinematics.poses import postures_of
 from validation.models.loads.leg_masses import MASSES
-from validation.models.mechanism import answers
+from validation.models.robot_models import answers
 from validation.models.roundings import roundings_of
+from validation.references import uncertainty_sources
+from validation.references.modal_reference import dynamic_reference
+from validation.references.model_ladder import SOLID
+from validation.references.reference import Source
+from validation.references.responses import Responses
+from validation.references.robot_on_path import NOMINAL, robot_at, robot_on_path
 from validation.report.words import supposition
 from validation.solve.answer import Solution
 from validation.solve.answer_json import answer_record
@@ -212,7 +212,9 @@ def at_poses(robot_file, poses):
 
 
 def half_widths_of_digits(robot_file, poses):
-    return sources.STATIC_DIGITS(Responses(at_poses(robot_file, poses)), NOMINAL).displacements
+    return uncertainty_sources.STATIC_DIGITS(
+        Responses(at_poses(robot_file, poses)), NOMINAL
+    ).displacements
 
 
 def test_95_percent_of_all_robots_with_these_digits_lie_within(printed, draws):
@@ -240,9 +242,11 @@ def test_a_digit_moves_frequencies_as_solving_the_robot_with_it_changed_does(pri
     first_ones = [next(family) for _, family in families]
     assert len(first_ones) == 3
     for one in first_ones:
-        monkeypatch.setattr(sources, "roundings_of", lambda *_, one=one: [one])
-        own, share = sources.modes_by_digits(printed.printed_compliances, postures, 4, MASSES[0])
-        moved, _ = sources.modes_by_digits(
+        monkeypatch.setattr(uncertainty_sources, "roundings_of", lambda *_, one=one: [one])
+        own, share = uncertainty_sources.modes_by_digits(
+            printed.printed_compliances, postures, 4, MASSES[0]
+        )
+        moved, _ = uncertainty_sources.modes_by_digits(
             printed.printed_compliances, tuple(one.postures), 4, MASSES[0]
         )
         off = np.abs(moved.frequencies / own.frequencies - 1.0) * one.factor

@@ -16,12 +16,12 @@ from lumped.acceptance.requirement import Requirement
 from lumped.errors import InputError
 from lumped.robot_file import load_robot
 from validation.adequacy.judgement import judged
-from validation.adequacy.mechanism.perturbations import perturbed_robot
 from validation.adequacy.probability import ErrorOfInputs, Slope, probability
-from validation.adequacy.references import InputUncertainties
-from validation.adequacy.responses import Model, Responses
-from validation.adequacy.robot import robot_subject
+from validation.adequacy.robot_verdicts import robot_subject
 from validation.context import Context
+from validation.references.perturbations import perturbed_robot
+from validation.references.reference import InputUncertainties
+from validation.references.responses import Model, Responses
 
 pytestmark = pytest.mark.usefixtures("coarse_legs")
 

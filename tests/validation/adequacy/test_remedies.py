@@ -24,24 +24,24 @@ from lumped.sections import HollowRectangle, Rectangle, Tube
 from meshes.section.section_mesh import section_mesh
 from validation import cli
 from validation.adequacy.judgement import REST, judged
-from validation.adequacy.mechanism import solids, vibration
-from validation.adequacy.mechanism.dynamics import DYNAMIC_STEPS
-from validation.adequacy.mechanism.parts import FINER_PARTS
-from validation.adequacy.mechanism.path import holding, known_legs, say_masses
-from validation.adequacy.mechanism.statics import STATIC_STEPS
-from validation.adequacy.references import (
+from validation.adequacy.robot_verdicts import finer_context, leg_subject, robot_adequacy
+from validation.context import Context
+from validation.references import model_ladder, modes_on_path
+from validation.references.modal_reference import DYNAMIC_STEPS
+from validation.references.reference import (
     NOT_FINER,
     USE_SOLID,
     Reference,
     Subject,
     finer_by,
 )
-from validation.adequacy.responses import Responses
-from validation.adequacy.robot import finer_context, leg_subject, robot_adequacy
-from validation.agreement.responses import Statics
-from validation.context import Context
-from validation.solids.legs import COARSEST_WALLS
-from validation.solids.size import larger_preset
+from validation.references.reference_parts import FINER_PARTS
+from validation.references.responses import Responses
+from validation.references.robot_on_path import holding, known_legs, say_masses
+from validation.references.static_reference import STATIC_STEPS
+from validation.responses.statics_and_modes import Statics
+from validation.solids.solid_legs import COARSEST_WALLS
+from validation.solids.solid_size import larger_preset
 from validation.solve.question import OPTIONS
 from validation.verdicts import Coordinate
 
@@ -76,8 +76,8 @@ def refusing(monkeypatch, module, function, refused=lambda _: True):
 
 
 def test_a_mechanism_is_judged_without_the_model_that_refuses(monkeypatch, arm, sound):
-    refusing(monkeypatch, solids, "answers", lambda model: model == "segments")
-    refusing(monkeypatch, vibration, "dynamic_bodies", lambda model: model == "segments")
+    refusing(monkeypatch, model_ladder, "answers", lambda model: model == "segments")
+    refusing(monkeypatch, modes_on_path, "dynamic_bodies", lambda model: model == "segments")
     matrix = robot_adequacy(Context(arm, "quick"))
     for now, before in zip(matrix.entries, sound.entries, strict=True):
         if now.model.startswith("segments"):
@@ -88,7 +88,7 @@ def test_a_mechanism_is_judged_without_the_model_that_refuses(monkeypatch, arm, 
 
 
 def test_a_step_that_is_not_solved_ends_the_causes_and_says_why(monkeypatch, arm, sound):
-    refusing(monkeypatch, solids, "own_spring")
+    refusing(monkeypatch, model_ladder, "own_spring")
     matrix = robot_adequacy(Context(arm, "quick"))
     for now, before in zip(matrix.entries, sound.entries, strict=True):
         assert (now.verdict, now.error) == (before.verdict, before.error)

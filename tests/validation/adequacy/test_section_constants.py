@@ -5,12 +5,12 @@ from written_robot import described, robot_of
 
 from lumped.errors import InputError
 from lumped.models.bodies import legs_of
-from validation.adequacy.robot import robot_adequacy
+from validation.adequacy.robot_verdicts import robot_adequacy
 from validation.case import Skip
-from validation.cases.legs import compliances
+from validation.cases.leg_theory import compliances
 from validation.context import Context
-from validation.models.legs import clamped_solid, leg_compliance
-from validation.solids.size import why_shapeless
+from validation.models.leg_models import clamped_solid, leg_compliance
+from validation.solids.solid_size import why_shapeless
 
 ARM = """
 schema = 2

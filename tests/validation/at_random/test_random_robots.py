@@ -15,15 +15,15 @@ from lumped.models.bodies import legs_of
 from lumped.system.assembly import assemble
 from lumped.system.solution import modes, solved
 from validation import api
-from validation.adequacy.mechanism.solids import model_statics
 from validation.case import Case, Skip
 from validation.cases import ritz
 from validation.cases.polynomials import path_roundings
 from validation.catalogue import catalogue
 from validation.context import Context
-from validation.models.legs import leg_matrices
-from validation.models.mechanism import bodies_of
+from validation.models.leg_models import leg_matrices
 from validation.models.options import ModelOptions
+from validation.models.robot_models import bodies_of
+from validation.references.model_ladder import model_statics
 from validation.run.outcome import judge
 from validation.solve.answer_json import answer_record
 

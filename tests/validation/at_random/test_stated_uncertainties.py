@@ -11,11 +11,10 @@ from written_robot import robot_of
 
 from lumped.legs import ConstantLeg, Material
 from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Tube
-from validation.agreement.convergence import pairwise_orders
 from validation.catalogue import catalogue
 from validation.context import Context
 from validation.run.outcome import judge
-from validation.solids.legs import (
+from validation.solids.solid_legs import (
     Refinement,
     edge_order,
     formal_order,
@@ -23,6 +22,7 @@ from validation.solids.legs import (
     solid_compliances,
     solid_frequencies,
 )
+from validation.uncertainty.grid_convergence import pairwise_orders
 
 STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 BOTH = ("rigid", "free")

@@ -18,18 +18,23 @@ from lumped.acceptance.requirement import Requirement
 from lumped.models import serial_chains
 from lumped.models.bodies import legs_of, on_equivalent_legs
 from meshes.section.section_mesh import section_mesh
+from validation.adequacy.judged_models import JUDGED, judged_models_of
 from validation.adequacy.judgement import judged
-from validation.adequacy.mechanism.path import robot_at
-from validation.adequacy.mechanism.samples import samples_of
-from validation.adequacy.mechanism.solids import model_statics
-from validation.adequacy.mechanism.vibration import vibration_of
-from validation.adequacy.models import JUDGED, judged_models_of
-from validation.adequacy.partners import partners
-from validation.adequacy.robot import robot_subject, static_subject
+from validation.adequacy.robot_verdicts import robot_subject, static_subject
 from validation.context import Context
-from validation.models.mechanism import mechanism_modes
 from validation.models.options import ModelOptions
-from validation.solids.legs import COARSEST_WALLS, section_counts, static_ladder, static_slices
+from validation.models.robot_models import mechanism_modes
+from validation.references.mode_samples import samples_of
+from validation.references.model_ladder import model_statics
+from validation.references.modes_on_path import vibration_of
+from validation.references.robot_on_path import robot_at
+from validation.responses.mode_partners import partners
+from validation.solids.solid_legs import (
+    COARSEST_WALLS,
+    section_counts,
+    static_ladder,
+    static_slices,
+)
 
 POSTURES, MODES, OFFERED = 9, 4, 12
 # Unknowns of the section meshes that the quick reference, of fewer, is held against.

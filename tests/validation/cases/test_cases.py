@@ -25,9 +25,9 @@ from lumped.robot_file import load_robot
 from validation.case import Allowance, Case, Relation, Skip
 from validation.catalogue import catalogue
 from validation.context import Context
-from validation.exhibits import PlannedFigure
 from validation.run.outcome import judge
 from validation.run.runner import execute
+from validation.studies_and_figures import PlannedFigure
 
 
 class Noted(dict):
@@ -84,7 +84,7 @@ WRONG, MOVED, FEW = 0.15, 3.0, 2
 # What both sides of a comparison are about: the robot's data and its postures.
 DATA = (
     "lumped.equivalent_leg.equivalent_leg ",
-    "validation.adequacy.mechanism.path._postures ",
+    "validation.references.robot_on_path._postures ",
     "validation.comparisons.robot_beam_vs_solid._constant_posture ",
 )
 

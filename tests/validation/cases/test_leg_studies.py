@@ -20,12 +20,12 @@ from lumped.sections import HollowRectangle, Rectangle, Tube
 from lumped.system.assembly import assemble
 from lumped.system.solution import modes, solved
 from validation.case import Skip
-from validation.cases import legs
+from validation.cases import leg_theory
 from validation.cases.leg_waves import wave_changes, waves_of
 from validation.comparisons import mesh_cases
 from validation.context import Context
 from validation.run.outcome import judge
-from validation.solids.legs import (
+from validation.solids.solid_legs import (
     ELEMENTS,
     Refinement,
     doubled_tips,
@@ -116,14 +116,14 @@ def test_what_held_faces_leave_beside_theory_lies_within_what_the_mesh_leaves_op
     tube = ConstantLeg(0.66, Tube(0.14, 0.0137), foam)
     context = Context(file_of(like_ifw(leg1=tube)), "quick")
     for entry in ((0, 0), (1, 1)):
-        found = legs._entry(context, "leg1", entry, "rigid", 1.0)
+        found = leg_theory._entry(context, "leg1", entry, "rigid", 1.0)
         assert 0.0 < -found.unexplained < found.numerical_uncertainty
 
 
 def test_mode_above_cut_off_of_its_section_is_skipped():
     """The walls of the Delta's arms swing by themselves below its first torsional frequency."""
     delta = Context(load_robot("delta"), "standard")
-    cases = {case.id: case for case in legs.cases(legs=("arm1",))}
+    cases = {case.id: case for case in leg_theory.cases(legs=("arm1",))}
     for mode, lowest in ((3, 2557), (6, 3728)):
         with pytest.raises(Skip, match=f"from {lowest} Hz on its section distorts by itself"):
             cases[f"arm1.frequency.solid[{mode}]"].measure(delta)
@@ -135,7 +135,7 @@ SCARA_ARM = ConstantLeg(0.35, HollowRectangle(0.12, 0.09, 0.006), ALUMINIUM)
 
 def measured_mode(leg, mode, preset="quick"):
     context = Context(file_of(like_ifw(leg1=leg)), preset)
-    cases = {case.id: case for case in legs.cases(legs=("leg1",))}
+    cases = {case.id: case for case in leg_theory.cases(legs=("leg1",))}
     case = cases[f"leg1.frequency.solid[{mode}]"]
     return judge(case, case.measure(context), 0.0)
 
@@ -148,8 +148,8 @@ def four_elements(*_):
 @pytest.mark.parametrize(("mode", "expected"), [(1, -0.0285), (2, -0.0132)])
 def test_short_box_agrees_by_its_distortion(mode, expected, monkeypatch):
     """Solids of this arm are 2.9 and 1.3 % below Timoshenko's beam."""
-    monkeypatch.setattr(legs, "dynamic_ladder", four_elements)
-    monkeypatch.setattr("validation.solids.legs.Refinement.uncertainty", lambda *_: 0.0)
+    monkeypatch.setattr(leg_theory, "dynamic_ladder", four_elements)
+    monkeypatch.setattr("validation.solids.solid_legs.Refinement.uncertainty", lambda *_: 0.0)
     found = measured_mode(SCARA_ARM, mode)
     measurement = found.measurement
     assert measurement.difference / measurement.reference == pytest.approx(expected, abs=1e-3)
@@ -174,8 +174,8 @@ def test_distortion_does_not_hide_wrong_beam(mistake, verdict, monkeypatch):
         right = own_properties(leg, divisions)
         return replace(right, **{name: by * getattr(right, name) for name, by in mistake.items()})
 
-    monkeypatch.setattr(legs, "own_properties", wrong)
-    monkeypatch.setattr(legs, "dynamic_ladder", two_coarse_meshes)
+    monkeypatch.setattr(leg_theory, "own_properties", wrong)
+    monkeypatch.setattr(leg_theory, "dynamic_ladder", two_coarse_meshes)
     # Bending y, the second mode.
     assert measured_mode(STUB, 2).verdict == verdict
 
@@ -187,8 +187,8 @@ def heavier_solid(leg, *rest):
 
 
 def test_distortion_does_not_hide_wrong_solid(monkeypatch):
-    monkeypatch.setattr(legs, "solid_frequencies", heavier_solid)
-    monkeypatch.setattr(legs, "dynamic_ladder", two_coarse_meshes)
+    monkeypatch.setattr(leg_theory, "solid_frequencies", heavier_solid)
+    monkeypatch.setattr(leg_theory, "dynamic_ladder", two_coarse_meshes)
     assert measured_mode(STUB, 2).verdict == "disagree"
 
 

@@ -30,8 +30,8 @@ from validation.cases.other_programs import by_both, farthest_entry
 from validation.cases.polynomials import farthest
 from validation.context import Context
 from validation.kinematics.poses import postures_of
-from validation.models.mechanism import answers, mechanism_modes
 from validation.models.options import ModelOptions
+from validation.models.robot_models import answers, mechanism_modes
 from validation.run.outcome import judge
 from validation.selftest.benchmarks import hexapod_stiffness
 

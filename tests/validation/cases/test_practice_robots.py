@@ -9,7 +9,7 @@ from lumped.acceptance.requirement import DEFAULT_LIMITS
 from lumped.robot_file import load_robot
 from validation import api
 from validation.case import Skip
-from validation.cases import legs, other_programs
+from validation.cases import leg_theory, other_programs
 from validation.comparisons import robot_beam_vs_solid
 from validation.context import Context
 
@@ -29,10 +29,10 @@ def test_thin_leaf_is_skipped_without_its_waves(monkeypatch):
     def unaffordable(*_):
         raise AssertionError("waves of a section without solids")
 
-    monkeypatch.setattr(legs, "prism_waves", unaffordable)
+    monkeypatch.setattr(leg_theory, "prism_waves", unaffordable)
     context = Context(load_robot(ROBOTS / "leaf-stage.toml"), "quick")
-    cases = {case.id: case for case in legs.cases(legs=("leaf1",))}
-    for mode in range(1, legs.MODES + 1):
+    cases = {case.id: case for case in leg_theory.cases(legs=("leaf1",))}
+    for mode in range(1, leg_theory.MODES + 1):
         with pytest.raises(Skip, match="two solid meshes of this section have more than 9000"):
             cases[f"leaf1.frequency.solid[{mode}]"].measure(context)
 

@@ -22,10 +22,10 @@ from lumped.robot_file import load_robot
 from lumped.robot_file.variation import variations_of
 from validation import api, catalogue, cli, pytest_plugin
 from validation import validate as session
-from validation.adequacy import robot as adequacy_of_robot
+from validation.adequacy import robot_verdicts as adequacy_of_robot
 from validation.adequacy.judgement import judged
-from validation.adequacy.responses import Model
 from validation.case import Measurement
+from validation.references.responses import Model
 from validation.run import runner
 from validation.verdicts import Assessment
 

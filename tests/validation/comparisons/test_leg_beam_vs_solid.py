@@ -16,7 +16,7 @@ from validation.case import Allowance, Relative, Skip
 from validation.comparisons import leg_beam_vs_solid
 from validation.comparisons.leg_beam_vs_solid import FORMULA, HELD_FACES, MOTIONS, cases
 from validation.context import Context
-from validation.models.legs import constant_leg_of
+from validation.models.leg_models import constant_leg_of
 from validation.models.options import ModelOptions
 from validation.report.agreement import (
     agreement_sentence,

@@ -13,15 +13,15 @@ from lumped.legs import ConstantLeg, Material
 from lumped.models.bodies import legs_of
 from lumped.robot_file import load_robot
 from lumped.sections import Rectangle
-from validation.adequacy.mechanism.path import distinct_legs
 from validation.comparisons import mesh_cases
 from validation.comparisons.mesh_cases import half_width_shares, tetrahedral_modes
 from validation.context import Context, memo_key
 from validation.drawing.text import number
+from validation.references.robot_on_path import distinct_legs
 from validation.report.figures.meshes import mesh_curves
 from validation.report.figures.studies import families, study_figure
 from validation.run.outcome import judge
-from validation.solids.legs import Refinement, formal_order, solid_compliances
+from validation.solids.solid_legs import Refinement, formal_order, solid_compliances
 
 BIGLIDE = load_robot("ifw")
 STEEL = Material(E=2.1e11, G=2.1e11 / 2.6, nu=0.3, rho=7850.0)

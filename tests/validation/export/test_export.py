@@ -32,10 +32,10 @@ from validation.export.files import DIVISIONS, WRENCHES, export_mechanism
 from validation.export.formats import as_exudyn, as_nastran, as_npz, as_simscape, as_statespace
 from validation.export.reduced import reduced_body, reduced_robot
 from validation.kinematics.poses import postures_of
-from validation.models.legs import clamped_solid, leg_matrices
-from validation.models.mechanism import answers, mechanism_modes, static_bodies
+from validation.models.leg_models import clamped_solid, leg_matrices
 from validation.models.options import ModelOptions
-from validation.models.parts import identified
+from validation.models.reduced_parts import identified
+from validation.models.robot_models import answers, mechanism_modes, static_bodies
 
 # A body may have the name of the files of the whole mechanism.
 MECHANISM = described(load_robot("delta").text.replace("arm1", "mechanism"))

@@ -27,11 +27,11 @@ from meshes.part.reading.read import read_part
 from validation.drawing.chart import Chart, Panel, Series
 from validation.drawing.plot import chart_svg
 from validation.drawing.style import csv_of
-from validation.exhibits import Figure
 from validation.export.formats import as_exudyn, as_nastran, as_npz, as_simscape
 from validation.export.reduced import Reduced, reduced_robot
 from validation.parts import face_list
 from validation.report.page import render
+from validation.studies_and_figures import Figure
 
 ROCKER = Path(__file__).parents[3] / "examples/rocker/rocker.step"
 # In the first name "+AAo-" is a line end in UTF-7, after which Python would run the rest.

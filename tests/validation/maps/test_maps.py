@@ -18,15 +18,15 @@ from lumped.models.bodies import links, tip_compliances
 from lumped.robot_file import load_robot
 from lumped.system.assembly import assembly
 from validation.adequacy.errors import ModelErrors
-from validation.adequacy.mechanism.path import robot_on_path
-from validation.adequacy.models import judged_models, judged_models_of
-from validation.adequacy.robot import static_subject
+from validation.adequacy.judged_models import judged_models, judged_models_of
+from validation.adequacy.robot_verdicts import static_subject
 from validation.catalogue import catalogue
 from validation.context import Context
 from validation.kinematics.poses import postures_of
 from validation.maps.figure import _MAX_POSES, _panels, maps
 from validation.maps.quantities import _error
 from validation.maps.workspace import evenly, grid_values, workspace, worst_posture
+from validation.references.robot_on_path import robot_on_path
 from validation.run.outcome import Result, from_plain, plain
 from validation.run.records import run_record
 

@@ -14,16 +14,16 @@ from lumped.errors import ComputationError
 from lumped.legs import tip_compliance
 from lumped.models.bodies import legs_of
 from lumped.robot_file import load_robot
-from validation.adequacy.mechanism import solids
-from validation.adequacy.mechanism.path import NOMINAL
 from validation.adequacy.probability import propagated
 from validation.catalogue import catalogue
 from validation.context import Context
 from validation.drawing.plot import chart_svg
 from validation.kinematics.poses import postures_of
 from validation.measured.matrix import Comparison, Predictions, measured_matrix
-from validation.models.mechanism import answers
 from validation.models.options import ModelOptions
+from validation.models.robot_models import answers
+from validation.references import model_ladder
+from validation.references.robot_on_path import NOMINAL
 from validation.report.figures.adequacy import measured_curves
 from validation.report.words import sentence
 
@@ -308,12 +308,12 @@ def test_error_of_the_program_in_a_model_is_a_fault(monkeypatch, capsys):
     robot_file = load_robot("five-bar")
     pose = tuple(map(float, robot_file.mechanism.poses[0]))
     one = Measured(measured_quantity("x"), 1e-6, 1e-9, "gauge", pose)
-    model_statics = solids.model_statics
+    model_statics = model_ladder.model_statics
 
     def faulty(postures, model, options):
         return 1 / 0 if model == "links" else model_statics(postures, model, options)
 
-    monkeypatch.setattr(solids, "model_statics", faulty)
+    monkeypatch.setattr(model_ladder, "model_statics", faulty)
     matrix = measured_matrix(Context(replace(robot_file, measured=(one,)), "quick"))
     assert matrix.faults == ("links",)
     assert "ZeroDivisionError" in matrix.entry("links", "x").reason

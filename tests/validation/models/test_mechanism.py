@@ -12,8 +12,8 @@ from lumped.models.bodies import legs_of
 from lumped.models.serial_chains import NoChainError
 from lumped.robot_file import load_robot
 from lumped.system.joint_motion import Portion
-from validation.models.mechanism import answers, constant_legs, dynamic_bodies, mechanism_modes
 from validation.models.options import DEFAULT_OPTIONS, ModelOptions
+from validation.models.robot_models import answers, constant_legs, dynamic_bodies, mechanism_modes
 
 EULER_BERNOULLI = ModelOptions(theory="euler-bernoulli")
 # One third of a turn about z, of twists.

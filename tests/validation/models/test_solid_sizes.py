@@ -9,15 +9,15 @@ from fem.bodies.solid import solid_mesh
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, Material
 from lumped.sections import Circle, Rectangle, Tube
-from validation.adequacy.mechanism import dynamics as of_mechanisms
-from validation.adequacy.mechanism.legs import finer_statics, solid_leg
-from validation.adequacy.mechanism.path import robot_at
-from validation.adequacy.responses import Responses
 from validation.case import Skip
 from validation.catalogue import catalogue
 from validation.context import Context
+from validation.references import modal_reference as of_mechanisms
+from validation.references.reference_legs import finer_statics, solid_leg
+from validation.references.responses import Responses
+from validation.references.robot_on_path import robot_at
 from validation.report.figures import modes
-from validation.solids.size import LARGEST, solid_unknowns, too_large
+from validation.solids.solid_size import LARGEST, solid_unknowns, too_large
 from validation.validate import Request, validate
 
 STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
@@ -30,7 +30,7 @@ REASON = r"^leg1 as a solid of 2 divisions has about 2.7e\+05.* unknowns, preset
 @pytest.fixture
 def context(monkeypatch):
     """Of a quick run in which no solid may be meshed."""
-    for place in ("validation.solids.legs", "fem.bodies.solid"):
+    for place in ("validation.solids.solid_legs", "fem.bodies.solid"):
         monkeypatch.setattr(f"{place}.solid_mesh", refused)
     return Context(SLENDER, "quick")
 

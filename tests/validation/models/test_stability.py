@@ -29,8 +29,8 @@ from lumped.system.solution import solved
 from lumped.system.stability import stability
 from validation.models.loads.displacements import masses_of
 from validation.models.loads.stability import prestressed_assembly, stabilities
-from validation.models.mechanism import answers
 from validation.models.options import ModelOptions
+from validation.models.robot_models import answers
 
 EULER = ModelOptions(theory="euler-bernoulli")
 HELD = """

@@ -17,14 +17,14 @@ from lumped.mechanism.kinematics.postures import posture, reference_posture
 from lumped.mechanism.placing import leg_frame
 from lumped.robot_file import load_robot
 from lumped.screws import shift
-from validation.adequacy.mechanism.parts import part_kinds
-from validation.adequacy.models import JUDGED, why_unable
-from validation.models import parts
-from validation.models.legs import leg_matrices
-from validation.models.mechanism import answers
+from validation.adequacy.judged_models import JUDGED, why_unable
+from validation.models import reduced_parts
+from validation.models.leg_models import leg_matrices
 from validation.models.options import ModelOptions
 from validation.models.part_legs import placed_leg
+from validation.models.robot_models import answers
 from validation.models.stepped_parts import stepped
+from validation.references.reference_parts import part_kinds
 
 pytestmark = pytest.mark.usefixtures("coarse_parts")
 STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
@@ -47,7 +47,7 @@ def test_a_channel_twists_about_its_shear_centre_as_its_solid_does(tmp_path):
         occ.cut([(3, outer)], [(3, inner)])
 
     channel = body_of(written(tmp_path / "channel.step", draw), 0.3, "average", None)
-    identified, leg = parts.identified(channel, 6_000, 0), stepped(channel, 4)
+    identified, leg = reduced_parts.identified(channel, 6_000, 0), stepped(channel, 4)
     scale = np.sqrt(np.diag(identified.compliance))
     unit = np.outer(scale, scale)
 
@@ -231,8 +231,8 @@ ROCKER = Path(__file__).resolve().parents[3] / "examples" / "rocker"
 
 @pytest.fixture
 def coarse(monkeypatch, tmp_path):
-    monkeypatch.setattr(parts, "UNKNOWNS", 9000)
-    monkeypatch.setattr(parts.identified, "__defaults__", (9000, 2))
+    monkeypatch.setattr(reduced_parts, "UNKNOWNS", 9000)
+    monkeypatch.setattr(reduced_parts.identified, "__defaults__", (9000, 2))
     monkeypatch.delenv("FLEXPROOF_CACHE", raising=False)
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
 

@@ -17,7 +17,6 @@ from lumped.models.segments import segment_chain, segment_leg
 from lumped.robot_file import as_printed, load_robot
 from lumped.system.joint_motion import printed_release
 from validation import paper
-from validation.claims import Claim, ClaimedCurve, summary
 from validation.context import Context
 from validation.models.options import ModelOptions
 from validation.paper.curves import cosine_spaced, frequencies_over_the_stroke
@@ -31,7 +30,8 @@ from validation.paper.robot import (
     over_stroke,
     stroke_of,
 )
-from validation.report.said import SaidTable
+from validation.published_statements import Claim, ClaimedCurve, summary
+from validation.report.published_statements import SaidTable
 from validation.run.outcome import judge
 from validation.run.records import claims_of, run_record
 

@@ -35,8 +35,8 @@ from lumped.screws import turn_matrix
 from meshes.part.interfaces import find_interfaces
 from meshes.part.reading.read import read_part
 from validation import cli
-from validation.models.mechanism import answers
 from validation.models.options import ModelOptions
+from validation.models.robot_models import answers
 from validation.parts import identify as identifying
 from validation.parts.meshes import LEVELS, part_mesh
 from validation.parts.refinement import compliance_uncertainty, refinement_uncertainty

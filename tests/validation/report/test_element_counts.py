@@ -2,8 +2,8 @@
 
 import pytest
 
-from validation.exhibits import Figure
 from validation.report.element_counts import ElementCount, element_counts
+from validation.studies_and_figures import Figure
 
 LABELS = ("rigid segments", "beam elements", "beam elements, Euler–Bernoulli")
 TIMOSHENKO = ("timoshenko", "timoshenko", "euler-bernoulli")

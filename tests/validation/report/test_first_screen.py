@@ -9,13 +9,13 @@ from msgspec.structs import replace
 from report_sample import entry, sample_matrix, sample_report
 
 from validation.drawing.text import anchor, number
-from validation.exhibits import Figure
 from validation.report.first_screen import first_screen
 from validation.report.page import render
 from validation.report.remedies import remedies_of
 from validation.report.sections import LEGS
 from validation.report.table import table_of
 from validation.report.words import models_to_use, sentence, supposition
+from validation.studies_and_figures import Figure
 from validation.verdicts import Cause
 
 pytestmark = pytest.mark.usefixtures("undrawn")

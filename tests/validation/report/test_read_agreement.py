@@ -16,7 +16,6 @@ import pytest
 from report_sample import measured, sample_report, unmeasured
 
 from validation.case import Allowance, Relative
-from validation.exhibits import AGREEMENT
 from validation.report.agreement import (
     agreement_sentence,
     agreement_tables,
@@ -25,6 +24,7 @@ from validation.report.agreement import (
 from validation.report.agreement_parts import agreement_rows
 from validation.report.page import render
 from validation.run.outcome import judge
+from validation.studies_and_figures import AGREEMENT
 
 MODELS = {"vjm": "VJM", "links": "Links", "segments": "Segments (20)", "beam": "Beam FE (20)"}
 # Names of the formulations in a sentence.

@@ -23,12 +23,12 @@ from report_sample import (
 
 from validation.case import Absolute, Allowance, Relation
 from validation.drawing import text
-from validation.exhibits import AGREEMENT, PATH, Figure, InteractiveScene, study_record
 from validation.report import sections
 from validation.report.figures.budgets import budget_curves, budget_figure
 from validation.report.figures.studies import families, family_of, study_figure
 from validation.report.page import render
 from validation.report.sections import LEGS, PageSection, chapters_of, unexplained_share
+from validation.studies_and_figures import AGREEMENT, PATH, Figure, InteractiveScene, study_record
 from validation.verdicts import ADEQUACY, MEASURED
 
 # After the first page, whose charts are drawn.

@@ -14,8 +14,8 @@ from report_sample import FIG_5, PIXEL, sample_report
 from validation.drawing.scene import DrawnBody, Scene, Wire
 from validation.drawing.surfaces import prism, rectangle
 from validation.drawing.turnable import turnable
-from validation.exhibits import Figure
 from validation.report.page import render
+from validation.studies_and_figures import Figure
 
 NAMES = ("chromium", "chromium-browser", "google-chrome")
 EXECUTABLE = next(filter(None, map(shutil.which, NAMES)), None)

@@ -23,11 +23,11 @@ from toy_runs import ENVIRONMENT, content, wait_for
 from lumped.errors import ComputationError, InputError
 from lumped.robot_file import load_robot
 from meshes.part.reading import read
-from validation.adequacy.mechanism.parts import highest_of_parts, solid_parts
-from validation.adequacy.mechanism.parts_ahead import prepare_parts
-from validation.adequacy.mechanism.path import holding, offered, path_postures
 from validation.context import Context
-from validation.models import parts
+from validation.models import reduced_parts
+from validation.references.part_preparation import prepare_parts
+from validation.references.reference_parts import highest_of_parts, solid_parts
+from validation.references.robot_on_path import holding, offered, path_postures
 from validation.run import cluster as on_dask
 from validation.run.cluster import on_cluster
 from validation.run.folder import open_folder
@@ -122,17 +122,17 @@ def test_parts_are_reduced_by_a_worker_and_nothing_of_them_here(tmp_path, monkey
     prepare_parts(context, lambda work: pytest.fail(f"{len(work)} computed again"), carried=True)
     with monkeypatch.context() as patch:
         for one in ("reduction", "free_interface"):
-            patch.setattr(parts, one, lambda *_: pytest.fail("reduced again"))
+            patch.setattr(reduced_parts, one, lambda *_: pytest.fail("reduced again"))
         postures = path_postures(context)
         for ends in holding(context.robot_file.mechanism).alternatives.values():
             assert solid_parts(postures, offered(4), ends)["arm"].size > 12
     # One of the reductions made here: another process, the same numbers.
     arm = context.robot_file.mechanism.bodies["arm"]
     highest, cutoff = highest_of_parts(path_postures(context), offered(4))
-    found = parts.reduced(arm, highest, cutoff)
+    found = reduced_parts.reduced(arm, highest, cutoff)
     shutil.rmtree(tmp_path / "here")
     forget()
-    own = parts.reduced(arm, highest, cutoff)
+    own = reduced_parts.reduced(arm, highest, cutoff)
     assert own.counted == found.counted > 0
     for mine, its in ((own.stiffness, found.stiffness), (own.mass, found.mass)):
         assert_allclose(mine, its, rtol=1e-12, atol=1e-12 * np.abs(its).max())

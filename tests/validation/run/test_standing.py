@@ -7,10 +7,10 @@ import pytest
 from report_sample import HEADER, entry, never, sample_matrix, sample_report
 from toy_catalogue import case
 
-from validation.exhibits import PlannedFigure
 from validation.report.summary import adequacy, verdicts
 from validation.run.outcome import Result
 from validation.run.results import Results, standing_of
+from validation.studies_and_figures import PlannedFigure
 from validation.verdicts import ADEQUACY, MEASURED, Assessment
 
 FIGURE = PlannedFigure("fig7", "Fig. 7", never)

@@ -16,7 +16,7 @@ from lumped.models.bodies import free_frequencies
 from lumped.robot_file.written import toml_of
 from lumped.sections import Rectangle
 from validation import api, cli
-from validation.models.legs import clamped_solid, leg_matrices
+from validation.models.leg_models import clamped_solid, leg_matrices
 
 E, NU, RHO = 2.1e11, 0.3, 7850.0
 G = E / 2.0 / (1.0 + NU)

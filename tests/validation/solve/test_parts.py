@@ -14,17 +14,17 @@ from lumped.robot_file import load_robot
 from lumped.system.assembly import assembly
 from lumped.system.solution import modes, solved
 from meshes.part.volume import RATIO
-from validation.adequacy.mechanism import meshes
-from validation.adequacy.mechanism.parts import reduction_note, solid_parts
-from validation.adequacy.mechanism.path import holding, path_postures, robot_on_path
-from validation.adequacy.models import JUDGED, judged_models, why_unable
-from validation.adequacy.responses import Model, Responses
-from validation.adequacy.robot import robot_adequacy
-from validation.agreement.responses import PathModes
+from validation.adequacy.judged_models import JUDGED, judged_models, why_unable
+from validation.adequacy.robot_verdicts import robot_adequacy
 from validation.cases import part_reductions
 from validation.context import Context
-from validation.models import parts
-from validation.models.mechanism import CUTOFF, answers, dynamic_bodies
+from validation.models import reduced_parts
+from validation.models.robot_models import CUTOFF, answers, dynamic_bodies
+from validation.references import mesh_uncertainty
+from validation.references.reference_parts import reduction_note, solid_parts
+from validation.references.responses import Model, Responses
+from validation.references.robot_on_path import holding, path_postures, robot_on_path
+from validation.responses.statics_and_modes import PathModes
 from validation.run.outcome import judge
 from validation.solve.answer import Solution
 from validation.solve.answer_text import as_text
@@ -37,7 +37,7 @@ COUNT = 4
 @pytest.fixture(scope="module", autouse=True)
 def coarsest(coarse_parts):
     """Meshes coarser still, as reading the part comes to most of what is left."""
-    coarse_parts.setattr(parts, "UNKNOWNS", 3_000)
+    coarse_parts.setattr(reduced_parts, "UNKNOWNS", 3_000)
 
 
 @pytest.fixture(scope="module")
@@ -62,7 +62,7 @@ def own(crane):
 @pytest.mark.exhaustive
 def test_the_meshes_leave_open_what_a_far_finer_one_changes(own, crane, coarse_parts):
     with coarse_parts.context() as patch:
-        patch.setattr(parts, "UNKNOWNS", 20_000)
+        patch.setattr(reduced_parts, "UNKNOWNS", 20_000)
         (finer,) = answers("solid", [reference_posture(crane.mechanism)], COUNT)
     apart = np.abs(values(finer) - values(own))
     half_widths = np.concatenate([own.of_parts.compliance, own.of_parts.frequencies])
@@ -83,12 +83,12 @@ def test_half_width_of_f1_does_not_depend_on_judged_modes(crane, monkeypatch):
         return PathModes(*repeated, np.ones(12), np.ones((len(robot.postures), 12)))
 
     solids = Model("solid", modes=modes_on, modal_fields=("part_mesh",))
-    monkeypatch.setattr(meshes, "SOLID", solids)
+    monkeypatch.setattr(mesh_uncertainty, "SOLID", solids)
     half_widths = []
     for count in (2, 3, 4, 6):
         requirement = replace(crane.requirement, modes=count)
         robot = robot_on_path(Context(replace(crane, requirement=requirement), "quick"))
-        found = meshes.frequency_half_widths(Responses(robot), robot.first_reading)
+        found = mesh_uncertainty.frequency_half_widths(Responses(robot), robot.first_reading)
         half_widths.append(found[:, :2])
     assert half_widths[1:] == [pytest.approx(half_widths[0], rel=1e-9)] * 3
 
@@ -96,7 +96,7 @@ def test_half_width_of_f1_does_not_depend_on_judged_modes(crane, monkeypatch):
 @pytest.mark.exhaustive
 def test_parts_are_meshed_as_finely_as_an_accuracy_asks(crane, coarse_parts):
     with coarse_parts.context() as patch:
-        patch.setattr(parts, "UNKNOWNS", 1500)
+        patch.setattr(reduced_parts, "UNKNOWNS", 1500)
         rough = answer_of(crane, 0)
         left = rough.of_parts.compliance / np.diag(rough.compliance)
         asked = 0.8 * float(left.max())
@@ -118,8 +118,8 @@ def test_the_bracket_is_what_the_file_changes_when_it_says_so(own, crane):
     bracket = np.concatenate([own.of_parts.bracket.compliance, own.of_parts.bracket.frequencies])
     # Interfaces of which nothing is said are rigid.
     assert bracket == pytest.approx(values(said) - values(own), rel=1e-6)
-    assert parts.is_held_as_said(average.parts["arm"])
-    assert not parts.is_held_as_said(crane.mechanism.parts["arm"])
+    assert reduced_parts.is_held_as_said(average.parts["arm"])
+    assert not reduced_parts.is_held_as_said(crane.mechanism.parts["arm"])
     # An averaged interface is the softer one.
     assert (bracket[:6] > 0.0).all()
     assert (bracket[6:] < 0.0).all()
@@ -172,22 +172,22 @@ def test_its_modes_have_partners_among_those_of_another_model(crane):
 @pytest.mark.parametrize("by", ["fixed", "free"])
 def test_a_reduction_that_lacks_a_mode_is_refused(crane, monkeypatch, by):
     arm = crane.mechanism.bodies["arm"]
-    whole = parts.reduced(arm, 1000.0, 2500.0, by=by)
-    entry = parts.reduced_entry(arm, 1000.0, 2500.0, by=by)
+    whole = reduced_parts.reduced(arm, 1000.0, 2500.0, by=by)
+    entry = reduced_parts.reduced_entry(arm, 1000.0, 2500.0, by=by)
     found = dict(entry.kept[entry.key])
     rest = np.delete(np.arange(len(found["stiffness"])), 12)
     found |= {name: found[name][np.ix_(rest, rest)] for name in ("stiffness", "mass")}
     found["recovery"] = found["recovery"][:, rest]
-    monkeypatch.setattr(parts.CacheEntry, "value", lambda _: entry.read(found))
+    monkeypatch.setattr(reduced_parts.CacheEntry, "value", lambda _: entry.read(found))
     message = f"arm, reduced: {whole.counted} modes were counted below 2500 Hz"
-    with pytest.raises(parts.ComputationError, match=message):
-        parts.reduced(arm, 1000.0, 2500.0, by=by)
+    with pytest.raises(reduced_parts.ComputationError, match=message):
+        reduced_parts.reduced(arm, 1000.0, 2500.0, by=by)
 
 
 @pytest.fixture(scope="module")
 def matrix(crane):
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(parts, "UNKNOWNS", 12_000)
+        patch.setattr(reduced_parts, "UNKNOWNS", 12_000)
         return robot_adequacy(Context(crane, "quick"))
 
 

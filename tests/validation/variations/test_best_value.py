@@ -18,11 +18,11 @@ from written_robot import robot_of
 from lumped.legs import ConstantLeg, Material, tip_compliance
 from lumped.robot_file.variation import variations_of
 from lumped.sections import Rectangle
-from validation.adequacy.mechanism.legs import UNKNOWNS
 from validation.case import Absolute, Skip
 from validation.context import Context
+from validation.references.reference_legs import UNKNOWNS
 from validation.run.executor import on_cores
-from validation.solids.size import LARGEST
+from validation.solids.solid_size import LARGEST
 from validation.variations.cases import cases_over
 from validation.variations.curves import VariedModels, _extremes, decision_of, variation_study
 from validation.variations.decision import Choice, Decision, choice, spearman

@@ -23,17 +23,17 @@ from lumped.models.bodies import legs_of
 from lumped.system.assembly import Assembly, assembly
 from lumped.system.loads import loading, tool_displacements
 from lumped.system.solution import solved
-from validation.models.legs import condensed_leg, leg_matrices
+from validation.models.leg_models import condensed_leg, leg_matrices
 from validation.models.loads.leg_masses import MASSES, Masses, ends_mass
-from validation.models.mechanism import (
+from validation.models.options import DEFAULT_OPTIONS, STATIC, ModelName, ModelOptions
+from validation.models.reduced_parts import condensed
+from validation.models.robot_models import (
     bodies_of,
     on_drives_alone,
     released,
     springs_of,
     static_bodies,
 )
-from validation.models.options import DEFAULT_OPTIONS, STATIC, ModelName, ModelOptions
-from validation.models.parts import condensed
 
 # Masses (6m×6m, SI, body axes) of bodies on the twists of their interfaces.
 BodyMasses: TypeAlias = Mapping[str, Array]

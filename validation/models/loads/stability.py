@@ -23,15 +23,15 @@ from lumped.system.prestress import Prestressed, geometric_stiffness
 from lumped.system.solution import solved
 from lumped.system.stability import Stability, stability
 from validation.drawing.text import number, percent
-from validation.models.legs import filled
+from validation.models.leg_models import filled
 from validation.models.loads.displacements import load_masses
-from validation.models.mechanism import (
+from validation.models.options import DEFAULT_OPTIONS, ModelName, ModelOptions
+from validation.models.robot_models import (
     constant_legs,
     on_drives_alone,
     released,
     static_bodies,
 )
-from validation.models.options import DEFAULT_OPTIONS, ModelName, ModelOptions
 
 # Buckling of a leg between clamped ends is off by 2e-4 with ten elements, by less with any others;
 # of its modes with held ends these leave 1e-4.

@@ -17,7 +17,7 @@ from validation.drawing.scene import DARK, DrawnBody, Wire
 from validation.drawing.style import LOOKS
 from validation.drawing.surfaces import Surface, faceted, joined
 from validation.kinematics.solids import COLOURS, Solid, on_ground, section_prism, solids
-from validation.models.parts import coarsest_mesh, identified
+from validation.models.reduced_parts import coarsest_mesh, identified
 
 # Points along a leg at which outlines of another model are drawn over it, slightly larger.
 COMPARED_POINTS = 6

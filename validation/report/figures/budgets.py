@@ -15,8 +15,8 @@ from validation.case import Measurement
 from validation.drawing.chart import Bars, Chart, Panel, Series, around_zero
 from validation.drawing.figures import drawn_figure
 from validation.drawing.text import function_name
-from validation.exhibits import Figure
 from validation.run.outcome import Outcome
+from validation.studies_and_figures import Figure
 
 # Hatches distinguish the causes in black and white.
 _HATCHES = ("", "//", "..", "\\\\", "xx", "++", "--")

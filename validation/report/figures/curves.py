@@ -10,14 +10,12 @@ from lumped.arrays import Array
 from lumped.mechanism.kinematics.postures import shown_pose
 from lumped.robot_file.places import unit_of
 from lumped.robot_file.variation import Variation
-from validation.adequacy.compared import (
+from validation.adequacy.posture_errors import (
     Compared,
     compared_compliances,
     compared_frequencies,
     compared_statics,
 )
-from validation.adequacy.mechanism.path import coordinates, path_postures, robot_on_path
-from validation.adequacy.responses import UNSOLVED
 from validation.case import Skip
 from validation.context import Context
 from validation.drawing.chart import (
@@ -30,9 +28,11 @@ from validation.drawing.chart import (
     from_zero,
 )
 from validation.drawing.figures import FigureGroup
-from validation.exhibits import PARAMETERS, PATH, PlannedFigure
-from validation.models.mechanism import JUDGED_MODES
-from validation.solids.legs import SHARED_SOLIDS
+from validation.models.robot_models import JUDGED_MODES
+from validation.references.responses import UNSOLVED
+from validation.references.robot_on_path import coordinates, path_postures, robot_on_path
+from validation.solids.solid_legs import SHARED_SOLIDS
+from validation.studies_and_figures import PARAMETERS, PATH, PlannedFigure
 from validation.variations.cases import varied_curves
 from validation.variations.curves import VariedCurves
 from validation.variations.decision import MEANING, UNITS, Decision, choice

@@ -8,7 +8,7 @@ import numpy as np
 from lumped.arrays import Array
 from validation.drawing.chart import Chart, Column, Note, Panel, Series, octaves, powers
 from validation.drawing.text import number
-from validation.exhibits import Study
+from validation.studies_and_figures import Study
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -22,7 +22,7 @@ from lumped.system.joint_motion import Portion
 from lumped.system.solution import strain_shares
 from validation.drawing.style import FILLS
 from validation.kinematics.solids import in_one_plane
-from validation.models.parts import identified
+from validation.models.reduced_parts import identified
 
 IN_THE_PLANE = "in the plane"
 # Kinds of deformation of a leg about its axes y and z, or about both if its section couples them

@@ -15,35 +15,35 @@ from lumped.legs import ConstantLeg
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.system.assembly import assembly
 from lumped.system.joint_motion import Portion
-from validation.adequacy.mechanism.dynamics import dynamic_reference
-from validation.adequacy.mechanism.parts import solid_parts
-from validation.adequacy.mechanism.path import (
-    holding,
-    known_legs,
-    offered,
-    path_postures,
-    robot_on_path,
-)
-from validation.adequacy.mechanism.vibration import modes_by_model
-from validation.adequacy.partners import partners
-from validation.adequacy.responses import Responses
-from validation.agreement.mode_pairing import likeness_matrix
-from validation.agreement.responses import PathModes
 from validation.case import Skip
 from validation.context import Context
 from validation.drawing.chart import Bars, Chart, Column, Panel, Series
 from validation.drawing.figures import FigureGroup
-from validation.exhibits import MODES
-from validation.models.mechanism import (
+from validation.models.options import DEFAULT_OPTIONS, ModelName, ModelOptions
+from validation.models.robot_models import (
     PostureModes,
     dynamic_bodies,
     highest_frequency,
     mechanism_modes,
     modes_along,
 )
-from validation.models.options import DEFAULT_OPTIONS, ModelName, ModelOptions
+from validation.references.modal_reference import dynamic_reference
+from validation.references.modes_on_path import modes_by_model
+from validation.references.reference_parts import solid_parts
+from validation.references.responses import Responses
+from validation.references.robot_on_path import (
+    holding,
+    known_legs,
+    offered,
+    path_postures,
+    robot_on_path,
+)
 from validation.report.figures.mode_names import DRIVES, JOINTS, shares_by_kind, sum_shares
-from validation.solids.legs import SHARED_SOLIDS
+from validation.responses.mode_pairing import likeness_matrix
+from validation.responses.mode_partners import partners
+from validation.responses.statics_and_modes import PathModes
+from validation.solids.solid_legs import SHARED_SOLIDS
+from validation.studies_and_figures import MODES
 
 Portions = Mapping[Portion, Array]
 Shares = Mapping[str, Array]

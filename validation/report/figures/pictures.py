@@ -8,18 +8,16 @@ from lumped.arrays import Array
 from lumped.models.bodies import legs_of
 from lumped.system.assembly import System
 from lumped.system.solution import solved
-from validation.adequacy.mechanism.path import path_postures
-from validation.agreement.mode_pairing import one_frequency
 from validation.case import Skip
 from validation.context import Context
 from validation.drawing.figures import FigureGroup
 from validation.drawing.scene import Arrow, Marks, Scene, SceneGrid, readable_factor
 from validation.drawing.style import LOOKS, VERMILLION, csv_of
 from validation.drawing.text import number
-from validation.exhibits import PATH, PORTRAIT
 from validation.kinematics.picture import scene
 from validation.kinematics.solids import tool_position
-from validation.models.mechanism import PostureModes
+from validation.models.robot_models import PostureModes
+from validation.references.robot_on_path import path_postures
 from validation.report.figures.bodies import (
     compared_points,
     displaced_solids,
@@ -28,6 +26,8 @@ from validation.report.figures.bodies import (
 )
 from validation.report.figures.mode_names import IN_THE_PLANE, mode_names
 from validation.report.figures.modes import finite_elements, segments
+from validation.responses.mode_pairing import one_frequency
+from validation.studies_and_figures import PATH, PORTRAIT
 
 FORCE = 1000.0  # N
 _MODES = 4

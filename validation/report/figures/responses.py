@@ -9,11 +9,8 @@ from lumped.arrays import Array, ComplexArray
 from lumped.mechanism.kinematics.postures import shown_pose
 from lumped.mechanism.mechanism import Mechanism
 from lumped.robot_file import RobotFile
-from validation.adequacy.compared import solved_modes
-from validation.adequacy.mechanism.dynamics import dynamic_reference
-from validation.adequacy.mechanism.path import robot_on_path
-from validation.adequacy.models import judged_models
-from validation.adequacy.responses import UNSOLVED, Responses
+from validation.adequacy.judged_models import judged_models
+from validation.adequacy.posture_errors import solved_modes
 from validation.case import Skip
 from validation.context import Context
 from validation.drawing.chart import (
@@ -27,9 +24,12 @@ from validation.drawing.chart import (
     round_angles,
 )
 from validation.drawing.figures import FigureGroup
-from validation.exhibits import PATH, PlannedFigure
 from validation.measured.modes import modal_answer
-from validation.solids.legs import SHARED_SOLIDS
+from validation.references.modal_reference import dynamic_reference
+from validation.references.responses import UNSOLVED, Responses
+from validation.references.robot_on_path import robot_on_path
+from validation.solids.solid_legs import SHARED_SOLIDS
+from validation.studies_and_figures import PATH, PlannedFigure
 from validation.verdicts import MEASURED_RESPONSE
 
 # Lowest end of a band over the size itself, as a logarithmic axis has no zero.

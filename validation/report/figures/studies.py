@@ -10,9 +10,9 @@ from lumped.arrays import Array
 from validation.drawing.chart import Chart, Column, Panel, Series, refined
 from validation.drawing.figures import drawn_figure
 from validation.drawing.text import function_name
-from validation.exhibits import Figure, Study
 from validation.report.figures.meshes import mesh_curves
 from validation.run.outcome import Outcome
+from validation.studies_and_figures import Figure, Study
 
 _DEVIATION = "deviation from the limit (%)"
 

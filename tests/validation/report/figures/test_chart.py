@@ -11,8 +11,7 @@ from report_sample import POSES, entry, sample_matrix
 
 from lumped.acceptance.requirement import MODEL_KINDS
 from lumped.robot_file import load_robot
-from validation.adequacy.mechanism.path import holding
-from validation.adequacy.models import JUDGED
+from validation.adequacy.judged_models import JUDGED
 from validation.drawing.chart import (
     Bars,
     Chart,
@@ -28,6 +27,7 @@ from validation.drawing.chart import (
 from validation.drawing.plot import drawn_chart
 from validation.drawing.style import LOOKS, OTHERS, look_key, marker_positions, plot_style
 from validation.models.loads.leg_masses import MASSES
+from validation.references.robot_on_path import holding
 from validation.report.figures.adequacy import error_curves, measured_curves
 
 X = np.array([0.0, 1.0, 2.0])

@@ -16,18 +16,18 @@ from lumped.mechanism.joint import Side
 from lumped.mechanism.kinematics.postures import reference_posture
 from lumped.robot_file import load_robot
 from lumped.sections import Rectangle
-from validation.adequacy.compared import Compared
-from validation.agreement.responses import PathModes
+from validation.adequacy.posture_errors import Compared
 from validation.context import Context
 from validation.drawing import opengl
 from validation.drawing.chart import chart_table
 from validation.kinematics.poses import postures_of
-from validation.models import parts
-from validation.models.mechanism import answers, mechanism_modes
+from validation.models import reduced_parts
+from validation.models.robot_models import answers, mechanism_modes
 from validation.report.figures import curves, modes, pictures
 from validation.report.figures.bodies import compared_points, displaced_solids
 from validation.report.figures.mode_names import kinetic_energies, mode_names
 from validation.report.figures.modes import finite_elements, segments
+from validation.responses.statics_and_modes import PathModes
 
 pytestmark = pytest.mark.usefixtures("coarse_parts")
 
@@ -218,10 +218,12 @@ def test_part_is_drawn_as_solid_and_condensed(tmp_path):
 def test_interpolation_reproduces_linear_fields():
     rng = np.random.default_rng(5)
     nodes, points, gradient = rng.random((300, 3)), rng.random((40, 3)), rng.random((3, 3))
-    found = parts.interpolated(nodes, (nodes @ gradient + 2.0).reshape(-1, 1))(points).toarray()
+    found = reduced_parts.interpolated(nodes, (nodes @ gradient + 2.0).reshape(-1, 1))(
+        points
+    ).toarray()
     np.testing.assert_allclose(found.reshape(-1, 3), points @ gradient + 2.0, atol=1e-12)
     bent = np.sin(9.0 * nodes).reshape(-1, 1)
-    at_nodes = parts.interpolated(nodes, bent)(nodes[:7]).toarray()
+    at_nodes = reduced_parts.interpolated(nodes, bent)(nodes[:7]).toarray()
     np.testing.assert_array_equal(at_nodes, bent[:21])
 
 

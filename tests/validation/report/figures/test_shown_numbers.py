@@ -10,14 +10,14 @@ from toy_responses import meshes, reference
 
 from lumped.mechanism.load import Excitation
 from lumped.robot_file import load_robot
-from validation.adequacy.compared import Compared
-from validation.adequacy.mechanism.dynamics import mass_notes
-from validation.adequacy.responses import Responses
-from validation.agreement.responses import PathModes
+from validation.adequacy.posture_errors import Compared
 from validation.context import Context
 from validation.kinematics.poses import postures_of
+from validation.references.modal_reference import mass_notes
+from validation.references.responses import Responses
 from validation.report.figures import responses
 from validation.report.figures.adequacy import measured_curves
+from validation.responses.statics_and_modes import PathModes
 from validation.variations import curves
 from validation.verdicts import Entry
 

@@ -6,9 +6,9 @@ from report_sample import measured
 
 from validation.case import Allowance
 from validation.drawing.chart import Series
-from validation.exhibits import Study
 from validation.report.figures.budgets import budget_figure
 from validation.report.figures.studies import _slopes, family_of, study_curves
+from validation.studies_and_figures import Study
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,136 @@
+"""Errors of the whole displacement against sampled forces; pairing of modes."""
+
+import warnings
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from scipy.optimize import minimize
+
+from fem.beams.beam import beam_leg
+from lumped.acceptance.quantities import ANY_FORCE, UNIT_LOADS
+from lumped.arrays import Array
+from lumped.legs import ConstantLeg, Material
+from lumped.models.bodies import clamped_modes
+from lumped.sections import Rectangle
+from validation.responses.displacement import FLOOR, relative, sizes, worst_force
+from validation.responses.mode_pairing import (
+    centreline_samples,
+    centreline_weights,
+    likeness_matrix,
+    pair_modes,
+    sampled_modes,
+)
+from validation.responses.statics_and_modes import Statics
+
+
+def fraction(difference: Array, reference: Array, forces: Array) -> Array:
+    """|D f| / max(|C f|, s/20) of forces (3×n)."""
+    force = forces / np.linalg.norm(forces, axis=0)
+    moved = np.linalg.norm(reference @ force, axis=0)
+    floor = FLOOR * np.linalg.norm(reference, 2)
+    return np.linalg.norm(difference @ force, axis=0) / np.maximum(moved, floor)
+
+
+def statics(compliances: Array) -> Statics:
+    """Statics of a robot without loads."""
+    return Statics(compliances, np.zeros((len(compliances), 0, 6)))
+
+
+def compliance(rng: np.random.Generator, yields: Array) -> Array:
+    """A symmetric 3×3 that yields so much in directions at random."""
+    axes = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+    return np.asarray(axes * yields @ axes.T)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_the_worst_direction_of_force_is_found(seed: int) -> None:
+    rng = np.random.default_rng([24, seed])
+    # From one direction that alone yields to a reference that is singular.
+    yields = 10.0 ** -rng.uniform(0.0, 3.0, 3) * 1e-8
+    yields[: rng.integers(0, 3)] *= rng.choice([1.0, 0.0])
+    reference = compliance(rng, yields)
+    difference = 10.0 ** rng.uniform(-12.0, -8.0) * rng.normal(size=(3, 3))
+    if seed % 3 == 0:
+        difference = compliance(rng, yields) - reference
+    found = worst_force(difference[None], reference[None])
+    assert np.linalg.norm(found.force[0]) == pytest.approx(1.0)
+    at = fraction(difference, reference, found.force.T)
+    assert at == pytest.approx(found.error, rel=1e-9)
+    # Neither above what the sphere has nor below it: climbed to from the best of many directions.
+    forces = rng.normal(size=(3, 8000))
+    climbed = max(
+        -minimize(
+            lambda force: -fraction(difference, reference, force[:, None])[0],
+            forces[:, start],
+            method="Nelder-Mead",
+            options={"xatol": 1e-10, "fatol": 1e-12},
+        ).fun
+        for start in np.argsort(fraction(difference, reference, forces))[-6:]
+    )
+    # The search ends at 3e-7, elsewhere by each kernel of OpenBLAS.
+    assert found.error[0] == pytest.approx(climbed, rel=5e-6)
+
+
+def test_a_direction_that_hardly_yields_does_not_decide() -> None:
+    reference, difference = np.diag([1.0, 1.0, 1e-4]), np.diag([0.03, 0.0, 1e-3])
+    found = worst_force(difference[None], reference[None])
+    # Along z alone ten times too soft: 2 % of a twentieth. The worst force has both errors in it.
+    assert found.error[0] == pytest.approx(np.hypot(0.03, 0.02), rel=1e-3)
+    assert np.abs(found.force[0]) == pytest.approx([0.05, 0.0, 1.0], abs=2e-3)
+    # Along that force it is off by (0.03/400 + 1e-3)/(1 + 1/400), of the same twentieth.
+    whole = np.zeros((2, 1, 6, 6))
+    whole[:, 0, :3, :3] = difference, reference
+    assert relative(*map(statics, whole), ANY_FORCE).along == pytest.approx(0.0214, rel=0.01)
+
+
+def test_sizes_are_of_the_whole_displacement_and_along_is_signed() -> None:
+    rng = np.random.default_rng(7)
+    own, other = (one @ np.swapaxes(one, 1, 2) for one in rng.normal(size=(2, 3, 6, 6)))
+    found = sizes(statics(other - own), statics(own))
+    for k, quantity in enumerate(UNIT_LOADS[:6]):
+        rows = slice(3) if k < 3 else slice(3, 6)
+        due, moved = own[:, rows, k], other[:, rows, k]
+        plain = np.linalg.norm(moved - due, axis=1) / np.linalg.norm(due, axis=1)
+        assert found[:, k] == pytest.approx(plain, rel=1e-12)
+        along = relative(statics(other - own), statics(own), quantity).along
+        assert along == pytest.approx(other[:, k, k] / own[:, k, k] - 1.0, rel=1e-12)
+    # No axis is worse than the worst direction: here every direction yields more than the floor.
+    assert (found[:, 6] >= found[:, :3].max(axis=1) * (1.0 - 1e-9)).all()
+    assert UNIT_LOADS[6] == ANY_FORCE
+
+
+def test_what_is_rigid_in_both_is_right_and_what_yields_alone_is_infinite() -> None:
+    reference, rigid, yielding = (statics(one) for one in np.zeros((3, 2, 6, 6)))
+    reference.compliances[:, 0, 0] = 1e-8
+    yielding.compliances[1, 1, 1] = 1e-9
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert not sizes(rigid, reference).any()
+        alone, everywhere = sizes(yielding, reference), sizes(yielding, rigid)
+    assert alone[1] == pytest.approx([0.0, np.inf, 0.0, 0.0, 0.0, 0.0, 2.0], rel=1e-9)
+    assert everywhere[1, 6] == np.inf
+    assert not everywhere[0].any()
+
+
+def test_sampled_modes_of_a_clamped_beam_are_orthogonal_and_find_themselves():
+    """In the product of the masses, rotary inertia included (Rayleigh)."""
+    leg = ConstantLeg(0.85, Rectangle(0.1, 0.16), Material.isotropic(2.1e11, 0.3, 7850.0))
+    beam = beam_leg(leg.timoshenko, leg.length, 20)
+    stations, lengths = centreline_samples(leg.length, 24)
+    modes = clamped_modes(beam, 6)
+    shapes = beam.centreline(stations) @ modes.shapes
+    weights = centreline_weights(leg.timoshenko, lengths)
+    per_station = weights.reshape(-1, 6)
+    assert_allclose(per_station[:, 1].sum(), leg.mass)
+    assert_allclose(per_station[:, 3].sum(), leg.timoshenko.rho_J * 0.85)
+    # Gauss stations integrate the first modes to 1e-4 and better, squared in MAC.
+    root = np.sqrt(weights)[:, None]
+    own = sampled_modes(modes.frequencies, root * shapes)
+    assert_allclose(
+        likeness_matrix(own, sampled_modes(modes.frequencies, -3.0 * root * shapes)),
+        np.eye(6),
+        atol=1e-7,
+    )
+    reversed_order = sampled_modes(modes.frequencies, root * shapes[:, ::-1])
+    assert pair_modes(own, reversed_order).partner.tolist() == [5, 4, 3, 2, 1, 0]

@@ -1,0 +1,164 @@
+"""Pairing of modes against naive oracles: assignment of shapes, principal angles, permutations."""
+
+import numpy as np
+import pytest
+from scipy.linalg import subspace_angles
+from scipy.optimize import linear_sum_assignment
+
+from validation.responses.mode_pairing import (
+    likeness_matrix,
+    one_frequency,
+    pair_modes,
+    sampled_modes,
+    space_likeness,
+)
+
+SAMPLES, MODES = 30, 8
+RNG_OF = np.random.default_rng
+
+
+def modes_of(frequencies, shapes, weights, seen=None):
+    return sampled_modes(frequencies, np.sqrt(weights)[:, None] * shapes, seen)
+
+
+def orthonormal(rng, count):
+    """Mass-normalised shapes (k×m) and the masses (k)."""
+    weights = rng.uniform(0.5, 2.0, SAMPLES)
+    basis = np.linalg.qr(rng.normal(size=(SAMPLES, count)))[0]
+    return basis / np.sqrt(weights)[:, None], weights
+
+
+def rotation(rng, size):
+    return np.linalg.qr(rng.normal(size=(size, size)))[0]
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_separate_modes_have_the_assigned_partners(seed):
+    """Shapes turned by up to some 15°, shuffled; modes of one model see a part of their energy."""
+    rng = RNG_OF([1, seed])
+    shapes, weights = orthonormal(rng, MODES + 2)
+    others = shapes + 0.04 * rng.normal(size=shapes.shape)
+    others = (others * rng.choice([1.0, -1.0], MODES + 2))[:, rng.permutation(MODES + 2)]
+    seen = rng.uniform(0.75, 1.0, MODES)
+    own = modes_of(np.arange(1.0, MODES + 1), shapes[:, :MODES], weights, seen)
+    frequencies = np.cumsum(rng.uniform(0.01, 1.0, MODES + 2)) + 1.0
+    pairs = pair_modes(own, modes_of(frequencies, others, weights))
+    # The same, one entry after the other.
+    expected = np.zeros((MODES, MODES + 2))
+    for i, j in np.ndindex(*expected.shape):
+        a, b = shapes[:, i], others[:, j]
+        mac = (a * weights @ b) ** 2 / (a * weights @ a) / (b * weights @ b)
+        expected[i, j] = mac * seen[i]
+    rows, columns = linear_sum_assignment(expected, maximize=True)
+    assert pairs.partner.tolist() == columns.tolist()
+    assert pairs.likeness == pytest.approx(expected[rows, columns], rel=1e-10)
+    assert not pairs.mixed.any()
+    assert not pairs.undecided.any()
+
+
+def test_sum_of_all_pairs_decides():
+    """Greedy takes 0.6 for the first and leaves 0; together 0.5 + 0.5 is more."""
+    first, second = [1.0, 0.0, 0.0, 0.0], [0.5, 0.5057, 0.7030, 0.0]
+    others = [[0.7746, 0.6325, 0.0, 0.0], [0.7071, -0.2126, -0.35, 0.5762]]
+    own, other = (
+        modes_of(np.array([1.0, 2.0]), np.transpose(one), np.ones(4))
+        for one in ([first, second], others)
+    )
+    np.testing.assert_allclose(likeness_matrix(own, other), [[0.6, 0.5], [0.5, 0.0]], atol=1e-3)
+    assert pair_modes(own, other).nearest.tolist() == [1, 0]
+    alone = modes_of(np.array([1.0]), np.transpose(others[:1]), np.ones(4))
+    assert pair_modes(own, alone).nearest.tolist() == [0, -1]
+
+
+@pytest.mark.parametrize("size", [2, 3])
+@pytest.mark.parametrize("tilt", [0.0, 0.3])
+def test_repeated_modes_compare_by_principal_angles(size, tilt):
+    rng = RNG_OF([2, size])
+    shapes, weights = orthonormal(rng, 6)
+    one, rest = shapes[:, :size], shapes[:, size : size + 2]
+    other = one @ rotation(rng, size)
+    other[:, 0] = np.cos(tilt) * other[:, 0] + np.sin(tilt) * shapes[:, 5]
+    # The pair or triple is the first of one model and the last of the other.
+    own = modes_of(np.repeat([10.0, 20.0, 30.0], [size, 1, 1]), np.hstack([one, rest]), weights)
+    turned = modes_of(
+        np.repeat([12.0, 21.0, 40.0], [1, 1, size]), np.hstack([rest, other]), weights
+    )
+    pairs = pair_modes(own, turned)
+    assert pairs.partner.tolist() == [*range(2, 2 + size), 0, 1]
+    root = np.sqrt(weights)[:, None]
+    expected = np.cos(subspace_angles(root * one, root * other)) ** 2
+    np.testing.assert_allclose(np.sort(pairs.likeness[:size]), np.sort(expected), atol=1e-12)
+    np.testing.assert_allclose(pairs.likeness[size:], 1.0, atol=1e-12)
+
+
+def test_missing_direction_of_a_triple_has_no_partner():
+    shapes, weights = orthonormal(RNG_OF(3), 4)
+    own = modes_of(np.full(3, 10.0), shapes[:, :3] @ rotation(RNG_OF(4), 3), weights)
+    other = modes_of(np.full(3, 11.0), shapes[:, [0, 1, 3]], weights)
+    pairs = pair_modes(own, other)
+    assert pairs.partner.tolist() == [0, 1, -1]
+    assert pairs.likeness[:2] == pytest.approx(1.0)
+
+
+def test_repeated_modes_may_split_in_the_other_model():
+    """Each direction finds its half; the frequencies are those of both, ascending."""
+    rng = RNG_OF(5)
+    shapes, weights = orthonormal(rng, 3)
+    pair = modes_of(
+        np.array([10.0, 10.0, 20.0]),
+        np.hstack([shapes[:, :2] @ rotation(rng, 2), shapes[:, 2:]]),
+        weights,
+    )
+    split = modes_of(np.array([9.0, 15.0, 16.0]), shapes[:, [1, 2, 0]], weights)
+    assert pair_modes(pair, split).partner.tolist() == [0, 2, 1]
+    # Of the pair, the first direction belongs to both.
+    assert pair_modes(split, pair).partner.tolist() == [0, 2, 1]
+    np.testing.assert_allclose(space_likeness(split, pair)[[0, 2], :2], 1.0, atol=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_permutation_in_a_chain_of_close_modes_is_found(seed):
+    """Gaps of 1 to 8 %, however long the chain."""
+    rng = RNG_OF([6, seed])
+    shapes, weights = orthonormal(rng, MODES)
+    frequencies = 100.0 * np.cumprod(rng.uniform(1.01, 1.08, MODES))
+    order = rng.permutation(MODES)
+    own = modes_of(frequencies, shapes, weights)
+    pairs = pair_modes(own, modes_of(0.97 * frequencies, shapes[:, order], weights))
+    assert pairs.partner.tolist() == np.argsort(order).tolist()
+    assert pairs.ordered.tolist() == pairs.partner.tolist()
+
+
+@pytest.mark.parametrize(("degrees", "mixed"), [(0.0, False), (30.0, False), (45.0, True)])
+def test_shapes_turned_by_half_a_right_angle_decide_nothing(degrees, mixed):
+    shapes, weights = orthonormal(RNG_OF(7), 2)
+    cosine, sine = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
+    turned = shapes @ np.array([[cosine, -sine], [sine, cosine]])
+    own, other = (modes_of(np.array([10.0, 10.5]), one, weights) for one in (shapes, turned))
+    pairs = pair_modes(own, other)
+    assert pairs.mixed.any() == mixed
+    assert sorted(pairs.partner) == [0, 1]
+    np.testing.assert_allclose(pairs.likeness, 1.0 if mixed else cosine**2, atol=1e-12)
+
+
+@pytest.mark.parametrize("share", [0.002, 0.12, 0.3])
+def test_local_mode_is_like_none_beyond_its_energy(share):
+    """All that the samples see of it is the shape of a mode: MAC 1, likeness its share."""
+    shapes, weights = orthonormal(RNG_OF(8), 2)
+    own = modes_of(np.array([10.0, 11.0]), shapes, weights, np.array([share, 1.0]))
+    other = modes_of(np.array([10.0, 12.0]), shapes, weights)
+    np.testing.assert_allclose(likeness_matrix(own, other), np.diag([share, 1.0]), atol=1e-12)
+    pairs = pair_modes(own, other)
+    assert pairs.partner.tolist() == [-1, 1]
+    assert pairs.likeness[0] == pytest.approx(share)
+    assert pair_modes(other, own).partner.tolist() == [-1, 1]
+
+
+def test_one_frequency_spans_no_more_than_its_uncertainty():
+    """A chain of gaps of 0.9 % is not one frequency; a certain mode is not one with others."""
+    chain = 100.0 * 1.009 ** np.arange(5)
+    assert one_frequency(chain, np.full(5, 0.01)).tolist() == [0, 0, 1, 1, 2]
+    assert one_frequency(chain).tolist() == [0, 1, 2, 3, 4]
+    certain = np.array([0.05, 0.0, 0.05, 0.05])
+    assert one_frequency(np.array([100.0, 101.0, 102.0, 103.0]), certain).tolist() == [0, 1, 2, 2]
+    assert one_frequency(np.array([100.0, 100.0 + 1e-9, 50.0])).tolist() == [1, 1, 0]

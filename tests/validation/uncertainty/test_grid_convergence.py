@@ -1,0 +1,217 @@
+"""Observed orders, extrapolation and uncertainty where sequences are not as they should be.
+
+Sources: NASA Glenn, NPARC Alliance, "Examining spatial (grid) convergence"; P. J. Roache, J. Fluids
+Eng. 116 (1994) 405.
+"""
+
+from itertools import count
+from math import isnan
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize_scalar
+
+from lumped.errors import InputError
+from validation.solids.solid_legs import Refinement
+from validation.uncertainty import refinement
+from validation.uncertainty.grid_convergence import (
+    analyse,
+    classify,
+    fit_order,
+    pairwise_orders,
+    richardson,
+    three_grid_order,
+    uncertainty_of_known_orders,
+)
+from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
+from validation.uncertainty.refinement import Accuracy, refined
+
+HALVING = 0.4 / 2.0 ** np.arange(10)
+COARSE = HALVING[:6]
+
+
+def test_the_order_of_a_pure_power_is_found_on_unequal_grids():
+    draws = np.random.default_rng(0).uniform([0.5, 1.2, 1.2, -5.0], [8.0, 3.0, 3.0, 5.0], (5, 4))
+    for order, first, second, limit in draws:
+        sizes = np.array([first * second, second, 1.0])
+        values = limit + 0.7 * sizes**order
+        # Differences lose digits where the coarse value is large beside them: far below 1e-6.
+        assert pairwise_orders(sizes, values) == pytest.approx([order], rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("values", "behaviour"),
+    [
+        (1.0 + COARSE**2, "monotone"),
+        (1.0 + COARSE**2 * (-1.0) ** np.arange(6), "oscillating"),
+        (1.0 + (-2.0) ** np.arange(6), "diverging"),
+        (np.log(COARSE), "diverging"),
+        (np.array([1.2, 1.1, 1.05, 1.0, 1.0 + 1e-14, 1.0 - 1e-14]), "round-off plateau"),
+    ],
+)
+def test_behaviours_are_told_apart(values, behaviour):
+    assert classify(COARSE, values, 1e-12) == behaviour
+
+
+@pytest.mark.parametrize(("order", "safety"), [(2.0, 1.25), (1.85, 1.25), (1.7, 3.0), (2.4, 3.0)])
+def test_the_safety_factor_is_small_near_the_formal_order(order, safety):
+    study = analyse(COARSE, 3.0 + 0.7 * COARSE**order, formal_order=2.0)
+    assert study.observed_order == pytest.approx(order, rel=1e-6)
+    # The true error of the finest value, 0.7 hᵖ, times the safety factor; with an order above the
+    # formal one the last step is taken for one of the formal order.
+    error = 0.7 * COARSE[-1] ** order * (2.0**order - 1.0) / (2.0 ** min(order, 2.0) - 1.0)
+    assert study.extrapolated == pytest.approx(study.values[-1] - error, rel=1e-9)
+    assert study.uncertainty == pytest.approx(safety * error, rel=1e-5)
+    assert study.refusal == ""
+
+
+@pytest.mark.parametrize(
+    ("values", "reason"),
+    [
+        (1.0 + 2.0 ** np.arange(6), "diverging"),
+        # The difference pattern 1, 1/2, 1/4, 1/8, 1/64 has orders 1, 1, 1, 3.
+        (np.cumsum([0.0, 1.0, 0.5, 0.25, 0.125, 0.125 / 8.0]), "outside the asymptotic range"),
+    ],
+)
+def test_no_uncertainty_outside_the_asymptotic_range(values, reason):
+    study = analyse(COARSE, values, formal_order=2.0)
+    assert (study.uncertainty, study.extrapolated, study.observed_order) == (None, None, None)
+    assert reason in study.refusal
+
+
+def test_on_a_plateau_the_uncertainty_is_the_round_off():
+    study = analyse(HALVING, 3.0 + 0.7 * HALVING**4, formal_order=4.0, round_off=1e-9)
+    assert study.uncertainty == pytest.approx(3e-9, rel=1e-6)
+    assert study.extrapolated == study.values[-1]
+    # The grids before it still tell their order.
+    assert study.observed_order == pytest.approx(4.0, abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("sizes", "values", "reason"),
+    [
+        ([0.4, 0.2, 0.1], [1.0, 1.1, 1.2], "four grids"),
+        ([0.1, 0.2, 0.4, 0.8], [1.0, 1.1, 1.2, 1.3], "must decrease"),
+        ([0.4, 0.2, 0.1, 0.0], [1.0, 1.1, 1.2, 1.3], "must decrease"),
+        ([0.4, 0.2, 0.1, 0.05], [1.0, 1.1, np.nan, 1.3], "finite"),
+    ],
+)
+def test_what_is_no_study_is_refused(sizes, values, reason):
+    with pytest.raises(ValueError, match=reason):
+        analyse(np.array(sizes), np.array(values), formal_order=2.0)
+
+
+def test_fine_grids_count_more_in_proportion_to_their_size():
+    """Weights 1/h, against normal equations written out: grids 1, 1/2, 1/4, 1/10, not one power.
+
+    Without weights, with 1/√h or with 1/h² order and limit would be others.
+    """
+    sizes = np.array([1.0, 0.5, 0.25, 0.1])
+    values = 5.0 + sizes**2 + np.array([0.1, -0.05, 0.02, -0.01])
+
+    def fitted(order: float):
+        """Intercept and misfit of the straight line through values over h^p, weights 1/h."""
+        line = np.polynomial.Polynomial.fit(sizes**order, values, 1, w=sizes**-0.5)
+        return line(0.0), line(sizes**order) - values
+
+    least = minimize_scalar(
+        lambda order: np.sum(fitted(order)[1] ** 2 / sizes), bounds=(0.5, 6.0), method="bounded"
+    )
+    assert fit_order(sizes, values) == pytest.approx(least.x, rel=1e-4)
+    intercept, misfit = fitted(2.0)
+    known = uncertainty_of_known_orders(sizes, values, (2.0,))
+    expected = 1.25 * abs(intercept - values[-1]) + np.abs(misfit).max()
+    assert known == pytest.approx(expected, rel=1e-9)
+    # Two orders are told apart.
+    values = 2.0 + 0.3 * sizes**1.42 - 0.5 * sizes**4
+    uncertainty = uncertainty_of_known_orders(sizes, values, (1.42, 4.0))
+    assert uncertainty == pytest.approx(1.25 * abs(values[-1] - 2.0), rel=1e-6)
+    with pytest.raises(ValueError, match="4 grids"):
+        uncertainty_of_known_orders(sizes[:3], values[:3], (1.42, 4.0))
+
+
+def test_a_published_study_has_its_printed_order_and_limit():
+    # NASA Glenn: pressure recovery on three grids of ratio 2, p = 1.786, limit 0.97130.
+    coarse, middle, fine = 0.96178, 0.96854, 0.97050
+    order = three_grid_order(coarse, middle, fine, 2.0, 2.0)
+    assert order == pytest.approx(1.78618, rel=2e-5)
+    assert richardson(middle, fine, 2.0, order) == pytest.approx(0.9713, rel=1e-6)
+    # There is none where differences do not shrink on one side.
+    for values in ((1.0, 2.0, 1.5), (1.0, 1.0, 1.0), (1.0, 2.0, 4.0)):
+        assert isnan(three_grid_order(*values, 2.0, 2.0))
+
+
+def test_two_grids_state_three_times_what_their_formal_order_leaves():
+    for order, half_width in ((2.0, 1.0), (4.0, 0.2)):
+        policy = MeshPolicy.of_order(2.0, order)
+        assert mesh_half_widths([1.0], policy) == pytest.approx(half_width)
+    assert Refinement((1, 2), np.array([3.5, 3.125]), 2.0).uncertainty() == pytest.approx(0.375)
+
+
+@pytest.mark.parametrize(
+    ("changes", "half_width"),
+    [
+        # Order 2: falls by 4, 1.5 · 1/3, whether the last change or the one before leaves it.
+        ((4.0, 1.0), 0.5),
+        # No order is shown: the lowest, by which changes fall by 2.
+        ((1.0, 1.0), 1.5),
+        # Faster than the highest order: a quarter of the change before counts, not a tenth.
+        ((10.0, 1.0), 1.25),
+        ((1.0, 0.0), 0.125),
+    ],
+)
+def test_half_width_on_three_meshes_is_by_hand(changes, half_width) -> None:
+    policy = MeshPolicy(2.0, orders=(1.0, 2.0), safety=1.5)
+    found = mesh_half_widths([np.array([one]) for one in changes], policy)
+    assert found == pytest.approx([half_width], rel=1e-12)
+
+
+def test_every_number_of_a_refinement_has_its_own_uncertainty_and_is_held_by_it():
+    rng = np.random.default_rng(14)
+    for ladder in ((1, 2, 3, 4), (2, 4, 8, 16)):
+        limits, orders = rng.uniform(1.0, 3.0, 4), rng.uniform(1.0, 4.0, 4)
+        values = limits + rng.choice([-0.2, 0.2], 4) * np.array(ladder)[:, None] ** -orders
+        series = Refinement(ladder, values, 4.0)
+        for number, limit in enumerate(limits):
+            error = abs(values[-1, number] - limit)
+            alone = Refinement(ladder, values[:, [number]], 4.0)
+            assert series.uncertainty(number) == pytest.approx(alone.uncertainty(0), rel=1e-9)
+            assert error <= series.uncertainty(number) <= 4.0 * error
+            assert series.at(number).extrapolated == pytest.approx(limit, rel=1e-6)
+
+
+def left(divisions: int) -> float:
+    return 0.1 / divisions**2
+
+
+def refined_to(asked: float):
+    """At most twice the divisions of an answer that converges with h², and 64 at most."""
+
+    def finer(divisions: int, factor: float) -> int:
+        wanted = min(2 * divisions, int(divisions * factor**0.5) + 1)
+        if wanted > 64:
+            raise InputError(f"--divisions {wanted}: takes more memory than there is")
+        return wanted
+
+    return refined(2, lambda divisions: divisions, left, finer, asked)
+
+
+@pytest.mark.parametrize("asked", [0.2, 0.01, 1e-4])
+def test_the_first_mesh_that_is_fine_enough_answers(asked: float) -> None:
+    found, told = refined_to(asked)
+    assert left(found) <= asked
+    assert told == Accuracy(asked, left(found))
+    assert found == 2 or left(found // 2) > asked
+
+
+def test_accuracy_beyond_the_largest_mesh_is_missed() -> None:
+    found, told = refined_to(1e-6)
+    assert (found, told.reached) == (64, left(64))
+    assert told.text.startswith("accuracy ±0.0024 %, asked for ±0.0001 %; --divisions 128: takes m")
+
+
+def test_refinement_on_a_slow_machine_is_the_same(monkeypatch) -> None:
+    """Every look at a clock takes 90 s: the mesh is refined as far as its size allows."""
+    clock = count(step=90)
+    monkeypatch.setattr(refinement, "perf_counter", lambda: float(next(clock)), raising=False)
+    assert refined_to(0.01) == (4, Accuracy(0.01, left(4)))

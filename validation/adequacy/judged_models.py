@@ -1,0 +1,95 @@
+"""The models that are judged, by the names that the matrix has them under."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+from lumped.legs import GivenLeg
+from lumped.mechanism.mechanism import Mechanism, Posture
+from validation.models.options import STATIC, ModelName, ModelOptions
+from validation.models.reduced_parts import is_leg
+from validation.models.stepped_parts import why_not_stepped
+from validation.references.model_ladder import formulation
+from validation.references.responses import Model
+from validation.references.robot_on_path import RobotOnPath, why_not_serial
+
+
+class JudgedModel(NamedTuple):
+    """Kind and options of a judged model, with its title."""
+
+    kind: ModelName
+    title: str
+    options: ModelOptions = ModelOptions()
+
+
+_EQUIVALENT = ModelOptions(legs="equivalent")
+_EULER = ModelOptions(theory="euler-bernoulli")
+JUDGED: Mapping[str, JudgedModel] = {
+    "simplified": JudgedModel("simplified", "elastic drives, rigid bodies"),
+    "vjm": JudgedModel("vjm", "virtual joints, legs as given"),
+    "vjm-equivalent": JudgedModel("vjm", "virtual joints, legs of constant section", _EQUIVALENT),
+    "links": JudgedModel("links", "matrix structural analysis, legs as given"),
+    "segments": JudgedModel("segments", "20 rigid segments per leg, Timoshenko"),
+    "segments-stepped": JudgedModel(
+        "segments", "parts stepped in ten prismatic pieces", ModelOptions(parts="stepped")
+    ),
+    "segments-condensed": JudgedModel(
+        "segments", "parts condensed on their interfaces", ModelOptions(parts="condensed")
+    ),
+    "beam": JudgedModel("beam", "20 beam elements per leg, Timoshenko"),
+    "segments-euler-bernoulli": JudgedModel(
+        "segments", "20 rigid segments per leg, Euler–Bernoulli", _EULER
+    ),
+    "beam-euler-bernoulli": JudgedModel(
+        "beam", "20 beam elements per leg, Euler–Bernoulli", _EULER
+    ),
+}
+# Those whose legs are rigid or the robot's own; all others stand on equivalent legs.
+LEGS_AS_GIVEN = ("simplified", "vjm", "links")
+_STATIC = "a static model: without masses it has no frequencies"
+_RIGID = "its bodies and joints are rigid, and no drive lets the tool move this way"
+
+
+def judged_models(mechanism: Mechanism) -> dict[str, JudgedModel]:
+    """The models that are judged, in the matrix's order.
+
+    Without a leg known by its 6×6, or a part that a leg stands for, both kinds of virtual joints
+    are one.
+    """
+    parts = mechanism.parts.values()
+    left_out = set() if parts else {"segments-stepped", "segments-condensed"}
+    given = any(isinstance(body.shape, GivenLeg) for body in mechanism.bodies.values())
+    if not given and not any(is_leg(body) for body in parts):
+        left_out.add("vjm-equivalent")
+    return {name: model for name, model in JUDGED.items() if name not in left_out}
+
+
+def why_unable(postures: Sequence[Posture], model: JudgedModel) -> str:
+    """Why a model cannot answer for the mechanism of these postures; "" where it can."""
+    if model.options.parts == "stepped":
+        return why_not_stepped(postures[0].mechanism)
+    return why_not_serial(postures) if model.kind == "vjm" else ""
+
+
+def judged_models_of(
+    robot: RobotOnPath, recipes: Mapping[str, JudgedModel] | None = None
+) -> dict[str, Model]:
+    """Models of a robot by name: those of the `recipes`, or all that are judged."""
+    chosen = judged_models(robot.mechanism) if recipes is None else recipes
+    return {name: judged_model(robot, name, recipe) for name, recipe in chosen.items()}
+
+
+def judged_model(robot: RobotOnPath, name: str, recipe: JudgedModel) -> Model:
+    """Model by its name in the matrix; its halves are None if it cannot represent the robot."""
+    unable = why_unable(robot.postures, recipe)
+    static = recipe.kind in STATIC
+    model = formulation(name, recipe.kind, recipe.options)
+    return replace(
+        model,
+        title=recipe.title,
+        statics=None if unable else model.statics,
+        modes=None if unable or static else model.modes,
+        silent=unable or (_STATIC if static else ""),
+        rigid=_RIGID if name == "simplified" else "",
+        computed_by=(f"validation.models.robot_models.answers({recipe.kind!r})",),
+    )

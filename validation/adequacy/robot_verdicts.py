@@ -1,0 +1,293 @@
+"""The adequacy of a robot's models, and of the models of each of its legs by itself, root clamped.
+
+What feet, joints and other legs hide, the leg alone shows: torsion of open sections, say.
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import replace
+
+import numpy as np
+import scipy
+
+from lumped.acceptance.quantities import load_quantities, response_quantities
+from lumped.errors import InputError
+from lumped.legs import ConstantLeg, Leg
+from lumped.mechanism.joint import Joint, Side
+from lumped.mechanism.kinematics.mobility import mobility
+from lumped.mechanism.kinematics.postures import reference_posture
+from lumped.mechanism.mechanism import GROUND, Mechanism, Tool
+from lumped.mechanism.placing import place_leg, place_rigid_body
+from lumped.models.bodies import leg_of, on_equivalent_legs
+from lumped.text import counted
+from validation.adequacy.judged_models import JUDGED, LEGS_AS_GIVEN, judged_models_of
+from validation.adequacy.judgement import judged
+from validation.case import failure_reason
+from validation.context import PRESETS, Context, Preset
+from validation.models.loads.stability import stabilities, stability_notes
+from validation.models.reduced_parts import unknowns_of, with_finer_parts
+from validation.references.modal_reference import dynamic_reference, mass_notes, modal_steps
+from validation.references.modes_on_path import solid_meshes
+from validation.references.reference import (
+    InputUncertainties,
+    Reference,
+    Steps,
+    Subject,
+    no_reference,
+)
+from validation.references.reference_parts import reduction_note
+from validation.references.responses import UNSOLVED, Model, Responses
+from validation.references.robot_on_path import (
+    NOMINAL,
+    RobotOnPath,
+    coordinates,
+    distinct_legs,
+    known_legs,
+    robot_at,
+    robot_on_path,
+)
+from validation.references.static_reference import static_reference, static_steps
+from validation.solids.solid_size import LARGEST, solid_unknowns
+from validation.uncertainty.refinement import refined
+from validation.verdicts import Matrix
+
+_ROOT, _TIP = "root", "tip"
+# Presets that refine meshes without --accuracy, of robots without and with CAD parts: a quick run
+# has one mesh of each kind, and finer meshes of parts take minutes.
+_REFINING: Mapping[bool, tuple[Preset, ...]] = {False: ("standard", "fine"), True: ("fine",)}
+# Robots with all inputs off at once, by which one at a time are checked.
+_CHECKS: Mapping[Preset, int] = {"quick": 4, "standard": 8, "fine": 32}
+# Rigid legs say nothing of a leg alone, and links are virtual joints there.
+_NOT_OF_A_LEG = ("simplified", "links", "segments-stepped", "segments-condensed")
+
+
+def robot_adequacy(context: Context) -> Matrix:
+    """The matrix of the run's robot; what has no reference is undecided."""
+    return judged_robot(context)[1]
+
+
+def judged_robot(context: Context) -> tuple[Subject, Matrix]:
+    """The run's robot and its matrix, by references whose meshes are fine enough.
+
+    Their half-widths are at most the requested accuracy. Without a request they are at most a
+    fifth of the limit of each error that they leave undecided, as far as `finer_context` goes.
+    Raises InputError as `robot_subject` does.
+    """
+    requirement = context.robot_file.requirement
+
+    def judge(context: Context) -> tuple[Subject, Matrix]:
+        subject = robot_subject(context)
+        return subject, judged(subject, requirement)
+
+    (subject, matrix), reached = refined(
+        context,
+        judge,
+        lambda found: _left_by_meshes(found[1], requirement.accuracy),
+        finer_context,
+        requirement.accuracy or 1.0,
+    )
+    said = (reached.text,) if requirement.accuracy else ()
+    return subject, replace(matrix, notes=(*matrix.notes, *said))
+
+
+def _left_by_meshes(matrix: Matrix, accuracy: float | None) -> float:
+    """The most that meshes leave open of an error; without `accuracy` in fifths of its limit."""
+    shares = [
+        entry.uncertainties["meshes"] / (1.0 if accuracy else entry.limit / 5.0)
+        for entry in matrix.entries
+        if "meshes" in entry.uncertainties and (accuracy or entry.verdict == "undecided")
+    ]
+    return max(shares, default=0.0)
+
+
+def finer_context(context: Context, factor: float) -> Context:
+    """The run with the next preset's meshes of prisms, and meshes of parts finer by `factor`.
+
+    Raises InputError if there are neither, and unless --accuracy is given if the preset refines
+    nothing or does not take as many unknowns. Raises ComputationError for lack of memory.
+    """
+    robot_file = context.robot_file
+    requested = robot_file.requirement.accuracy is not None
+    if not requested and context.preset not in _REFINING[bool(robot_file.mechanism.parts)]:
+        raise InputError(f"preset {context.preset} refines meshes with --accuracy alone")
+    larger = PRESETS[PRESETS.index(context.meshes) + 1 :]
+    if not robot_file.mechanism.parts and not larger:
+        raise InputError("no preset has finer meshes of its bodies")
+    mechanism = with_finer_parts(robot_file.mechanism, factor)
+    finer = replace(
+        context,
+        robot_file=replace(robot_file, mechanism=mechanism),
+        finer=larger[0] if larger else context.finer,
+    )
+    unknowns, most = _solid_unknowns(finer), LARGEST[context.preset]
+    if not requested and unknowns > most:
+        raise InputError(
+            f"finer solids have {unknowns:.2g} unknowns, {context.preset} takes {most}"
+        )
+    return finer
+
+
+def _solid_unknowns(context: Context) -> float:
+    """Unknowns of the fine solids of all distinct legs and of all CAD parts together."""
+    mechanism, mesh = context.robot_file.mechanism, solid_meshes(context.meshes).fine
+    legs = {leg for leg in known_legs(mechanism).values() if isinstance(leg, ConstantLeg)}
+    solids = sum(solid_unknowns(leg, mesh.divisions(leg)) for leg in legs)
+    return solids + sum(unknowns_of(body) for body in mechanism.parts.values())
+
+
+def robot_subject(context: Context) -> Subject:
+    """The run's robot with its models and its references.
+
+    Raises InputError if an uncertain input leads to no robot.
+    """
+    robot = robot_on_path(context)
+    models = judged_models_of(robot)
+    statics = static_subject(robot, models.values())
+    responses = statics.responses
+    try:
+        reference = dynamic_reference(responses)
+    except UNSOLVED as error:
+        reference = no_reference(error)
+    stable, faults = _stability(robot)
+    subject = replace(
+        statics,
+        dynamics=reference,
+        modal_steps=modal_steps(robot, models),
+        notes=(*_notes(robot), *stable, *_suppositions(responses, reference)),
+        faults=faults,
+        parts=tuple(
+            leg_subject(context, name, leg_of(robot.mechanism.bodies[name]))
+            for name in distinct_legs(robot.mechanism)
+        ),
+        formulation=_on_legs_of_constant_section(robot, models),
+    )
+    return replace(subject, inputs=_input_uncertainties(subject))
+
+
+def _input_uncertainties(subject: Subject) -> InputUncertainties | None:
+    """Uncertain inputs of a robot. None if its file names none, or without a reference.
+
+    Raises InputError if a perturbation leads to no robot.
+    """
+    responses = subject.responses
+    context = responses.robot.context
+    relative = context.robot_file.uncertain_inputs
+    if not relative or subject.statics.model is None:
+        return None
+    points = scipy.stats.qmc.Sobol(len(relative), seed=1).random(_CHECKS[context.preset])
+    inputs = InputUncertainties(relative, scipy.special.ndtri(points))
+    for factors in (*inputs.alone(-1), *inputs.alone(1), *inputs.together):
+        responses.perturbed(replace(NOMINAL, factors=factors))
+    return inputs
+
+
+def static_subject(robot: RobotOnPath, models: Iterable[Model]) -> Subject:
+    """A robot with models of its statics; no reference if solids cannot be made of its legs."""
+    responses, steps = Responses(robot), Steps()
+    try:
+        reference, steps = static_reference(responses), static_steps(robot)
+    except UNSOLVED as error:
+        reference = no_reference(error)
+    return Subject(
+        robot=robot.mechanism.name,
+        coordinates=coordinates(robot.mechanism),
+        poses=np.array([posture.pose for posture in robot.postures]),
+        responses=responses,
+        models=tuple(models),
+        statics=reference,
+        dynamics=Reference("none"),
+        static_steps=steps,
+        loads=load_quantities([load.name for load in robot.mechanism.loads]),
+        harmonics=response_quantities(robot.mechanism.judged_responses),
+        lengths=robot.mechanism.lengths,
+    )
+
+
+def _static(models: Iterable[Model]) -> list[Model]:
+    """The models without their modes, and without the reason for those that have none."""
+    return [
+        replace(one, modes=None, silent=one.silent if one.statics is None else "") for one in models
+    ]
+
+
+def _on_legs_of_constant_section(robot: RobotOnPath, models: Mapping[str, Model]) -> Subject | None:
+    """Statics of the models that put such legs for given ones, against solids of those.
+
+    None where no leg is given; nor beside parts, whose own idealisation would be in it.
+    """
+    if not robot.given or robot.mechanism.parts:
+        return None
+    mechanism = on_equivalent_legs(robot.mechanism)
+    postures = [replace(posture, mechanism=mechanism) for posture in robot.postures]
+    # Both sides have these legs, feet and tool, whatever the robot's are: no digit is uncertain.
+    on_solids = replace(robot_at(robot.context, postures), printed=())
+    on_such_legs = [one for name, one in models.items() if name not in LEGS_AS_GIVEN]
+    return replace(static_subject(on_solids, _static(on_such_legs)), robot="equivalent legs")
+
+
+def leg_subject(context: Context, name: str, shape: Leg) -> Subject:
+    """One leg alone and its models, statics alone."""
+    leg = robot_at(context, [reference_posture(leg_alone(name, shape))])
+    left_out = _NOT_OF_A_LEG if leg.given else (*_NOT_OF_A_LEG, "vjm-equivalent")
+    recipes = {name: one for name, one in JUDGED.items() if name not in left_out}
+    subject = static_subject(leg, _static(judged_models_of(leg, recipes).values()))
+    if subject.statics.model is None:
+        return subject
+    title = "the leg's own 6×6" if leg.given else "solid leg, root clamped"
+    return replace(subject, statics=replace(subject.statics, title=title))
+
+
+def leg_alone(name: str, shape: Leg) -> Mechanism:
+    """A leg in its own axes, its first interface fixed to the ground, the tool at its second."""
+    points = {_ROOT: np.zeros(3), _TIP: np.array([shape.length, 0.0, 0.0])}
+    placed = [
+        place_rigid_body(GROUND, [_ROOT], points, origin=np.zeros(3)),
+        place_leg(name, shape, (_ROOT, _TIP), points),
+    ]
+    clamp = Joint("clamp", "fixed", Side(GROUND, _ROOT), Side(name, _ROOT), np.zeros((0, 3)))
+    return Mechanism(
+        name=name,
+        bodies={one.name: one for one, _ in placed},
+        joints=(clamp,),
+        tool=Tool(name, _TIP),
+        reference={one.name: frame for one, frame in placed},
+        poses=np.zeros((1, 0)),
+    )
+
+
+def _notes(robot: RobotOnPath) -> list[str]:
+    """Poses that were left out, idle mobilities and the error of the reduction."""
+    notes = []
+    if len(robot.postures) < len(robot.mechanism.poses):
+        all_poses = len(robot.mechanism.poses)
+        notes.append(f"{len(robot.postures)} of the {all_poses} poses of the path were computed")
+    if idle := mobility(robot.postures[0]).idle:
+        what = counted(idle, "idle mobility does", "idle mobilities do")
+        notes.append(f"{what} not move the tool; their zero frequencies are left out")
+    with suppress(*UNSOLVED):
+        notes += reduction_note(robot.postures, robot.offered, robot.holding.first, robot.judged)
+    return notes
+
+
+def _stability(robot: RobotOnPath) -> tuple[Sequence[str], tuple[str, ...]]:
+    """Notes on the stability under the robot's loads, and its name if it ended with a fault."""
+    subject = "stability under loads"
+    try:
+        found = robot.context.get(stabilities, "links", robot.postures)
+        requirement = robot.context.robot_file.requirement
+        return stability_notes(robot.postures, found, requirement), ()
+    except Exception as error:  # noqa: BLE001  loses no model, only its note
+        reason = failure_reason(subject, error)
+        faults = () if isinstance(error, UNSOLVED) else (subject,)
+        return [f"Stability under the robot's loads cannot be computed: {reason}"], faults
+
+
+def _suppositions(responses: Responses, dynamics: Reference) -> list[str]:
+    """What probabilities and verdicts on frequencies suppose."""
+    notes = []
+    if supposed := responses.robot.context.robot_file.supposed:
+        notes.append(
+            f"Probabilities suppose that every modulus, length and stiffness of the file has a "
+            f"standard uncertainty of {100.0 * supposed:g} %"
+        )
+    return [*notes, *mass_notes(responses, dynamics)]

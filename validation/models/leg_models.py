@@ -1,0 +1,199 @@
+"""The models of one leg, each made once: of one shape, however many legs have it."""
+
+from dataclasses import replace
+from functools import partial
+from typing import TypeVar
+
+import numpy as np
+
+from fem.beams.beam import beam_leg
+from fem.beams.stepped import Piece, SteppedLeg, stepped_leg
+from fem.bodies import solid
+from fem.bodies.rooted import RootedBody
+from fem.reduction.counted_modes import counted_modes
+from fem.reduction.craig_bampton import CraigBampton, craig_bampton
+from fem.reduction.held import free_body
+from fem.reduction.superelement import HeldLeg, held_leg, static_superelement
+from lumped.arrays import Array, dense
+from lumped.equivalent_leg import equivalent_leg
+from lumped.errors import ComputationError, InputError
+from lumped.legs import ConstantLeg, GivenLeg, Leg, given_compliance, tip_compliance
+from lumped.mechanism.body_model import BodyModel, LegMatrices
+from lumped.memo import memo
+from lumped.models.bodies import (
+    RIGID_MOTIONS,
+    clamped_modes,
+    free_frequencies,
+    legs_of,
+    tip_compliance_of,
+)
+from lumped.models.segments import (
+    SegmentChain,
+    segment_chain,
+    segment_leg,
+    static_leg,
+    with_printed_tip_joint,
+)
+from validation.context import Context
+from validation.models.options import DEFAULT_OPTIONS, STATIC, Ends, ModelName, ModelOptions
+from validation.solids.solid_legs import held_solid
+
+Model = TypeVar("Model", bound=BodyModel)
+# Frequency searched for the next time if too few modes lie below one.
+_BEYOND = 1.3
+
+
+# As many as the family of longer legs takes by all models: each is a hundred kilobytes.
+@memo(256)
+def leg_matrices(
+    model: ModelName, leg: ConstantLeg | SteppedLeg, options: ModelOptions = DEFAULT_OPTIONS
+) -> LegMatrices:
+    """Matrices of one free leg by `segments` or `beam`, `elements` in all pieces of a stepped one.
+
+    Raises InputError for any other model.
+    """
+    if isinstance(leg, SteppedLeg):
+        return stepped_leg(leg, partial(_piece, model, options, len(leg.pieces)))
+    if model == "segments":
+        return segment_leg(leg_chain(leg, options))
+    if model != "beam":
+        raise InputError(f"the {model} model has no leg matrices that suit every frequency")
+    return beam_leg(leg.properties(options.theory), leg.length, options.elements)
+
+
+def _piece(model: ModelName, options: ModelOptions, count: int, piece: Piece) -> LegMatrices:
+    properties = piece.properties
+    if options.theory == "euler-bernoulli":
+        properties = properties.as_euler_bernoulli()
+    elements = max(1, round(options.elements / count))
+    if model == "segments":
+        return segment_leg(segment_chain(properties, piece.length, elements, options.layout))
+    return beam_leg(properties, piece.length, elements)
+
+
+def filled(model: Model) -> Model:
+    """The same with dense matrices: what is reduced is small and full."""
+    parts = {kind: dense(part) for kind, part in model.parts.items()}
+    return replace(model, stiffness=dense(model.stiffness), mass=dense(model.mass), parts=parts)
+
+
+def leg_chain(leg: ConstantLeg, options: ModelOptions) -> SegmentChain:
+    """The leg as rigid segments joined by springs; "printed": with the joint at its tip."""
+    properties = leg.properties(options.theory)
+    chain = segment_chain(properties, leg.length, options.elements, options.layout)
+    return with_printed_tip_joint(chain) if options.release == "printed" else chain
+
+
+@memo(64)
+def condensed_leg(
+    model: ModelName, leg: ConstantLeg | SteppedLeg, options: ModelOptions
+) -> LegMatrices:
+    """A leg by `segments`, `beam` or `solid` on the twists of its ends alone, exact in statics."""
+    if model == "segments" and isinstance(leg, ConstantLeg):
+        return static_leg(leg_chain(leg, options))
+    return static_superelement(_held(model, leg, options)).matrices
+
+
+@memo(32)
+def reduced_leg(
+    model: ModelName,
+    leg: ConstantLeg | SteppedLeg,
+    options: ModelOptions,
+    highest: float,
+    cutoff: float,
+) -> LegMatrices:
+    """A leg reduced for frequencies of the robot up to `highest` (Hz), its modes to `cutoff`."""
+    return reduced_superelement(model, leg, options, highest, cutoff).matrices
+
+
+def reduced_superelement(
+    model: ModelName,
+    leg: ConstantLeg | SteppedLeg,
+    options: ModelOptions,
+    highest: float,
+    cutoff: float,
+) -> CraigBampton:
+    """The same with what bounds it."""
+    return craig_bampton(_held(model, leg, options), highest, cutoff)
+
+
+# The factors of two solid legs are what fits into small machines.
+@memo(2)
+def _held(model: ModelName, leg: ConstantLeg | SteppedLeg, options: ModelOptions) -> HeldLeg:
+    if model == "solid" and isinstance(leg, ConstantLeg):
+        return held_solid(leg, options.divisions, options.ends)
+    return held_leg(leg_matrices(model, leg, options))
+
+
+@memo(4)
+def clamped_solid(leg: ConstantLeg, divisions: int, ends: Ends) -> RootedBody:
+    """A leg as a solid, `divisions` across its section, factorised once for statics and modes."""
+    return solid.clamped_leg(solid.solid_leg(leg, solid.solid_mesh(leg, divisions)), ends)
+
+
+def leg_compliance(model: ModelName, leg: Leg, options: ModelOptions = DEFAULT_OPTIONS) -> Array:
+    """6×6 tip compliance (SI, leg axes) of one leg, root clamped.
+
+    Raises InputError for `simplified`, whose legs are rigid.
+    """
+    if model == "simplified":
+        raise InputError("--leg: the legs of the simplified model are rigid")
+    if model in STATIC and options.legs == "given" and isinstance(leg, GivenLeg):
+        return given_compliance(leg)
+    constant = equivalent_leg(leg, options.equivalent)
+    if model in STATIC:
+        return tip_compliance(constant.properties(options.theory), constant.length)
+    if model == "solid":
+        return clamped_solid(constant, options.divisions, options.ends).compliance
+    return tip_compliance_of(leg_matrices(model, constant, options))
+
+
+def leg_frequencies(
+    model: ModelName, leg: Leg, count: int, options: ModelOptions = DEFAULT_OPTIONS
+) -> Array:
+    """First natural frequencies (Hz, ascending) of one leg, root clamped.
+
+    Raises InputError for `simplified` (rigid legs), `vjm` and `links` (static).
+    """
+    if model == "simplified" or model in STATIC:
+        raise InputError(f"--modes: the {model} model of one leg has no frequencies")
+    constant = equivalent_leg(leg, options.equivalent)
+    if model == "solid":
+        solid_leg = clamped_solid(constant, options.divisions, options.ends)
+        return solid_leg.modes(count).frequencies
+    return clamped_modes(leg_matrices(model, constant, options), count).frequencies
+
+
+def free_leg_frequencies(
+    model: ModelName, leg: Leg, count: int, options: ModelOptions = DEFAULT_OPTIONS
+) -> Array:
+    """First natural frequencies (Hz, ascending) of one leg that nothing holds.
+
+    The six rigid motions are counted and left out; of solids they are counted by inertia, and so
+    are the modes. Raises InputError as `leg_frequencies` does, ComputationError if the rigid
+    motions are not six.
+    """
+    if model == "simplified" or model in STATIC:
+        raise InputError(f"--modes: the {model} model of one leg has no frequencies")
+    constant = equivalent_leg(leg, options.equivalent)
+    if model != "solid":
+        return free_frequencies(leg_matrices(model, constant, options), count)
+    rooted = clamped_solid(constant, options.divisions, "free")
+    body = free_body(rooted)
+    # Modes of beams show how far to search; sections that distort have more.
+    beams = free_frequencies(leg_matrices("beam", constant, DEFAULT_OPTIONS), count)
+    cutoff = _BEYOND * float(beams[-1])
+    while len(found := counted_modes(body, cutoff).frequencies) < count:
+        cutoff *= _BEYOND
+    rigid = rooted.free_inertia((np.pi * found[0]) ** 2).negative
+    if rigid != RIGID_MOTIONS:
+        raise ComputationError(
+            f"{rigid} motions without deformation were counted; a free body has {RIGID_MOTIONS}",
+            part=body.state,
+        )
+    return found[:count]
+
+
+def constant_leg_of(context: Context, body: str) -> ConstantLeg:
+    """The equivalent constant-section leg of a body of the run's robot."""
+    return context.get(equivalent_leg, legs_of(context.robot_file.mechanism)[body])

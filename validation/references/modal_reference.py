@@ -1,0 +1,202 @@
+"""Natural modes of a robot: what models are held against, and why they are off."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from itertools import product
+
+import numpy as np
+
+from lumped.legs import ConstantLeg
+from lumped.models.bodies import links, tip_compliances
+from lumped.system.assembly import assembly
+from validation.context import Preset
+from validation.models.loads.leg_masses import plausible_insides
+from validation.models.options import ModelOptions
+from validation.models.robot_models import modes_along
+from validation.parts.meshes import MIDDLE
+from validation.references.model_ladder import HELD, OWN, SOLID, formulation_modes, with_parts
+from validation.references.modes_on_path import modes_of_solids, solid_meshes
+from validation.references.reference import (
+    TIMOSHENKO,
+    USE_SOLID,
+    Interpretation,
+    Reference,
+    Remedy,
+    Source,
+    Steps,
+    StepTexts,
+    finer_by,
+    ladders,
+    use,
+)
+from validation.references.reference_parts import FINER_PARTS, PART_STEPS, part_kinds
+from validation.references.responses import Model, Responses
+from validation.references.robot_on_path import Reading, RobotOnPath
+from validation.references.uncertainty_sources import MODAL_ROWS, budget
+from validation.responses.statics_and_modes import PathModes
+from validation.solids.solid_legs import ELEMENTS
+from validation.solids.solid_size import larger_preset, too_large
+
+_SUPPOSED = "for every plausible distribution of the legs' mass and stiffness"
+
+
+def dynamic_reference(responses: Responses) -> Reference:
+    """Solid legs reduced to their ends, legs known by their 6×6 with every plausible inside."""
+    robot = responses.robot
+    preset, holding, parts = robot.context.meshes, robot.holding, robot.mechanism.parts
+    if reason := _why_unmeshed(robot.prisms, preset):
+        return Reference("none", decides=reason)
+    interpretations = []
+    for (name, ends), inside in product(
+        holding.alternatives.items(), plausible_insides(robot.given.values())
+    ):
+        reading = Reading(ends, *(inside or ()))
+        stated = name if robot.prisms or parts or not robot.given else ""
+        interpretations.append(
+            Interpretation(
+                ", ".join(filter(None, (stated, str(inside or "")))),
+                reading,
+                budget(MODAL_ROWS, responses, reading),
+            )
+        )
+    mass_unsaid = Source.MASSES if robot.given else ""
+    return Reference(
+        title=_title(robot),
+        model=SOLID,
+        interpretations=interpretations,
+        open=" and ".join(filter(None, (holding.unsaid, mass_unsaid))),
+        decides="; ".join(filter(None, (holding.decides, robot.say_masses))),
+        interior=robot.say_interior,
+        finer=FINER_PARTS if parts else _finer_preset(robot.prisms, preset),
+        remedy=None if robot.given else USE_SOLID,
+        supposed=_SUPPOSED if robot.given else "",
+        computed_by=("validation.references.modes_on_path.solid_vibration",),
+    )
+
+
+def _title(robot: RobotOnPath) -> str:
+    """What models are held against."""
+    if robot.given:
+        return "mechanism of the legs' own 6×6 and plausible insides"
+    if robot.mechanism.parts:
+        solid = " and solid legs" if robot.legs else ""
+        return f"mechanism of its parts as solids{solid}, reduced"
+    return "mechanism of solid legs, reduced to their ends"
+
+
+def _why_unmeshed(prisms: Sequence[ConstantLeg], preset: Preset) -> str:
+    """Why a preset does not mesh these legs; or ""."""
+    divisions = [solid_meshes(preset).fine.divisions(leg) for leg in prisms]
+    return too_large(prisms, divisions, preset)
+
+
+def _finer_preset(prisms: Sequence[ConstantLeg], preset: Preset) -> str:
+    """What would leave less of the meshes of these legs: a larger preset, if one meshes them."""
+    return finer_by(larger_preset(preset, lambda one: not _why_unmeshed(prisms, one)))
+
+
+def mass_notes(responses: Responses, reference: Reference) -> tuple[str, ...]:
+    """Ranges of frequencies of plausible insides in the middle of the path, and bounds of all.
+
+    Mass lowers frequencies, wherever it lies (Rayleigh): legs without mass bound them from above.
+    Nothing bounds them from below, since the 6×6 says nothing of what is between a leg's ends.
+    """
+    if not reference.supposed or reference.model is None:
+        return ()
+    robot = responses.robot
+    known = [
+        modes.frequencies
+        for one in reference.interpretations
+        if (modes := responses.known_modes(reference.model, one.reading))
+    ]
+    found = np.array([one[len(one) // 2, : robot.judged] for one in known])
+    lows, highs = np.nanmin(found, axis=0), np.nanmax(found, axis=0)
+    spans = [
+        f"f{k + 1} {low:.4g} to {high:.4g} Hz"
+        for k, (low, high) in enumerate(zip(lows, highs, strict=True))
+    ]
+    said = (
+        f"Plausible distributions of the legs' mass and stiffness give {', '.join(spans)} in the "
+        "middle of the path"
+    )
+    # Links bound neither solids, whose held ends are stiffer, nor parts.
+    if robot.prisms or robot.mechanism.parts:
+        return (said,)
+    middle = robot.postures[len(robot.postures) // 2]
+    massless = links(robot.mechanism, tip_compliances(robot.mechanism))
+    (above,) = modes_along(assembly(robot.mechanism, massless), [middle], robot.judged)
+    bounds = [f"f{k + 1} {top:.4g} Hz" for k, top in enumerate(above.modes.frequencies)]
+    return (f"{said}; no distribution gives more than massless legs: {', '.join(bounds)}",)
+
+
+def modal_steps(robot: RobotOnPath, judged: Mapping[str, Model]) -> Steps:
+    """Steps by name of the model, each ladder from the model upwards; `judged` are all models."""
+    beam, parts = judged["beam"], robot.mechanism.parts
+    models = {
+        "drives": beam,
+        "shear of segments": judged["segments"],
+        "shear of beams": beam,
+        # Second order in 1/n: a quarter of the error is left.
+        "twice as many": Model("twice as many segments", modes=_on_twice_as_many),
+        "beams": beam,
+    }
+    models |= {kind: with_parts(kind) for kind in part_kinds(robot.mechanism)}
+    if parts:
+        models["modes inside"] = Model("solids on a coarser mesh", modes=_on_middle_mesh)
+    if robot.prisms and not robot.given:
+        models |= {"own": OWN, "warping": HELD}
+    return ladders(_LADDERS, DYNAMIC_STEPS, models)
+
+
+def _on_twice_as_many(robot: RobotOnPath, reading: Reading) -> PathModes | None:
+    """Modes by twice as many segments."""
+    return formulation_modes("segments", ModelOptions(), robot, replace(reading, elements=2))
+
+
+def _on_middle_mesh(robot: RobotOnPath, _: Reading) -> PathModes:
+    """Modes of solids on a coarser mesh than the reference's, in its first interpretation."""
+    return modes_of_solids(robot, replace(robot.first_reading, part_mesh=MIDDLE))
+
+
+_SHEAR = "shear deformation and rotary inertia neglected"
+_DISCRETE = f"discretisation (n = {ELEMENTS})"
+DYNAMIC_STEPS: Mapping[str, StepTexts] = {
+    "drives": StepTexts(
+        "elastic drives only, legs rigid and massless", "beam elements", use("beam")
+    ),
+    "shear of segments": StepTexts(_SHEAR, "Timoshenko segments", TIMOSHENKO),
+    "shear of beams": StepTexts(_SHEAR, "Timoshenko beams", TIMOSHENKO),
+    "twice as many": StepTexts(
+        _DISCRETE,
+        f"{2 * ELEMENTS} segments, then beam elements",
+        Remedy(f"take more segments: --elements {2 * ELEMENTS}", "--elements"),
+    ),
+    "beams": StepTexts(_DISCRETE, "beam elements of the same constants", use("beam")),
+    **PART_STEPS,
+    # From Guyan's mass.
+    "modes inside": StepTexts(
+        "inertia inside the parts (Guyan's mass)",
+        "parts reduced by Craig and Bampton, the middle one of their meshes",
+    ),
+    # From textbook constants to the sections' own, and to warping by alternative.
+    "own": StepTexts(
+        "textbook section constants",
+        "fem.sections.section_constants, beam elements",
+    ),
+    "warping": StepTexts(
+        "warping held at the ends, non-uniform torsion between them",
+        "beams with Reissner's torsion, the section's own Γ",
+    ),
+}
+_TO_SOLIDS = ("own", "warping")
+_FROM_BEAMS = (*PART_STEPS, *_TO_SOLIDS)
+_FROM_SEGMENTS = ("twice as many", "beams", *_FROM_BEAMS)
+_LADDERS: Mapping[str, Sequence[str]] = {
+    "simplified": ("drives", *_FROM_BEAMS),
+    "segments": _FROM_SEGMENTS,
+    "beam": _FROM_BEAMS,
+    "segments-euler-bernoulli": ("shear of segments", *_FROM_SEGMENTS),
+    "beam-euler-bernoulli": ("shear of beams", *_FROM_BEAMS),
+    "segments-stepped": ("condensed", *_TO_SOLIDS),
+    "segments-condensed": ("modes inside", *_TO_SOLIDS),
+}

@@ -1,0 +1,116 @@
+"""Where shapes of a mechanism's modes are sampled, and what mass each sample stands for."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from lumped.arrays import Array
+from lumped.equivalent_leg import equivalent_leg
+from lumped.legs import ConstantLeg
+from lumped.mechanism.body import Body, Rigid
+from lumped.mechanism.body_model import BodyModel
+from lumped.mechanism.mechanism import Mechanism
+from lumped.models.bodies import leg_of, legs_of
+from lumped.screws import shift, turn
+from lumped.system.assembly import System
+from validation.models.reduced_parts import identified
+from validation.responses.mode_pairing import centreline_samples
+
+_STATIONS = 12
+# Corners of a section, in radii of gyration.
+_CORNERS = np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])
+
+
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """What is sampled of a shape (k numbers), with the mass `weights` (k) of each.
+
+    `points` (m×3, body axes) of legs and parts, `turned` the principal axes of every rigid body,
+    `prisms` the masses (m, kg) at the points of the legs of constant section.
+    """
+
+    mechanism: Mechanism
+    points: Mapping[str, Array]
+    turned: Mapping[str, Array]
+    prisms: Mapping[str, Array]
+    weights: Array
+
+    def of_models(self, models: Mapping[str, BodyModel]) -> dict[str, Array]:
+        """Displacements (3m×n) at the points from the unknowns of each leg's model."""
+        known: dict[tuple[BodyModel, bytes], Array] = {}
+        found = {}
+        for name, model in models.items():
+            points = self.points[name]
+            key = model, points.tobytes()
+            if key not in known:
+                known[key] = model.displacements(points).toarray()
+            found[name] = known[key]
+        return found
+
+    def at(self, system: System, shapes: Array, of_models: Mapping[str, Array]) -> Array:
+        """Samples (k×m) of shapes (n×m) of a system; legs without a model are rigid."""
+        outer = shapes[: system.outer]
+        rows = [(system.tool @ shapes)[:3]]
+        for name, axes in self.turned.items():
+            frame, shape = system.posture.frames[name], self.mechanism.bodies[name].shape
+            centre = shape.centre if isinstance(shape, Rigid) else np.zeros(3)
+            point = next(iter(self.mechanism.bodies[name].interfaces))
+            place = frame.position + frame.rotation @ centre
+            twist = system.motions.at(name, point, place) @ outer
+            rows.append(turn(frame.rotation @ axes).T @ twist)
+        for name, points in self.points.items():
+            if name in of_models:
+                rows.append(of_models[name] @ system.body_unknowns(name, shapes))
+                continue
+            frame = system.posture.frames[name]
+            point = next(iter(self.mechanism.bodies[name].interfaces))
+            own = turn(frame.rotation).T @ system.motions.at(name, point, frame.position) @ outer
+            rows += [(shift(place) @ own)[:3] for place in points]
+        return np.vstack(rows)
+
+    def seen(self, system: System, shapes: Array, of_models: Mapping[str, Array]) -> Array:
+        """Share (m) of the kinetic energy of mass-normalised shapes (n×m) that the samples see.
+
+        Samples of prisms move with whole cross-sections, as all of a beam does: the rest of the
+        energy is motion inside the sections of solids. That of all other bodies counts as seen.
+        """
+        inside = np.zeros(shapes.shape[1])
+        for name in self.prisms.keys() & of_models.keys():
+            own = system.body_unknowns(name, shapes)
+            whole = np.repeat(self.prisms[name], 3) @ np.square(of_models[name] @ own)
+            energy = np.sum(own * (system.models[name].mass @ own), axis=0)
+            inside += np.maximum(energy - whole, 0.0)
+        return np.asarray(np.clip(1.0 - inside, 0.0, 1.0))
+
+
+def samples_of(mechanism: Mechanism) -> Samples:
+    """Samples of a mechanism: its tool, its rigid bodies with mass, its legs and its parts."""
+    weights = [np.full(3, mechanism.tool.mass)]
+    turned = {}
+    for name, body in mechanism.bodies.items():
+        if isinstance(body.shape, Rigid) and body.shape.mass:
+            moments, turned[name] = np.linalg.eigh(body.shape.inertia)
+            weights += [np.full(3, body.shape.mass), np.maximum(moments, 0.0)]
+    points, prisms = {}, {}
+    for name, leg in legs_of(mechanism).items():
+        points[name], masses = _of_leg(mechanism.bodies[name])
+        if isinstance(leg, ConstantLeg):
+            prisms[name] = masses
+        weights.append(np.repeat(masses, 3))
+    for name, body in mechanism.parts.items():
+        part = identified(body)
+        points[name] = part.places
+        weights.append(np.repeat(part.shares, 3))
+    return Samples(mechanism, points, turned, prisms, np.concatenate(weights))
+
+
+def _of_leg(body: Body) -> tuple[Array, Array]:
+    """Points (m×3, body axes) of a leg and the mass (m, kg) of each."""
+    leg = equivalent_leg(leg_of(body))
+    properties = leg.timoshenko
+    stations, lengths = centreline_samples(leg.length, _STATIONS)
+    radii = np.sqrt(np.array([properties.rho_Iz, properties.rho_Iy]) / properties.mu)
+    corners = np.tile(_CORNERS * radii, (_STATIONS, 1))
+    points = np.column_stack([np.repeat(stations, len(_CORNERS)), corners])
+    return points, np.repeat(properties.mu * lengths / len(_CORNERS), len(_CORNERS))

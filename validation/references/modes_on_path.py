@@ -1,0 +1,225 @@
+"""Natural modes of a mechanism over its path: by models, by solids and by beams between them.
+
+Shapes of all models are sampled alike: displacements of the tool, twists of rigid bodies about
+their centre, and four points in each of some sections of every leg, placed so that they have the
+section's mass and rotary inertia.
+"""
+
+from collections.abc import Callable, Iterable
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+
+from fem.reduction.craig_bampton import craig_bampton
+from fem.reduction.superelement import held_leg
+from lumped.arrays import Array
+from lumped.equivalent_leg import equivalent_leg
+from lumped.legs import ConstantLeg, Ends, GivenLeg, Leg
+from lumped.mechanism.body_model import BodyModel, LegMatrices
+from lumped.mechanism.mechanism import Posture
+from lumped.memo import memo
+from lumped.system.assembly import assembly
+from validation.context import Preset
+from validation.models.leg_models import filled
+from validation.models.loads.leg_masses import leg_with_inside
+from validation.models.options import ModelName, ModelOptions
+from validation.models.robot_models import (
+    CUTOFF,
+    PostureModes,
+    dynamic_bodies,
+    modes_along,
+    modes_on_drives,
+    with_enough_modes,
+)
+from validation.references.mode_samples import Samples, samples_of
+from validation.references.reference_legs import SECTION_DIVISIONS, own_elements
+from validation.references.reference_parts import Bodies, condensed_parts, solid_parts
+from validation.references.robot_on_path import Holds, Reading, RobotOnPath, known_legs
+from validation.responses.statics_and_modes import PathModes
+from validation.solids.solid_legs import (
+    COARSEST_WALLS,
+    DIVISIONS,
+    ELEMENTS,
+    WALL_DIVISIONS,
+    divisions_across,
+    held_solid,
+)
+
+Build = Callable[[Leg, Ends, float], LegMatrices]
+
+
+def modes_by_model(robot: RobotOnPath, model: ModelName, options: ModelOptions) -> PathModes | None:
+    """What a model answers; None where nothing has mass."""
+    if model == "simplified":
+        drives = modes_on_drives(robot.postures, robot.offered)
+        found = vibration_of(robot.samples, drives, robot.offered)
+        return found if np.isfinite(found.frequencies).any(axis=1).all() else None
+    return robot.context.get(model_vibration, robot.postures, model, options, robot.offered)
+
+
+class LegMesh(NamedTuple):
+    """Divisions of a prism's mesh: `across` rectangles, and across the `walls` of other sections.
+
+    Sections with walls are meshed with at least `least` divisions, whatever the slices are.
+    """
+
+    across: int
+    walls: int
+    least: int = 0
+
+    def divisions(self, leg: ConstantLeg) -> int:
+        """Divisions of a leg along its walls and axis."""
+        return divisions_across(leg, self.across, self.walls)
+
+    def section_divisions(self, leg: ConstantLeg) -> int:
+        """Divisions of the section of a leg."""
+        return divisions_across(leg, self.across, max(self.walls, self.least))
+
+
+OWN_SECTIONS = LegMesh(SECTION_DIVISIONS, SECTION_DIVISIONS)
+
+
+class SolidMeshes(NamedTuple):
+    """Two meshes of the solid legs."""
+
+    coarse: LegMesh
+    fine: LegMesh
+
+    def ratio(self, prisms: Iterable[ConstantLeg]) -> float:
+        """Smallest ratio of the element sizes of these legs, coarse to fine."""
+        return min(self.fine.divisions(leg) / self.coarse.divisions(leg) for leg in prisms)
+
+
+def solid_meshes(preset: Preset) -> SolidMeshes:
+    """Meshes between which the step of a preset's solid legs is taken."""
+    across, walls = DIVISIONS[preset], WALL_DIVISIONS[preset]
+    return SolidMeshes(LegMesh(across - 1, walls // 2), LegMesh(across, walls))
+
+
+def modes_of_solids(robot: RobotOnPath, reading: Reading) -> PathModes:
+    """Modes with solid legs, legs known by their 6×6 with an inside, and CAD parts.
+
+    Sections of thin walls are one mesh with one and with two divisions: shorter slices would not
+    show how much too stiff it resists distortion. The fine one has at least four.
+    """
+    meshes = solid_meshes(robot.context.meshes)
+    mesh = meshes.fine._replace(least=COARSEST_WALLS) if reading.mesh else meshes.coarse
+    return robot.context.get(solid_vibration, robot.postures, reading, mesh, robot.offered)
+
+
+def modes_of_own_beams(
+    robot: RobotOnPath, ends: Holds | None, mesh: LegMesh = OWN_SECTIONS
+) -> PathModes:
+    """Modes with beams of the sections' own constants, with warping if `ends` are given."""
+    return robot.context.get(own_vibration, robot.postures, mesh, ends, robot.offered)
+
+
+def vibration_of(samples: Samples, found: Iterable[PostureModes], count: int) -> PathModes:
+    """Frequencies and sampled shapes of `count` modes, NaN beyond those that have mass; responses.
+
+    Lumps of mass have few modes; on its drives alone a robot has fewer at the end of a stroke.
+    """
+    frequencies, shapes, seen, responses, of_models = [], [], [], [], None
+    for one in found:
+        # Bodies have the same models in every posture.
+        of_models = of_models or samples.of_models(one.system.models)
+        beyond = (0, count - len(one.modes.frequencies))
+        frequencies.append(np.pad(one.modes.frequencies, beyond, constant_values=np.nan))
+        shapes.append(np.pad(samples.at(one.system, one.modes.shapes, of_models), ((0, 0), beyond)))
+        seen.append(np.pad(samples.seen(one.system, one.modes.shapes, of_models), beyond))
+        responses.append(one.responses)
+    return PathModes(
+        np.array(frequencies),
+        np.array(shapes),
+        samples.weights,
+        np.array(seen),
+        np.array([[number for one in of for number in one.judged] for of in responses]),
+        [np.array([one.receptance for one in ones]) for ones in zip(*responses, strict=True)],
+    )
+
+
+def model_vibration(
+    postures: tuple[Posture, ...], model: ModelName, options: ModelOptions, count: int
+) -> PathModes:
+    """Modes by segments or beam elements of textbook constants."""
+    mechanism = postures[0].mechanism
+    samples = samples_of(mechanism)
+
+    def solve(highest: float) -> PathModes:
+        bodies = dynamic_bodies(model, mechanism, highest, options)
+        along = modes_along(assembly(mechanism, bodies), postures, count)
+        return vibration_of(samples, along, count)
+
+    return with_enough_modes(solve, _known, postures, count)
+
+
+def built_vibration(
+    postures: tuple[Posture, ...],
+    build: Build,
+    parts: Bodies,
+    ends: Holds,
+    count: int,
+) -> PathModes:
+    """Modes with every leg as `build` makes it of leg, ends and highest frequency (Hz).
+
+    `parts`: models of the CAD parts.
+    """
+    mechanism = postures[0].mechanism
+    samples, legs = samples_of(mechanism), known_legs(mechanism)
+
+    def solve(highest: float) -> PathModes:
+        made: dict[tuple[object, Ends], LegMatrices] = {}
+        bodies: dict[str, BodyModel] = {}
+        for name, leg in legs.items():
+            key = leg if isinstance(leg, ConstantLeg) else name, ends[name]
+            if key not in made:
+                made[key] = filled(build(leg, ends[name], highest))
+            bodies[name] = made[key]
+        prepared = assembly(mechanism, {**bodies, **parts})
+        return vibration_of(samples, modes_along(prepared, postures, count), count)
+
+    return with_enough_modes(solve, _known, postures, count)
+
+
+def _known(found: PathModes) -> Array:
+    return np.asarray(found.frequencies[np.isfinite(found.frequencies)])
+
+
+def solid_vibration(
+    postures: tuple[Posture, ...], reading: Reading, mesh: LegMesh, count: int
+) -> PathModes:
+    """Modes with prisms as solids on `mesh` reduced to their ends; all else as the reading."""
+
+    def build(leg: Leg, ends: Ends, highest: float) -> LegMatrices:
+        if isinstance(leg, GivenLeg):
+            return leg_with_inside(leg, reading.inside, highest)
+        divisions = mesh.divisions(leg), mesh.section_divisions(leg)
+        return _reduced_solid(leg, *divisions, ends, highest)
+
+    parts = solid_parts(postures, count, reading.ends, reading.part_mesh)
+    return built_vibration(postures, build, parts, reading.ends, count)
+
+
+# Robots that differ in one number share most of their legs.
+@memo(16)
+def _reduced_solid(
+    leg: ConstantLeg, number: int, face: int, ends: Ends, highest: float
+) -> LegMatrices:
+    return craig_bampton(held_solid(leg, number, ends, face), highest).matrices
+
+
+def own_vibration(
+    postures: tuple[Posture, ...], mesh: LegMesh, ends: Holds | None, count: int
+) -> PathModes:
+    """Modes by beams of the sections' own constants on `mesh`, with warping if `ends` are given."""
+    mechanism = postures[0].mechanism
+    build = partial(_own_leg, mesh=mesh, warping=ends is not None)
+    hold: Holds = ends or dict.fromkeys(known_legs(mechanism), "rigid")
+    return built_vibration(postures, build, condensed_parts(mechanism), hold, count)
+
+
+def _own_leg(leg: Leg, ends: Ends, highest: float, *, mesh: LegMesh, warping: bool) -> LegMatrices:
+    number = mesh.divisions(equivalent_leg(leg))
+    whole = own_elements(leg, ends if warping else None, ELEMENTS, number)
+    return craig_bampton(held_leg(whole), highest, CUTOFF["beam"] * highest).matrices

@@ -1,0 +1,145 @@
+"""Statics of a robot over its path: the reference, its uncertainty, and causes of errors.
+
+The reference assembles the robot from its legs: solids if they are prisms, the 6×6 of the file if
+they are given.
+"""
+
+from collections.abc import Mapping, Sequence
+
+from validation.references.model_ladder import (
+    EQUIVALENT,
+    GIVEN,
+    HELD,
+    OWN,
+    RESTRAINED,
+    SOLID,
+    STRAIGHT,
+    with_parts,
+)
+from validation.references.reference import (
+    TIMOSHENKO,
+    USE_SOLID,
+    Interpretation,
+    Reference,
+    Steps,
+    StepTexts,
+    ladders,
+    use,
+)
+from validation.references.reference_legs import finer_statics, solid_leg
+from validation.references.reference_parts import FINER_PARTS, PART_STEPS, part_kinds
+from validation.references.responses import Responses
+from validation.references.robot_on_path import Reading, RobotOnPath
+from validation.references.uncertainty_sources import STATIC_ROWS, budget
+
+_BY = {"vjm": "virtual joints with ", "links": "links with "}
+
+
+def static_reference(responses: Responses) -> Reference:
+    """Solid or given legs, assembled. Raises InputError if sections are too fine to mesh."""
+    robot = responses.robot
+    context, parts = robot.context, robot.mechanism.parts
+    # The reason for solids that cannot be meshed names a preset that takes them.
+    for leg in robot.prisms:
+        solid_leg(context, leg)
+    interpretations = [
+        Interpretation(name, reading, budget(STATIC_ROWS, responses, reading))
+        for name, ends in robot.holding.alternatives.items()
+        for reading in [Reading(ends)]
+    ]
+    own = "fem.bodies.doubling.condensed_leg" if robot.prisms else "lumped.legs.given_compliance"
+    return Reference(
+        title=_title(robot),
+        model=SOLID,
+        interpretations=interpretations,
+        open=robot.holding.unsaid,
+        decides=robot.holding.decides,
+        masses=robot.say_masses,
+        finer=FINER_PARTS if parts else finer_statics(context, robot.legs.values()),
+        remedy=None if robot.given else USE_SOLID,
+        computed_by=(
+            *((own,) if robot.legs else ()),
+            *(("validation.models.reduced_parts.reduced",) if parts else ()),
+            "lumped.system.solution.compliance",
+        ),
+    )
+
+
+def _title(robot: RobotOnPath) -> str:
+    """What models are held against."""
+    names = ", ".join(robot.given)
+    if robot.mechanism.parts:
+        solid = " and solid legs" if robot.prisms else ""
+        own = f", {names} by their own 6×6" if names else ""
+        return f"mechanism assembled from its parts as solids{solid}{own}"
+    if not robot.legs:
+        return "mechanism of rigid bodies, assembled"
+    if not robot.prisms:
+        return "mechanism assembled from the legs' own 6×6"
+    own = f" and {names} by their own 6×6" if names else ""
+    return f"mechanism assembled from solid legs{own}"
+
+
+def static_steps(robot: RobotOnPath) -> Steps:
+    """Steps by name of the model, each ladder from the model upwards, one cause each."""
+    parts = robot.mechanism.parts
+    equivalent = with_parts("equivalent") if parts else EQUIVALENT
+    models = {"drives": GIVEN, "shear": equivalent}
+    if robot.given:
+        models |= {"diagonal": STRAIGHT, "couplings": GIVEN}
+    models |= {kind: with_parts(kind) for kind in part_kinds(robot.mechanism)}
+    if robot.prisms:
+        models |= {"own": OWN, "warping": HELD, "contraction": RESTRAINED}
+    return ladders(_LADDERS, STATIC_STEPS, models, by=_BY[robot.climbs], climbs=robot.climbs)
+
+
+STATIC_STEPS: Mapping[str, StepTexts] = {
+    "drives": StepTexts(
+        "elastic drives only, bodies and joints rigid",
+        "{by}the legs as given",
+        use("{climbs}"),
+    ),
+    "shear": StepTexts(
+        "shear deformation neglected",
+        "{by}Timoshenko's cantilever",
+        TIMOSHENKO,
+    ),
+    # From legs of constant section to the 6×6 that they were made of, then from parts as such legs,
+    "diagonal": StepTexts(
+        "equivalent leg with another diagonal than the 6×6",
+        "{by}the straight leg's entries of the 6×6",
+    ),
+    "couplings": StepTexts(
+        "equivalent leg without the couplings of the 6×6",
+        "{by}the 6×6 as given",
+        use("{climbs}", " with the 6×6 as given: --legs given", "--legs"),
+    ),
+    **PART_STEPS,
+    # and from textbook constants to solids with rigid end faces.
+    "own": StepTexts(
+        "textbook section constants",
+        "fem.sections.section_constants, tip of the cantilever",
+    ),
+    "warping": StepTexts(
+        "warping held at the ends",
+        "Reissner's torsion with held ends, the section's own Γ",
+    ),
+    "contraction": StepTexts(
+        "contraction and shear warping held at the ends",
+        "fem.couplings.end_effects, exact along the leg",
+    ),
+}
+_TO_SOLIDS = ("own", "warping", "contraction")
+_FROM_CONSTANT = ("diagonal", "couplings", *PART_STEPS, *_TO_SOLIDS)
+_LADDERS: Mapping[str, Sequence[str]] = {
+    "simplified": ("drives", *_TO_SOLIDS),
+    "vjm": _TO_SOLIDS,
+    "links": _TO_SOLIDS,
+    "vjm-equivalent": _FROM_CONSTANT,
+    "segments": _FROM_CONSTANT,
+    "segments-stepped": ("condensed", *_TO_SOLIDS),
+    "segments-condensed": _TO_SOLIDS,
+    "beam": _FROM_CONSTANT,
+    "segments-euler-bernoulli": ("shear", *_FROM_CONSTANT),
+    "beam-euler-bernoulli": ("shear", *_FROM_CONSTANT),
+}

@@ -1,0 +1,87 @@
+"""What a source says, as printed and as corrected: a table of the page, and as CSV."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from validation.drawing.style import csv_of
+from validation.drawing.text import number
+from validation.published_statements import Claim, Standing, summary
+
+# How far a sentence holds, in the words of the page, and the colour of verdicts that it has.
+_HOLDS: Mapping[Standing, tuple[str, str]] = {
+    "both": ("holds", "adequate"),
+    "as printed alone": ("as printed alone", "undecided"),
+    "as corrected alone": ("as corrected alone", "undecided"),
+    "in part": ("in part", "undecided"),
+    "neither": ("does not hold", "inadequate"),
+    "circular": ("circular, not counted", "undecided"),
+}
+_YES = {True: "yes", False: "no"}
+
+
+@dataclass(frozen=True)
+class StatementCell:
+    """A statement as printed or as corrected: its number, or how many curves hold."""
+
+    text: str
+    verdict: str
+    hint: str
+
+
+@dataclass(frozen=True)
+class SaidTable:
+    """Sentences of a source, one row each."""
+
+    claims: tuple[Claim, ...]
+
+    @property
+    def rows(self) -> Iterator[tuple[Claim, list[StatementCell], str, str]]:
+        """A sentence with both readings, in which of them it holds, and the colour of that."""
+        for claim in self.claims:
+            readings = [_cell(claim, reading) for reading in ("printed", "corrected")]
+            yield claim, readings, *_HOLDS[claim.standing]
+
+    @property
+    def summary(self) -> str:
+        """How many sentences hold in which reading."""
+        return summary(self.claims)
+
+    @property
+    def csv(self) -> str:
+        """One line for each curve of each sentence."""
+        lines = [(claim, curve) for claim in self.claims for curve in claim.curves]
+        return csv_of(
+            {
+                "statement": [claim.sentence for claim, _ in lines],
+                "quantity": [claim.quantity for claim, _ in lines],
+                "where": [claim.where for claim, _ in lines],
+                "curve": [curve.name for _, curve in lines],
+                "unit": [curve.unit for _, curve in lines],
+                "as printed": [curve.printed for _, curve in lines],
+                "holds as printed": [_YES[curve.printed_holds] for _, curve in lines],
+                "as corrected": [curve.corrected for _, curve in lines],
+                "holds as corrected": [_YES[curve.corrected_holds] for _, curve in lines],
+                "standing": [claim.standing for claim, _ in lines],
+                "differs by": [claim.differs for claim, _ in lines],
+                "circular": [claim.circular for claim, _ in lines],
+            }
+        )
+
+
+def _cell(claim: Claim, reading: str) -> StatementCell:
+    held = [getattr(curve, f"{reading}_holds") for curve in claim.curves]
+    texts = [_with_unit(getattr(curve, reading), curve.unit) for curve in claim.curves]
+    return StatementCell(
+        text=texts[0] if len(texts) == 1 else f"{sum(held)} of {len(held)} curves",
+        verdict="adequate" if all(held) else "inadequate",
+        hint="; ".join(
+            f"{curve.name + ': ' if curve.name else ''}{text}{'' if holds else ', does not hold'}"
+            for curve, text, holds in zip(claim.curves, texts, held, strict=True)
+        ),
+    )
+
+
+def _with_unit(value: float | None, unit: str) -> str:
+    if value is None:
+        return "no number"
+    return number(value, 4) if unit == "1" else f"{number(value, 4)}\u00a0{unit}"

@@ -1,0 +1,386 @@
+"""A leg as a solid on series of similar meshes and as a beam of their sections: how uncertain."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from itertools import takewhile
+from math import ceil
+from time import process_time
+
+import numpy as np
+import scipy
+
+from fem.beams.beam import beam_leg
+from fem.bodies import doubling
+from fem.bodies.solid import Ends, clamped_leg, section_twists, solid_leg, solid_mesh
+from fem.couplings.end_effects import restrained_compliance
+from fem.reduction.superelement import HeldLeg, held_solid_leg
+from fem.sections.section_constants import SectionConstants, beam_properties, section_constants
+from lumped.arrays import Array
+from lumped.errors import InputError, naming
+from lumped.legs import BeamProperties, ConstantLeg
+from lumped.mechanism.body_model import LegMatrices
+from lumped.memo import memo
+from lumped.models.bodies import clamped_modes
+from lumped.sections import HollowRectangle, ISection, OutlinedSection, Rectangle, Section
+from meshes.prism import hexahedra
+from meshes.section.section_blocks import Divisions, element_length, side_ratio
+from meshes.section.section_mesh import SectionMesh, section_mesh
+from validation.context import Preset
+from validation.responses.mode_pairing import (
+    centreline_samples,
+    centreline_weights,
+    pair_modes,
+    sampled_modes,
+)
+from validation.uncertainty.grid_convergence import (
+    Convergence,
+    analyse,
+    uncertainty_of,
+    uncertainty_of_known_orders,
+)
+from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
+
+# Quadratic elements: energies, and with them compliances and frequencies, converge with h⁴ …
+FORMAL_ORDER = 4.0
+# … but for the stresses at the edges of a rigid face that hold contraction (`edge_order`) …
+# … and for the shear flow about a re-entrant right angle of the section, r^(−1/3): λ = 2/3, in
+# torsion and flexure of walled sections (the Laplacian's corner; G. Strang, G. J. Fix, An Analysis
+# of the Finite Element Method, ch. 8).
+CORNER_ORDER = 4.0 / 3.0
+# Relative rounding of compliances and frequencies: below it a refinement shows nothing.
+ROUND_OFF = 1e-9
+GRIDS_FOR_ORDER, _FEWEST_GRIDS = 4, 2
+# Curved and thin-walled sections keep their proportions only under doubling, from four on.
+_RECTANGLE_LADDER = (1, 2, 3, 4, 6, 8, 12)
+COARSEST_WALLS = 4
+_DOUBLING_LADDER = (COARSEST_WALLS, 8, 16, 32)
+# With the slices of `slices` rigid faces of a box (ν = 0.3) are 0.8 % off, with these 6e-5.
+_THINNER = 16
+# Twice the modes asked for, so that no partner is missing where two models order them differently.
+_SPARE_MODES = 6
+_STATIONS = 24
+_ENDS: tuple[Ends, Ends] = ("rigid", "free")
+# Tasks of this group share what is kept of the robot's solids.
+SHARED_SOLIDS = "robot.solid.modes"
+# Divisions of rectangles where legs vibrate; the next coarser ones give the numerical uncertainty.
+# Up to four, walls have one element across: half of that shows what the length of elements does,
+# and what the section mesh leaves out it leaves out of the constants alike.
+DIVISIONS: dict[Preset, int] = {"quick": 2, "standard": 3, "fine": 4}
+WALL_DIVISIONS: dict[Preset, int] = {"quick": 2, "standard": 4, "fine": 8}
+# Of beams beside them.
+ELEMENTS = 20
+
+
+@dataclass(frozen=True)
+class Refinement:
+    """Values (m×…) on m similar meshes with `divisions` across the section, coarse to fine.
+
+    `free`: where end faces are held, the same with ends free to warp and contract, on the same
+    meshes: all but the stresses at the held edges is in both.
+    """
+
+    divisions: tuple[int, ...]
+    values: Array
+    formal_order: float = FORMAL_ORDER
+    free: "Refinement | None" = None
+
+    def at(self, *index: int) -> Convergence:
+        """Convergence of one of the values; raises ValueError for fewer than four meshes."""
+        sizes = 1.0 / np.array(self.divisions, dtype=float)
+        return analyse(sizes, self._curve(index), self.formal_order, ROUND_OFF)
+
+    def uncertainty(self, *index: int) -> float:
+        """Numerical uncertainty of one of the finest values (its unit).
+
+        With fewer than four meshes, which show no order, Roache's estimate for two: of what held
+        edges change by their own order, of all else by that of free ends. On four, where a corner
+        lowers the order, its term and the smooth one are told apart by their known orders.
+        """
+        values = self._curve(index)
+        if len(values) < GRIDS_FOR_ORDER:
+            if self.free is not None:
+                edges = Refinement(
+                    self.divisions, self.values - self.free.values, self.formal_order
+                )
+                return self.free.uncertainty(*index) + edges.uncertainty(*index)
+            ratio = self.divisions[-1] / self.divisions[-2]
+            policy = MeshPolicy.of_order(ratio, self.formal_order)
+            return float(mesh_half_widths([np.abs(values[-1] - values[-2])], policy))
+        if self.formal_order < FORMAL_ORDER:
+            sizes = 1.0 / np.array(self.divisions, dtype=float)
+            return uncertainty_of_known_orders(sizes, values, (self.formal_order, FORMAL_ORDER))
+        return uncertainty_of(self.at(*index))
+
+    def _curve(self, index: tuple[int, ...]) -> Array:
+        return np.array([value[index] for value in self.values])
+
+
+@dataclass(frozen=True)
+class SolidModes:
+    """Frequencies (Hz, m×k) in the order of the beam's first k modes, and MAC with those (m×k).
+
+    `unknowns` (m) of the meshes; `seconds` (m) of CPU time that mesh, factor and modes took.
+    """
+
+    frequencies: Refinement
+    mac: Array
+    unknowns: tuple[int, ...]
+    seconds: tuple[float, ...]
+
+
+def formal_order(leg: ConstantLeg, ends: Ends) -> float:
+    """Lowest order with which a leg's compliances and frequencies converge."""
+    edges = edge_order(leg.material.nu) if ends == "rigid" else FORMAL_ORDER
+    return min(edges, corner_order(leg.section))
+
+
+def corner_order(section: Section) -> float:
+    """Order of energies 2π/α by the largest inward angle α of a section's corners."""
+    if isinstance(section, OutlinedSection):
+        return min(FORMAL_ORDER, 2.0 * np.pi / section.largest_angle)
+    return CORNER_ORDER if isinstance(section, HollowRectangle | ISection) else FORMAL_ORDER
+
+
+def edge_order(nu: float) -> float:
+    """Order 2 Re λ of energies with stresses r^(λ − 1) where a free side meets a rigid face at 90°.
+
+    λ is a root of sin²(λπ/2) = (4 (1 − ν)² − λ²)/(3 − 4ν), plane strain (M. L. Williams, J. Appl.
+    Mech. 19 (1952) 526): 0.71 for ν = 0.3, 1.04 ± 0.58i for ν = −0.9, where stretching is held.
+    Without contraction nothing is held.
+    """
+    if nu == 0.0:
+        return FORMAL_ORDER
+
+    def misfit(exponent: complex) -> complex:
+        free = (4.0 * (1.0 - nu) ** 2 - exponent**2) / (3.0 - 4.0 * nu)
+        return complex(np.sin(0.5 * np.pi * exponent) ** 2 - free)
+
+    if nu < 0.0:
+        return 2.0 * float(scipy.optimize.newton(misfit, 1.05 + 0.3j).real)
+    # λ = 1 is a root as well, that of a uniform stress.
+    if misfit(1.0 - 1e-9).real <= 0.0:
+        return 2.0
+    return 2.0 * float(
+        scipy.optimize.brentq(lambda exponent: misfit(exponent).real, 0.25, 1.0 - 1e-9)
+    )
+
+
+def static_ladder(leg: ConstantLeg, most: int) -> tuple[int, ...]:
+    """Divisions whose section mesh has at most `most` unknowns, for studies by doubling.
+
+    Empty where not even two meshes are affordable.
+    """
+    return _ladder(leg, most, lambda _: 1)
+
+
+def dynamic_ladder(leg: ConstantLeg, most: int) -> tuple[int, ...]:
+    """Divisions whose solid mesh has at most `most` unknowns, for studies of modes; as above."""
+    return _ladder(leg, most, lambda divisions: 2 * slices(leg, divisions) + 1)
+
+
+def _ladder(leg: ConstantLeg, most: int, layers: Callable[[int], int]) -> tuple[int, ...]:
+    def affordable(divisions: int) -> bool:
+        return 3 * len(face_mesh(leg, divisions).nodes) * layers(divisions) <= most
+
+    steps = _RECTANGLE_LADDER if isinstance(leg.section, Rectangle) else _DOUBLING_LADDER
+    chosen = tuple(takewhile(affordable, steps))
+    return chosen if len(chosen) >= _FEWEST_GRIDS else ()
+
+
+def divisions_across(leg: ConstantLeg, rectangle: int, walls: int) -> int:
+    """Those of a rectangle's smaller side, or of the walls and rims of the other shapes."""
+    return rectangle if isinstance(leg.section, Rectangle) else walls
+
+
+def section_counts(leg: ConstantLeg, divisions: int) -> Divisions:
+    """Elements of the section mesh, all inversely proportional to the mesh size.
+
+    Only meshes that are similar to each other show an order. For a rectangle both counts are
+    multiples of `divisions`; the other shapes keep their proportions under doubling.
+    """
+    section = leg.section
+    if not isinstance(section, Rectangle):
+        return divisions
+    along = divisions * max(1, round(side_ratio(section)))
+    return (divisions, along) if section.width <= section.height else (along, divisions)
+
+
+def slices(leg: ConstantLeg, divisions: int) -> int:
+    """Slices along the leg, as long as a rectangle's elements are wide.
+
+    In the other shapes, which start at four divisions, four times as long: walls need their
+    divisions across, not along.
+    """
+    along = max(2, ceil(leg.length / element_length(leg.section, 1)))
+    return divisions * along if isinstance(leg.section, Rectangle) else divisions * along // 4
+
+
+def static_slices(leg: ConstantLeg, divisions: int) -> int:
+    """Slices along the leg for doubling, whose cost is their logarithm.
+
+    So thin that what is held at a rigid face decays over many of them: the section's mesh is left.
+    """
+    return _THINNER * slices(leg, divisions)
+
+
+def face_mesh(leg: ConstantLeg, divisions: int) -> SectionMesh:
+    """The mesh of a leg's section that its solid of so many divisions has."""
+    return section_mesh(leg.section, section_counts(leg, divisions))
+
+
+def doubled_unknowns(leg: ConstantLeg, divisions: int) -> int:
+    """Unknowns of the mesh that doubling condenses to the ends."""
+    return 3 * len(face_mesh(leg, divisions).nodes) * (2 * static_slices(leg, divisions) + 1)
+
+
+def leg_constants(leg: ConstantLeg, divisions: int) -> SectionConstants:
+    """Constants of a leg's section by finite elements, without thin-wall assumptions."""
+    material = leg.material
+    return section_constants(face_mesh(leg, divisions), material.nu, material.G / material.E)
+
+
+def own_properties(leg: ConstantLeg, divisions: int) -> BeamProperties:
+    """Timoshenko beam of those constants."""
+    return beam_properties(leg_constants(leg, divisions), leg.material)
+
+
+@memo(32)
+def face_restraint(leg: ConstantLeg, divisions: int) -> Array:
+    """Change (6×6, ≤ 0) of the beam's tip compliance by rigid end faces, on one section mesh."""
+    return restrained_compliance(face_mesh(leg, divisions), leg.material, leg.length)
+
+
+def decay_of_warping(leg: ConstantLeg, divisions: int) -> float:
+    """√(EΓ/GJ) (m): how far from an end non-uniform torsion reaches (Vlasov)."""
+    constants, material = leg_constants(leg, divisions), leg.material
+    stiffer = material.E * constants.warping_constant
+    return float(np.sqrt(stiffer / (material.G * constants.torsion_constant)))
+
+
+def solid_compliances(leg: ConstantLeg, divisions: tuple[int, ...]) -> dict[Ends, Refinement]:
+    """Tip compliances (m×6×6, SI, leg axes) with rigid and with free ends, by doubling."""
+    tips = [doubled_tips(leg, number, static_slices(leg, number)) for number in divisions]
+    rigid, free = (np.array([one[ends] for one in tips]) for ends in _ENDS)
+    relaxed = Refinement(divisions, free, formal_order(leg, "free"))
+    held = Refinement(divisions, rigid, formal_order(leg, "rigid"), relaxed)
+    return {"rigid": held, "free": relaxed}
+
+
+def doubled_tips(leg: ConstantLeg, divisions: int, along: int) -> Mapping[Ends, Array]:
+    """Tip compliance (6×6, SI, leg axes) of the solid leg of `along` slices by its ends."""
+    # Both kinds of ends are computed together, whichever the leg says that it has.
+    return _doubled_tips(replace(leg, ends=None), divisions, along)
+
+
+# A robot's legs are asked for by studies of the leg, of the robot and of the models' adequacy.
+@memo(64)
+def _doubled_tips(leg: ConstantLeg, divisions: int, along: int) -> dict[Ends, Array]:
+    condensed = doubling.condensed_leg(leg, face_mesh(leg, divisions), along)
+    return {ends: doubling.tip_compliance(condensed, ends) for ends in _ENDS}
+
+
+def solid_frequencies(
+    leg: ConstantLeg, divisions: tuple[int, ...], ends: Ends, count: int
+) -> SolidModes:
+    """First `count` frequencies of the clamped leg, paired with the beam's."""
+    beam = beam_leg(leg.timoshenko, leg.length, ELEMENTS)
+    stations, lengths = centreline_samples(leg.length, _STATIONS)
+    root = np.sqrt(centreline_weights(leg.timoshenko, lengths))[:, None]
+    of_beam = clamped_modes(beam, count)
+    target = sampled_modes(of_beam.frequencies, root * (beam.centreline(stations) @ of_beam.shapes))
+    frequencies, mac, unknowns, seconds = [], [], [], []
+    for number in divisions:
+        start = process_time()
+        counts = section_counts(leg, number)
+        mesh = hexahedra(leg.section, leg.length, counts, slices(leg, number))
+        clamped = clamped_leg(solid_leg(leg, mesh), ends)
+        twists = section_twists(mesh, stations)
+        for offered in count + _SPARE_MODES * np.array([1, 2, 4, 8]):
+            modes = clamped.modes(int(offered))
+            shapes = root * (twists @ modes.shapes)
+            # Of unit modal mass; walls that move by themselves leave next to none to the sections.
+            seen = np.square(shapes).sum(axis=0)
+            pairs = pair_modes(target, sampled_modes(modes.frequencies, shapes, seen))
+            if (pairs.partner >= 0).all():
+                break
+        frequencies.append(modes.frequencies[pairs.nearest])
+        mac.append(pairs.likeness)
+        unknowns.append(mesh.nodes.size)
+        seconds.append(process_time() - start)
+    found = Refinement(divisions, np.array(frequencies), formal_order(leg, ends))
+    return SolidModes(found, np.array(mac), tuple(unknowns), tuple(seconds))
+
+
+def held_solid(leg: ConstantLeg, divisions: int, ends: Ends, section: int | None = None) -> HeldLeg:
+    """The solid leg with the twists of both ends given; `ends` as in its coupling.
+
+    `section`: divisions of its section, where they are others than `divisions` along it.
+    """
+    solid = solid_leg(leg, solid_mesh(leg, divisions, section=section))
+    with naming(leg.name):
+        return held_solid_leg(clamped_leg(solid, ends), solid.mesh)
+
+
+def own_beam(leg: ConstantLeg, divisions: int) -> LegMatrices:
+    """Timoshenko beam of the constants of the very section mesh that the solid has."""
+    material = leg.material
+    mesh = section_mesh(leg.section, divisions)
+    constants = section_constants(mesh, material.nu, material.G / material.E)
+    return beam_leg(beam_properties(constants, material), leg.length, ELEMENTS)
+
+
+@dataclass(frozen=True)
+class TwoMeshes:
+    """Tip compliances (6×6, SI, leg axes) of a solid leg by its ends, on two similar meshes.
+
+    Sizes of the `coarse` one are `ratio` times the `fine` one's. `restrained`: what rigid faces
+    take from a Timoshenko cantilever in theory, on the finer mesh of the section.
+    """
+
+    coarse: Mapping[Ends, Array]
+    fine: Mapping[Ends, Array]
+    restrained: Array
+    ratio: float
+
+
+def two_meshes(leg: ConstantLeg, most: int) -> TwoMeshes:
+    """A leg by doubling, on the meshes of `mesh_pair`."""
+    coarse, fine = mesh_pair(leg, most)
+    with naming(leg.name):
+        return TwoMeshes(
+            doubled_tips(leg, *coarse),
+            doubled_tips(leg, *fine),
+            face_restraint(leg, fine[0]),
+            fine[1] / coarse[1],
+        )
+
+
+def mesh_pair(leg: ConstantLeg, most: int) -> tuple[tuple[int, int], tuple[int, int]]:
+    """Divisions of the section and slices along it of the two finest meshes, coarse and fine.
+
+    Their section meshes have at most `most` unknowns. Where one alone of thin walls can have so
+    few, both share it and the coarser one is half as fine along the leg: what the section mesh
+    leaves out of a solid it leaves out of the constants alike. Raises InputError where not even
+    that one is small enough.
+    """
+    ladder = static_ladder(leg, most)
+    if ladder:
+        coarse, fine = ladder[-2:]
+        return (coarse, static_slices(leg, coarse)), (fine, static_slices(leg, fine))
+    if (unknowns := _coarsest_unknowns(leg)) > most:
+        raise InputError(
+            f"the coarsest section mesh of its {leg.section.shape} has "
+            f"{unknowns} unknowns, more than {most}",
+            part=leg.name or "leg",
+        )
+    along = static_slices(leg, COARSEST_WALLS)
+    return (COARSEST_WALLS, along), (COARSEST_WALLS, 2 * along)
+
+
+def has_meshes(leg: ConstantLeg, most: int) -> bool:
+    """Whether there is a `mesh_pair` of a leg."""
+    return bool(static_ladder(leg, most)) or _coarsest_unknowns(leg) <= most
+
+
+def _coarsest_unknowns(leg: ConstantLeg) -> int:
+    return 3 * len(face_mesh(leg, COARSEST_WALLS).nodes)

@@ -1,0 +1,164 @@
+"""The commands `faces` and `identify`, as the command line takes them up."""
+
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+from fem.solvers.backends.request import request_solver
+from lumped.errors import InputError
+from validation.console.streams import write_messages, write_results
+from validation.console.typed import (
+    AsJson,
+    Force,
+    LengthUnit,
+    PathArgument,
+    RankCount,
+    SolverName,
+    WholeNumber,
+    require_writable,
+    write,
+)
+
+# Seconds of an idle core: reading a byte, identifying a part, and an unknown of its finest mesh.
+_READING_A_BYTE, _IDENTIFYING, _EACH_UNKNOWN = 1e-5, 5.0, 2e-4
+
+
+def faces(
+    part: PathArgument,
+    *,
+    unit: LengthUnit | None = None,
+    out: PathArgument | None = None,
+    force: Force = False,
+    json: bool = False,
+) -> int:
+    """List the faces of a CAD part or of a mesh, and draw them numbered.
+
+    Parameters
+    ----------
+    part
+        A STEP or BREP file, or a volume mesh (.msh, .inp, .vtu).
+    unit
+        Unit of length of a file that names none.
+    out
+        Folder for PART.faces.png and PART.faces.html; this one if left out.
+    json
+        Print JSON for programs, and draw nothing.
+    """
+    from validation.console.progress import stage  # noqa: PLC0415
+    from validation.parts import face_list  # noqa: PLC0415
+    from validation.parts.meshes import part_file  # noqa: PLC0415
+
+    folder = Path() if out is None else out
+    drawing, scene = (folder / f"{part.name}.faces{kind}" for kind in (".png", ".html"))
+    if not json:
+        require_writable(drawing, ".png", force=force)
+        require_writable(scene, ".html", force=force)
+    size = part.stat().st_size if part.is_file() else 0
+    with stage(f"reading {part.name}", _READING_A_BYTE * size):
+        found = part_file(part, unit)
+    if json:
+        write_results(face_list.as_json(found))
+        return 0
+    write_results(face_list.as_text(found))
+    from validation.parts import face_pictures  # noqa: PLC0415
+
+    with stage("drawing the faces"):
+        drawn = face_pictures.picture(found)
+    if drawn.left_out:
+        write_messages([drawn.left_out], 0)
+    else:
+        write(drawing, drawn.png, ".png")
+    write(scene, face_pictures.scene_page(found).encode(), ".html")
+    return 0
+
+
+def identify(
+    part: str,
+    *,
+    interface: tuple[str, ...] = (),
+    material: str | None = None,
+    unit: LengthUnit | None = None,
+    body: str | None = None,
+    unknowns: WholeNumber | None = None,
+    modes: WholeNumber | None = None,
+    accuracy: float | None = None,
+    solver: SolverName = None,
+    ranks: RankCount = None,
+    out: PathArgument | None = None,
+    force: Force = False,
+    json: AsJson = False,
+) -> int:
+    """Identify a part: stiffness, mass and frequencies between its interfaces, with uncertainty.
+
+    Parameters
+    ----------
+    part
+        A STEP or BREP file, a volume mesh (.msh, .inp, .vtu), or with --body a robot.
+    interface
+        'A = { cylinder = { radius = 0.04 } }', as in a robot file; once for each interface, the
+        first is the one that is clamped. See `flexproof faces`.
+    material
+        '{ E = 2.1e11, nu = 0.3, rho = 7850.0 }'.
+    unit
+        Unit of length of a file that names none.
+    body
+        A body of the robot that is a part from a file.
+    unknowns
+        Unknowns of the finest of the three meshes; 100000 if left out.
+    modes
+        Number of frequencies; 6 if left out.
+    accuracy
+        Refine the meshes until no number is open by more than this share of it, for example 0.002,
+        as far as memory and 800 000 unknowns allow.
+    out
+        An .npz file to write all matrices to.
+    """
+    import numpy as np  # noqa: PLC0415
+
+    from lumped.robot_file import load_robot  # noqa: PLC0415
+    from meshes.part.interfaces import find_interfaces  # noqa: PLC0415
+    from validation.console.progress import stage  # noqa: PLC0415
+    from validation.models.reduced_parts import identified  # noqa: PLC0415
+    from validation.parts import identified_text, request  # noqa: PLC0415
+    from validation.parts import identify as identifying  # noqa: PLC0415
+    from validation.parts.identify import Identified  # noqa: PLC0415
+    from validation.parts.meshes import part_file  # noqa: PLC0415
+    from validation.uncertainty.refinement import accuracy_faults, refined  # noqa: PLC0415
+
+    request_solver(solver, ranks)
+    require_writable(out, ".npz", force=force)
+    faults = [] if accuracy is None else accuracy_faults(accuracy)
+    faults += request.faults_of_numbers(unknowns, modes)
+    if body is None and material is None:
+        faults.append("--material: missing; must be given, { E = 2.1e11, nu = 0.3, rho = 7850.0 }")
+    if body is not None and (interface or material or unit):
+        faults.append("--body: its interfaces, material and unit stand in the robot file")
+    if faults:
+        raise InputError(faults)
+    size = identifying.DEFAULT_UNKNOWNS if unknowns is None else unknowns
+    count = identifying.DEFAULT_MODES if modes is None else modes
+    if body is None:
+        wanted, points = request.interfaces_of(interface)
+        chosen = request.material_of(material or "")
+        file = part_file(Path(part), unit)
+        held = find_interfaces(file, wanted, points)
+
+        def at(size: int) -> Identified:
+            return identifying.identify(file, held, chosen, size, count)
+    else:
+        shape = request.part_of(load_robot(part), body)
+
+        def at(size: int) -> Identified:
+            return identified(shape, size, count)
+
+    more = identifying.more_unknowns
+    with stage(f"identifying {body or part}", _IDENTIFYING + _EACH_UNKNOWN * size):
+        found, reached = refined(size, at, identifying.largest_half_width, more, accuracy or np.inf)
+    text = identified_text.as_json if json else identified_text.as_text
+    write_results(text(found, reached if accuracy else None))
+    if out is not None:
+        buffer = BytesIO()
+        named: Any = identified_text.as_arrays(found)
+        np.savez(buffer, **named)
+        write(out, buffer.getvalue(), ".npz")
+    return 0

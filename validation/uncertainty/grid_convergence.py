@@ -1,0 +1,283 @@
+"""Observed order, extrapolation and numerical uncertainty of a result under refinement.
+
+Values f belong to mesh sizes h, coarse to fine; f = f∞ + C hᵖ in the asymptotic range.
+Roache, J. Fluids Eng. 116 (1994) 405 (grid convergence index, GCI); Celik et al., J. Fluids Eng.
+130 (2008) 078001 (order on grids of unequal ratio); ASME V&V 20-2009 §2 (safety factors).
+One policy for all numbers: an order observed above the formal one is capped to it, for it is an
+accident of coarse grids, one below is used; too few grids to observe any take the formal one, whose
+lack of proof the safety factor of three stands for.
+Differences are d_k = f_{k+1} − f_k, ratios r_k = h_k / h_{k+1} > 1.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import isfinite, log
+from typing import Literal, TypeAlias, TypeVar
+
+import numpy as np
+import scipy
+
+from lumped.arrays import Array
+from validation.uncertainty.mesh_half_widths import PROVEN, UNPROVEN, MeshPolicy, mesh_half_widths
+
+F = TypeVar("F", float, Array)
+Behaviour: TypeAlias = Literal["monotone", "oscillating", "diverging", "round-off plateau"]
+
+# Orders are sought up to 12: p-elements aside no method in use has a higher one.
+LARGEST_ORDER = 12.0
+# Pairwise orders closer than this fraction of the finest one count as settled: GCI is then right
+# within its own safety factor (Roache 1994 asks for "constant p" without a number).
+SETTLED = 0.25
+# ASME V&V 20: the smaller safety factor where the observed order is within 10 % of the formal one.
+CLOSE_TO_FORMAL = 0.10
+# Below so many elements no series is expected to be asymptotic.
+COARSE_COUNT = 5
+
+
+@dataclass(frozen=True)
+class Convergence:
+    """What a refinement study shows of its `values`, coarse to fine.
+
+    `orders` are the pairwise observed orders (one per three neighbouring grids, NaN where the
+    differences do not shrink monotonically), `observed_order` is fitted over the asymptotic tail.
+    That, `extrapolated` (Richardson) and `uncertainty` (GCI times |f|, in the unit of f) are None
+    outside the asymptotic range, and `refusal` says why. On a round-off plateau the uncertainty is
+    the round-off level itself.
+    """
+
+    values: Array
+    orders: Array
+    observed_order: float | None = None
+    extrapolated: float | None = None
+    uncertainty: float | None = None
+    refusal: str = ""
+
+
+def three_grid_order(
+    coarse: float, middle: float, fine: float, ratio_coarse: float, ratio_fine: float
+) -> float:
+    """Observed order p from three grids; `ratio_coarse` = h1/h2, `ratio_fine` = h2/h3.
+
+    Solves (f2 − f1)/(f3 − f2) = r2ᵖ (r1ᵖ − 1)/(r2ᵖ − 1) (Celik et al. 2008); NaN where the
+    differences change sign, vanish, or no order between 0 and 12 fits.
+    """
+    first, second = middle - coarse, fine - middle
+    if first * second <= 0.0 or not isfinite(first * second):
+        return float("nan")
+    quotient = first / second
+
+    def misfit(p: float) -> float:
+        return log(quotient) - log(ratio_fine**p * (ratio_coarse**p - 1.0) / (ratio_fine**p - 1.0))
+
+    if misfit(1e-6) * misfit(LARGEST_ORDER) > 0.0:
+        return float("nan")
+    return float(scipy.optimize.brentq(misfit, 1e-6, LARGEST_ORDER))
+
+
+def richardson(middle: F, fine: F, ratio: float, order: float) -> F:
+    """Value at h → 0 from the two finest grids, `ratio` = h_middle/h_fine."""
+    return fine + (fine - middle) / float(ratio**order - 1.0)
+
+
+def pairwise_orders(sizes: Array, values: Array) -> Array:
+    """Observed order of every three neighbouring grids (n − 2 values, NaN where there is none)."""
+    ratios = sizes[:-1] / sizes[1:]
+    return np.array(
+        [
+            three_grid_order(values[k], values[k + 1], values[k + 2], ratios[k], ratios[k + 1])
+            for k in range(len(values) - 2)
+        ]
+    )
+
+
+def fit_order(sizes: Array, values: Array) -> float:
+    """Order p in (0, 12] of f = f∞ + C hᵖ over all given grids (at least three).
+
+    The one whose least-squares fit leaves least, weighted as in `_fitted`.
+    """
+
+    def left(order: float) -> float:
+        deviations = _fitted(sizes, values, (order,))[1]
+        return float(np.linalg.norm(deviations / np.sqrt(sizes / sizes[-1])))
+
+    candidates = np.linspace(0.05, LARGEST_ORDER, 240)
+    best = int(np.argmin(_residuals(sizes, values, candidates)))
+    bounds = (candidates[max(best - 1, 0)], candidates[min(best + 1, len(candidates) - 1)])
+    found = scipy.optimize.minimize_scalar(
+        left, bounds=bounds, method="bounded", options={"xatol": 1e-10}
+    )
+    return float(found.x)
+
+
+def _residuals(sizes: Array, values: Array, orders: Array) -> Array:
+    """The norms (m) that `fit_order` minimises, for m orders at once."""
+    shape, root = sizes / sizes[-1], np.sqrt(sizes[-1] / sizes)
+    weighted = root * values
+    basis = np.stack(
+        [np.broadcast_to(root, (len(orders), len(root))), root * shape ** orders[:, None]], axis=-1
+    )
+    directions = np.linalg.qr(basis)[0]
+    fitted = directions @ (np.swapaxes(directions, 1, 2) @ weighted)[..., None]
+    return np.asarray(np.linalg.norm(weighted - fitted[..., 0], axis=1))
+
+
+def orders_to_limits(counts: Sequence[int], errors: Array, floors: Array) -> Array:
+    """Orders in 1/n (q) of relative `errors` (n×q) from known limits, `counts` n ascending.
+
+    Fitted by least squares to log |e| over the three finest counts above the `floors` (q). NaN if
+    the errors of all such counts from five on change sign or grow, if the two pairwise orders have
+    not settled, or for fewer than three counts.
+    """
+    return np.array(
+        [_order_to_limit(counts, own, floor) for own, floor in zip(errors.T, floors, strict=True)]
+    )
+
+
+def _order_to_limit(counts: Sequence[int], errors: Array, floor: float) -> float:
+    usable = [place for place, error in enumerate(errors) if abs(error) > floor]
+    asymptotic = [place for place in usable if counts[place] >= COARSE_COUNT]
+    usable = asymptotic if len(asymptotic) >= 3 else usable
+    # Errors must decrease over all of these counts, not only over the three that are fitted.
+    sizes, signs = np.abs(errors[usable]), np.sign(errors[usable])
+    if len(usable) < 3 or len(set(signs)) > 1 or np.any(np.diff(sizes) >= 0.0):
+        return float("nan")
+    logarithms = -np.log(np.array(counts, dtype=float)[usable[-3:]]), np.log(sizes[-3:])
+    pairwise = np.diff(logarithms[1]) / np.diff(logarithms[0])
+    if abs(pairwise[1] - pairwise[0]) > SETTLED * pairwise[1]:
+        return float("nan")
+    return float(np.polyfit(*logarithms, 1)[0])
+
+
+def _fitted(sizes: Array, values: Array, orders: tuple[float, ...]) -> tuple[Array, Array]:
+    """f∞ and Cᵢ of f = f∞ + Σ Cᵢ h^pᵢ, h in units of the finest, and how far values are off it.
+
+    Least squares, weights 1/h as in Eça and Hoekstra, J. Comput. Phys. 262 (2014) 104: the fine
+    grids count more.
+    """
+    shape = sizes / sizes[-1]
+    root = 1.0 / np.sqrt(shape)
+    basis = np.column_stack([np.ones_like(shape), *(shape**order for order in orders)])
+    solution = np.linalg.lstsq(basis * root[:, None], values * root, rcond=None)[0]
+    return solution, basis @ solution - values
+
+
+def classify(sizes: Array, values: Array, round_off: float) -> Behaviour:
+    """How the four finest values behave.
+
+    `round_off` is the relative accuracy that arithmetic leaves to the values. Diverging: the
+    finest difference is not smaller, per logarithm of h, than the one before.
+    """
+    differences = np.diff(values[-4:])
+    if abs(differences[-1]) <= round_off * abs(values[-1]):
+        return "round-off plateau"
+    if np.any(differences[:-1] * differences[1:] < 0.0):
+        shrinking = abs(differences[-1]) < abs(differences[0])
+        return "oscillating" if shrinking else "diverging"
+    per_octave = np.abs(differences) / np.log(sizes[-4:-1] / sizes[-3:])
+    # Equal steps, but for rounding, are the logarithm's: order zero.
+    return "monotone" if per_octave[-1] < (1.0 - 1e-9) * per_octave[-2] else "diverging"
+
+
+def analyse(
+    sizes: Array, values: Array, formal_order: float, round_off: float = 1e-12
+) -> Convergence:
+    """Judge a study of at least four refinements, sizes strictly decreasing.
+
+    Raises ValueError for fewer grids, sizes that do not decrease, or values that are not finite.
+    """
+    sizes, values = np.asarray(sizes, dtype=float), np.asarray(values, dtype=float)
+    if len(sizes) != len(values) or len(sizes) < 4:
+        raise ValueError(f"a convergence study needs four grids or more, not {len(values)}")
+    if not (np.all(np.diff(sizes) < 0.0) and sizes[-1] > 0.0 and np.all(np.isfinite(values))):
+        raise ValueError("mesh sizes must decrease, stay positive, and every value be finite")
+    behaviour = classify(sizes, values, round_off)
+    if behaviour == "round-off plateau":
+        return _plateau(sizes, values, round_off)
+    orders = pairwise_orders(sizes, values)
+    if refusal := _refusal(behaviour, orders):
+        return Convergence(values, orders, refusal=refusal)
+    tail = _asymptotic_tail(orders)
+    order = fit_order(sizes[tail:], values[tail:])
+    ratio = float(sizes[-2] / sizes[-1])
+    extrapolated = richardson(values[-2], values[-1], ratio, min(order, formal_order))
+    # 1.25 where the observed order is within 10 % of the formal one, else 3.
+    proven = abs(order - formal_order) <= CLOSE_TO_FORMAL * formal_order
+    policy = MeshPolicy.to_limit(PROVEN if proven else UNPROVEN)
+    uncertainty = float(mesh_half_widths([np.abs(extrapolated - values[-1])], policy))
+    return Convergence(values, orders, order, extrapolated, uncertainty)
+
+
+def richardson_limits(
+    sizes: Array, values: Array, formal_order: float, round_off: float = 1e-12
+) -> tuple[Array, Array]:
+    """Richardson's limits (n) of `values` (m×n), and their uncertainties, as those of the finest.
+
+    Intervals about the limits, as wide, hold the finest values too. NaN where no order is shown.
+    Arguments and errors as of `analyse`.
+    """
+    studies = [analyse(sizes, column, formal_order, round_off) for column in values.T]
+    limits, uncertainties = (
+        np.array([getattr(one, name) for one in studies], dtype=float)
+        for name in ("extrapolated", "uncertainty")
+    )
+    return limits, uncertainties
+
+
+def uncertainty_of(convergence: Convergence) -> float:
+    """Numerical uncertainty of the finest value, in its unit.
+
+    GCI where the study is asymptotic; where it is not, three times the spread of the last three
+    grids, the safety factor of unproven convergence.
+    """
+    if convergence.uncertainty is not None:
+        return convergence.uncertainty
+    spread = np.ptp(convergence.values[-3:])
+    return float(mesh_half_widths([np.asarray(spread)], MeshPolicy.to_limit()))
+
+
+def uncertainty_of_known_orders(sizes: Array, values: Array, orders: tuple[float, ...]) -> float:
+    """Numerical uncertainty of the finest value where all orders are known, in its unit.
+
+    f = f∞ + Σ Cᵢ h^pᵢ by least squares, weights 1/h, on one grid more than there are unknowns at
+    least: 1.25 times what is left of the finest value, ASME's factor of proven convergence, and the
+    largest deviation from the fit. Raises ValueError for fewer grids.
+    """
+    if len(values) < len(orders) + 2:
+        raise ValueError(f"{len(orders)} orders need {len(orders) + 2} grids, not {len(values)}")
+    fitted, deviations = _fitted(sizes, values, orders)
+    proven = mesh_half_widths([np.abs(fitted[0] - values[-1])], MeshPolicy.to_limit(PROVEN))
+    return float(proven) + float(np.max(np.abs(deviations)))
+
+
+def _plateau(sizes: Array, values: Array, round_off: float) -> Convergence:
+    level = round_off * abs(values[-1])
+    scatter = float(np.ptp(values[-2:]))
+    above = int(np.sum(np.abs(np.diff(values)) > level)) + 1
+    orders = pairwise_orders(sizes[:above], values[:above])
+    order = None
+    if above >= 4 and not _refusal("monotone", orders):
+        tail = _asymptotic_tail(orders)
+        order = fit_order(sizes[tail:above], values[tail:above])
+    return Convergence(values, orders, order, float(values[-1]), max(level, scatter))
+
+
+def _refusal(behaviour: Behaviour, orders: Array) -> str:
+    if behaviour != "monotone":
+        return f"no uncertainty can be stated: the values are {behaviour}"
+    last, before = orders[-1], orders[-2]
+    if not (isfinite(last) and isfinite(before)):
+        return "no uncertainty can be stated: no order fits the finest four grids"
+    if abs(last - before) > SETTLED * last:
+        return (
+            "no uncertainty can be stated: outside the asymptotic range, the observed order "
+            f"still moves from {before:.2f} to {last:.2f}"
+        )
+    return ""
+
+
+def _asymptotic_tail(orders: Array) -> int:
+    """Index of the coarsest grid from which all pairwise orders are settled."""
+    tail = len(orders) - 2
+    while tail > 0 and abs(orders[tail - 1] - orders[-1]) <= SETTLED * orders[-1]:
+        tail -= 1
+    return tail
