@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from errno import ENOSPC
 from pathlib import Path
 
 import numpy as np
@@ -167,8 +168,27 @@ def test_missing_petsc_names_packages(monkeypatch, interpreter, reason):
     with pytest.raises(InputError) as refused:
         analyse(CHAIN)
     assert len(refused.value.faults) == 1
-    for words in ("solver petsc: ", reason, "install the Debian packages python3-petsc4py and mpi"):
+    for words in ("solver petsc: ", reason, "install the Debian packages python3-petsc4py, mpi-"):
         assert words in str(refused.value)
+
+
+def test_full_temporary_folder_is_one_line(ranks, monkeypatch, tmp_path):
+    assert ranks
+    symbolic = analyse(CHAIN)
+
+    def full(*_, **__):
+        raise OSError(ENOSPC, os.strerror(ENOSPC))
+
+    with monkeypatch.context() as patched:
+        patched.setattr("numpy.save", full)
+        message = r"^leg 2: PETSc on .*flexproof-petsc-\w+: No space left on device$"
+        with pytest.raises(ComputationError, match=message):
+            symbolic.factorise("leg 2")
+        assert_nothing_left(tmp_path)
+        patched.setattr("tempfile.mkdtemp", full)
+        client._kept.cache_clear()
+        with pytest.raises(InputError, match=r"solver petsc: .* No space left on device; install"):
+            analyse(CHAIN)
 
 
 def test_missing_mpiexec_names_its_package(monkeypatch):

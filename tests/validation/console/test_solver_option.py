@@ -62,8 +62,8 @@ def test_petsc_that_is_missing_is_refused(command, monkeypatch):
     monkeypatch.setenv("FLEXPROOF_PETSC_PYTHON", "/nowhere/python")
     assert command.refused(*SOLVE, "--solver", "petsc") == (
         "flexproof: solver petsc: /nowhere/python does not exist; install the Debian packages "
-        "python3-petsc4py and mpi-default-bin, or set FLEXPROOF_PETSC_PYTHON to a Python with "
-        "petsc4py and MUMPS"
+        "python3-petsc4py, mpi-default-bin and libopenblas0-serial, or set FLEXPROOF_PETSC_PYTHON "
+        "to a Python with petsc4py and MUMPS"
     )
 
 

@@ -36,8 +36,10 @@ from lumped.errors import ComputationError, InputError
 from lumped.solver_request import PYTHON_VARIABLE, petsc_python, requested_ranks
 from lumped.text import counted
 
-# Environment of the server. One thread for each rank, unbuffered output of Fortran, and for Open
-# MPI: any number of ranks on any number of cores, which wait without computing, also for root.
+# The reference BLAS of Debian takes three times as long as OpenBLAS.
+PACKAGES = "python3-petsc4py, mpi-default-bin and libopenblas0-serial"
+# Environment of the server. One thread for each rank. For Open MPI 4 and 5: any number of ranks on
+# any number of cores, which give way while they wait, also for root.
 _ENVIRONMENT: Mapping[str, str] = {
     "OMP_NUM_THREADS": "1",
     "OPENBLAS_NUM_THREADS": "1",
@@ -47,6 +49,9 @@ _ENVIRONMENT: Mapping[str, str] = {
     "OMPI_MCA_hwloc_base_binding_policy": "none",
     "OMPI_MCA_mpi_yield_when_idle": "1",
     "OMPI_MCA_btl_vader_single_copy_mechanism": "none",
+    "PRTE_ALLOW_RUN_AS_ROOT": "1",
+    "PRTE_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+    "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe",
 }
 # Right-hand sides solved together.
 _COLUMNS_AT_ONCE = 64
@@ -72,19 +77,36 @@ class Server:
         self._discarded: deque[int] = deque()
         self._what = f"PETSc on {counted(ranks, 'rank')}"
         self._folder = Path(tempfile.mkdtemp(prefix="flexproof-petsc-"))
-        pipes = []
-        for rank in range(ranks):
-            os.mkfifo(self._folder / f"commands-{rank}", 0o600)
-            # Opened for both, so that opening does not wait for the server.
-            pipes.append(os.open(self._folder / f"commands-{rank}", os.O_RDWR | os.O_CLOEXEC))
+        pipes: list[int] = []
+        try:
+            for rank in range(ranks):
+                pipe = self._folder / f"commands-{rank}"
+                os.mkfifo(pipe, 0o600)
+                # Opened for both, so that opening does not wait for the server.
+                pipes.append(os.open(pipe, os.O_RDWR))
+            self._keeper = self._started(interpreter, ranks, mpiexec)
+        except BaseException:
+            for descriptor in pipes:
+                os.close(descriptor)
+            shutil.rmtree(self._folder, ignore_errors=True)
+            raise
         self._pipes = tuple(pipes)
+        self.end = finalize(self, _end, self._keeper, self._pipes, self._folder)
+        try:
+            self.about = self._answer(_PATIENCE_AT_START)
+        except BaseException:
+            self.end()
+            raise
+
+    def _started(self, interpreter: str, ranks: int, mpiexec: str) -> "subprocess.Popen[bytes]":
+        """The keeper, which starts the server."""
         here = Path(__file__).parent
         command = [interpreter, "-I", str(here / "server.py"), str(self._folder)]
         if ranks > 1:
             command = [mpiexec, "-n", str(ranks), *command]
         keeper = [sys.executable, "-I", str(here / "keeper.py"), str(self._folder), *command]
         with (self._folder / "log").open("wb") as log:
-            self._keeper = subprocess.Popen(  # noqa: S603  this interpreter
+            return subprocess.Popen(  # noqa: S603  this interpreter
                 keeper,
                 env={
                     **os.environ,
@@ -98,12 +120,6 @@ class Server:
                 bufsize=0,
                 start_new_session=True,
             )
-        self.end = finalize(self, _end, self._keeper, self._pipes, self._folder)
-        try:
-            self.about = self._answer(_PATIENCE_AT_START)
-        except BaseException:
-            self.end()
-            raise
 
     @property
     def alive(self) -> bool:
@@ -169,7 +185,8 @@ class Server:
                 yield
             except OSError as error:
                 self.end()
-                raise ComputationError(f"{self._what}: {self._folder}: {error.strerror}") from error
+                reason = f"{self._what}: {self._folder}: {error.strerror}"
+                raise ComputationError(reason, part) from error
 
     def _store(self, name: str, array: Any) -> None:
         """Write an array to a file of the folder."""
@@ -253,7 +270,7 @@ def _started(interpreter: str, ranks: int) -> Server:
     else:
         try:
             server = Server(interpreter, ranks, mpiexec)
-        except ComputationError as error:
+        except (ComputationError, OSError) as error:
             reason = str(error)
         else:
             if "missing" not in server.about:
@@ -261,8 +278,8 @@ def _started(interpreter: str, ranks: int) -> Server:
             server.end()
             reason = f"{interpreter}: {server.about['missing']}"
     raise MissingPetscError(
-        f"solver petsc: {reason}; install the Debian packages python3-petsc4py and "
-        f"mpi-default-bin, or set {PYTHON_VARIABLE} to a Python with petsc4py and MUMPS"
+        f"solver petsc: {reason}; install the Debian packages {PACKAGES}, or set "
+        f"{PYTHON_VARIABLE} to a Python with petsc4py and MUMPS"
     )
 
 

@@ -1,0 +1,111 @@
+"""Seconds and memory of solid legs by MUMPS through PETSc, beside rslab and SuperLU, as one table.
+
+    python tests/benchmarks/mumps.py [--meshes FOLDER] [ROW ...]
+
+Each row is a process of its own. A mesh is read from FOLDER if it is there, otherwise made by gmsh
+and kept there.
+"""
+
+# ruff: noqa: T201, E402  a script that prints its figures
+
+import argparse
+import os
+import resource
+import subprocess
+import sys
+from pathlib import Path
+from time import perf_counter
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(ROOT), str(Path(__file__).parent)]
+
+import numpy as np
+from graphics_card import LEGS, leg_of, mesh_of
+
+from fem.bodies.solid import clamped_leg, solid_leg
+from fem.solvers.backends import rslab, superlu
+from fem.solvers.backends.petsc import client
+from fem.solvers.certificate import count_below, pencil
+from lumped.solver_request import RANKS_VARIABLE, VARIABLE
+
+MODES = 20
+SIZES = ("9k", "18k", "46k", "134k")
+LEGS["46k"] = (0.85, 0.16, 0.26, 6)
+SOLVERS = ("rslab 1", "rslab 2", "petsc 1", "petsc 2")
+ROWS = [*(f"{size} {solver}" for size in SIZES[2:] for solver in SOLVERS), "18k superlu 1"]
+HEADINGS = ("row", "unknowns", "order", "factor", "count", "8 columns", "20 modes", "GB", "load")
+
+
+def peak(process: int) -> float:
+    """Largest memory (GB) that a process has had."""
+    status = Path(f"/proc/{process}/status").read_text(encoding="ascii")
+    fields = dict(line.split(":", 1) for line in status.splitlines())
+    return 1e-6 * int(fields["VmHWM"].split()[0])
+
+
+def descendants(process: int) -> list[int]:
+    """Processes that a process has started, and theirs."""
+    children = Path(f"/proc/{process}/task/{process}/children").read_text(encoding="ascii").split()
+    return [one for child in map(int, children) for one in (child, *descendants(child))]
+
+
+def row(name: str, meshes: Path) -> str:
+    """A line of the table."""
+    size, solver, _ = name.split()
+    load = os.getloadavg()[0]
+    solid = solid_leg(leg_of(size), mesh_of(size, meshes))
+    held = np.add.outer(3 * solid.mesh.root.nodes, range(3)).ravel()
+    free = np.setdiff1d(np.arange(solid.stiffness.shape[0]), held)
+    K, M = solid.stiffness[free][:, free], solid.mass[free][:, free]
+    if solver == "petsc":
+        client.server()
+    times = [perf_counter()]
+    both = pencil(K, M)
+    times.append(perf_counter())
+    factor = both.symbolic.factorise()
+    times.append(perf_counter())
+    inertia = count_below(both, (2.0 * np.pi * 1000.0) ** 2)
+    times.append(perf_counter())
+    again = both.symbolic.factorise() if solver == "petsc" else factor
+    block = np.random.default_rng(1).standard_normal((len(free), 8))
+    again.solve(block)
+    begun = perf_counter()
+    again.solve(block)
+    seconds = [*np.diff(times), perf_counter() - begun]
+    del factor, again, both
+    memory = [peak(one) for one in descendants(os.getpid())] if solver == "petsc" else [0.0]
+    own = 1e-6 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    body = clamped_leg(solid)
+    begun = perf_counter()
+    modes = body.modes(MODES)
+    seconds.append(perf_counter() - begun)
+    figures = "  ".join(f"{one:9.3f}" for one in (*seconds, max(own, *memory), load))
+    return f"{name:15} {len(free):8} {figures}  {inertia.negative} {modes.frequencies[[0, -1]]}"
+
+
+def main() -> None:
+    """Measure rows."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("rows", nargs="*")
+    parser.add_argument("--meshes", type=Path, default=ROOT / "build" / "meshes")
+    parser.add_argument("--here", action="store_true", help=argparse.SUPPRESS)
+    options = parser.parse_args()
+    if options.here:
+        if os.environ[VARIABLE] == "auto":
+            rslab.load_error = lambda: "not wanted"
+            superlu.LARGEST = 10**6
+        print(row(options.rows[0], options.meshes), flush=True)
+        return
+    print("  ".join(HEADINGS))
+    for name in options.rows or ROWS:
+        _, solver, ranks = name.split()
+        request = {"superlu": "auto"}.get(solver, solver)
+        threads = ranks if solver == "rslab" else "1"
+        environment = {VARIABLE: request, RANKS_VARIABLE: ranks, "OMP_NUM_THREADS": threads}
+        environment["OPENBLAS_NUM_THREADS"] = "1"
+        command = [sys.executable, __file__, "--here", "--meshes", str(options.meshes), name]
+        subprocess.run(command, env=os.environ | environment, check=False)
+
+
+if __name__ == "__main__":
+    main()
