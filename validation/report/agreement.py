@@ -10,7 +10,7 @@ from validation.report.words import capital, listed, pose_text
 from validation.run.outcome import Outcome, Verdict
 from validation.verdicts import Coordinate
 
-# Of verdicts on comparisons, wherever the page shows one.
+# Marks of the verdicts on comparisons.
 MARKS: Mapping[Verdict, str] = {
     "agree": "✓",
     "disagree": "✗",
@@ -18,8 +18,8 @@ MARKS: Mapping[Verdict, str] = {
     "failed": "!",
     "skipped": "–",
 }
-# Shares of a value below this are not shown among the explained ones.
-_NOTHING = 5e-5
+# Smaller shares of a value read as 0.00 % and are not listed as explained.
+_SMALLEST_SHARE = 5e-5
 MODELS: Mapping[str, str] = {
     "vjm": "VJM",
     "links": "Links",
@@ -56,10 +56,10 @@ class AgreementTable:
     """A leg or the robot: a row for each formulation with a cell per quantity, None without one.
 
     `subject` names the leg, or the robot and its pose. `solid` are the values of the solid with
-    their units. Quantities without any value are left out. `causes` are rows of the amounts that
-    are allowed for, by cause, "" where none is; `explanations` have the same amounts in words, by
-    quantity. `missing` name the comparisons that were skipped or failed, with the reason. `judged`:
-    False if the differences are shown without verdicts, with `notes` below them.
+    their units. Quantities without any value have no column. `causes` are rows of the allowances by
+    cause, "" for a quantity without one; `explanations` are the same amounts in words, by quantity.
+    `missing` lists the comparisons that were skipped or failed, with the reason. `judged`: False if
+    the differences are shown without verdicts, with `notes` below them.
     """
 
     subject: str
@@ -74,7 +74,7 @@ class AgreementTable:
 
     @property
     def compared(self) -> bool:
-        """Whether any formulation was compared: otherwise only the reasons are shown."""
+        """True if any formulation was compared; otherwise only the reasons are shown."""
         return bool(self.quantities)
 
 
@@ -85,13 +85,16 @@ def agreement_tables(
 
     `coordinates` of the poses name the robot's pose; without them its table is headed "robot".
     """
-    found = [one for one in outcomes if one.case.kind == "agreement"]
+    comparisons = [outcome for outcome in outcomes if outcome.case.kind == "agreement"]
     by_body = {
-        body: [one for one in found if one.case.body == body]
-        for body in dict.fromkeys(one.case.body for one in found)
+        body: [outcome for outcome in comparisons if outcome.case.body == body]
+        for body in dict.fromkeys(outcome.case.body for outcome in comparisons)
     }
-    judged = [_table(body or _robot(of, coordinates), of) for body, of in by_body.items()]
-    return (*judged, *(_part_table(one) for one in outcomes if _shown(one)))
+    judged = [
+        _table(body or _robot_at_pose(members, coordinates), members)
+        for body, members in by_body.items()
+    ]
+    return (*judged, *(_part_table(outcome) for outcome in outcomes if _unjudged_values(outcome)))
 
 
 def agreement_sentence(outcomes: Sequence[Outcome]) -> str:
@@ -110,25 +113,25 @@ def agreement_statement(outcomes: Sequence[Outcome]) -> str:
 
 def agreement_reservations(outcomes: Sequence[Outcome]) -> str:
     """Amounts allowed for by cause, and comparisons that were skipped; "" without any."""
-    found = [one for one in outcomes if one.case.kind == "agreement"]
-    if all(one.verdict not in {"agree", "disagree"} for one in found):
+    comparisons = [outcome for outcome in outcomes if outcome.case.kind == "agreement"]
+    if all(outcome.verdict not in {"agree", "disagree"} for outcome in comparisons):
         return ""
-    agreeing = [one for one in found if one.verdict == "agree"]
-    return " ".join(filter(None, (_allowed_for(agreeing), _gaps(found))))
+    agreeing = [outcome for outcome in comparisons if outcome.verdict == "agree"]
+    return " ".join(filter(None, (_allowances_sentence(agreeing), _missing_sentence(comparisons))))
 
 
 def _parts_sentence(outcomes: Sequence[Outcome]) -> str:
     """Largest differences of stepped and condensed CAD parts from their solids."""
-    shown = [one for outcome in outcomes for one in _shown(outcome)]
+    values = [value for outcome in outcomes for value in _unjudged_values(outcome)]
     forms = {
-        "stepped beams": [one for one in shown if one.elements],
-        "condensed parts": [one for one in shown if not one.elements],
+        "stepped beams": [value for value in values if value.elements],
+        "condensed parts": [value for value in values if not value.elements],
     }
     texts = [
-        f"{form} up to {_largest(of, frequencies=False)} in compliances and "
-        f"{_largest(of, frequencies=True)} in f1 to f4 with a free end"
-        for form, of in forms.items()
-        if of
+        f"{form} up to {_largest(members, frequencies=False)} in compliances and "
+        f"{_largest(members, frequencies=True)} in f1 to f4 with a free end"
+        for form, members in forms.items()
+        if members
     ]
     if not texts:
         return ""
@@ -139,16 +142,16 @@ def _parts_sentence(outcomes: Sequence[Outcome]) -> str:
 
 
 def _largest(values: Iterable[UnjudgedValue], *, frequencies: bool) -> str:
-    shares = [abs(one.share) for one in values if (one.unit == "Hz") is frequencies]
+    shares = [abs(value.share) for value in values if (value.unit == "Hz") is frequencies]
     return _unsigned(max(shares))
 
 
 def _judged_sentence(outcomes: Sequence[Outcome]) -> str:
-    found = [one for one in outcomes if one.case.kind == "agreement"]
-    if not found:
+    comparisons = [outcome for outcome in outcomes if outcome.case.kind == "agreement"]
+    if not comparisons:
         return ""
     counts = {
-        verdict: sum(one.verdict == verdict for one in found)
+        verdict: sum(outcome.verdict == verdict for outcome in comparisons)
         for verdict in ("agree", "disagree", "undecided", "failed")
     }
     unsettled = ", ".join(
@@ -156,17 +159,17 @@ def _judged_sentence(outcomes: Sequence[Outcome]) -> str:
     )
     if not counts["agree"] + counts["disagree"]:
         reason = f"; of the comparisons {unsettled}" if unsettled else ""
-        if not unsettled and any(map(_shown, outcomes)):
+        if not unsettled and any(map(_unjudged_values, outcomes)):
             return ""
         return f"No formulation could be compared with solids of the same legs{reason}."
     rest = f"; of the other comparisons {unsettled}" if unsettled else ""
-    agreeing = [one for one in found if one.verdict == "agree"]
-    decided = [one for one in found if one.verdict in {"agree", "disagree"}]
+    agreeing = [outcome for outcome in comparisons if outcome.verdict == "agree"]
+    decided = [outcome for outcome in comparisons if outcome.verdict in {"agree", "disagree"}]
     if counts["disagree"]:
-        others = f"; the others agree {_within(agreeing)}" if agreeing else ""
+        remaining = f"; the others agree {_bound_text(agreeing)}" if agreeing else ""
         return (
             f"{counts['disagree']} of {len(decided)} comparisons of {_models(decided)} with solid "
-            f"FE of the same legs disagree{others}{rest}."
+            f"FE of the same legs disagree{remaining}{rest}."
         )
     return f"{_agreement(agreeing)}{rest}."
 
@@ -174,45 +177,47 @@ def _judged_sentence(outcomes: Sequence[Outcome]) -> str:
 def _agreement(agreeing: Sequence[Outcome]) -> str:
     """Models that agree with the solid, and the largest differences in statics and dynamics."""
     kinds = {
-        "compliances": [one for one in agreeing if one.case.unit != "Hz"],
-        "frequencies": [one for one in agreeing if one.case.unit == "Hz"],
+        "compliances": [outcome for outcome in agreeing if outcome.case.unit != "Hz"],
+        "frequencies": [outcome for outcome in agreeing if outcome.case.unit == "Hz"],
     }
-    (models, within), *others = [
-        (_models(of), f"{_within(of)} in {kind}") for kind, of in kinds.items() if of
+    (models, within), *further = [
+        (_models(members), f"{_bound_text(members)} in {kind}")
+        for kind, members in kinds.items()
+        if members
     ]
     first = f"{capital(models)} agree with solid FE of the same legs {within}"
-    return ", ".join([first, *(" ".join(other) for other in others)])
+    return ", ".join([first, *(" ".join(other) for other in further)])
 
 
 def _models(outcomes: Sequence[Outcome]) -> str:
-    compared = {one.case.model for one in outcomes}
+    compared = {outcome.case.model for outcome in outcomes}
     return listed([name for model, name in _IN_TEXT.items() if model in compared])
 
 
-def _within(agreeing: Sequence[Outcome]) -> str:
+def _bound_text(agreeing: Sequence[Outcome]) -> str:
     """The bound of all unexplained differences: "within 0.36 % (f3 of leg1: 0.19 % ± 0.17 %)".
 
     It is the largest sum of an unexplained difference and its half-width. A half-width that would
-    read as zero is left out of the brackets, a bound that would read as zero is rounded up.
+    read as zero is omitted in the brackets, a bound that would read as zero is rounded up.
     """
     worst, parts = _largest_part(agreeing, lambda parts: abs(parts.unexplained) + parts.half_width)
     difference, bound = abs(parts.unexplained), abs(parts.unexplained) + parts.half_width
-    if bound < _NOTHING:
-        return f"within {_unsigned(2.0 * _NOTHING)}"
+    if bound < _SMALLEST_SHARE:
+        return f"within {_unsigned(2.0 * _SMALLEST_SHARE)}"
     spread = _spread(parts.half_width)
     split = f": {_unsigned(difference)} {spread}" if spread else ""
-    return f"within {_unsigned(bound)} ({_place(worst)}{split})"
+    return f"within {_unsigned(bound)} ({_quantity_text(worst)}{split})"
 
 
 def _largest_part(
     outcomes: Iterable[Outcome], part: Callable[[AgreementRow], float]
 ) -> tuple[Outcome, AgreementRow]:
-    """The comparison in which `part` is the largest."""
-    compared = [(one, parts) for one in outcomes if (parts := difference_parts(one))]
+    """The comparison with the largest `part`, and its parts."""
+    compared = [(outcome, parts) for outcome in outcomes if (parts := difference_parts(outcome))]
     return max(compared, key=lambda pair: part(pair[1]))
 
 
-def _allowed_for(agreeing: Sequence[Outcome]) -> str:
+def _allowances_sentence(agreeing: Sequence[Outcome]) -> str:
     """Largest whole difference, and named causes with their largest amounts; "" without causes.
 
     "Whole differences reach 21.27 % (φx of leg2). Explained by held end faces (up to 21.25 % …)."
@@ -221,7 +226,7 @@ def _allowed_for(agreeing: Sequence[Outcome]) -> str:
     for outcome in agreeing:
         for cause, share in _shares(outcome).items():
             largest = amounts.get(cause, (0.0, ""))
-            amounts[cause] = max(largest, (abs(share), _place(outcome)))
+            amounts[cause] = max(largest, (abs(share), _quantity_text(outcome)))
     if not amounts:
         return ""
     worst, parts = _largest_part(agreeing, lambda parts: abs(parts.difference))
@@ -229,70 +234,80 @@ def _allowed_for(agreeing: Sequence[Outcome]) -> str:
     texts = [
         f"{cause} (up to {_unsigned(amounts[cause][0])} in {amounts[cause][1]})" for cause in causes
     ]
-    whole = f"{_unsigned(abs(parts.difference))} ({_place(worst)})"
-    return f"Whole differences reach {whole}. Explained by {listed(texts)}."
+    largest_difference = f"{_unsigned(abs(parts.difference))} ({_quantity_text(worst)})"
+    return f"Whole differences reach {largest_difference}. Explained by {listed(texts)}."
 
 
-def _gaps(found: Sequence[Outcome]) -> str:
+def _missing_sentence(comparisons: Sequence[Outcome]) -> str:
     """Skipped comparisons: "Not compared: f1, f2 of arm1 and rod1l; VJM of the robot.".
 
     Quantities in which no formulation of a subject is compared, then formulations.
     """
     quantities: dict[tuple[str, ...], list[str]] = {}
     models: dict[tuple[str, ...], list[str]] = {}
-    for body in dict.fromkeys(one.case.body for one in found):
-        own = [one for one in found if one.case.body == body]
-        compared = [one for one in own if one.verdict != "skipped"]
-        labels = {one.case.label for one in compared}
-        missing = dict.fromkeys(one.case.label for one in own if one.case.label not in labels)
+    for body in dict.fromkeys(outcome.case.body for outcome in comparisons):
+        members = [outcome for outcome in comparisons if outcome.case.body == body]
+        compared = [outcome for outcome in members if outcome.verdict != "skipped"]
+        labels = {outcome.case.label for outcome in compared}
+        missing = dict.fromkeys(
+            outcome.case.label for outcome in members if outcome.case.label not in labels
+        )
         if missing:
             quantities.setdefault(tuple(missing), []).append(body or "the robot")
-        present = {one.case.model for one in compared}
+        present = {outcome.case.model for outcome in compared}
         absent = dict.fromkeys(
-            _IN_TEXT[one.case.model] for one in own if one.case.model not in present
+            _IN_TEXT[outcome.case.model] for outcome in members if outcome.case.model not in present
         )
         if absent and compared:
             models.setdefault(tuple(absent), []).append(body or "the robot")
     gaps = [
-        f"{listed(names)} of {listed(of)}" for names, of in (*quantities.items(), *models.items())
+        f"{listed(names)} of {listed(subjects)}"
+        for names, subjects in (*quantities.items(), *models.items())
     ]
     return f"Not compared: {'; '.join(gaps)}." if gaps else ""
 
 
-def _place(outcome: Outcome) -> str:
+def _quantity_text(outcome: Outcome) -> str:
     return f"{outcome.case.label} of {outcome.case.body or 'the robot'}"
 
 
 def convergence_sentence(outcomes: Sequence[Outcome]) -> str:
     """Largest error of segments and beams with the stated element count; "" if not computed."""
-    stated = [one for one in outcomes if one.case.kind == "convergence" and one.case.elements]
-    errors = [one.measurement.value for one in stated if one.measurement]
+    stated = [
+        outcome
+        for outcome in outcomes
+        if outcome.case.kind == "convergence" and outcome.case.elements
+    ]
+    errors = [outcome.measurement.value for outcome in stated if outcome.measurement]
     if not errors:
         return ""
     return f"{stated[0].case.elements} elements: at most {percent(max(errors), signed=False)}."
 
 
-def _robot(outcomes: Sequence[Outcome], coordinates: Sequence[Coordinate]) -> str:
+def _robot_at_pose(outcomes: Sequence[Outcome], coordinates: Sequence[Coordinate]) -> str:
     """The robot and the pose of its comparisons: "robot at x = 0.4975 m"."""
-    poses = {one.measurement.pose for one in outcomes if one.measurement}
+    poses = {outcome.measurement.pose for outcome in outcomes if outcome.measurement}
     pose = next(iter(poses), ())
-    known = pose and len(pose) == len(coordinates)
-    return f"robot at {pose_text(coordinates, pose)}" if known else "robot"
+    complete = pose and len(pose) == len(coordinates)
+    return f"robot at {pose_text(coordinates, pose)}" if complete else "robot"
 
 
 def _table(subject: str, outcomes: Sequence[Outcome]) -> AgreementTable:
-    compared = [one for one in outcomes if one.measurement is not None]
+    compared = [outcome for outcome in outcomes if outcome.measurement is not None]
     quantities = tuple(
         label
-        for label in dict.fromkeys(one.case.label for one in outcomes)
-        if any(one.case.label == label for one in compared)
+        for label in dict.fromkeys(outcome.case.label for outcome in outcomes)
+        if any(outcome.case.label == label for outcome in compared)
     )
-    models = {one.case.model: _row_name(one.case.model, one.case.elements) for one in outcomes}
-    by_place = {(one.case.model, one.case.label): one for one in outcomes}
+    models = {
+        outcome.case.model: _row_name(outcome.case.model, outcome.case.elements)
+        for outcome in outcomes
+    }
+    by_place = {(outcome.case.model, outcome.case.label): outcome for outcome in outcomes}
     rows = []
     for model, name in models.items():
         cells = [by_place.get((model, quantity)) for quantity in quantities]
-        rows.append((name, tuple(_cell(one) if one else None for one in cells)))
+        rows.append((name, tuple(_cell(outcome) if outcome else None for outcome in cells)))
     solid = tuple(_solid(quantity, outcomes) for quantity in quantities)
     return AgreementTable(
         subject,
@@ -301,7 +316,7 @@ def _table(subject: str, outcomes: Sequence[Outcome]) -> AgreementTable:
         tuple(rows),
         _cause_rows(outcomes, quantities),
         _explanations(outcomes),
-        _missing(outcomes),
+        _missing_reasons(outcomes),
     )
 
 
@@ -310,20 +325,20 @@ def _row_name(model: str, elements: int) -> str:
     return f"{MODELS[model]} ({elements})" if elements else MODELS[model]
 
 
-def _shown(outcome: Outcome) -> tuple[UnjudgedValue, ...]:
+def _unjudged_values(outcome: Outcome) -> tuple[UnjudgedValue, ...]:
     return outcome.measurement.shown if outcome.measurement else ()
 
 
 def _part_table(outcome: Outcome) -> AgreementTable:
     """Stepped and condensed forms of a CAD part beside its solid, without verdicts."""
-    shown = _shown(outcome)
-    quantities = {one.label: _value(one.reference, one.unit) for one in shown}
+    values = _unjudged_values(outcome)
+    quantities = {value.label: _value(value.reference, value.unit) for value in values}
     rows: dict[str, tuple[AgreementCell, ...]] = {}
-    for one in shown:
-        half_width = abs((one.half_width or 0.0) / one.reference)
+    for value in values:
+        half_width = abs((value.half_width or 0.0) / value.reference)
         spread = _spread(half_width)
-        cell = AgreementCell(_percent(one.share), "", spread, "", None, outcome.case.id)
-        name = _row_name(one.model, one.elements)
+        cell = AgreementCell(_percent(value.share), "", spread, "", None, outcome.case.id)
+        name = _row_name(value.model, value.elements)
         rows[name] = (*rows.get(name, ()), cell)
     return AgreementTable(
         outcome.case.body,
@@ -340,9 +355,9 @@ def _part_table(outcome: Outcome) -> AgreementTable:
 
 def _solid(quantity: str, outcomes: Sequence[Outcome]) -> str:
     """Compliance (SI with a prefix) or frequency (Hz) of the solid."""
-    for one in outcomes:
-        if one.case.label == quantity and one.measurement is not None:
-            return _value(one.measurement.reference, one.case.unit)
+    for outcome in outcomes:
+        if outcome.case.label == quantity and outcome.measurement is not None:
+            return _value(outcome.measurement.reference, outcome.case.unit)
     return ""
 
 
@@ -355,7 +370,7 @@ def _value(reference: float, unit: str) -> str:
 
 def _spread(half_width: float) -> str:
     """Relative half-width, "" if it would read as zero."""
-    return f"± {_unsigned(half_width)}" if half_width >= _NOTHING else ""
+    return f"± {_unsigned(half_width)}" if half_width >= _SMALLEST_SHARE else ""
 
 
 def _cell(outcome: Outcome) -> AgreementCell:
@@ -373,21 +388,21 @@ def _cell(outcome: Outcome) -> AgreementCell:
 
 
 def _shares(outcome: Outcome) -> dict[str, float]:
-    """Relative amounts of the named differences that count, by cause."""
+    """Relative amounts of the named differences by cause, without those that read as zero."""
     parts = difference_parts(outcome)
     causes = parts.causes if parts else {}
-    return {cause: share for cause, share in causes.items() if abs(share) >= _NOTHING}
+    return {cause: share for cause, share in causes.items() if abs(share) >= _SMALLEST_SHARE}
 
 
-def _explained(outcome: Outcome) -> str:
-    """Amounts of the named differences that count: "held end faces +1.46 %"."""
+def _causes_text(outcome: Outcome) -> str:
+    """Amounts of the named differences in words: "held end faces +1.46 %"."""
     return ", ".join(f"{cause} {_percent(share)}" for cause, share in _shares(outcome).items())
 
 
 def _cause_rows(
     outcomes: Sequence[Outcome], quantities: Sequence[str]
 ) -> tuple[tuple[str, tuple[str, ...]], ...]:
-    """Amounts by cause and quantity; several if they differ between formulations."""
+    """Amounts by cause and quantity, all of them if they differ between formulations."""
     amounts: dict[str, dict[str, dict[str, None]]] = {}
     for outcome in outcomes:
         for cause, share in _shares(outcome).items():
@@ -400,25 +415,27 @@ def _cause_rows(
 
 
 def _explanations(outcomes: Sequence[Outcome]) -> tuple[str, ...]:
-    """A line for each set of quantities that the same named differences explain."""
-    return _by_text((_explained(one), one) for one in outcomes)
+    """A line for each set of quantities explained by the same named differences."""
+    return _quantities_by_text((_causes_text(outcome), outcome) for outcome in outcomes)
 
 
-def _missing(outcomes: Sequence[Outcome]) -> tuple[str, ...]:
-    """A line for each reason why quantities are not compared."""
-    return _by_text((one.message, one) for one in outcomes if one.measurement is None)
+def _missing_reasons(outcomes: Sequence[Outcome]) -> tuple[str, ...]:
+    """A line for each reason for missing comparisons, with its quantities."""
+    return _quantities_by_text(
+        (outcome.message, outcome) for outcome in outcomes if outcome.measurement is None
+    )
 
 
-def _by_text(pairs: Iterable[tuple[str, Outcome]]) -> tuple[str, ...]:
+def _quantities_by_text(pairs: Iterable[tuple[str, Outcome]]) -> tuple[str, ...]:
     quantities: dict[str, dict[str, None]] = {}
-    for text, one in pairs:
+    for text, outcome in pairs:
         if text:
-            quantities.setdefault(text, {})[one.case.label] = None
+            quantities.setdefault(text, {})[outcome.case.label] = None
     return tuple(f"{', '.join(names)}: {text}" for text, names in quantities.items())
 
 
 def _percent(share: float) -> str:
-    """A share in percent with two decimals: smaller differences are none here."""
+    """A share in percent with its sign and two decimals; zero has no minus sign."""
     text = f"{100.0 * share:+.2f}".replace("-", "−")
     return f"{'0.00' if text[1:] == '0.00' else text}\N{NO-BREAK SPACE}%"
 

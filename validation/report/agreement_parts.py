@@ -11,8 +11,8 @@ from validation.run.outcome import Outcome, Verdict
 from validation.tables import Cell, ResultTable
 from validation.verdicts import COLUMN, Column, columns_of
 
-# Names of rotations as they are typed, by the labels of comparisons.
-_TYPED: Mapping[str, str] = {"φx": "phi_x", "φy": "phi_y", "φz": "phi_z"}
+# Names of rotations in typed input, by the labels of comparisons.
+_TYPED_NAMES: Mapping[str, str] = {"φx": "phi_x", "φy": "phi_y", "φz": "phi_z"}
 # Decimals of percentages: smaller parts are round-off.
 _DECIMALS = 6
 
@@ -32,7 +32,7 @@ class AgreementRow(msgspec.Struct, frozen=True, kw_only=True):
     # Name of the leg, "robot" for the whole robot.
     body: Annotated[str, COLUMN]
     model: Annotated[str, COLUMN]
-    # Quantity as it is typed: "phi_x".
+    # Quantity by its name in typed input: "phi_x".
     quantity: Annotated[str, COLUMN]
     unit: Annotated[str, COLUMN]
     # Numbers of the formulation and of the solid, in `unit`.
@@ -62,7 +62,7 @@ class AgreementRow(msgspec.Struct, frozen=True, kw_only=True):
 
 
 def difference_parts(outcome: Outcome) -> AgreementRow | None:
-    """Row of a comparison; None if it was skipped or failed."""
+    """Row of a comparison. None if it was skipped or failed."""
     measurement = outcome.measurement
     if measurement is None:
         return None
@@ -77,7 +77,7 @@ def difference_parts(outcome: Outcome) -> AgreementRow | None:
         unexplained=unexplained,
         half_width=(measurement.numerical_uncertainty or 0.0) / scale,
         tolerance=outcome.tolerance / scale,
-        causes={one.cause: one.amount / scale for one in measurement.allowances},
+        causes={allowance.cause: allowance.amount / scale for allowance in measurement.allowances},
     )
 
 
@@ -103,8 +103,8 @@ def agreement_rows(outcomes: Iterable[Outcome]) -> ResultTable:
         for outcome in outcomes
         if outcome.case.kind == "agreement"
     ]
-    shown = [
-        _shown(outcome.case.body, value)
+    unjudged = [
+        _unjudged_row(outcome.case.body, value)
         for outcome in outcomes
         if outcome.measurement is not None
         for value in outcome.measurement.shown
@@ -114,14 +114,14 @@ def agreement_rows(outcomes: Iterable[Outcome]) -> ResultTable:
         tuple(column.heading for column in columns.values()),
         tuple(
             tuple(_cell(getattr(row, name), column) for name, column in columns.items())
-            for row in (*judged, *shown)
+            for row in (*judged, *unjudged)
         ),
     )
 
 
 def quantity_name(label: str) -> str:
-    """The quantity as it is typed: "phi_x" for "φx"."""
-    return _TYPED.get(label, label)
+    """Name of a quantity in typed input: "phi_x" for "φx"."""
+    return _TYPED_NAMES.get(label, label)
 
 
 def percent(share: float) -> str:
@@ -129,7 +129,7 @@ def percent(share: float) -> str:
     return f"{100.0 * share:+.3g} %"
 
 
-def _shown(body: str, value: UnjudgedValue) -> AgreementRow:
+def _unjudged_row(body: str, value: UnjudgedValue) -> AgreementRow:
     return AgreementRow(
         body=body,
         model=value.model,

@@ -8,7 +8,7 @@ from validation.drawing.text import percent
 from validation.studies_and_figures import Figure
 
 _TARGET = "0.01"
-# Smaller errors are of no use to a reader.
+# Smaller errors are stated as below this bound.
 _SMALLEST = 1e-5
 
 
@@ -78,8 +78,8 @@ def _needed(label: str, studies: Sequence[Mapping[str, Any]]) -> str:
     ]
     if None in needed:
         return f"more than {max(computed)}"
-    most = max(needed)
-    return f"at most {most}" if most == min(computed) > 1 else str(most)
+    largest = max(needed)
+    return f"at most {largest}" if largest == min(computed) > 1 else str(largest)
 
 
 def _stated_error(label: str, study: Mapping[str, Any]) -> float | None:

@@ -24,12 +24,12 @@ from validation.verdicts import Entry, Matrix
 
 @dataclass(frozen=True)
 class FirstScreen:
-    """What the reader sees first: the sentence and what it supposes, the table, errors over poses.
+    """Top of the page: verdict with its assumptions, table of verdicts, errors over the poses.
 
-    Then `remedies`, and what decides the entries that are `undecided`, by entries; both of the
-    models that are folded by themselves. The uncertain `inputs` with the errors that they leave
-    most open; and `notes` on what was not said by the user. `parts` show the same of what stands
-    beside the matrix, each by its `name` under `heading`.
+    `remedies` and `undecided` (entries by reason) are those of the unfolded models, `other_…`
+    those of the folded ones. `inputs`: each uncertain input with the error on which it has the
+    largest effect. `notes`: assumptions where the robot file has no value. `parts`: the same for
+    further matrices (legs alone, formulations), each with a `name` under a `heading`.
     """
 
     sentence: str
@@ -51,66 +51,70 @@ class FirstScreen:
 def first_screen(
     matrix: Matrix, *, plotted: bool, measured: bool = False, rely: Sequence[str] = ()
 ) -> FirstScreen:
-    """The first screen of a matrix; `plotted`: whether the figure is to be drawn.
+    """First screen of a matrix.
 
-    `measured`: whether the references are measured values, at poses of their own. `rely`: the
-    models that the user relies on.
+    `plotted`: True to draw the figure. `measured`: True if the references are measured values, each
+    at its own pose. `rely`: models that the user relies on.
     """
 
     def errors() -> Figure | None:
-        shown = measured_curves(matrix) if measured else error_curves(matrix)
-        where = ("measured.values", "measured") if measured else ("adequacy.errors", "adequacy")
-        return drawn_figure(shown, where[0], shown.title, where[1]) if shown else None
+        chart = measured_curves(matrix) if measured else error_curves(matrix)
+        identity = ("measured.values", "measured") if measured else ("adequacy.errors", "adequacy")
+        return drawn_figure(chart, identity[0], chart.title, identity[1]) if chart else None
 
     table = table_of(matrix, [*rely] or [model for model, _ in models_to_use(matrix)])
     folded = [row.note.model for row in table.rows if row.folded]
-    shown = [row.note.model for row in table.rows if not row.folded]
+    unfolded = [row.note.model for row in table.rows if not row.folded]
     return FirstScreen(
         sentence=sentence(matrix, rely),
         supposed=supposition(matrix, rely),
         table=table,
         csv=csv_of_matrix(matrix),
         errors=attempted(errors) if plotted else None,
-        remedies=remedies_of(matrix, shown),
+        remedies=remedies_of(matrix, unfolded),
         other_remedies=remedies_of(matrix, folded),
         notes=matrix.notes,
-        undecided=_undecided(matrix, shown),
-        other_undecided=_undecided(matrix, folded),
-        inputs=_inputs(matrix, shown),
+        undecided=_undecided_reasons(matrix, unfolded),
+        other_undecided=_undecided_reasons(matrix, folded),
+        inputs=_input_texts(matrix, unfolded),
         name=matrix.robot,
         parts=tuple(
-            replace(first_screen(one, plotted=False), heading=_heading(matrix, one))
-            for one in matrix.beside
+            replace(first_screen(part, plotted=False), heading=_heading(matrix, part))
+            for part in matrix.beside
         ),
     )
 
 
-def _undecided(matrix: Matrix, models: Collection[str]) -> Mapping[str, str]:
-    """What decides undecided entries of these models, with quantities and models that share it."""
-    told: dict[str, list[Entry]] = {}
+def _undecided_reasons(matrix: Matrix, models: Collection[str]) -> Mapping[str, str]:
+    """Quantities and models of undecided entries, by the reason that they are undecided."""
+    entries_by_reason: dict[str, list[Entry]] = {}
     for entry in matrix.entries:
         if entry.verdict == "undecided" and entry.reason and entry.model in models:
-            told.setdefault(entry.reason, []).append(entry)
+            entries_by_reason.setdefault(entry.reason, []).append(entry)
     return {
-        reason: f"{quantities_text(matrix, [entry.quantity for entry in found])} by "
-        f"{listed(list(dict.fromkeys(model_name(entry.model) for entry in found)))}"
-        for reason, found in told.items()
+        reason: f"{quantities_text(matrix, [entry.quantity for entry in entries])} by "
+        f"{listed(list(dict.fromkeys(model_name(entry.model) for entry in entries)))}"
+        for reason, entries in entries_by_reason.items()
     }
 
 
-def _inputs(matrix: Matrix, models: Collection[str]) -> tuple[str, ...]:
-    """Each uncertain input with the error of these models that it leaves most open (95 %)."""
+def _input_texts(matrix: Matrix, models: Collection[str]) -> tuple[str, ...]:
+    """Each uncertain input with its largest effect on an error of these models (95 %)."""
     largest: dict[str, tuple[float, str]] = {}
-    for entry in (one for one in matrix.entries if one.model in models):
-        half = entry.uncertainties.get("inputs", 0.0)
-        said = f"{quantities_text(matrix, [entry.quantity])} by {model_name(entry.model)}"
+    for entry in (candidate for candidate in matrix.entries if candidate.model in models):
+        half_width = entry.uncertainties.get("inputs", 0.0)
+        subject = f"{quantities_text(matrix, [entry.quantity])} by {model_name(entry.model)}"
         for key, share in entry.input_shares.items():
-            largest[key] = max(largest.get(key, (0.0, "")), (half * sqrt(share), said))
-    ranked = sorted(((size, key, said) for key, (size, said) in largest.items()), reverse=True)
-    return tuple(f"{key} ±{percent(size, signed=False)} ({said})" for size, key, said in ranked)
+            largest[key] = max(largest.get(key, (0.0, "")), (half_width * sqrt(share), subject))
+    ranked = sorted(
+        ((size, key, subject) for key, (size, subject) in largest.items()), reverse=True
+    )
+    return tuple(
+        f"{key} ±{percent(size, signed=False)} ({subject})" for size, key, subject in ranked
+    )
 
 
-def _heading(matrix: Matrix, one: Matrix) -> str:
-    if one is matrix.formulation:
+def _heading(matrix: Matrix, part: Matrix) -> str:
+    if part is matrix.formulation:
         return "The robot with legs of constant section, against solids of the same legs"
-    return f"{capital(one.robot)} alone, root clamped"
+    return f"{capital(part.robot)} alone, root clamped"

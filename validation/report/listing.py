@@ -1,4 +1,4 @@
-"""Cases and outcomes as lines of text, as JSON, and as the JUnit XML that CI systems show."""
+"""Cases and outcomes as lines of text, as JSON, and as JUnit XML for CI systems."""
 
 import json
 import re
@@ -50,27 +50,27 @@ def as_json(tasks: Sequence[Task]) -> str:
     )
 
 
-def audit_text(source: str, robot: Mechanism, findings: Sequence[Finding], reached: int) -> str:
-    """What an audit found, first whether the data that are used are sound.
+def audit_text(source: str, robot: Mechanism, findings: Sequence[Finding], reachable: int) -> str:
+    """Findings of an audit as text, after a line on the soundness of the data used.
 
-    `reached`: how many poses of the path are within reach. Faults of a printed source that its
-    corrections remove stand apart from doubts that remain.
+    `reachable`: number of poses of the path within reach. Faults of a printed source that are
+    corrected are listed separately from remaining doubts.
     """
-    remaining = [finding for finding in findings if finding.used in _UNCHANGED]
-    removed = [finding for finding in findings if finding.used not in _UNCHANGED]
+    remaining = [finding for finding in findings if finding.used in _UNCORRECTED]
+    removed = [finding for finding in findings if finding.used not in _UNCORRECTED]
     wrong = sum(finding.severity == "error" for finding in remaining)
     doubts = f"sound in form, {counted(len(remaining), 'doubt')}"
-    sound = doubts if remaining else "sound"
+    state = doubts if remaining else "sound"
     if wrong:
-        sound = (
+        state = (
             f"usable, but {counted(wrong, 'of its data is', 'of its data are')} wrong, see below"
         )
     count = len(robot.poses)
     poses = f"all {count} poses" if count > 1 else "the one pose"
-    if reached < count:
-        poses = f"{reached} of the {count} poses"
+    if reachable < count:
+        poses = f"{reachable} of the {count} poses"
     motion = f"{poses} of its path within reach\n{mobility_text(robot)}"
-    lines = [f"{source}: {sound}; {robot.name}, {motion}"]
+    lines = [f"{source}: {state}; {robot.name}, {motion}"]
     if remaining:
         lines += [
             "",
@@ -83,30 +83,32 @@ def audit_text(source: str, robot: Mechanism, findings: Sequence[Finding], reach
     return "\n".join(lines)
 
 
-_UNCHANGED = frozenset({"as printed", "as given"})
+_UNCORRECTED = frozenset({"as printed", "as given"})
 
 
 def _finding_lines(findings: Sequence[Finding]) -> list[str]:
     return [
         line
-        for one in findings
+        for finding in findings
         for line in (
-            f"  {one.where} ({one.severity}, {one.check}): {one.wrong} ({one.evidence})",
-            f"    {'given' if one.used == 'as given' else 'printed'}: {one.printed}",
-            f"    used: {one.used}",
+            f"  {finding.where} ({finding.severity}, {finding.check}): {finding.wrong} "
+            f"({finding.evidence})",
+            f"    {'given' if finding.used == 'as given' else 'printed'}: {finding.printed}",
+            f"    used: {finding.used}",
         )
     ]
 
 
 def outcome_line(outcome: Outcome, *others: Outcome) -> str:
-    """One line on an outcome: verdict, id, numbers or the reason why there are none.
+    """One line on an outcome: verdict, id, and numbers or the reason that there are none.
 
-    `others` are outcomes without numbers of the same verdict and reason; the line counts them.
+    `others` are further outcomes without numbers, with the same verdict and reason. The line has
+    their count.
     """
     case, measurement = outcome.case, outcome.measurement
     if measurement is None:
-        more = f" and {len(others)} more" if others else ""
-        return f"{outcome.verdict:9} {case.id}{more}: {outcome.message}"
+        addition = f" and {len(others)} more" if others else ""
+        return f"{outcome.verdict:9} {case.id}{addition}: {outcome.message}"
     unit = "" if case.unit == "1" else f" {case.unit}"
     claim = "" if case.relation.value == "equal" else f"{case.relation.value} "
     numbers = (
@@ -143,8 +145,8 @@ def junit_xml(outcomes: Sequence[Outcome], name: str) -> str:
     root.append(suite)
     ET.indent(root)
     for element in root.iter():
-        element.text = _allowed(element.text)
-        element.attrib = {name: _allowed(value) or "" for name, value in element.attrib.items()}
+        element.text = _xml_text(element.text)
+        element.attrib = {name: _xml_text(value) or "" for name, value in element.attrib.items()}
     return ET.tostring(root, encoding="unicode", xml_declaration=True) + "\n"
 
 
@@ -180,6 +182,6 @@ def _comparison(outcome: Outcome) -> str:
     )
 
 
-def _allowed(text: str | None) -> str | None:
-    """The text without control characters, which XML cannot carry."""
+def _xml_text(text: str | None) -> str | None:
+    """The text with "?" for control characters, which are not allowed in XML. None for None."""
     return text and re.sub(r"[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]", "?", text)

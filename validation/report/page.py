@@ -1,4 +1,4 @@
-"""report.html: one file that needs nothing else, from what a run found."""
+"""report.html: a self-contained page of the results of a run."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -25,7 +25,7 @@ from validation.verdicts import Matrix
 
 @dataclass(frozen=True)
 class Report:
-    """What the page shows: what a run found, and what an audit of its data did."""
+    """Content of the page: results of a run, and findings of the audit of its data."""
 
     results: Results
     findings: Sequence[Finding] = ()
@@ -37,17 +37,17 @@ class Report:
 
     @cached_property
     def drifts(self) -> Mapping[str, CaseRecord]:
-        """Cases whose moves from the baseline are known, by id, for a column of their own."""
+        """Cases with a known drift from the baseline, by id."""
         return {case.id: case for case in self.results.records if case.drift is not None}
 
     @cached_property
     def first(self) -> FirstScreen | None:
-        """What the first screen says of the models; None where they were not judged."""
+        """First screen with computed references. None if the models were not judged."""
         return self._screen(self.results.matrix)
 
     @cached_property
     def measurements(self) -> FirstScreen | None:
-        """The same against measured values, where there are any."""
+        """First screen with measured values as references. None without measured values."""
         return self._screen(self.results.measured, measured=True)
 
     def _screen(self, matrix: Matrix | None, *, measured: bool = False) -> FirstScreen | None:
@@ -58,21 +58,21 @@ class Report:
 
     @property
     def answered(self) -> FirstScreen | None:
-        """What the answer is taken from: references that were computed, else measured ones."""
+        """First screen of the answer: with computed references, otherwise with measured values."""
         return self.first or self.measurements
 
     @property
     def sentence(self) -> str:
-        """The answer in one sentence: whether the models may be trusted."""
+        """The verdict on the models in one sentence; without models, that on the comparisons."""
         return self.answered.sentence if self.answered else self.checks
 
     @property
     def checks(self) -> str:
         """The comparisons in one sentence."""
-        said, lost = self.results.standing.sentence, self.results.no_longer_compared
-        if lost:
-            said += f" Agreed earlier and skipped now: {', '.join(lost)}."
-        return said
+        sentence, skipped_ids = self.results.standing.sentence, self.results.no_longer_compared
+        if skipped_ids:
+            sentence += f" Agreed earlier and skipped now: {', '.join(skipped_ids)}."
+        return sentence
 
     @property
     def portrait(self) -> Figure | None:
@@ -87,7 +87,7 @@ class Report:
 
     @property
     def verdict(self) -> Verdict:
-        """The verdict on the comparisons: the worst of them; unfinished work has failed."""
+        """The worst verdict of the comparisons; an unfinished run has failed."""
         verdicts = {outcome.verdict for outcome in self.outcomes}
         if "disagree" in verdicts:
             return "disagree"
@@ -101,8 +101,7 @@ class Report:
     def chapters(self) -> tuple[Chapter, ...]:
         """The chapters on the robot, its legs and the paper.
 
-        An interrupted run goes without the plots of studies and budgets: whoever presses Ctrl-C
-        waits for nothing.
+        An interrupted run has no plots of studies and budgets, so that Ctrl-C ends it at once.
         """
         drawn = {study.id for study in studies_of(self.outcomes)} | {PORTRAIT}
         figures = [figure for figure in self.results.figures if figure.id not in drawn]
@@ -116,7 +115,7 @@ class Report:
 
     @property
     def shown(self) -> tuple[Figure, ...]:
-        """Every figure of the page in its order, those drawn from the outcomes among them."""
+        """All figures of the page in its order, including those drawn from the outcomes."""
         screens = (self.first, self.measurements)
         first = (*(screen.errors for screen in screens if screen), self.portrait)
         sections = [section for chapter in self.chapters for section in chapter.sections]
@@ -127,19 +126,19 @@ class Report:
 
     @property
     def tables(self) -> Mapping[str, str]:
-        """Tables of the page as CSV by file name, those of figures apart."""
+        """Tables of the page as CSV by file name, without those of figures."""
         sections = [section for chapter in self.chapters for section in chapter.sections]
         tables = [section.agreement_csv for section in sections if section.agreement_csv]
         return {"cross-validation.csv": tables[0]} if tables else {}
 
     @cached_property
     def figure_ids(self) -> Mapping[str, str]:
-        """Titles of the figures that were computed, by id, to which comparisons lead."""
+        """Titles of the computed figures by id, as targets of links from comparisons."""
         return {figure.id: figure.title for figure in self.results.figures}
 
     @property
     def viewer(self) -> str:
-        """The script that shows 3-D scenes; empty where there are none."""
+        """Script that shows 3-D scenes. Empty without scenes."""
         return viewer() if any(figure.scenes for figure in self.results.figures) else ""
 
 
@@ -148,7 +147,7 @@ def render(report: Report) -> str:
     return _templates().get_template("report.html.j2").render(report=report)
 
 
-# Templates are compiled once: that takes longer than to fill a short page.
+# Templates are compiled once, as this takes longer than filling a short page.
 @lru_cache(maxsize=1)
 def _templates() -> Environment:
     environment = Environment(
@@ -178,6 +177,6 @@ def _templates() -> Environment:
     return environment
 
 
-def _unbroken(said: str) -> Markup:
-    """The text with its options in one line each, "--parts stepped"."""
-    return Markup(re.sub(r"(--\w+ \w+)", r'<span class="data">\1</span>', str(escape(said))))  # noqa: S704
+def _unbroken(sentence: str) -> Markup:
+    """The text with no line break within an option such as "--parts stepped"."""
+    return Markup(re.sub(r"(--\w+ \w+)", r'<span class="data">\1</span>', str(escape(sentence))))  # noqa: S704

@@ -1,4 +1,4 @@
-"""What a source says, as printed and as corrected: a table of the page, and as CSV."""
+"""Statements of a source, checked as printed and as corrected: table of the page, and CSV."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -7,8 +7,8 @@ from validation.drawing.style import csv_of
 from validation.drawing.text import number
 from validation.published_statements import Claim, Standing, summary
 
-# How far a sentence holds, in the words of the page, and the colour of verdicts that it has.
-_HOLDS: Mapping[Standing, tuple[str, str]] = {
+# Standing of a statement in words of the page, and the verdict whose colour it has.
+_STANDINGS: Mapping[Standing, tuple[str, str]] = {
     "both": ("holds", "adequate"),
     "as printed alone": ("as printed alone", "undecided"),
     "as corrected alone": ("as corrected alone", "undecided"),
@@ -21,7 +21,7 @@ _YES = {True: "yes", False: "no"}
 
 @dataclass(frozen=True)
 class StatementCell:
-    """A statement as printed or as corrected: its number, or how many curves hold."""
+    """A statement as printed or as corrected: its number, or the count of curves that hold."""
 
     text: str
     verdict: str
@@ -29,26 +29,26 @@ class StatementCell:
 
 
 @dataclass(frozen=True)
-class SaidTable:
-    """Sentences of a source, one row each."""
+class StatementTable:
+    """Statements of a source, one row each."""
 
     claims: tuple[Claim, ...]
 
     @property
     def rows(self) -> Iterator[tuple[Claim, list[StatementCell], str, str]]:
-        """A sentence with both readings, in which of them it holds, and the colour of that."""
+        """A statement, cells as printed and as corrected, standing in words, and its colour."""
         for claim in self.claims:
             readings = [_cell(claim, reading) for reading in ("printed", "corrected")]
-            yield claim, readings, *_HOLDS[claim.standing]
+            yield claim, readings, *_STANDINGS[claim.standing]
 
     @property
     def summary(self) -> str:
-        """How many sentences hold in which reading."""
+        """Counts of the statements that hold as printed and as corrected."""
         return summary(self.claims)
 
     @property
     def csv(self) -> str:
-        """One line for each curve of each sentence."""
+        """One line for each curve of each statement."""
         lines = [(claim, curve) for claim in self.claims for curve in claim.curves]
         return csv_of(
             {
@@ -69,14 +69,14 @@ class SaidTable:
 
 
 def _cell(claim: Claim, reading: str) -> StatementCell:
-    held = [getattr(curve, f"{reading}_holds") for curve in claim.curves]
+    holding = [getattr(curve, f"{reading}_holds") for curve in claim.curves]
     texts = [_with_unit(getattr(curve, reading), curve.unit) for curve in claim.curves]
     return StatementCell(
-        text=texts[0] if len(texts) == 1 else f"{sum(held)} of {len(held)} curves",
-        verdict="adequate" if all(held) else "inadequate",
+        text=texts[0] if len(texts) == 1 else f"{sum(holding)} of {len(holding)} curves",
+        verdict="adequate" if all(holding) else "inadequate",
         hint="; ".join(
             f"{curve.name + ': ' if curve.name else ''}{text}{'' if holds else ', does not hold'}"
-            for curve, text, holds in zip(claim.curves, texts, held, strict=True)
+            for curve, text, holds in zip(claim.curves, texts, holding, strict=True)
         ),
     )
 

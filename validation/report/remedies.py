@@ -1,4 +1,4 @@
-"""Why models are off and what to do: entries with the same causes and remedy in one line."""
+"""Causes of inadequate models and remedies: entries with the same causes and remedy in one line."""
 
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
@@ -13,20 +13,21 @@ from validation.report.words import (
 )
 from validation.verdicts import Entry, Matrix
 
-# How many causes a line names.
-_FOREMOST = 2
+# Causes named in a line.
+_NAMED_CAUSES = 2
 _PERCENT = "\u00a0%"
-# A share of an error that is not worth a word.
-_NOTHING = 0.02
-# An error of which less is along the load is off across it.
-_ALONG = 0.8
+# Smaller shares of an error are not listed.
+_SMALLEST_SHARE = 0.02
+# Share of an error along the load from which on the line states too stiff or too soft. With less,
+# the error is mainly across the load.
+_ALONG_SHARE = 0.8
 
 
 @dataclass(frozen=True)
 class RemedyLine:
-    """Models and quantities that are off for the same reasons, and what helps.
+    """Models and quantities with the same causes of error, and their remedy.
 
-    `without` and `with_remedy` are ranges of errors, as text.
+    `without` and `with_remedy` are ranges of errors without and with the remedy, as text.
     """
 
     models: str
@@ -38,14 +39,14 @@ class RemedyLine:
 
 
 def remedies_of(matrix: Matrix, models: Collection[str]) -> tuple[RemedyLine, ...]:
-    """A line for each reason why any of the models is inadequate, in the order of the matrix.
+    """A line for each group of inadequate entries of the models, in the order of the matrix.
 
-    Entries belong together where they name the same foremost causes and the same remedy.
+    A group has the same leading causes and the same remedy.
     """
     groups: dict[tuple[tuple[str, ...], str, str, bool], list[Entry]] = {}
     for entry in matrix.entries:
         if entry.verdict == "inadequate" and entry.model in models:
-            causes = tuple(sorted(cause.cause for cause in entry.causes[:_FOREMOST]))
+            causes = tuple(sorted(cause.cause for cause in entry.causes[:_NAMED_CAUSES]))
             # Errors of frequencies have a sign, those of displacements none.
             key = causes, entry.remedy, "" if causes else entry.reason, entry.signed
             groups.setdefault(key, []).append(entry)
@@ -53,7 +54,8 @@ def remedies_of(matrix: Matrix, models: Collection[str]) -> tuple[RemedyLine, ..
         RemedyLine(
             models=capital(listed(list(dict.fromkeys(model_name(e.model) for e in entries)))),
             quantities=quantities_text(matrix, [entry.quantity for entry in entries]),
-            without=_range([e.error for e in entries], error_text, signed=signed) + _sense(entries),
+            without=_range([e.error for e in entries], error_text, signed=signed)
+            + _stiffness_sense(entries),
             causes=_causes(entries) or (reason,),
             remedy=remedy,
             with_remedy=_range([e.error_with_remedy for e in entries], error_text, signed=signed),
@@ -63,43 +65,49 @@ def remedies_of(matrix: Matrix, models: Collection[str]) -> tuple[RemedyLine, ..
 
 
 def _causes(entries: Sequence[Entry]) -> tuple[str, ...]:
-    """The foremost causes with the range of their shares: "shear: 80 to 96 %".
+    """The leading causes with the range of their shares: "shear: 80 to 96 %".
 
-    Where one takes back what another does no share means anything: they interact, and are told by
-    what each does to the error.
+    If causes compensate each other, shares are meaningless. The text then has the amount by which
+    each cause changes the error, and states that they interact.
     """
-    interact = any(cause.share < -_NOTHING for entry in entries for cause in entry.causes)
-    told: dict[str, list[float]] = {}
+    interact = any(cause.share < -_SMALLEST_SHARE for entry in entries for cause in entry.causes)
+    sizes: dict[str, list[float]] = {}
     for entry in entries:
-        for cause in entry.causes[:_FOREMOST]:
+        for cause in entry.causes[:_NAMED_CAUSES]:
             if interact:
-                told.setdefault(cause.cause, []).append(cause.share * (entry.error or 0.0))
-            elif cause.share > _NOTHING:
-                told.setdefault(cause.cause, []).append(min(cause.share, 1.0))
+                sizes.setdefault(cause.cause, []).append(cause.share * (entry.error or 0.0))
+            elif cause.share > _SMALLEST_SHARE:
+                sizes.setdefault(cause.cause, []).append(min(cause.share, 1.0))
     size = (
-        partial(_range, told=error_text, signed=True) if interact else partial(_range, told=percent)
+        partial(_range, format_error=error_text, signed=True)
+        if interact
+        else partial(_range, format_error=percent)
     )
-    left = [sum(cause.share for cause in e.causes[_FOREMOST:]) for e in entries if e.causes]
-    if not interact and max(left, default=0.0) > _NOTHING:
-        told["all others"] = left
-    found = [f"{cause}: {size(values)}" for cause, values in told.items()]
-    return (*found[:-1], f"{found[-1]} (they interact)") if interact else tuple(found)
+    remainders = [
+        sum(cause.share for cause in e.causes[_NAMED_CAUSES:]) for e in entries if e.causes
+    ]
+    if not interact and max(remainders, default=0.0) > _SMALLEST_SHARE:
+        sizes["all others"] = remainders
+    texts = [f"{cause}: {size(values)}" for cause, values in sizes.items()]
+    return (*texts[:-1], f"{texts[-1]} (they interact)") if interact else tuple(texts)
 
 
 def _range(
-    values: Sequence[float | None], told: Callable[..., str], *, signed: bool = False
+    values: Sequence[float | None], format_error: Callable[..., str], *, signed: bool = False
 ) -> str:
-    """The smallest and the largest, as they are told, with one sign for both."""
-    known = sorted((value for value in values if value is not None), key=abs)
-    if not known:
+    """Smallest and largest size, formatted by `format_error`. "" without values."""
+    finite = sorted((value for value in values if value is not None), key=abs)
+    if not finite:
         return ""
-    first, last = (told(one, signed=signed) for one in (known[0], known[-1]))
+    first, last = (format_error(value, signed=signed) for value in (finite[0], finite[-1]))
     return last if first == last else f"{first.removesuffix(_PERCENT)} to {last}"
 
 
-def _sense(entries: Sequence[Entry]) -> str:
-    """Whether what is off is the motion along the load, too little or too much of it."""
-    along = [e.along for e in entries if e.along and abs(e.along) >= _ALONG * abs(e.error or 0.0)]
+def _stiffness_sense(entries: Sequence[Entry]) -> str:
+    """Text " too stiff" or " too soft" if all errors lie along the load with one sign, else ""."""
+    along = [
+        e.along for e in entries if e.along and abs(e.along) >= _ALONG_SHARE * abs(e.error or 0.0)
+    ]
     if len(along) < len(entries) or entries[0].signed or min(along) < 0.0 < max(along):
         return ""
     return " too stiff" if along[0] < 0.0 else " too soft"

@@ -1,7 +1,4 @@
-"""The parts of the report: which comparisons, plots and pictures stand together, in which order.
-
-Chapters answer the reader's questions in turn.
-"""
+"""Chapters and sections of the report: comparisons, plots and pictures in the order of the page."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -21,7 +18,7 @@ from validation.report.agreement_parts import agreement_rows
 from validation.report.element_counts import ElementCounts, element_counts
 from validation.report.figures.budgets import budget_figure
 from validation.report.figures.studies import Family, families, study_figure
-from validation.report.published_statements import SaidTable
+from validation.report.published_statements import StatementTable
 from validation.run.outcome import Outcome, Verdict
 from validation.run.records import claims_of
 from validation.studies_and_figures import (
@@ -37,8 +34,8 @@ from validation.studies_and_figures import (
 )
 from validation.verdicts import Coordinate
 
-# Chapters in their order, with their sections as they follow each other; sections that stand in no
-# list go by the subject of their cases.
+# Chapters with their sections, in the order of the page. The subject of its cases decides the
+# chapter of any other section.
 LEGS = "Modes and legs in detail"
 CROSS_VALIDATION = "Cross-validation"
 CHAPTERS: Mapping[str, tuple[str, ...]] = {
@@ -48,17 +45,17 @@ CHAPTERS: Mapping[str, tuple[str, ...]] = {
     LEGS: (MODES,),
     "The paper": ("The paper's statements", STROKE, FAMILY),
 }
-# What nobody needs to understand the answer: the page has it folded.
+# Chapters that are folded, as the verdict is understood without them.
 _APPENDIX = (LEGS, "The paper")
-_GRAVEST: tuple[Verdict, ...] = ("disagree", "failed", "undecided", "agree", "skipped")
+_BY_SEVERITY: tuple[Verdict, ...] = ("disagree", "failed", "undecided", "agree", "skipped")
 
 
 @dataclass(frozen=True)
 class PageSection:
     """A group of cases with the figures that belong to it.
 
-    `plotted`: whether the studies behind the comparisons, and the error budget of those that allow
-    for named causes, are to be drawn; one that fails costs itself alone. `coordinates` of poses.
+    `plotted`: True to draw the studies behind the comparisons, and the error budget of those with
+    named causes. A plot that fails is omitted alone. `coordinates`: those of the poses.
     """
 
     title: str
@@ -69,7 +66,7 @@ class PageSection:
 
     @cached_property
     def agreement(self) -> tuple[AgreementTable, ...]:
-        """A table of all formulations for each leg, of cases that compare these."""
+        """A table of all formulations for the robot and each leg, from agreement cases."""
         return agreement_tables(self.outcomes, self.coordinates)
 
     @cached_property
@@ -79,7 +76,7 @@ class PageSection:
 
     @property
     def statement(self) -> str:
-        """Agreement of all formulations in words; "" if they are not compared here."""
+        """Agreement of all formulations in words. "" if the section does not compare them."""
         return agreement_statement(self.outcomes)
 
     @property
@@ -89,40 +86,43 @@ class PageSection:
 
     @cached_property
     def element_counts(self) -> ElementCounts | None:
-        """Elements per leg for 1 %; None without studies of element counts."""
+        """Elements per leg for an error of 1 %. None without studies of element counts."""
         return element_counts(self.figures)
 
     @property
     def worst_first(self) -> list[Outcome]:
-        """Its comparisons: disagreements, failures, then by the share of the tolerance used."""
-        return sorted(self.outcomes, key=_badness)
+        """Comparisons in the order of severity, then by the share of the tolerance used."""
+        return sorted(self.outcomes, key=_severity)
 
     @cached_property
     def plots(self) -> tuple[tuple[Family, Figure | None], ...]:
-        """Studies by family; no figure where the run was not finished."""
+        """Studies by family, each with its figure. The figure is None if the run is unfinished."""
         return tuple(
-            (one, attempted(partial(study_figure, one)) if self.plotted else None)
-            for one in families(self.outcomes)
+            (family, attempted(partial(study_figure, family)) if self.plotted else None)
+            for family in families(self.outcomes)
         )
 
     @cached_property
     def budget(self) -> Figure | None:
-        """The error budget if named causes are allowed for; agreement tables have it in rows."""
+        """Error budget of comparisons with named causes.
+
+        None without such, and with agreement tables, which have the budget in rows.
+        """
         if self.agreement:
             return None
-        named = f"budget.{anchor(self.title)}", f"{self.title}: error budget", "budgets"
-        draw = partial(budget_figure, *named, self.outcomes)
+        identity = f"budget.{anchor(self.title)}", f"{self.title}: error budget", "budgets"
+        draw = partial(budget_figure, *identity, self.outcomes)
         return attempted(draw) if self.plotted else None
 
     @cached_property
-    def said(self) -> SaidTable | None:
-        """What a source says, as printed and as corrected; None where no case has a source's."""
+    def statements(self) -> StatementTable | None:
+        """Statements of a source as printed and as corrected. None if no case has a statement."""
         claims = claims_of(self.outcomes)
-        return SaidTable(claims) if claims else None
+        return StatementTable(claims) if claims else None
 
     @property
     def skipped(self) -> tuple[str, ...]:
-        """The reasons for skipping, with their bodies, if nothing at all was compared."""
+        """The reasons for skipping, with their bodies, if nothing was compared."""
         if any(outcome.verdict != "skipped" for outcome in self.outcomes):
             return ()
         bodies: dict[str, dict[str, None]] = {}
@@ -131,7 +131,7 @@ class PageSection:
         return tuple(f"{', '.join(names)}: {reason}" for reason, names in bodies.items())
 
     def count(self, verdict: Verdict) -> int:
-        """How many comparisons have this verdict."""
+        """Number of comparisons with this verdict."""
         return sum(outcome.verdict == verdict for outcome in self.outcomes)
 
     @property
@@ -147,7 +147,7 @@ class PageSection:
 
     @property
     def shown(self) -> Iterator[Figure]:
-        """Every figure of the section, those drawn from the outcomes among them."""
+        """All figures of the section, including those drawn from the outcomes."""
         yield from self.figures
         if self.budget:
             yield self.budget
@@ -163,17 +163,17 @@ class Chapter:
 
     @property
     def folded(self) -> bool:
-        """Whether it belongs to the appendix."""
+        """True if the chapter belongs to the appendix."""
         return self.title in _APPENDIX
 
     @property
     def leads(self) -> bool:
-        """Whether it stands directly below the verdict, above the matrix of the models."""
+        """True if the chapter is directly below the verdict, above the matrix of the models."""
         return self.title == CROSS_VALIDATION
 
     @property
     def of_legs(self) -> bool:
-        """Whether what models say of single legs stands in it."""
+        """True if the chapter contains the matrices of single legs."""
         return self.title == LEGS
 
 
@@ -184,9 +184,9 @@ def chapters_of(
     plotted: bool,
     coordinates: tuple[Coordinate, ...] = (),
 ) -> tuple[Chapter, ...]:
-    """The chapters that have anything to show; `plotted` and `coordinates` as of `PageSection`."""
+    """Chapters that are not empty; `plotted` and `coordinates` are those of `PageSection`."""
     names = [outcome.case.section for outcome in outcomes] + [figure.section for figure in figures]
-    gathered: dict[str, list[PageSection]] = {chapter: [] for chapter in CHAPTERS}
+    sections_by_chapter: dict[str, list[PageSection]] = {chapter: [] for chapter in CHAPTERS}
     for name in dict.fromkeys(names):
         section = PageSection(
             title=name or "Further comparisons",
@@ -195,19 +195,19 @@ def chapters_of(
             plotted=plotted,
             coordinates=coordinates,
         )
-        gathered[_home(section)].append(section)
+        sections_by_chapter[_chapter_title(section)].append(section)
     return tuple(
-        Chapter(title, tuple(sorted(found, key=partial(_place, title))))
-        for title, found in gathered.items()
-        if found
+        Chapter(title, tuple(sorted(sections, key=partial(_position, title))))
+        for title, sections in sections_by_chapter.items()
+        if sections
     )
 
 
 def unexplained_share(outcome: Outcome) -> float | None:
-    """|unexplained difference| over |reference|, None where that has no meaning.
+    """|unexplained difference| over |reference|. None if it has no meaning.
 
-    It has one where the case claims equality of two numbers of a kind, within a relative
-    tolerance: orders, ranks, counts and bounds have amounts instead.
+    It has a meaning if the case claims equality within a relative tolerance. Differences of orders,
+    ranks, counts and bounds are amounts.
     """
     case, measurement = outcome.case, outcome.measurement
     if measurement is None or not measurement.reference:
@@ -218,18 +218,18 @@ def unexplained_share(outcome: Outcome) -> float | None:
     return None if isnan(share) else share
 
 
-def _badness(outcome: Outcome) -> tuple[int, float]:
+def _severity(outcome: Outcome) -> tuple[int, float]:
     share = outcome.share
-    return _GRAVEST.index(outcome.verdict), -share if not isnan(share) else float("-inf")
+    return _BY_SEVERITY.index(outcome.verdict), -share if not isnan(share) else float("-inf")
 
 
-def _home(section: PageSection) -> str:
-    """The chapter that names the section, else that of what its first case says something of."""
-    named = {title: chapter for chapter, titles in CHAPTERS.items() for title in titles}
-    of_leg = section.outcomes and section.outcomes[0].case.subject == "leg"
-    return named.get(section.title) or (LEGS if of_leg else "The robot")
+def _chapter_title(section: PageSection) -> str:
+    """The chapter that lists the section, otherwise that of the subject of its first case."""
+    chapters = {title: chapter for chapter, titles in CHAPTERS.items() for title in titles}
+    is_leg = section.outcomes and section.outcomes[0].case.subject == "leg"
+    return chapters.get(section.title) or (LEGS if is_leg else "The robot")
 
 
-def _place(chapter: str, section: PageSection) -> int:
+def _position(chapter: str, section: PageSection) -> int:
     titles = CHAPTERS[chapter]
     return titles.index(section.title) if section.title in titles else len(titles)

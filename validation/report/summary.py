@@ -11,17 +11,17 @@ from validation.run.results import Results
 
 
 def verdicts(gathered: Results) -> list[str]:
-    """Lines on what does not agree, and the verdict on the whole."""
+    """Lines on comparisons that do not agree, and the verdict on the run."""
     outcomes = gathered.outcomes
     worst = [o for o in outcomes if o.verdict in {"disagree", "undecided", "failed"}]
     standing = gathered.standing
-    # A run of models alone makes no comparison that could be summed up.
-    nothing = not outcomes and gathered.matrices and not standing.failures
-    said = [] if nothing else [standing.sentence]
-    return [*(outcome_line(*group) for group in _by_reason(worst)), *said]
+    # A run of models alone has no comparisons to be summarised.
+    models_alone = not outcomes and gathered.matrices and not standing.failures
+    sentences = [] if models_alone else [standing.sentence]
+    return [*(outcome_line(*group) for group in _grouped_by_reason(worst)), *sentences]
 
 
-def _by_reason(outcomes: Sequence[Outcome]) -> list[list[Outcome]]:
+def _grouped_by_reason(outcomes: Sequence[Outcome]) -> list[list[Outcome]]:
     """Outcomes in groups of one verdict and reason, an outcome with a measurement by itself."""
     groups: dict[tuple[str, ...], list[Outcome]] = {}
     for outcome in outcomes:
@@ -32,7 +32,7 @@ def _by_reason(outcomes: Sequence[Outcome]) -> list[list[Outcome]]:
 
 
 def adequacy(gathered: Results) -> list[str]:
-    """Lines on the models relied on that are not adequate, and the answer as the page has it."""
+    """Lines on models relied on that are not adequate, and the verdict of the page."""
     refused, rely = ", ".join(gathered.standing.refused), gathered.rely
     lines = [f"relied on but not adequate: {refused}"] if refused else []
     lines += gathered.unjudged
@@ -43,21 +43,24 @@ def adequacy(gathered: Results) -> list[str]:
 
 
 def cross_validation(gathered: Results) -> list[str]:
-    """One line on the agreement of all formulations and the error with 20 elements, if compared."""
+    """One line on the agreement of formulations and the error with 20 elements.
+
+    Empty without comparisons.
+    """
     outcomes = gathered.outcomes
     parts = [agreement_sentence(outcomes), convergence_sentence(outcomes)]
-    known = " ".join(part for part in parts if part)
-    return [f"Cross-validation: {known}".replace("\N{NO-BREAK SPACE}", " ")] if known else []
+    sentence = " ".join(part for part in parts if part)
+    return [f"Cross-validation: {sentence}".replace("\N{NO-BREAK SPACE}", " ")] if sentence else []
 
 
 def left_out(gathered: Results) -> list[str]:
     """Lines on the figures that could not be drawn."""
-    missing = gathered.missing_figures
-    return [f"figure {planned.id} left out: {message}" for planned, message in missing]
+    undrawn = gathered.missing_figures
+    return [f"figure {planned.id} left out: {message}" for planned, message in undrawn]
 
 
 def changes(gathered: Results) -> tuple[list[str], bool]:
-    """Lines on what moved or is no longer compared since the baseline; whether that is worse."""
+    """Lines on changes since the baseline; True if the run is worse than the baseline."""
     if gathered.baseline is None:
         return [], False
     lost = [

@@ -38,20 +38,20 @@ from validation.verdicts import (
     columns_of,
 )
 
-# A word, and what is to be said under it.
+# A term, and its text.
 Line: TypeAlias = tuple[str, str]
 MARKS: Mapping[Adequacy, str] = {"adequate": "✓", "inadequate": "✗", "undecided": "?"}
-# Of which the robot's own deflections are told (N, N m).
+# Loads under which the table has the robot's own deflections (N, N m).
 FORCE, MOMENT = 1000.0, 100.0
-# From here on a verdict is as good as certain.
+# From this probability on, a verdict is shown without its probability.
 _CERTAIN = 0.995
 # Headings of tables in Python.
 _HEADINGS = (
     *("model", "quantity", "verdict", "error (%)", "half-width (%)", "low (%)", "high (%)"),
     *("limit (%)", "pose", "cause", "remedy"),
 )
-# A model without a motion is off by all of it.
-_ALL = 1.0 - 1e-9
+# Error of a model that lacks a motion, as a share of the motion, within round-off.
+_WHOLE_MOTION = 1.0 - 1e-9
 _EULER_BERNOULLI = frozenset(
     name for name, model in JUDGED.items() if model.options.theory == "euler-bernoulli"
 )
@@ -59,9 +59,9 @@ _EULER_BERNOULLI = frozenset(
 
 @dataclass(frozen=True)
 class Cell:
-    """One entry as it is shown: its number, its verdict, what a pointer that rests on it is told.
+    """One entry as shown: number, verdict, and `hint` for a pointer that rests on it.
 
-    `title` and `sheet`, pairs of a word and what is to be said under it, stand at its `anchor`.
+    Its `anchor` leads to `title` and `sheet`, which consists of pairs of a term and its text.
     """
 
     entry: Entry
@@ -76,10 +76,10 @@ class Cell:
 
 @dataclass(frozen=True)
 class Row:
-    """A model with its cells, None where it is silent of a quantity.
+    """A model with its cells. A cell is None if the model does not define the quantity.
 
-    `folded`: it cannot answer, is adequate for nothing and lacks whole motions, or is a second
-    theory of another.
+    `folded`: True if it has no entries, if it is adequate for nothing and lacks whole motions, or
+    if it is another model with a second theory.
     """
 
     note: ModelNote
@@ -92,8 +92,8 @@ class Row:
 class Table:
     """Rows of models under `headings` of quantities; `robot` are the robot's own numbers.
 
-    These are deflections (µm, µrad) under `FORCE` and `MOMENT` where it yields most, frequencies
-    (Hz) where the best model is worst, with what is left open of them; "" where not known.
+    These are the largest deflections (µm, µrad) under `FORCE` and `MOMENT`, and frequencies (Hz) at
+    the pose where the best model is worst, each with its half-width. "" if unknown.
     """
 
     headings: tuple[str, ...]
@@ -106,38 +106,40 @@ class Table:
         return tuple(cell for row in self.rows for cell in row.cells if cell)
 
 
-def table_of(matrix: Matrix, named: Collection[str] = ()) -> Table:
-    """The matrix as a table: models in its order, quantities of which any model says anything.
+def table_of(matrix: Matrix, unfolded: Collection[str] = ()) -> Table:
+    """The matrix as a table: models in its order, quantities with at least one entry.
 
-    `named`: models of which the sentence above it tells; they are not folded.
+    `unfolded`: models in the sentence above the table, which are not folded.
     """
-    spoken = [q for q in matrix.quantities if any(e.quantity == q for e in matrix.entries)]
+    quantities = [q for q in matrix.quantities if any(e.quantity == q for e in matrix.entries)]
     rows = []
     for note in matrix.models:
-        found = [matrix.entry(note.model, quantity.name) for quantity in spoken]
-        cells = tuple(_cell(matrix, note, entry) if entry else None for entry in found)
-        folded = note.model not in named and _folded(matrix, note.model)
+        entries = [matrix.entry(note.model, quantity.name) for quantity in quantities]
+        cells = tuple(_cell(matrix, note, entry) if entry else None for entry in entries)
+        folded = note.model not in unfolded and _folded(matrix, note.model)
         rows.append(Row(note, capital(model_name(note.model)), cells, folded))
-    headings = tuple(quantity.label for quantity in spoken)
-    return Table(headings, tuple(_own(matrix, quantity) for quantity in spoken), tuple(rows))
+    headings = tuple(quantity.label for quantity in quantities)
+    return Table(
+        headings, tuple(_robot_number(matrix, quantity) for quantity in quantities), tuple(rows)
+    )
 
 
 def _cell(matrix: Matrix, note: ModelNote, entry: Entry) -> Cell:
-    text, open_ = _text(entry)
-    # Where readings of the robot file disagree on the order, one of them says so much.
+    text, spread = _error_texts(entry)
+    # If readings of the robot file differ in the order, the error is that of one of them.
     if entry.quantity == ORDER and entry.verdict == "undecided" and entry.error is not None:
-        open_ = "at most"
+        spread = "at most"
     if entry.chance is not None and entry.chance < _CERTAIN:
-        open_ = f"{open_} {percent(entry.chance, signed=False)}\u00a0sure".strip()
+        spread = f"{spread} {percent(entry.chance, signed=False)}\u00a0sure".strip()
     if entry.mac is not None:
-        open_ = f"{open_} MAC\u00a0{entry.mac:.2f}".strip()
-    # Sheets of one model and quantity by different references are told apart.
+        spread = f"{spread} MAC\u00a0{entry.mac:.2f}".strip()
+    # Sheets of one model and quantity by different references have different anchors.
     kind = ".measured" if entry.measured else ""
     meaning, sheet = sheet_of(matrix, note, entry)
     return Cell(
         entry=entry,
         text=text,
-        spread=open_,
+        spread=spread,
         mark=MARKS[entry.verdict],
         hint=entry_line(matrix, entry),
         anchor=anchor(f"{matrix.robot}.{entry.model}.{entry.quantity}{kind}"),
@@ -150,50 +152,52 @@ def _folded(matrix: Matrix, model: str) -> bool:
     entries = matrix.of_model(model)
     if not entries:
         return True
-    # Whoever puts the modes in order has not said where they are.
-    useless = all(one.verdict != "adequate" for one in entries if one.quantity != ORDER)
-    lacking = any(entry.along is not None and entry.along <= -_ALL for entry in entries)
-    return model in _EULER_BERNOULLI or (useless and lacking)
+    # A model that is adequate for the order of modes alone has no adequate frequency.
+    inadequate = all(entry.verdict != "adequate" for entry in entries if entry.quantity != ORDER)
+    lacking = any(entry.along is not None and entry.along <= -_WHOLE_MOTION for entry in entries)
+    return model in _EULER_BERNOULLI or (inadequate and lacking)
 
 
-def _own(matrix: Matrix, quantity: Quantity) -> tuple[str, str]:
-    """The reference's number and what is left open of it, by what the best model is off."""
+def _robot_number(matrix: Matrix, quantity: Quantity) -> tuple[str, str]:
+    """Value of the reference and its half-width, from the entry of the best model."""
     entries = [
         entry
         for entry in matrix.entries
         if entry.quantity == quantity and entry.error is not None and entry.expected is not None
     ]
-    # Under any force it is a number of another direction for every robot, and told in the sheet.
+    # The direction of any force differs between robots; its number is in the sheet.
     if not entries or quantity in {ANY_FORCE, ORDER} or entries[0].measured:
         return "", ""
     best = min(entries, key=lambda entry: abs(entry.error or 0.0))
-    unit, scale, own = quantity.unit, 1.0, best.expected or 0.0
+    unit, scale, size = quantity.unit, 1.0, best.expected or 0.0
     if quantity.harmonic and quantity.kind is not QuantityKind.PEAK_FREQUENCY:
         unit, scale = "µm/N", 1e6
     if quantity.static:
-        known = zip(best.values, best.alongs, strict=False)
-        found = (
-            v / (1.0 + off) for v, off in known if v is not None and off is not None and off > -_ALL
+        pairs = zip(best.values, best.alongs, strict=False)
+        deflections = (
+            v / (1.0 + error)
+            for v, error in pairs
+            if v is not None and error is not None and error > -_WHOLE_MOTION
         )
-        own = max(found, default=own)
+        size = max(deflections, default=size)
         unit, scale = ("µrad", 1e6 * MOMENT) if quantity.rotational else ("µm", 1e6 * FORCE)
         scale = 1e6 if quantity.kind is QuantityKind.LOAD else scale
     spread = 0.0
     if best.expected and len(best.expected_range) == 2:
-        # What is left open of the number where the model is worst, relative, is so of all.
+        # The relative half-width at the pose where the model is worst is used for all poses.
         low, high = (end / best.expected for end in best.expected_range)
-        own, spread = 0.5 * (low + high) * own, (high - low) / (low + high)
-    return f"{number(scale * own, 3)}\u00a0{unit}", spread_text(spread)
+        size, spread = 0.5 * (low + high) * size, (high - low) / (low + high)
+    return f"{number(scale * size, 3)}\u00a0{unit}", spread_text(spread)
 
 
 def csv_of_matrix(matrix: Matrix) -> str:
-    """One line per entry: the fields that are columns, the pose in a column per coordinate."""
+    """One line for each entry: the fields that are columns, and a column for each coordinate."""
     columns: dict[str, Sequence[float | str | None]] = {}
     for name, column in columns_of(EntryRecord).items():
         values = [getattr(entry, name) for entry in matrix.entries]
         if name == "pose":
-            for place, coordinate in enumerate(matrix.coordinates):
-                columns[str(coordinate)] = [pose[place] if pose else "" for pose in values]
+            for column_index, coordinate in enumerate(matrix.coordinates):
+                columns[str(coordinate)] = [pose[column_index] if pose else "" for pose in values]
         else:
             columns[column.heading] = [_csv_cell(value) for value in values]
     return csv_of(columns)
@@ -214,15 +218,15 @@ def _csv_cell(value: Any) -> float | str | None:
     return cell
 
 
-def _text(entry: Entry) -> tuple[str, str]:
-    """The error and its half-width; without an error what there is instead."""
+def _error_texts(entry: Entry) -> tuple[str, str]:
+    """Texts of the error and its half-width. Without an error, "none" or "open"."""
     if entry.error is not None:
         return error_parts(entry, named=False)
     return "none" if entry.verdict == "inadequate" else "open", ""
 
 
 def entry_line(matrix: Matrix, entry: Entry) -> str:
-    """An entry in one line: verdict, error, pose, limit, foremost cause, remedy and reason."""
+    """An entry in one line: verdict, error, pose, limit, leading cause, remedy and reason."""
     parts = [f"{entry.model}, {entry.quantity}: {entry.verdict}"]
     if entry.error is not None:
         parts.append(
@@ -230,13 +234,17 @@ def entry_line(matrix: Matrix, entry: Entry) -> str:
             f"accepted {percent(entry.limit, signed=False)}"
         )
     if entry.along is not None:
-        worst = f" of a force along {force_text(entry)}" if entry.force else ""
-        parts.append(f"along the load{worst} {percent(entry.along)}")
+        direction = f" of a force along {force_text(entry)}" if entry.force else ""
+        parts.append(f"along the load{direction} {percent(entry.along)}")
     parts += [f"cause: {entry.causes[0].cause}"] if entry.causes else []
     if entry.remedy:
-        left = entry.error_with_remedy
-        then = "" if left is None else f" ({percent(left, signed=entry.signed)} left)"
-        parts.append(f"remedy: {entry.remedy}{then}")
+        remaining_error = entry.error_with_remedy
+        suffix = (
+            ""
+            if remaining_error is None
+            else f" ({percent(remaining_error, signed=entry.signed)} left)"
+        )
+        parts.append(f"remedy: {entry.remedy}{suffix}")
     parts += [entry.reason] if entry.reason else []
     return "; ".join(parts)
 
@@ -260,7 +268,7 @@ def _row(matrix: Matrix, entry: Entry) -> tuple[str | float | None, ...]:
 
 
 def sheet_of(matrix: Matrix, note: ModelNote, entry: Entry) -> tuple[str, tuple[Line, ...]]:
-    """What the quantity of an entry means, and the entry in full."""
+    """Meaning of the quantity of an entry, and the entry in full."""
     lines = (("Model", note.title), *_numbers(matrix, entry), *_reasons(entry))
     return entry.quantity.meaning, lines
 
@@ -277,15 +285,15 @@ def _numbers(matrix: Matrix, entry: Entry) -> list[Line]:
         lines.append(("Reference", f"{number(entry.expected, 6)} {unit}{along}"))
     lines.append(("Source", entry.reference))
     if entry.error is not None:
-        whole = "" if entry.signed else " of the whole displacement"
+        suffix = "" if entry.signed else " of the whole displacement"
         accepted = f"{'± ' * entry.signed}{percent(entry.limit, signed=False)}"
         error = error_text(entry.error, signed=entry.signed)
-        lines.append(("Error", f"{error}{whole}, accepted {accepted}"))
+        lines.append(("Error", f"{error}{suffix}, accepted {accepted}"))
         if len(entry.readings) > 1:
             lines.append(("Readings", _readings(entry)))
         if entry.low is not None and entry.high is not None:
             low, high = (error_text(end, signed=entry.signed) for end in (entry.low, entry.high))
-            lines.append(("Left open", f"from {low} to {high}"))
+            lines.append(("Range of the error", f"from {low} to {high}"))
     if entry.mac is not None:
         lines.append(("Likeness (MAC)", f"{entry.mac:.4f}"))
     if entry.along is not None:
@@ -293,7 +301,9 @@ def _numbers(matrix: Matrix, entry: Entry) -> list[Line]:
     if entry.probability is not None:
         chance = percent(entry.probability, signed=False)
         lines.append(("Within the limit", f"with a probability of {chance}"))
-        shares = [f"{key} {percent(one, signed=False)}" for key, one in entry.input_shares.items()]
+        shares = [
+            f"{key} {percent(share, signed=False)}" for key, share in entry.input_shares.items()
+        ]
         lines += [("Shares of the inputs", ", ".join(shares))] if shares else []
     if entry.uncertainty is not None:
         parts = [
@@ -320,8 +330,8 @@ def _reasons(entry: Entry) -> list[Line]:
         lines.append(("Cause", f"{cause.cause}: {share} of the error{source}"))
     if entry.remedy:
         error = entry.error_with_remedy
-        left = "" if error is None else f": {error_text(error, signed=entry.signed)} left"
-        lines.append(("Remedy", f"{entry.remedy}{left}"))
+        suffix = "" if error is None else f": {error_text(error, signed=entry.signed)} left"
+        lines.append(("Remedy", f"{entry.remedy}{suffix}"))
     if entry.computed_by:
         lines.append(("Computed by", ", ".join(entry.computed_by)))
     return lines

@@ -1,7 +1,8 @@
-"""Models, quantities and errors in words, and the whole matrix in one sentence.
+"""Models, quantities and errors in words, and a matrix of verdicts in one sentence.
 
-Of the models relied on, else which models to use; at most forty words, unless many are relied on.
-What verdicts suppose is a sentence of its own.
+The sentence states the verdicts on the models relied on. If there are none, it recommends models.
+It has at most forty words, unless many models are relied on. Assumptions of the verdicts are a
+separate sentence.
 """
 
 from collections.abc import Collection, Mapping, Sequence
@@ -21,7 +22,7 @@ _MODELS: Mapping[str, str] = {
     "segments-stepped": "stepped segments",
 }
 _KIND = QuantityKind
-# Words for all quantities of some kinds together.
+# Collective words, used if all judged quantities of the kinds are listed.
 _GROUPS: tuple[tuple[tuple[str, ...], frozenset[QuantityKind]], ...] = (
     (
         ("deflections", "rotations"),
@@ -39,12 +40,12 @@ _GROUPS: tuple[tuple[tuple[str, ...], frozenset[QuantityKind]], ...] = (
 
 
 def model_name(model: str) -> str:
-    """The model as in a sentence."""
+    """Name of a model within a sentence."""
     return _MODELS.get(model, model)
 
 
 def quantities_text(matrix: Matrix, quantities: Collection[Quantity]) -> str:
-    """Quantities as in a sentence, all of a group together."""
+    """Quantities within a sentence, with one word for a complete group."""
     judged = {entry.quantity for entry in matrix.entries}
     words: list[str] = []
     remaining = [quantity for quantity in matrix.quantities if quantity in quantities]
@@ -53,12 +54,14 @@ def quantities_text(matrix: Matrix, quantities: Collection[Quantity]) -> str:
         if len(members) > 1 and members <= set(remaining):
             words += group
             remaining = [quantity for quantity in remaining if quantity not in members]
-    singles = (f"the {one.label}" if one == ORDER else one.label for one in remaining)
+    singles = (
+        f"the {quantity.label}" if quantity == ORDER else quantity.label for quantity in remaining
+    )
     return listed([*words, *singles])
 
 
 def capital(text: str) -> str:
-    """The text with a capital first letter, the rest as it is."""
+    """The text with a capital first letter, otherwise unchanged."""
     return f"{text[:1].upper()}{text[1:]}"
 
 
@@ -69,101 +72,108 @@ def listed(words: Sequence[str]) -> str:
 
 def force_text(entry: Entry) -> str:
     """The worst direction of any force: "(0.71, −0.7, 0.02)"; "" of any other quantity."""
-    return f"({', '.join(number(one, 2) for one in entry.force)})" if entry.force else ""
+    return (
+        f"({', '.join(number(component, 2) for component in entry.force)})" if entry.force else ""
+    )
 
 
 def sentence(matrix: Matrix, rely: Sequence[str] = ()) -> str:
-    """Whether the models of `rely` are adequate; without any, which models are, for what."""
+    """Verdicts on the models of `rely` in words; without such, the adequate models."""
     relied = [model for model in rely if matrix.of_model(model)]
-    said = _relied(matrix, relied) if relied else _to_use(matrix)
-    return f"{said}." if said else "No model could be judged."
+    text = _relied_text(matrix, relied) if relied else _recommendation(matrix)
+    return f"{text}." if text else "No model could be judged."
 
 
 def supposition(matrix: Matrix, rely: Sequence[str] = ()) -> str:
-    """What decided verdicts on frequencies suppose, of models of `rely` if any; "" without such."""
+    """Assumption of the decided verdicts on frequencies, of models of `rely` if any.
+
+    "" without decided verdicts on frequencies, or without an assumption.
+    """
     entries = [e for model in rely for e in matrix.of_model(model)] or matrix.entries
     decided = any(e.verdict != "undecided" and not e.quantity.static for e in entries)
     return f"Frequencies are judged {matrix.supposed}." if matrix.supposed and decided else ""
 
 
-def _relied(matrix: Matrix, models: Sequence[str]) -> str:
-    """For models of the same verdicts: for what they are adequate or not, how far they are off."""
-    alike: dict[tuple[tuple[Quantity, Adequacy], ...], list[str]] = {}
+def _relied_text(matrix: Matrix, models: Sequence[str]) -> str:
+    """Verdicts with largest errors, one text for models with the same verdicts."""
+    models_by_verdicts: dict[tuple[tuple[Quantity, Adequacy], ...], list[str]] = {}
     for model in models:
         verdicts = tuple((entry.quantity, entry.verdict) for entry in matrix.of_model(model))
-        alike.setdefault(verdicts, []).append(model)
-    told = []
-    for verdicts, names in alike.items():
+        models_by_verdicts.setdefault(verdicts, []).append(model)
+    texts = []
+    for verdicts, names in models_by_verdicts.items():
         entries = [entry for name in names for entry in matrix.of_model(name)]
         parts = [
-            f"{verdict} for {_for_what(matrix, [q for q, one in verdicts if one == verdict])}"
-            f"{_by([entry for entry in entries if entry.verdict == verdict])}"
+            f"{verdict} for "
+            f"{_purpose_text(matrix, [q for q, own_verdict in verdicts if own_verdict == verdict])}"
+            f"{_largest_error_text([entry for entry in entries if entry.verdict == verdict])}"
             for verdict in VERDICTS
-            if any(one == verdict for _, one in verdicts)
+            if any(own_verdict == verdict for _, own_verdict in verdicts)
         ]
-        told.append(f"{listed(names)}: {', '.join(parts)}")
+        texts.append(f"{listed(names)}: {', '.join(parts)}")
     limits = sorted(entry.limit for model in models for entry in matrix.of_model(model))
     accepted = dict.fromkeys(percent(limit, signed=False) for limit in (limits[0], limits[-1]))
-    return f"You rely on {'; '.join(told)}. You accept {' to '.join(accepted)}"
+    return f"You rely on {'; '.join(texts)}. You accept {' to '.join(accepted)}"
 
 
-def _for_what(matrix: Matrix, quantities: Sequence[Quantity]) -> str:
-    spoken = {entry.quantity for entry in matrix.entries}
-    everything = spoken == {*quantities} and ORDER in spoken
+def _purpose_text(matrix: Matrix, quantities: Sequence[Quantity]) -> str:
+    judged = {entry.quantity for entry in matrix.entries}
+    everything = judged == {*quantities} and ORDER in judged
     return "everything judged" if everything else quantities_text(matrix, quantities)
 
 
-def _by(entries: Sequence[Entry]) -> str:
-    """The largest error of entries of one verdict; of adequate ones the largest that is left open.
+def _largest_error_text(entries: Sequence[Entry]) -> str:
+    """The largest error of entries with one verdict; for adequate ones, its largest bound.
 
-    Of the order, which compares modes that have nothing in common, only where nothing else is.
+    Errors of the order count only if there are no others, as they compare unrelated modes.
     """
     adequate = entries[0].verdict == "adequate"
-    found = [entry for entry in entries if entry.error is not None]
-    found = [entry for entry in found if entry.quantity != ORDER] or found
-    if not found or entries[0].verdict == "undecided":
+    with_error = [entry for entry in entries if entry.error is not None]
+    with_error = [entry for entry in with_error if entry.quantity != ORDER] or with_error
+    if not with_error or entries[0].verdict == "undecided":
         return ""
-    largest = max(bound(one) if adequate else abs(one.error or 0.0) for one in found)
-    off = error_text(largest, signed=False)
-    return f" (off by {'at most' if adequate else 'up to'} {off})"
+    largest = max(bound(entry) if adequate else abs(entry.error or 0.0) for entry in with_error)
+    error = error_text(largest, signed=False)
+    return f" (off by {'at most' if adequate else 'up to'} {error})"
 
 
 def models_to_use(matrix: Matrix) -> list[tuple[str, set[Quantity]]]:
-    """Models that together are adequate for all that any is adequate for, with what each is for.
+    """Models that together cover all quantities with an adequate model, each with its quantities.
 
-    In turn the model that is adequate for most of what is left, the simplest of equals.
+    Greedy choice: each time the model that is adequate for most of the remaining quantities, and of
+    equal ones the simplest.
     """
-    fitting = {
+    adequate = {
         note.model: {e.quantity for e in matrix.of_model(note.model) if e.verdict == "adequate"}
         for note in matrix.models
     }
-    left: set[Quantity] = set().union(*fitting.values())
-    chosen: list[tuple[str, set[Quantity]]] = []
-    while left:
-        model = max(fitting, key=lambda name: len(fitting[name] & left))
-        chosen.append((model, fitting[model] & left))
-        left -= fitting[model]
-    return chosen
+    uncovered: set[Quantity] = set().union(*adequate.values())
+    selection: list[tuple[str, set[Quantity]]] = []
+    while uncovered:
+        model = max(adequate, key=lambda name: len(adequate[name] & uncovered))
+        selection.append((model, adequate[model] & uncovered))
+        uncovered -= adequate[model]
+    return selection
 
 
-def _to_use(matrix: Matrix) -> str:
-    chosen = models_to_use(matrix)
-    held = {quantity for _, found in chosen for quantity in found}
-    undecided = {e.quantity for e in matrix.entries if e.verdict == "undecided"} - held
-    refused = {entry.quantity for entry in matrix.entries} - held - undecided
-    # Solids of legs known by a 6×6 alone are of other legs: no remedy.
+def _recommendation(matrix: Matrix) -> str:
+    selection = models_to_use(matrix)
+    covered = {quantity for _, quantities in selection for quantity in quantities}
+    undecided = {e.quantity for e in matrix.entries if e.verdict == "undecided"} - covered
+    refused = {entry.quantity for entry in matrix.entries} - covered - undecided
+    # Solids are no remedy for legs known by a 6×6 alone, as they model equivalent legs.
     if refused and not (matrix.supposed or any(entry.measured for entry in matrix.entries)):
-        chosen.append(("solid", refused))
+        selection.append(("solid", refused))
         refused = set()
-    said = [f"{model} ({quantities_text(matrix, found)})" for model, found in chosen]
-    parts = [f"for your limits use {', '.join(said)}"] if said else []
+    texts = [f"{model} ({quantities_text(matrix, quantities)})" for model, quantities in selection]
+    parts = [f"for your limits use {', '.join(texts)}"] if texts else []
     parts += [f"no model is adequate for {quantities_text(matrix, refused)}"] if refused else []
     parts += [f"undecided: {quantities_text(matrix, undecided)}"] if undecided else []
     return capital("; ".join(parts))
 
 
 def pose_text(coordinates: Sequence[Coordinate], pose: Sequence[float]) -> str:
-    """Coordinates of a pose with their units: "x = 0.4975 m"; "the root clamped" if it has none."""
+    """Coordinates of a pose with units: "x = 0.4975 m". "the root clamped" without coordinates."""
     if not pose:
         return "the root clamped"
     return ", ".join(

@@ -31,7 +31,7 @@ from validation.paper.robot import (
     stroke_of,
 )
 from validation.published_statements import Claim, ClaimedCurve, summary
-from validation.report.published_statements import SaidTable
+from validation.report.published_statements import StatementTable
 from validation.run.outcome import judge
 from validation.run.records import claims_of, run_record
 
@@ -154,7 +154,7 @@ def test_results_and_report_have_all_statements(outcomes, claims):
     records = run_record({}, (), outcomes, ()).statements
     assert [record["statement"] for record in records] == list(claims)
     assert {"as_printed", "as_corrected"} <= set(records[0]["curves"][0])
-    table = SaidTable(tuple(claims.values()))
+    table = StatementTable(tuple(claims.values()))
     assert len(table.csv.splitlines()) == 1 + sum(len(claim.curves) for claim in claims.values())
     planar = claim_starting(claims, "Longer legs: smaller planar")
     (((_, corrected), holds, _),) = (row for claim, *row in table.rows if claim is planar)

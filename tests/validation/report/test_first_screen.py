@@ -130,7 +130,7 @@ def test_models_to_use_share_what_is_adequate(seed):
     assert [(model, {one.name for one in reasons}) for model, reasons in found] == chosen
 
 
-def test_second_theories_and_models_that_lack_motions_are_folded_unless_told_of():
+def test_unfit_models_are_folded_unless_named():
     theories = [entry(name, "x", 0.01) for name in ("beam", "beam-euler-bernoulli")]
     lacking = [entry(name, "z", -1.0) for name in ("simplified", "links")]
     useful = [entry("simplified", "x", 0.5), entry("links", "x", 0.01)]
@@ -149,7 +149,7 @@ def test_second_theories_and_models_that_lack_motions_are_folded_unless_told_of(
         assert [row.note.model for row in rows if not row.folded] == shown
 
 
-def test_what_verdicts_on_frequencies_suppose_is_said_of_those_decided_and_nowhere_else():
+def test_assumption_is_stated_for_decided_frequencies():
     assert plain(sentence(sample_matrix())) == (
         "For your limits use vjm (deflections and rotations); undecided: frequencies."
     )
@@ -175,7 +175,7 @@ def test_half_width_below_a_twentieth_percent_is_hidden():
     assert (plain(order.text), order.spread) == ("−11 %", "at most")
 
 
-def test_the_robots_own_numbers_are_those_of_the_reference():
+def test_robot_row_has_values_of_the_reference():
     """At most 25 nm/N, a quarter too many, are 20 µm under 1000 N; 30 nrad/(N m) 3 µrad.
 
     Each stands in the middle of what the reference leaves open: 100 Hz between 95 and 115 Hz are
@@ -251,7 +251,7 @@ def test_range_of_a_remedy_is_by_size_whatever_the_sign():
     assert plain(line.with_remedy) == "−0.3 to +4 %"
 
 
-def test_legs_and_measured_values_have_tables_and_sheets_of_their_own():
+def test_legs_and_measured_values_have_own_tables():
     by_gauge = tuple(
         entry(model, "z", size, measured=True, reference="measured: gauge")
         for model, size in (("vjm", 0.01), ("segments", -0.2))
@@ -279,7 +279,7 @@ def test_legs_and_measured_values_have_tables_and_sheets_of_their_own():
     assert f"<dd>{number(by_gauge[1].value, 6)} m</dd>" in alone
 
 
-def test_uncertain_inputs_stand_beside_the_matrix_and_how_sure_a_verdict_is():
+def test_matrix_has_uncertain_inputs_and_probabilities():
     uncertain = entry(
         *("beam", "f1", 0.03),
         probability=0.97,

@@ -147,7 +147,7 @@ def test_every_cell_and_its_sheet(matrix):
         assert numbers(said["Error"]) == [told(entry.error), told(entry.limit)]
         assert ("accepted ± " in said["Error"]) is entry.signed
         assert said["Error"].startswith("+") == (entry.signed and entry.error >= NOTHING)
-        assert numbers(said["Left open"]) == [told(entry.low), told(entry.high)]
+        assert numbers(said["Range of the error"]) == [told(entry.low), told(entry.high)]
         readings = re.findall(
             rf"({NUMBER} %) with (ends [a-z]+)", unbroken(said.get("Readings", ""))
         )
@@ -330,7 +330,7 @@ def test_remedy_lines_have_the_range_of_their_errors():
                     assert [ends[0], ends[-1]] == [told(known[0]), told(known[-1])], shown
 
 
-def test_a_matrix_survives_its_record_whose_keys_programs_read():
+def test_matrix_survives_its_record_with_fixed_keys():
     record = to_builtins(stored_entries(MATRICES[0])[0])
     keys = (
         "model quantity verdict error uncertainty low high limit along value expected reference "
@@ -373,7 +373,7 @@ def test_the_record_and_the_line_of_the_api():
                 assert f"remedy: {entry.remedy}" in line
 
 
-def test_numbers_shares_and_tolerances_are_written_as_in_print():
+def test_numbers_and_tolerances_are_formatted_as_in_print():
     written = {1.06e-6: "1.06\u00a0×\u00a010⁻⁶", -123456.0: "−123460", 0.0: "0", None: "–"}
     written |= {"centre": "centre", float("inf"): "∞"}
     assert {value: text.number(value) for value in written} == written

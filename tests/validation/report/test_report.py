@@ -60,7 +60,7 @@ def markup():
     return render(sample_report())
 
 
-def test_the_page_is_well_formed_leads_somewhere_and_needs_nothing_else(markup):
+def test_page_is_well_formed_and_self_contained(markup):
     page = Page(markup)
     assert page.open == []
     ids = page.values["id"]
@@ -75,7 +75,7 @@ def test_the_page_is_well_formed_leads_somewhere_and_needs_nothing_else(markup):
     assert not re.search(r"<script src|@import|fetch\(", markup)
 
 
-def test_the_answer_stands_at_the_top_and_the_checks_behind_it(markup):
+def test_verdict_is_at_the_top_and_checks_follow(markup):
     banner = markup[markup.index('id="verdict"') : markup.index("</header>")]
     answer = re.search(r"<strong>([^<]*)</strong>", banner)[1]
     assert answer.startswith("For your limits use vjm (deflections and rotations); ")
@@ -85,7 +85,7 @@ def test_the_answer_stands_at_the_top_and_the_checks_behind_it(markup):
     assert 'href="#robot.beam-vjm.planar_x_0.4975"' in banner
 
 
-def test_the_answer_is_coloured_where_a_model_relied_on_is_inadequate():
+def test_banner_is_coloured_for_inadequate_relied_model():
     for rely, colour in (("vjm", "answer"), ("simplified", "inadequate")):
         report = sample_report(outcomes=[])
         page = render(replace(report, results=replace(report.results, rely=(rely,))))
@@ -155,7 +155,7 @@ def test_a_study_shared_by_several_cases_is_shown_once():
     assert len(ids) == len(set(ids))
 
 
-def test_only_equal_numbers_have_an_unexplained_difference_in_per_cent():
+def test_only_equality_has_percent_of_unexplained_part():
     for more, share in (
         ({}, 0.005),
         ({"tolerance": Absolute(0.1)}, None),
@@ -166,7 +166,7 @@ def test_only_equal_numbers_have_an_unexplained_difference_in_per_cent():
         assert unexplained_share(outcome) == (share and pytest.approx(share))
 
 
-def test_a_budget_shows_what_is_measured_explained_and_left():
+def test_budget_shows_difference_causes_and_rest():
     allowances = (Allowance("warping", -0.096),)
     outcome = measured("solid", 1.9, 2.0, 1e-4, exact=False, allowances=allowances)
     whole, rest = budget_curves([(outcome, outcome.measurement)]).panels
@@ -189,7 +189,7 @@ def test_a_budget_shows_what_is_measured_explained_and_left():
     }
 
 
-def test_the_figures_of_the_page_are_all_there_to_be_written(markup):
+def test_all_figures_of_the_page_are_written(markup):
     shown = sample_report().shown
     in_page = set(re.findall(r'<figure id="([^"]+)"', markup))
     assert {text.anchor(figure.id) for figure in shown} == in_page
@@ -215,7 +215,7 @@ def test_chapters_answer_in_turn_whatever_came_first():
     ]
 
 
-def test_scenes_missing_pictures_and_values_that_are_no_numbers_are_shown():
+def test_page_shows_scenes_missing_pictures_and_nan():
     """The viewer stands in the page once, and only where there is something to be turned."""
     scene = InteractiveScene("(a) mode 1", b"PK state")
     one, two, left_out = (
@@ -248,7 +248,7 @@ def test_data_of_curves_belong_to_their_names():
     assert record["limit"] == CONVERGENCE.limits
 
 
-def test_studies_of_a_family_share_their_axes_and_go_by_their_variants():
+def test_studies_of_a_family_share_axes():
     members = [
         replace(CONVERGENCE, id=name, family="cross", family_title="cross", variant=name)
         for name in ("bending", "torsion")
@@ -260,7 +260,7 @@ def test_studies_of_a_family_share_their_axes_and_go_by_their_variants():
     ]
 
 
-def test_plots_have_ids_of_their_own_and_equal_studies_give_equal_files(undrawn):
+def test_plots_have_unique_ids_and_reproducible_files(undrawn):
     undrawn.undo()
     first, again, second = (
         study_figure(family_of([replace(CONVERGENCE, id=name)])) for name in ("one", "one", "two")
