@@ -3,7 +3,8 @@
     python tests/benchmarks/mumps.py [--meshes FOLDER] [ROW ...]
 
 Each row is a process of its own. A mesh is read from FOLDER if it is there, otherwise made by gmsh
-and kept there.
+and kept there. CPU seconds are those of order, factor and count, of all ranks; GB are those of the
+largest process. Behind each row: modes below 1 kHz, first and last frequency.
 """
 
 # ruff: noqa: T201, E402  a script that prints its figures
@@ -33,7 +34,18 @@ SIZES = ("9k", "18k", "46k", "134k")
 LEGS["46k"] = (0.85, 0.16, 0.26, 6)
 SOLVERS = ("rslab 1", "rslab 2", "petsc 1", "petsc 2")
 ROWS = [*(f"{size} {solver}" for size in SIZES[2:] for solver in SOLVERS), "18k superlu 1"]
-HEADINGS = ("row", "unknowns", "order", "factor", "count", "8 columns", "20 modes", "GB", "load")
+HEADINGS = (
+    "row",
+    "unknowns",
+    "order",
+    "factor",
+    "count",
+    "8 columns",
+    "20 modes",
+    "CPU s",
+    "GB",
+    "load",
+)
 
 
 def peak(process: int) -> float:
@@ -49,6 +61,17 @@ def descendants(process: int) -> list[int]:
     return [one for child in map(int, children) for one in (child, *descendants(child))]
 
 
+def cpu_seconds() -> float:
+    """CPU time of this process and of those that it has started."""
+    ticks = 0
+    for process in (os.getpid(), *descendants(os.getpid())):
+        fields = (
+            Path(f"/proc/{process}/stat").read_text(encoding="ascii").rpartition(")")[2].split()
+        )
+        ticks += int(fields[11]) + int(fields[12])
+    return ticks / os.sysconf("SC_CLK_TCK")
+
+
 def row(name: str, meshes: Path) -> str:
     """A line of the table."""
     size, solver, _ = name.split()
@@ -59,6 +82,7 @@ def row(name: str, meshes: Path) -> str:
     K, M = solid.stiffness[free][:, free], solid.mass[free][:, free]
     if solver == "petsc":
         client.server()
+    cpu = cpu_seconds()
     times = [perf_counter()]
     both = pencil(K, M)
     times.append(perf_counter())
@@ -66,6 +90,7 @@ def row(name: str, meshes: Path) -> str:
     times.append(perf_counter())
     inertia = count_below(both, (2.0 * np.pi * 1000.0) ** 2)
     times.append(perf_counter())
+    cpu = cpu_seconds() - cpu
     again = both.symbolic.factorise() if solver == "petsc" else factor
     block = np.random.default_rng(1).standard_normal((len(free), 8))
     again.solve(block)
@@ -79,7 +104,7 @@ def row(name: str, meshes: Path) -> str:
     begun = perf_counter()
     modes = body.modes(MODES)
     seconds.append(perf_counter() - begun)
-    figures = "  ".join(f"{one:9.3f}" for one in (*seconds, max(own, *memory), load))
+    figures = "  ".join(f"{one:9.3f}" for one in (*seconds, cpu, max(own, *memory), load))
     return f"{name:15} {len(free):8} {figures}  {inertia.negative} {modes.frequencies[[0, -1]]}"
 
 
@@ -96,7 +121,7 @@ def main() -> None:
             superlu.LARGEST = 10**6
         print(row(options.rows[0], options.meshes), flush=True)
         return
-    print("  ".join(HEADINGS))
+    print(HEADINGS)
     for name in options.rows or ROWS:
         _, solver, ranks = name.split()
         request = {"superlu": "auto"}.get(solver, solver)

@@ -259,6 +259,9 @@ def _require_same_program(client: Any, address: str) -> None:
     # A worker without this program answers with an error.
     answers = client.run(_told, request=request_variables(), on_error="return")
     for place, answer in sorted(answers.items()):
+        if isinstance(answer, InputError):
+            faults.append(f"--cluster {address}: worker {place}: {answer}")
+            continue
         name, program = answer if isinstance(answer, tuple) else ("", {})
         if differing := _differences(program, _program(solver_name())):
             worker = f"{name} ({place})" if name else place

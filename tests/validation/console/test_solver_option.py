@@ -3,6 +3,7 @@
 import json
 import os
 import warnings
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,9 +11,18 @@ from fake_card import forget_card, insert_card
 from petsc_here import require_petsc
 
 from fem.solvers.backends.choice import SolverFallbackWarning
-from lumped.solver_request import RANKS_VARIABLE, VARIABLE, Solver, requested_solver
+from lumped.errors import InputError
+from lumped.solver_request import (
+    RANKS_VARIABLE,
+    VARIABLE,
+    Solver,
+    request_variables,
+    requested_ranks,
+    requested_solver,
+)
 from meshes.processes import in_own_process
 from validation import cli
+from validation.run import cluster
 from validation.run.executor import on_cores
 from validation.run.provenance import versions
 from validation.run.sources import program
@@ -98,6 +108,31 @@ def test_request_reaches_processes(monkeypatch):
     assert in_own_process(requested_solver) is Solver.RSLAB
     with on_cores(1) as cores:
         assert list(cores([requested_solver])) == [(0, Solver.RSLAB)]
+
+
+class OneWorker:
+    """Client of a cluster whose only worker is this process."""
+
+    def run(self, function, request, **_):
+        try:
+            return {"tcp://worker:1": function(SimpleNamespace(name="worker"), request)}
+        except InputError as error:
+            return {"tcp://worker:1": error}
+
+
+def test_worker_of_cluster_takes_request_over(monkeypatch):
+    monkeypatch.setenv(VARIABLE, "petsc")
+    monkeypatch.setenv(RANKS_VARIABLE, "2")
+    request = request_variables()
+    monkeypatch.setattr(cluster, "request_variables", lambda: request)
+    monkeypatch.setenv(VARIABLE, "auto")
+    monkeypatch.setenv(RANKS_VARIABLE, "1")
+    monkeypatch.setenv("FLEXPROOF_PETSC_PYTHON", "/nowhere/python")
+    expected = "--cluster tcp://s: worker tcp://worker:1: solver petsc: /nowhere/python does not"
+    with pytest.raises(InputError, match=expected):
+        cluster._require_same_program(OneWorker(), "tcp://s")
+    assert requested_solver() is Solver.PETSC
+    assert requested_ranks() == 2
 
 
 def warn_of_fallback():
