@@ -9,14 +9,14 @@ from validation.cases import leg_theory, other_programs, part_reductions, polyno
 from validation.references.robot_on_path import distinct_legs
 
 
-def cases(described: Mechanism, modes: int) -> tuple[Case, ...]:
-    """All of them, in the order of the report: of legs that are alike of the first.
+def cases(mechanism: Mechanism, mode_count: int) -> tuple[Case, ...]:
+    """All cases in the order of the report. Equal legs have the cases of the first of them.
 
-    `modes` frequencies of the robot are judged.
+    `mode_count` frequencies of the robot are judged.
     """
     return (
-        *leg_theory.cases(legs=distinct_legs(described)),
-        *part_reductions.cases(mechanism=described),
-        *other_programs.cases(mechanism=described),
-        *polynomials.cases(mechanism=described, modes=modes),
+        *leg_theory.cases(legs=distinct_legs(mechanism)),
+        *part_reductions.cases(mechanism=mechanism),
+        *other_programs.cases(mechanism=mechanism),
+        *polynomials.cases(mechanism=mechanism, modes=mode_count),
     )

@@ -55,22 +55,22 @@ ENTRIES = {
 }
 TIMOSHENKO = "S. P. Timoshenko, Phil. Mag. 41 (1921) 744; c = ∫ of unit resultants over EA … κGA"
 HUANG = "T. C. Huang, J. Appl. Mech. 28 (1961) 579, exact Timoshenko cantilever, solved here"
-# Divisions of the meshes of a leg that have at most so many unknowns.
+# Divisions of the meshes of a leg, for a largest number of unknowns.
 Ladder: TypeAlias = Callable[[ConstantLeg, int], tuple[int, ...]]
 # Unknowns of the largest section mesh for statics by doubling, and of the largest solid for modes.
 STATICS: dict[Preset, int] = {"quick": 1000, "standard": 2000, "fine": 4000}
 DYNAMICS: dict[Preset, int] = {"quick": 9_000, "standard": 30_000, "fine": 100_000}
-# Waves need dense matrices: divisions of the section that show whether a mode is a beam's, and the
-# largest ones.
+# Waves need dense matrices: divisions of the section that decide whether a mode follows beam
+# theory, and the largest divisions.
 WAVE_DIVISIONS, MOST_WAVES = 4, 8
-# Relative tolerances of compliances. Held faces have edges where the mesh loses its order, worst in
-# I-sections (2e-5); solid and beam with free ends have one section mesh, and what is left is how
-# each follows curved walls (1e-7 of a circle).
-_HELD, _FREE = 2e-4, 3e-6
-# Wave length of the shortest mode, in section heights, that beam theory is held to.
+# Relative tolerances of compliances. Held faces have edges at which the mesh loses its order, worst
+# in I-sections (2e-5). Solid and beam with free ends share one section mesh; the residual is their
+# different treatment of curved walls (1e-7 for a circle).
+_HELD_TOLERANCE, _FREE_TOLERANCE = 2e-4, 3e-6
+# Shortest wave length, in section heights, for which beam theory is judged.
 SHORTEST_WAVE = 3.0
-# Relative tolerance of frequencies: the uncertainty that two meshes leave of elements along a leg.
-_BEAMS = 2e-3
+# Relative tolerance of frequencies: uncertainty of two meshes along a leg.
+_FREQUENCY_TOLERANCE = 2e-3
 DISTORTION = (
     "distortion of the section: contraction, warping by shear and walls that bend along the wave "
     "and at the free end"
@@ -88,7 +88,11 @@ cases = CaseGroup(
     effort=0.1,
 )
 _compliances = cases.family(
-    over={"name, entry, meaning, unit": [(name, *of) for name, of in ENTRIES.items()]},
+    over={
+        "name, entry, meaning, unit": [
+            (name, *entry_fields) for name, entry_fields in ENTRIES.items()
+        ]
+    },
     quantity="compliance {name}, {meaning}",
     label="{name}, {meaning}",
     citation=f"{TIMOSHENKO}; section constants by finite elements",
@@ -111,33 +115,33 @@ def frequencies(context: Context, body: str, ends: Ends, count: int) -> SolidMod
 
 
 def _divisions(
-    context: Context, leg: ConstantLeg, ladder: Ladder, limits: Mapping[Preset, int], what: str
+    context: Context, leg: ConstantLeg, ladder: Ladder, limits: Mapping[Preset, int], meshes: str
 ) -> tuple[int, ...]:
-    """Divisions of the meshes that the preset allows; Skip where these are fewer than two."""
+    """Divisions of the meshes that the preset allows. Raises Skip if they are fewer than two."""
     if shapeless := why_shapeless([leg]):
         raise Skip(shapeless)
-    most = limits[context.preset]
-    if divisions := context.get(ladder, leg, most):
+    largest_unknowns = limits[context.preset]
+    if divisions := context.get(ladder, leg, largest_unknowns):
         return divisions
-    takes = larger_preset(context.preset, lambda one: bool(ladder(leg, limits[one])))
+    fitting_preset = larger_preset(context.preset, lambda preset: bool(ladder(leg, limits[preset])))
     raise Skip(
-        f"two {what} of this section have more than {most} unknowns, too many for preset "
-        f"{context.preset}; {takes} takes them"
+        f"two {meshes} of this section have more than {largest_unknowns} unknowns, too many for "
+        f"preset {context.preset}; {fitting_preset} takes them"
     )
 
 
-def own_compliances(leg: ConstantLeg, divisions: tuple[int, ...]) -> Array:
+def computed_compliances(leg: ConstantLeg, divisions: tuple[int, ...]) -> Array:
     """Tip compliances (m×6×6) of the beam, section constants on each of the solids' meshes."""
     beams = (own_properties(leg, number) for number in divisions)
     return np.array([tip_compliance(beam, leg.length) for beam in beams])
 
 
-def restrained(leg: ConstantLeg, divisions: tuple[int, ...]) -> Array:
+def face_restraints(leg: ConstantLeg, divisions: tuple[int, ...]) -> Array:
     """Change (m×6×6, ≤ 0) of the beam's tip compliance by rigid end faces, by theory."""
     return np.array([face_restraint(leg, number) for number in divisions])
 
 
-def own_frequencies(
+def computed_frequencies(
     leg: ConstantLeg, divisions: tuple[int, ...], kinds: tuple[tuple[Kind, int], ...]
 ) -> Array:
     """Frequencies (Hz, m×k) of the beam by kind and order, for each of the solids' meshes."""
@@ -150,8 +154,8 @@ def own_frequencies(
 @_compliances.case(
     "{body}.compliance.solid-free[{name}]",
     "{body}: {name} of the solid with free ends is the Timoshenko cantilever's",
-    over={"ends, fraction": [("free", _FREE)]},
-    tolerance=Relative(_FREE),
+    over={"ends, fraction": [("free", _FREE_TOLERANCE)]},
+    tolerance=Relative(_FREE_TOLERANCE),
     tolerance_reason="beam theory is exact for ends free to warp and contract, and both have one "
     "section mesh: 3e-6 where its walls are curved",
 )
@@ -159,8 +163,8 @@ def own_frequencies(
     "{body}.compliance.solid[{name}]",
     "{body}: {name} of the solid with rigid faces is the Timoshenko cantilever's less what "
     "faces held plane take from it",
-    over={"ends, fraction": [("rigid", _HELD)]},
-    tolerance=Relative(_HELD),
+    over={"ends, fraction": [("rigid", _HELD_TOLERANCE)]},
+    tolerance=Relative(_HELD_TOLERANCE),
     tolerance_reason="end effects decay as Saint-Venant's theory of the prism says; what is left "
     "is the mesh at the edges of held faces: 0.02 %",
     model="solid",
@@ -169,52 +173,57 @@ def _entry(
     context: Context, body: str, entry: tuple[int, int], ends: Ends, fraction: float
 ) -> Measurement:
     leg = constant_leg_of(context, body)
-    solid, free = (compliances(context, body, one) for one in (ends, "free"))
-    beams = context.get(own_compliances, leg, solid.divisions)
-    own = Refinement(solid.divisions, beams, formal_order(leg, "free"))
-    value, reference = float(solid.values[-1][entry]), float(own.values[-1][entry])
-    taken = np.zeros_like(beams)
+    solid, free = (compliances(context, body, condition) for condition in (ends, "free"))
+    beams = context.get(computed_compliances, leg, solid.divisions)
+    beam = Refinement(solid.divisions, beams, formal_order(leg, "free"))
+    value, reference = float(solid.values[-1][entry]), float(beam.values[-1][entry])
+    restraints = np.zeros_like(beams)
     allowances: tuple[Allowance, ...] = ()
     notes: tuple[str, ...] = ()
     if ends == "rigid":
-        taken = context.get(restrained, leg, solid.divisions)
+        restraints = context.get(face_restraints, leg, solid.divisions)
         allowances = (
             Allowance(
                 cause="end faces kept plane and rigid: warping and contraction restrained",
-                amount=float(taken[-1][entry]),
+                amount=float(restraints[-1][entry]),
                 source="fields that decay from held faces of the prism (fem.couplings.end_effects)",
             ),
         )
         by_faces = _percent(value, float(free.values[-1][entry]))
         notes = (f"the same mesh with free ends: {by_faces} by rigid faces",)
-    # Solid and beam have one section mesh, whose errors they share: what is judged has its own.
-    left = Refinement(solid.divisions, solid.values - own.values - taken, formal_order(leg, ends))
-    _require_decided(context, body, left, entry, fraction * abs(reference))
+    # Solid and beam share the errors of one section mesh: the residuals have a smaller uncertainty.
+    residuals = Refinement(
+        solid.divisions, solid.values - beam.values - restraints, formal_order(leg, ends)
+    )
+    _require_decided(context, body, residuals, entry, fraction * abs(reference))
     return Measurement(
         value,
         reference,
         value_uncertainty=solid.uncertainty(*entry),
-        reference_uncertainty=own.uncertainty(*entry),
-        judged_uncertainty=left.uncertainty(*entry),
+        reference_uncertainty=beam.uncertainty(*entry),
+        judged_uncertainty=residuals.uncertainty(*entry),
         allowances=allowances,
         notes=notes,
     )
 
 
 def _require_decided(
-    context: Context, body: str, left: Refinement, entry: tuple[int, int], tolerance: float
+    context: Context, body: str, residuals: Refinement, entry: tuple[int, int], tolerance: float
 ) -> None:
-    """Raise Skip where too few meshes for an order, three times their step, cannot decide."""
-    uncertainty = left.uncertainty(*entry)
-    undecided = abs(left.values[-1][entry]) <= tolerance < uncertainty
-    if undecided and len(left.divisions) < GRIDS_FOR_ORDER:
+    """Raise Skip if the meshes are too few for an order and their uncertainty does not decide."""
+    uncertainty = residuals.uncertainty(*entry)
+    undecided = abs(residuals.values[-1][entry]) <= tolerance < uncertainty
+    if undecided and len(residuals.divisions) < GRIDS_FOR_ORDER:
         leg, preset = constant_leg_of(context, body), context.preset
-        has = larger_preset(preset, lambda one: static_ladder(leg, STATICS[one]) != left.divisions)
-        meshes = counted(len(left.divisions), "mesh", "meshes")
+        finer_preset = larger_preset(
+            preset,
+            lambda other_preset: static_ladder(leg, STATICS[other_preset]) != residuals.divisions,
+        )
+        meshes = counted(len(residuals.divisions), "mesh", "meshes")
         raise Skip(
             f"affordable in preset {preset}: {meshes} of this section, too few to show an order; "
-            f"the uncertainty is {uncertainty / tolerance:.2g} times the tolerance; {has} has "
-            "finer ones"
+            f"the uncertainty is {uncertainty / tolerance:.2g} times the tolerance; {finer_preset} "
+            "has finer ones"
         )
 
 
@@ -231,7 +240,7 @@ def _percent(changed: float, base: float) -> str:
     label="frequency {mode}",
     unit="Hz",
     citation=f"{HUANG}; section constants by finite elements",
-    tolerance=Relative(_BEAMS),
+    tolerance=Relative(_FREQUENCY_TOLERANCE),
     tolerance_reason="what waves of 3-D elasticity change of Timoshenko's theory is allowed for; "
     "what is left is the mesh along the leg, known to 0.17 % from two coarse ones",
     model="solid",
@@ -240,32 +249,32 @@ def _percent(changed: float, base: float) -> str:
 )
 def _mode(context: Context, body: str, index: int) -> Measurement:
     leg = constant_leg_of(context, body)
-    judged = modes_of_beams(context, leg)
+    offered = beam_mode_count(context, leg)
     modes = exact_modes(leg)
     exact = modes[index]
-    if reason := context.get(not_a_beam, leg, exact):
+    if reason := context.get(why_no_beam, leg, exact):
         raise Skip(f"{exact.kind}, number {exact.order} of its kind: {reason}")
-    rigid, free = (frequencies(context, body, ends, judged) for ends in ("rigid", "free"))
-    found = free.frequencies
-    kinds = tuple((one.kind, one.order) for one in modes)
-    beams = context.get(own_frequencies, leg, found.divisions, kinds)[:, index]
-    changes = context.get(distortion, leg, found.divisions, exact)
-    # As for compliances: free solid, beam and waves have the errors of one section mesh in common.
-    left = Refinement(found.divisions, found.values[:, index] - beams * (1.0 + changes))
-    own = Refinement(found.divisions, beams)
-    value, reference = float(found.values[-1, index]), float(beams[-1])
-    held = float(rigid.frequencies.values[-1, index])
+    rigid, free = (frequencies(context, body, ends, offered) for ends in ("rigid", "free"))
+    solid = free.frequencies
+    kinds = tuple((mode.kind, mode.order) for mode in modes)
+    beams = context.get(computed_frequencies, leg, solid.divisions, kinds)[:, index]
+    changes = context.get(distortion, leg, solid.divisions, exact)
+    # As for compliances, free solid, beam and waves share the errors of one section mesh.
+    residuals = Refinement(solid.divisions, solid.values[:, index] - beams * (1.0 + changes))
+    beam = Refinement(solid.divisions, beams)
+    value, reference = float(solid.values[-1, index]), float(beams[-1])
+    rigid_frequency = float(rigid.frequencies.values[-1, index])
     return Measurement(
         value,
         reference,
-        value_uncertainty=found.uncertainty(index),
-        reference_uncertainty=own.uncertainty(),
-        judged_uncertainty=left.uncertainty(),
+        value_uncertainty=solid.uncertainty(index),
+        reference_uncertainty=beam.uncertainty(),
+        judged_uncertainty=residuals.uncertainty(),
         allowances=(Allowance(DISTORTION, float(changes[-1]) * reference, DISTORTION_SOURCE),),
         notes=(
             f"{exact.kind}, number {exact.order} of its kind; MAC with the beam's mode "
             f"{free.mac[-1, index]:.4f}",
-            f"with rigid end faces {held:.5g} Hz, {_percent(held, value)}",
+            f"with rigid end faces {rigid_frequency:.5g} Hz, {_percent(rigid_frequency, value)}",
         ),
     )
 
@@ -275,23 +284,25 @@ def exact_modes(leg: ConstantLeg) -> tuple[CantileverFrequency, ...]:
     return cantilever_frequencies(leg.timoshenko, leg.length, MODES)
 
 
-def modes_of_beams(context: Context, leg: ConstantLeg) -> int:
-    """Count of the first modes up to the last that beam theory applies to, at least one.
+def beam_mode_count(context: Context, leg: ConstantLeg) -> int:
+    """Number of the last mode to which beam theory applies, at least one.
 
     Raises Skip for sections too large for a solid: they are too large for their waves, too.
     """
     _divisions(context, leg, dynamic_ladder, DYNAMICS, "solid meshes")
-    beams = [not context.get(not_a_beam, leg, mode) for mode in exact_modes(leg)]
-    return max((place for place, beam in enumerate(beams, start=1) if beam), default=1)
+    follow_beam_theory = [not context.get(why_no_beam, leg, mode) for mode in exact_modes(leg)]
+    return max(
+        (number for number, follows in enumerate(follow_beam_theory, start=1) if follows), default=1
+    )
 
 
 def _wave_number(leg: ConstantLeg, order: int) -> float:
-    """Of a clamped-free mode (rad/m): so many quarters of a wave, an odd number, fit the leg."""
+    """Wave number (rad/m) of a clamped-free mode: 2n − 1 quarters of a wave fit the leg."""
     return (2 * order - 1) * np.pi / (2.0 * leg.length)
 
 
-def not_a_beam(leg: ConstantLeg, mode: CantileverFrequency) -> str:
-    """Reason why beam theory does not apply to a mode, from the section alone; or ""."""
+def why_no_beam(leg: ConstantLeg, mode: CantileverFrequency) -> str:
+    """Reason why beam theory does not apply to a mode, from the section alone. Empty if it does."""
     if not leg.section.is_doubly_symmetric:
         return (
             "waves of 3-D elasticity are computed for sections that are symmetric about y and z, "
@@ -299,11 +310,11 @@ def not_a_beam(leg: ConstantLeg, mode: CantileverFrequency) -> str:
         )
     width, height = leg.section.extent
     depth = {"bending y": height, "bending z": width}.get(mode.kind, max(width, height))
-    heights = 2.0 * np.pi / _wave_number(leg, mode.order) / depth
-    if heights < SHORTEST_WAVE:
+    heights_per_wave = 2.0 * np.pi / _wave_number(leg, mode.order) / depth
+    if heights_per_wave < SHORTEST_WAVE:
         return (
-            f"its wave is {heights:.1f} section heights long, below {SHORTEST_WAVE:g} no beam "
-            "theory is meant to hold"
+            f"its wave is {heights_per_wave:.1f} section heights long, below {SHORTEST_WAVE:g} no "
+            "beam theory is meant to hold"
         )
     kind = _waves(leg, WAVE_DIVISIONS)[mode.kind]
     lowest = cut_off(kind)
@@ -324,12 +335,12 @@ def _waves(leg: ConstantLeg, divisions: int) -> dict[str, PrismWaves]:
 
 
 def distortion(leg: ConstantLeg, divisions: tuple[int, ...], mode: CantileverFrequency) -> Array:
-    """Relative change (m) of a beam's frequency by the waves in it, on the solids' section meshes.
+    """Relative change (m) of a beam frequency by the waves, on the section meshes of the solids.
 
-    Raises Skip if the wave is not a beam's.
+    Raises Skip if the wave has no beam counterpart.
     """
     try:
-        return np.array([_distorted(leg, min(one, MOST_WAVES), mode) for one in divisions])
+        return np.array([_distorted(leg, min(number, MOST_WAVES), mode) for number in divisions])
     except ComputationError as error:
         raise Skip(f"{mode.kind}, number {mode.order} of its kind: {error}") from None
 
@@ -339,11 +350,11 @@ def _distorted(leg: ConstantLeg, divisions: int, mode: CantileverFrequency) -> f
     kind = _waves(leg, divisions)[mode.kind]
     beam = beam_frequency(kind, leg.length, mode.order)
     if mode.kind == "torsion":
-        near = beam * _warping_waves(leg, mode.order)
+        estimate = beam * _warping_waves(leg, mode.order)
     else:
-        near = wave_frequency(kind, leg.length, mode.order, beam)
+        estimate = wave_frequency(kind, leg.length, mode.order, beam)
     lowest = cut_off(kind)
-    if near < lowest and (prism := prism_frequency(kind, leg.length, near)) < lowest:
+    if estimate < lowest and (prism := prism_frequency(kind, leg.length, estimate)) < lowest:
         return prism / beam - 1.0
     raise ComputationError(
         f"by waves of 3-D elasticity it lies above {lowest:.4g} Hz, from where on its section "
@@ -353,10 +364,10 @@ def _distorted(leg: ConstantLeg, divisions: int, mode: CantileverFrequency) -> f
 
 @memo(64)
 def _warping_waves(leg: ConstantLeg, order: int) -> float:
-    """Estimate of what warping makes of a torsional frequency of Saint-Venant's, a factor.
+    """Estimated factor of warping on a torsional frequency by Saint-Venant's theory.
 
-    Of the 3-D wave of the same length in an endless leg, and of the tip's face, free of that wave's
-    normal stress, by Reissner's theory.
+    It is the product of two factors: that of the 3-D wave of the same length in an endless leg, and
+    that of the tip face, which is free of the normal stress of that wave, by Reissner's theory.
     """
     wave_number = _wave_number(leg, order)
     constants, material = leg_constants(leg, WAVE_DIVISIONS), leg.material

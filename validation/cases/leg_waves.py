@@ -1,12 +1,12 @@
-"""What waves of 3-D elasticity in the legs make of a mechanism's frequencies by beams.
+"""Changes of a mechanism's beam frequencies by waves of 3-D elasticity in the legs.
 
-The legs' dynamic stiffness by the waves on their sections' meshes (`fem.couplings.wave_stiffness`)
-takes the place of that of beams: Λ + Φᵀ(D(ω) − D_beam(ω))Φ has the eigenvalue ω², with D on the
-twists of the sections between a leg's pieces and Λ, Φ the modes by beams. D_beam is that of the
-section's own Saint-Venant states and inertia (`fem.couplings.wave_cantilever`), not of the beams
-that gave Λ and Φ: what is wrong with those stays in the frequencies. Pieces are so short that
-with both ends held they would swing far above ω: a leg that swings between ends at rest shows at
-its ends nothing of what it does. No mesh along the legs, and no solid, has a part in it.
+The dynamic stiffness of the legs by waves on their section meshes (`fem.couplings.wave_stiffness`)
+replaces that of beams: Λ + Φᵀ(D(ω) − D_beam(ω))Φ has the eigenvalue ω². D is on the twists of the
+sections between the pieces of a leg; Λ and Φ are the modes by beams. D_beam is that of the
+section's Saint-Venant states and inertia (`fem.couplings.wave_cantilever`), not of the beams that
+gave Λ and Φ, so that an error of those beams remains in the frequencies. Pieces are so short that
+their frequencies with both ends held are far above ω: a leg that vibrates between ends at rest
+would not show its motion at its ends. No mesh along the legs and no solid is used.
 """
 
 from collections.abc import Mapping, Sequence
@@ -36,30 +36,33 @@ NO_WAVES = (
     "waves of 3-D elasticity have no number for this mode: walls of the legs move by themselves at "
     "its frequency, or it lies so high that pieces of a leg would be shorter than its elements"
 )
-# Share of a mode's strain energy below which it does not matter that a wave is no beam's.
-_NOTHING = 1e-4
-# What frequencies change by from one step to the next, relative, when they are found.
+# Share of a mode's strain energy below which waves without a beam counterpart are neglected.
+_NEGLIGIBLE_STRAIN = 1e-4
+# Relative change of a frequency in one step at which the iteration has converged, and most steps.
 _CONVERGED = 1e-6
-_STEPS = 20
-# Of the lowest frequency of a piece with both ends held: a beam's and that by waves are one there.
-_BELOW = 0.5
+_MOST_STEPS = 20
+# Largest ω over the lowest frequency of a piece with both ends held. Up to it, beam and waves give
+# the same lowest frequency of the piece.
+_SHARE_OF_LOWEST = 0.5
 
 Waves: TypeAlias = Mapping[str, tuple[PrismWaves, ...]]
 
 
 def waves_of(legs: Mapping[str, ConstantLeg], divisions: Mapping[str, int]) -> Waves:
-    """Waves on the section mesh of every leg by name, that of its solid with so many divisions.
+    """Waves by leg name, on the section mesh of the leg's solid with `divisions` (by leg name).
 
     Raises InputError for a section that is not symmetric about both axes.
     """
-    made: dict[tuple[object, ...], tuple[PrismWaves, ...]] = {}
-    found = {}
+    waves_by_section: dict[tuple[object, ...], tuple[PrismWaves, ...]] = {}
+    waves_by_leg = {}
     for name, leg in legs.items():
         key = leg.section, leg.material, divisions[name]
-        if key not in made:
-            made[key] = prism_waves(section_mesh(leg.section, divisions[name]), leg.material)
-        found[name] = made[key]
-    return found
+        if key not in waves_by_section:
+            waves_by_section[key] = prism_waves(
+                section_mesh(leg.section, divisions[name]), leg.material
+            )
+        waves_by_leg[name] = waves_by_section[key]
+    return waves_by_leg
 
 
 def wave_changes(
@@ -74,30 +77,31 @@ def wave_changes(
 ) -> Array:
     """Relative change (p×count) of the first frequencies by waves, in the space of `offered` modes.
 
-    `beams` are those of so many `elements` and of the constants of the same section meshes, `legs`
-    their reductions. NaN where a mode has waves that are none of a beam's any more, or swings in
-    shorter pieces than elements.
+    `beams` have `elements` elements and the constants of the same section meshes; `legs` are their
+    reductions. NaN for a mode whose waves have no beam counterpart, or which needs pieces shorter
+    than elements.
     """
     bodies = {name: filled(leg.matrices) for name, leg in legs.items()}
     prepared = assembly(postures[0].mechanism, bodies)
-    pieced = {
-        name: _PiecedLeg(legs[name], beams[name], elements, kinds) for name, kinds in waves.items()
+    leg_pieces = {
+        name: _LegInPieces(legs[name], beams[name], elements, kinds)
+        for name, kinds in waves.items()
     }
     rows = []
     for posture in postures:
         system = prepared.at(posture)
-        found = modes(solved(system), offered)
-        own = [
-            leg.reduced.recover(system.body_unknowns(name, found.shapes))
-            for name, leg in pieced.items()
+        beam_modes = modes(solved(system), offered)
+        leg_shapes = [
+            leg.reduced.recover(system.body_unknowns(name, beam_modes.shapes))
+            for name, leg in leg_pieces.items()
         ]
-        shapes = tuple(zip(pieced.values(), own, strict=True))
-        rows.append([_change(found.frequencies, shapes, mode) for mode in range(count)])
+        shapes = tuple(zip(leg_pieces.values(), leg_shapes, strict=True))
+        rows.append([_change(beam_modes.frequencies, shapes, mode) for mode in range(count)])
     return np.array(rows)
 
 
 @dataclass(frozen=True, eq=False)
-class _PiecedLeg:
+class _LegInPieces:
     """A leg as a beam of equal `elements`, and its `waves`."""
 
     reduced: Superelement
@@ -106,13 +110,13 @@ class _PiecedLeg:
     waves: tuple[PrismWaves, ...]
 
     @cached_property
-    def alike(self) -> tuple[PrismWaves, ...]:
-        """Beam of the Saint-Venant states of each kind of waves."""
+    def saint_venant(self) -> tuple[PrismWaves, ...]:
+        """Beam of Saint-Venant states for each kind of waves."""
         return tuple(saint_venant_beam(kind) for kind in self.waves)
 
     @cached_property
-    def held(self) -> float:
-        """ω (rad/s) of the leg with both ends held."""
+    def held_ends_omega(self) -> float:
+        """Lowest ω (rad/s) of the leg with both ends held."""
         stiffness, mass = (
             dense(matrix)[ENDS:, ENDS:] for matrix in (self.beam.stiffness, self.beam.mass)
         )
@@ -120,9 +124,9 @@ class _PiecedLeg:
         return float(np.sqrt(lowest[0]))
 
     def pieces(self, omega: float) -> int:
-        """Into how many equal pieces of whole elements the leg is cut at ω (rad/s)."""
-        # Tension's frequencies grow with 1/L, bending's faster.
-        needed = omega / (_BELOW * self.held)
+        """Number of equal pieces of whole elements into which the leg is divided at ω (rad/s)."""
+        # Frequencies of tension grow with 1/L, those of bending faster.
+        needed = omega / (_SHARE_OF_LOWEST * self.held_ends_omega)
         for pieces in range(1, self.elements + 1):
             if self.elements % pieces == 0 and pieces >= needed:
                 return pieces
@@ -135,46 +139,46 @@ class _PiecedLeg:
         return np.asarray(first[:, None] + np.arange(6))
 
 
-def _change(frequencies: Array, legs: Sequence[tuple[_PiecedLeg, Array]], mode: int) -> float:
-    """Relative change of a mode among those of `frequencies` (Hz), `legs` with their shapes."""
+def _change(frequencies: Array, legs: Sequence[tuple[_LegInPieces, Array]], mode: int) -> float:
+    """Relative change of mode number `mode` of `frequencies` (Hz), for `legs` with their shapes."""
     squares = np.square(2.0 * np.pi * frequencies)
-    own = omega = float(np.sqrt(squares[mode]))
+    beam_omega = omega = float(np.sqrt(squares[mode]))
     try:
-        for _ in range(_STEPS):
+        for _ in range(_MOST_STEPS):
             before = omega
-            differences = (_difference(leg, own, mode, omega) for leg, own in legs)
+            differences = (_difference(leg, beam_omega, mode, omega) for leg, beam_omega in legs)
             value = float(np.linalg.eigvalsh(np.diag(squares) + sum(differences))[mode])
             if value <= 0.0:
                 break
             omega = float(np.sqrt(value))
-            if abs(omega - before) <= _CONVERGED * own:
-                return omega / own - 1.0
+            if abs(omega - before) <= _CONVERGED * beam_omega:
+                return omega / beam_omega - 1.0
     except ComputationError:
         pass
     return float("nan")
 
 
-def _difference(leg: _PiecedLeg, own: Array, mode: int, omega: float) -> Array:
-    """Φᵀ(D − D_beam)Φ (m×m) of one leg with `own` shapes Φ at ω (rad/s)."""
+def _difference(leg: _LegInPieces, shapes: Array, mode: int, omega: float) -> Array:
+    """Φᵀ(D − D_beam)Φ (m×m) of one leg with its `shapes` Φ at ω (rad/s)."""
     pieces = leg.pieces(omega)
     sections = leg.sections(pieces).ravel()
     length = leg.beam.length / pieces
-    difference = np.zeros((own.shape[1],) * 2)
-    for kind, alike in zip(leg.waves, leg.alike, strict=True):
+    difference = np.zeros((shapes.shape[1],) * 2)
+    for kind, beam in zip(leg.waves, leg.saint_venant, strict=True):
         try:
-            of_piece = kind.stiffness(length, omega) - alike.stiffness(length, omega)
+            piece_difference = kind.stiffness(length, omega) - beam.stiffness(length, omega)
         except ComputationError:
-            swung = own[:, mode]
-            strained = swung @ (leg.beam.parts[kind.fields.name] @ swung)
-            if strained > _NOTHING * omega**2:
+            shape = shapes[:, mode]
+            strain_energy = shape @ (leg.beam.parts[kind.fields.name] @ shape)
+            if strain_energy > _NEGLIGIBLE_STRAIN * omega**2:
                 raise
             continue
         count = len(kind.fields.twists)
-        moved = (6 * np.arange(pieces + 1)[:, None] + kind.fields.twists).ravel()
-        assembled = np.zeros((len(moved),) * 2)
+        unknowns = (6 * np.arange(pieces + 1)[:, None] + kind.fields.twists).ravel()
+        assembled = np.zeros((len(unknowns),) * 2)
         for first in range(0, pieces * count, count):
             ends = slice(first, first + len(kind.ends))
-            assembled[ends, ends] += of_piece
-        twists = own[sections[moved]]
+            assembled[ends, ends] += piece_difference
+        twists = shapes[sections[unknowns]]
         difference += twists.T @ assembled @ twists
     return difference

@@ -1,6 +1,7 @@
 """A whole robot in other programs: unreduced solids by CalculiX, beams by EXUDYN.
 
-For CalculiX legs are bars of their outer size on coarse meshes, here reduced to their ends.
+For CalculiX, legs are bars of their outer size on coarse meshes. This program reduces the same
+meshes to their ends.
 """
 
 import numpy as np
@@ -34,17 +35,17 @@ from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
 # Frequencies compared with CalculiX, and with EXUDYN.
 SOLID_MODES, BEAM_MODES = 10, 6
 # Relative rounding of seven printed digits; frequencies are roots of the printed eigenvalues.
-_PRINTED, _PRINTED_ROOT = 5e-7, 2.5e-7
-# Modes of the bodies are kept up to four times the highest frequency of the mechanism: what is
-# left out is below the printed digits.
+_PRINTED_ROUND_OFF, _ROOT_ROUND_OFF = 5e-7, 2.5e-7
+# Ratio of the cut-off frequency of the bodies' modes to the highest frequency of the mechanism: the
+# error of the reduction is below the printed digits.
 _CUTOFF = 4.0
-# Beams a leg in EXUDYN: of second order, so that extrapolated ones are of fourth.
+# Beams per leg in EXUDYN. Their order is two, so that extrapolated frequencies have order four.
 _ELEMENTS = (4, 8, 16)
-# Cubes of the smaller side in all bars: 2000 have 100,000 unknowns and take CalculiX a minute, the
-# strips of a leaf spring of 0.5 mm, 9600, more than ten.
+# Largest number of cubes, as long as a bar's smaller side, in all bars. CalculiX needs a minute for
+# 2000 (100,000 unknowns), and more than ten for the 9600 of strips of a 0.5 mm leaf spring.
 _MOST_CUBES = 2000
-# Digits of differences that are more than rounding.
-_DIGITS = 8
+# Digits of a difference that exceed round-off.
+_DIFFERENCE_DIGITS = 8
 
 cases = CaseGroup(reference_kind="independent-solver", section=PATH)
 _by_calculix = cases.family(
@@ -57,13 +58,13 @@ _by_calculix = cases.family(
 )
 
 
-def by_reduced(at: Posture) -> tuple[Array, Array]:
+def reduced_solids(posture: Posture) -> tuple[Array, Array]:
     """Compliance (6×6, SI, base axes) at the loaded point, and first frequencies (Hz).
 
-    Of a mechanism with legs as bars of their outer size, coarse meshes, reduced to their ends; mass
-    is summed over the points that CalculiX sums it over.
+    Legs are bars of their outer size on coarse meshes, reduced to their ends. Mass is integrated at
+    the same points as in CalculiX.
     """
-    bars = with_bars(at)
+    bars = with_bars(posture)
     highest = highest_frequency([bars], SOLID_MODES)
     solids = bar_solids(bars.mechanism)
     cutoff = _CUTOFF * highest
@@ -76,36 +77,36 @@ def by_reduced(at: Posture) -> tuple[Array, Array]:
     return compliance(solution), modes(solution, SOLID_MODES).frequencies
 
 
-def by_calculix(at: Posture) -> tuple[Array, Array]:
-    """The same of a mechanism of bars on the same meshes, not reduced."""
+def calculix_solids(posture: Posture) -> tuple[Array, Array]:
+    """Compliance and frequencies as by `reduced_solids`, by CalculiX with unreduced meshes."""
     calculix_program()
-    bars = with_bars(at)
+    bars = with_bars(posture)
     return compliance_and_frequencies(bars, bar_solids(bars.mechanism), SOLID_MODES)
 
 
-def _cubes(described: Leg) -> float:
-    """Cubes as long as a bar's smaller side that fill it: 7 to 15 nodes each."""
-    leg = equivalent_leg(described)
+def _cube_count(leg_description: Leg) -> float:
+    """Number of cubes, as long as a bar's smaller side, that fill it: 7 to 15 nodes each."""
+    leg = equivalent_leg(leg_description)
     width, height = leg.section.extent
     return width * height * leg.length / min(width, height) ** 3
 
 
-def _solids(context: Context) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
-    """By this program and by CalculiX, which is asked first: it may not be there."""
-    at = path_postures(context)[0]
-    legs = known_legs(at.mechanism).values()
-    if parts := at.mechanism.parts:
+def _reduced_and_calculix(context: Context) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+    """Results of this program and of CalculiX, which runs first because it may not be installed."""
+    posture = path_postures(context)[0]
+    legs = known_legs(posture.mechanism).values()
+    if parts := posture.mechanism.parts:
         raise Skip(f"{', '.join(parts)}: CalculiX solves mechanisms of prisms and rigid bodies")
     if not legs or not all(isinstance(leg, ConstantLeg) for leg in legs):
         raise Skip("legs known by a 6×6 have no section that could be meshed")
-    cubes = sum(map(_cubes, legs_of(with_bars(at).mechanism).values()))
+    cubes = sum(map(_cube_count, legs_of(with_bars(posture).mechanism).values()))
     if cubes > _MOST_CUBES:
         raise Skip(
             f"legs of strips: tetrahedra as long as the legs are thick fill {cubes:.0f} cubes; "
             f"CalculiX solves at most {_MOST_CUBES} in time"
         )
-    theirs = context.get(by_calculix, at)
-    return context.get(by_reduced, at), theirs
+    calculix = context.get(calculix_solids, posture)
+    return context.get(reduced_solids, posture), calculix
 
 
 @_by_calculix.case(
@@ -118,8 +119,8 @@ def _solids(context: Context) -> tuple[tuple[Array, Array], tuple[Array, Array]]
     figure="mechanism.deflections",
 )
 def _static_solids(context: Context) -> Measurement:
-    (own, _), (theirs, _) = _solids(context)
-    return Measurement(*farthest_entry(own, theirs), reference_uncertainty=_PRINTED)
+    (reduced, _), (calculix, _) = _reduced_and_calculix(context)
+    return Measurement(*farthest_entry(reduced, calculix), reference_uncertainty=_PRINTED_ROUND_OFF)
 
 
 @_by_calculix.case(
@@ -133,36 +134,40 @@ def _static_solids(context: Context) -> Measurement:
     figure="mechanism.frequencies",
 )
 def _solid_frequencies(context: Context) -> Measurement:
-    (_, own), (_, theirs) = _solids(context)
+    (_, reduced), (_, calculix) = _reduced_and_calculix(context)
     headings = "CalculiX (Hz)", "reduced bodies (Hz)"
-    return _side_by_side(own, theirs, _PRINTED_ROOT * theirs, headings)
+    return _side_by_side(reduced, calculix, _ROOT_ROUND_OFF * calculix, headings)
 
 
-def _places(mechanism: Mechanism) -> list[tuple[str, str]]:
-    """Postures to compare in, and what they are called; what does not move has one."""
-    places = [("reference", "the reference posture"), ("start", "the first pose of the path")]
-    return places if mechanism.tool.moves else places[:1]
+def _compared_postures(mechanism: Mechanism) -> list[tuple[str, str]]:
+    """Postures of the comparison with their descriptions: one if the robot does not move."""
+    postures = [("reference", "the reference posture"), ("start", "the first pose of the path")]
+    return postures if mechanism.tool.moves else postures[:1]
 
 
-def by_both(at: Posture) -> tuple[PostureAnswer, Array, Array]:
-    """The program's own beams, and EXUDYN's frequencies (Hz) with their uncertainty, idle ones out.
+def beams_and_exudyn(posture: Posture) -> tuple[PostureAnswer, Array, Array]:
+    """Beam results of this program, and EXUDYN's frequencies (Hz) with half-widths.
 
-    What idles stands first there, with the frequency that rounding gives it. Raises ExudynMissing,
-    and InputError for what is not written for it.
+    Idle motions, which are first in EXUDYN with frequencies due to round-off, are removed. Raises
+    ExudynMissing, and InputError for a mechanism that cannot be written for EXUDYN.
     """
-    (own,) = answers("beam", [at], BEAM_MODES)
-    coarse, middle, fine = (frequencies(at, number, BEAM_MODES + own.idle) for number in _ELEMENTS)
-    extrapolated, before = (
+    (beams,) = answers("beam", [posture], BEAM_MODES)
+    coarse, middle, fine = (
+        frequencies(posture, number, BEAM_MODES + beams.idle) for number in _ELEMENTS
+    )
+    extrapolated, coarser_limit = (
         finer + (finer - coarser) / 3.0 for coarser, finer in ((middle, fine), (coarse, middle))
     )
-    uncertain = mesh_half_widths([np.abs(extrapolated - before)], MeshPolicy.of_order(2.0, 4.0))
-    return own, extrapolated[own.idle :], uncertain[own.idle :]
+    half_widths = mesh_half_widths(
+        [np.abs(extrapolated - coarser_limit)], MeshPolicy.of_order(2.0, 4.0)
+    )
+    return beams, extrapolated[beams.idle :], half_widths[beams.idle :]
 
 
 @cases.case(
     "mechanism.exudyn[{place}]",
     f"EXUDYN gives the first {BEAM_MODES} frequencies in {{said}}, legs as beams",
-    over={"place, said": _places},
+    over={"place, said": _compared_postures},
     quantity="first natural frequency, the others beside it, {said}",
     unit="Hz",
     group="mechanism.exudyn",
@@ -175,54 +180,58 @@ def by_both(at: Posture) -> tuple[PostureAnswer, Array, Array]:
     "frequencies leave open, 1e-4 to 3e-4",
 )
 def _beam_frequencies(context: Context, place: str) -> Measurement:
-    at = path_postures(context)[0]
-    at = reference_posture(at.mechanism) if place == "reference" else at
+    posture = path_postures(context)[0]
+    posture = reference_posture(posture.mechanism) if place == "reference" else posture
     try:
         program = exudyn_version()
-        own, theirs, uncertain = context.get(by_both, at)
+        beams, exudyn, half_widths = context.get(beams_and_exudyn, posture)
     except (ExudynMissing, FewerModesError) as missing:
         raise Skip(str(missing)) from None
     except InputError as error:
         raise Skip("; ".join(error.faults)) from None
     headings = "EXUDYN, extrapolated (Hz)", "beam elements (Hz)"
     note = f"mode 1; EXUDYN {program}"
-    return _side_by_side(own.frequencies, theirs, uncertain, headings, note)
+    return _side_by_side(beams.frequencies, exudyn, half_widths, headings, note)
 
 
 def _side_by_side(
-    own: Array, theirs: Array, uncertainty: Array, headings: tuple[str, str], note: str = ""
+    computed: Array,
+    other_program: Array,
+    half_widths: Array,
+    headings: tuple[str, str],
+    note: str = "",
 ) -> Measurement:
-    """Frequencies (Hz) beside another program's, which are uncertain: the first, others beside it.
+    """Comparison of `computed` frequencies (Hz) with those of another program (`half_widths`).
 
-    `headings` of its and of our column in the table.
+    The first one is the value, the others are further values. `headings` are those of the table's
+    columns: the other program's, then the computed one.
     """
-    places = [f"mode {number}" for number in range(1, len(theirs) + 1)]
-    columns = zip(headings, (theirs, own), strict=True)
-    compared = zip(places, own.tolist(), theirs.tolist(), uncertainty.tolist(), strict=True)
+    labels = [f"mode {number}" for number in range(1, len(other_program) + 1)]
+    columns = zip(headings, (other_program, computed), strict=True)
+    rows = zip(labels, computed.tolist(), other_program.tolist(), half_widths.tolist(), strict=True)
     return Measurement(
-        float(own[0]),
-        float(theirs[0]),
-        reference_uncertainty=float(uncertainty[0]),
-        elsewhere=tuple(Elsewhere(*one) for one in compared)[1:],
+        float(computed[0]),
+        float(other_program[0]),
+        reference_uncertainty=float(half_widths[0]),
+        elsewhere=tuple(Elsewhere(*row) for row in rows)[1:],
         notes=(note,) if note else (),
         table={
-            "mode": tuple(float(number) for number in range(1, len(theirs) + 1)),
+            "mode": tuple(float(number) for number in range(1, len(other_program) + 1)),
             **{heading: tuple(column.tolist()) for heading, column in columns},
         },
     )
 
 
-def farthest_entry(found: Array, reference: Array) -> tuple[float, float]:
+def farthest_entry(compliance: Array, reference: Array) -> tuple[float, float]:
     """The entries of two compliances (6×6) that differ most, in units of √(c_ii c_jj).
 
-    The unit is the power of two next to that of the reference, so that both numbers stay what they
-    are. Of entries that differ by rounding alone the largest: rounding differs from machine to
-    machine.
+    The unit is the power of two next to that of the reference, so that scaling has no round-off. If
+    entries differ by round-off alone, which depends on the machine, the largest entry is returned.
     """
     sizes = np.sqrt(np.abs(np.diag(reference)))
     scale = np.outer(sizes, sizes)
     scale = np.exp2(np.round(np.log2(np.where(scale > 0.0, scale, 1.0))))
-    ours, theirs = (found / scale).ravel(), (reference / scale).ravel()
-    apart = np.round(np.abs(ours - theirs), _DIGITS)
-    at = np.lexsort((np.abs(theirs), apart))[-1]
-    return float(ours[at]), float(theirs[at])
+    values, references = (compliance / scale).ravel(), (reference / scale).ravel()
+    differences = np.round(np.abs(values - references), _DIFFERENCE_DIGITS)
+    farthest = np.lexsort((np.abs(references), differences))[-1]
+    return float(values[farthest]), float(references[farthest])

@@ -1,7 +1,7 @@
 """Modes of a mechanism with CAD parts, reduced twice.
 
 Parts are reduced by their modes with interfaces held (Craig, Bampton), and free (MacNeal, Rubin),
-which span different spaces; each reduction bounds what it has dropped.
+which span different spaces. Each reduction bounds its own truncation error.
 """
 
 from lumped.mechanism.mechanism import Mechanism
@@ -23,14 +23,14 @@ cases = CaseGroup(
 )
 
 
-def _of_parts(mechanism: Mechanism) -> tuple[tuple[int, int], ...]:
+def _judged_modes(mechanism: Mechanism) -> tuple[tuple[int, int], ...]:
     return numbered(JUDGED_MODES) if mechanism.parts else ()
 
 
 @cases.case(
     "mechanism.parts.frequency[{mode}]",
     "Frequency {mode} with parts by their free modes is that with their held ones",
-    over={"index, mode": _of_parts},
+    over={"index, mode": _judged_modes},
     quantity="natural frequency {mode}, middle of the path, coarsest mesh of the parts",
     citation="the same meshes reduced by Craig and Bampton",
     group="mechanism.parts",
@@ -39,13 +39,14 @@ def _of_parts(mechanism: Mechanism) -> tuple[tuple[int, int], ...]:
 )
 def _part_frequency(context: Context, index: int) -> Measurement:
     robot = robot_on_path(context)
-    at = robot.postures, robot.offered, robot.holding.first
-    free, held = (
-        context.get(bounded_frequencies, *at, JUDGED_MODES, COARSE, by) for by in ("free", "fixed")
+    arguments = robot.postures, robot.offered, robot.holding.first
+    free, fixed = (
+        context.get(bounded_frequencies, *arguments, JUDGED_MODES, COARSE, interfaces)
+        for interfaces in ("free", "fixed")
     )
     return Measurement(
         float(free.upper[index]),
-        float(held.upper[index]),
+        float(fixed.upper[index]),
         value_uncertainty=float(free.upper[index] - free.lower[index]),
-        reference_uncertainty=float(held.upper[index] - held.lower[index]),
+        reference_uncertainty=float(fixed.upper[index] - fixed.lower[index]),
     )

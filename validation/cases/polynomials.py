@@ -1,8 +1,8 @@
 """Every number of a mechanism's first screen by polynomials along its legs.
 
-The numbers are those that the models are judged by, in the poses that they are judged in. What
-they are held against takes the frames of the bodies, measures anew that they close every joint,
-and shares nothing else: neither what eliminates joints nor what sums chains, elements or segments.
+The numbers and poses are those of the verdicts on models. The reference uses the frames of the
+bodies and checks again that they close every joint. It shares nothing else with the models: neither
+the elimination of joints nor the assembly of chains, elements or segments.
 """
 
 from collections.abc import Mapping
@@ -25,7 +25,7 @@ from lumped.text import counted
 from validation.adequacy.judged_models import JudgedModel, judged_models
 from validation.case import Measurement, Relative, Skip
 from validation.case_group import CaseGroup, numbered
-from validation.cases.ritz import DEGREE, compliance, frequencies, on_drives
+from validation.cases.ritz import DEGREE, compliance, frequencies, simplified_response
 from validation.context import Context
 from validation.models.options import STATIC, ModelName, ModelOptions
 from validation.models.part_legs import part_springs
@@ -36,22 +36,23 @@ from validation.studies_and_figures import PATH
 
 LOAD = 1000.0  # N or N m
 _MICRO, _MILLI = 1e-6, 1e-3
-# The static quantities, what is said of them, and their units.
-SHOWN = (
+# Static quantities: name, description and unit.
+STATIC_QUANTITIES = (
     *((name, f"deflection along {name} under {LOAD:g} N along it", "µm") for name in AXES[:3]),
     *(
         (name, f"rotation about {ROTATIONS[name]} under {LOAD:g} N m about it", "mrad")
         for name in AXES[3:]
     ),
 )
-# Degrees of polynomials that are all exact in statics.
-_EXACT = (3, 4, 5)
-# Rounding is a number at random in each: they seldom differ all by less than a tenth of it.
-_SELDOM = 10.0
-# Digits of differences that are more than rounding.
-_DIGITS = 8
-# What yields by less, of the largest of its unit, is rounding of rigid.
-_RIGID = 1e-11
+# Degrees of polynomials, each exact in statics.
+_EXACT_DEGREES = (3, 4, 5)
+# Factor from the differences of these degrees to the round-off, which is random in each of them:
+# they seldom all differ by less than a tenth of it.
+_ROUND_OFF_FACTOR = 10.0
+# Digits of a difference that exceed round-off.
+_DIFFERENCE_DIGITS = 8
+# Share of the largest compliance of the same unit below which a compliance is round-off of zero.
+_RIGID_SHARE = 1e-11
 _DYNAMIC = {
     "beam": (Relative(1e-4), "fourth order in 1/n: below 1e-5 with 20 elements"),
     "segments": (Relative(0.01), "second order in 1/n: below 1 % with 20 segments"),
@@ -63,13 +64,13 @@ _DYNAMIC = {
 
 
 def _models(mechanism: Mechanism) -> Mapping[str, JudgedModel]:
-    """Those of the first screen; with parts, which are no polynomials, rigid bodies alone."""
+    """Models of the first screen. With CAD parts, which have no polynomials, only `simplified`."""
     models = judged_models(mechanism)
     return {"simplified": models["simplified"]} if mechanism.parts else models
 
 
-def _of_modes(mechanism: Mechanism) -> list[tuple[str, Relative, str]]:
-    """Models that have modes, how near their frequencies are, and why."""
+def _dynamic_models(mechanism: Mechanism) -> list[tuple[str, Relative, str]]:
+    """Models with modes, each with the tolerance of its frequencies and the reason."""
     models = _models(mechanism).items()
     return [(model, *_DYNAMIC[kind]) for model, (kind, _, _) in models if kind in _DYNAMIC]
 
@@ -90,19 +91,24 @@ def expected_statics(
 ) -> Array:
     """Diagonal of the 6×6 (poses × 6, SI) by polynomials.
 
-    `kind` "rigid" legs, legs "given" by their 6×6, or "equivalent".
+    `kind` of the legs is "rigid", "given" (their 6×6), or "equivalent" (their equivalent prisms).
     """
     if kind == "rigid":
-        return np.array([np.diag(on_drives(at, 0)[0]) for at in postures])
-    given = kind == "given"
-    return np.array([np.diag(compliance(at, theory, degree, given=given)) for at in postures])
+        return np.array([np.diag(simplified_response(posture, 0)[0]) for posture in postures])
+    with_given_legs = kind == "given"
+    return np.array(
+        [
+            np.diag(compliance(posture, theory, degree, given=with_given_legs))
+            for posture in postures
+        ]
+    )
 
 
-def expected_frequencies(at: Posture, theory: Theory, degree: int, modes: int) -> Array:
-    """The first frequencies (Hz) by polynomials of `degree`, rigid legs of degree 0."""
+def expected_frequencies(posture: Posture, theory: Theory, degree: int, modes: int) -> Array:
+    """First frequencies (Hz) by polynomials of `degree`. Legs are rigid if `degree` is 0."""
     if not degree:
-        return on_drives(at, modes)[1]
-    return frequencies(at, modes, theory, degree)
+        return simplified_response(posture, modes)[1]
+    return frequencies(posture, modes, theory, degree)
 
 
 def _model(context: Context, model: str) -> tuple[ModelName, ModelOptions]:
@@ -113,7 +119,7 @@ def _model(context: Context, model: str) -> tuple[ModelName, ModelOptions]:
 @cases.case(
     "mechanism.anchor.statics[{model}, {entry}]",
     "The mechanism: {said} by {model}, recomputed without its code",
-    over={"model": _models, "entry, said, unit": SHOWN},
+    over={"model": _models, "entry, said, unit": STATIC_QUANTITIES},
     quantity="{said}, pose of the largest difference",
     effort=0.05,
     figure="mechanism.deflections",
@@ -121,80 +127,86 @@ def _model(context: Context, model: str) -> tuple[ModelName, ModelOptions]:
 def _static(context: Context, model: str, entry: str) -> Measurement:
     postures, index = path_postures(context), AXES.index(entry)
     kind, options = _model(context, model)
-    if kind == "vjm" and (branches := why_not_serial(postures)):
-        raise Skip(branches)
+    if kind == "vjm" and (reason := why_not_serial(postures)):
+        raise Skip(reason)
     try:
         statics = context.get(model_statics, postures, kind, options)
-        found = np.diagonal(statics.compliances, axis1=1, axis2=2)
+        computed = np.diagonal(statics.compliances, axis1=1, axis2=2)
     except vjm.RigidChainError as rigid:
         raise Skip(str(rigid)) from None
     legs = "given" if kind in STATIC and options.legs == "given" else "equivalent"
     legs = "rigid" if kind == "simplified" else legs
-    expected, *others = (
-        context.get(expected_statics, postures, legs, options.theory, degree) for degree in _EXACT
+    expected, *other_degrees = (
+        context.get(expected_statics, postures, legs, options.theory, degree)
+        for degree in _EXACT_DEGREES
     )
     size = postures[0].mechanism.size
-    known = _yielding(expected, size) | _yielding(found, size)
-    if not known[:, index].any():
+    mobile = _above_round_off(expected, size) | _above_round_off(computed, size)
+    if not mobile[:, index].any():
         raise Skip(f"{model}: bodies and drives do not let the tool move that way")
-    at = farthest(found[:, index], expected[:, index], known[:, index])
-    left_open = 0.0
+    worst = farthest_posture(computed[:, index], expected[:, index], mobile[:, index])
+    round_off = 0.0
     if kind != "simplified":
-        left_open = context.get(path_roundings, postures, kind, options)[at, index, index]
-    # From m/N or rad/(N m) to what is shown.
+        round_off = context.get(path_round_off, postures, kind, options)[worst, index, index]
+    # From m/N or rad/(N m) to the displayed unit.
     scale = LOAD / (_MICRO if entry in AXES[:3] else _MILLI)
     return Measurement(
-        scale * float(found[at, index]),
-        scale * float(expected[at, index]),
-        value_uncertainty=scale * float(left_open),
+        scale * float(computed[worst, index]),
+        scale * float(expected[worst, index]),
+        value_uncertainty=scale * float(round_off),
         reference_uncertainty=scale
-        * _rounding(float(expected[at, index]), *(float(one[at, index]) for one in others)),
+        * _half_width(
+            float(expected[worst, index]),
+            *(float(values[worst, index]) for values in other_degrees),
+        ),
         decides="double precision leaves so much open where stiffnesses differ widely or legs "
         "nearly align, and no finer model narrows it",
-        pose=tuple(postures[at].pose.tolist()),
+        pose=tuple(postures[worst].pose.tolist()),
     )
 
 
-def path_roundings(postures: tuple[Posture, ...], model: ModelName, options: ModelOptions) -> Array:
-    """What rounding leaves open of a model's compliances (p×6×6, SI; 95 %, of both signs)."""
+def path_round_off(postures: tuple[Posture, ...], model: ModelName, options: ModelOptions) -> Array:
+    """Half-widths (p×6×6, SI, 95 %) of a model's compliances due to round-off."""
     mechanism = postures[0].mechanism
     if model == "vjm":
         springs = tip_compliances(mechanism, options.legs, options.theory, options.equivalent)
         springs |= part_springs(mechanism, options)
-        return np.array([vjm.rounding(serial_chains(at, springs)[0]) for at in postures])
+        return np.array([vjm.rounding(serial_chains(posture, springs)[0]) for posture in postures])
     prepared = assembly(mechanism, static_bodies(model, mechanism, options))
     systems = prepared.along(postures)
-    return np.array([rounding(one, solved(one).displacements(one.tool.T)) for one in systems])
+    return np.array(
+        [rounding(system, solved(system).displacements(system.tool.T)) for system in systems]
+    )
 
 
-def farthest(found: Array, reference: Array, known: NDArray[np.bool_]) -> int:
-    """Number of the posture (of p) that is farthest off, relatively, among those `known`.
+def farthest_posture(values: Array, reference: Array, mobile: NDArray[np.bool_]) -> int:
+    """Number of the posture (of p) with the largest relative error among the `mobile` ones.
 
-    Of those off by rounding alone that of the largest number: rounding differs from machine to
-    machine. What is not there where it should be is farthest of all.
+    If errors are round-off alone, which depends on the machine, the posture with the largest
+    reference is returned. A missing value counts as the largest error.
     """
     with np.errstate(divide="ignore", invalid="ignore"):
-        off = np.round(np.abs(found / reference - 1.0), _DIGITS)
-    off = np.where(known, np.where(np.isnan(off), np.inf, off), -1.0)
-    return int(np.lexsort((np.where(known, reference, -np.inf), off))[-1])
+        errors = np.round(np.abs(values / reference - 1.0), _DIFFERENCE_DIGITS)
+    errors = np.where(mobile, np.where(np.isnan(errors), np.inf, errors), -1.0)
+    return int(np.lexsort((np.where(mobile, reference, -np.inf), errors))[-1])
 
 
-def _rounding(found: float, *others: float) -> float:
-    """What rounding leaves open of a number that further degrees of polynomials ought to share."""
-    return _SELDOM * max(abs(found - other) for other in others)
+def _half_width(value: float, *others: float) -> float:
+    """Half-width of a value due to round-off, from `others` by further degrees of polynomials."""
+    return _ROUND_OFF_FACTOR * max(abs(value - other) for other in others)
 
 
-def _yielding(numbers: Array, size: float) -> NDArray[np.bool_]:
-    """Where numbers (poses × 6) are more than rounding of the softest, by the size (m)."""
+def _above_round_off(numbers: Array, size: float) -> NDArray[np.bool_]:
+    """True for compliances (poses × 6) above round-off of the largest, scaled by the size (m)."""
     units = np.array([1.0] * 3 + [size**2] * 3)
-    return np.asarray(numbers * units > _RIGID * np.max(numbers * units))
+    return np.asarray(numbers * units > _RIGID_SHARE * np.max(numbers * units))
 
 
 @cases.case(
     "mechanism.anchor.frequencies[{model}, {mode}]",
     "The mechanism: frequency {mode} by {model}, recomputed without its code",
     over={
-        "model, tolerance, tolerance_reason": _of_modes,
+        "model, tolerance, tolerance_reason": _dynamic_models,
         "index, mode": numbered,
     },
     quantity="natural frequency {mode}, middle of the path",
@@ -207,25 +219,25 @@ def _frequency(context: Context, model: str, index: int, modes: int) -> Measurem
     middle = postures[len(postures) // 2]
     kind, options = _model(context, model)
     try:
-        (own,) = context.get(answers, kind, (middle,), modes, options)
+        (response,) = context.get(answers, kind, (middle,), modes, options)
     except FewerModesError as fewer:
         raise Skip(str(fewer)) from None
-    found = own.frequencies
+    computed = response.frequencies
     degrees = (0, 0) if kind == "simplified" else (DEGREE, DEGREE - 2)
     expected, rougher = (
         context.get(expected_frequencies, middle, options.theory, degree, modes)
         for degree in degrees
     )
-    if index >= max(len(found), len(expected)):
-        raise Skip(f"{model} has {counted(len(found), 'mode')}")
-    value, reference, other = (
+    if index >= max(len(computed), len(expected)):
+        raise Skip(f"{model} has {counted(len(computed), 'mode')}")
+    value, reference, rougher_value = (
         float(numbers[index]) if index < len(numbers) else inf
-        for numbers in (found, expected, rougher)
+        for numbers in (computed, expected, rougher)
     )
     return Measurement(
         value,
         reference,
-        # What elements leave is what is judged: the reference alone leaves it uncertain.
-        judged_uncertainty=_rounding(reference, other),
+        # The discretisation error is judged: only the reference contributes uncertainty.
+        judged_uncertainty=_half_width(reference, rougher_value),
         pose=tuple(middle.pose.tolist()),
     )

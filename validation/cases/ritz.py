@@ -1,10 +1,10 @@
-"""Any mechanism of prisms and rigid bodies by the method of Ritz, in a posture that closes.
+"""Any mechanism of prisms and rigid bodies by the method of Ritz, in a closed posture.
 
-A way of its own to deflections and frequencies, which takes nothing but the robot's data: legs are
-polynomials, their energies by quadrature. Unknowns are the coefficients of the legs, the twists of
-the rigid bodies, and what the joints let happen; joints are linear constraints between them.
-Nothing is eliminated joint by joint, and where bodies are is read off the frames, whose joints are
-measured here once more. CAD parts have no polynomials: they are rigid and without mass.
+An independent computation of deflections and frequencies from the robot's data alone: legs are
+polynomials, with energies by quadrature. Unknowns are the coefficients of the legs, the twists of
+the rigid bodies and the free motions of the joints; joints are linear constraints between them.
+No joint is eliminated on its own. Positions of the bodies are those of their frames, and their
+joints are checked here again. CAD parts have no polynomials: they are rigid and massless.
 """
 
 from collections.abc import Mapping
@@ -31,7 +31,8 @@ DEGREE = 8
 _IDLE = 1e-15
 # Shares of the largest inertia over stiffness below which a motion has no mass.
 _MASSLESS = 1e-14
-# Gaps of joints, of the size of the mechanism or in rad: loops are closed to 1e-12.
+# Largest gap of a closed joint, relative to the size of the mechanism or in rad. Kinematics closes
+# loops to 1e-12.
 _CLOSED = 1e-9
 
 
@@ -42,7 +43,8 @@ _EXCHANGE = np.array([[0.0, 1.0], [1.0, 0.0]])
 class RitzLeg:
     """A leg on n coefficients, SI, leg axes.
 
-    Twice its energies, `stiffness` and `mass` (n×n); twists of its `root` and `tip` (6×n).
+    `stiffness` and `mass` (n×n) are the matrices of twice its energies. `root` and `tip` (6×n) are
+    the twists of its ends.
     """
 
     stiffness: Array
@@ -52,17 +54,18 @@ class RitzLeg:
 
     @property
     def size(self) -> int:
-        """How many coefficients there are."""
+        """Number of coefficients."""
         return len(self.stiffness)
 
 
-def of_beam(beam: BeamProperties, length: float, degree: int) -> RitzLeg:
+def ritz_beam(beam: BeamProperties, length: float, degree: int) -> RitzLeg:
     """Legendre polynomials of `degree` in stretch, shear strains and rotations of a prism.
 
-    Deflections follow from the shear strains and rotations: were they unknowns, strains would be
-    their differences, and bending lost beside what a material hardly shears. Euler and Bernoulli
-    have no shear strains. Shear strains and the deflections that they bend with are those of the
-    shear centre, v − z_s φx and w + y_s φx; the mass moves with the centroid.
+    Deflections follow from the shear strains and rotations. If deflections were unknowns, shear
+    strains would be differences of them, and with a large shear stiffness bending would be lost in
+    round-off. Euler–Bernoulli beams have no shear strains. Shear strains, and the deflections from
+    which they follow, are those of the shear centre, v − z_s φx and w + y_s φx; the mass moves with
+    the centroid.
     """
     points, weights = legendre.leggauss(degree + 2)
     weights = 0.5 * length * weights
@@ -88,89 +91,90 @@ def of_beam(beam: BeamProperties, length: float, degree: int) -> RitzLeg:
     size = q.shape[2]
     ends, _ = fields(beam, length, np.array([-1.0, 1.0]), degree)
     return RitzLeg(
-        stiffness=_sum([k * (one.T * weights) @ other for k, one, other in terms], size),
-        mass=_sum([m * (one.T * weights) @ other for m, one, other in products], size),
+        stiffness=_sum([k * (row.T * weights) @ column for k, row, column in terms], size),
+        mass=_sum([m * (row.T * weights) @ column for m, row, column in products], size),
         root=ends[:, 0],
         tip=ends[:, 1],
     )
 
 
-def fields(beam: BeamProperties, length: float, at: Array, degree: int) -> tuple[Array, Array]:
-    """Twist of the centreline and its slope (6×p×n) on the coefficients of `of_beam`.
+def fields(beam: BeamProperties, length: float, points: Array, degree: int) -> tuple[Array, Array]:
+    """Twist of the centreline and its slope (6×p×n) on the coefficients of `ritz_beam`.
 
-    `at` p points, the root at −1, the tip at 1. Coefficients are those of u, φx, φy, φz, then of
-    the root's v with γy, of its w with γz.
+    There are p `points`, from −1 at the root to 1 at the tip. Coefficients are those of u, φx, φy,
+    φz, then v of the root with γy, then w of the root with γz.
     """
     unit = np.eye(degree + 1)
-    values = legendre.legvander(at, degree)
-    slopes = legendre.legval(at, legendre.legder(unit)).T * 2.0 / length
-    integrals = legendre.legval(at, legendre.legint(unit, lbnd=-1.0)).T * 0.5 * length
+    values = legendre.legvander(points, degree)
+    slopes = legendre.legval(points, legendre.legder(unit)).T * 2.0 / length
+    integrals = legendre.legval(points, legendre.legint(unit, lbnd=-1.0)).T * 0.5 * length
     count = degree + 1
-    sheared = [1 + count * bool(np.isfinite(k)) for k in (beam.GAy, beam.GAz)]
-    firsts = (4 * count, 4 * count + sheared[0])
-    total = firsts[1] + sheared[1]
-    q, moving = np.zeros((6, len(at), total)), np.zeros((6, len(at), total))
+    shear_counts = [1 + count * bool(np.isfinite(k)) for k in (beam.GAy, beam.GAz)]
+    firsts = (4 * count, 4 * count + shear_counts[0])
+    total = firsts[1] + shear_counts[1]
+    q, slope_fields = np.zeros((6, len(points), total)), np.zeros((6, len(points), total))
     for block, component in enumerate((0, 3, 4, 5)):
-        own = slice(block * count, (block + 1) * count)
-        q[component, :, own], moving[component, :, own] = values, slopes
+        columns = slice(block * count, (block + 1) * count)
+        q[component, :, columns], slope_fields[component, :, columns] = values, slopes
     # v' = γy + φz, w' = γz − φy.
-    for component, first, sign, about in ((1, firsts[0], 1.0, 3), (2, firsts[1], -1.0, 2)):
-        own, turning = (
+    for component, first, sign, rotation in ((1, firsts[0], 1.0, 3), (2, firsts[1], -1.0, 2)):
+        columns, rotation_columns = (
             slice(first + 1, first + count + 1),
-            slice(about * count, (about + 1) * count),
+            slice(rotation * count, (rotation + 1) * count),
         )
         q[component, :, first] = 1.0
-        q[component, :, turning], moving[component, :, turning] = sign * integrals, sign * values
-        if sheared[component - 1] > 1:
-            q[component, :, own], moving[component, :, own] = integrals, values
-    for field in (q, moving):
+        q[component, :, rotation_columns] = sign * integrals
+        slope_fields[component, :, rotation_columns] = sign * values
+        if shear_counts[component - 1] > 1:
+            q[component, :, columns], slope_fields[component, :, columns] = integrals, values
+    for field in (q, slope_fields):
         field[1] += beam.centre_z * field[3]
         field[2] -= beam.centre_y * field[3]
-    return q, moving
+    return q, slope_fields
 
 
-def of_compliance(compliance: Array, length: float) -> RitzLeg:
-    """A leg known by its 6×6 at the tip, root clamped; massless, on the twists of its ends."""
+def ritz_compliance_leg(compliance: Array, length: float) -> RitzLeg:
+    """A massless leg known by its 6×6 tip compliance, on the twists of its ends."""
     root, tip = np.vsplit(np.eye(12), 2)
-    bent = tip - carried(np.array([length, 0.0, 0.0])) @ root
-    stiffness = np.asarray(bent.T @ np.linalg.solve(compliance, bent))
+    deformation = tip - point_transfer(np.array([length, 0.0, 0.0])) @ root
+    stiffness = np.asarray(deformation.T @ np.linalg.solve(compliance, deformation))
     return RitzLeg(0.5 * (stiffness + stiffness.T), np.zeros((12, 12)), root, tip)
 
 
-def rigid(length: float) -> RitzLeg:
+def ritz_rigid_leg(length: float) -> RitzLeg:
     """A rigid leg without mass, on the twist of its root."""
-    tip = carried(np.array([length, 0.0, 0.0]))
+    tip = point_transfer(np.array([length, 0.0, 0.0]))
     return RitzLeg(np.zeros((6, 6)), np.zeros((6, 6)), np.eye(6), tip)
 
 
-def placed(block: Array, first: int, total: int) -> Array:
+def padded(block: Array, first: int, total: int) -> Array:
     """The columns of `block` from number `first` on among `total`, zeros elsewhere."""
     wide = np.zeros((len(block), total))
     wide[:, first : first + block.shape[1]] = block
     return wide
 
 
-def carried(offset: Array) -> Array:
-    """Twist (6×6) at a point `offset` (3, m) away on the same body: u + φ × r."""
+def point_transfer(offset: Array) -> Array:
+    """Transfer (6×6) of a twist to a point `offset` (3, m) away on the same body: u + φ × r."""
     x, y, z = offset
-    moved = np.eye(6)
-    moved[:3, 3:] = [[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]]
-    return moved
+    transfer = np.eye(6)
+    transfer[:3, 3:] = [[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]]
+    return transfer
 
 
-def free_motions(stiffness: Array, conditions: Array) -> Array:
-    """Basis (n×k) of what `conditions` (c×n), which must vanish, leave free of n unknowns.
+def free_basis(stiffness: Array, conditions: Array) -> Array:
+    """Basis (n×k) of the vectors of n unknowns for which the `conditions` (c×n) vanish.
 
-    Each unknown is measured by its own stiffness (n×n), each condition has unit size: in rounding
-    torsion of a thin wall would be lost beside what holds the wall along, a small lever taken for
-    none.
+    Each unknown is scaled by its diagonal entry of the `stiffness` (n×n), and each condition to
+    unit size. Otherwise torsion of a thin wall would be lost in the round-off of its axial
+    stiffness, and a small lever arm would count as zero.
     """
-    own = np.diag(stiffness)
-    # What has none of its own, rigid motions, is measured by the softest.
-    softest = np.min(own[own > 0.0], initial=np.max(own) or 1.0)
-    units = 1.0 / np.sqrt(np.where(own > 0.0, own, softest))
-    measured = conditions * units
-    free = null_space(measured / np.linalg.norm(measured, axis=1, keepdims=True))
+    diagonal = np.diag(stiffness)
+    # Rigid motions have no stiffness and are scaled by the softest unknown.
+    softest = np.min(diagonal[diagonal > 0.0], initial=np.max(diagonal) or 1.0)
+    units = 1.0 / np.sqrt(np.where(diagonal > 0.0, diagonal, softest))
+    scaled = conditions * units
+    free = null_space(scaled / np.linalg.norm(scaled, axis=1, keepdims=True))
     return np.asarray(units[:, None] * free)
 
 
@@ -188,7 +192,7 @@ class _System:
 
 
 def compliance(
-    at: Posture,
+    posture: Posture,
     theory: Theory = "timoshenko",
     degree: int = STATIC_DEGREE,
     *,
@@ -196,30 +200,30 @@ def compliance(
 ) -> Array:
     """6×6 compliance (SI, base axes) at the loaded point; prisms as beams of `theory`.
 
-    Legs known by their 6×6 are that, or their equivalent prisms where not `given`. Raises
-    ComputationError where the posture's joints are not closed.
+    Legs known by their 6×6 have this compliance if `given`, otherwise they are their equivalent
+    prisms. Raises ComputationError if a joint of the posture is open.
     """
     legs = {
-        name: of_compliance(shape.compliance, shape.length)
+        name: ritz_compliance_leg(shape.compliance, shape.length)
         if given and isinstance(shape, GivenLeg)
         else _beam(shape, theory, degree)
-        for name, shape in _legs(at.mechanism)
+        for name, shape in _legs(posture.mechanism)
     }
-    return _compliance(_system(at, legs))
+    return _compliance(_system(posture, legs))
 
 
 def frequencies(
-    at: Posture, count: int, theory: Theory = "timoshenko", degree: int = DEGREE
+    posture: Posture, count: int, theory: Theory = "timoshenko", degree: int = DEGREE
 ) -> Array:
     """First natural frequencies (Hz, ascending), idle motions left out; prisms as beams."""
-    legs = {name: _beam(shape, theory, degree) for name, shape in _legs(at.mechanism)}
-    return _frequencies(_system(at, legs), count)
+    legs = {name: _beam(shape, theory, degree) for name, shape in _legs(posture.mechanism)}
+    return _frequencies(_system(posture, legs), count)
 
 
-def on_drives(at: Posture, count: int) -> tuple[Array, Array]:
+def simplified_response(posture: Posture, count: int) -> tuple[Array, Array]:
     """Compliance and up to `count` frequencies with rigid legs without mass, elastic drives."""
-    legs = {name: rigid(shape.length) for name, shape in _legs(at.mechanism)}
-    system = _system(at, legs, simplified=True)
+    legs = {name: ritz_rigid_leg(shape.length) for name, shape in _legs(posture.mechanism)}
+    system = _system(posture, legs, simplified=True)
     return _compliance(system), _frequencies(system, count)
 
 
@@ -233,59 +237,60 @@ def _beam(shape: Leg, theory: Theory, degree: int) -> RitzLeg:
         leg = equivalent_leg(GivenLeg(shape.length, shape.mass, shape.compliance))
     else:
         leg = ConstantLeg(shape.length, shape.section, shape.material)
-    return of_beam(leg.properties(theory), leg.length, degree)
+    return ritz_beam(leg.properties(theory), leg.length, degree)
 
 
 def _compliance(system: _System) -> Array:
     # Forces at the tool do no work on idle motions.
-    elastic, _ = _motions(system)
-    moved = system.loaded @ elastic
-    return np.asarray(moved @ moved.T)
+    elastic, _ = _elastic_and_idle(system)
+    tool_motions = system.loaded @ elastic
+    return np.asarray(tool_motions @ tool_motions.T)
 
 
 def _frequencies(system: _System, count: int) -> Array:
-    elastic, idle = _motions(system)
+    elastic, idle = _elastic_and_idle(system)
     momenta = system.mass @ elastic
     mass = elastic.T @ momenta
     if idle.shape[1]:
-        # Idle motions go with the others such that they have no momentum.
-        along = idle.T @ momenta
-        mass -= along.T @ pinvh(idle.T @ system.mass @ idle) @ along
+        # Idle motions accompany the others such that their momentum is zero.
+        coupling = idle.T @ momenta
+        mass -= coupling.T @ pinvh(idle.T @ system.mass @ idle) @ coupling
     inverse = np.linalg.eigvalsh(mass)[::-1]
     squares = 1.0 / inverse[inverse > _MASSLESS * inverse.max(initial=0.0)][:count]
     return np.asarray(np.sqrt(squares) / (2.0 * np.pi))
 
 
-def _motions(system: _System) -> tuple[Array, Array]:
-    """Motions (n×k) in which the stiffness is the unit matrix, and idle ones, of no stiffness."""
+def _elastic_and_idle(system: _System) -> tuple[Array, Array]:
+    """Basis (n×k) in which the stiffness is the unit matrix, and idle motions without stiffness."""
     values, vectors = eigh(system.stiffness)
     idle = values < _IDLE * len(values) * values.max(initial=0.0)
     return vectors[:, ~idle] / np.sqrt(values[~idle]), vectors[:, idle]
 
 
-def _system(at: Posture, legs: Mapping[str, RitzLeg], *, simplified: bool = False) -> _System:
-    """Of the unknowns that the joints leave; `simplified`: joints do not give but for drives."""
-    _require_closed(at)
-    mechanism = at.mechanism
+def _system(posture: Posture, legs: Mapping[str, RitzLeg], *, simplified: bool = False) -> _System:
+    """System on the unknowns that satisfy the joints. If `simplified`, only drives are elastic."""
+    _require_closed(posture)
+    mechanism = posture.mechanism
     shapes = {name: body.shape for name, body in mechanism.bodies.items() if name != GROUND}
-    joints = [_Joint.of(at, joint, simplified=simplified) for joint in mechanism.joints]
+    joints = [_Joint.of(posture, joint, simplified=simplified) for joint in mechanism.joints]
     sizes = [legs[name].size if name in legs else 6 for name in shapes]
     sizes += [joint.motions.shape[1] for joint in joints]
     firsts = np.concatenate([[0], np.cumsum(sizes)])
     total = int(firsts[-1])
     first_of = dict(zip(shapes, firsts.tolist(), strict=False))
 
-    def twist(side: Side, place: Array) -> Array:
-        """Twist (6×total, base axes) at `place` of what a side of a joint belongs to."""
+    def twist(side: Side, position: Array) -> Array:
+        """Twist (6×total, base axes) at `position` of the body on one side of a joint."""
         if side.body == GROUND:
             return np.zeros((6, total))
-        frame, first = at.frames[side.body], first_of[side.body]
+        frame, first = posture.frames[side.body], first_of[side.body]
         if side.body not in legs:
-            return carried(place - frame.position) @ placed(np.eye(6), first, total)
+            return point_transfer(position - frame.position) @ padded(np.eye(6), first, total)
         names = list(mechanism.bodies[side.body].interfaces)
         end = legs[side.body].root if side.point == names[0] else legs[side.body].tip
-        turned = block_diag(frame.rotation, frame.rotation) @ end
-        return carried(place - _place(at, side)) @ placed(turned, first, total)
+        rotated = block_diag(frame.rotation, frame.rotation) @ end
+        offset = position - _point_position(posture, side)
+        return point_transfer(offset) @ padded(rotated, first, total)
 
     stiffness, mass = (
         block_diag(
@@ -299,40 +304,40 @@ def _system(at: Posture, legs: Mapping[str, RitzLeg], *, simplified: bool = Fals
     )
     for name, shape in shapes.items():
         if isinstance(shape, Rigid):
-            frame = at.frames[name]
+            frame = posture.frames[name]
             centre = twist(Side(name, ""), frame.position + frame.rotation @ shape.centre)
             inertia = frame.rotation @ shape.inertia @ frame.rotation.T
             mass += shape.mass * centre[:3].T @ centre[:3] + centre[3:].T @ inertia @ centre[3:]
     tool = Side(mechanism.tool.body, mechanism.tool.point)
-    loaded = twist(tool, _place(at, tool))
+    loaded = twist(tool, _point_position(posture, tool))
     mass += mechanism.tool.mass * loaded[:3].T @ loaded[:3]
-    shut = []
+    conditions = []
     for joint, first in zip(joints, firsts[len(shapes) :].tolist(), strict=False):
-        apart = twist(joint.second, joint.place) - twist(joint.first, joint.place)
-        shut.append(apart - placed(joint.motions, first, total))
-    free = free_motions(stiffness, np.vstack(shut))
+        opening = twist(joint.second, joint.position) - twist(joint.first, joint.position)
+        conditions.append(opening - padded(joint.motions, first, total))
+    free = free_basis(stiffness, np.vstack(conditions))
     return _System(free.T @ stiffness @ free, free.T @ mass @ free, loaded @ free)
 
 
 @dataclass(frozen=True, eq=False)
 class _Joint:
-    """Relative twists (6×k, base axes) at `place` that a joint lets happen.
+    """Relative twists (`motions`, 6×k, base axes) at `position` that a joint allows.
 
-    With their springs and the inertia that moves by them (k each).
+    `springs` and `inertias` (k each) are their stiffnesses and the inertias that they move.
     """
 
     first: Side
     second: Side
-    place: Array
+    position: Array
     motions: Array
     springs: Array
     inertias: Array
 
     @classmethod
-    def of(cls, at: Posture, joint: Joint, *, simplified: bool) -> "_Joint":
-        turned, _ = _turned(at, joint)
+    def of(cls, posture: Posture, joint: Joint, *, simplified: bool) -> "_Joint":
+        rotation, _ = _rotations(posture, joint)
         motions, springs, inertias = [], [], []
-        for number, twist in enumerate(_free(at, joint).T):
+        for number, twist in enumerate(_free_twists(posture, joint).T):
             stiffness: float | None = 0.0
             inertia = 0.0
             if joint.drive is not None and number == 0:
@@ -344,22 +349,24 @@ class _Joint:
                 springs.append(stiffness)
                 inertias.append(inertia)
         if joint.compliance is not None and not simplified:
-            # Along eigenvectors of its compliance, in series with all the rest.
-            gives, along = np.linalg.eigh(joint.compliance)
-            own = block_diag(turned, turned) @ along
-            for give, twist in zip(gives, own.T, strict=True):
-                if give > 0.0:
+            # Along eigenvectors of the joint's compliance, in series with its other motions.
+            compliances, along = np.linalg.eigh(joint.compliance)
+            twists = block_diag(rotation, rotation) @ along
+            for value, twist in zip(compliances, twists.T, strict=True):
+                if value > 0.0:
                     motions.append(twist)
-                    springs.append(1.0 / give)
+                    springs.append(1.0 / value)
                     inertias.append(0.0)
         columns = np.array(motions).reshape(len(motions), 6).T
-        place = _place(at, joint.first)
-        return cls(joint.first, joint.second, place, columns, np.array(springs), np.array(inertias))
+        position = _point_position(posture, joint.first)
+        return cls(
+            joint.first, joint.second, position, columns, np.array(springs), np.array(inertias)
+        )
 
 
-def _free(at: Posture, joint: Joint) -> Array:
-    """Free relative twists (6×k) by what the kind of joint is, the drive's first."""
-    first, second = _turned(at, joint)
+def _free_twists(posture: Posture, joint: Joint) -> Array:
+    """Free relative twists (6×k) of the kind of joint, that of the drive first."""
+    first, second = _rotations(posture, joint)
     axes = joint.axes @ first.T
     along, about = (
         np.vstack([np.eye(3), np.zeros((3, 3))]),
@@ -386,49 +393,50 @@ def _free(at: Posture, joint: Joint) -> Array:
     return free
 
 
-def _turned(at: Posture, joint: Joint) -> tuple[Array, Array]:
+def _rotations(posture: Posture, joint: Joint) -> tuple[Array, Array]:
     """Rotations of both bodies since the reference posture."""
     first, second = (
-        at.frames[side.body].rotation @ at.mechanism.reference[side.body].rotation.T
+        posture.frames[side.body].rotation @ posture.mechanism.reference[side.body].rotation.T
         for side in (joint.first, joint.second)
     )
     return first, second
 
 
-def _place(at: Posture, side: Side) -> Array:
-    frame = at.frames[side.body]
-    own = at.mechanism.bodies[side.body].interfaces[side.point].position
-    return np.asarray(frame.position + frame.rotation @ own)
+def _point_position(posture: Posture, side: Side) -> Array:
+    frame = posture.frames[side.body]
+    local = posture.mechanism.bodies[side.body].interfaces[side.point].position
+    return np.asarray(frame.position + frame.rotation @ local)
 
 
-def _require_closed(at: Posture) -> None:
-    """Raise ComputationError where a joint's sides have gone where it does not let them."""
-    for joint in at.mechanism.joints:
-        if (gap := max(_gaps(at, joint))) > _CLOSED:
+def _require_closed(posture: Posture) -> None:
+    """Raise ComputationError if the sides of a joint are apart in a direction that is not free."""
+    for joint in posture.mechanism.joints:
+        if (gap := max(_joint_gaps(posture, joint))) > _CLOSED:
             raise ComputationError(f"joint {joint.name}: open by {gap:.2g} in the posture")
 
 
-def _gaps(at: Posture, joint: Joint) -> tuple[float, float]:
-    """Of positions (over the size of the mechanism) and of directions (rad)."""
-    first, second = _turned(at, joint)
-    apart = (_place(at, joint.second) - _place(at, joint.first)) / at.mechanism.size
+def _joint_gaps(posture: Posture, joint: Joint) -> tuple[float, float]:
+    """Gap of a joint in position (over the size of the mechanism) and in direction (rad)."""
+    first, second = _rotations(posture, joint)
+    gap = _point_position(posture, joint.second) - _point_position(posture, joint.first)
+    gap = gap / posture.mechanism.size
     axis = first @ joint.axes[0] if len(joint.axes) else np.zeros(3)
     relative = first.T @ second
     match joint.kind:
         case "prismatic" | "cylindrical":
-            apart = np.cross(axis, apart)
+            gap = np.cross(axis, gap)
         case "planar":
-            apart = np.atleast_1d(axis @ apart)
+            gap = np.atleast_1d(axis @ gap)
     match joint.kind:
         case "spherical":
-            turned = np.zeros(1)
+            angles = np.zeros(1)
         case "universal":
-            angles = joint.axes[0] @ relative @ joint.axes[1] - joint.axes[0] @ joint.axes[1]
-            turned = np.atleast_1d(angles)
+            angle = joint.axes[0] @ relative @ joint.axes[1] - joint.axes[0] @ joint.axes[1]
+            angles = np.atleast_1d(angle)
         case "fixed" | "prismatic":
-            turned = (relative - np.eye(3)).ravel()
+            angles = (relative - np.eye(3)).ravel()
         case "revolute" | "cylindrical" | "planar":
-            turned = (relative - np.eye(3)) @ joint.axes[0]
+            angles = (relative - np.eye(3)) @ joint.axes[0]
         case _:
             assert_never(joint.kind)
-    return float(np.linalg.norm(apart)), float(np.linalg.norm(turned))
+    return float(np.linalg.norm(gap)), float(np.linalg.norm(angles))

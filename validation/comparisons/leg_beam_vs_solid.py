@@ -25,15 +25,15 @@ from validation.case_group import CaseGroup, numbered
 from validation.cases.leg_theory import (
     DISTORTION_SOURCE,
     STATICS,
+    beam_mode_count,
     compliances,
+    computed_compliances,
+    computed_frequencies,
     distortion,
     exact_modes,
+    face_restraints,
     frequencies,
-    modes_of_beams,
-    not_a_beam,
-    own_compliances,
-    own_frequencies,
-    restrained,
+    why_no_beam,
 )
 from validation.comparisons.element_convergence import MODES
 from validation.comparisons.section_formulas import formula_band
@@ -125,8 +125,8 @@ def _motion(
             "which 0.6 times thickness over width of the torsion constant depends"
         )
     solid, sections = _solid_statics(context, body, ends)
-    computed = context.get(own_compliances, leg, sections)
-    restraint = context.get(restrained, leg, sections) if ends == "rigid" else 0.0 * computed
+    computed = context.get(computed_compliances, leg, sections)
+    restraint = context.get(face_restraints, leg, sections) if ends == "rigid" else 0.0 * computed
     residuals = Refinement(
         solid.divisions, computed + restraint - solid.values, formal_order(leg, ends)
     )
@@ -135,7 +135,7 @@ def _motion(
     # The number of slices does not affect section constants: their uncertainty needs two meshes of
     # the section.
     meshes = sections if sections[0] != sections[-1] else (sections[-1], SECTION_DIVISIONS)
-    by_section = context.get(own_compliances, leg, meshes)
+    by_section = context.get(computed_compliances, leg, meshes)
     section_refinement = Refinement(meshes, by_section, formal_order(leg, "free"))
     stiff, soft = (bound[diagonal] for bound in context.get(compliance_band, leg, sections[-1]))
     formula = limited(
@@ -172,15 +172,15 @@ def _frequency(
     context: Context, body: str, model: ModelName, index: int, limits: AgreementLimits
 ) -> Measurement:
     leg = constant_leg_of(context, body)
-    offered = modes_of_beams(context, leg)
+    offered = beam_mode_count(context, leg)
     modes = exact_modes(leg)
-    if reason := context.get(not_a_beam, leg, modes[index]):
+    if reason := context.get(why_no_beam, leg, modes[index]):
         raise Skip(f"{modes[index].kind}, number {modes[index].order}: {reason}")
     specified_ends = frequencies(context, body, limits.ends_of(leg.ends), offered)
     free_ends = frequencies(context, body, "free", offered)
     divisions = free_ends.frequencies.divisions
     kinds = tuple((mode.kind, mode.order) for mode in modes)
-    beam_frequencies = context.get(own_frequencies, leg, divisions, kinds)[:, index]
+    beam_frequencies = context.get(computed_frequencies, leg, divisions, kinds)[:, index]
     change = beam_frequencies * context.get(distortion, leg, divisions, modes[index])
     free_frequencies = free_ends.frequencies.values[:, index]
     residuals = Refinement(divisions, beam_frequencies + change - free_frequencies)
@@ -254,8 +254,8 @@ def held_share(leg: ConstantLeg, divisions: int, kind: str) -> float:
     ends.
     """
     entry = _STRAINED[kind]
-    restraint = restrained(leg, (divisions,))[0][entry]
-    return float(-restraint / (own_compliances(leg, (divisions,))[0][entry] + restraint))
+    restraint = face_restraints(leg, (divisions,))[0][entry]
+    return float(-restraint / (computed_compliances(leg, (divisions,))[0][entry] + restraint))
 
 
 def compliance_band(leg: ConstantLeg, divisions: int) -> tuple[Array, Array]:

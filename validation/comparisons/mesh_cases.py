@@ -19,7 +19,7 @@ from lumped.text import counted
 from meshes.prism import tetrahedra
 from validation.case import Absolute, Measurement, Relation, Skip
 from validation.case_group import CaseGroup
-from validation.cases.leg_theory import ENTRIES, compliances, frequencies, modes_of_beams
+from validation.cases.leg_theory import ENTRIES, beam_mode_count, compliances, frequencies
 from validation.context import Context
 from validation.models.leg_models import constant_leg_of
 from validation.models.options import Ends
@@ -173,7 +173,7 @@ def _first(refinement: Refinement, count: int) -> Refinement:
 )
 def _first_frequency(context: Context, body: str, ends: Ends, condition: str) -> Measurement:
     leg = constant_leg_of(context, body)
-    modes = frequencies(context, body, ends, modes_of_beams(context, leg))
+    modes = frequencies(context, body, ends, beam_mode_count(context, leg))
     refinement = modes.frequencies
     values = refinement.values[:, 0]
     name = f"hexahedra, {condition} ends"
@@ -218,7 +218,7 @@ def _tetrahedra(context: Context, body: str, ends: Ends, condition: str) -> Meas
     leg = constant_leg_of(context, body)
     if not isinstance(leg.section, Rectangle):
         raise Skip(f"{leg.section.shape}: tetrahedra fill solid rectangles alone")
-    hexahedral = frequencies(context, body, ends, modes_of_beams(context, leg)).frequencies
+    hexahedral = frequencies(context, body, ends, beam_mode_count(context, leg)).frequencies
     meshes = context.get(tetrahedral_modes, leg)[ends]
     tetrahedral = meshes.frequencies
     limit = _convergence(hexahedral).extrapolated

@@ -16,7 +16,7 @@ from lumped.models.bodies import clamped_modes, tip_compliance_of
 from lumped.models.segments import segment_chain, segment_leg, static_leg
 from lumped.sections import Angle, Channel, Polygon, Rectangle, Tee
 from meshes.section.section_mesh import section_mesh
-from validation.cases.ritz import of_beam
+from validation.cases.ritz import ritz_beam
 
 STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 CHANNEL = Channel(0.05, 0.1, 0.006, 0.005)
@@ -85,7 +85,7 @@ def test_coupled_frequencies_converge_to_exact(section, theory):
     """Beams with the fourth order, segments with the second, polynomials by Ritz at once."""
     beam = ConstantLeg(LENGTH, section, STEEL).properties(theory)
     exact = np.array([one.frequency for one in cantilever_frequencies(beam, LENGTH, 4)])
-    ritz = of_beam(beam, LENGTH, 10)
+    ritz = ritz_beam(beam, LENGTH, 10)
     free = null_space(ritz.root)
     squares = eigh(free.T @ ritz.stiffness @ free, free.T @ ritz.mass @ free, eigvals_only=True)
     assert np.sqrt(squares[:4]) / (2.0 * np.pi) == pytest.approx(exact, rel=1e-8)

@@ -17,7 +17,7 @@ from lumped.system.solution import modes, solved
 from validation import api
 from validation.case import Case, Skip
 from validation.cases import ritz
-from validation.cases.polynomials import path_roundings
+from validation.cases.polynomials import path_round_off
 from validation.catalogue import catalogue
 from validation.context import Context
 from validation.models.leg_models import leg_matrices
@@ -128,7 +128,7 @@ def test_what_rounding_leaves_open_covers_the_error_against_the_closed_form(robo
     for at in placed_at(robot, *stations(robot, 5)):
         exact = planar_exactly(at)
         found = model_statics((at,), model, options).compliances[0]
-        left_open = path_roundings((at,), model, options)[0]
+        left_open = path_round_off((at,), model, options)[0]
         off = np.abs(np.linalg.norm(found[:2, :2], axis=0) - exact)
         # Beside the roundings of the matrix those of its solution, some in the last place.
         known = np.linalg.norm(left_open[:2, :2], axis=0) + 1e-13 * exact

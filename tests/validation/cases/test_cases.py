@@ -89,7 +89,7 @@ DATA = (
 )
 
 
-def test_a_robot_of_one_mode_and_no_give_is_told_what_cannot_be_compared(tmp_path):
+def test_skips_of_robot_with_one_mode_have_reasons(tmp_path):
     """Fewer modes than are judged, and a chain without any compliance: not a failed run."""
     bob = robot_of(f"{PENDULUM}[path]\nposes = [[0.0], [0.3]]\n", tmp_path)
     context = Context(bob, "quick")
@@ -105,7 +105,7 @@ def test_a_robot_of_one_mode_and_no_give_is_told_what_cannot_be_compared(tmp_pat
         ("five-bar", {f"mechanism.{n}" for n in ("deflections", "frequencies", "mode-shapes")}),
     ],
 )
-def test_ids_are_unique_every_case_names_its_source_and_its_figure_is_drawn(name, shown):
+def test_ids_are_unique_and_sources_and_figures_exist(name, shown):
     ids = {task.id for task in TASKS[name]}
     assert len(ids) == len(TASKS[name])
     cases = [task for task in TASKS[name] if isinstance(task, Case)]
@@ -151,7 +151,7 @@ def test_no_ingredient_cancels_from_what_is_judged(of):
     assert [line for case in GROUPS[of] for line in cancelled(case, CONTEXTS[of[0]])] == []
 
 
-def test_an_allowance_of_the_two_numbers_that_it_explains_is_found():
+def test_allowance_from_judged_numbers_is_detected():
     """The allowances of earlier versions: what rigid faces change, from the value itself."""
     case = next(case for case in TASKS["ifw"] if case.id == "leg2.compliance.solid[c44]")
 

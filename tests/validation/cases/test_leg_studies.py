@@ -101,7 +101,7 @@ def differences(leg: ConstantLeg, divisions: int):
 
 
 @pytest.mark.parametrize("name", LEGS)
-def test_differences_with_a_name_vanish_with_the_exponent_of_their_cause(name):
+def test_named_differences_vanish_with_known_exponent(name):
     for cause, amounts in differences(*LEGS[name]).items():
         # −p of C s⁻ᵖ (1 + D/s + …): exponents of the longest legs, extrapolated in 1/s.
         before, last = np.diff(np.log2(amounts[-3:]))
@@ -110,7 +110,7 @@ def test_differences_with_a_name_vanish_with_the_exponent_of_their_cause(name):
         assert low < amounts[0] < high
 
 
-def test_what_held_faces_leave_beside_theory_lies_within_what_the_mesh_leaves_open():
+def test_residual_of_held_faces_is_within_mesh_error():
     """Beam and end effects are exact: what is left converges with the order of the held edges."""
     foam = replace(Material.isotropic(3.0e9, 0.45, 1100.0), G=0.8e9)
     tube = ConstantLeg(0.66, Tube(0.14, 0.0137), foam)
@@ -233,7 +233,7 @@ def test_waves_do_not_hide_wrong_density_of_beams():
 
 
 @pytest.mark.exhaustive
-def test_a_leg_that_swings_between_ends_at_rest_has_its_waves():
+def test_leg_vibrating_between_fixed_ends_has_waves():
     """So light a leg bends between ends at rest.
 
     With ν = −0.9 its κ by strain energy is 0.007; waves are much stiffer in shear.

@@ -26,8 +26,8 @@ from lumped.sections import Rectangle, Tube
 from lumped.system.response import damped_modes
 from validation.case import Skip
 from validation.cases import other_programs, ritz
-from validation.cases.other_programs import by_both, farthest_entry
-from validation.cases.polynomials import farthest
+from validation.cases.other_programs import beams_and_exudyn, farthest_entry
+from validation.cases.polynomials import farthest_posture
 from validation.context import Context
 from validation.kinematics.poses import postures_of
 from validation.models.options import ModelOptions
@@ -49,8 +49,8 @@ def first_pose(name):
 @pytest.mark.parametrize("prism", [ConstantLeg(0.85, Rectangle(0.1, 0.16), STEEL), FOIL])
 def test_a_leg_alone_is_the_textbook_cantilever(prism, theory):
     beam = prism.properties(theory)
-    found = ritz.of_beam(beam, prism.length, ritz.STATIC_DEGREE)
-    free = ritz.free_motions(found.stiffness, found.root)
+    found = ritz.ritz_beam(beam, prism.length, ritz.STATIC_DEGREE)
+    free = ritz.free_basis(found.stiffness, found.root)
     loaded = found.tip @ free
     compliance = loaded @ solve(free.T @ found.stiffness @ free, loaded.T, assume_a="pos")
     assert scaled_difference(compliance, tip_compliance(beam, prism.length)) < 3e-6
@@ -96,7 +96,7 @@ def test_idle_rods_count_as_no_frequency():
 def test_parts_are_rigid_bodies_on_the_drives():
     at = first_pose(ROCKER)
     (own,) = answers("simplified", [at], 1)
-    compliance, frequencies = ritz.on_drives(at, 1)
+    compliance, frequencies = ritz.simplified_response(at, 1)
     atol = 1e-10 * np.abs(compliance).max()
     np.testing.assert_allclose(own.compliance, compliance, rtol=1e-9, atol=atol)
     np.testing.assert_allclose(own.frequencies, frequencies, rtol=1e-10)
@@ -106,7 +106,7 @@ def test_what_no_drive_moves_is_rigid_and_has_no_mode():
     """The arm on a fixed joint: a structure."""
     motor = "axis = [0.0, 0.0, 1.0]\ndrive = { stiffness = 5.0e4 }\n"
     text = ONE_ARM.replace(motor, "").replace('"revolute"', '"fixed"').replace('["x"]', "[]")
-    compliance, frequencies = ritz.on_drives(reference_posture(described(text)), 2)
+    compliance, frequencies = ritz.simplified_response(reference_posture(described(text)), 2)
     assert not compliance.any()
     assert len(frequencies) == 0
 
@@ -162,7 +162,7 @@ def propped(tmp_path):
 @needs_exudyn
 def test_a_frame_on_a_plane(propped):
     assert len(listed(propped, "exudyn")) == 1
-    own, theirs, uncertain = by_both(reference_posture(propped))
+    own, theirs, uncertain = beams_and_exudyn(reference_posture(propped))
     np.testing.assert_allclose(own.frequencies, theirs, rtol=5e-4)
     assert (np.abs(own.frequencies - theirs) < uncertain).all()
 
@@ -176,7 +176,7 @@ class _WithLoad(multibody._ExudynModel):
 
 
 @needs_exudyn
-def test_the_tool_of_the_frame_swings_as_exudyn_linearises_it(propped):
+def test_tool_of_frame_matches_linearised_exudyn(propped):
     """All damped modes of its own matrices on the null space of its constraints.
 
     Its elements are of second order: frequencies a tenth of a per cent off shift peaks by that.
@@ -249,13 +249,13 @@ def test_bars_have_the_outer_size_of_the_legs():
 
 @pytest.mark.parametrize("off", [0.01, -0.01, np.nan])
 @pytest.mark.parametrize("place", range(4))
-def test_the_posture_shown_is_the_one_that_is_farthest_off(off, place):
+def test_posture_with_largest_error_is_shown(off, place):
     even, anywhere = np.array([2.0, 4.0, 8.0, 16.0]), np.ones(4, dtype=bool)
     found = even * (1.0 + np.where(np.arange(4) == place, off, 0.005))
-    assert farthest(found, even, anywhere) == place
+    assert farthest_posture(found, even, anywhere) == place
     # Of those that are looked at; of those off by rounding alone the largest number.
-    assert farthest(found, even, np.arange(4) == 3 - place) == 3 - place
-    assert farthest(even * (1.0 + 1e-12 * np.arange(4)[::-1]), even, anywhere) == 3
+    assert farthest_posture(found, even, np.arange(4) == 3 - place) == 3 - place
+    assert farthest_posture(even * (1.0 + 1e-12 * np.arange(4)[::-1]), even, anywhere) == 3
 
 
 def test_the_entry_shown_is_in_units_of_its_diagonal():

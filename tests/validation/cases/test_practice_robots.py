@@ -87,7 +87,7 @@ def test_leaf_stage_deflects_as_two_guided_leaves(model):
 
 def test_strips_are_too_many_tetrahedra_for_calculix(monkeypatch):
     """Bars of 0.5 by 20 mm have 430,000 unknowns, which take it more than its ten minutes."""
-    for name in ("by_calculix", "by_reduced"):
+    for name in ("calculix_solids", "reduced_solids"):
         monkeypatch.setattr(other_programs, name, lambda _: pytest.fail("is computed"))
     context = Context(load_robot(ROBOTS / "leaf-stage.toml"), "standard")
     cases = [
