@@ -49,6 +49,9 @@ def order(lower: SparseMatrix) -> Ordering:
     """
     request, unknowns = requested_solver(), int(lower.shape[0])
     require_usable(request)
+    if not unknowns:
+        # MUMPS and cuDSS refuse a matrix without unknowns.
+        return order_on_host(lower)
     # A process that solves small matrices alone does not look for a card.
     small = request is Solver.AUTO and unknowns < GAIN_FROM
     card = None if small or request not in {Solver.AUTO, Solver.CUDSS} else cudss.device()

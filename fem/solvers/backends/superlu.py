@@ -32,7 +32,7 @@ def title() -> str:
 
 
 class SuperluNumeric:
-    """A factor: see `Numeric`. A singular matrix has no `handle`."""
+    """A factor: see `Numeric`. `handle` is None for a singular or an empty matrix."""
 
     def __init__(self, handle: Any, negative: int, zero: int) -> None:
         self._handle = handle
@@ -59,6 +59,8 @@ class SuperluOrdering:
         from scipy.sparse.linalg import splu  # noqa: PLC0415  rslab computes nearly always
 
         size = int(self._lower.shape[0])
+        if not size:
+            return SuperluNumeric(None, 0, 0)
         require_memory(self.peak_bytes, size, part)
         lower = csc_array((values, self._lower.indices, self._lower.indptr), (size, size))
         diagonal = lower.diagonal()

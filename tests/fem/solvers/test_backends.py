@@ -132,6 +132,10 @@ class TestContract:
             sigma = exact[0] / 2.0 if below == 0 else (exact[below - 1] + exact[below]) / 2.0
             assert count_below(both, sigma) == Inertia(below, 0, len(exact) - below)
 
+    def test_empty_matrix_has_no_eigenvalues(self):
+        """A body whose unknowns are all held."""
+        assert analyse(csr_array((0, 0))).indefinite("held").inertia == Inertia(0, 0, 0)
+
     def test_indefinite_matrix_is_refused(self, matrices):
         K, M = matrices
         with pytest.raises(NotPositiveDefiniteError, match="leg 1"):
