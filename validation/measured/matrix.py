@@ -1,8 +1,8 @@
-"""What every model of a robot says of the measured values, and how they compare.
+"""Matrix of verdicts on the models of a robot by measured values.
 
-By comparison error and validation uncertainty (ASME V&V 20-2009, sections 1-5 and 6): the model's
-error δ lies within E ± k u_val, where E = S − D is what the model gives less what was measured and
-u_val² = u_num² + u_input² + u_D², three independent standard uncertainties.
+A verdict follows from comparison error and validation uncertainty (ASME V&V 20-2009, sections 1-5
+and 6). The error δ of a model lies within E ± k u_val. E = S − D is the value of the model less the
+measured one, and u_val² = u_num² + u_input² + u_D² has three independent standard uncertainties.
 """
 
 from collections.abc import Mapping, Sequence
@@ -24,7 +24,7 @@ from validation.adequacy.judged_models import JudgedModel, judged_models
 from validation.adequacy.probability import COVERAGE, propagated
 from validation.case import failure_reason
 from validation.context import Context
-from validation.measured.modes import Partner, modal_answer
+from validation.measured.modes import Partner, modal_prediction
 from validation.models.leg_models import leg_compliance
 from validation.models.options import STATIC, ModelName, ModelOptions
 from validation.references.model_ladder import formulation, with_elements
@@ -39,20 +39,21 @@ from validation.references.robot_on_path import (
 from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
 from validation.verdicts import Adequacy, Entry, Matrix, ModelNote, worst_of
 
-# Models of elements; the others have none and no discretisation.
-_OF_ELEMENTS = ("segments", "beam")
-# Second order in the number of elements: the error of n of them is 4/3 of what 2n change.
-_DOUBLED = MeshPolicy.of_order(0.5, 2.0, safety=1.0)
-# No model is off by so much: accelerations in g are, and millimetres.
-_OF_UNITS = 5.0
+# Models with elements. The others have no discretisation.
+_ELEMENT_MODELS = ("segments", "beam")
+# Second order in the number of elements: the error of n elements is 4/3 of the change by 2n.
+_DOUBLING = MeshPolicy.of_order(0.5, 2.0, safety=1.0)
+# Ratio to the measured value from which a wrong unit (g, millimetres) is more likely than an error
+# of the model.
+_WRONG_UNIT_RATIO = 5.0
 
 
 @dataclass(frozen=True)
 class Comparison:
     """A model's value S and a measured one D with standard uncertainties, all in one unit.
 
-    `numerical` is that of the model's discretisation, `inputs` what the uncertain inputs of the
-    robot make of it, `measurement` that of D. What they say of the model is relative to |D|.
+    `numerical` is that of the model's discretisation, `inputs` that due to the uncertain inputs of
+    the robot, `measurement` that of D. Properties are relative to |D|.
     """
 
     value: float
@@ -68,7 +69,7 @@ class Comparison:
 
     @property
     def uncertainties(self) -> dict[str, float]:
-        """Half-widths of 95 % intervals by where they come from."""
+        """Half-widths of 95 % intervals by source of uncertainty."""
         parts = {
             "numerics": self.numerical,
             "inputs": self.inputs,
@@ -78,14 +79,14 @@ class Comparison:
 
     @property
     def uncertainty(self) -> float:
-        """K u_val: the model's error lies within E ± this with 95 % confidence."""
+        """Half-width k u_val: the model's error lies within E ± k u_val with 95 % confidence."""
         return hypot(*self.uncertainties.values())
 
     def verdict(self, limit: float) -> Adequacy:
-        """By the relative `limit`.
+        """Verdict for the relative `limit`.
 
-        Adequate where the whole interval lies within it, inadequate where all of it lies without,
-        on one side; else undecided.
+        Adequate if the whole interval lies within ± the limit, inadequate if all of it lies beyond
+        the limit on one side, otherwise undecided.
         """
         size = abs(self.error)
         if size + self.uncertainty <= limit:
@@ -93,7 +94,7 @@ class Comparison:
         return "inadequate" if size - self.uncertainty > limit else "undecided"
 
 
-class _Place(NamedTuple):
+class _RobotInPose(NamedTuple):
     """The robot in one pose, and its models by name."""
 
     responses: Responses
@@ -102,19 +103,20 @@ class _Place(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Predictions:
-    """Numbers of a robot's models for its measured values.
+    """Values of a robot's models for its measured values.
 
-    `recipes` of the models by name; `inputs`: relative standard uncertainties of uncertain inputs.
+    `judged_by_name` are the judged models. `inputs` are the relative standard uncertainties of the
+    uncertain inputs.
     """
 
     context: Context
-    recipes: Mapping[str, JudgedModel]
+    judged_by_name: Mapping[str, JudgedModel]
     inputs: Mapping[str, float]
-    _places: dict[tuple[float, ...], _Place] = field(default_factory=dict, repr=False)
+    _robots: dict[tuple[float, ...], _RobotInPose] = field(default_factory=dict, repr=False)
 
     @classmethod
     def of(cls, context: Context) -> "Predictions":
-        """Predictions of all models that are judged; InputError if an input leads to no robot."""
+        """Predictions of all judged models. Raises InputError if an input makes no valid robot."""
         robot_file = context.robot_file
         inputs = robot_file.uncertain_inputs
         for key, share in inputs.items():
@@ -122,19 +124,19 @@ class Predictions:
                 robot_file.with_factors({key: direction * share})
         return cls(context, judged_models(robot_file.mechanism), inputs)
 
-    def value(self, name: str, one: Measured, reading: Reading = NOMINAL) -> float | None:
-        """Number of a model for a measured value, in its unit. None if the model has none.
+    def value(self, name: str, measured: Measured, reading: Reading = NOMINAL) -> float | None:
+        """Value of a model for a measured value, in its unit. None if the model has none.
 
         Raises InputError or ComputationError if it cannot be computed.
         """
-        quantity = one.quantity
-        if one.of_leg or one.test is not None:
-            return self._of_mechanism(self.recipes[name], one, reading)
-        responses, models = self._place(one.pose)
+        quantity = measured.quantity
+        if measured.of_leg or measured.test is not None:
+            return self._leg_or_test_value(self.judged_by_name[name], measured, reading)
+        responses, models = self._robot_in(measured.pose)
         model = models[name]
         if quantity.static and model.statics:
             statics = responses.required_statics(model, reading)
-            return one.load * float(statics.compliances[0, quantity.column, quantity.column])
+            return measured.load * float(statics.compliances[0, quantity.column, quantity.column])
         if quantity.static or not model.modes or not responses.modes(model, reading):
             return None
         modes = responses.required_modes(model, reading)
@@ -145,137 +147,152 @@ class Predictions:
     @property
     def faults(self) -> tuple[str, ...]:
         """Names of the models with a response that ended with an error of the program."""
-        return tuple(name for place in self._places.values() for name in place.responses.faults)
+        return tuple(name for in_pose in self._robots.values() for name in in_pose.responses.faults)
 
-    def _of_mechanism(self, recipe: JudgedModel, one: Measured, reading: Reading) -> float | None:
-        """Number for an entry of a leg's 6×6 or for a modal test."""
-        robot_file, options = self.context.robot_file, with_elements(recipe.options, reading)
+    def _leg_or_test_value(
+        self, judged_model: JudgedModel, measured: Measured, reading: Reading
+    ) -> float | None:
+        """Value for an entry of a leg's 6×6, or for a modal test. None if the model has none."""
+        robot_file, options = self.context.robot_file, with_elements(judged_model.options, reading)
         robot = robot_file.mechanism
         if reading.factors:
             robot = robot_file.with_factors(dict(reading.factors))
-        if one.test is not None:
-            return _of_test(recipe.kind, robot, one, one.test, options)
-        place = divmod(one.quantity.column, len(AXES))
-        leg = legs_of(robot)[one.quantity.leg]
-        rigid = recipe.kind == "simplified"
-        return None if rigid else float(leg_compliance(recipe.kind, leg, options)[place])
+        if measured.test is not None:
+            return _test_value(judged_model.kind, robot, measured, measured.test, options)
+        entry = divmod(measured.quantity.column, len(AXES))
+        leg = legs_of(robot)[measured.quantity.leg]
+        rigid = judged_model.kind == "simplified"
+        return None if rigid else float(leg_compliance(judged_model.kind, leg, options)[entry])
 
-    def _place(self, pose: tuple[float, ...]) -> _Place:
-        """The robot in a pose; raises InputError if it cannot take it."""
-        if pose not in self._places:
-            at = [posture(self.context.robot_file.mechanism, np.array(pose))]
-            robot = robot_at(self.context, at)
+    def _robot_in(self, pose: tuple[float, ...]) -> _RobotInPose:
+        """The robot in a pose. Raises InputError if it cannot reach the pose."""
+        if pose not in self._robots:
+            postures = [posture(self.context.robot_file.mechanism, np.array(pose))]
+            robot = robot_at(self.context, postures)
             models = {
-                name: _defined(at, formulation(name, recipe.kind, recipe.options), recipe)
-                for name, recipe in self.recipes.items()
+                name: _restricted(
+                    postures,
+                    formulation(name, judged_model.kind, judged_model.options),
+                    judged_model,
+                )
+                for name, judged_model in self.judged_by_name.items()
             }
-            self._places[pose] = _Place(Responses(robot), models)
-        return self._places[pose]
+            self._robots[pose] = _RobotInPose(Responses(robot), models)
+        return self._robots[pose]
 
 
-def _defined(at: Sequence[Posture], model: Model, recipe: JudgedModel) -> Model:
-    """The model without the halves that it does not define."""
-    if recipe.kind == "vjm" and why_not_serial(at):
+def _restricted(postures: Sequence[Posture], model: Model, judged_model: JudgedModel) -> Model:
+    """The model without statics or modes that it does not define."""
+    if judged_model.kind == "vjm" and why_not_serial(postures):
         return replace(model, statics=None, modes=None)
-    return replace(model, modes=None) if recipe.kind in STATIC else model
+    return replace(model, modes=None) if judged_model.kind in STATIC else model
 
 
 def measured_matrix(context: Context) -> Matrix:
-    """Every model by every measured quantity; the poses are those of the measurements."""
+    """Verdicts on every model for every measured quantity. Poses are those of the measurements."""
     robot_file, robot = context.robot_file, context.robot_file.mechanism
     predictions = Predictions.of(context)
-    ones = robot_file.measured
-    quantities = tuple(dict.fromkeys(one.quantity for one in ones))
-    poses = tuple(sorted({one.pose for one in ones if one.pose}))
+    values = robot_file.measured
+    quantities = tuple(dict.fromkeys(measured.quantity for measured in values))
+    poses = tuple(sorted({measured.pose for measured in values if measured.pose}))
     entries, faults = [], []
-    for name in predictions.recipes:
+    for name in predictions.judged_by_name:
         for quantity in quantities:
-            alike = [one for one in ones if one.quantity == quantity]
-            found: dict[Measured, Comparison] = {}
+            same_quantity = [measured for measured in values if measured.quantity == quantity]
+            comparisons: dict[Measured, Comparison] = {}
             pairs: dict[Measured, Partner | None] = {}
-            refused: dict[Measured, str] = {}
-            for one in alike:
+            reasons: dict[Measured, str] = {}
+            for measured in same_quantity:
                 try:
-                    if comparison := _compared(predictions, name, one):
-                        pairs[one] = _partner(predictions, name, one)
-                        found[one] = comparison
+                    if comparison := _comparison(predictions, name, measured):
+                        pairs[measured] = _partner(predictions, name, measured)
+                        comparisons[measured] = comparison
                 except UNSOLVED as error:
-                    refused[one] = str(error)
+                    reasons[measured] = str(error)
                 except Exception as error:  # noqa: BLE001  loses this value of one model alone
-                    refused[one] = failure_reason(f"{quantity} by {name}", error)
+                    reasons[measured] = failure_reason(f"{quantity} by {name}", error)
                     faults.append(name)
-            if found:
-                entry = _entry(name, quantity, found, robot_file.requirement, poses, pairs)
-                entries.append(_with_refusals(entry, refused))
-            elif refused:
-                entries.append(_refused(name, quantity, refused, robot_file.requirement))
+            if comparisons:
+                entry = _entry(name, quantity, comparisons, robot_file.requirement, poses, pairs)
+                entries.append(_with_missing_values(entry, reasons))
+            elif reasons:
+                entries.append(
+                    _entry_without_values(name, quantity, reasons, robot_file.requirement)
+                )
     return Matrix(
         robot=robot.name,
         coordinates=coordinates(robot),
         poses=poses,
-        models=tuple(ModelNote(name, one.title) for name, one in predictions.recipes.items()),
+        models=tuple(
+            ModelNote(name, judged_model.title)
+            for name, judged_model in predictions.judged_by_name.items()
+        ),
         quantities=quantities,
         entries=tuple(entries),
         faults=tuple(dict.fromkeys((*faults, *predictions.faults))),
     )
 
 
-def _refused(
-    model: str, quantity: Quantity, refused: Mapping[Measured, str], requirement: Requirement
+def _entry_without_values(
+    model: str, quantity: Quantity, reasons: Mapping[Measured, str], requirement: Requirement
 ) -> Entry:
-    """The entry of a quantity of which a model computes no value: undecided, and why."""
-    one, reason = next(iter(refused.items()))
+    """Undecided entry, with the reason, of a quantity of which a model computes no value."""
+    measured, reason = next(iter(reasons.items()))
     return Entry(
         model=model,
         quantity=quantity,
         limit=requirement.limit(quantity),
         verdict="undecided",
-        pose=one.pose,
-        reference=f"measured: {one.source}",
+        pose=measured.pose,
+        reference=f"measured: {measured.source}",
         reason=f"{model} cannot be computed: {reason}",
         measured=True,
     )
 
 
-def _with_refusals(entry: Entry, refused: Mapping[Measured, str]) -> Entry:
-    """The entry as it is if some of its measured values cannot be computed: not adequate."""
-    if not refused or entry.verdict == "inadequate":
+def _with_missing_values(entry: Entry, reasons: Mapping[Measured, str]) -> Entry:
+    """The entry, changed to undecided if values cannot be computed and it is not inadequate.
+
+    `reasons` are those of the measured values that cannot be computed.
+    """
+    if not reasons or entry.verdict == "inadequate":
         return entry
-    reason = f"{entry.model} cannot be computed for all values: {next(iter(refused.values()))}"
+    reason = f"{entry.model} cannot be computed for all values: {next(iter(reasons.values()))}"
     return structs.replace(entry, verdict="undecided", reason=reason)
 
 
-def _of_test(
-    model: ModelName, robot: Mechanism, one: Measured, test: ModalTest, options: ModelOptions
+def _test_value(
+    model: ModelName, robot: Mechanism, measured: Measured, test: ModalTest, options: ModelOptions
 ) -> float | None:
-    """The model's frequency of a mode of a test, or its part of a response in phase with it."""
-    answer = modal_answer(model, robot, test, options)
-    where = one.frequency
-    if where is None and (partner := answer.partners[one.column]):
-        where = partner.frequency
-    if one.response is None or where is None or not answer.responses:
-        return where if one.response is None else None
+    """Frequency of a model for a mode of a test, or its response in phase with the measured one."""
+    prediction = modal_prediction(model, robot, test, options)
+    frequency = measured.frequency
+    if frequency is None and (partner := prediction.partners[measured.column]):
+        frequency = partner.frequency
+    if measured.response is None or frequency is None or not prediction.responses:
+        return frequency if measured.response is None else None
     with np.errstate(divide="ignore", invalid="ignore"):
-        (value,) = answer.responses[one.response].receptance(np.array([where]))
-    size = float((value * np.exp(-1j * one.phase)).real)
-    return size if isfinite(size) else None
+        (value,) = prediction.responses[measured.response].receptance(np.array([frequency]))
+    in_phase = float((value * np.exp(-1j * measured.phase)).real)
+    return in_phase if isfinite(in_phase) else None
 
 
-def _partner(predictions: Predictions, name: str, one: Measured) -> Partner | None:
-    """The mode of the model that a mode of a test is."""
-    if one.test is None or one.frequency is not None:
+def _partner(predictions: Predictions, name: str, measured: Measured) -> Partner | None:
+    """Mode of the model that is the partner of a mode of a test. None if there is none."""
+    if measured.test is None or measured.frequency is not None:
         return None
-    recipe, robot = predictions.recipes[name], predictions.context.robot_file.mechanism
-    return modal_answer(recipe.kind, robot, one.test, recipe.options).partners[one.column]
+    judged_model, robot = predictions.judged_by_name[name], predictions.context.robot_file.mechanism
+    prediction = modal_prediction(judged_model.kind, robot, measured.test, judged_model.options)
+    return prediction.partners[measured.column]
 
 
-def _compared(predictions: Predictions, name: str, one: Measured) -> Comparison | None:
-    value = predictions.value(name, one)
+def _comparison(predictions: Predictions, name: str, measured: Measured) -> Comparison | None:
+    value = predictions.value(name, measured)
     if value is None:
         return None
 
-    def perturbed(what: str, **changes: Any) -> float:
-        return _required(predictions.value(name, one, replace(NOMINAL, **changes)), what)
+    def perturbed(change: str, **changes: Any) -> float:
+        return _required(predictions.value(name, measured, replace(NOMINAL, **changes)), change)
 
     changes = [
         [
@@ -285,17 +302,17 @@ def _compared(predictions: Predictions, name: str, one: Measured) -> Comparison 
         for key, share in predictions.inputs.items()
     ]
     numerical = 0.0
-    if (recipe := predictions.recipes[name]).kind in _OF_ELEMENTS:
-        finer = perturbed(f"{2 * recipe.options.elements} elements", elements=2)
+    if (judged_model := predictions.judged_by_name[name]).kind in _ELEMENT_MODELS:
+        finer = perturbed(f"{2 * judged_model.options.elements} elements", elements=2)
         # The estimate is a half-width of 95 %.
-        numerical = float(mesh_half_widths([np.abs(value - finer)], _DOUBLED)) / COVERAGE
-    return Comparison(value, one.value, numerical, propagated(changes), one.uncertainty)
+        numerical = float(mesh_half_widths([np.abs(value - finer)], _DOUBLING)) / COVERAGE
+    return Comparison(value, measured.value, numerical, propagated(changes), measured.uncertainty)
 
 
 def _required(value: float | None, changed: str) -> float:
-    """The value of a changed model; raises ComputationError if it has none.
+    """The value of a changed model. Raises ComputationError if it has none.
 
-    A missing value would count as a part of the uncertainty that is zero, or all of the value.
+    A missing value would count as an uncertainty of zero, or of the whole value.
     """
     if value is None:
         raise ComputationError(f"its uncertainty is not known: it has no value with {changed}")
@@ -305,21 +322,24 @@ def _required(value: float | None, changed: str) -> float:
 def _entry(
     model: str,
     quantity: Quantity,
-    found: Mapping[Measured, Comparison],
+    comparisons: Mapping[Measured, Comparison],
     requirement: Requirement,
     poses: Sequence[tuple[float, ...]],
     pairs: Mapping[Measured, Partner | None],
 ) -> Entry:
     limit = requirement.limit(quantity)
-    verdict = worst_of([compared.verdict(limit) for compared in found.values()])
-    # The farthest off decides, of the whole and of several in one pose.
-    ordered = sorted(found.items(), key=lambda pair: abs(pair[1].error), reverse=True)
-    worst, compared = next(pair for pair in ordered if pair[1].verdict(limit) == verdict)
-    at = [next((own for one, own in ordered if one.pose == pose), None) for pose in poses]
+    verdict = worst_of([comparison.verdict(limit) for comparison in comparisons.values()])
+    # The largest error decides, among all values and among several in one pose.
+    ordered = sorted(comparisons.items(), key=lambda pair: abs(pair[1].error), reverse=True)
+    worst, deciding = next(pair for pair in ordered if pair[1].verdict(limit) == verdict)
+    by_pose = [
+        next((comparison for measured, comparison in ordered if measured.pose == pose), None)
+        for pose in poses
+    ]
     pair = pairs[worst]
     reason = pair.reason if pair else ""
-    share = compared.value / worst.value
-    if worst.response is not None and share < 0.0:
+    ratio = deciding.value / worst.value
+    if worst.response is not None and ratio < 0.0:
         reason = (
             reason or "moves the other way than measured: is a sign or direction of the test wrong?"
         )
@@ -337,25 +357,31 @@ def _entry(
         computed_by=("validation.measured.matrix.predicted", "validation.measured.matrix"),
     )
     if reason:
-        # Modes that are not alike, and signs that are not, cannot be compared.
+        # Modes without similar shapes, and values of opposite sign, cannot be compared.
         return entry
-    if worst.response is not None and not 1.0 / _OF_UNITS < share < _OF_UNITS:
-        reason = f"{share:.3g} times what was measured: is a unit wrong?"
+    if worst.response is not None and not 1.0 / _WRONG_UNIT_RATIO < ratio < _WRONG_UNIT_RATIO:
+        reason = f"{ratio:.3g} times what was measured: is a unit wrong?"
     elif verdict == "undecided":
         reason = "needs a smaller validation uncertainty"
     return structs.replace(
         entry,
         verdict=verdict,
         reason=reason,
-        error=compared.error,
-        uncertainty=compared.uncertainty,
-        low=compared.error - compared.uncertainty,
-        high=compared.error + compared.uncertainty,
-        value=compared.value,
-        uncertainties=compared.uncertainties,
-        errors=tuple(own.error if own else None for own in at),
-        spreads=tuple(own.uncertainty if own else None for own in at),
-        lows=tuple(own.error - own.uncertainty if own else None for own in at),
-        highs=tuple(own.error + own.uncertainty if own else None for own in at),
-        values=tuple(own.value if own else None for own in at),
+        error=deciding.error,
+        uncertainty=deciding.uncertainty,
+        low=deciding.error - deciding.uncertainty,
+        high=deciding.error + deciding.uncertainty,
+        value=deciding.value,
+        uncertainties=deciding.uncertainties,
+        errors=tuple(comparison.error if comparison else None for comparison in by_pose),
+        spreads=tuple(comparison.uncertainty if comparison else None for comparison in by_pose),
+        lows=tuple(
+            comparison.error - comparison.uncertainty if comparison else None
+            for comparison in by_pose
+        ),
+        highs=tuple(
+            comparison.error + comparison.uncertainty if comparison else None
+            for comparison in by_pose
+        ),
+        values=tuple(comparison.value if comparison else None for comparison in by_pose),
     )

@@ -1,7 +1,7 @@
-"""Modes of a test as measured values, and which mode of a model each of them is.
+"""Modes of a test as measured values, and their partners among the modes of a model.
 
-Shapes are compared at the points and along the axes that were measured (modal assurance criterion,
-all weighing alike) and paired so that likeness is largest in all.
+Shapes are compared at the measured points and along the measured axes (modal assurance criterion
+with equal weights). They are paired such that the sum of the likenesses is largest.
 """
 
 from collections.abc import Sequence
@@ -25,7 +25,7 @@ from lumped.robot_file.load import RobotFile, with_measured
 from lumped.system.assembly import System
 from lumped.system.response import DampedModes, damped_modes
 from lumped.text import counted
-from validation.measured.responses import responses_of
+from validation.measured.responses import measured_responses
 from validation.measured.tested import SUFFIXES, read_modes
 from validation.models.options import DEFAULT_OPTIONS, STATIC, ModelName, ModelOptions
 from validation.models.robot_models import PostureModes, mechanism_modes
@@ -36,22 +36,23 @@ from validation.responses.mode_pairing import (
     space_likeness,
 )
 
-# From here on two shapes are one mode: 0.9 is usual of modes that belong together, 0.1 of others,
-# and sensors a few centimetres off take a tenth away.
+# Least MAC of partners. Partners usually have 0.9 and other modes 0.1; sensors a few centimetres
+# from their stated position reduce it by a tenth.
 LEAST_MAC = 0.8
-# Where one of the modes that look alike is nearer than so many times in frequency, the others are
-# none: rods of a Delta that bend drag the platform along, whose modes look the same far below.
-_OFF = 1.5
-# How far above the highest measured frequency modes of a model are looked at, and how many at most.
-_ABOVE, _FIRST, _AT_MOST = 1.5, 8, 64
-# Motion of all points, of the largest of any mode, below which there is rounding alone.
-_UNSEEN = 1e-6
+# If one of several similar modes is within this ratio in frequency, the others are excluded:
+# bending rods of a Delta drag the platform along, so that they look like its modes far below.
+_NEAR_RATIO = 1.5
+# Modes of a model are computed up to _SEARCH_RATIO times the highest measured frequency: first
+# _FIRST_COUNT, at most _LARGEST_COUNT.
+_SEARCH_RATIO, _FIRST_COUNT, _LARGEST_COUNT = 1.5, 8, 64
+# Motion of all points, relative to the largest of any mode, below which it is round-off.
+_INVISIBLE = 1e-6
 
 
 class Partner(NamedTuple):
-    """The mode of a model that a measured one is: its `number` (from 1) and `frequency` (Hz).
+    """Mode of a model that is the partner of a measured one: `number` (from 1), `frequency` (Hz).
 
-    `mac` is the likeness of the two; `reason` says why they are not held against each other.
+    `mac` is the likeness of the two. `reason` is why they are not compared, empty if they are.
     """
 
     number: int
@@ -61,57 +62,64 @@ class Partner(NamedTuple):
 
 
 def with_measured_file(robot_file: RobotFile, path: Path) -> RobotFile:
-    """The robot file with what a CSV or universal file says was measured, after its own values.
+    """The robot file with the measured values of a CSV or universal file after its own.
 
-    Modes have the numbers that they have in the beam model; those that have none there are left
-    out. Raises InputError with one line per fault.
+    Modes have the numbers of their partners in the beam model; modes without a partner are
+    omitted. Raises InputError with one line per fault.
     """
     if path.suffix.lower() not in SUFFIXES:
         return with_measured(robot_file, path)
     if (hammer := robot_file.hammer) is None:
         raise InputError(f"{path}: {robot_file.source} must say in [hammer] where its nodes are")
-    found = read_modes(path)
-    numbers = found.freedoms[:, 0]
-    known = np.isin(numbers, list(hammer.nodes))
+    tested = read_modes(path)
+    numbers = tested.freedoms[:, 0]
+    located = np.isin(numbers, list(hammer.nodes))
     all_nodes = counted(len(set(numbers)), "node")
-    if not known.any():
+    if not located.any():
         raise InputError(
             f"{path}: [hammer.nodes] of {robot_file.source} has none of its {all_nodes}"
         )
-    sizes = np.abs(found.poles)
+    sizes = np.abs(tested.poles)
     test = ModalTest(
         hammer.pose,
-        hammer.freedoms(found.freedoms[known]),
-        found.shapes[known],
+        hammer.freedoms(tested.freedoms[located]),
+        tested.shapes[located],
         sizes / (2.0 * np.pi),
-        -found.poles.real / sizes,
+        -tested.poles.real / sizes,
     )
-    partners = modal_answer("beam", robot_file.mechanism, test, DEFAULT_OPTIONS).partners
-    paired = [(c, one.number) for c, one in enumerate(partners) if one and one.number <= MOST_MODES]
+    partners = modal_prediction("beam", robot_file.mechanism, test, DEFAULT_OPTIONS).partners
+    paired = [
+        (c, partner.number)
+        for c, partner in enumerate(partners)
+        if partner and partner.number <= MOST_MODES
+    ]
     if not paired:
         all_modes = counted(len(partners), "mode")
         raise InputError(f"{path}: none of its {all_modes} above 0 Hz is one of the beam model's")
     source = (
         f"{path.name}, {len(paired)} of {counted(len(partners), 'mode')}, "
-        f"{len(set(numbers[known]))} of {all_nodes}"
+        f"{len(set(numbers[located]))} of {all_nodes}"
     )
-    ones = []
+    values = []
     for column, number in paired:
         value = float(test.frequencies[column])
-        spread = hypot(found.scatter[0, column], hammer.uncertainty * value)
-        ones.append(
+        spread = hypot(tested.scatter[0, column], hammer.uncertainty * value)
+        values.append(
             Measured(FREQUENCIES[number - 1], value, spread, source, test.pose, 1.0, test, column)
         )
     # Without damping ratios no response can be read at a mode.
     if test.ratios.all():
-        ones += responses_of(found, test, dict(paired), hammer, robot_file.mechanism, path.name)
-    return replace(robot_file, measured=(*robot_file.measured, *ones))
+        values += measured_responses(
+            tested, test, dict(paired), hammer, robot_file.mechanism, path.name
+        )
+    return replace(robot_file, measured=(*robot_file.measured, *values))
 
 
-class ModalAnswer(NamedTuple):
-    """What a model says of a test: `partners` of its modes, damped modes as `responses` feel them.
+class ModalPrediction(NamedTuple):
+    """Results of a model for a test: `partners` of the test's modes, and its `responses`.
 
-    A static model has neither.
+    Responses are damped modes, each with the residues of one measured response. A static model has
+    neither.
     """
 
     partners: list[Partner | None]
@@ -119,106 +127,122 @@ class ModalAnswer(NamedTuple):
 
 
 @memo(64)
-def modal_answer(
+def modal_prediction(
     model: ModelName, robot: Mechanism, test: ModalTest, options: ModelOptions
-) -> ModalAnswer:
-    """What a model says of a test."""
+) -> ModalPrediction:
+    """Results of a model for a test."""
     partners: list[Partner | None] = [None] * len(test.frequencies)
     if model in STATIC:
-        return ModalAnswer(partners, [])
-    at, count = [posture(robot, np.array(test.pose))], _FIRST
-    found = _modes(model, at, count, options)
-    highest = _ABOVE * test.frequencies.max(initial=0.0)
+        return ModalPrediction(partners, [])
+    postures, count = [posture(robot, np.array(test.pose))], _FIRST_COUNT
+    solution = _modes(model, postures, count, options)
+    highest = _SEARCH_RATIO * test.frequencies.max(initial=0.0)
     while (
-        len(found.modes.frequencies) == count < _AT_MOST and found.modes.frequencies[-1] < highest
+        len(solution.modes.frequencies) == count < _LARGEST_COUNT
+        and solution.modes.frequencies[-1] < highest
     ):
         count *= 2
-        found = _modes(model, at, count, options)
-    moved = _motions(found.system, found.modes.shapes, test.at)
-    sizes = np.linalg.norm(moved, axis=0)
-    seen = np.flatnonzero(sizes > _UNSEEN * sizes.max(initial=0.0))
+        solution = _modes(model, postures, count, options)
+    motions = _motions(solution.system, solution.modes.shapes, test.at)
+    sizes = np.linalg.norm(motions, axis=0)
+    visible = np.flatnonzero(sizes > _INVISIBLE * sizes.max(initial=0.0))
     # Modes of one frequency are compared as a space. A measured mode that does not move the named
-    # points is like none.
-    frequencies = found.modes.frequencies[seen]
+    # points has no similar mode.
+    frequencies = solution.modes.frequencies[visible]
     measured = sampled_modes(test.frequencies, test.shapes)
-    modelled = sampled_modes(frequencies, moved[:, seen])
+    modelled = sampled_modes(frequencies, motions[:, visible])
     mac = space_likeness(measured, modelled)
-    alike, spaces = mac >= LEAST_MAC, one_frequency(frequencies)
+    similar, spaces = mac >= LEAST_MAC, one_frequency(frequencies)
     ratios = np.divide.outer(test.frequencies, frequencies)
-    near = alike & (np.maximum(ratios, 1.0 / ratios) < _OFF)
-    excluded = alike & ~near & near.any(axis=1, keepdims=True)
+    near = similar & (np.maximum(ratios, 1.0 / ratios) < _NEAR_RATIO)
+    excluded = similar & ~near & near.any(axis=1, keepdims=True)
     mac[excluded] = 0.0
     pairs = pair_modes(measured, modelled, excluded=excluded)
-    for column, other in enumerate(pairs.nearest):
-        if other >= 0:
-            same, own = mac[column] >= LEAST_MAC, float(mac[column, other])
+    for column, nearest in enumerate(pairs.nearest):
+        if nearest >= 0:
+            similar_modes, likeness = mac[column] >= LEAST_MAC, float(mac[column, nearest])
             reason = ""
-            if own < LEAST_MAC:
-                reason = f"another mode, or measured elsewhere: MAC {own:.2f}, must be {LEAST_MAC}"
-            elif len(set(spaces[same])) > 1 or (len(moved) == 1 and not near[column].any()):
-                told = ", ".join(f"f{number + 1}" for number in seen[same])
-                reason = f"{told} of the model look like it where it was measured: add points"
-            partners[column] = Partner(int(seen[other]) + 1, float(frequencies[other]), own, reason)
+            if likeness < LEAST_MAC:
+                reason = (
+                    f"another mode, or measured elsewhere: MAC {likeness:.2f}, must be {LEAST_MAC}"
+                )
+            elif len(set(spaces[similar_modes])) > 1 or (
+                len(motions) == 1 and not near[column].any()
+            ):
+                listed = ", ".join(f"f{number + 1}" for number in visible[similar_modes])
+                reason = f"{listed} of the model look like it where it was measured: add points"
+            partners[column] = Partner(
+                int(visible[nearest]) + 1, float(frequencies[nearest]), likeness, reason
+            )
     if model != "simplified":
-        partners = _unless_most_misfit(partners)
-    return ModalAnswer(partners, _responses(robot, found, test, partners) if test.responses else [])
+        partners = _without_verdicts_if_most_misfit(partners)
+    return ModalPrediction(
+        partners, _responses(robot, solution, test, partners) if test.responses else []
+    )
 
 
-def _unless_most_misfit(partners: Sequence[Partner | None]) -> list[Partner | None]:
-    """The partners, none of them judged if most modes of the test are like none of the model.
+def _without_verdicts_if_most_misfit(partners: Sequence[Partner | None]) -> list[Partner | None]:
+    """The partners, with a reason not to judge any if most modes of the test have no similar mode.
 
-    Where nodes are swapped some pairs are alike by chance.
+    If nodes are swapped, some pairs are similar by chance.
     """
-    misfits = sum(one is None or one.mac < LEAST_MAC for one in partners)
+    misfits = sum(partner is None or partner.mac < LEAST_MAC for partner in partners)
     if 2 * misfits <= len(partners):
         return list(partners)
     reason = (
         f"{misfits} of {counted(len(partners), 'mode')} of the test are like none of the model: "
         "are nodes swapped, or elsewhere than [hammer.nodes] says?"
     )
-    return [one and (one if one.reason else one._replace(reason=reason)) for one in partners]
+    return [
+        partner and (partner if partner.reason else partner._replace(reason=reason))
+        for partner in partners
+    ]
 
 
 def _responses(
-    robot: Mechanism, found: PostureModes, test: ModalTest, partners: Sequence[Partner | None]
+    robot: Mechanism, solution: PostureModes, test: ModalTest, partners: Sequence[Partner | None]
 ) -> list[DampedModes]:
-    """Damped modes as each response feels them; where no part loses energy, damped as measured."""
-    unit = np.eye(found.system.size)
-    outputs = np.vstack([_motions(found.system, unit, one.ends) for one in test.responses])
-    # A model that is stiff where it was measured has its partners far above what was measured.
-    highest = max([*test.frequencies, *(one.frequency for one in partners if one)])
-    damped = damped_modes(found.solution, _ABOVE * highest, outputs)
+    """Damped modes with the residues of each response. Undamped robots have measured damping."""
+    unit = np.eye(solution.system.size)
+    outputs = np.vstack(
+        [_motions(solution.system, unit, response.ends) for response in test.responses]
+    )
+    # A model that is too stiff has its partners far above the measured frequencies.
+    highest = max([*test.frequencies, *(partner.frequency for partner in partners if partner)])
+    damped = damped_modes(solution.solution, _SEARCH_RATIO * highest, outputs)
     if not robot.is_damped:
         ratios = np.full(len(damped.residues), test.ratios.mean())
         for ratio, partner in zip(test.ratios, partners, strict=True):
             if partner:
                 ratios[partner.number - 1] = ratio
         damped = replace(damped, ratio=ratios)
-    moved = range(0, len(outputs), 2)
-    return [replace(damped, residues=damped.residues[:, row, row + 1]) for row in moved]
+    output_rows = range(0, len(outputs), 2)
+    return [replace(damped, residues=damped.residues[:, row, row + 1]) for row in output_rows]
 
 
 def _modes(
-    model: ModelName, at: Sequence[Posture], count: int, options: ModelOptions
+    model: ModelName, postures: Sequence[Posture], count: int, options: ModelOptions
 ) -> PostureModes:
-    """The lowest `count` modes, or the fewer that a robot of rigid bodies has."""
-    for fewer in range(count, 1, -1):
+    """The lowest `count` modes, or all modes of a robot of rigid bodies if it has fewer."""
+    for existing in range(count, 1, -1):
         with suppress(FewerModesError):
-            return mechanism_modes(model, at, fewer, options)[0]
-    return mechanism_modes(model, at, 1, options)[0]
+            return mechanism_modes(model, postures, existing, options)[0]
+    return mechanism_modes(model, postures, 1, options)[0]
 
 
-def _motions(system: System, shapes: Array, at: Freedoms) -> Array:
-    """Motions (k×m) of shapes (n×m) where and along what they were measured (k)."""
+def _motions(system: System, shapes: Array, freedoms: Freedoms) -> Array:
+    """Motions (k×m) of shapes (n×m) at the measured points and along the measured axes (k)."""
     rows = []
-    for body, place, direction in zip(at.bodies, at.places, at.directions, strict=True):
+    for body, position, direction in zip(
+        freedoms.bodies, freedoms.places, freedoms.directions, strict=True
+    ):
         frame = system.posture.frames[body]
         if body in system.models:
-            field = system.models[body].displacements(place[None]).toarray()
-            moved = frame.rotation @ (field @ system.body_unknowns(body, shapes))
+            field = system.models[body].displacements(position[None]).toarray()
+            motion = frame.rotation @ (field @ system.body_unknowns(body, shapes))
         else:
             point = next(iter(system.posture.mechanism.bodies[body].interfaces))
-            there = frame.position + frame.rotation @ place
-            moved = system.motions.at(body, point, there)[:3] @ shapes[: system.outer]
-        rows.append(direction @ moved)
+            point_position = frame.position + frame.rotation @ position
+            motion = system.motions.at(body, point, point_position)[:3] @ shapes[: system.outer]
+        rows.append(direction @ motion)
     return np.array(rows)

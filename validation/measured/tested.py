@@ -1,9 +1,9 @@
-"""Universal files (.uff, .unv) of modal tests, read in a process of its own: modes with shapes.
+"""Universal files (.uff, .unv) of modal tests, read in a separate process: modes with shapes.
 
-Mode shapes (dataset 55) are taken as they are. From frequency response functions (dataset 58) the
-poles are found by LSCF and the mode constants by LSFD (sdypy-EMA). A pole counts where polynomials
-of most orders have it, which is what the eye seeks on a stabilisation chart (Verboven, thesis, VUB
-2002, 5.3); its scatter over the orders says how well it is known.
+Mode shapes (dataset 55) are used unchanged. From frequency response functions (dataset 58), poles
+follow by LSCF and mode constants by LSFD (sdypy-EMA). A pole counts if polynomials of most orders
+have it, as on a stabilisation chart (Verboven, thesis, VUB 2002, 5.3). Its scatter over the orders
+is its uncertainty.
 """
 
 import re
@@ -21,34 +21,35 @@ from lumped.files import read_ordinary
 from meshes.processes import within_limits
 
 SUFFIXES = (".uff", ".unv")
-_KIND = "a universal file of a modal test"
-_LARGEST = 100_000_000
-# Of computing: two hundred functions take ten.
+_FILE_KIND = "a universal file of a modal test"
+_LARGEST_SIZE = 100_000_000
+# Limit on computing time (s). Two hundred functions take ten seconds.
 _SECONDS = 300.0
 # Frequency response functions among functions; normal and complex modes among data at nodes.
 _RESPONSE, _COHERENCE, _MODES = 4, 6, (2, 3, 7)
 _ENDS = ("rsp_node", "rsp_dir", "ref_node", "ref_dir")
-# Specific data types of motions, by how many derivatives each is off a velocity, of force, and of
-# what is not named.
-_DERIVATIVES, _FORCE, _ANY = {8: -1, 11: 0, 12: 1}, 13, (0, 1)
+# Specific data types: of motions, with the number of time derivatives from a velocity; of force;
+# and unspecified ones.
+_DERIVATIVES, _FORCE, _UNSPECIFIED = {8: -1, 11: 0, 12: 1}, 13, (0, 1)
 _GRAVITY = 9.80665
 # The line that begins and ends a data set.
 _END_WITH_BLANKS = re.compile(rb"^(    -1)[ \t]+(?=\r?$)", re.MULTILINE)
-# Order of the highest polynomial, lines of a spectrum that it needs, and steps equal as printed.
-_HIGHEST, _FEWEST_ORDERS, _FEWEST_LINES, _AS_PRINTED = 40, 4, 160, 1e-2
-# Distance of poles that are one, of their size, share of the orders that must have it, and damping
-# ratio above which a pole is none of a robot's modes.
-_ALIKE, _MOST, _DAMPED = 0.003, 0.7, 0.3
-Set: TypeAlias = dict[str, Any]
+# Highest and fewest polynomial orders, fewest lines of a spectrum, and largest deviation of printed
+# frequencies from multiples of a step (in steps).
+_HIGHEST_ORDER, _FEWEST_ORDERS, _FEWEST_LINES, _STEP_TOLERANCE = 40, 4, 160, 1e-2
+# Largest relative distance of poles that are one; least share of the orders that have a pole;
+# largest damping ratio of a robot's mode.
+_POLE_DISTANCE, _SHARE_OF_ORDERS, _LARGEST_RATIO = 0.003, 0.7, 0.3
+DataSet: TypeAlias = dict[str, Any]
 
 
 class TestedModes(NamedTuple):
     """Modes of a test: `poles` (m, 1/s) and `shapes` (k×m, real).
 
-    `scatter` (2×m) is standard, of frequencies (Hz) and of damping ratios. Of each row of the
-    shapes `freedoms` (k×2) are the node and its axis (0 to 2). The `receptance` (p×n, m/N) at
-    `frequencies` (n, Hz) is that of each two such `ends` (p×2×2), what moves and what is struck;
-    `coherence` (p×n) is NaN where the file has none.
+    `scatter` (2×m) is the standard deviation of frequencies (Hz) and of damping ratios. `freedoms`
+    (k×2) are node and axis (0 to 2) of each row of the shapes. `receptance` (p×n, m/N) at
+    `frequencies` (n, Hz) belongs to pairs of `ends` (p×2×2): node and axis of the motion, then of
+    the force. `coherence` (p×n) is NaN if the file has none.
     """
 
     poles: ComplexArray
@@ -62,40 +63,48 @@ class TestedModes(NamedTuple):
 
 
 def read_modes(path: Path) -> TestedModes:
-    """The modes of a universal file, by frequency; raises InputError, one line."""
+    """Modes of a universal file, ascending in frequency. Raises InputError with one line."""
     require_extra("hammer", str(path))
     try:
-        content = read_ordinary(path, _KIND, _LARGEST)
+        content = read_ordinary(path, _FILE_KIND, _LARGEST_SIZE)
         if content.split()[-1:] != [b"-1"]:
-            raise InputError(f"{path}: does not end with -1, is it cut off? must be {_KIND}")
-        return within_limits(_SECONDS, _read, path)
+            raise InputError(f"{path}: does not end with -1, is it cut off? must be {_FILE_KIND}")
+        return within_limits(_SECONDS, _modes_of_file, path)
     except FileNotFoundError as error:
-        raise InputError(f"{path}: no such file; must be {_KIND}") from error
+        raise InputError(f"{path}: no such file; must be {_FILE_KIND}") from error
     except ComputationError as error:
-        raise InputError(f"{path}: cannot be read ({error}); must be {_KIND}") from error
+        raise InputError(f"{path}: cannot be read ({error}); must be {_FILE_KIND}") from error
 
 
-def _read(path: Path) -> TestedModes:
+def _modes_of_file(path: Path) -> TestedModes:
     from pyuff import UFF  # noqa: PLC0415  of the optional extra
 
-    found = _sets(path, UFF)
-    sets: list[Set] = [found] if isinstance(found, dict) else found
-    modes = [one for one in sets if one["type"] == 55 and one["analysis_type"] in _MODES]
-    tested = [one for one in sets if one["type"] == 58 and one["func_type"] == _RESPONSE]
+    content = _data_sets(path, UFF)
+    sets: list[DataSet] = [content] if isinstance(content, dict) else content
+    modes = [
+        dataset for dataset in sets if dataset["type"] == 55 and dataset["analysis_type"] in _MODES
+    ]
+    tested = [
+        dataset for dataset in sets if dataset["type"] == 58 and dataset["func_type"] == _RESPONSE
+    ]
     if modes and not tested:
-        return _as_given(path, modes)
+        return _given_modes(path, modes)
     if not tested:
         raise InputError(f"{path}: has neither frequency response functions nor mode shapes")
-    units = [(one["length"], one["force"]) for one in sets if one["type"] == 164] or [(1.0, 1.0)]
+    units = [
+        (dataset["length"], dataset["force"]) for dataset in sets if dataset["type"] == 164
+    ] or [(1.0, 1.0)]
     if min(units[0]) <= 0.0 or len(set(units)) > 1:
         raise InputError(
             f"{path}: units of length and force must be above 0, and must be the same in all of it"
         )
-    coherent = [one for one in sets if one["type"] == 58 and one["func_type"] == _COHERENCE]
+    coherent = [
+        dataset for dataset in sets if dataset["type"] == 58 and dataset["func_type"] == _COHERENCE
+    ]
     functions = _functions(path, tested, coherent, *units[0])
     if not modes:
-        return _identified(path, functions)
-    return _as_given(path, modes)._replace(
+        return _identified_modes(path, functions)
+    return _given_modes(path, modes)._replace(
         frequencies=functions.frequencies,
         receptance=functions.receptance,
         ends=functions.ends,
@@ -103,45 +112,48 @@ def _read(path: Path) -> TestedModes:
     )
 
 
-def _sets(path: Path, uff: Any) -> Set | list[Set]:
-    """The data sets of a file; pyuff takes -1 with blanks behind for no end of a set."""
+def _data_sets(path: Path, uff: Any) -> DataSet | list[DataSet]:
+    """The data sets of a file. Blanks after -1, the end of a set, are removed for pyuff."""
     content = path.read_bytes()
     plain = _END_WITH_BLANKS.sub(rb"\1", content)
     if plain == content:
-        return cast("Set | list[Set]", uff(str(path)).read_sets())
+        return cast("DataSet | list[DataSet]", uff(str(path)).read_sets())
     with NamedTemporaryFile(suffix=path.suffix) as file:
         file.write(plain)
         file.flush()
-        return cast("Set | list[Set]", uff(file.name).read_sets())
+        return cast("DataSet | list[DataSet]", uff(file.name).read_sets())
 
 
-def _as_given(path: Path, modes: Sequence[Set]) -> TestedModes:
-    """What was identified elsewhere; what is zero in all modes was not measured."""
-    for number, one in enumerate(modes, start=1):
-        if not np.isfinite(_pole(one)):
+def _given_modes(path: Path, modes: Sequence[DataSet]) -> TestedModes:
+    """Modes that another program identified. Freedoms with zero in all modes are not measured."""
+    for number, mode in enumerate(modes, start=1):
+        if not np.isfinite(_pole(mode)):
             raise InputError(f"{path}: mode {number} must have a finite frequency")
-        moves = one["spec_data_type"] in {*_DERIVATIVES, *_ANY}
-        if not (moves and np.isfinite([one["r1"], one["r2"], one["r3"]]).all()):
+        moves = mode["spec_data_type"] in {*_DERIVATIVES, *_UNSPECIFIED}
+        if not (moves and np.isfinite([mode["r1"], mode["r2"], mode["r3"]]).all()):
             raise InputError(
                 f"{path}: mode {number} must have finite displacements, velocities or accelerations"
             )
-    poles = np.array([_pole(one) for one in modes])
-    elastic = [place for place in np.argsort(np.abs(poles)) if abs(poles[place]) > 0.0]
-    nodes = sorted({int(node) for one in modes for node in one["node_nums"]})
+    poles = np.array([_pole(mode) for mode in modes])
+    elastic = [index for index in np.argsort(np.abs(poles)) if abs(poles[index]) > 0.0]
+    nodes = sorted({int(node) for mode in modes for node in mode["node_nums"]})
     shapes = np.zeros((len(nodes), 3, len(modes)), dtype=complex)
-    for number, one in enumerate(modes):
-        rows = np.searchsorted(nodes, np.array(one["node_nums"], dtype=int))
-        shapes[rows, :, number] = np.transpose([one["r1"], one["r2"], one["r3"]])
-    seen = shapes.any(axis=2)
-    freedoms = np.argwhere(seen)
+    for number, mode in enumerate(modes):
+        rows = np.searchsorted(nodes, np.array(mode["node_nums"], dtype=int))
+        shapes[rows, :, number] = np.transpose([mode["r1"], mode["r2"], mode["r3"]])
+    measured = shapes.any(axis=2)
+    freedoms = np.argwhere(measured)
     freedoms[:, 0] = np.array(nodes)[freedoms[:, 0]]
     return TestedModes(
-        poles[elastic], np.zeros((2, len(elastic))), _real(shapes[seen][:, elastic]), freedoms
+        poles[elastic],
+        np.zeros((2, len(elastic))),
+        _real_shapes(shapes[measured][:, elastic]),
+        freedoms,
     )
 
 
-def _pole(mode: Set) -> complex:
-    """Pole (1/s) of a mode: as given, else by its frequency and viscous damping ratio."""
+def _pole(mode: DataSet) -> complex:
+    """Pole (1/s) of a mode: that in the file, else by its frequency and viscous damping ratio."""
     if "eig" in mode:
         return complex(mode["eig"])
     ratio = float(mode.get("modal_damp_vis", 0.0))
@@ -152,7 +164,7 @@ def _pole(mode: Set) -> complex:
 class _Functions(NamedTuple):
     """Frequency response functions: `mobility` (p×n, m/(s N)) at multiples of one step.
 
-    `before`: how many lines of 0 Hz and above lie below the first of the `frequencies` (n, Hz).
+    `before` is the number of lines from 0 Hz on below the first of the `frequencies` (n, Hz).
     """
 
     frequencies: Array
@@ -166,10 +178,10 @@ class _Functions(NamedTuple):
         return np.asarray(self.mobility / (2j * np.pi * self.frequencies))
 
 
-def _multiples(path: Path, printed: Array) -> tuple[Array, int]:
+def _exact_frequencies(path: Path, printed: Array) -> tuple[Array, int]:
     """Frequencies (Hz) as exact multiples of one step, and the number of the first.
 
-    As they are printed the first one is no whole number of steps: 51.00006 of them, say.
+    Printed frequencies are rounded: the first one can be 51.00006 steps.
     """
     steps = np.diff(printed)
     wrong = InputError(f"{path}: must have {_FEWEST_LINES} frequencies, multiples of one step")
@@ -178,85 +190,98 @@ def _multiples(path: Path, printed: Array) -> tuple[Array, int]:
     first = round(float(printed[0] / steps[0]))
     step = float(printed[-1]) / (first + len(steps))
     frequencies: Array = step * np.arange(first, first + len(printed), dtype=float)
-    if not np.abs(printed - frequencies).max() <= _AS_PRINTED * step:
+    if not np.abs(printed - frequencies).max() <= _STEP_TOLERANCE * step:
         raise wrong
     return frequencies, first
 
 
 def _functions(
-    path: Path, tested: Sequence[Set], coherent: Sequence[Set], length: float, force: float
+    path: Path, tested: Sequence[DataSet], coherent: Sequence[DataSet], length: float, force: float
 ) -> _Functions:
-    """The functions of one file, of which some are `coherent` by others.
+    """The frequency response functions of one file, with their coherence from `coherent` sets.
 
-    `length` and `force`: how many of its units are 1 m and 1 N.
+    `length` and `force` are the numbers of the file's units in 1 m and 1 N.
     """
-    frequencies, first = _multiples(path, np.asarray(tested[0]["x"], dtype=float))
-    frequencies, rows = frequencies[(kept := frequencies > 0.0)], []
-    for number, one in enumerate(tested, start=1):
-        kind, values = one["ordinate_spec_data_type"], np.asarray(one["data"], dtype=complex)
-        along = one["rsp_dir"], one["ref_dir"]
-        by_force = kind in _DERIVATIVES and one["orddenom_spec_data_type"] == _FORCE
-        whole = len(values) == one["num_pts"] == len(kept) and np.isfinite(values).all()
-        sound = by_force and whole and {1, 2, 3}.issuperset(np.abs(along))
+    frequencies, first = _exact_frequencies(path, np.asarray(tested[0]["x"], dtype=float))
+    frequencies, rows = frequencies[(positive := frequencies > 0.0)], []
+    for number, function in enumerate(tested, start=1):
+        kind, values = (
+            function["ordinate_spec_data_type"],
+            np.asarray(function["data"], dtype=complex),
+        )
+        along = function["rsp_dir"], function["ref_dir"]
+        by_force = kind in _DERIVATIVES and function["orddenom_spec_data_type"] == _FORCE
+        complete = len(values) == function["num_pts"] == len(positive) and np.isfinite(values).all()
+        sound = by_force and complete and {1, 2, 3}.issuperset(np.abs(along))
         if not (
-            sound and np.allclose(one["x"][kept], frequencies, atol=_AS_PRINTED * frequencies[0])
+            sound
+            and np.allclose(
+                function["x"][positive], frequencies, atol=_STEP_TOLERANCE * frequencies[0]
+            )
         ):
             raise InputError(
                 f"{path}: function {number} must be a displacement, velocity or acceleration along "
                 "x, y or z by a force along one, with finite values at the frequencies of the first"
             )
-        in_g = one["ordinate_axis_units_lab"].strip().lower() == "g"
+        in_g = function["ordinate_axis_units_lab"].strip().lower() == "g"
         to_si = force * (_GRAVITY if in_g else 1.0 / length)
         factor = np.sign(np.prod(along)) * to_si
-        rows.append(factor * values[kept] * (2j * np.pi * frequencies) ** -_DERIVATIVES[kind])
+        rows.append(factor * values[positive] * (2j * np.pi * frequencies) ** -_DERIVATIVES[kind])
     ends = [
-        [(int(one[f"{end}_node"]), abs(one[f"{end}_dir"]) - 1) for end in ("rsp", "ref")]
-        for one in tested
+        [(int(function[f"{end}_node"]), abs(function[f"{end}_dir"]) - 1) for end in ("rsp", "ref")]
+        for function in tested
     ]
-    unknown = np.full(len(kept), np.nan)
-    known = {
-        tuple(one[end] for end in _ENDS): np.real(one["data"])
-        for one in coherent
-        if len(one["data"]) == len(kept)
+    missing = np.full(len(positive), np.nan)
+    coherence_by_ends = {
+        tuple(function[end] for end in _ENDS): np.real(function["data"])
+        for function in coherent
+        if len(function["data"]) == len(positive)
     }
-    coherence = [known.get(tuple(one[end] for end in _ENDS), unknown)[kept] for one in tested]
+    coherence = [
+        coherence_by_ends.get(tuple(function[end] for end in _ENDS), missing)[positive]
+        for function in tested
+    ]
     return _Functions(
         frequencies, np.array(rows), np.array(ends), np.array(coherence), max(first, 1)
     )
 
 
-def _identified(path: Path, functions: _Functions) -> TestedModes:
+def _identified_modes(path: Path, functions: _Functions) -> TestedModes:
     """The modes of the functions of one file."""
     frequencies, rows, count = functions.frequencies, functions.mobility, len(functions.mobility)
-    # What was held fixed is the place struck or, where the hammer wandered, the sensor: of several
-    # each mode is read from the one where it answers most.
+    # The fixed end is the point of the force or, with a roving hammer, the sensor. If there are
+    # several, each mode is read from the one with its largest response.
     ends = [[(int(node), int(axis)) for node, axis in end] for end in functions.ends.swapaxes(0, 1)]
-    held, moved = sorted(ends, key=lambda end: len(set(end)))
-    row_of = {pair: row for row, pair in enumerate(zip(held, moved, strict=True))}
-    fixed = sorted(set(held))
-    freedoms = [one for one in sorted(set(moved)) if all((end, one) in row_of for end in fixed)]
+    fixed_ends, varied_ends = sorted(ends, key=lambda end: len(set(end)))
+    row_of = {pair: row for row, pair in enumerate(zip(fixed_ends, varied_ends, strict=True))}
+    fixed = sorted(set(fixed_ends))
+    freedoms = [
+        freedom
+        for freedom in sorted(set(varied_ends))
+        if all((end, freedom) in row_of for end in fixed)
+    ]
     if len(row_of) < count:
         raise InputError(f"{path}: two functions are of the same motion by the same force")
     if not freedoms:
         raise InputError(f"{path}: no motion was measured with every place that was struck")
-    # From 0 Hz on, where nothing was measured zero: sdypy-EMA counts the lines that are missing by
-    # rounding up, one too many.
+    # From 0 Hz on, with zeros for lines that were not measured: sdypy-EMA would add missing lines
+    # itself, but rounds their number up to one too many.
     lines = np.hstack([np.zeros((count, functions.before)), rows])
-    whole = frequencies[0] / functions.before * np.arange(lines.shape[1])
-    model, highest = _with_poles(path, lines, whole, (frequencies[0], frequencies[-1]))
-    chosen, scatter = _stable(model.all_poles, 2.0 * np.pi * frequencies[[0, -1]])
-    if not chosen:
+    all_frequencies = frequencies[0] / functions.before * np.arange(lines.shape[1])
+    model, highest = _with_poles(path, lines, all_frequencies, (frequencies[0], frequencies[-1]))
+    stable, scatter = _stable_poles(model.all_poles, 2.0 * np.pi * frequencies[[0, -1]])
+    if not stable:
         raise InputError(f"{path}: no mode can be told from its functions")
-    model.pole_ind = [[highest - 1, place] for place in chosen]
+    model.pole_ind = [[highest - 1, index] for index in stable]
     # Without the last line, which sdypy-EMA drops.
     constants = model.get_constants(f_upper=model.freq[-1])[1]
-    parts = np.array([constants[[row_of[end, one] for one in freedoms]] for end in fixed])
+    parts = np.array([constants[[row_of[end, freedom] for freedom in freedoms]] for end in fixed])
     strongest = np.linalg.norm(parts, axis=1).argmax(axis=0)
-    shapes = parts[strongest, :, np.arange(len(chosen))].T
+    shapes = parts[strongest, :, np.arange(len(stable))].T
     return TestedModes(
-        model.all_poles[-1][chosen],
+        model.all_poles[-1][stable],
         np.array(scatter).T,
-        _real(shapes),
+        _real_shapes(shapes),
         np.array(freedoms),
         frequencies,
         functions.receptance,
@@ -274,10 +299,10 @@ def _with_poles(
     on some processors exactly. The highest order is the last one before that. Raises InputError if
     it is below `_FEWEST_ORDERS`.
     """
-    # Of the same extra; it loads matplotlib, for which files without functions need not wait.
+    # From the same extra. It loads matplotlib, which files without functions do not need.
     from sdypy.EMA import Model  # noqa: PLC0415
 
-    highest = _HIGHEST
+    highest = _HIGHEST_ORDER
     while True:
         options = {"lower": band[0], "upper": band[1], "pol_order_high": highest}
         model = Model(functions, frequencies, frf_form="mobility", **options)
@@ -291,27 +316,36 @@ def _with_poles(
             return model, highest
 
 
-def _stable(poles: list[ComplexArray], band: Array) -> tuple[list[int], list[list[float]]]:
-    """Places of the stable poles among those of the highest order, and their scatter."""
-    orders = [one[(one.imag > 0.0) & (one.real < 0.0)] for one in poles[len(poles) // 2 :]]
-    chosen: list[int] = []
+def _stable_poles(poles: list[ComplexArray], band: Array) -> tuple[list[int], list[list[float]]]:
+    """Indices of the stable poles among those of the highest order, and their scatter."""
+    upper_half = poles[len(poles) // 2 :]
+    orders = [of_order[(of_order.imag > 0.0) & (of_order.real < 0.0)] for of_order in upper_half]
+    stable: list[int] = []
     scatter = []
-    for place in np.argsort(np.abs(poles[-1])):
-        pole, size = poles[-1][place], abs(poles[-1][place])
-        sound = pole.imag > 0.0 and 0.0 < -pole.real < _DAMPED * size and band[0] < size < band[1]
-        if not sound or any(abs(pole - poles[-1][other]) < _ALIKE * size for other in chosen):
+    for index in np.argsort(np.abs(poles[-1])):
+        pole, size = poles[-1][index], abs(poles[-1][index])
+        sound = (
+            pole.imag > 0.0
+            and 0.0 < -pole.real < _LARGEST_RATIO * size
+            and band[0] < size < band[1]
+        )
+        if not sound or any(
+            abs(pole - poles[-1][other]) < _POLE_DISTANCE * size for other in stable
+        ):
             continue
-        nearest = np.array([one[np.argmin(np.abs(one - pole))] for one in orders if len(one)])
-        alike = nearest[np.abs(nearest - pole) < _ALIKE * size]
-        if len(alike) >= _MOST * len(orders):
-            chosen.append(int(place))
-            sizes = np.abs(alike)
-            both = sizes / (2.0 * np.pi), alike.real / sizes
-            scatter.append([float(np.std(one)) for one in both])
-    return chosen, scatter
+        nearest = np.array(
+            [order[np.argmin(np.abs(order - pole))] for order in orders if len(order)]
+        )
+        matching = nearest[np.abs(nearest - pole) < _POLE_DISTANCE * size]
+        if len(matching) >= _SHARE_OF_ORDERS * len(orders):
+            stable.append(int(index))
+            sizes = np.abs(matching)
+            scattered = sizes / (2.0 * np.pi), matching.real / sizes
+            scatter.append([float(np.std(values)) for values in scattered])
+    return stable, scatter
 
 
-def _real(shapes: ComplexArray) -> Array:
-    """Shapes (k×m) turned to where most of each is real."""
+def _real_shapes(shapes: ComplexArray) -> Array:
+    """Real parts of shapes (k×m), each in the phase in which its real part is largest."""
     turned = np.exp(-0.5j * np.angle(np.sum(np.square(shapes), axis=0)))
     return np.asarray((shapes * turned).real)

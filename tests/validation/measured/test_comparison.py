@@ -55,7 +55,7 @@ def test_the_verdict_is_that_of_the_whole_interval():
             assert Comparison(value, 1.0, 0.0, 0.0, uncertainty).verdict(0.05) == verdict
 
 
-def test_measured_values_join_the_matrix_as_a_reference_of_their_own():
+def test_measured_values_are_reference_of_own_entries():
     robot_file = load_robot("biglide")
     robot = robot_file.mechanism
     (x,), (first,) = robot.reference_pose, robot.poses[0]
@@ -115,7 +115,7 @@ def test_leg_entries_alone_have_a_chart():
     assert chart_svg(chart)
 
 
-def test_value_that_one_model_refuses_costs_that_entry_alone(monkeypatch):
+def test_value_without_solution_affects_one_entry(monkeypatch):
     robot_file = load_robot("five-bar")
     robot = robot_file.mechanism
     first, last = (tuple(map(float, robot.poses[place])) for place in (0, -1))
@@ -173,7 +173,7 @@ def test_error_of_the_program_costs_one_value_alone(monkeypatch, capsys):
 
 
 @pytest.mark.parametrize("lacking", ["inputs", "elements"])
-def test_missing_value_of_a_changed_model_decides_nothing(monkeypatch, tmp_path, lacking):
+def test_missing_value_of_changed_model_is_undecided(monkeypatch, tmp_path, lacking):
     """As zeros they were no uncertainty at all, or all of the value: adequate, or open by 67 %."""
     robot_file = robot_of(load_robot("five-bar").text + OWN, tmp_path)
     predictions = Predictions.of(Context(robot_file, "quick"))
@@ -195,7 +195,7 @@ def test_missing_value_of_a_changed_model_decides_nothing(monkeypatch, tmp_path,
     assert matrix.faults == ()
 
 
-def test_mode_far_above_the_measured_one_keeps_the_matrix(tmp_path):
+def test_mode_far_above_measured_one_keeps_matrix(tmp_path):
     """Along itself the arm is so stiff that its mode lies far above what a hammer excites."""
     robot_file = robot_of(ONE_ARM + "[path]\nposes = [[0.0]]\n", tmp_path)
     places, along = np.array([[0.5, 0.0, 0.0], [0.25, 0.0, 0.0]]), np.eye(3)[[1, 1]]
@@ -277,7 +277,7 @@ def test_models_are_held_against_what_was_measured(tmp_path):
     assert "adequacy.measured" in {task.id for task in catalogue(robot_file)}
 
 
-def test_an_entry_of_a_leg_a_load_and_a_mode_are_those_that_were_measured():
+def test_leg_entry_load_and_mode_match_measured_values():
     five_bar = load_robot("five-bar")
     mechanism = five_bar.mechanism
     predictions = Predictions.of(Context(five_bar, "quick"))

@@ -93,7 +93,8 @@ def entries_of(robot_file):
 
 
 @pytest.mark.parametrize("derivatives", [0, 1, 2])
-def test_at_rest_it_is_1_by_k_and_at_the_modes_1_by_2_zeta_k(held, derivatives):
+def test_response_is_static_at_rest_damped_at_modes(held, derivatives):
+    """1/k at rest, and 1/(2 ζ k) at the modes."""
     ratios = RATIO * np.array([1.0, 1.5, 0.8])
     # In mm and kN, by data set 164.
     units = {"units_code": 9, "length": 1e3, "force": 1e-3, "temp": 1.0, "temp_offset": 0.0}
@@ -134,7 +135,7 @@ def test_a_robot_that_is_too_stiff_is_told_by_how_much(held):
     assert {one.verdict for one in entries.values()} == {"inadequate"}
 
 
-def test_the_damping_of_the_robot_file_is_that_of_the_models(held):
+def test_models_have_damping_of_robot_file(held):
     entries = entries_of(held(functions(), robot_text("[damping]\nratio = 0.02")))
     assert entries["hammer.f2"].error == pytest.approx(-0.5, abs=1e-3)
     assert entries["hammer.low"].error == pytest.approx(0.0, abs=1e-3)
@@ -172,7 +173,7 @@ def test_what_scatters_lies_within_the_uncertainty(held):
     assert random == pytest.approx(0.01 * np.sqrt(59 / 231), rel=0.02)
 
 
-def test_the_tool_struck_along_a_response_gives_its_peak(held):
+def test_force_on_tool_along_response_gives_its_peak(held):
     asked = """[damping]
 ratio = 0.01
 [[responses]]

@@ -157,7 +157,7 @@ def test_orders_end_before_singular_equations(tmp_path, monkeypatch, singular):
             read_modes(path)
 
 
-def test_blanks_behind_the_end_of_a_set_have_no_meaning(tmp_path):
+def test_blanks_after_end_of_data_set_are_ignored(tmp_path):
     path = written(tmp_path / "h.uff", accelerations())
     plain = read_modes(path)
     path.write_bytes(path.read_bytes().replace(b"    -1\n", b"    -1   \n"))
@@ -203,7 +203,7 @@ def struck_all_over(sets):
     "changed",
     [list, in_mm_and_g, as_displacements, turned_over, struck_from_behind, struck_all_over],
 )
-def test_however_a_test_is_written_its_modes_are_the_same(tmp_path, changed):
+def test_modes_do_not_depend_on_form_of_file(tmp_path, changed):
     found = read_modes(written(tmp_path / "h.uff", changed(accelerations())))
     order = np.argsort(FREQUENCIES)
     assert np.abs(found.poles) == pytest.approx(2 * np.pi * FREQUENCIES[order], rel=1e-4)
@@ -246,7 +246,7 @@ def test_a_noisy_test_judges_every_mode_of_every_model(tmp_path):
 
 
 @pytest.mark.parametrize("scatter", [None, 0.05], ids=["normal", "complex"])
-def test_modes_that_others_identified_are_paired_by_shape_not_by_number(tmp_path, scatter):
+def test_given_modes_are_paired_by_shape_not_number(tmp_path, scatter):
     # An eighth of a turn, and a little more or less from place to place.
     phases = 0.25 * np.pi + (scatter or 0.0) * (-1.0) ** np.arange(len(PLACES))
     turned = np.exp(1j * phases) if scatter else 1.0
@@ -260,7 +260,7 @@ def test_modes_that_others_identified_are_paired_by_shape_not_by_number(tmp_path
     assert errors == pytest.approx({"f2": 1 / 1.1 - 1, "f3": 0.0}, abs=2e-3)
 
 
-def test_modes_that_look_alike_where_they_were_measured_are_not_judged(tmp_path):
+def test_modes_similar_at_measured_points_are_unjudged(tmp_path):
     """All modes of a plane look alike at the tip: f2 and f4 do, far below and above 47 Hz."""
     sets = [shape(1, 1.8 * FREQUENCIES[0], SHAPES[:, 0])]
     robot_file, matrix = held(tmp_path, sets, ROBOT)
@@ -275,7 +275,7 @@ def test_modes_that_look_alike_where_they_were_measured_are_not_judged(tmp_path)
     assert entry.reason.startswith("another mode, or measured elsewhere: MAC 0.")
 
 
-def test_of_modes_that_look_alike_the_one_near_in_frequency_is_meant(tmp_path):
+def test_nearest_of_similar_modes_is_partner(tmp_path):
     sets = [shape(n, 0.95 * FREQUENCIES[mode], SHAPES[:, mode]) for n, mode in ((1, 0), (2, 4))]
     _, matrix = held(tmp_path, sets, ROBOT)
     errors = {one.quantity.name: one.error for one in matrix.of_model("beam")}
@@ -374,7 +374,7 @@ def test_a_damaged_file_is_one_line(tmp_path, monkeypatch, damaged, said):
         (lambda _: [shape(1, 0.0, SHAPES[:, 0])], "none of its 0 modes above 0 Hz"),
     ],
 )
-def test_what_would_be_taken_for_something_else_is_refused(tmp_path, changed, said):
+def test_ambiguous_file_is_refused(tmp_path, changed, said):
     with pytest.raises(InputError) as raised:
         held(tmp_path, changed(accelerations()))
     (fault,) = raised.value.faults
@@ -388,7 +388,7 @@ def test_without_the_extra_it_is_said_how_to_get_it(tmp_path, monkeypatch):
         read_modes(path)
 
 
-def test_a_rigid_robot_is_held_against_the_few_modes_that_it_has(tmp_path):
+def test_rigid_robot_is_compared_by_its_few_modes(tmp_path):
     """A block on six springs has no eight modes; that of the spring about x swings its tip."""
     block = """[bodies.beam]
 points = ["A", "P"]

@@ -24,7 +24,7 @@ from validation.drawing.chart import (
     round_angles,
 )
 from validation.drawing.figures import FigureGroup
-from validation.measured.modes import modal_answer
+from validation.measured.modes import modal_prediction
 from validation.references.modal_reference import dynamic_reference
 from validation.references.responses import UNSOLVED, Responses
 from validation.references.robot_on_path import robot_on_path
@@ -70,7 +70,7 @@ def _measured(context: Context) -> Chart:
     x = measured.frequencies[measured.frequencies <= _FREQUENCY_FACTOR * test.frequencies.max()]
     receptances = {"measured response": measured.receptance[: len(x)]}
     for name, (model, _, options) in judged_models(robot).items():
-        responses = modal_answer(model, robot, test, options).responses
+        responses = modal_prediction(model, robot, test, options).responses
         if responses and (receptance := responses[number].receptance(x)).any():
             receptances[name] = receptance
     pose = shown_pose(robot, np.array(test.pose))
