@@ -176,7 +176,7 @@ def validate(request: Request, catalogue: runner.Catalogue) -> Results:
             rely=robot_file.requirement.rely,
             strict=request.strict,
         )
-        gathered.take_up(folder.records)
+        gathered.add_records(folder.records)
         gathered.remarks = folder.remarks
         if request.variations and (executor is not None or request.jobs > 1):
             with stage("robots of --vary"):

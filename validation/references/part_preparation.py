@@ -54,7 +54,7 @@ class PartWork:
                     entry.value()
             if not self.carried:
                 return {}
-            return {key: arrays for entry in entries for key, arrays in entry.kept.items()}
+            return {key: arrays for entry in entries for key, arrays in entry.stored_arrays.items()}
 
     @contextmanager
     def _at_hand(self) -> Iterator[Body]:
@@ -126,7 +126,7 @@ def _finish(asked: Sequence[tuple[Body, Question]], executor: Executor, *, carri
             body, part_content(reduced_parts.shape_of(body).file) if carried else b"", ask, carried
         )
         for body, ask in asked
-        if not all(entry.is_kept for entry in _entries(ask, body))
+        if not all(entry.is_stored for entry in _entries(ask, body))
     ]
     if work:
         for _, entries in executor(work):

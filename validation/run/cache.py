@@ -1,10 +1,11 @@
 """The cache on the disk: arrays that cost time to compute and depend on their key alone.
 
-$XDG_CACHE_HOME/flexproof, else ~/.cache/flexproof; FLEXPROOF_CACHE names another folder, or says
-"off". A file per key (numpy's npz, which needs no pickle and no further library), written whole or
-not at all, with a seal over key and content: what is damaged, changed, or filed under another name
-is nothing, and is computed again. Any number of processes share it: of those that need the same at
-the same time one computes, and the others wait. Nothing that is read is ever unpickled.
+The folder is $XDG_CACHE_HOME/flexproof, otherwise ~/.cache/flexproof. FLEXPROOF_CACHE sets another
+folder, or "off". Each key has a file (numpy's npz, which needs no pickle and no further library),
+written whole or not at all, with a seal over key and content. A file that is damaged, changed, or
+under another name counts as absent, and is computed again. Any number of processes share the cache:
+if several need the same entry at the same time, one computes it and the others wait. Content is
+never unpickled.
 """
 
 import os
@@ -26,22 +27,23 @@ from lumped.posix import fcntl
 
 Arrays: TypeAlias = dict[str, Array]
 T = TypeVar("T")
-_SWITCH = "FLEXPROOF_CACHE"
-# Bytes that the cache may take; what was not asked for the longest goes first, to a share of it.
-_MOST, _SHARE = 5_000_000_000, 0.8
-# Files of dead processes, locks and halves, are swept up after a day (s).
+_CACHE_VARIABLE = "FLEXPROOF_CACHE"
+# Largest size of the cache (bytes). Beyond it, the entries with the oldest use are removed until
+# this share of the limit is left.
+_CACHE_LIMIT, _REMAINING_SHARE = 5_000_000_000, 0.8
+# Age (s) at which locks and incomplete files of dead processes are removed.
 _DAY = 86_400.0
-# What this process computed or read last stays in its memory.
-_IN_MEMORY = 64
+# Number of entries last used by this process that stay in its memory.
+_ENTRIES_IN_MEMORY = 64
 _SEAL = b"\nflexproof "
 
 
 @dataclass(frozen=True)
 class CacheEntry(Generic[T]):
-    """A result that is kept: its key, how its arrays are computed, and the value read from them.
+    """A cached result: its key, the computation of its arrays, and the conversion to its value.
 
-    Arrays without one that `read` needs, or with another shape, count as absent, even if sealed.
-    `needs` are entries that computing asks for.
+    An entry with a missing array or a wrong shape counts as absent, even if its seal is valid.
+    `needs`: entries that the computation uses.
     """
 
     key: str
@@ -50,38 +52,40 @@ class CacheEntry(Generic[T]):
     needs: "tuple[CacheEntry[Any], ...]" = ()
 
     @property
-    def is_kept(self) -> bool:
-        """Whether nothing would be computed for the value."""
+    def is_stored(self) -> bool:
+        """True if the value needs no computation."""
         return _read(self.key, self.read) is not None
 
     @property
-    def kept(self) -> dict[str, Arrays]:
-        """Arrays by key that are kept of this entry and of those that it needs."""
-        own = find(self.key)
-        needed = {key: arrays for entry in self.needs for key, arrays in entry.kept.items()}
-        return needed if own is None else needed | {self.key: own}
+    def stored_arrays(self) -> dict[str, Arrays]:
+        """Stored arrays by key, of this entry and of those that it needs."""
+        arrays = find(self.key)
+        needed = {
+            key: arrays for entry in self.needs for key, arrays in entry.stored_arrays.items()
+        }
+        return needed if arrays is None else needed | {self.key: arrays}
 
     def value(self) -> T:
-        """The value: of the arrays that are kept, else of those computed now, which are kept."""
-        found = _read(self.key, self.read)
-        if found is None:
-            with _alone(self.key):
-                found = _read(self.key, self.read)
-                if found is None:
-                    found = self.read(keep(self.key, self.compute()))
-        return found
+        """The value from the stored arrays, or from arrays that are computed now and stored."""
+        value = _read(self.key, self.read)
+        if value is None:
+            with _key_lock(self.key):
+                value = _read(self.key, self.read)
+                if value is None:
+                    value = self.read(keep(self.key, self.compute()))
+        return value
 
 
 def cache_folder() -> Path | None:
-    """Where results are kept; None where nothing is to be kept, or there is no home.
+    """Folder of the cache. None if the cache is off or there is no home folder.
 
     The folder need not exist.
     """
-    told = os.environ.get(_SWITCH)
-    if told:
-        return None if told == "off" else Path(told)
+    setting = os.environ.get(_CACHE_VARIABLE)
+    if setting:
+        return None if setting == "off" else Path(setting)
     base = os.environ.get("XDG_CACHE_HOME")
-    # The specification has relative paths ignored.
+    # By the XDG specification, relative paths are ignored.
     if base and Path(base).is_absolute():
         return Path(base) / "flexproof"
     try:
@@ -92,27 +96,29 @@ def cache_folder() -> Path | None:
 
 @contextmanager
 def some_cache() -> Iterator[None]:
-    """A cache that processes started here share: without one of the user's, for the meantime."""
+    """A cache shared by processes started here: the user's, otherwise a temporary one."""
     if cache_folder() is not None:
         yield
         return
-    told = os.environ.get(_SWITCH)
+    setting = os.environ.get(_CACHE_VARIABLE)
     with TemporaryDirectory(prefix="flexproof-cache-") as folder:
-        os.environ[_SWITCH] = folder
+        os.environ[_CACHE_VARIABLE] = folder
         try:
             yield
         finally:
-            os.environ.pop(_SWITCH) if told is None else os.environ.update({_SWITCH: told})
+            os.environ.pop(_CACHE_VARIABLE) if setting is None else os.environ.update(
+                {_CACHE_VARIABLE: setting}
+            )
 
 
 def key_of(*inputs: object) -> str:
-    """The key of what depends on plain data: every field of every record is in it."""
+    """Key of a result that depends on plain data; it covers every field of every record."""
     return fingerprint(inputs)
 
 
 def find(key: str) -> Arrays | None:
-    """The arrays kept under a key; None where there are none that hold."""
-    remembered = _remembered(key)
+    """Arrays stored under a key. None without a valid file."""
+    remembered = _arrays_in_memory(key)
     if not remembered and (path := _path(key)) is not None:
         remembered |= _unsealed(key, read_regular(path) or b"")
         with suppress(OSError):
@@ -121,8 +127,8 @@ def find(key: str) -> Arrays | None:
 
 
 def keep(key: str, arrays: Mapping[str, Any]) -> Arrays:
-    """Keep arrays and numbers under a key; a disk that refuses costs time, not the answer."""
-    remembered = _remembered(key)
+    """Store arrays and numbers under a key, and return them even if the disk fails."""
+    remembered = _arrays_in_memory(key)
     remembered |= {name: np.asarray(value) for name, value in arrays.items()}
     if (path := _path(key)) is not None:
         with suppress(OSError):
@@ -133,14 +139,14 @@ def keep(key: str, arrays: Mapping[str, Any]) -> Arrays:
 
 
 def require_shape(arrays: Arrays, **shapes: tuple[int | None, ...]) -> None:
-    """Raise ValueError where an array has another shape, or none of what any number there is of."""
-    for name, shape in shapes.items():
-        found = arrays[name].shape
-        if len(found) != len(shape) or any(
-            n != wanted if wanted is not None else not n
-            for n, wanted in zip(found, shape, strict=True)
+    """Raise ValueError if an array has another shape. None in a shape is any positive length."""
+    for name, expected_shape in shapes.items():
+        shape = arrays[name].shape
+        if len(shape) != len(expected_shape) or any(
+            n != expected if expected is not None else not n
+            for n, expected in zip(shape, expected_shape, strict=True)
         ):
-            raise ValueError(f"{name} is of shape {found}")
+            raise ValueError(f"{name} is of shape {shape}")
 
 
 def _read(key: str, read: Callable[[Arrays], T]) -> T | None:
@@ -148,13 +154,13 @@ def _read(key: str, read: Callable[[Arrays], T]) -> T | None:
         arrays = find(key)
         return None if arrays is None else read(arrays)
     except (LookupError, TypeError, ValueError):
-        _remembered(key).clear()
+        _arrays_in_memory(key).clear()
         return None
 
 
-@memo(_IN_MEMORY)
-def _remembered(_key: str) -> Arrays:
-    """A place in this process's memory, empty at first."""
+@memo(_ENTRIES_IN_MEMORY)
+def _arrays_in_memory(_key: str) -> Arrays:
+    """Arrays of a key in this process's memory, empty at first."""
     return {}
 
 
@@ -171,7 +177,7 @@ def _sealed(key: str, arrays: Arrays) -> bytes:
 
 
 def _unsealed(key: str, content: bytes) -> Arrays:
-    """The arrays in a file; none where its seal does not hold."""
+    """Arrays in a file. Empty if its seal is invalid."""
     body, _, seal = content.rpartition(_SEAL)
     if seal != digest(key.encode() + body).encode():
         return {}
@@ -183,8 +189,8 @@ def _unsealed(key: str, content: bytes) -> Arrays:
 
 
 @contextmanager
-def _alone(key: str) -> Iterator[None]:
-    """Wait until no other process computes the same; the system frees locks of the dead."""
+def _key_lock(key: str) -> Iterator[None]:
+    """Lock of a key: wait until no other process computes it. Locks of the dead are freed."""
     path = _path(key)
     with ExitStack() as stack:
         with suppress(OSError):
@@ -199,18 +205,18 @@ def _alone(key: str) -> Iterator[None]:
 
 
 def _make_room(folder: Path) -> None:
-    """Remove what was not asked for the longest where there is too much, and what the dead left."""
+    """Remove entries with the oldest use above the limit, and files of dead processes."""
     files = sorted(
         (entry.stat().st_mtime, entry.stat().st_size, Path(entry.path))
         for entry in os.scandir(folder)
         if entry.name.endswith((".npz", ".lock", ".tmp")) and entry.is_file(follow_symlinks=False)
     )
     now = files[-1][0] if files else 0.0
-    taken = sum(size for _, size, _ in files)
-    most = _MOST if taken <= _MOST else _SHARE * _MOST
-    for at, size, path in files:
-        if path.suffix == ".npz" and taken > most:
-            taken -= size
+    size_in_use = sum(size for _, size, _ in files)
+    limit = _CACHE_LIMIT if size_in_use <= _CACHE_LIMIT else _REMAINING_SHARE * _CACHE_LIMIT
+    for modified, size, path in files:
+        if path.suffix == ".npz" and size_in_use > limit:
+            size_in_use -= size
             path.unlink(missing_ok=True)
-        elif path.suffix != ".npz" and now - at > _DAY:
+        elif path.suffix != ".npz" and now - modified > _DAY:
             path.unlink(missing_ok=True)

@@ -28,72 +28,72 @@ from validation.run.executor import Executor, Finished, Work
 from validation.run.provenance import versions
 from validation.run.sources import source_digest
 
-# Seconds: how long to wait for the scheduler's answer, and without workers before that is said.
-_ANSWER = 10.0
-_PATIENCE = 10.0
-# How often (s) to look whether the scheduler and its workers are still there.
+# Seconds: timeout of the scheduler's answer, and time without workers before a notice.
+_ANSWER_TIMEOUT = 10.0
+_WORKER_TIMEOUT = 10.0
+# Interval (s) between checks of the scheduler and its workers.
 _HEARTBEAT = 0.5
-# Bytes: a greeting is some hundred long.
-_LONGEST = 1 << 20
+# Largest accepted length of a greeting (bytes); real ones have some hundred.
+_LONGEST_GREETING = 1 << 20
 _GONE = "--cluster {}: the scheduler is gone; what was finished is kept"
 _ADDRESS = re.compile(r"(?:tcp|tls)://(?P<host>\[[0-9a-fA-F:.]+\]|[\w.-]+):(?P<port>\d{1,5})")
-# Workers may have several threads; gmsh has one model and a unit is to have its core to itself.
+# A worker may have several threads, but gmsh has one model and each unit needs a core.
 _ONE_AT_A_TIME = Lock()
 
 
-class OtherProgram(Exception):  # noqa: N818  carried from a worker to the run, which names it
+class DifferentProgram(Exception):  # noqa: N818  carried from a worker to the run, which names it
     """Raised by a worker whose program or libraries are not those of the run."""
 
 
 @contextmanager
-def on_cluster(address: str, say: Callable[[str], object]) -> Iterator[Executor]:
+def on_cluster(address: str, notify: Callable[[str], object]) -> Iterator[Executor]:
     """An executor on the Dask cluster whose scheduler is at `address` ("tcp://host:port").
 
-    Waits for workers as long as it takes, and says so after ten seconds. Raises InputError where
-    Dask is not installed, where no scheduler answers, and where a worker has another program; the
-    executor raises what a call raises, and ComputationError where the scheduler is lost, where a
-    worker of another program joins, and where workers are lost faster than units are finished.
+    Waits for workers without limit, with a notice after ten seconds. Raises InputError if Dask is
+    not installed, if no scheduler answers, or if a worker has another program. The executor raises
+    errors of calls, and ComputationError if the scheduler is lost, if a worker with another program
+    joins, or if workers are lost faster than units are finished.
     """
     require_extra("cluster", "--cluster")
     require_scheduler(address)
     distributed = _distributed()
     client = None
     with suppress(Exception):
-        client = distributed.Client(address, timeout=_ANSWER, set_as_default=False)
+        client = distributed.Client(address, timeout=_ANSWER_TIMEOUT, set_as_default=False)
     if client is None:
-        # A half-made client closes when it is collected. In the start of the next client it would
-        # wait for ever for the lock that this start holds.
+        # An incomplete client closes when it is collected. During the start of the next client it
+        # would wait for ever for a lock of that start.
         gc.collect()
         raise InputError(
             f"--cluster {address}: what answers there is not a Dask scheduler (or one that is busy)"
         )
-    waiting = _Waiting(client, address, say)
+    watch = _SchedulerWatch(client, address, notify)
     try:
-        while not waiting.has_workers():
+        while not watch.has_workers():
             sleep(_HEARTBEAT)
-        with _connected(distributed, address):
+        with _connection_errors(distributed, address):
             _require_same_program(client, address)
 
         def execute(calls: Sequence[Work]) -> Finished:
-            return _execute(distributed, waiting, calls)
+            return _execute(distributed, watch, calls)
 
         yield execute
     finally:
-        # The scheduler's end is no reason to wait for it.
+        # Do not wait for a scheduler that has ended.
         client.close(timeout=_HEARTBEAT)
 
 
 def require_scheduler(address: str) -> None:
-    """Raise InputError for what is no address of a scheduler, or where none answers.
+    """Raise InputError if the address is invalid or no scheduler answers.
 
-    Dask's own client waits for ever for what is no scheduler, and complains in several voices.
+    Dask's own client waits for ever for a service that is no scheduler.
     """
-    form = _ADDRESS.fullmatch(address)
-    if form is None or int(form["port"]) > 65535:
+    match = _ADDRESS.fullmatch(address)
+    if match is None or int(match["port"]) > 65535:
         raise InputError(f'--cluster "{address}": not the address of a scheduler (tcp://host:port)')
-    place = form["host"].strip("[]"), int(form["port"])
+    host_and_port = match["host"].strip("[]"), int(match["port"])
     try:
-        with socket.create_connection(place, _ANSWER) as connection:
+        with socket.create_connection(host_and_port, _ANSWER_TIMEOUT) as connection:
             greeting = connection.recv(8) if address.startswith("tcp:") else b""
     except (OSError, UnicodeError) as error:
         # Names of hosts are encoded first.
@@ -101,75 +101,78 @@ def require_scheduler(address: str) -> None:
         raise InputError(
             f"--cluster {address}: no Dask scheduler answers there: {reason}"
         ) from error
-    # A scheduler speaks first: the length of its greeting, 64 bits, little end first.
-    if address.startswith("tcp:") and not 0 < int.from_bytes(greeting, "little") < _LONGEST:
+    # A scheduler sends first: the length of its greeting, 64 bits, little-endian.
+    if (
+        address.startswith("tcp:")
+        and not 0 < int.from_bytes(greeting, "little") < _LONGEST_GREETING
+    ):
         raise InputError(f"--cluster {address}: what answers there is not a Dask scheduler")
 
 
 @dataclass
-class _Waiting:
-    """The connection to the scheduler, looked at from time to time while results are awaited."""
+class _SchedulerWatch:
+    """Connection to the scheduler, checked at intervals while results are awaited."""
 
     client: Any
     address: str
-    say: Callable[[str], object]
-    _amiss: str = ""
+    notify: Callable[[str], object]
+    _last_fault: str = ""
     _since: float = 0.0
-    _said: bool = False
+    _notified: bool = False
 
     def has_workers(self) -> bool:
-        """Whether there are workers; what is amiss is said after ten seconds.
+        """True if there are workers. After ten seconds without any, a notice is written.
 
-        Raises ComputationError where the scheduler does not come back in that time.
+        Raises ComputationError if the scheduler does not come back in that time.
         """
-        amiss, now = self._found_amiss(), monotonic()
-        if amiss != self._amiss:
-            self._amiss, self._since = amiss, now
-        late = now - self._since > _PATIENCE
-        if amiss == "gone" and (late or self.client.status == "closed"):
+        fault, now = self._connection_fault(), monotonic()
+        if fault != self._last_fault:
+            self._last_fault, self._since = fault, now
+        late = now - self._since > _WORKER_TIMEOUT
+        if fault == "gone" and (late or self.client.status == "closed"):
             raise ComputationError(_GONE.format(self.address))
-        if amiss == "no workers" and late and not self._said:
-            self.say(
+        if fault == "no workers" and late and not self._notified:
+            self.notify(
                 f"--cluster {self.address}: the scheduler has no workers; waiting for one "
                 f"(start it with 'dask worker {self.address}', or stop with Ctrl-C)"
             )
-            self._said = True
-        if not amiss and self._said:
-            self.say(f"--cluster {self.address}: a worker has joined; going on")
-            self._said = False
-        return not amiss
+            self._notified = True
+        if not fault and self._notified:
+            self.notify(f"--cluster {self.address}: a worker has joined; going on")
+            self._notified = False
+        return not fault
 
-    def _found_amiss(self) -> str:
+    def _connection_fault(self) -> str:
         if self.client.status != "running":
             return "gone"
-        # Where the connection breaks while it is asked, the client's status will tell.
+        # If the connection breaks during this call, the client's status has it at the next check.
         with suppress(OSError):
             return "" if self.client.nthreads() else "no workers"
         return "no workers"
 
 
 @contextmanager
-def _connected(distributed: ModuleType, address: str) -> Iterator[None]:
-    """Whatever breaks when the scheduler goes, as ComputationError."""
+def _connection_errors(distributed: ModuleType, address: str) -> Iterator[None]:
+    """Raise errors due to a lost scheduler as ComputationError."""
     try:
         yield
     except (distributed.client.FutureCancelledError, distributed.comm.CommClosedError) as error:
         raise ComputationError(_GONE.format(address)) from error
 
 
-def _execute(distributed: ModuleType, waiting: _Waiting, calls: Sequence[Work]) -> Finished:
-    with _connected(distributed, waiting.address):
-        yield from _results(distributed, waiting, calls)
+def _execute(distributed: ModuleType, watch: _SchedulerWatch, calls: Sequence[Work]) -> Finished:
+    with _connection_errors(distributed, watch.address):
+        yield from _results(distributed, watch, calls)
 
 
-def _results(distributed: ModuleType, waiting: _Waiting, calls: Sequence[Work]) -> Finished:
-    told: dict[str, Any] = {"own": _program(solver_name()), "request": request_variables()}
-    futures = waiting.client.map(_alone, calls, **told, pure=False, batch_size=None)
+def _results(distributed: ModuleType, watch: _SchedulerWatch, calls: Sequence[Work]) -> Finished:
+    context: dict[str, Any] = {"program": _program(solver_name()), "request": request_variables()}
+    futures = watch.client.map(_run_on_worker, calls, **context, pure=False, batch_size=None)
     numbers = {future.key: number for number, future in enumerate(futures)}
     finished: SimpleQueue[Any] = SimpleQueue()
 
     def fetch(future: Any) -> None:
-        # In a thread: what was lost with a worker is waited for until another one has computed it.
+        # In a thread: a result lost with a worker is awaited until another one has computed it.
         try:
             finished.put((numbers[future.key], future.result(), None))
         except BaseException as error:  # noqa: BLE001  raised where the result is awaited
@@ -179,13 +182,13 @@ def _results(distributed: ModuleType, waiting: _Waiting, calls: Sequence[Work]) 
         future.add_done_callback(fetch)
     try:
         for _ in futures:
-            number, result, error = _next(finished, waiting)
+            number, result, error = _next(finished, watch)
             if error is not None:
                 raise error
             yield number, result
-    except OtherProgram as error:
+    except DifferentProgram as error:
         raise ComputationError(
-            f"--cluster {waiting.address}: {error}; what was finished is kept"
+            f"--cluster {watch.address}: {error}; what was finished is kept"
         ) from error
     except distributed.KilledWorker as error:
         raise ComputationError(
@@ -193,60 +196,60 @@ def _results(distributed: ModuleType, waiting: _Waiting, calls: Sequence[Work]) 
             "probably for want of memory; what was finished is kept"
         ) from error
     finally:
-        if waiting.client.status == "running":
-            waiting.client.cancel(futures)
+        if watch.client.status == "running":
+            watch.client.cancel(futures)
 
 
-def _next(finished: SimpleQueue[Any], waiting: _Waiting) -> Any:
+def _next(finished: SimpleQueue[Any], watch: _SchedulerWatch) -> Any:
     while True:
         try:
             return finished.get(timeout=_HEARTBEAT)
         except Empty:
-            waiting.has_workers()
+            watch.has_workers()
 
 
-def _alone(call: Work, own: Mapping[str, str], request: Mapping[str, str]) -> Any:
+def _run_on_worker(call: Work, program: Mapping[str, str], request: Mapping[str, str]) -> Any:
     from distributed import get_worker  # noqa: PLC0415  an optional extra, and slow to import
 
-    # A worker may have joined after the run asked all of them.
-    if differing := _differences(_program_by(request), own):
+    # A worker may have joined after the check of all workers.
+    if differing := _differences(_requested_program(request), program):
         worker = get_worker()
-        raise OtherProgram(_install(f"{worker.name} ({worker.address})", differing))
+        raise DifferentProgram(_difference_text(f"{worker.name} ({worker.address})", differing))
     with _ONE_AT_A_TIME, one_blas_thread():
         return call()
 
 
 @memo(2)
 def _program(solver: str) -> dict[str, str]:
-    """Sources of this program, libraries and `solver`, which must be equal for equal numbers."""
+    """Digest of the sources, versions of libraries, and `solver`: equal for equal numbers."""
     return {"another flexproof": source_digest()} | versions() | {"linear solver": solver}
 
 
-def _program_by(request: Mapping[str, str]) -> dict[str, str]:
-    """The program of a worker that takes over the run's request for a linear solver."""
+def _requested_program(request: Mapping[str, str]) -> dict[str, str]:
+    """Program of a worker, with the linear solver that the run requests."""
     os.environ.update(request)
     return _program(solver_name())
 
 
-def _differences(found: Mapping[str, str], own: Mapping[str, str]) -> str:
-    """What a worker has that this process has not, in words; empty where there is nothing."""
-    if found.get("another flexproof") != own["another flexproof"]:
+def _differences(worker_program: Mapping[str, str], program: Mapping[str, str]) -> str:
+    """Differences of a worker's program from that of this process, in words. Empty without any."""
+    if worker_program.get("another flexproof") != program["another flexproof"]:
         return "another flexproof, or none"
     return ", ".join(
-        f"{name} {found.get(name, 'missing')} (here {version})"
-        for name, version in own.items()
-        if found.get(name) != version
+        f"{name} {worker_program.get(name, 'missing')} (here {version})"
+        for name, version in program.items()
+        if worker_program.get(name) != version
     )
 
 
-def _install(worker: str, differing: str) -> str:
+def _difference_text(worker: str, differing: str) -> str:
     return f"worker {worker} has {differing}; install this one"
 
 
 def _distributed() -> ModuleType:
     import distributed  # noqa: PLC0415  an optional extra, and slow to import
 
-    # What matters is said here; how its tasks ended is of no use to the reader of a terminal.
+    # Messages of Dask on the end of its tasks are suppressed: this module raises the errors.
     for name in ("asyncio", *logging.root.manager.loggerDict):
         if name.partition(".")[0] in {"asyncio", "distributed", "tornado"}:
             logging.getLogger(name).setLevel(logging.CRITICAL + 1)
@@ -257,18 +260,18 @@ def _distributed() -> ModuleType:
 def _require_same_program(client: Any, address: str) -> None:
     faults = []
     # A worker without this program answers with an error.
-    answers = client.run(_told, request=request_variables(), on_error="return")
-    for place, answer in sorted(answers.items()):
+    answers = client.run(_worker_program, request=request_variables(), on_error="return")
+    for worker_address, answer in sorted(answers.items()):
         if isinstance(answer, InputError):
-            faults.append(f"--cluster {address}: worker {place}: {answer}")
+            faults.append(f"--cluster {address}: worker {worker_address}: {answer}")
             continue
         name, program = answer if isinstance(answer, tuple) else ("", {})
         if differing := _differences(program, _program(solver_name())):
-            worker = f"{name} ({place})" if name else place
-            faults.append(f"--cluster {address}: {_install(worker, differing)}")
+            worker = f"{name} ({worker_address})" if name else worker_address
+            faults.append(f"--cluster {address}: {_difference_text(worker, differing)}")
     if faults:
         raise InputError(faults)
 
 
-def _told(dask_worker: Any, request: Mapping[str, str]) -> tuple[str, dict[str, str]]:
-    return str(dask_worker.name), _program_by(request)
+def _worker_program(dask_worker: Any, request: Mapping[str, str]) -> tuple[str, dict[str, str]]:
+    return str(dask_worker.name), _requested_program(request)

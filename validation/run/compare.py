@@ -1,9 +1,8 @@
-"""Two runs side by side: verdicts that changed, values that drifted, cases that came and went.
+"""Comparison of two runs: changed verdicts, drift of values, new and removed cases.
 
-Of runs of different inputs, what differs in these, and the adequacy of their models side by side.
-References come from outside and decide the verdict; an earlier value is only our own and decides
-nothing. A change of it is drift, never disagreement. As text these are plain tables that any
-terminal, pager and mail can show.
+For runs of different inputs: differences of the inputs, and the adequacy of models side by side.
+Verdicts depend on independent references. An earlier value of this program is no reference: its
+change is drift, never disagreement. The text consists of plain tables.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -21,22 +20,20 @@ from validation.run.records import CaseRecord, RunRecord, StoredEntry
 
 # Rounding differs between machines and library versions; far above it, far below any tolerance.
 _ROUNDING = 1e-9
-# A value held against zero has no size of its own to be relative to, only its tolerance.
-_OF_TOLERANCE = 1e-3
-# From good to bad; a case that is skipped no longer protects anything.
+# Drift of a value with a reference of zero is allowed up to this share of the tolerance, as there
+# is no size to be relative to.
+_TOLERANCE_SHARE = 1e-3
+# From good to bad. Skipped is worse than agree, as a skipped case detects no faults.
 _RANK: dict[Verdict, int] = {"agree": 0, "skipped": 1, "undecided": 2, "disagree": 3, "failed": 4}
-# What should be the same in two runs whose numbers are compared.
+# Fields of the header that should be equal in two runs whose numbers are compared.
 _CIRCUMSTANCES = ("robot", "robot_sha256", "preset", "options", "versions", "machine")
-# How many cases the text lists by the change of their time; --json has all of them.
+# Number of cases listed by the change of their time; --json has all of them.
 _SLOWEST = 10
 
 
 @dataclass(frozen=True)
 class VerdictChange:
-    """A case whose verdict is another one than before, and whether a worse one.
-
-    From good to bad: agree, skipped, undecided, disagree, failed.
-    """
+    """Change of a case's verdict. From good to bad: agree, skipped, undecided, disagree, failed."""
 
     id: str
     before: Verdict
@@ -46,7 +43,7 @@ class VerdictChange:
 
 @dataclass(frozen=True)
 class Drifted:
-    """A value or a reference (`what`) then and now: up to `allowed` (half-width) they are one."""
+    """Change of a value or reference (`what`) of a case. No drift up to `allowed` (half-width)."""
 
     id: str
     what: str
@@ -58,7 +55,7 @@ class Drifted:
 
     @property
     def beyond(self) -> bool:
-        """Whether it has moved by more than is allowed."""
+        """True if the change exceeds the allowed one."""
         return abs(self.drift) > self.allowed
 
 
@@ -73,7 +70,7 @@ class Timing:
 
 @dataclass(frozen=True)
 class InputChange:
-    """A key of the robot file with its value in both runs (None: not given)."""
+    """A key of the robot file with its value in both runs. None if the file lacks the key."""
 
     key: str
     before: Any
@@ -82,7 +79,7 @@ class InputChange:
 
 @dataclass(frozen=True)
 class ValueChange:
-    """A model's value in a pose that both runs looked at (SI)."""
+    """A model's value in a pose that both runs have (SI)."""
 
     pose: tuple[float, ...]
     before: float
@@ -91,7 +88,7 @@ class ValueChange:
 
 @dataclass(frozen=True)
 class AdequacyChange:
-    """A model's quantity in both runs; None where a run does not have it."""
+    """Entries of a model and quantity in both runs. None if a run does not have it."""
 
     model: str
     quantity: str
@@ -102,12 +99,12 @@ class AdequacyChange:
 
 @dataclass(frozen=True)
 class RunComparison:
-    """What changed from one run to the other; `differs` names what else does.
+    """Changes from one run to the other.
 
-    `inputs` are the keys of the robot file that differ, as far as both runs tell them. Of different
-    inputs no value drifts: they differ, as they should. `adequacy` is that of both.
-    `different_robots` are the names of two robots, of whose cases none is better or worse, new or
-    removed; empty where both runs are of one.
+    `differs`: fields of the headers that differ. `inputs`: keys of the robot file that differ, if
+    both runs have its tables. With different inputs there is no drift. `adequacy`: entries of both
+    runs. `different_robots`: names of two robots, whose cases are not compared. Empty if both runs
+    are of one robot.
     """
 
     verdicts: tuple[VerdictChange, ...]
@@ -122,12 +119,12 @@ class RunComparison:
 
     @property
     def worsened(self) -> bool:
-        """Whether any verdict worsened."""
+        """True if any verdict is worse."""
         return any(change.worse for change in self.verdicts)
 
 
 def compare(before: RunRecord, after: RunRecord) -> RunComparison:
-    """What changed from `before` to `after`."""
+    """Changes from `before` to `after`."""
     robots = _different_robots(before, after)
     old, new = ({}, {}) if robots else (before.by_id, after.by_id)
     both = [(old[identifier], case) for identifier, case in new.items() if identifier in old]
@@ -138,7 +135,7 @@ def compare(before: RunRecord, after: RunRecord) -> RunComparison:
             for a, b in both
             if a.verdict != b.verdict
         ),
-        drifted=() if inputs else tuple(one for a, b in both for one in _drifted(a, b)),
+        drifted=() if inputs else tuple(drifted for a, b in both for drifted in _drifts(a, b)),
         new=tuple(identifier for identifier in new if identifier not in old),
         removed=tuple(identifier for identifier in old if identifier not in new),
         seconds=tuple(Timing(b.id, a.seconds, b.seconds) for a, b in both),
@@ -157,49 +154,56 @@ def as_dict(comparison: RunComparison) -> dict[str, Any]:
 
 
 def as_text(before: RunRecord, after: RunRecord, comparison: RunComparison) -> str:
-    """What changed, the gravest first."""
-    blocks = [_heads(before, after, comparison), sentence(comparison)]
+    """The changes as text, the most serious first."""
+    blocks = [_run_headings(before, after, comparison), sentence(comparison)]
     if comparison.inputs and not comparison.different_robots:
         blocks.append("The input differs: two robots, whose numbers may differ without any drift.")
-        blocks += _block(
+        blocks += _table_block(
             "Input",
             ["key", "before", "after"],
-            [[c.key, _given(c.before), _given(c.after)] for c in comparison.inputs],
+            [[c.key, _input_text(c.before), _input_text(c.after)] for c in comparison.inputs],
         )
-    blocks += _block(
+    blocks += _table_block(
         "Adequacy",
         ["model", "quantity", "before", "", "after", ""],
         [
-            [c.model, c.quantity, *_told(c.before), *_told(c.after)]
+            [c.model, c.quantity, *_entry_cells(c.before), *_entry_cells(c.after)]
             for c in comparison.adequacy
-            # Of two robots all; of variants what reads otherwise; of one input other verdicts.
+            # Two robots: all entries. Variants: entries whose text differs. One input: entries
+            # whose verdict differs.
             if comparison.different_robots
-            or (_told(c.before) != _told(c.after) if comparison.inputs else _rejudged(c))
+            or (
+                _entry_cells(c.before) != _entry_cells(c.after)
+                if comparison.inputs
+                else _verdict_changed(c)
+            )
         ],
     )
     worst_first = sorted(comparison.verdicts, key=lambda change: not change.worse)
-    blocks += _block(
+    blocks += _table_block(
         "Verdicts that changed",
         ["", "before", "after", "case"],
         [["worse" if c.worse else "", c.before, c.after, c.id] for c in worst_first],
     )
     numbers = "{0.before:.10g} {0.after:.10g} {0.drift:+.2g} {0.allowed:.2g}"
-    blocks += _block(
+    blocks += _table_block(
         "Drifted beyond their uncertainty",
         ["before", "after", "drift", "allowed", "unit", "", "case"],
         [[*numbers.format(d).split(), d.unit, d.what, d.id] for d in comparison.drifted],
     )
-    blocks += _block("New cases", ["case"], [[identifier] for identifier in comparison.new])
-    blocks += _block("Removed cases", ["case"], [[identifier] for identifier in comparison.removed])
+    blocks += _table_block("New cases", ["case"], [[identifier] for identifier in comparison.new])
+    blocks += _table_block(
+        "Removed cases", ["case"], [[identifier] for identifier in comparison.removed]
+    )
     if comparison.seconds:
-        blocks.append(_times(comparison.seconds))
+        blocks.append(_time_table(comparison.seconds))
     return "\n\n".join(blocks)
 
 
-def _heads(before: RunRecord, after: RunRecord, comparison: RunComparison) -> str:
-    told = ("robot", "preset", "started")
+def _run_headings(before: RunRecord, after: RunRecord, comparison: RunComparison) -> str:
+    columns = ("robot", "preset", "started")
     rows = [
-        [name, *(str(run.run.get(key, "?")) for key in told), counted(len(run.cases), "case")]
+        [name, *(str(run.run.get(key, "?")) for key in columns), counted(len(run.cases), "case")]
         for name, run in (("before", before), ("after", after))
     ]
     differs = [name.replace("_", " ") for name in comparison.differs]
@@ -207,11 +211,11 @@ def _heads(before: RunRecord, after: RunRecord, comparison: RunComparison) -> st
     return aligned(["", "robot", "preset", "started", ""], rows) + note
 
 
-def _given(value: object) -> str:
+def _input_text(value: object) -> str:
     return "not given" if value is None else str(value)
 
 
-def _told(entry: StoredEntry | None) -> list[str]:
+def _entry_cells(entry: StoredEntry | None) -> list[str]:
     if entry is None:
         return ["", ""]
     if entry.error is None:
@@ -226,13 +230,13 @@ def _percent(error: float, *, signed: bool = True) -> str:
     return f"{100.0 * error:{'+' if signed else ''}.2f} %"
 
 
-def _rejudged(change: AdequacyChange) -> bool:
+def _verdict_changed(change: AdequacyChange) -> bool:
     before, after = change.before, change.after
     return before is None or after is None or before.verdict != after.verdict
 
 
 def sentence(comparison: RunComparison) -> str:
-    """What changed, counted; of two different robots, that nothing can be."""
+    """Counts of the changes; for two different robots, a statement that cases are not compared."""
     if comparison.different_robots:
         first, second = comparison.different_robots
         return (
@@ -251,7 +255,7 @@ def sentence(comparison: RunComparison) -> str:
     return ", ".join(parts) + "."
 
 
-def _times(times: Sequence[Timing]) -> str:
+def _time_table(times: Sequence[Timing]) -> str:
     foremost = sorted(times, key=lambda timing: -abs(timing.after - timing.before))[:_SLOWEST]
     total = Timing("all", sum(t.before for t in times), sum(t.after for t in times))
     rows = [
@@ -261,123 +265,129 @@ def _times(times: Sequence[Timing]) -> str:
     heading = "Time per case (s)"
     if len(times) > len(foremost):
         heading += f", the {len(foremost)} of {len(times)} that changed most"
-    return "\n".join(_block(heading, ["before", "after", "change", "case"], rows))
+    return "\n".join(_table_block(heading, ["before", "after", "change", "case"], rows))
 
 
-def _block(heading: str, columns: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
+def _table_block(heading: str, columns: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
     return [f"{heading}\n{aligned(columns, rows)}"] if rows else []
 
 
-def same_pose(one: tuple[float, ...], other: tuple[float, ...]) -> bool:
-    """Whether two poses are the same up to rounding, or one of them is not known."""
-    if not (one and other):
+def same_pose(first: tuple[float, ...], second: tuple[float, ...]) -> bool:
+    """True if two poses are equal up to rounding, or if one of them is unknown."""
+    if not (first and second):
         return True
-    return len(one) == len(other) and all(
-        abs(a - b) <= _ROUNDING * max(abs(a), abs(b), 1.0) for a, b in zip(one, other, strict=True)
+    return len(first) == len(second) and all(
+        abs(a - b) <= _ROUNDING * max(abs(a), abs(b), 1.0)
+        for a, b in zip(first, second, strict=True)
     )
 
 
 def drift(
-    before: CaseRecord, after: CaseRecord, what: Literal["value", "reference"] = "value"
+    before: CaseRecord, after: CaseRecord, field: Literal["value", "reference"] = "value"
 ) -> Drifted | None:
-    """Drift of a case's value or reference; None where one is not known, or is of another pose.
+    """Drift of a case's value or reference. None if one is unknown, or belongs to another pose.
 
-    The larger one of the known uncertainties of then and now is allowed, and a relative 1e-9 in any
-    case. Where the reference is zero, a thousandth of the tolerance counts as rounding.
+    The allowed drift is the larger one of the known uncertainties of both runs, and at least a
+    relative 1e-9. If the reference is zero, it is at least a thousandth of the tolerance.
     """
-    earlier, value = getattr(before, what), getattr(after, what)
+    earlier, value = getattr(before, field), getattr(after, field)
     comparable = earlier is not None and value is not None and isfinite(value)
     if not comparable or not same_pose(before.pose, after.pose):
         return None
-    known = [
+    uncertainties = [
         u for u in (before.numerical_uncertainty, after.numerical_uncertainty) if u is not None
     ]
-    allowed = max([*known, _ROUNDING * max(abs(earlier), abs(value))])
+    allowed = max([*uncertainties, _ROUNDING * max(abs(earlier), abs(value))])
     if after.reference == 0.0 and after.tolerance is not None:
-        allowed = max(allowed, _OF_TOLERANCE * after.tolerance)
-    return Drifted(after.id, what, after.unit, earlier, value, value - earlier, allowed)
+        allowed = max(allowed, _TOLERANCE_SHARE * after.tolerance)
+    return Drifted(after.id, field, after.unit, earlier, value, value - earlier, allowed)
 
 
 def with_drift(record: CaseRecord, earlier: CaseRecord | None) -> CaseRecord:
-    """The record of a case with what it has drifted from an earlier one, if that is known."""
-    moved = drift(earlier, record) if earlier else None
-    if moved is None:
+    """Record of a case with its drift from an earlier record, if that is known."""
+    change = drift(earlier, record) if earlier else None
+    if change is None:
         return record
     return msgspec.structs.replace(
         record,
-        earlier=moved.before,
-        drift=moved.drift,
-        drift_allowed=moved.allowed,
-        drifted=moved.beyond,
+        earlier=change.before,
+        drift=change.drift,
+        drift_allowed=change.allowed,
+        drifted=change.beyond,
     )
 
 
 def _different_robots(before: RunRecord, after: RunRecord) -> tuple[str, ...]:
-    """The names of the robots of two runs where these differ; a variant keeps its robot's name."""
+    """Names of the robots of two runs if they differ. A variant has the name of its robot."""
     names = [run.run.get("robot") for run in (before, after)]
     return tuple(map(str, names)) if all(names) and names[0] != names[1] else ()
 
 
-def _drifted(before: CaseRecord, after: CaseRecord) -> Iterator[Drifted]:
-    moved = (drift(before, after, what) for what in ("value", "reference"))
-    return (one for one in moved if one is not None and one.beyond)
+def _drifts(before: CaseRecord, after: CaseRecord) -> Iterator[Drifted]:
+    drifts = (drift(before, after, field) for field in ("value", "reference"))
+    return (change for change in drifts if change is not None and change.beyond)
 
 
 def _input_changes(before: RunRecord, after: RunRecord) -> Iterator[InputChange]:
     tables = [run.run.get("robot_tables") for run in (before, after)]
     if all(isinstance(table, Mapping) for table in tables):
-        old, new = (dict(_flat(table)) for table in tables)
+        old, new = (dict(_flat_items(table)) for table in tables)
         for key in dict.fromkeys([*old, *new]):
             if old.get(key) != new.get(key):
                 yield InputChange(key, old.get(key), new.get(key))
 
 
 def _adequacy_changes(before: RunRecord, after: RunRecord) -> Iterator[AdequacyChange]:
-    """Every model and quantity of either run, in the order of the first."""
+    """Entries of all models and quantities of either run, in the order of the first."""
     old, new = (
-        {(entry.model, _name(entry)): entry for entry in run.adequacy} for run in (before, after)
+        {(entry.model, _quantity_name(entry)): entry for entry in run.adequacy}
+        for run in (before, after)
     )
     for key in dict.fromkeys([*old, *new]):
-        one, other = old.get(key), new.get(key)
-        yield AdequacyChange(*key, one, other, tuple(_value_changes(one, other)))
+        before_entry, after_entry = old.get(key), new.get(key)
+        yield AdequacyChange(
+            *key, before_entry, after_entry, tuple(_value_changes(before_entry, after_entry))
+        )
 
 
 def _value_changes(before: StoredEntry | None, after: StoredEntry | None) -> Iterator[ValueChange]:
-    """The values of poses that both have, in the order of the first."""
+    """Values at the poses of both entries, in the order of the first."""
     from scipy.spatial import KDTree  # noqa: PLC0415
 
-    old, new = _valued(before), _valued(after)
-    # A file that somebody made may have anything as a pose.
+    old, new = _values_by_pose(before), _values_by_pose(after)
+    # An edited file may have poses of any length.
     if not (old and new) or len({len(pose) for pose, _ in (*old, *new)}) > 1:
         return
     # A pose of a tool without moves has no coordinates; a point has at least one.
     points = [np.array([(0.0, *pose) for pose, _ in values]) for values in (old, new)]
     nearest = KDTree(points[1]).query(points[0])[1]
-    for (pose, value), (other, now) in zip(old, (new[k] for k in nearest), strict=True):
-        if same_pose(pose, other):
-            yield ValueChange(pose, value, now)
+    for (pose, value), (other_pose, other_value) in zip(
+        old, (new[k] for k in nearest), strict=True
+    ):
+        if same_pose(pose, other_pose):
+            yield ValueChange(pose, value, other_value)
 
 
-def _name(entry: StoredEntry) -> str:
-    """The quantity; by a measured reference it stands beside that by a computed one."""
+def _quantity_name(entry: StoredEntry) -> str:
+    """Name of the quantity, marked if its reference is measured."""
     return f"{entry.quantity} (measured)" if entry.measured else entry.quantity
 
 
-def _flat(tables: Any) -> Iterator[tuple[str, Any]]:
-    """Every entry of the tables by its key, however deep they are."""
-    waiting: list[tuple[str, Any]] = [("", tables)]
-    while waiting:
-        path, value = waiting.pop()
+def _flat_items(tables: Any) -> Iterator[tuple[str, Any]]:
+    """Each value of nested tables with its full key."""
+    pending: list[tuple[str, Any]] = [("", tables)]
+    while pending:
+        path, value = pending.pop()
         if isinstance(value, Mapping):
-            inner = [(f"{path}.{key}" if path else str(key), one) for key, one in value.items()]
-            waiting += reversed(inner)
+            inner = [(f"{path}.{key}" if path else str(key), item) for key, item in value.items()]
+            pending += reversed(inner)
         elif isinstance(value, Sequence) and not isinstance(value, str):
-            inner = [(f"{path}[{number}]", one) for number, one in enumerate(value, start=1)]
-            waiting += reversed(inner)
+            inner = [(f"{path}[{number}]", item) for number, item in enumerate(value, start=1)]
+            pending += reversed(inner)
         else:
             yield path, value
 
 
-def _valued(entry: StoredEntry | None) -> list[tuple[tuple[float, ...], float]]:
-    known = zip(entry.poses, entry.values, strict=False) if entry else ()
-    return [(pose, value) for pose, value in known if value is not None]
+def _values_by_pose(entry: StoredEntry | None) -> list[tuple[tuple[float, ...], float]]:
+    pairs = zip(entry.poses, entry.values, strict=False) if entry else ()
+    return [(pose, value) for pose, value in pairs if value is not None]

@@ -1,8 +1,8 @@
-"""Calls computed in any order, here or elsewhere: an executor yields what they come to.
+"""Executors: they compute calls in any order and yield the results.
 
-In this process (`in_turn`), on the cores of this machine (`on_cores`), or on a Dask cluster
-(`validation.run.cluster`). On cores, a call whose process dies is lost alone, and how it died is
-known; docs/guide/architecture.md says what pools of processes were tried instead.
+Calls run in this process (`in_turn`), on the cores of this machine (`on_cores`), or on a Dask
+cluster (`validation.run.cluster`). On cores, a process that dies loses one call alone, and the
+reason is known; docs/guide/architecture.md compares other pools of processes.
 """
 
 import os
@@ -21,21 +21,21 @@ from meshes.processes import Crashed, Process
 
 # A call without arguments that can be pickled.
 Work: TypeAlias = Callable[[], Any]
-# The same, but for one argument if processes begin with a value.
+# A call that can be pickled, with one argument if processes begin with a value.
 Call: TypeAlias = Callable[..., Any]
-# Number of a call and its result, one after the other as they are finished.
+# Number and result of each call, in order of completion.
 Finished: TypeAlias = Generator[tuple[int, Any], None, None]
 # Computes calls in any order.
 Executor: TypeAlias = Callable[[Sequence[Work]], Finished]
 K = TypeVar("K", bound=Hashable)
-# One thread per process, of the sparse solver too: processes are as many as cores.
+# One thread per process, also for the sparse solver, as there are as many processes as cores.
 _SINGLE_THREADED = {"OMP_NUM_THREADS": "1", **ONE_BLAS_THREAD}
-# How often (s) to look whether all of it was given up.
+# Interval (s) between checks of `stopped`.
 _HEARTBEAT = 0.1
 
 
 def in_turn(calls: Sequence[Work]) -> Finished:
-    """One call after the other in this process."""
+    """Compute the calls one after the other in this process."""
     for number, call in enumerate(calls):
         yield number, call()
 
@@ -44,10 +44,10 @@ def in_turn(calls: Sequence[Work]) -> Finished:
 def on_cores(
     jobs: int, log: Path = Path(os.devnull), begin: Work | None = None
 ) -> Iterator["Cores"]:
-    """An executor with `jobs` processes, one thread each, which last as long as the context.
+    """Executor with `jobs` processes of one thread each, which end with the context.
 
-    What they print is added to the `log`. The value of `begin`, if given, is computed first in each
-    of them, stays there, and is the argument of all calls.
+    Their output is appended to the `log`. The value of `begin` is computed first in each process
+    and is the argument of all its calls. If `begin` is None, calls have no argument.
     """
     cores = Cores(jobs, log, begin)
     try:
@@ -59,12 +59,12 @@ def on_cores(
 
 @dataclass
 class _Worker:
-    """A process, the calls that it has to do, the first of which it does, if it is busy."""
+    """A process with its remaining calls. A busy process computes the first of them."""
 
     process: Process
     todo: deque[tuple[Any, Call]]
     begun: bool = False
-    # Where the log ended when the current call began.
+    # Size of the log (bytes) when the current call began.
     log_from: int = 0
 
 
@@ -82,7 +82,7 @@ class Cores:
     idle: list[_Worker] = field(default_factory=list)
 
     def __call__(self, calls: Sequence[Work]) -> Finished:
-        """As an executor: raises what a call raises, and ComputationError where a process dies."""
+        """Results of the calls. Raises errors of calls, and ComputationError if a process dies."""
         groups = [[(number, call)] for number, call in enumerate(calls)]
         with closing(self.answers(groups)) as answers:
             for number, answer in answers:
@@ -101,11 +101,11 @@ class Cores:
         started: Callable[[K], object] = lambda _name: None,
         stopped: Callable[[], bool] = lambda: False,
     ) -> Generator[tuple[K, Any], None, None]:
-        """What named calls come to, an error where one raises it, as they are finished.
+        """Yield (name, result or exception) of named calls in order of completion.
 
-        Those of a group are computed one after the other in one process. `started` is told the
-        names; once `stopped`, or closed, all that is not finished is given up. Raises
-        ComputationError where processes do not even begin.
+        Calls of a group are computed one after the other in one process. `started` is called with
+        each name. Once `stopped` returns True, or the generator is closed, unfinished calls are
+        abandoned. Raises ComputationError if processes cannot begin.
         """
         queue = deque(deque(group) for group in groups)
         busy: dict[Connection, _Worker] = {}
@@ -117,13 +117,13 @@ class Cores:
                     started(worker.todo[0][0])
                 for ready in wait(list(busy), timeout=_HEARTBEAT):
                     worker = busy[ready]  # type: ignore[index]
-                    answer = self._answer(worker)
+                    answer = self._receive_answer(worker)
                     if not worker.begun:
                         worker.begun = True
                         continue
                     name, _ = worker.todo.popleft()
                     if worker.todo and not isinstance(answer, Crashed):
-                        self._ask(worker)
+                        self._start_call(worker)
                         started(worker.todo[0][0])
                     else:
                         del busy[worker.process.connection]
@@ -138,29 +138,29 @@ class Cores:
                 worker.process.end()
 
     def _worker(self, todo: deque[tuple[Any, Call]]) -> _Worker:
-        """A process that has been given the first of these calls."""
+        """A process that computes the first of these calls."""
         if self.idle:
             worker = self.idle.pop()
             worker.todo = todo
         else:
-            worker = _Worker(Process(self.log, _SINGLE_THREADED), todo, log_from=self._logged())
+            worker = _Worker(Process(self.log, _SINGLE_THREADED), todo, log_from=self._log_size())
             if self.begin is None:
                 worker.process.ask(int)
             else:
                 worker.process.begin(self.begin)
-        self._ask(worker)
+        self._start_call(worker)
         return worker
 
-    def _ask(self, worker: _Worker) -> None:
+    def _start_call(self, worker: _Worker) -> None:
         if worker.begun:
-            worker.log_from = self._logged()
+            worker.log_from = self._log_size()
         worker.process.ask(worker.todo[0][1])
 
-    def _answer(self, worker: _Worker) -> Any:
+    def _receive_answer(self, worker: _Worker) -> Any:
         try:
             answer = worker.process.answer()
         except (InputError, ComputationError) as error:
-            answer = self._explained(error, worker.log_from)
+            answer = self._crash_reason(error, worker.log_from)
         if not worker.begun and isinstance(answer, Exception):
             worker.process.end()
             raise ComputationError(
@@ -169,16 +169,16 @@ class Cores:
             )
         return answer
 
-    def _explained(self, error: InputError | ComputationError, start: int) -> Exception:
-        """The error, or what OpenBLAS said before it ended a process for want of memory."""
-        said = (read_regular(self.log) or b"")[start:].decode("utf-8", "replace")
-        lines = [line.strip() for line in said.splitlines() if "OpenBLAS error" in line]
+    def _crash_reason(self, error: InputError | ComputationError, start: int) -> Exception:
+        """The error, or OutOfMemoryCrash if the log has a message of OpenBLAS on lack of memory."""
+        log_text = (read_regular(self.log) or b"")[start:].decode("utf-8", "replace")
+        lines = [line.strip() for line in log_text.splitlines() if "OpenBLAS error" in line]
         crashed = isinstance(error, Crashed)
         if crashed and lines:
             return OutOfMemoryCrash(f"ran out of memory ({lines[-1]})")
         return error
 
-    def _logged(self) -> int:
+    def _log_size(self) -> int:
         try:
             return self.log.stat().st_size
         except OSError:

@@ -1,17 +1,18 @@
 """The folder of a run: written into DIR.partial beside DIR, and renamed when all is done.
 
-    run.json        what is being run (robot, preset, versions), and the files that the run wrote
+    run.json        header of the run (robot, preset, versions), and the files that it wrote
     results.jsonl   a line for every finished case or figure, from which a run can go on
     results.json    the cases and studies so far (interface of the project)
-    log.txt         tracebacks and whatever the computations print
-    export/         meshes, fields and matrices, if asked for
+    log.txt         tracebacks and output of the computations
+    export/         meshes, fields and matrices, if requested
 
 Every file is written whole under another name and then renamed, so that no link is followed.
 
-What can be refused is refused before anything is touched. An earlier run in DIR stays whole until
-the new one in DIR.partial is: then it is renamed DIR.partial/.earlier, DIR.partial takes its name,
-and its files are removed. A kill between these steps leaves both, and whoever opens the folder next
-finishes them. What a run did not write, or somebody changed in a finished run, is carried over.
+All checks are made before any file is changed. An earlier run in DIR is kept until the new one in
+DIR.partial is complete. It is then renamed DIR.partial/.earlier, DIR.partial is renamed DIR, and
+the files of the earlier run are removed. A kill between these steps leaves both runs, and the next
+run in the folder finishes the steps. Files that a run did not write, or that a user changed in a
+finished run, are moved to the new folder.
 """
 
 import json
@@ -33,21 +34,21 @@ from lumped.files import NO_FOLLOW, digest, os_errors_as_store_errors, read_regu
 from lumped.posix import fcntl
 
 MARK, RECORDS, RESULTS, LOG = "run.json", "results.jsonl", "results.json", "log.txt"
-# The earlier run until it is removed, and files that are written before they get their names.
+# Lock, folder of the earlier run until it is removed, and folder of unfinished files.
 LOCK, EARLIER, UNFINISHED = ".lock", ".earlier", ".unfinished"
-# What every run has, whether its mark can be read or not.
+# Files of every run, even if its mark cannot be read.
 ALWAYS = (RECORDS, RESULTS, LOG)
 _SEAL = b'{"seal": "'
 Header: TypeAlias = Mapping[str, Any]
 Start: TypeAlias = Literal["afresh", "resumed"]
-_SPOKEN = {"robot_sha256": "robot file", "suite_sha256": "source files of flexproof"}
+_FIELD_NAMES = {"robot_sha256": "robot file", "suite_sha256": "source files of flexproof"}
 
 
 class Mark(msgspec.Struct, frozen=True):
-    """What must not change when a run goes on, else old and new numbers would be mixed.
+    """Fields of the header that must be equal to resume a run, so that numbers are not mixed.
 
-    `files` are what the run wrote, with their digests once it is whole. run.json holds the whole
-    header of the run besides, for people.
+    `files`: files of the run, with their digests once it is complete. run.json also contains the
+    rest of the header, for people.
     """
 
     flexproof: Literal["run"]
@@ -62,8 +63,8 @@ class Mark(msgspec.Struct, frozen=True):
     @property
     def run(self) -> str:
         """Name of the run: equal for runs whose numbers may be mixed."""
-        named = msgspec.structs.replace(self, files={})
-        return digest(msgspec.json.encode(named, order="deterministic"))
+        without_files = msgspec.structs.replace(self, files={})
+        return digest(msgspec.json.encode(without_files, order="deterministic"))
 
 
 def mark_of(header: Header) -> Mark:
@@ -72,53 +73,53 @@ def mark_of(header: Header) -> Mark:
 
 
 def mark_in(folder: Path) -> Mark | None:
-    """The mark in a folder; None where there is none, or none that can be read."""
+    """The mark in a folder. None if there is none, or if it cannot be read."""
     with suppress(msgspec.MsgspecError, RecursionError):
         return msgspec.json.decode(read_regular(folder / MARK) or b"", type=Mark)
     return None
 
 
 def is_run(folder: Path) -> bool:
-    """Whether a folder is a run's: known by what its mark or the first of its records says."""
+    """True if a folder has a mark, or a first record, of a run."""
     records = read_regular(folder / RECORDS) or b""
     return mark_in(folder) is not None or records.lstrip().startswith(_SEAL)
 
 
 def files_of(folder: Path) -> dict[str, str]:
-    """The files in a folder that its run wrote, with their digests as far as it knew them.
+    """Files in a folder that its run wrote, with their digests. "" for an unknown digest.
 
-    Names that lead elsewhere, by a link say, are none of the run's.
+    Names that lead out of the folder, for example by a link, do not count.
     """
     mark, root = mark_in(folder), folder.resolve()
-    named = dict.fromkeys(ALWAYS, "") | dict(mark.files if mark else {})
-    places = {name: root / name for name in named}
+    digests = dict.fromkeys(ALWAYS, "") | dict(mark.files if mark else {})
+    paths = {name: root / name for name in digests}
     return {
-        name: named[name]
-        for name, place in places.items()
-        if place.is_file() and place.resolve() == place and place.is_relative_to(root)
+        name: digests[name]
+        for name, path in paths.items()
+        if path.is_file() and path.resolve() == path and path.is_relative_to(root)
     }
 
 
-def sealed(run: str, told: bytes) -> bytes:
-    """A line of JSON that says what it belongs to, and whether it is as it was written."""
-    return _SEAL + digest(run.encode() + told).encode() + b'", ' + told[1:]
+def sealed(run: str, content: bytes) -> bytes:
+    """A line of JSON with a seal over its run and content, so that changes are detected."""
+    return _SEAL + digest(run.encode() + content).encode() + b'", ' + content[1:]
 
 
 def unsealed(run: str, line: bytes) -> dict[str, Any] | None:
-    """What a line tells; None where it is damaged, changed, or of another run."""
-    told = b"{" + line[len(_SEAL) + 35 :]
-    if line != sealed(run, told):
+    """Data of a line. None if it is damaged, changed, or of another run."""
+    content = b"{" + line[len(_SEAL) + 35 :]
+    if line != sealed(run, content):
         return None
-    found: dict[str, Any] = json.loads(told)
-    return found
+    data: dict[str, Any] = json.loads(content)
+    return data
 
 
 @dataclass
 class RunFolder:
-    """An open, locked run folder; `remarks` say what was found in it that is not as it should be.
+    """An open, locked run folder; `remarks` list faults found in it.
 
-    `records` are the finished pieces of work by id. `begun` says when the run was begun and how
-    long it has computed (s). `complete` is set by whoever has finished the run.
+    `records`: records of finished tasks by id. `begun`: start of the run and computing time so far
+    (s). `complete`: set to True at the end of the run.
     """
 
     path: Path
@@ -135,31 +136,31 @@ class RunFolder:
         return self.path / LOG
 
     def begin(self, former: Path) -> None:
-        """Clear the way, and take up what is finished, copied from a run that is whole."""
+        """Prepare the folder, with the finished tasks of the run in `former`."""
         shutil.rmtree(self.path / UNFINISHED, ignore_errors=True)
         (self.path / UNFINISHED).mkdir(exist_ok=True)
-        own, content = files_of(former), read_regular(former / RECORDS) or b""
-        self._files = dict.fromkeys(ALWAYS, "") | own
-        self._take_up(content)
+        digests, content = files_of(former), read_regular(former / RECORDS) or b""
+        self._files = dict.fromkeys(ALWAYS, "") | digests
+        self._load_records(content)
         self._mark()
-        # What is added to must not be another file as well, nor end in half a line.
+        # Files to append to must not be linked elsewhere, nor end in an incomplete line.
         self._put(RECORDS, content if content.endswith(b"\n") or not content else content + b"\n")
         self._put(LOG, read_regular(former / LOG) or b"")
-        for name in own.keys() - {RECORDS, LOG} if former != self.path else ():
-            shutil.copyfile(former / name, self._cleared(name))
+        for name in digests.keys() - {RECORDS, LOG} if former != self.path else ():
+            shutil.copyfile(former / name, self._clear_path(name))
 
     def write(self, contents: Mapping[str, str | bytes]) -> None:
-        """Write files by name, noted as the run's before. Raises StoreError if the disk refuses."""
+        """Write files by name, registered in run.json before. Raises StoreError on disk errors."""
         with os_errors_as_store_errors(self.path):
             self._note(contents)
             for name, content in contents.items():
                 self._put(name, content.encode() if isinstance(content, str) else content)
 
     def keep(self, record: Mapping[str, Any], seconds: float) -> None:
-        """Add a finished piece of work (with its "id"), `seconds` after the run was begun."""
-        told = {"started": self.header.get("started", ""), "seconds": seconds, "record": record}
-        # Records hold NaN, which JSON proper cannot: only this program reads them.
-        line = sealed(mark_of(self.header).run, json.dumps(told).encode())
+        """Append the record of a finished task, `seconds` after the start of the run."""
+        data = {"started": self.header.get("started", ""), "seconds": seconds, "record": record}
+        # Records contain NaN, which standard JSON excludes: only this program reads them.
+        line = sealed(mark_of(self.header).run, json.dumps(data).encode())
         with (
             os_errors_as_store_errors(self.path / RECORDS),
             (self.path / RECORDS).open("ab") as file,
@@ -170,29 +171,29 @@ class RunFolder:
 
     @contextmanager
     def exporting(self) -> Iterator[Path]:
-        """A new folder to fill with files, which is `export` at a good end.
+        """A new folder for files, which are moved to `export` if no error is raised.
 
-        Raises StoreError if the disk refuses.
+        Raises StoreError on disk errors.
         """
         with (
             os_errors_as_store_errors(self.path / "export"),
-            TemporaryDirectory(dir=self.path / UNFINISHED) as beside,
+            TemporaryDirectory(dir=self.path / UNFINISHED) as temporary,
         ):
-            yield Path(beside)
-            made = [path for path in Path(beside).rglob("*") if path.is_file()]
-            names = [f"export/{path.relative_to(beside)}" for path in made]
+            yield Path(temporary)
+            paths = [path for path in Path(temporary).rglob("*") if path.is_file()]
+            names = [f"export/{path.relative_to(temporary)}" for path in paths]
             self._note(names)
-            for path, name in zip(made, names, strict=True):
-                path.replace(self._cleared(name))
+            for path, name in zip(paths, names, strict=True):
+                path.replace(self._clear_path(name))
 
     def finish(self) -> None:
-        """Say in run.json what the whole run consists of."""
+        """Write the digests of all files of the run to run.json."""
         self._files = {name: digest(read_regular(self.path / name) or b"") for name in self._files}
         self._mark()
         shutil.rmtree(self.path / UNFINISHED)
 
     def _note(self, names: Collection[str]) -> None:
-        """Say in run.json what the run writes, before it does."""
+        """Write the names of new files to run.json before the files are written."""
         if not set(names) <= self._files.keys():
             self._files |= dict.fromkeys(names, "")
             self._mark()
@@ -202,67 +203,67 @@ class RunFolder:
         self._put(MARK, msgspec.json.format(text, indent=2) + b"\n")
 
     def _put(self, name: str, content: bytes) -> None:
-        write_whole(self._cleared(name), content, self.path / UNFINISHED)
+        write_whole(self._clear_path(name), content, self.path / UNFINISHED)
 
-    def _cleared(self, name: str) -> Path:
-        """Where a file belongs; a folder there, or what is none above it, is moved aside."""
-        place = self.path / name
-        for folder in reversed(place.relative_to(self.path).parents[:-1]):
+    def _clear_path(self, name: str) -> Path:
+        """Path for a file, after obstacles are renamed: a folder there, or a file above it."""
+        path = self.path / name
+        for folder in reversed(path.relative_to(self.path).parents[:-1]):
             if os.path.lexists(self.path / folder) and not is_folder(self.path / folder):
-                self._aside(self.path / folder)
-        if is_folder(place):
-            self._aside(place)
-        place.parent.mkdir(parents=True, exist_ok=True)
-        return place
+                self._move_aside(self.path / folder)
+        if is_folder(path):
+            self._move_aside(path)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        return path
 
-    def _aside(self, place: Path) -> None:
-        kept = place.rename(free(place))
-        self.remarks.append(f"{place} was not as this run wrote it: kept as {kept.name}")
+    def _move_aside(self, path: Path) -> None:
+        renamed = path.rename(unused_name(path))
+        self.remarks.append(f"{path} was not as this run wrote it: kept as {renamed.name}")
 
-    def _take_up(self, content: bytes) -> None:
+    def _load_records(self, content: bytes) -> None:
         run = mark_of(self.header).run
         for number, line in enumerate(content.split(b"\n"), start=1):
-            told = unsealed(run, line)
-            if told is not None:
-                self.begun = {"started": told["started"], "seconds": told["seconds"]}
-                self.header = {**self.header, "started": told["started"]}
-                self.records[told["record"]["id"]] = told["record"]
+            data = unsealed(run, line)
+            if data is not None:
+                self.begun = {"started": data["started"], "seconds": data["seconds"]}
+                self.header = {**self.header, "started": data["started"]}
+                self.records[data["record"]["id"]] = data["record"]
             elif line:
-                place = self.path / RECORDS
+                path = self.path / RECORDS
                 self.remarks.append(
-                    f"{place}, line {number} is damaged or of another run: passed over"
+                    f"{path}, line {number} is damaged or of another run: passed over"
                 )
 
 
 @contextmanager
 def open_folder(path: Path, header: Header, start: Start) -> Iterator[RunFolder]:
-    """Lock the folder for this run and prepare it beside; it takes its place if it is `complete`.
+    """Lock and prepare the folder DIR.partial, which is renamed to `path` if it is `complete`.
 
-    "afresh" begins anew, "resumed" goes on with what was begun last. Raises InputError where
-    the folder cannot be used: not writable, something else's, in use, or of a different run; what
-    can be refused is refused before anything is touched.
+    "afresh" begins a new run, "resumed" continues the last one. Raises InputError if the folder
+    cannot be used: not writable, with other files, in use, or of a different run. All checks are
+    made before any file is changed.
     """
     _file_locks()
-    named = path.name not in {"", ".."} and not path.is_symlink()
-    place = path if named else Path(os.path.realpath(path))
-    here = Path.cwd()
-    for what, stays in {
-        "a mount point": place.is_mount(),
-        "the folder that you are in": Path(os.path.realpath(place)) in {here, *here.parents},
+    has_name = path.name not in {"", ".."} and not path.is_symlink()
+    target = path if has_name else Path(os.path.realpath(path))
+    current = Path.cwd()
+    for reason, is_fixed in {
+        "a mount point": target.is_mount(),
+        "the folder that you are in": Path(os.path.realpath(target)) in {current, *current.parents},
     }.items():
-        if stays:
+        if is_fixed:
             raise InputError(
-                f"--out {path}: is {what}, which cannot be renamed; name a folder in it"
+                f"--out {path}: is {reason}, which cannot be renamed; name a folder in it"
             )
-    partial = place.with_name(f"{place.name}.partial")
-    with _refused(path):
-        _require_ours(path, place, partial)
-        remarks = _settled(path, place, partial)
+    partial = target.with_name(f"{target.name}.partial")
+    with _input_errors(path):
+        _require_ours(path, target, partial)
+        remarks = _finish_interrupted(path, target, partial)
     mark = mark_of(header)
-    former = _begun_last(path, place, partial, mark) if start == "resumed" else partial
-    if start == "afresh" and place.is_dir():
-        _require_space(path, place)
-    with _refused(path):
+    former = _folder_to_resume(path, target, partial, mark) if start == "resumed" else partial
+    if start == "afresh" and target.is_dir():
+        _require_space(path, target)
+    with _input_errors(path):
         partial.mkdir(parents=True, exist_ok=True)
     with _locked(path, partial):
         folder = RunFolder(partial, header, remarks=remarks)
@@ -273,61 +274,63 @@ def open_folder(path: Path, header: Header, start: Start) -> Iterator[RunFolder]
             folder.begin(former)
         yield folder
         if folder.complete:
-            with os_errors_as_store_errors(place):
+            with os_errors_as_store_errors(target):
                 folder.finish()
-                if place.exists():
-                    place.rename(partial / EARLIER)
-                partial.rename(place)
-                folder.remarks += _carried_over(place)
+                if target.exists():
+                    target.rename(partial / EARLIER)
+                partial.rename(target)
+                folder.remarks += _remove_earlier_run(target)
 
 
-def _require_ours(path: Path, place: Path, partial: Path) -> None:
-    for folder in (place, partial):
+def _require_ours(path: Path, target: Path, partial: Path) -> None:
+    for folder in (target, partial):
         names = {entry.name for entry in folder.iterdir()} if os.path.lexists(folder) else set()
-        # A run that was killed before it wrote what it is has left a lock, and nothing to lose.
+        # A run that was killed before it wrote its mark has left a lock alone.
         if partial.is_symlink() or (names - {LOCK, UNFINISHED} and not is_run(folder)):
-            named = "the folder" if folder == place else f"{partial.name}, where runs begin,"
+            text = "the folder" if folder == target else f"{partial.name}, where runs begin,"
             raise InputError(
-                f"--out {path}: {named} holds other files; name a new folder or one of a run"
+                f"--out {path}: {text} holds other files; name a new folder or one of a run"
             )
 
 
-def _begun_last(path: Path, place: Path, partial: Path, mark: Mark) -> Path:
-    """The folder to go on from; raises InputError where none is of the same input."""
-    begun = next((folder for folder in (partial, place) if is_run(folder)), None)
-    if begun is None:
+def _folder_to_resume(path: Path, target: Path, partial: Path, mark: Mark) -> Path:
+    """Folder of the run to resume. Raises InputError if there is none with the same input."""
+    former = next((folder for folder in (partial, target) if is_run(folder)), None)
+    if former is None:
         raise InputError(f"--resume: {path} holds no run to go on with")
-    found = mark_in(begun)
-    # Either witness will do: records say for themselves which run they belong to.
-    lines = (read_regular(begun / RECORDS) or b"").split(b"\n")
-    if (found is None or found.run != mark.run) and not any(unsealed(mark.run, x) for x in lines):
+    former_mark = mark_in(former)
+    # The mark or one record suffices, as the seal of a record identifies its run.
+    lines = (read_regular(former / RECORDS) or b"").split(b"\n")
+    if (former_mark is None or former_mark.run != mark.run) and not any(
+        unsealed(mark.run, x) for x in lines
+    ):
         differing = [
-            _SPOKEN.get(name, name)
+            _FIELD_NAMES.get(name, name)
             for name in Mark.__struct_fields__
-            if name != "files" and found and getattr(found, name) != getattr(mark, name)
+            if name != "files" and former_mark and getattr(former_mark, name) != getattr(mark, name)
         ]
-        spoken = f"{', '.join(differing)} differ"
+        differences = f"{', '.join(differing)} differ"
         raise InputError(
             f"--resume: {path} belongs to another run "
-            f"({spoken if found else 'its run.json cannot be read'}); "
+            f"({differences if former_mark else 'its run.json cannot be read'}); "
             "start afresh without --resume, or name another folder with --out"
         )
-    return begun
+    return former
 
 
-def _require_space(path: Path, place: Path) -> None:
-    """The new run stands beside the earlier one for a while, and may be as large."""
-    needed = sum((place / name).stat().st_size for name in files_of(place))
-    free = shutil.disk_usage(place).free
-    if free < needed:
+def _require_space(path: Path, target: Path) -> None:
+    """Raise InputError without space for a second run of the size of the earlier one."""
+    needed = sum((target / name).stat().st_size for name in files_of(target))
+    free_bytes = shutil.disk_usage(target).free
+    if free_bytes < needed:
         raise InputError(
-            f"--out {path}: {free / 1e6:.1f} MB are free, and the new run needs about "
+            f"--out {path}: {free_bytes / 1e6:.1f} MB are free, and the new run needs about "
             f"{needed / 1e6:.1f} MB beside the earlier one; make room or name another folder"
         )
 
 
 def _file_locks() -> ModuleType:
-    """The module of file locks; raises InputError on a system without them."""
+    """The module of file locks. Raises InputError on a system without them."""
     if fcntl is None:
         raise InputError(
             "run: needs locks of files as Linux and macOS have them; on Windows run flexproof in "
@@ -338,91 +341,99 @@ def _file_locks() -> ModuleType:
 
 @contextmanager
 def _locked(path: Path, folder: Path) -> Iterator[None]:
-    """Hold the lock of a folder, which moves with it; it goes when the folder is a finished run."""
-    place, locks = folder / LOCK, _file_locks()
-    with _refused(path), ExitStack() as stack:
-        own = place.is_file() and not place.is_symlink() and place.stat().st_nlink == 1
-        if os.path.lexists(place) and not own:
-            place.rename(free(place))
+    """Hold the lock of a folder. It moves with the folder and is removed from a finished run."""
+    lock_path, locks = folder / LOCK, _file_locks()
+    with _input_errors(path), ExitStack() as stack:
+        is_own_file = (
+            lock_path.is_file() and not lock_path.is_symlink() and lock_path.stat().st_nlink == 1
+        )
+        if os.path.lexists(lock_path) and not is_own_file:
+            lock_path.rename(unused_name(lock_path))
         flags = os.O_RDWR | os.O_CREAT | NO_FOLLOW
-        lock = stack.enter_context(os.fdopen(os.open(place, flags, 0o666), "rb+", buffering=0))
+        lock = stack.enter_context(os.fdopen(os.open(lock_path, flags, 0o666), "rb+", buffering=0))
         try:
             locks.flock(lock, locks.LOCK_EX | locks.LOCK_NB)
-            if not place.exists() or not os.path.samestat(place.stat(), os.fstat(lock.fileno())):
-                # Whoever held it has finished meanwhile.
+            if not lock_path.exists() or not os.path.samestat(
+                lock_path.stat(), os.fstat(lock.fileno())
+            ):
+                # The process with the lock has finished meanwhile.
                 raise BlockingIOError
         except BlockingIOError as error:
             holder = lock.read().decode(errors="replace").strip() or "unknown"
             raise InputError(
                 f"--out {path}: another run (process {holder}) is writing there"
             ) from error
-        # The number only serves the message; on a full disk the lock holds all the same.
+        # The number serves the message alone; the lock is valid even on a full disk.
         with suppress(OSError):
             lock.truncate(0)
             lock.write(str(os.getpid()).encode())
-        held = stack.pop_all()
-    with held:
+        lock_context = stack.pop_all()
+    with lock_context:
         yield
 
 
-def _settled(path: Path, place: Path, partial: Path) -> list[str]:
-    """Finish what a kill interrupted; the remarks say what was carried over under another name."""
-    if is_folder(partial / EARLIER) and not place.exists():
+def _finish_interrupted(path: Path, target: Path, partial: Path) -> list[str]:
+    """Finish steps interrupted by a kill. Remarks on files that were moved under another name."""
+    if is_folder(partial / EARLIER) and not target.exists():
         with _locked(path, partial):
-            partial.rename(place)
-    earlier = place / EARLIER
+            partial.rename(target)
+    earlier = target / EARLIER
     if not is_folder(earlier) or (any(earlier.iterdir()) and not is_run(earlier)):
         return []
-    with _locked(path, place):
-        return _carried_over(place)
+    with _locked(path, target):
+        return _remove_earlier_run(target)
 
 
-def _carried_over(place: Path) -> list[str]:
-    """Remove the earlier run below the one that took its place, but for what it did not write."""
-    earlier, remarks = place / EARLIER, list[str]()
+def _remove_earlier_run(target: Path) -> list[str]:
+    """Remove the files of the earlier run below the new one, to which other files are moved."""
+    earlier, remarks = target / EARLIER, list[str]()
     if earlier.exists():
-        for name, written in files_of(earlier).items():
-            if digest(read_regular(earlier / name) or b"") == written:
+        for name, digest_at_end in files_of(earlier).items():
+            if digest(read_regular(earlier / name) or b"") == digest_at_end:
                 (earlier / name).unlink()
         if (earlier / LOCK).is_file():
             (earlier / LOCK).unlink()
-        _merge(earlier, place, remarks)
-        # Last of all what it is known by.
+        _merge(earlier, target, remarks)
+        # The mark is removed last, as it identifies the folder as a run.
         (earlier / MARK).unlink(missing_ok=True)
         earlier.rmdir()
-    (place / LOCK).unlink(missing_ok=True)
+    (target / LOCK).unlink(missing_ok=True)
     return remarks
 
 
 def _merge(source: Path, target: Path, remarks: list[str]) -> None:
-    """Move what a folder holds, but a run's mark, beside what stands in another under its name."""
+    """Move the content of a folder, except a run's mark, into another, renamed if names collide."""
     for entry in sorted(source.iterdir()):
-        there = target / entry.name
+        destination = target / entry.name
         if entry == target / EARLIER / MARK and mark_in(source):
             continue
-        if is_folder(entry) and (is_folder(there) or not any(entry.iterdir())):
-            _merge(entry, there, remarks)
+        if is_folder(entry) and (is_folder(destination) or not any(entry.iterdir())):
+            _merge(entry, destination, remarks)
             entry.rmdir()
             continue
-        moved = entry.rename(free(there) if os.path.lexists(there) else there)
-        if moved != there:
-            remarks.append(f"{there} was not written by a run: kept as {moved.name}")
+        renamed = entry.rename(
+            unused_name(destination) if os.path.lexists(destination) else destination
+        )
+        if renamed != destination:
+            remarks.append(f"{destination} was not written by a run: kept as {renamed.name}")
 
 
 @contextmanager
-def _refused(path: Path) -> Iterator[None]:
+def _input_errors(path: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
         raise InputError(f"--out {path}: cannot write there: {error.strerror}") from error
 
 
-def free(place: Path) -> Path:
-    """A name beside that nobody has."""
-    names = (f"{place.name}.kept{'' if number == 1 else number}" for number in count(1))
-    return next(kept for name in names if not os.path.lexists(kept := place.with_name(name)))
+def unused_name(path: Path) -> Path:
+    """An unused path beside `path`, with ".kept" and a number."""
+    names = (f"{path.name}.kept{'' if number == 1 else number}" for number in count(1))
+    return next(
+        candidate for name in names if not os.path.lexists(candidate := path.with_name(name))
+    )
 
 
-def is_folder(place: Path) -> bool:
-    """Whether a name is that of a folder, and no link."""
-    return place.is_dir() and not place.is_symlink()
+def is_folder(path: Path) -> bool:
+    """True for a folder that is no link."""
+    return path.is_dir() and not path.is_symlink()

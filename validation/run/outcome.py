@@ -1,6 +1,6 @@
-"""What became of a piece of work, and the verdict on what a case measured.
+"""Results of tasks, and verdicts on the measurements of cases.
 
-The numerical uncertainty of both sides never widens the tolerance: where it exceeds it, the
+The numerical uncertainty of both sides never widens the tolerance. If it exceeds the tolerance, the
 comparison is undecided and does not count as agreement.
 """
 
@@ -22,14 +22,14 @@ F = TypeVar("F")
 Task: TypeAlias = Case | PlannedFigure | Assessment
 # A result as plain data, with the "id" of its task.
 Record: TypeAlias = dict[str, Any]
-Made: TypeAlias = Literal["made", "failed", "skipped"]
+Completion: TypeAlias = Literal["made", "failed", "skipped"]
 
 
 class Result(msgspec.Struct, Generic[V, F], frozen=True):
-    """What became of a task: sent by a worker, kept in results.jsonl, read by the run and its page.
+    """Result of a task: sent by a worker, stored in results.jsonl, used by the run and its page.
 
-    `verdict` is that on a comparison, of anything else whether it was made; `found` a measurement,
-    figure or matrix, None where there is none, and `message` says why.
+    `verdict` is that of a comparison, otherwise "made", "failed" or "skipped". `found` is a
+    measurement, figure or matrix. It is None if there is none, with the reason in `message`.
     """
 
     id: str
@@ -51,27 +51,27 @@ class Outcome:
 
     @property
     def verdict(self) -> Verdict:
-        """The verdict on what it measured, or that it failed or was skipped."""
+        """Verdict on the measurement, or "failed" or "skipped"."""
         return self.result.verdict
 
     @property
     def seconds(self) -> float:
-        """How long it took."""
+        """Time of the computation (s)."""
         return self.result.seconds
 
     @property
     def measurement(self) -> Measurement | None:
-        """What it measured."""
+        """Measurement of the case. None if it failed or was skipped."""
         return self.result.found
 
     @property
     def message(self) -> str:
-        """Why it failed, was skipped, or cannot be decided."""
+        """Reason that the case failed, was skipped, or is undecided."""
         return self.result.message
 
     @property
     def tolerance(self) -> float:
-        """Tolerance in the unit of the case, NaN where nothing was measured."""
+        """Tolerance in the unit of the case. NaN without a measurement."""
         if self.measurement is None:
             return nan
         return self.case.tolerance.at(self.measurement.reference)
@@ -81,12 +81,13 @@ class Outcome:
         """Unexplained error on the wrong side over tolerance, the largest: above 1 it disagrees."""
         if self.measurement is None:
             return nan
-        own = self.case.relation.excess(self.measurement.unexplained) / self.tolerance
-        others = (
-            self.case.relation.excess(one.difference) / self.case.tolerance.at(one.reference)
-            for one in self.measurement.elsewhere
+        main_share = self.case.relation.excess(self.measurement.unexplained) / self.tolerance
+        further = (
+            self.case.relation.excess(pose_value.difference)
+            / self.case.tolerance.at(pose_value.reference)
+            for pose_value in self.measurement.elsewhere
         )
-        return max([own, *others])
+        return max([main_share, *further])
 
 
 def verdict(
@@ -94,8 +95,8 @@ def verdict(
 ) -> Literal["agree", "disagree", "undecided"]:
     """Agree if the unexplained difference keeps the relation within `tolerance` (same unit).
 
-    NaN never agrees. A numerical `uncertainty` above the tolerance leaves it undecided, unless the
-    difference is beyond the tolerance by more than that.
+    NaN never agrees. With a numerical `uncertainty` above the tolerance, the verdict is undecided,
+    unless the difference exceeds the tolerance by more than the uncertainty.
     """
     if not isfinite(unexplained):
         return "disagree"
@@ -107,66 +108,69 @@ def verdict(
 
 
 def judge(case: Case, measurement: Measurement, seconds: float) -> Outcome:
-    """The outcome of a case that was computed: the worst verdict of all places it looked at.
+    """Outcome of a computed case: the worst verdict over all places of its measurement.
 
     Raises ValueError for a relative tolerance about a reference of zero.
     """
     tolerance = case.tolerance.at(measurement.reference)
     uncertainty = measurement.numerical_uncertainty
-    said = verdict(measurement.unexplained, case.relation, tolerance, uncertainty)
+    worst = verdict(measurement.unexplained, case.relation, tolerance, uncertainty)
     message = ""
     if not (isfinite(measurement.value) and isfinite(measurement.reference)):
         message = "the computation gave no finite number"
-    elif said == "undecided" and uncertainty is not None:
+    elif worst == "undecided" and uncertainty is not None:
         message = (
             f"numerical uncertainty {uncertainty:.3g} {case.unit} exceeds the tolerance "
             f"{tolerance:.3g} {case.unit}, so nothing is decided: {measurement.decides}"
         )
-    for one in measurement.elsewhere:
-        allowed = case.tolerance.at(one.reference)
-        there = verdict(one.difference, case.relation, allowed, one.uncertainty)
-        if _GRAVITY[there] > _GRAVITY[said]:
-            said = there
+    for pose_value in measurement.elsewhere:
+        tolerance_there = case.tolerance.at(pose_value.reference)
+        verdict_there = verdict(
+            pose_value.difference, case.relation, tolerance_there, pose_value.uncertainty
+        )
+        if _SEVERITY[verdict_there] > _SEVERITY[worst]:
+            worst = verdict_there
             message = (
-                f"{there} at {one.where}: {one.value:.6g} {case.unit} against {one.reference:.6g} "
-                f"{case.unit}, tolerance {allowed:.3g} {case.unit}"
+                f"{verdict_there} at {pose_value.where}: {pose_value.value:.6g} {case.unit} "
+                f"against {pose_value.reference:.6g} {case.unit}, "
+                f"tolerance {tolerance_there:.3g} {case.unit}"
             )
-    return Outcome(case, Result(case.id, said, seconds, message, measurement))
+    return Outcome(case, Result(case.id, worst, seconds, message, measurement))
 
 
-_GRAVITY: Mapping[Verdict, int] = {"agree": 0, "undecided": 1, "disagree": 2}
+_SEVERITY: Mapping[Verdict, int] = {"agree": 0, "undecided": 1, "disagree": 2}
 
 
 def plain(result: Result[Any, Any]) -> Record:
-    """A result as plain data; numbers that JSON does not know stay."""
+    """A result as plain data. NaN and infinite numbers are kept."""
     record: Record = msgspec.to_builtins(result, enc_hook=_numpy_to_builtin)
     return record
 
 
 def from_plain(task: Task, record: Mapping[str, Any]) -> AnyResult:
-    """The result of `task`; raises msgspec.ValidationError where the record is none."""
+    """Result of `task` from its record. Raises msgspec.ValidationError for an invalid record."""
     match task:
         case Case():
             return msgspec.convert(record, Result[Verdict, Measurement])
         case PlannedFigure():
-            return msgspec.convert(record, Result[Made, Figure])
+            return msgspec.convert(record, Result[Completion, Figure])
         case Assessment():
-            return msgspec.convert(record, Result[Made, Matrix])
+            return msgspec.convert(record, Result[Completion, Matrix])
 
 
-def still_holding(task: Task, record: Mapping[str, Any]) -> AnyResult | None:
-    """What an earlier process recorded of `task`, judged again; None if it is to be done again.
+def valid_result(task: Task, record: Mapping[str, Any]) -> AnyResult | None:
+    """Result of `task` recorded by an earlier process, if it is still valid, otherwise None.
 
-    That is so for what failed, for what is no such record, and for a verdict that its numbers do
-    not bear out.
+    A failed task, an invalid record, and a verdict that differs from that of its numbers have to be
+    computed again.
     """
     try:
         result = from_plain(task, record)
         if (result.found is None) is not (result.verdict == "skipped"):
             return None
         if isinstance(task, Case) and result.found is not None:
-            again = judge(task, result.found, result.seconds)
-            return result if again.verdict == result.verdict else None
+            outcome = judge(task, result.found, result.seconds)
+            return result if outcome.verdict == result.verdict else None
     except (msgspec.ValidationError, ValueError):
         return None
     return result

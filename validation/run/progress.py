@@ -1,4 +1,4 @@
-"""Progress of a run on stderr: what runs, how many are left, elapsed and expected time."""
+"""Progress of a run on stderr: running and remaining tasks, elapsed and expected time."""
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -18,14 +18,14 @@ from validation.case import Case
 from validation.console.progress import progress_shown
 from validation.run.outcome import Record, Task
 
-# Seconds over which the pace is measured: all of the run.
-_ALL_OF_IT = 1e9
-# The share of all work from which on its own speed says when the rest is done.
-_WORTH_A_RATE = 0.1
+# Seconds over which the speed is averaged: the whole run.
+_WHOLE_RUN = 1e9
+# Share of the effort from which on the measured speed replaces the forecast.
+_RATE_SHARE = 0.1
 
 
 class RunProgress:
-    """A bar that grows by the tasks' efforts, as the expected time does, and what is running."""
+    """A bar in proportion to the effort of finished tasks, and the running tasks."""
 
     def __init__(self, tasks: Sequence[Task]) -> None:
         self._whole = Progress(
@@ -35,7 +35,7 @@ class RunProgress:
             TextColumn("elapsed, about"),
             TimeRemainingColumn(),
             TextColumn("left"),
-            speed_estimate_period=_ALL_OF_IT,
+            speed_estimate_period=_WHOLE_RUN,
         )
         self._bar = self._whole.add_task("starting", total=sum(task.effort for task in tasks))
         self._running = Progress(
@@ -44,17 +44,17 @@ class RunProgress:
         self._rows: dict[str, TaskID] = {}
         self._done, self._count, self._troubled = 0, len(tasks), 0
 
-    def line(self, left: str = "") -> str:
-        """What the bar says, in words: "12/243 done, 8 s elapsed, about 20 s left".
+    def line(self, forecast: str = "") -> str:
+        """State of the bar in words: "12/243 done, 8 s elapsed, about 20 s left".
 
-        Until a tenth is done, `left` is what the forecast says of it, if there is one.
+        Until a tenth of the effort is done, the remaining time is `forecast`, if there is one.
         """
         (bar,) = self._whole.tasks
         elapsed, total = bar.elapsed or 0.0, bar.total or 0.0
-        if bar.completed > (_WORTH_A_RATE * total if left else 0.0):
-            left = f", about {elapsed * (total / bar.completed - 1.0):.0f} s left"
+        if bar.completed > (_RATE_SHARE * total if forecast else 0.0):
+            forecast = f", about {elapsed * (total / bar.completed - 1.0):.0f} s left"
         troubled = f", {self._troubled} not in agreement" if self._troubled else ""
-        return f"{self._done}/{self._count} done{troubled}, {elapsed:.0f} s elapsed{left}"
+        return f"{self._done}/{self._count} done{troubled}, {elapsed:.0f} s elapsed{forecast}"
 
     def __rich__(self) -> Group:
         return Group(self._whole, self._running)
@@ -69,13 +69,13 @@ class RunProgress:
         self._done += 1
         self._troubled += isinstance(task, Case) and record["verdict"] in {"disagree", "failed"}
         wrong = f", [bold red]{self._troubled} not in agreement[/]" if self._troubled else ""
-        said = f"{self._done}/{self._count} done{wrong},"
-        self._whole.update(self._bar, advance=task.effort, description=said)
+        text = f"{self._done}/{self._count} done{wrong},"
+        self._whole.update(self._bar, advance=task.effort, description=text)
 
 
 @contextmanager
 def showing(tasks: Sequence[Task], seconds: float) -> Iterator[RunProgress]:
-    """The progress of the tasks on stderr while the context lasts; `seconds` as of `stage`."""
+    """Progress of the tasks on stderr during the context; `seconds` is that of `stage`."""
     progress = RunProgress(tasks)
     doing = counted(len(tasks), "comparison or figure", "comparisons, figures and verdicts")
     with progress_shown(doing, seconds, progress.line, progress):

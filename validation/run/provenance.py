@@ -1,7 +1,7 @@
-"""Where the numbers of a run come from: input, program, libraries, machine, and its last self-test.
+"""Provenance of the numbers of a run: input, program, libraries, machine, and last self-test.
 
-How that ended is one line in the user's cache. It holds for the sources, libraries and processor it
-was made with; of others nothing is known.
+The result of the self-test is one line in the user's cache. It is valid for the sources, libraries
+and processor of the test alone.
 """
 
 import json
@@ -37,7 +37,7 @@ _LIBRARIES = (
 
 
 def header(robot_file: RobotFile, preset: Preset, options: Mapping[str, str]) -> dict[str, Any]:
-    """The "run" of results.json as far as it is known at the start."""
+    """Header of results.json ("run") at the start of a run."""
     return {
         "started": datetime.now(UTC).isoformat(timespec="seconds"),
         "robot": robot_file.name,
@@ -53,15 +53,15 @@ def header(robot_file: RobotFile, preset: Preset, options: Mapping[str, str]) ->
 
 
 def versions() -> dict[str, str]:
-    """Versions of Python, of this program and of the libraries that compute; the solver's name."""
-    found = {"python": platform.python_version()}
+    """Versions of Python, of this program and of computing libraries, and the solver's name."""
+    names = {"python": platform.python_version()}
     for library in _LIBRARIES:
         try:
-            found[library] = version(library)
+            names[library] = version(library)
         except PackageNotFoundError:
             continue
-    found |= {"CalculiX": found_version} if (found_version := calculix_version()) else {}
-    return found | {"linear solver": solver_name()}
+    names |= {"CalculiX": found_version} if (found_version := calculix_version()) else {}
+    return names | {"linear solver": solver_name()}
 
 
 def machine() -> str:
@@ -81,28 +81,28 @@ def processor() -> str:
 
 
 def keep_selftest(*, passed: bool) -> None:
-    """Remember how the self-test ended; a disk that refuses is not in the way."""
+    """Store the result of the self-test. Errors of the disk are ignored."""
     path = _selftest_file()
     if path is None:
         return
-    said = f"{'passed' if passed else 'FAILED'} on {datetime.now(UTC).date().isoformat()}"
-    record = {"said": said, **_installation(versions(), source_digest())}
+    sentence = f"{'passed' if passed else 'FAILED'} on {datetime.now(UTC).date().isoformat()}"
+    record = {"said": sentence, **_installation(versions(), source_digest())}
     with suppress(OSError):
         path.parent.mkdir(parents=True, exist_ok=True)
         write_whole(path, f"{json.dumps(record)}\n".encode())
 
 
 def last_selftest(header: Mapping[str, Any]) -> str:
-    """As "passed on 2026-01-31", or "not run" where none is known of the program of a header."""
+    """Result such as "passed on 2026-01-31", or "not run" if unknown for a header's program."""
     path = _selftest_file()
     content = read_regular(path) if path else None
     try:
         record = json.loads(content or b"{}")
-        said = str(record.pop("said"))
+        sentence = str(record.pop("said"))
     except (ValueError, KeyError, AttributeError, TypeError):
         return "not run"
-    known = _installation(header["versions"], header["suite_sha256"])
-    return said if record == known else "not run"
+    installation = _installation(header["versions"], header["suite_sha256"])
+    return sentence if record == installation else "not run"
 
 
 def _selftest_file() -> Path | None:

@@ -1,4 +1,4 @@
-"""results.json: what a run writes is what later runs, comparisons and programs read."""
+"""results.json: records that a run writes, and that later runs and other programs read."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -17,9 +17,9 @@ from validation.studies_and_figures import Figure, Study, study_record
 from validation.verdicts import CauseShare, EntryRecord, Matrix
 
 _FILE = "results.json"
-# Runs of large mechanisms come to a few MB.
+# Bytes. Runs of large mechanisms have a few MB.
 _LARGEST = 200_000_000
-# An entry of a matrix as results.json has it.
+# An entry of a matrix in results.json.
 StoredEntry: TypeAlias = EntryRecord[str, CauseShare]
 # Sums, differences and squares of smaller numbers are finite.
 _LARGEST_NUMBER = 1e150
@@ -79,7 +79,7 @@ class CaseRecord(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class RunRecord(msgspec.Struct, frozen=True, kw_only=True):
-    """The whole file: `run` says what was run, `cases` what came out, in the catalogue's order."""
+    """The whole file: `run` is the header, `cases` the results in the order of the catalogue."""
 
     schema: int = 1
     run: Mapping[str, Any] = {}
@@ -102,7 +102,7 @@ def run_record(
     matrices: Sequence[Matrix],
     figures: Sequence[Figure] = (),
 ) -> RunRecord:
-    """What a run found: its cases, and what came with their outcomes."""
+    """Record of a run: its cases, matrices, statements and studies."""
     return RunRecord(
         run=header,
         cases=tuple(cases),
@@ -135,23 +135,23 @@ def case_record(outcome: Outcome) -> CaseRecord:
 
 
 def stored_entries(matrix: Matrix, part: str | UnsetType = UNSET) -> list[StoredEntry]:
-    """Entries of the matrix of the robot, or of a `part` of it, as results.json has them."""
-    whole = (
+    """Entries of results.json from the matrix of the robot, or of a `part` of it."""
+    entries = (
         replace(entry, quantity=entry.quantity.name, poses=matrix.poses, part=part)
         for entry in matrix.entries
     )
-    # JSON has no infinite numbers, and the class no fields of the run alone.
-    return [msgspec.json.decode(msgspec.json.encode(entry), type=StoredEntry) for entry in whole]
+    # Encoding replaces infinite numbers and drops fields that exist only during the run.
+    return [msgspec.json.decode(msgspec.json.encode(entry), type=StoredEntry) for entry in entries]
 
 
 def studies_of(outcomes: Sequence[Outcome]) -> list[Study]:
-    """The studies that came with the outcomes, each id once."""
+    """Studies of the outcomes, each id once."""
     measured = [outcome.measurement for outcome in outcomes if outcome.measurement]
     return list({study.id: study for m in measured for study in m.studies}.values())
 
 
 def claims_of(outcomes: Sequence[Outcome]) -> tuple[Claim, ...]:
-    """What sources say of the outcomes, one claim for each sentence."""
+    """Statements of sources in the outcomes, one claim for each sentence."""
     measured = [outcome.measurement for outcome in outcomes if outcome.measurement]
     return gathered(m.claim for m in measured if m.claim)
 
@@ -159,14 +159,14 @@ def claims_of(outcomes: Sequence[Outcome]) -> tuple[Claim, ...]:
 def load_run(path: Path) -> RunRecord:
     """The run in a run folder or a results.json.
 
-    Raises InputError where there is none or it is not understood.
+    Raises InputError if there is none or if it is invalid.
     """
     file = path / _FILE if path.is_dir() else path
     try:
         return parse_run(read_ordinary(file, "results of a run", _LARGEST), str(file))
     except FileNotFoundError as error:
-        place = f"holds no {_FILE}" if path.is_dir() else "no such run folder or file"
-        raise InputError(f"{path}: {place}") from error
+        reason = f"holds no {_FILE}" if path.is_dir() else "no such run folder or file"
+        raise InputError(f"{path}: {reason}") from error
     except OSError as error:
         raise InputError(f"{file}: cannot be read: {error.strerror}") from error
 

@@ -1,9 +1,9 @@
-"""Runs cases and figures in processes of their own and keeps each result as it arrives.
+"""Runs cases and figures in worker processes and stores each result as it arrives.
 
 The unit of work is a group: tasks that share expensive results run in one process, one after the
-other. Computing happens there only, even with one job: the numbers are then the same whatever the
-number of jobs, a crash of a library ends a case and not the run, and Ctrl-C does not have to wait
-for a factorisation. Whatever the computations print goes to the run's log, never to the terminal.
+other. All computing is in worker processes, even with one job. Numbers then do not depend on the
+number of jobs, a crash of a library ends a case and not the run, and Ctrl-C does not wait for a
+factorisation. Output of the computations goes to the run's log, never to the terminal.
 """
 
 import signal
@@ -31,8 +31,8 @@ if TYPE_CHECKING:
     # Rich, which processes that compute do without.
     from validation.run.progress import RunProgress
 
-# A function at the top of a module that lists the cases and figures for a robot file; it must be
-# quick and give the same list in every process.
+# A module-level function that lists the cases and figures for a robot file. It must be fast and
+# return the same list in every process.
 Catalogue: TypeAlias = Callable[..., Sequence[Task]]
 
 
@@ -41,30 +41,30 @@ def select(
 ) -> list[Task]:
     """Tasks of the preset whose id matches the shell-style pattern (brackets taken literally).
 
-    Those whose ids are in `always` are taken, too.
+    Tasks with ids in `always` are added.
 
-    Raises InputError where nothing matches that compares anything.
+    Raises InputError if no matching task is a comparison or an assessment.
     """
     if len({task.id for task in tasks}) < len(tasks):
         raise ValueError("two cases or figures have the same id")
     in_preset = [task for task in tasks if preset in task.presets]
     if pattern is None:
         return in_preset
-    # Ids carry parameters in brackets; as character classes they would never match themselves.
+    # Ids have parameters in brackets, which would be read as character classes.
     literal = pattern.replace("[", "[[]")
-    chosen = {task.id for task in in_preset if fnmatchcase(task.id, literal)}
-    if not chosen:
+    selected = {task.id for task in in_preset if fnmatchcase(task.id, literal)}
+    if not selected:
         elsewhere = any(fnmatchcase(task.id, literal) for task in tasks)
         ids, listed = [task.id for task in in_preset], "; 'flexproof cases' lists them"
         near = did_you_mean(pattern.strip("*?"), ids, listed, cutoff=0.5)
         hint = "; only in other presets" if elsewhere else near
         raise InputError(f'--only: no case of preset {preset} matches "{pattern}"{hint}')
-    if all(isinstance(task, PlannedFigure) for task in in_preset if task.id in chosen):
+    if all(isinstance(task, PlannedFigure) for task in in_preset if task.id in selected):
         raise InputError(
             f'--only: "{pattern}" matches figures alone, and nothing would be compared; must match '
             "a case ('flexproof cases' lists them) or adequacy"
         )
-    return [task for task in in_preset if task.id in chosen.union(always)]
+    return [task for task in in_preset if task.id in selected.union(always)]
 
 
 def run(
@@ -79,8 +79,8 @@ def run(
 ) -> None:
     """Compute the tasks, some of the catalogue's, with `jobs` processes.
 
-    `keep` gets each record as it arrives; what it raises ends the run. SIGINT, SIGTERM and SIGHUP
-    end it within a second. Raises ComputationError where workers cannot even start.
+    `keep` is called with each record as it arrives; an exception in it ends the run. SIGINT,
+    SIGTERM and SIGHUP end the run within a second. Raises ComputationError if workers cannot start.
     """
     by_id = {task.id: task for task in tasks}
     groups = [[(name, partial(_compute, name)) for name in group] for group in _groups(tasks)]
@@ -98,53 +98,53 @@ def run(
 
 
 def _failed(name: str, error: Exception) -> Record:
-    """The record of a task whose process ended."""
-    starved = isinstance(error, OutOfMemoryCrash)
-    more = f"; {OUT_OF_MEMORY}" if starved else " (log.txt may say more)"
-    return plain(Result(name, "failed", 0.0, f"{error}{more}"))
+    """Record of a task whose process ended unexpectedly."""
+    out_of_memory = isinstance(error, OutOfMemoryCrash)
+    advice = f"; {OUT_OF_MEMORY}" if out_of_memory else " (log.txt may say more)"
+    return plain(Result(name, "failed", 0.0, f"{error}{advice}"))
 
 
 def _groups(tasks: Sequence[Task]) -> list[list[str]]:
-    """Ids that belong together: first what answers whether the models suffice, then the longest.
+    """Ids in groups for one process each: assessments of the models first, then by falling effort.
 
-    What is short fills the gaps at the end.
+    Short groups at the end balance the load of the processes.
     """
     groups: dict[str, list[Task]] = {}
     for task in sorted(tasks, key=lambda task: not isinstance(task, Assessment)):
         groups.setdefault(task.group or task.id, []).append(task)
 
-    def place(group: Sequence[Task]) -> tuple[bool, float]:
+    def order(group: Sequence[Task]) -> tuple[bool, float]:
         return not isinstance(group[0], Assessment), -sum(task.effort for task in group)
 
-    return [[task.id for task in group] for group in sorted(groups.values(), key=place)]
+    return [[task.id for task in group] for group in sorted(groups.values(), key=order)]
 
 
 @contextmanager
 def _interruptible() -> Iterator[Callable[[], bool]]:
-    """SIGINT, SIGTERM and SIGHUP only raise a flag, so that no file is left half-written.
+    """Turn SIGINT, SIGTERM and SIGHUP into a flag, so that no file is left half-written.
 
-    A hang-up that is ignored, under nohup, stays ignored.
+    SIGHUP remains ignored if it is, as under nohup.
     """
     received: list[int] = []
 
-    def note(number: int, _frame: FrameType | None) -> None:
+    def record(number: int, _frame: FrameType | None) -> None:
         received.append(number)
 
-    heeded = [signal.SIGINT, signal.SIGTERM]
+    signals = [signal.SIGINT, signal.SIGTERM]
     hang_up = getattr(signal, "SIGHUP", None)
     if hang_up is not None and signal.getsignal(hang_up) is not signal.SIG_IGN:
-        heeded.append(hang_up)
-    former = {number: signal.signal(number, note) for number in heeded}
+        signals.append(hang_up)
+    handlers = {number: signal.signal(number, record) for number in signals}
     try:
         yield lambda: bool(received)
     finally:
-        for number, handler in former.items():
+        for number, handler in handlers.items():
             signal.signal(number, handler)
 
 
 @dataclass(frozen=True)
 class _Assigned:
-    """Tasks of a run by id, and their context: computed once in each process of the run."""
+    """Tasks of a run by id, and their context, set up once in each process."""
 
     tasks: Mapping[str, Task]
     context: Context
@@ -164,12 +164,14 @@ def execute(task: Task, context: Context) -> AnyResult:
     try:
         match task:
             case Case():
-                measured = task.measure(context)
-                return judge(task, measured, perf_counter() - start).result
+                measurement = task.measure(context)
+                return judge(task, measurement, perf_counter() - start).result
             case PlannedFigure():
-                drawn = task.draw(context)
-                figure = replace(drawn, computed_by=(function_name(task.draw),))
-                return Result(task.id, "made", perf_counter() - start, figure.left_out, figure)
+                figure = task.draw(context)
+                named_figure = replace(figure, computed_by=(function_name(task.draw),))
+                return Result(
+                    task.id, "made", perf_counter() - start, named_figure.left_out, named_figure
+                )
             case Assessment():
                 matrix = task.compute(context)
                 return Result(task.id, "made", perf_counter() - start, found=matrix)

@@ -1,8 +1,8 @@
-"""Digest of the code that computes: keys and runs of other sources or libraries are others.
+"""Digest of the computing code: other sources or libraries give other cache keys and runs.
 
-A digest is of names and contents of files, relative to the folder that holds the packages, so that
-a wheel and a checkout of the same sources have the same one. Times and compiled files do not count.
-It is taken once per process, at its first use.
+A digest covers names and contents of files, relative to the folder of the packages, so that a wheel
+and a checkout of the same sources have the same one. Times and compiled files do not count. It is
+computed once per process, at its first use.
 """
 
 import os
@@ -15,23 +15,23 @@ from lumped.memo import fingerprint, memo
 from lumped.solver_request import requested_library
 
 PACKAGES = ("lumped", "meshes", "fem", "validation")
-# Libraries that numbers and meshes come from.
+# Libraries on which numbers and meshes depend.
 _LIBRARIES = ("gmsh", "numpy", "nvidia-cudss-cu13", "rslab", "scikit-fem", "scipy")
 _SOURCES = (".py", ".toml", ".j2", ".css", ".js")
 
 
 def program(*places: str) -> str:
-    """Fingerprint of the sources in these folders and files, and of libraries that compute.
+    """Fingerprint of the sources in these folders and files, and of the computing libraries.
 
-    All sources if no place is named. With those of `fem` it covers the request for a linear solver.
+    Without `places` it covers all sources. With `fem` it covers the requested linear solver.
     """
-    chosen = places or PACKAGES
-    return _program(chosen, requested_library() if "fem" in chosen else "")
+    selected = places or PACKAGES
+    return _program(selected, requested_library() if "fem" in selected else "")
 
 
 @memo(8)
 def _program(places: tuple[str, ...], solver: str) -> str:
-    libraries = [_version(one) for one in _LIBRARIES]
+    libraries = [_version(library) for library in _LIBRARIES]
     return fingerprint([source_digest(places), libraries, solver])
 
 
@@ -41,21 +41,21 @@ def source_digest(places: tuple[str, ...] = PACKAGES) -> str:
     # Paths as text: those of pathlib take twice as long as reading the files.
     root = str(Path(__file__).resolve().parents[2])
     digest = sha256()
-    for place in places:
-        for path in _files(os.path.join(root, place)):  # noqa: PTH118
+    for name in places:
+        for path in _files(os.path.join(root, name)):  # noqa: PTH118
             with open(path, "rb") as file:  # noqa: PTH123
                 content = file.read()
-            name = path[len(root) :].replace(os.sep, "/")
-            digest.update(f"{name} {len(content)} ".encode())
+            file_name = path[len(root) :].replace(os.sep, "/")
+            digest.update(f"{file_name} {len(content)} ".encode())
             digest.update(content)
     return digest.hexdigest()
 
 
-def _files(place: str) -> Iterator[str]:
+def _files(path: str) -> Iterator[str]:
     """A source, or the sources in a folder, in alphabetical order."""
-    if place.endswith(_SOURCES):
-        yield place
-    for folder, folders, names in os.walk(place):
+    if path.endswith(_SOURCES):
+        yield path
+    for folder, folders, names in os.walk(path):
         folders[:] = sorted(set(folders) - {"__pycache__"})
         yield from (f"{folder}{os.sep}{name}" for name in sorted(names) if name.endswith(_SOURCES))
 

@@ -26,7 +26,7 @@ def folder(tmp_path, monkeypatch):
     return tmp_path / "cache"
 
 
-def test_arrays_outlive_the_process_and_what_does_not_hold_is_nothing(folder):
+def test_arrays_are_stored_and_invalid_files_ignored(folder):
     keep("a", ARRAYS)
     forget()
     assert_array_equal(find("a")["powers"], ARRAYS["powers"])
@@ -73,16 +73,16 @@ def test_entry_is_kept_once_its_arrays_hold():
     needed = CacheEntry("needed", lambda: {"half": 3.0}, lambda arrays: float(arrays["half"]))
     entry = CacheEntry("a", lambda: ARRAYS | {"half": needed.value()}, read_powers, (needed,))
     # Nothing is computed for the answer.
-    assert not CacheEntry("a", pytest.fail, read_powers, (needed,)).is_kept
-    assert (entry.is_kept, entry.kept) == (False, {})
+    assert not CacheEntry("a", pytest.fail, read_powers, (needed,)).is_stored
+    assert (entry.is_stored, entry.stored_arrays) == (False, {})
     assert entry.value() == 6.0
     forget()
-    assert entry.is_kept
-    assert entry.kept.keys() == {"needed", "a"}
-    assert_array_equal(entry.kept["needed"]["half"], 3.0)
+    assert entry.is_stored
+    assert entry.stored_arrays.keys() == {"needed", "a"}
+    assert_array_equal(entry.stored_arrays["needed"]["half"], 3.0)
     # Sealed arrays of another shape are none.
     keep("a", {"powers": np.zeros(0)})
-    assert not entry.is_kept
+    assert not entry.is_stored
 
 
 def test_nothing_that_is_read_is_unpickled(folder):
@@ -121,7 +121,7 @@ def test_where_nothing_can_be_kept_all_is_computed(folder, monkeypatch, tmp_path
         assert cache.cache_folder() == found / "flexproof"
 
 
-def test_there_is_a_limit_and_what_was_not_asked_for_the_longest_goes_first(folder, monkeypatch):
+def test_cache_above_limit_drops_oldest_use_first(folder, monkeypatch):
     for number, key in enumerate("abcd"):
         keep(key, {"much": np.zeros(1000)})
         os.utime(folder / f"{key}.npz", (number, number))
@@ -130,7 +130,7 @@ def test_there_is_a_limit_and_what_was_not_asked_for_the_longest_goes_first(fold
     os.utime(folder / "old.lock", (0, 0))
     forget()
     assert find("a") is not None
-    monkeypatch.setattr(cache, "_MOST", 4 * (folder / "a.npz").stat().st_size)
+    monkeypatch.setattr(cache, "_CACHE_LIMIT", 4 * (folder / "a.npz").stat().st_size)
     keep("e", {"much": np.zeros(1000)})
     assert {file.name for file in folder.iterdir()} == {"a.npz", "d.npz", "e.npz", "mine.txt"}
 
@@ -154,7 +154,7 @@ def computing(seconds):
     return subprocess.Popen(line, cwd=ROOT, stdout=subprocess.PIPE, text=True)
 
 
-def test_a_kill_leaves_what_holds_or_nothing_and_of_two_processes_one_computes(folder):
+def test_kill_leaves_valid_entries_and_one_computes(folder):
     for moment in (0.0, 0.02):
         process = computing(0.0)
         process.stdout.readline()

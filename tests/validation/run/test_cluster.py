@@ -78,7 +78,7 @@ def started(folder):
 def cluster(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch, started(tmp_path_factory.mktemp("one")) as cluster:
         # A busy machine may need a minute for what takes seconds.
-        patch.setattr(on_dask, "_ANSWER", 60.0)
+        patch.setattr(on_dask, "_ANSWER_TIMEOUT", 60.0)
         cluster.worker("first")
         yield cluster
 
@@ -90,7 +90,7 @@ def silent(_line):
 def test_varied_robots_are_the_same_on_the_cluster(command, monkeypatch):
     """Of a scheduler and a worker in threads of this process, to which all is sent as to others."""
     monkeypatch.setenv("FLEXPROOF_CACHE", "off")
-    monkeypatch.setattr(on_dask, "_ANSWER", 60.0)
+    monkeypatch.setattr(on_dask, "_ANSWER_TIMEOUT", 60.0)
     asked = ["solve", "five-bar", "--model", "beam", "--modes", "2", "--vary", "tool.mass=1:2:2"]
     here = {"processes": False, "protocol": "tcp://", "host": "127.0.0.1", "dashboard_address": ""}
     distributed = pytest.importorskip("distributed")
@@ -102,7 +102,7 @@ def test_varied_robots_are_the_same_on_the_cluster(command, monkeypatch):
 
 
 @pytest.mark.exhaustive
-def test_parts_are_reduced_by_a_worker_and_nothing_of_them_here(tmp_path, monkeypatch, cluster):
+def test_parts_are_reduced_by_workers_alone(tmp_path, monkeypatch, cluster):
     """A worker with a cache of its own, and without the file: what it reduces lies here then."""
     monkeypatch.delenv("FLEXPROOF_CACHE", raising=False)
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "here"))
@@ -139,9 +139,9 @@ def test_parts_are_reduced_by_a_worker_and_nothing_of_them_here(tmp_path, monkey
 
 
 @pytest.mark.exhaustive
-def test_a_killed_worker_loses_nothing_and_a_killed_scheduler_is_said(cluster, monkeypatch):
+def test_killed_worker_and_scheduler_lose_no_results(cluster, monkeypatch):
     """The last test on the cluster that all of them share."""
-    monkeypatch.setattr(on_dask, "_PATIENCE", 1.0)
+    monkeypatch.setattr(on_dask, "_WORKER_TIMEOUT", 1.0)
     found, said = {}, []
 
     def say(line):
@@ -182,7 +182,7 @@ def test_a_killed_worker_loses_nothing_and_a_killed_scheduler_is_said(cluster, m
         ("tcp://127.0.0.1:1", "no Dask scheduler answers there: Connection refused"),
     ],
 )
-def test_an_earlier_run_survives_a_scheduler_that_is_not_there(address, said, tmp_path, command):
+def test_earlier_run_survives_missing_scheduler(address, said, tmp_path, command):
     with open_folder(tmp_path / "run", {}, "afresh") as folder:
         folder.write({"results.json": "precious"})
         folder.complete = True
@@ -199,7 +199,7 @@ def test_an_earlier_run_survives_a_scheduler_that_is_not_there(address, said, tm
     [(b"HTTP/1.1 400", 60.0, "is not a Dask scheduler"), (b"", 0.2, "timed out")],
 )
 def test_something_else_at_the_address(greeting, answer, said, monkeypatch):
-    monkeypatch.setattr(on_dask, "_ANSWER", answer)
+    monkeypatch.setattr(on_dask, "_ANSWER_TIMEOUT", answer)
     with socket.create_server(("127.0.0.1", 0)) as server:
         if greeting:
             Thread(target=lambda: server.accept()[0].sendall(greeting), daemon=True).start()
@@ -219,7 +219,7 @@ def test_something_else_at_the_address(greeting, answer, said, monkeypatch):
     ],
 )
 def test_junk_in_the_form_of_a_greeting_is_no_scheduler(greeting, monkeypatch):
-    monkeypatch.setattr(on_dask, "_ANSWER", 2.0)
+    monkeypatch.setattr(on_dask, "_ANSWER_TIMEOUT", 2.0)
     with socket.create_server(("127.0.0.1", 0)) as server:
 
         def greet():

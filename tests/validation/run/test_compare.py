@@ -30,7 +30,7 @@ def saved(tmp_path):
     return save
 
 
-def test_verdicts_worsen_in_one_direction_and_cases_come_and_go():
+def test_changes_of_verdicts_and_cases_are_listed():
     from_good_to_bad = ("agree", "skipped", "undecided", "disagree", "failed")
     for (i, before), (j, after) in permutations(enumerate(from_good_to_bad), 2):
         comparison = compare(
@@ -80,7 +80,7 @@ def test_drift_is_what_exceeds_the_uncertainty(values, uncertainties, beyond):
     assert with_drift(after, None) == after
 
 
-def test_people_and_programs_are_told_what_changed_and_nothing_else():
+def test_text_and_json_have_exactly_the_changes():
     before = run_of(STEADY, replace(STEADY, id="worse"), replace(STEADY, id="gone"))
     moved = replace(STEADY, value=1.25, numerical_uncertainty=0.02, seconds=3.5, unit="Hz")
     after = run_of(
@@ -220,7 +220,7 @@ def test_runs_of_models_alone_are_compared_by_these(saved, command):
     assert re.search(r"vjm +x +\+2\.00 % +adequate +\+2\.00 % +inad", said)
 
 
-def test_variants_of_a_robot_differ_in_input_and_adequacy_and_do_not_drift():
+def test_variants_differ_in_input_without_drift():
     """Values side by side where both runs have the pose; numbers of two inputs are no drift."""
     tables = [{"leg1": {"section": {"t": [4, t]}, "length": 0.8}} for t in (0.004, 0.003)]
     thick = run_of(
@@ -256,7 +256,7 @@ def test_variants_of_a_robot_differ_in_input_and_adequacy_and_do_not_drift():
     assert "Adequacy" not in as_text(thick, thick, same)
 
 
-def test_values_of_two_postures_are_not_set_against_each_other():
+def test_values_of_two_postures_are_not_compared():
     at_start = replace(STEADY, pose=(0.21,))
     here, there = (replace(STEADY, value=2.0, pose=(x,)) for x in (0.21, 0.6))
     assert drift(at_start, here).beyond

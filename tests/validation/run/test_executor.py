@@ -45,7 +45,7 @@ class Unit:
         return Powers(powers, float(powers.sum()))
 
 
-def test_what_was_finished_is_kept_and_equal_units_are_computed_once(tmp_path, monkeypatch):
+def test_finished_units_are_kept_and_computed_once(tmp_path, monkeypatch):
     monkeypatch.setenv("FLEXPROOF_CACHE", str(tmp_path))
     units = [Unit(base) for base in (2.0, 3.0, 2.0, 5.0)]
 
@@ -66,7 +66,7 @@ def test_what_was_finished_is_kept_and_equal_units_are_computed_once(tmp_path, m
         assert_array_equal(found[1].powers, [1.0, 3.0, 9.0, 27.0])
 
 
-def test_units_are_computed_though_nothing_can_be_kept_of_more_than_are_remembered(monkeypatch):
+def test_units_are_computed_without_a_cache(monkeypatch):
     monkeypatch.setenv("FLEXPROOF_CACHE", "off")
     found = computed([Unit(float(base)) for base in range(200)], Powers, in_turn, "raising")
     assert [one.powers[1] for one in found] == list(range(200))
@@ -130,7 +130,7 @@ def test_a_call_that_dies_is_lost_alone(tmp_path):
     assert "ZeroDivisionError" in (tmp_path / "log").read_text()
 
 
-def test_a_unit_that_is_lost_ends_its_sweep_and_names_the_cause():
+def test_lost_unit_ends_its_sweep_with_cause():
     with on_cores(1) as executor:
         with pytest.raises(ComputationError, match="code 9; what was finished is kept: start it"):
             list(executor([partial(os._exit, 9)]))

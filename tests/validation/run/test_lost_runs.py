@@ -44,7 +44,7 @@ def undisturbed(tmp_path_factory):
 
 
 @pytest.mark.exhaustive
-def test_a_run_killed_four_times_goes_on_to_the_same_results(undisturbed, tmp_path):
+def test_run_killed_four_times_has_same_results(undisturbed, tmp_path):
     expected, duration = undisturbed
     path = tmp_path / "run"
     moments = random.Random(0)  # noqa: S311  any moments will do
@@ -86,7 +86,7 @@ def test_under_nohup_a_hang_up_changes_nothing(undisturbed, tmp_path):
     assert toys.numbers(path) == undisturbed[0]
 
 
-def test_a_hang_up_without_nohup_ends_the_run_as_ctrl_c_does(tmp_path):
+def test_hang_up_ends_run_like_ctrl_c(tmp_path):
     path = tmp_path / "run"
     # The tests themselves may run under nohup.
     before = signal.signal(signal.SIGHUP, signal.SIG_DFL)
@@ -114,7 +114,7 @@ def test_ctrl_c_on_a_terminal_ends_the_run(tmp_path):
 
 @pytest.mark.exhaustive
 @pytest.mark.skipif(os.geteuid() != 0, reason="only root can mount a small disk")
-def test_a_full_disk_ends_with_a_clear_message_and_keeps_what_was_done(tmp_path):
+def test_full_disk_has_message_and_keeps_results(tmp_path):
     disk = tmp_path / "disk"
     disk.mkdir()
     asked = ("chatty", "run", "--out", disk / "run", "--jobs", "1")

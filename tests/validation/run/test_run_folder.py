@@ -294,7 +294,7 @@ def test_a_different_run_is_not_resumed(tmp_path, whole):
         assert_refused(said, tmp_path / "run", HEADER | change, "resumed")
 
 
-def test_what_cannot_be_resumed_or_written_is_refused_and_left_alone(tmp_path, monkeypatch):
+def test_unusable_folders_are_refused_unchanged(tmp_path, monkeypatch):
     (tmp_path / "empty").mkdir()
     (tmp_path / "file").write_text("")
     finished(tmp_path / "run")
@@ -337,7 +337,7 @@ def test_what_is_exported_is_there_whole_or_not_at_all(tmp_path):
     assert not (path / "export").exists()
 
 
-def test_what_is_not_written_whole_leaves_the_old_file_and_is_cleared(tmp_path, monkeypatch):
+def test_incomplete_write_keeps_old_file(tmp_path, monkeypatch):
     path = tmp_path / "run"
     finished(path, whole=False)
     with open_folder(path, HEADER, "resumed") as folder, monkeypatch.context() as patch:

@@ -99,7 +99,7 @@ def test_workers_that_cannot_start_end_the_run(robot_file, tmp_path, monkeypatch
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_a_verdict_that_its_numbers_do_not_bear_out_is_not_kept(robot_file, tmp_path, monkeypatch):
+def test_verdict_against_its_numbers_is_recomputed(robot_file, tmp_path, monkeypatch):
     monkeypatch.setattr(runner, "run", run_here)
     request = asked(robot_file, tmp_path, only="toy.agrees")
     validate(request, toys.disagreeing)
@@ -115,7 +115,7 @@ def test_a_verdict_that_its_numbers_do_not_bear_out_is_not_kept(robot_file, tmp_
     assert again.done["toy.agrees"].found.value == 1.0 / 3.0
 
 
-def test_patterns_choose_cases_with_brackets_taken_literally(robot_file):
+def test_patterns_take_brackets_literally(robot_file):
     tasks = toys.sound(robot_file)
     for pattern, chosen in {
         "toy.first*": ["toy.first[x=1]"],
@@ -136,7 +136,7 @@ def test_messages_with_control_characters_are_still_xml():
     assert error.get("message") == "?[31mred? <&>"
 
 
-def test_a_long_run_says_how_far_it_is_and_a_short_one_nothing(monkeypatch, capsys):
+def test_long_run_reports_progress_short_run_none(monkeypatch, capsys):
     tasks = list(toys.sound(load_robot("ifw")))
     with progress.showing(tasks, 0.0) as shown:
         shown.started(tasks[0])

@@ -122,7 +122,7 @@ def test_measured_values_alone_refuse_a_model(size, code):
     assert replace(found, tasks=tasks, done=both).standing.exit_code == 1
 
 
-def test_models_without_a_verdict_are_refused_if_strict_alone():
+def test_unjudged_models_are_refused_only_if_strict():
     """The assessment was skipped: nothing is known of the model that is relied on."""
     for strict in (False, True):
         found = results([MODELS], "skipped", rely=("beam",), strict=strict)

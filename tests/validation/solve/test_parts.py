@@ -174,7 +174,7 @@ def test_a_reduction_that_lacks_a_mode_is_refused(crane, monkeypatch, by):
     arm = crane.mechanism.bodies["arm"]
     whole = reduced_parts.reduced(arm, 1000.0, 2500.0, by=by)
     entry = reduced_parts.reduced_entry(arm, 1000.0, 2500.0, by=by)
-    found = dict(entry.kept[entry.key])
+    found = dict(entry.stored_arrays[entry.key])
     rest = np.delete(np.arange(len(found["stiffness"])), 12)
     found |= {name: found[name][np.ix_(rest, rest)] for name in ("stiffness", "mass")}
     found["recovery"] = found["recovery"][:, rest]
