@@ -129,7 +129,9 @@ def test_without_gmsh_all_models_but_solids_are_solved(tmp_path):
         check=False,
     )
     assert done.returncode == 3, done.stderr
-    (line,) = done.stderr.splitlines()
+    # A slow machine gets a forecast first.
+    *_, line = done.stderr.splitlines()
+    assert "Traceback" not in done.stderr
     assert "needs gmsh, which cannot be loaded" in line
 
 

@@ -39,7 +39,7 @@ def test_crashing_optimiser_is_omitted(bar, monkeypatch):
         *_, size, netgen, _ = arguments
         tried.append((size.size, netgen))
         if netgen:
-            raise Crashed
+            raise Crashed("crashed")
         return function(*arguments)
 
     monkeypatch.setattr(volume, "within_limits", crashing)

