@@ -1,4 +1,4 @@
-"""The models of bodies and robots behind one name each, and what is kept of them.
+"""The models of bodies and robots by name, with stored results.
 
 In: a robot and the options of a model. Out: compliance, frequencies, matrices.
 """

@@ -1,4 +1,4 @@
-"""The models of one leg, each made once: of one shape, however many legs have it."""
+"""The models of one leg, each built once for all legs of the same shape."""
 
 from dataclasses import replace
 from functools import partial
@@ -39,11 +39,11 @@ from validation.models.options import DEFAULT_OPTIONS, STATIC, Ends, ModelName, 
 from validation.solids.solid_legs import held_solid
 
 Model = TypeVar("Model", bound=BodyModel)
-# Frequency searched for the next time if too few modes lie below one.
-_BEYOND = 1.3
+# Factor on the cut-off frequency if too few modes are below it.
+_CUTOFF_STEP = 1.3
 
 
-# As many as the family of longer legs takes by all models: each is a hundred kilobytes.
+# Enough for all models of the family of longer legs: each takes a hundred kilobytes.
 @memo(256)
 def leg_matrices(
     model: ModelName, leg: ConstantLeg | SteppedLeg, options: ModelOptions = DEFAULT_OPTIONS
@@ -72,7 +72,7 @@ def _piece(model: ModelName, options: ModelOptions, count: int, piece: Piece) ->
 
 
 def filled(model: Model) -> Model:
-    """The same with dense matrices: what is reduced is small and full."""
+    """The model with dense matrices, because reduced matrices are small and full."""
     parts = {kind: dense(part) for kind, part in model.parts.items()}
     return replace(model, stiffness=dense(model.stiffness), mass=dense(model.mass), parts=parts)
 
@@ -91,7 +91,7 @@ def condensed_leg(
     """A leg by `segments`, `beam` or `solid` on the twists of its ends alone, exact in statics."""
     if model == "segments" and isinstance(leg, ConstantLeg):
         return static_leg(leg_chain(leg, options))
-    return static_superelement(_held(model, leg, options)).matrices
+    return static_superelement(_held_leg(model, leg, options)).matrices
 
 
 @memo(32)
@@ -113,13 +113,13 @@ def reduced_superelement(
     highest: float,
     cutoff: float,
 ) -> CraigBampton:
-    """The same with what bounds it."""
-    return craig_bampton(_held(model, leg, options), highest, cutoff)
+    """A leg reduced as in `reduced_leg`, with the bounds on its error."""
+    return craig_bampton(_held_leg(model, leg, options), highest, cutoff)
 
 
-# The factors of two solid legs are what fits into small machines.
+# Factors of two solid legs fit into the memory of small machines.
 @memo(2)
-def _held(model: ModelName, leg: ConstantLeg | SteppedLeg, options: ModelOptions) -> HeldLeg:
+def _held_leg(model: ModelName, leg: ConstantLeg | SteppedLeg, options: ModelOptions) -> HeldLeg:
     if model == "solid" and isinstance(leg, ConstantLeg):
         return held_solid(leg, options.divisions, options.ends)
     return held_leg(leg_matrices(model, leg, options))
@@ -167,11 +167,11 @@ def leg_frequencies(
 def free_leg_frequencies(
     model: ModelName, leg: Leg, count: int, options: ModelOptions = DEFAULT_OPTIONS
 ) -> Array:
-    """First natural frequencies (Hz, ascending) of one leg that nothing holds.
+    """First natural frequencies (Hz, ascending) of one leg with free ends.
 
-    The six rigid motions are counted and left out; of solids they are counted by inertia, and so
-    are the modes. Raises InputError as `leg_frequencies` does, ComputationError if the rigid
-    motions are not six.
+    The six rigid motions are counted and omitted. For solids, rigid motions and modes are counted
+    by inertia. Raises InputError as `leg_frequencies` does, ComputationError if the rigid motions
+    are not six.
     """
     if model == "simplified" or model in STATIC:
         raise InputError(f"--modes: the {model} model of one leg has no frequencies")
@@ -180,18 +180,18 @@ def free_leg_frequencies(
         return free_frequencies(leg_matrices(model, constant, options), count)
     rooted = clamped_solid(constant, options.divisions, "free")
     body = free_body(rooted)
-    # Modes of beams show how far to search; sections that distort have more.
+    # Modes of beams give the first cut-off. Sections that distort have more modes.
     beams = free_frequencies(leg_matrices("beam", constant, DEFAULT_OPTIONS), count)
-    cutoff = _BEYOND * float(beams[-1])
-    while len(found := counted_modes(body, cutoff).frequencies) < count:
-        cutoff *= _BEYOND
-    rigid = rooted.free_inertia((np.pi * found[0]) ** 2).negative
+    cutoff = _CUTOFF_STEP * float(beams[-1])
+    while len(frequencies := counted_modes(body, cutoff).frequencies) < count:
+        cutoff *= _CUTOFF_STEP
+    rigid = rooted.free_inertia((np.pi * frequencies[0]) ** 2).negative
     if rigid != RIGID_MOTIONS:
         raise ComputationError(
             f"{rigid} motions without deformation were counted; a free body has {RIGID_MOTIONS}",
             part=body.state,
         )
-    return found[:count]
+    return frequencies[:count]
 
 
 def constant_leg_of(context: Context, body: str) -> ConstantLeg:

@@ -1,4 +1,4 @@
-"""What the models are called, and their options."""
+"""Names of the models, and their options."""
 
 from dataclasses import dataclass
 from typing import Literal, TypeAlias

@@ -1,4 +1,4 @@
-"""What `flexproof check` says of a robot's CAD parts: what was read, and where faces are."""
+"""Text of `flexproof check` on the CAD parts of a robot: size, faces and their positions."""
 
 import numpy as np
 
@@ -12,9 +12,9 @@ from validation.models.reduced_parts import found_in
 
 
 def parts_text(mechanism: Mechanism) -> str:
-    """Lines on every part: its size and, of every interface, faces and how far they are off.
+    """Lines on every part: its size, and for each interface its faces and their distance.
 
-    Empty where no body is a part. Raises InputError with the faults of all parts.
+    Empty if no body is a part. Raises InputError with the faults of all parts.
     """
     texts, faults = collect_faults(_part_text, mechanism.parts.values())
     if faults:
@@ -25,32 +25,32 @@ def parts_text(mechanism: Mechanism) -> str:
 def _part_text(body: Body) -> str:
     file, interfaces = found_in(body)
     lines = [f"{body.name}: {file.path.name}, {file.size}"]
-    return "\n".join(lines + [f"  {_interface(file, one)}" for one in interfaces])
+    return "\n".join(lines + [f"  {_interface_text(file, interface)}" for interface in interfaces])
 
 
-def _interface(file: PartFile, interface: Interface) -> str:
+def _interface_text(file: PartFile, interface: Interface) -> str:
     faces = [file.face(number) for number in interface.faces]
     kinds = " and ".join(dict.fromkeys(face.kind for face in faces))
     numbers = ", ".join(str(face.number) for face in faces)
-    said = f"{interface.name}: face{'s' if len(faces) > 1 else ''} {numbers} ({kinds}"
-    said += f" of radius {faces[0].radius * 1e3:.4g} mm)" if interface.axis is not None else ")"
-    how = interface.coupling + ("" if interface.reason == "as asked for" else " by default")
-    return f"{said}, {_off(file, interface)}, {how}"
+    text = f"{interface.name}: face{'s' if len(faces) > 1 else ''} {numbers} ({kinds}"
+    text += f" of radius {faces[0].radius * 1e3:.4g} mm)" if interface.axis is not None else ")"
+    condition = interface.coupling + ("" if interface.reason == "as asked for" else " by default")
+    return f"{text}, {_offset_text(file, interface)}, {condition}"
 
 
-def _off(file: PartFile, interface: Interface) -> str:
-    """How far the faces are from the joint's point, across their axis where they have one."""
+def _offset_text(file: PartFile, interface: Interface) -> str:
+    """Distance of faces from the joint's point, perpendicular to their axis if they have one."""
     if interface.axis is not None and interface.on_axis is not None:
-        away = interface.point - interface.on_axis
-        across = away - interface.axis * (interface.axis @ away)
-        return f"its axis {_millimetres(across)} from the point"
+        offset = interface.point - interface.on_axis
+        radial_offset = offset - interface.axis * (interface.axis @ offset)
+        return f"its axis {_millimetres(radial_offset)} from the point"
     areas = np.array([file.face(number).area for number in interface.faces])
     centres = np.array([file.face(number).centre for number in interface.faces])
-    away = areas @ centres / areas.sum() - interface.point
-    return f"its centre {_millimetres(away)} from the point"
+    offset = areas @ centres / areas.sum() - interface.point
+    return f"its centre {_millimetres(offset)} from the point"
 
 
 def _millimetres(arm: Array) -> str:
     distance = 1e3 * float(np.linalg.norm(arm))
-    # Rounding of a file's digits is no distance.
+    # Round-off of the digits of a file counts as zero.
     return f"{distance if distance > 1e-6 else 0.0:.3g} mm"

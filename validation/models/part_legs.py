@@ -1,7 +1,7 @@
-"""Parts of two interfaces as legs: what lumped and beam models put in their place.
+"""Parts of two interfaces as legs in lumped and beam models.
 
-A leg's x axis runs from the first interface's point to the second's, its z axis as nearly as it can
-along the z axis of the file.
+The x axis of a leg is from the point of the first interface to that of the second. Its z axis is as
+near to the z axis of the file as possible.
 """
 
 from collections.abc import Callable, Sequence
@@ -29,31 +29,31 @@ from validation.models.stepped_parts import stepped
 def given_leg(body: Body) -> GivenLeg:
     """A part by its identified 6×6 and its mass, leg axes."""
     start, end = (frame.position for frame in body.interfaces.values())
-    found = identified(body)
-    compliance = turn_matrix(found.compliance, leg_axes(body).rotation.T)
-    return GivenLeg(float(np.linalg.norm(end - start)), found.total, compliance)
+    part = identified(body)
+    compliance = turn_matrix(part.compliance, leg_axes(body).rotation.T)
+    return GivenLeg(float(np.linalg.norm(end - start)), part.total, compliance)
 
 
 def require_legs(mechanism: Mechanism) -> None:
     """Raise InputError for parts that are no legs: those of one interface, or of three and more."""
-    others = [
+    faults = [
         f"bodies.{name}: a part of {counted(len(body.interfaces), 'interface')} cannot be a link "
         "of a serial chain; use links"
         for name, body in mechanism.parts.items()
         if not is_leg(body)
     ]
-    if others:
-        raise InputError(others)
+    if faults:
+        raise InputError(faults)
 
 
 def part_springs(mechanism: Mechanism, options: ModelOptions) -> dict[str, Array]:
-    """Compliance (6×6, SI, body axes) of every part that is a leg, as `options.legs` asks."""
+    """Compliance (6×6, SI, body axes) of every part that is a leg, according to `options.legs`."""
     springs = {}
     for name, body in mechanism.parts.items():
         if is_leg(body) and options.legs == "equivalent":
             leg = equivalent_leg(given_leg(body), options.equivalent)
-            own = tip_compliance(leg.properties(options.theory), leg.length)
-            springs[name] = turn_matrix(own, leg_axes(body).rotation)
+            leg_compliance = tip_compliance(leg.properties(options.theory), leg.length)
+            springs[name] = turn_matrix(leg_compliance, leg_axes(body).rotation)
         elif is_leg(body):
             springs[name] = identified(body).compliance
     return springs
@@ -64,7 +64,7 @@ def part_models(
     options: ModelOptions,
     build: Callable[[ConstantLeg | SteppedLeg, ModelOptions], LegMatrices],
 ) -> dict[str, BodyModel]:
-    """Every part as `options.parts` asks: legs in its place by `build`, or condensed.
+    """Model of every part according to `options.parts`: a leg by `build`, or condensed.
 
     Parts of one interface, or of three and more, are condensed in any case.
     """
@@ -85,35 +85,38 @@ def part_models(
 def placed_leg(leg: LegMatrices, frame: Frame, interfaces: Sequence[str]) -> BodyModel:
     """The leg as the model of a body with two `interfaces`, the first at the leg's root.
 
-    `frame`: the leg's axes in those of the body. Of the unknowns only the ends' twists turn. What
-    lies before the root or behind the tip moves with the section there.
+    `frame` has the leg axes in body axes. Only the twists of the ends are rotated among the
+    unknowns. Points before the root or behind the tip move with the section there.
     """
-    back = turn(frame.rotation).T
+    to_leg = turn(frame.rotation).T
     size = leg.size - 6 * len(ENDS)
-    turned: Array | SparseMatrix
+    rotation: Array | SparseMatrix
     if issparse(leg.stiffness):
-        turned = csr_array(sparse_block_diag([back, back, eye_array(size)], format="csr"))
+        rotation = csr_array(sparse_block_diag([to_leg, to_leg, eye_array(size)], format="csr"))
     else:
-        turned = block_diag(back, back, np.eye(size))
+        rotation = block_diag(to_leg, to_leg, np.eye(size))
 
     def displacements(points: Array) -> SparseMatrix:
-        own = (points - frame.position) @ frame.rotation
-        stations = np.clip(own[:, 0], 0.0, leg.length)
-        arms = own - np.outer(stations, [1.0, 0.0, 0.0])
-        carried = [np.hstack([frame.rotation, _carried(frame.rotation, arm)]) for arm in arms]
-        twists = leg.centreline(stations) @ csr_array(turned)
-        return csr_array(sparse_block_diag(carried, format="csr") @ twists)
+        local = (points - frame.position) @ frame.rotation
+        stations = np.clip(local[:, 0], 0.0, leg.length)
+        arms = local - np.outer(stations, [1.0, 0.0, 0.0])
+        transfers = [
+            np.hstack([frame.rotation, _rotation_to_displacement(frame.rotation, arm)])
+            for arm in arms
+        ]
+        twists = leg.centreline(stations) @ csr_array(rotation)
+        return csr_array(sparse_block_diag(transfers, format="csr") @ twists)
 
     return BodyModel(
         leg.model,
         tuple(interfaces),
-        turned.T @ leg.stiffness @ turned,
-        turned.T @ leg.mass @ turned,
+        rotation.T @ leg.stiffness @ rotation,
+        rotation.T @ leg.mass @ rotation,
         displacements,
-        {kind: turned.T @ part @ turned for kind, part in leg.parts.items()},
+        {kind: rotation.T @ part @ rotation for kind, part in leg.parts.items()},
     )
 
 
-def _carried(rotation: Array, arm: Array) -> Array:
+def _rotation_to_displacement(rotation: Array, arm: Array) -> Array:
     """φ ↦ R (φ × r) for rotations in leg axes."""
     return np.asarray(rotation @ np.cross(np.eye(3), arm).T)

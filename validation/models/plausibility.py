@@ -12,23 +12,23 @@ from lumped.mechanism.joint import Joint
 from lumped.mechanism.mechanism import GROUND, Mechanism
 from validation.models.reduced_parts import found_in
 
-# Length (m), mass (kg) and mass per length (kg/m) above which a leg is no machine's: a solid steel
-# bar of 1.1 m × 1.1 m has 1e4 kg/m, the box boom of a large crane 3e3. In millimetres taken for
-# metres 2.5 mm² of steel have 2e4 kg/m.
+# Length (m), mass (kg) and mass per length (kg/m) above which a leg is implausible: a solid steel
+# bar of 1.1 m × 1.1 m has 1e4 kg/m, the box boom of a large crane 3e3. If millimetres are read as
+# metres, 2.5 mm² of steel have 2e4 kg/m.
 _LONG, _HEAVY, _HEAVY_PER_LENGTH = 5.0, 1e4, 1e4
 # Span (m) of a body whose mass is given, and mass per length (kg/m) below which it is none: of a
 # carbon tube of that length 0.3 kg/m.
 _WIDE, _LIGHT_PER_LENGTH = 10.0, 0.02
-# Gravity (m/s²) above which it is hardly meant so: five times the earth's.
+# Gravity (m/s²) above which a wrong unit is likely: five times the earth's.
 _LARGEST_GRAVITY = 50.0
 # Cosine of the angle between a bore and the axis of its joint: 30°.
 _ALONG = float(np.cos(np.pi / 6.0))
-# Share of the distance of a slide's points that rounding may leave between its bodies.
+# Largest gap of the bodies of a slide due to round-off, relative to the distance of its points.
 _TOUCHING = 1e-6
 
 
 def robot_findings(mechanism: Mechanism) -> tuple[Finding, ...]:
-    """All doubts about a mechanism. Opens its parts: raises InputError as `found_in` does."""
+    """All doubts about a mechanism. Raises InputError as `found_in` does for unreadable parts."""
     checks = (_size_and_mass, _gravity, _bores, _slides)
     return tuple(finding for check in checks for finding in check(mechanism))
 
@@ -85,19 +85,19 @@ def _gravity(mechanism: Mechanism) -> Iterator[Finding]:
 def _bores(mechanism: Mechanism) -> Iterator[Finding]:
     """The bore or boss by which a part turns lies along the axis of its joint."""
     interfaces = {
-        (body.name, one.name): one
+        (body.name, interface.name): interface
         for body in mechanism.parts.values()
-        for one in found_in(body)[1]
-        if one.axis is not None
+        for interface in found_in(body)[1]
+        if interface.axis is not None
     }
     for joint in mechanism.joints:
         if joint.kind not in ("revolute", "cylindrical"):
             continue
         for side in (joint.first, joint.second):
-            held = interfaces.get((side.body, side.point))
-            if held is None or held.axis is None:
+            bore = interfaces.get((side.body, side.point))
+            if bore is None or bore.axis is None:
                 continue
-            axis = mechanism.reference[side.body].rotation @ held.axis
+            axis = mechanism.reference[side.body].rotation @ bore.axis
             cosine = min(abs(float(axis @ joint.axes[0])), 1.0)
             if cosine < _ALONG:
                 angle = float(np.degrees(np.arccos(cosine)))
@@ -126,10 +126,10 @@ def _slides(mechanism: Mechanism) -> Iterator[Finding]:
         sides = [joint.first, joint.second]
         if GROUND in {side.body for side in sides}:
             continue
-        spans = [_along(mechanism, joint, side.body) for side in sides]
+        spans = [_span_along(mechanism, joint, side.body) for side in sides]
         (_, low_end), (high_start, _) = sorted(spans)
-        gap, apart = high_start - low_end, _apart(mechanism, joint)
-        if gap > _TOUCHING * apart:
+        gap, distance = high_start - low_end, _distance(mechanism, joint)
+        if gap > _TOUCHING * distance:
             yield Finding(
                 f"joints.{joint.name}.at",
                 "gap of a slide",
@@ -142,17 +142,17 @@ def _slides(mechanism: Mechanism) -> Iterator[Finding]:
             )
 
 
-def _along(mechanism: Mechanism, joint: Joint, name: str) -> tuple[float, float]:
+def _span_along(mechanism: Mechanism, joint: Joint, name: str) -> tuple[float, float]:
     """First and last coordinate (m) of a body's interfaces along the axis of a joint."""
     frame = mechanism.reference[name]
-    places = [
-        float(joint.axes[0] @ (frame @ one).position)
-        for one in mechanism.bodies[name].interfaces.values()
+    coordinates = [
+        float(joint.axes[0] @ (frame @ interface).position)
+        for interface in mechanism.bodies[name].interfaces.values()
     ]
-    return min(places), max(places)
+    return min(coordinates), max(coordinates)
 
 
-def _apart(mechanism: Mechanism, joint: Joint) -> float:
+def _distance(mechanism: Mechanism, joint: Joint) -> float:
     first, second = (
         (mechanism.reference[side.body] @ mechanism.bodies[side.body].interfaces[side.point])
         for side in (joint.first, joint.second)

@@ -1,6 +1,7 @@
-"""Bodies that are CAD parts as solids: condensed on their interfaces, or with modes of their own.
+"""CAD parts as solids: condensed on their interfaces, or reduced with modes.
 
-Meshed, factorised and reduced once, kept on the disk and in memory (validation.run.cache).
+They are meshed, factorised and reduced once, and stored on disk and in memory
+(validation.run.cache).
 """
 
 from collections.abc import Callable, Mapping
@@ -35,13 +36,14 @@ from validation.parts.meshes import COARSE, FINEST, mesh_entries, part_file, par
 from validation.run.cache import Arrays, CacheEntry, require_shape
 
 # Unknowns of the finest of the three meshes on which a robot's part is identified and reduced, if
-# no others are wanted.
+# the robot file has no other number.
 UNKNOWNS = 60_000
 _MODES = 6
-# Nodes that a displacement between them is taken from; nearer than this share of the part a point
-# is a node.
+# Number of nodes from which a displacement between nodes is interpolated. A point nearer to a node
+# than this share of the part's size is at the node.
 _NEIGHBOURS, _AT_NODE = 16, 1e-9
-# Eigenvalues of a reduction are those of its modes to rounding: what is farther off is no such one.
+# Largest relative difference, due to round-off, between an eigenvalue of a reduction and that of
+# its mode.
 _SAME_MODE = 1e-6
 
 Hold: TypeAlias = Literal["rigid", "average"]
@@ -51,9 +53,9 @@ Hold: TypeAlias = Literal["rigid", "average"]
 class ReducedPart(BodyModel):
     """A part reduced for frequencies up to `highest` (Hz), by Craig and Bampton.
 
-    With its interfaces held `counted` modes lie below `cutoff` (Hz), by inertia, and all are kept;
-    `truncated` W (6m×6m) is what bounds the error (fem.reduction.craig_bampton). By MacNeal and
-    Rubin cut-off and count are those of the free part's elastic modes, and `free` is its bound.
+    With fixed interfaces, `counted` modes are below `cutoff` (Hz), by inertia, and all are kept.
+    `truncated` W (6m×6m) bounds the error (fem.reduction.craig_bampton). By MacNeal and Rubin,
+    cut-off and count are those of the elastic modes of the free part, and `free` is the bound.
     """
 
     highest: float = field(kw_only=True)
@@ -64,16 +66,19 @@ class ReducedPart(BodyModel):
 
     @property
     def kept(self) -> int:
-        """How many modes below the cut-off, held or free, its matrices have."""
+        """Number of modes below the cut-off, with fixed or free interfaces, in its matrices."""
         if self.free is None:
             return _below(np.diag(self.stiffness)[len(self.truncated) :], self.cutoff)
-        squared = eigh(dense(self.stiffness), dense(self.mass), eigvals_only=True)[6:]
-        known = self.free.squared[6 : -len(self.truncated)]
-        found = squared[: len(known)]
-        return _below(found[np.abs(found / known - 1.0) < _SAME_MODE], self.cutoff)
+        all_squares = eigh(dense(self.stiffness), dense(self.mass), eigvals_only=True)[6:]
+        expected = self.free.squared[6 : -len(self.truncated)]
+        squares = all_squares[: len(expected)]
+        return _below(squares[np.abs(squares / expected - 1.0) < _SAME_MODE], self.cutoff)
 
     def loosened(self, squared: float) -> tuple[Array, Array]:
-        """As `fem.reduction.craig_bampton.Truncated` wants it."""
+        """Changes of stiffness and mass that bound the error, for `Truncated`.
+
+        See `fem.reduction.craig_bampton.Truncated`.
+        """
         if self.free is None:
             return heavier_at_interfaces(self.truncated, self.cutoff, self.size, squared)
         stiffness, mass = self.free.loosened(squared)
@@ -90,28 +95,28 @@ def _read(path: Path, unit: str | None, _written: tuple[int, int] | None) -> Par
 
 
 def _written(path: Path) -> tuple[int, int] | None:
-    """Size and time of a file: one that was written again in the meantime is read again."""
+    """Size and time of a file, so that a changed file is read again. None if it cannot be read."""
     try:
-        found = path.stat()
+        status = path.stat()
     except (OSError, ValueError):
         return None
-    return found.st_size, found.st_mtime_ns
+    return status.st_size, status.st_mtime_ns
 
 
 def shape_of(body: Body) -> Part:
-    """The part that a body is; raises InputError for a body that is none."""
+    """Part of a body. Raises InputError for a body that is not a part."""
     if not isinstance(body.shape, Part):
         raise InputError(f"bodies.{body.name}: is not a part from a file")
     return body.shape
 
 
 def is_held_as_said(body: Body) -> bool:
-    """Whether the robot file says of every interface how its faces are held."""
+    """True if the robot file specifies the end condition of every interface."""
     return all(interface.coupling for interface in shape_of(body).interfaces.values())
 
 
 def is_leg(body: Body) -> bool:
-    """Whether a part is a leg: between two interfaces."""
+    """True if a part is a leg, that is, if it has two interfaces."""
     return len(body.interfaces) == 2
 
 
@@ -124,7 +129,7 @@ def leg_axes(body: Body) -> Frame:
 def found_in(body: Body) -> tuple[PartFile, tuple[Interface, ...]]:
     """The file of a part and its interfaces at the points of the robot.
 
-    Raises InputError where the file cannot be read or has no faces where the joints are.
+    Raises InputError if the file cannot be read or has no faces at the joints.
     """
     shape = shape_of(body)
     try:
@@ -141,7 +146,7 @@ def unknowns_of(body: Body) -> int:
 
 
 def with_unknowns(mechanism: Mechanism, unknowns: Mapping[str, int]) -> Mechanism:
-    """The mechanism with so many unknowns in the finest meshes of these parts."""
+    """The mechanism with the given numbers of `unknowns` in the finest meshes of parts by name."""
     parts = mechanism.parts
     finer = {
         name: replace(parts[name], shape=replace(shape_of(parts[name]), unknowns=count))
@@ -151,10 +156,10 @@ def with_unknowns(mechanism: Mechanism, unknowns: Mapping[str, int]) -> Mechanis
 
 
 def with_finer_parts(mechanism: Mechanism, factor: float) -> Mechanism:
-    """The mechanism with meshes of its parts that leave so many times less open.
+    """The mechanism with meshes whose half-widths are smaller by `factor`.
 
-    Raises InputError where one is a mesh, which has no finer one, and ComputationError where there
-    is not memory enough.
+    Raises InputError if a part is a mesh, which has no finer one, and ComputationError if there is
+    not enough memory.
     """
     finer = {}
     for name, body in mechanism.parts.items():
@@ -188,10 +193,10 @@ def coarsest_mesh(body: Body) -> PartMesh:
 
 
 def condensed(body: Body) -> BodyModel:
-    """The part by the twists of its interfaces alone: exact in statics, mass by Guyan (1965)."""
-    found = identified(body)
-    moved = interpolated(found.places, found.shapes)
-    return BodyModel("condensed", tuple(body.interfaces), found.stiffness, found.mass, moved)
+    """The part on the twists of its interfaces: exact in statics, with mass by Guyan (1965)."""
+    part = identified(body)
+    displacements = interpolated(part.places, part.shapes)
+    return BodyModel("condensed", tuple(body.interfaces), part.stiffness, part.mass, displacements)
 
 
 def reduced(
@@ -204,8 +209,8 @@ def reduced(
 ) -> ReducedPart:
     """One of the part's meshes, reduced for frequencies up to `highest` (Hz).
 
-    `hold`: how interfaces are held of which the robot file does not say it; `by` its modes with
-    interfaces fixed or free. Raises ComputationError where it has not the modes that were counted.
+    `hold` is the end condition of interfaces without one in the robot file. `by` are modes with
+    fixed or free interfaces. Raises ComputationError if the reduction lacks a counted mode.
     """
     part = reduced_entry(body, highest, cutoff, level, hold, by).value()
     if part.kept != part.counted:
@@ -225,78 +230,82 @@ def reduced_entry(
     by: ReductionBy = "fixed",
 ) -> CacheEntry[ReducedPart]:
     """Cache entry of what `reduced` returns."""
-    file, known = found_in(body)
+    file, found_interfaces = found_in(body)
     shape, unknowns = shape_of(body), unknowns_of(body)
     if file.mesh is not None:
-        # A mesh is on one level alone: it is not reduced anew for the others.
+        # A part that is a mesh has only one level.
         level = FINEST
     interfaces = tuple(
-        one if shape.interfaces[one.name].coupling else replace(one, coupling=hold) for one in known
+        interface
+        if shape.interfaces[interface.name].coupling
+        else replace(interface, coupling=hold)
+        for interface in found_interfaces
     )
 
     def compute() -> dict[str, Any]:
-        mesh = part_mesh(file, known, unknowns, level)
+        mesh = part_mesh(file, found_interfaces, unknowns, level)
         meshed = meshed_part(mesh, shape.material)
         rooted = held_part(meshed, grips_of(mesh, interfaces), body.name)
-        dropped: dict[str, Array] = {}
-        found: Reduction
+        truncation_arrays: dict[str, Array] = {}
+        reduction_result: Reduction
         if by == "free":
-            found, truncation = free_interface(rooted, highest, cutoff)
-            dropped = {"squared": truncation.squared, "shares": truncation.shares}
+            reduction_result, truncation = free_interface(rooted, highest, cutoff)
+            truncation_arrays = {"squared": truncation.squared, "shares": truncation.shares}
         else:
-            found = reduction(held_body(rooted), highest, cutoff)
-        return dropped | {
-            "stiffness": found.stiffness,
-            "mass": found.mass,
+            reduction_result = reduction(held_body(rooted), highest, cutoff)
+        return truncation_arrays | {
+            "stiffness": reduction_result.stiffness,
+            "mass": reduction_result.mass,
             "nodes": mesh.nodes,
-            "recovery": rooted.solid.transformation @ found.recovery,
-            "cutoff": found.cutoff,
-            "counted": found.counted,
-            "truncated": found.truncated,
+            "recovery": rooted.solid.transformation @ reduction_result.recovery,
+            "cutoff": reduction_result.cutoff,
+            "counted": reduction_result.counted,
+            "truncated": reduction_result.truncated,
         }
 
     key = part_key(
         file, interfaces, shape.material, "reduced", unknowns, level, highest, cutoff, by
     )
 
-    def read(found: Arrays) -> ReducedPart:
-        n = len(found["stiffness"])
+    def read(arrays: Arrays) -> ReducedPart:
+        n = len(arrays["stiffness"])
         square = {"stiffness": (n, n), "mass": (n, n)}
-        require_shape(found, **square, nodes=(None, 3), recovery=(3 * len(found["nodes"]), n))
-        cutoff, truncated = float(found["cutoff"]), found["truncated"]
+        require_shape(arrays, **square, nodes=(None, 3), recovery=(3 * len(arrays["nodes"]), n))
+        cutoff, truncated = float(arrays["cutoff"]), arrays["truncated"]
         free = None
         if by == "free":
-            free = FreeTruncation(cutoff, found["squared"], found["shares"], truncated)
+            free = FreeTruncation(cutoff, arrays["squared"], arrays["shares"], truncated)
         return ReducedPart(
             "solid, reduced",
             tuple(body.interfaces),
-            found["stiffness"],
-            found["mass"],
-            interpolated(found["nodes"], found["recovery"]),
+            arrays["stiffness"],
+            arrays["mass"],
+            interpolated(arrays["nodes"], arrays["recovery"]),
             highest=highest,
             cutoff=cutoff,
-            counted=int(found["counted"]),
+            counted=int(arrays["counted"]),
             truncated=truncated,
             free=free,
         )
 
-    return CacheEntry(key, compute, read, mesh_entries(file, known, unknowns, [level]))
+    return CacheEntry(key, compute, read, mesh_entries(file, found_interfaces, unknowns, [level]))
 
 
 def interpolated(nodes: Array, recovery: Array) -> Callable[[Array], SparseMatrix]:
     """Displacements at any points, from the recovery (3N×n) of those at `nodes` (N×3).
 
-    At a node its own, elsewhere the mean of the nearest whose weights give linear fields exactly.
+    At a node it is the node's displacement. Elsewhere it is a mean of the nearest nodes, with
+    weights that reproduce linear fields exactly.
     """
     fields = recovery.reshape(len(nodes), -1)
     size = float(np.ptp(nodes, axis=0).max())
 
     def displacements(points: Array) -> SparseMatrix:
         count = min(_NEIGHBOURS, len(nodes))
-        away, nearest = scipy.spatial.cKDTree(nodes).query(points, k=np.arange(1, count + 1))
+        distances, nearest = scipy.spatial.cKDTree(nodes).query(points, k=np.arange(1, count + 1))
         weights = np.eye(1, count).repeat(len(points), axis=0)
-        between = away[:, 0] > _AT_NODE * size
-        arms = (nodes[nearest] - points[:, None])[between] / away[between, -1][:, None, None]
+        between = distances[:, 0] > _AT_NODE * size
+        arms = (nodes[nearest] - points[:, None])[between] / distances[between, -1][:, None, None]
         linear = np.concatenate([np.ones((*arms.shape[:2], 1)), arms], axis=2)
         # Least Σ w²|arm|² with Σ w = 1 and Σ w·arm = 0.
         scaled = linear / np.linalg.norm(arms, axis=2, keepdims=True)

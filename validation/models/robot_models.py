@@ -1,7 +1,7 @@
-"""Every model of any mechanism: models of its bodies, and what they say in a posture.
+"""Every model of any mechanism: models of its bodies, and its compliance and modes in postures.
 
-Bodies are modelled once, however many are alike and however many postures follow. Static models
-are condensed to their interfaces, which is exact; dynamic ones are reduced with modes.
+Equal bodies are modelled once for all postures. Static models are condensed to their interfaces,
+which is exact. Dynamic models are reduced with modes.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -49,14 +49,14 @@ from validation.models.options import DEFAULT_OPTIONS, STATIC, ModelName, ModelO
 from validation.models.part_legs import part_models, part_springs, require_legs
 
 T = TypeVar("T")
-# Bodies whose lengths differ by what twelve typed digits leave are one body.
+# Relative difference of lengths, due to twelve typed digits, up to which bodies are one body.
 _ALIKE = 1e-9
 # Frequencies that are compared one by one.
 JUDGED_MODES = 4
 # Beams and segments are cheap to reduce well: the error at the highest frequency falls with the
 # seventh power of the cut-off, 1e-5 at 2.5 times and below 1e-6 at four.
 CUTOFF = {"segments": 4.0, "beam": 4.0, "solid": CUTOFF_FACTOR}
-# Unknowns in all that are solved as fast as they would be reduced.
+# Total number of unknowns up to which a solution is as fast as a reduction.
 FEW = 600
 # Frequencies of few elements lie above the true ones (Rayleigh), those of solids by little more.
 _ESTIMATE = ModelOptions(elements=2)
@@ -64,10 +64,10 @@ _ESTIMATE = ModelOptions(elements=2)
 
 @dataclass(frozen=True, eq=False)
 class PostureAnswer:
-    """What a model says of a mechanism in one posture.
+    """Results of a model for a mechanism in one posture.
 
-    `compliance` (6×6, SI, base axes) at the loaded point, `frequencies` (Hz, ascending), `idle`
-    the number of mobilities that do not move the tool, whose zero frequencies are left out.
+    `compliance` (6×6, SI, base axes) is at the loaded point. `frequencies` (Hz) are ascending,
+    without the zero frequencies of the `idle` mobilities, which do not move the tool.
     """
 
     posture: Posture
@@ -86,35 +86,44 @@ def answers(
 
     `simplified` has as many frequencies as its rigid bodies and its tool have, at most `count`.
     Raises InputError for frequencies of a static model and for a leg that is no serial chain
-    (vjm), ComputationError where the tool is free to move.
+    (vjm), ComputationError if the tool is free to move.
     """
     if not postures:
         return []
     mechanism = postures[0].mechanism
     if count:
-        _require_mass(model)
+        _require_dynamic_model(model)
     if model == "vjm":
         springs = springs_of(mechanism, options)
         return [
-            PostureAnswer(at, serial_chains.compliance(at, springs), np.zeros(0), mobility(at).idle)
-            for at in postures
+            PostureAnswer(
+                printed_mechanism,
+                serial_chains.compliance(printed_mechanism, springs),
+                np.zeros(0),
+                mobility(printed_mechanism).idle,
+            )
+            for printed_mechanism in postures
         ]
     if model == "simplified":
         if not count:
             return _swept(assembly(on_drives_alone(mechanism), {}), postures, 0)
         return [
-            PostureAnswer(one.posture, one.compliance, one.modes.frequencies, one.idle)
-            for one in modes_on_drives(postures, count)
+            PostureAnswer(result.posture, result.compliance, result.modes.frequencies, result.idle)
+            for result in modes_on_drives(postures, count)
         ]
     postures = released(postures, options)
-    at = postures[0].mechanism
+    printed_mechanism = postures[0].mechanism
     if not count:
-        return _swept(assembly(at, static_bodies(model, mechanism, options)), postures, 0)
+        return _swept(
+            assembly(printed_mechanism, static_bodies(model, mechanism, options)), postures, 0
+        )
     return with_enough_modes(
         lambda highest: _swept(
-            assembly(at, dynamic_bodies(model, mechanism, highest, options)), postures, count
+            assembly(printed_mechanism, dynamic_bodies(model, mechanism, highest, options)),
+            postures,
+            count,
         ),
-        lambda found: np.array([one.frequencies for one in found]),
+        lambda results: np.array([result.frequencies for result in results]),
         postures,
         count,
         options,
@@ -141,25 +150,26 @@ class PostureModes:
 
     @cached_property
     def compliance(self) -> Array:
-        """6×6 (SI, base axes) at the loaded point; raises as `lumped.system.solution` does."""
+        """6×6 (SI, base axes) at the loaded point. Raises as `lumped.system.solution` does."""
         return compliance(self.solution)
 
     @cached_property
     def strain(self) -> Mapping[Portion, Array]:
         """Share of each mode's strain energy in every drive, body and elastic part of a joint.
 
-        Of a body by kind of deformation where its model knows it; those of a mode sum to 1.
+        Shares of a body are by kind of deformation if its model has kinds. Shares of a mode sum
+        to 1.
         """
         return strain_shares(self.system, self.modes.shapes)
 
     @cached_property
     def damped(self) -> DampedModes:
-        """The complex modes, good for as many as there are real ones."""
+        """Complex modes, accurate up to the highest frequency of the real ones."""
         return damped_modes(self.solution, float(self.modes.frequencies.max(initial=0.0)))
 
     @cached_property
     def responses(self) -> tuple[ToolResponse, ...]:
-        """The answers of the tool to the excitations of the mechanism."""
+        """Responses of the tool to the excitations of the mechanism."""
         return tool_responses(self.solution)
 
 
@@ -169,12 +179,12 @@ def mechanism_modes(
     count: int,
     options: ModelOptions = DEFAULT_OPTIONS,
 ) -> list[PostureModes]:
-    """The lowest `count` modes in each posture of one mechanism; of rigid bodies as many as are.
+    """The lowest `count` modes in each posture of one mechanism. `simplified` may have fewer.
 
-    Raises InputError for a static model, ComputationError where the tool is free to move and where
-    fewer modes have mass.
+    Raises InputError for a static model, ComputationError if the tool is free to move or if fewer
+    modes have mass.
     """
-    _require_mass(model)
+    _require_dynamic_model(model)
     if not postures:
         return []
     mechanism = postures[0].mechanism
@@ -184,14 +194,14 @@ def mechanism_modes(
 
     def solve(highest: float) -> list[PostureModes]:
         bodies = dynamic_bodies(model, mechanism, highest, options)
-        found = list(modes_along(assembly(postures[0].mechanism, bodies), postures, count))
-        if any(len(one.modes.frequencies) < count for one in found):
+        solutions = list(modes_along(assembly(postures[0].mechanism, bodies), postures, count))
+        if any(len(solution.modes.frequencies) < count for solution in solutions):
             raise too_few(mechanism.name, count)
-        return found
+        return solutions
 
     return with_enough_modes(
         solve,
-        lambda found: np.array([one.modes.frequencies for one in found]),
+        lambda solutions: np.array([solution.modes.frequencies for solution in solutions]),
         postures,
         count,
         options,
@@ -199,7 +209,7 @@ def mechanism_modes(
 
 
 def modes_on_drives(postures: Sequence[Posture], count: int) -> Iterator[PostureModes]:
-    """At most `count` modes of rigid bodies on elastic drives, as many as have mass."""
+    """The lowest `count` modes of rigid bodies on elastic drives, or all that have mass."""
     rigid = on_drives_alone(postures[0].mechanism)
     return modes_along(assembly(rigid, {}), postures, count)
 
@@ -207,14 +217,14 @@ def modes_on_drives(postures: Sequence[Posture], count: int) -> Iterator[Posture
 def modes_along(
     prepared: Assembly, postures: Sequence[Posture], count: int
 ) -> Iterator[PostureModes]:
-    """At most `count` modes in each posture, as many as have mass; one posture after the other."""
+    """The lowest `count` modes, or all that have mass, posture by posture."""
     for system in prepared.along(postures):
         solution = solved(system)
         yield PostureModes(system.posture, solution, modes_with_mass(solution, count))
 
 
 def springs_of(mechanism: Mechanism, options: ModelOptions) -> dict[str, Array]:
-    """Tip compliances (6×6, SI, body axes) that virtual joints take of legs and parts.
+    """Tip compliances (6×6, SI, body axes) of legs and parts for the virtual joint method.
 
     Raises InputError for a part that is no leg.
     """
@@ -230,11 +240,12 @@ def with_enough_modes(
     count: int,
     options: ModelOptions = DEFAULT_OPTIONS,
 ) -> T:
-    """`solve` with bodies reduced up to a frequency (Hz), again with more where that was low.
+    """Solution by `solve` with bodies reduced up to a sufficient frequency (Hz).
 
-    What beams lead to expect, end faces that hold warping in open sections may exceed by far: what
-    counts are the solution's own `frequencies`. More modes only lower them (Rayleigh), so that the
-    second reduction suffices but for rounding.
+    The first estimate is by beams. End faces that hold warping in open sections can exceed it by
+    far, so that `solve` is repeated until the `frequencies` of the solution are below the limit of
+    the reduction. More modes only lower them (Rayleigh), so that the second reduction suffices,
+    apart from round-off.
     """
     highest = highest_frequency(postures, count, options)
     while (top := float(np.max(frequencies(solution := solve(highest))))) > highest:
@@ -248,9 +259,9 @@ def static_bodies(
     """Models of the bodies on the twists of their interfaces alone, exact in statics."""
     if model == "links":
         springs = tip_compliances(mechanism, options.legs, options.theory, options.equivalent)
-        whole: PartLegs = "equivalent" if options.legs == "equivalent" else "condensed"
-        own = replace(options, parts=whole)
-        return dict(links(mechanism, springs)) | part_models(mechanism, own, _link)
+        part_legs: PartLegs = "equivalent" if options.legs == "equivalent" else "condensed"
+        link_options = replace(options, parts=part_legs)
+        return dict(links(mechanism, springs)) | part_models(mechanism, link_options, _link)
     if model == "solid":
         options = replace(options, parts="condensed")
     return bodies_of(mechanism, options, partial(condensed_leg, model))
@@ -262,25 +273,25 @@ def dynamic_bodies(
     highest: float,
     options: ModelOptions = DEFAULT_OPTIONS,
 ) -> dict[str, BodyModel]:
-    """Models of the bodies good for frequencies of the mechanism up to `highest` (Hz).
+    """Models of the bodies, accurate for frequencies of the mechanism up to `highest` (Hz).
 
-    Reduced, unless beams or segments are so few that they are solved as they stand.
+    They are reduced, unless beams or segments have so few unknowns that reduction does not pay.
     """
     cutoff = CUTOFF[model] * highest
 
-    def reduced(leg: ConstantLeg | SteppedLeg, own: ModelOptions) -> LegMatrices:
-        return reduced_leg(model, leg, own, highest, cutoff)
+    def reduced(leg: ConstantLeg | SteppedLeg, leg_options: ModelOptions) -> LegMatrices:
+        return reduced_leg(model, leg, leg_options, highest, cutoff)
 
     if model == "solid":
         legs = constant_legs(mechanism, options)
         bodies = mechanism.parts
-        return {name: filled(reduced(leg, own)) for name, leg, own in legs} | {
+        return {name: filled(reduced(leg, leg_options)) for name, leg, leg_options in legs} | {
             name: reduced_parts.reduced(body, highest, cutoff, by=options.reduction)
             for name, body in bodies.items()
         }
-    whole = bodies_of(mechanism, options, partial(leg_matrices, model))
-    if sum(one.size for one in whole.values()) <= FEW:
-        return whole
+    unreduced = bodies_of(mechanism, options, partial(leg_matrices, model))
+    if sum(body_model.size for body_model in unreduced.values()) <= FEW:
+        return unreduced
     return bodies_of(mechanism, options, reduced)
 
 
@@ -289,11 +300,14 @@ def bodies_of(
     options: ModelOptions,
     build: Callable[[ConstantLeg | SteppedLeg, ModelOptions], LegMatrices],
 ) -> dict[str, BodyModel]:
-    """Every leg, and every part that a leg stands for, as `build` makes it."""
+    """Models by `build` of every leg, and of every part that is replaced by a leg."""
     legs: dict[str, BodyModel] = {
-        name: filled(build(leg, own)) for name, leg, own in constant_legs(mechanism, options)
+        name: filled(build(leg, leg_options))
+        for name, leg, leg_options in constant_legs(mechanism, options)
     }
-    return legs | part_models(mechanism, options, lambda leg, own: filled(build(leg, own)))
+    return legs | part_models(
+        mechanism, options, lambda leg, leg_options: filled(build(leg, leg_options))
+    )
 
 
 def _link(leg: ConstantLeg | SteppedLeg, options: ModelOptions) -> LegMatrices:
@@ -305,10 +319,10 @@ def _link(leg: ConstantLeg | SteppedLeg, options: ModelOptions) -> LegMatrices:
 def highest_frequency(
     postures: Sequence[Posture], count: int, options: ModelOptions = DEFAULT_OPTIONS
 ) -> float:
-    """Frequency (Hz) up to which bodies should be good for the first `count`, by coarse beams.
+    """Frequency (Hz) up to which bodies must be accurate for `count` modes, by coarse beams.
 
-    In the middle posture, and for all excitations; rounded up in steps of half an octave, so that
-    others share the bodies.
+    It is that of the middle posture and covers all excitations. It is rounded up in steps of half
+    an octave, so that other postures and counts share the bodies.
     """
     middle = postures[len(postures) // 2]
     # Half of the six modes that an element adds to a leg are near the true ones.
@@ -319,72 +333,75 @@ def highest_frequency(
         theory=options.theory,
         elements=max(_ESTIMATE.elements, ceil(count / (3 * legs))),
     )
-    return _by_beams(middle, count, coarse)
+    return _highest_by_beams(middle, count, coarse)
 
 
 @memo(64)
-def _by_beams(middle: Posture, count: int, coarse: ModelOptions) -> float:
+def _highest_by_beams(middle: Posture, count: int, coarse: ModelOptions) -> float:
     bodies = bodies_of(middle.mechanism, coarse, partial(leg_matrices, "beam"))
     solution = solved(assembly(middle.mechanism, bodies).at(middle))
-    # Parts on their interfaces alone have few modes, and so have rigid bodies.
+    # Rigid bodies, and parts condensed on their interfaces, have few modes.
     only_legs = legs_of(middle.mechanism) and not middle.mechanism.parts
-    found = (modes if only_legs else modes_with_mass)(solution, count).frequencies
-    if not len(found):
+    frequencies = (modes if only_legs else modes_with_mass)(solution, count).frequencies
+    if not len(frequencies):
         raise too_few(middle.mechanism.name, count)
-    excited = [one.last for one in middle.mechanism.excitations]
-    return _half_octave_above(max([float(found[-1]), *excited]))
+    excited = [excitation.last for excitation in middle.mechanism.excitations]
+    return _half_octave_above(max([float(frequencies[-1]), *excited]))
 
 
 def _half_octave_above(frequency: float) -> float:
     return float(2.0 ** (0.5 * ceil(2.0 * log2(frequency))))
 
 
-def _require_mass(model: ModelName) -> None:
+def _require_dynamic_model(model: ModelName) -> None:
     if model in STATIC:
         raise InputError(f"--modes: the {model} model is static and has no frequencies")
 
 
 def released(postures: Sequence[Posture], options: ModelOptions) -> Sequence[Posture]:
-    """With the joints as they are printed, where that is asked for."""
+    """The postures, with joints as printed in the paper if `options.release` is "printed"."""
     if options.release != "printed":
         return postures
     printed = as_printed(postures[0].mechanism)
-    return [replace(at, mechanism=printed) for at in postures]
+    return [replace(posture, mechanism=printed) for posture in postures]
 
 
 def _swept(prepared: Assembly, postures: Sequence[Posture], count: int) -> list[PostureAnswer]:
-    found = swept(prepared, postures, count)
-    each = zip(postures, found.compliances, found.frequencies, found.idle, strict=True)
-    return [PostureAnswer(*one) for one in each]
+    results = swept(prepared, postures, count)
+    rows = zip(postures, results.compliances, results.frequencies, results.idle, strict=True)
+    return [PostureAnswer(*row) for row in rows]
 
 
 def constant_legs(
     mechanism: Mechanism, options: ModelOptions
 ) -> list[tuple[str, ConstantLeg, ModelOptions]]:
-    """Every leg as a constant-section one, alike ones the same, with its own ends as options.
+    """Every leg with constant section and its options. Equal legs are one object.
 
     With `release="printed"` the last spring of a leg carries the joint at its tip that `as_printed`
     fixes in the `mechanism` given here as it is described.
     """
-    known: list[ConstantLeg] = []
+    representatives: list[ConstantLeg] = []
     legs = []
-    for name, described in legs_of(mechanism).items():
-        leg = equivalent_leg(described, options.equivalent)
-        alike = next((one for one in known if _are_alike(one, leg)), leg)
-        known.append(alike)
-        told = replace(options, ends=leg.ends or options.ends)
+    for name, description in legs_of(mechanism).items():
+        leg = equivalent_leg(description, options.equivalent)
+        representative = next(
+            (candidate for candidate in representatives if _are_equal(candidate, leg)), leg
+        )
+        representatives.append(representative)
+        leg_options = replace(options, ends=leg.ends or options.ends)
         if not any(_at_tip(mechanism, joint) == name for joint in mechanism.joints):
-            told = replace(told, release="condensed")
-        legs.append((name, alike, told))
+            leg_options = replace(leg_options, release="condensed")
+        legs.append((name, representative, leg_options))
     return legs
 
 
 def as_printed(mechanism: Mechanism) -> Mechanism:
     """The passive revolute joints of a mechanism as eq. (25) prints their release.
 
-    Row and column of the rotation of a joint's own stiffness are zeroed, which is a joint in series
-    with a give that is uncoupled from it. Where a joint has none and the tip of a leg is its second
-    side, the last spring of that leg's segments is released so instead: the joint itself is fixed.
+    Row and column of the rotation in the joint's stiffness are zeroed, as for a joint in series
+    with a compliance that is uncoupled from it. If a joint has no compliance and the tip of a leg
+    is its second side, the last spring of that leg's segments is released instead, and the joint
+    itself is fixed.
     """
     return replace(mechanism, joints=tuple(_printed(mechanism, j) for j in mechanism.joints))
 
@@ -403,9 +420,9 @@ def _printed(mechanism: Mechanism, joint: Joint) -> Joint:
 
 
 def _at_tip(mechanism: Mechanism, joint: Joint) -> str:
-    """The leg whose last spring carries a passive revolute joint where it is printed; "" if none.
+    """Name of the leg whose last spring contains a joint as printed. Empty if there is none.
 
-    The second side of the joint is that leg's tip, and the joint has no give of its own.
+    The joint is passive and revolute, its second side is that leg's tip, and it has no compliance.
     """
     if joint.kind != "revolute" or joint.drive is not None or joint.compliance is not None:
         return ""
@@ -414,16 +431,16 @@ def _at_tip(mechanism: Mechanism, joint: Joint) -> str:
     return body.name if is_leg and joint.second.point == tuple(body.interfaces)[1] else ""
 
 
-def _are_alike(one: ConstantLeg, other: ConstantLeg) -> bool:
+def _are_equal(leg: ConstantLeg, other: ConstantLeg) -> bool:
     return (
-        one.section == other.section
-        and one.material == other.material
-        and isclose(one.length, other.length, rel_tol=_ALIKE)
+        leg.section == other.section
+        and leg.material == other.material
+        and isclose(leg.length, other.length, rel_tol=_ALIKE)
     )
 
 
 def on_drives_alone(mechanism: Mechanism) -> Mechanism:
-    """The mechanism without the joints' own give, its drives as the simplified model has them."""
+    """The mechanism with rigid joints, except for drives, which have their simplified stiffness."""
     return replace(mechanism, joints=tuple(_simplified(joint) for joint in mechanism.joints))
 
 

@@ -1,4 +1,4 @@
-"""What half a unit of each printed digit of a robot's 6×6 changes in what a model computes."""
+"""Perturbations of a robot by half a unit of the last printed digit of each number of its 6×6."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
@@ -11,55 +11,58 @@ from lumped.legs import GivenLeg
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.robot_file.reading import Printed
 
-# Of the size that an entry of a 6×6 can have: compliances and frequencies are linear in it so far.
+# Perturbation, relative to the largest possible size of an entry of a 6×6: compliances and
+# frequencies are linear in it.
 _STEP = 1e-6
-# Half a unit, of the size that its entry can have, that is not looked at: nine digits and more.
+# Half a unit, relative to the same size, that is neglected: numbers of nine digits and more.
 _NEGLIGIBLE = 1e-9
 
 
 class Rounding(NamedTuple):
-    """The postures with one number of a 6×6 a little off, of which `factor` is half a unit."""
+    """Postures with one number of a 6×6 perturbed. Half a unit is `factor` times the change."""
 
     postures: list[Posture]
     factor: float
 
 
 def roundings_of(compliances: Iterable[Printed], postures: Sequence[Posture]) -> list[Rounding]:
-    """One for every number of the `compliances` of a robot file that are the robot's.
+    """A perturbation for each number of those `compliances` of a robot file that the robot uses.
 
-    Bodies and joints for which the same 6×6 is printed have the same one. Numbers of nine digits
-    and more are left out.
+    Bodies and joints with equal printed 6×6 are perturbed together. Numbers of nine digits and more
+    are omitted.
     """
-    mechanism, found = postures[0].mechanism, []
-    known = {printed.compliance.tobytes(): printed for printed in compliances}
-    for printed in known.values():
+    mechanism, roundings = postures[0].mechanism, []
+    distinct = {printed.compliance.tobytes(): printed for printed in compliances}
+    for printed in distinct.values():
         size = np.sqrt(np.diag(printed.compliance))
-        counts = np.triu(printed.half) > _NEGLIGIBLE * np.outer(size, size)
-        for i, j in zip(*np.nonzero(counts), strict=True):
+        significant = np.triu(printed.half) > _NEGLIGIBLE * np.outer(size, size)
+        for i, j in zip(*np.nonzero(significant), strict=True):
             change = np.zeros((6, 6))
             change[i, j] = change[j, i] = step = _STEP * size[i] * size[j]
-            changed = _with_change(mechanism, printed.compliance, change)
-            if changed is not None:
-                moved = [replace(at, mechanism=changed) for at in postures]
-                found.append(Rounding(moved, printed.half[i, j] / step))
-    return found
+            perturbed_mechanism = _with_change(mechanism, printed.compliance, change)
+            if perturbed_mechanism is not None:
+                perturbed = [
+                    replace(posture, mechanism=perturbed_mechanism) for posture in postures
+                ]
+                roundings.append(Rounding(perturbed, printed.half[i, j] / step))
+    return roundings
 
 
-def _with_change(mechanism: Mechanism, given: Array, change: Array) -> Mechanism | None:
+def _with_change(mechanism: Mechanism, compliance: Array, change: Array) -> Mechanism | None:
     """The mechanism with a `change` of the `given` 6×6; None where nothing has that one."""
     bodies = {
-        name: replace(body, shape=replace(body.shape, compliance=given + change))
+        name: replace(body, shape=replace(body.shape, compliance=compliance + change))
         for name, body in mechanism.bodies.items()
-        if isinstance(body.shape, GivenLeg) and np.array_equal(body.shape.compliance, given)
+        if isinstance(body.shape, GivenLeg) and np.array_equal(body.shape.compliance, compliance)
     }
-    elastic = [
-        joint.compliance is not None and np.array_equal(joint.compliance, given)
+    has_compliance = [
+        joint.compliance is not None and np.array_equal(joint.compliance, compliance)
         for joint in mechanism.joints
     ]
-    if not bodies and not any(elastic):
+    if not bodies and not any(has_compliance):
         return None
     joints = [
-        replace(joint, compliance=given + change) if gives else joint
-        for joint, gives in zip(mechanism.joints, elastic, strict=True)
+        replace(joint, compliance=compliance + change) if matches else joint
+        for joint, matches in zip(mechanism.joints, has_compliance, strict=True)
     ]
     return replace(mechanism, bodies={**mechanism.bodies, **bodies}, joints=joints)

@@ -1,4 +1,4 @@
-"""Parts as stepped legs: prismatic pieces with the part's own sections along its centre line."""
+"""Parts as stepped legs: prismatic pieces with the sections of the part along its centre line."""
 
 from dataclasses import astuple
 from itertools import pairwise
@@ -26,27 +26,27 @@ from validation.run.cache import Arrays, CacheEntry, require_shape
 PIECES = 10
 # Each round cuts across the line through the centroids of the round before.
 _ROUNDS = 3
-# By Saint-Venant a section is that of a prism where it holds for its own size at least. One that is
-# weaker by this factor than others on both sides, nearer than half its size, adds a tenth of the
-# leg too soft by a quarter: 2.5 % of its give, half of what models are judged at.
-_FAR = 1.25
-# Sections looked at within the size of one.
-_CLOSE = 8
+# By Saint-Venant, a section acts as that of a prism if it extends over its own size at least. A
+# section that is smaller by this factor than others on both sides, nearer than half its size, makes
+# a tenth of the leg too soft by a quarter: 2.5 % of its compliance, half of the usual limit.
+_LARGEST_RATIO = 1.25
+# Number of sections examined within the size of one.
+_CUTS_PER_SIZE = 8
 _MEASURES = ("area", "area inside the outline", "second moment of area", "second moment of area")
 
 
 @memo(16)
 def stepped(body: Body, pieces: int = PIECES) -> SteppedLeg:
-    """A part of two interfaces in so many pieces, leg axes.
+    """A part of two interfaces as a leg of prismatic `pieces`, leg axes.
 
-    Raises NotPrismaticError if the interfaces leave nothing between them, a plane misses the part,
-    or a section is none of a prism.
+    Raises NotPrismaticError if the interfaces overlap along the leg, a plane misses the part, or a
+    section is not that of a prism.
     """
     return stepped_entry(body, pieces).value()
 
 
 def stepped_entry(body: Body, pieces: int = PIECES) -> CacheEntry[SteppedLeg]:
-    """Cache entry of what `stepped` returns."""
+    """Cache entry of the result of `stepped`."""
     file, interfaces = reduced_parts.found_in(body)
     material = reduced_parts.shape_of(body).material
     frame = reduced_parts.leg_axes(body)
@@ -55,48 +55,48 @@ def stepped_entry(body: Body, pieces: int = PIECES) -> CacheEntry[SteppedLeg]:
 
     def compute() -> dict[str, Any]:
         mesh = part_mesh(file, interfaces, unknowns, MIDDLE)
-        own = (mesh.nodes - frame.position) @ frame.rotation
-        reach = [
-            own[np.unique(np.concatenate([mesh.faces[n].nodes for n in one.faces])), 0]
-            for one in interfaces
+        positions = (mesh.nodes - frame.position) @ frame.rotation
+        extents = [
+            positions[np.unique(np.concatenate([mesh.faces[n].nodes for n in interface.faces])), 0]
+            for interface in interfaces
         ]
-        begin, end = float(reach[0].max()), float(reach[1].min())
+        begin, end = float(extents[0].max()), float(extents[1].min())
         if begin >= end:
             raise NotPrismaticError(
                 f"bodies.{body.name}: its interfaces overlap along the line between them, nothing "
                 'is left for pieces; take "condensed"'
             )
         try:
-            return _fitted(mesh, own, (begin, end), pieces, material)
+            return _pieces_and_masses(mesh, positions, (begin, end), pieces, material)
         except InputError as error:
-            # The class is kept: a part that is no prism is no fault of the program or of the file.
+            # The class is preserved: NotPrismaticError is a fault neither of program nor of file.
             kind = type(error)
             raise kind(f"bodies.{body.name}: {fault}" for fault in error.faults) from error
 
-    def read(found: Arrays) -> SteppedLeg:
+    def read(arrays: Arrays) -> SteppedLeg:
         length = float(np.linalg.norm(np.subtract(*(i.point for i in reversed(interfaces)))))
-        require_shape(found, line=(pieces + 1, 3), root_mass=(6, 6), tip_mass=(6, 6))
+        require_shape(arrays, line=(pieces + 1, 3), root_mass=(6, 6), tip_mass=(6, 6))
         return SteppedLeg(
             length=length,
             pieces=tuple(
                 Piece(start, end, axes, BeamProperties(*numbers.tolist()))
                 for start, end, axes, numbers in zip(
-                    found["line"][:-1],
-                    found["line"][1:],
-                    found["axes"],
-                    found["properties"],
+                    arrays["line"][:-1],
+                    arrays["line"][1:],
+                    arrays["axes"],
+                    arrays["properties"],
                     strict=True,
                 )
             ),
-            root_mass=found["root_mass"],
-            tip_mass=_moved(found["tip_mass"], length),
+            root_mass=arrays["root_mass"],
+            tip_mass=_about_tip(arrays["tip_mass"], length),
         )
 
     return CacheEntry(key, compute, read, mesh_entries(file, interfaces, unknowns, [MIDDLE]))
 
 
 def why_not_stepped(mechanism: Mechanism) -> str:
-    """Empty where every part that is a leg can be stepped, else what is in the way."""
+    """Reason why some part that is a leg cannot be stepped. Empty if all can."""
     legs = [body for body in mechanism.parts.values() if reduced_parts.is_leg(body)]
     if not legs:
         return "no part has exactly two interfaces, as stepped legs need"
@@ -108,24 +108,24 @@ def why_not_stepped(mechanism: Mechanism) -> str:
     return ""
 
 
-def _fitted(
-    mesh: PartMesh, own: Array, span: tuple[float, float], count: int, material: Material
+def _pieces_and_masses(
+    mesh: PartMesh, positions: Array, span: tuple[float, float], count: int, material: Material
 ) -> dict[str, Any]:
-    """Line, axes and properties of the pieces, masses of what is rigid (about the root)."""
+    """Line, axes and properties of the pieces, and masses of the rigid ends (about the root)."""
     facets = boundary(mesh)
     line = np.zeros((count + 1, 3))
     line[:, 0] = np.linspace(*span, count + 1)
     for _ in range(_ROUNDS):
-        line = _through_centroids(own, facets, line)
-    _require_prisms(own, facets, line)
+        line = _through_centroids(positions, facets, line)
+    _require_prisms(positions, facets, line)
     across = [_across(end - start) for start, end in pairwise(line)]
     middles = 0.5 * (line[:-1] + line[1:])
     sections = slice_meshes(
-        [slices_of(own, facets, *place)[0] for place in zip(middles, across, strict=True)]
+        [slices_of(positions, facets, *cut)[0] for cut in zip(middles, across, strict=True)]
     )
     properties = [astuple(_properties(section, material)) for section in sections]
     masses = material.rho * cell_volumes(mesh)
-    centres = own[mesh.cells].mean(axis=1)
+    centres = positions[mesh.cells].mean(axis=1)
     before = (centres - line[0]) @ across[0][:, 0] < 0.0
     behind = (centres - line[-1]) @ across[-1][:, 0] > 0.0
     return {
@@ -137,60 +137,65 @@ def _fitted(
     }
 
 
-def _require_prisms(own: Array, facets: Facets, line: Array) -> None:
-    """Raise NotPrismaticError if a section is in pieces, or comes and goes within its own size.
+def _require_prisms(positions: Array, facets: Facets, line: Array) -> None:
+    """Raise NotPrismaticError if a section is in pieces, or changes within its own size.
 
-    An opening of either kind makes two beams side by side of one: bent apart, they are much softer
-    than as one section and much stiffer than either alone. Ribs are no harm but to a piece that
-    takes its section from one.
+    An opening divides a beam into two side by side. Bent apart, they are much softer than one
+    section and much stiffer than either alone. A rib matters only if a piece has its section from
+    it.
     """
-    places, sizes, middles, measured = [], [], [], []
+    cuts, sizes, middles, measured = [], [], [], []
     lengths = np.linalg.norm(np.diff(line, axis=0), axis=1)
     starts = np.cumsum(lengths) - lengths
     for k, (start, end) in enumerate(pairwise(line)):
         axes = _across(end - start)
-        size = slices_of(own, facets, 0.5 * (start + end), axes)[0].size
+        size = slices_of(positions, facets, 0.5 * (start + end), axes)[0].size
         # Odd: the middle is one of them.
-        count = 2 * int(np.ceil(0.5 * _CLOSE * lengths[k] / size)) + 1
+        count = 2 * int(np.ceil(0.5 * _CUTS_PER_SIZE * lengths[k] / size)) + 1
         for share in (np.arange(count) + 0.5) / count:
-            # Beyond the outer ones lie the edges of what is held.
+            # The edges of held faces lie beyond the outermost middles.
             if (k == 0 and share < 0.5) or (k == len(lengths) - 1 and share > 0.5):
                 continue
             middle = start + share * (end - start)
-            piece, *others = slices_of(own, facets, middle, axes)
-            if others:
+            piece, *further_slices = slices_of(positions, facets, middle, axes)
+            if further_slices:
                 raise NotPrismaticError(
                     f"its section {middle[0]:.4g} m from the first interface falls into "
-                    f'{1 + len(others)} pieces, side by side no prism; take "condensed"'
+                    f'{1 + len(further_slices)} pieces, side by side no prism; take "condensed"'
                 )
-            places.append((starts[k] + share * lengths[k], middle[0]))
+            cuts.append((starts[k] + share * lengths[k], middle[0]))
             sizes.append(piece.size)
             middles.append(share == 0.5)
             measured.append(piece.measures)
-    along, values = np.array(places)[:, 0], np.array(measured)
+    along, values = np.array(cuts)[:, 0], np.array(measured)
     for k, value in enumerate(values):
-        away = along - along[k]
-        sides = [values[(way * away > 0.0) & (way * away < 0.5 * sizes[k])] for way in (-1, 1)]
+        distances = along - along[k]
+        sides = [
+            values[(sign * distances > 0.0) & (sign * distances < 0.5 * sizes[k])]
+            for sign in (-1, 1)
+        ]
         if not all(map(len, sides)):
             continue
         weaker = np.min([side.max(axis=0) for side in sides], axis=0) / value
         stronger = value / np.max([side.min(axis=0) for side in sides], axis=0)
         for factors, word in ((weaker, "smaller"), (stronger * middles[k], "larger")):
-            if factors.max() > _FAR:
+            if factors.max() > _LARGEST_RATIO:
                 raise NotPrismaticError(
-                    f"its section {places[k][1]:.4g} m from the first interface has a "
+                    f"its section {cuts[k][1]:.4g} m from the first interface has a "
                     f"{_MEASURES[factors.argmax()]} {factors.max():.3g} times {word} than those "
                     f'nearer than {0.5 * sizes[k]:.3g} m on both sides, no prism; take "condensed"'
                 )
 
 
-def _through_centroids(own: Array, facets: Facets, line: Array) -> Array:
-    """The polygon whose pieces have the centroids of the sections in their middles."""
-    places = []
+def _through_centroids(positions: Array, facets: Facets, line: Array) -> Array:
+    """Polygon whose pieces have the centroids of the sections in their middles."""
+    centroids = []
     for start, end in pairwise(line):
         axes, middle = _across(end - start), 0.5 * (start + end)
-        places.append(middle + axes[:, 1:] @ slices_of(own, facets, middle, axes)[0].centroid)
-    centres = np.array(places)
+        centroids.append(
+            middle + axes[:, 1:] @ slices_of(positions, facets, middle, axes)[0].centroid
+        )
+    centres = np.array(centroids)
     if len(centres) == 1:
         return np.asarray(line + centres[0] - line.mean(axis=0))
     ends = 1.5 * centres[[0, -1]] - 0.5 * centres[[1, -2]]
@@ -198,7 +203,7 @@ def _through_centroids(own: Array, facets: Facets, line: Array) -> Array:
 
 
 def _across(direction: Array) -> Array:
-    """Axes (3×3, columns) with x along `direction` and z as nearly along z as it can be."""
+    """Axes (3×3, columns) with x along `direction` and z as near to z as possible."""
     x = direction / np.linalg.norm(direction)
     y = np.cross([0.0, 0.0, 1.0], x)
     y /= np.linalg.norm(y)
@@ -211,15 +216,15 @@ def _properties(mesh: SectionMesh, material: Material) -> BeamProperties:
     return beam_properties(constants, material)
 
 
-def _mass(masses: Array, places: Array) -> Array:
+def _mass(masses: Array, positions: Array) -> Array:
     """6×6 about the origin of points of `masses` (n) at `places` (n×3)."""
-    total, first = float(masses.sum()), masses @ places
-    second = (places * masses[:, None]).T @ places
+    total, first = float(masses.sum()), masses @ positions
+    second = (positions * masses[:, None]).T @ positions
     inertia = np.trace(second) * np.eye(3) - second
     return np.block([[total * np.eye(3), -skew(first)], [skew(first), inertia]])
 
 
-def _moved(mass: Array, length: float) -> Array:
-    """The same about the tip: twists of the root are those of the tip, carried back."""
+def _about_tip(mass: Array, length: float) -> Array:
+    """Mass matrix (6×6) about the tip, from that about the root, by transfer of the twists."""
     back = shift(np.array([-length, 0.0, 0.0]))
     return np.asarray(back.T @ mass @ back)

@@ -1,4 +1,4 @@
-"""What acts on every model of a mechanism: its own loads, on the masses that bodies have.
+"""Loads of a mechanism on each of its models, on the masses of the bodies.
 
-In: a mechanism with loads, and models of its bodies. Out: how far the tool moves.
+In: a mechanism with loads, and models of its bodies. Out: displacements of the tool, and stability.
 """

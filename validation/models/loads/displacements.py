@@ -1,7 +1,8 @@
-"""The designer's own loads on every model of a mechanism: how far they move the tool.
+"""Displacements of the tool by the loads of the robot file, for every model of a mechanism.
 
-Models with mass take their own. Of those without, legs have the mass of their beams, or of the file
-where they are known by their 6×6; parts their own: rigid bodies carry it by static equivalence.
+Models with mass use their own. In models without mass, legs have the mass of their beams, or that
+of the file if they are known by their 6×6, and parts have their own mass. Rigid bodies carry it by
+static equivalence.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -44,7 +45,7 @@ def displacements(
 ) -> Array:
     """Displacements (p×l×6, m and rad, base axes) of the loaded point under each of the loads.
 
-    NaN where the mechanism cannot move as a load says. Raises as `answers` does.
+    NaN if the mechanism cannot move as a load requires. Raises as `answers` does.
     """
     mechanism = postures[0].mechanism
     if not mechanism.loads:
@@ -62,9 +63,9 @@ def displacements(
 
 
 def displacements_of(bodies: Mapping[str, BodyModel], postures: Sequence[Posture]) -> Array:
-    """The same of a mechanism whose `bodies` have these models, with their masses."""
+    """Displacements (p×l×6) of a mechanism whose `bodies` have these models, with their masses."""
     mechanism = postures[0].mechanism
-    masses = {name: _of_ends(body) for name, body in bodies.items()}
+    masses = {name: _interface_mass(body) for name, body in bodies.items()}
     return displacements_by(_assembled(assembly(mechanism, bodies)), postures, masses)
 
 
@@ -73,7 +74,7 @@ def _assembled(prepared: Assembly) -> Callable[[Posture, list[Loading]], Array]:
 
 
 def by_chains(springs: Mapping[str, Array]) -> Callable[[Posture, list[Loading]], Array]:
-    """How far loads move the tool by serial chains with such tip compliances of their legs."""
+    """Solver for displacements of the tool by serial chains with tip compliances `springs`."""
     return lambda at, loads: serial_chains.tool_displacements(at, springs, loads)
 
 
@@ -82,20 +83,20 @@ def displacements_by(
     postures: Sequence[Posture],
     masses: BodyMasses,
 ) -> Array:
-    """Displacements (p×l×6) that `solve` gives under what the loads do in each of the postures."""
+    """Displacements (p×l×6) by `solve` under the loads in each posture."""
     loads = postures[0].mechanism.loads
-    found = np.full((len(postures), len(loads), 6), np.nan)
-    for at, rows in zip(postures, found, strict=True):
-        known, ones = [], []
+    displacements = np.full((len(postures), len(loads), 6), np.nan)
+    for posture, by_load in zip(postures, displacements, strict=True):
+        solvable, loadings = [], []
         for number, load in enumerate(loads):
             try:
-                ones.append(loading(at, load, masses))
+                loadings.append(loading(posture, load, masses))
             except ComputationError:
                 continue
-            known.append(number)
-        if known:
-            rows[known] = solve(at, ones)
-    return found
+            solvable.append(number)
+        if solvable:
+            by_load[solvable] = solve(posture, loadings)
+    return displacements
 
 
 def masses_of(
@@ -103,32 +104,33 @@ def masses_of(
     masses: Masses = MASSES[0],
     parts: Mapping[str, BodyModel] | None = None,
 ) -> BodyMasses:
-    """Of beams, of legs known by their 6×6 with such a distribution, and of parts as solids.
+    """Masses of legs as beams, of legs known by their 6×6 by distribution `masses`, and of parts.
 
-    `parts`: models of these, condensed ones without. None where no load acts on mass.
+    `parts` are models of the parts, condensed ones if None. The result is empty if no load acts on
+    mass.
     """
     if not any(load.acts_on_mass for load in mechanism.loads):
         return {}
     if parts is None:
         parts = {name: condensed(body) for name, body in mechanism.parts.items()}
-    legs = {name: _of_leg(leg, masses) for name, leg in legs_of(mechanism).items()}
-    return legs | {name: _of_ends(model) for name, model in parts.items()}
+    legs = {name: _leg_mass(leg, masses) for name, leg in legs_of(mechanism).items()}
+    return legs | {name: _interface_mass(model) for name, model in parts.items()}
 
 
-def _of_ends(model: BodyModel) -> Array:
-    """A model's mass on its interfaces: that of Craig and Bampton is Guyan's there."""
+def _interface_mass(model: BodyModel) -> Array:
+    """Mass of a model on its interfaces. That of Craig and Bampton equals Guyan's there."""
     ends = slice(6 * len(model.interfaces))
     return dense(model.mass)[ends, ends]
 
 
-def _of_leg(leg: ConstantLeg | GivenLeg, masses: Masses) -> Array:
+def _leg_mass(leg: ConstantLeg | GivenLeg, masses: Masses) -> Array:
     if isinstance(leg, ConstantLeg):
         return dense(condensed_leg("beam", leg, DEFAULT_OPTIONS).mass)
     return ends_mass(leg, masses)
 
 
 def load_masses(model: ModelName, mechanism: Mechanism, options: ModelOptions) -> BodyMasses:
-    """Masses that loads act on: a model's own where it has mass, else as `masses_of` has them."""
+    """Masses on which loads act: those of the model, or by `masses_of` if it has no mass."""
     if model == "simplified" or model in STATIC:
         return masses_of(mechanism)
     if not any(load.acts_on_mass for load in mechanism.loads):
@@ -136,10 +138,10 @@ def load_masses(model: ModelName, mechanism: Mechanism, options: ModelOptions) -
     bodies = static_bodies(model, mechanism, options)
     if model == "segments":
         bodies |= bodies_of(mechanism, replace(options, release="condensed"), _segments)
-    return {name: _of_ends(body) for name, body in bodies.items()}
+    return {name: _interface_mass(body) for name, body in bodies.items()}
 
 
 def _segments(leg: ConstantLeg | SteppedLeg, options: ModelOptions) -> LegMatrices:
-    """Segments on their ends with their mass, which the springs in series do not have."""
-    whole = leg_matrices("segments", leg, replace(options, release="condensed"))
-    return static_superelement(held_leg(whole)).matrices
+    """Segments condensed on their ends with their mass, which springs in series do not have."""
+    segments = leg_matrices("segments", leg, replace(options, release="condensed"))
+    return static_superelement(held_leg(segments)).matrices

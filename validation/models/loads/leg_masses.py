@@ -1,10 +1,10 @@
 """Plausible insides of a leg known by its 6×6: its distributions of mass and of stiffness.
 
-Between its ends the leg has its own 6×6. Inside it is a uniform beam that has that 6×6, as soft and
-as stiff as such beams are (`fem.beams.interior`). Its mass is put where legs plausibly have it: all
-distributions have the mass that is given, and the centre where one is; the inertia, which no mass
-along a line has, is the lump's alone. A verdict that holds for all of them holds whatever the leg
-is like; where they differ, more data must decide.
+Between its ends the leg has its own 6×6. Inside, it is a uniform beam with that 6×6, as soft and as
+stiff as such beams can be (`fem.beams.interior`). All distributions have the mass of the file, and
+its centre if the file has one. Only the lump has the inertia of the file, which no mass along a
+line has. A verdict that is equal for all distributions holds for any leg. If verdicts differ, more
+data are needed.
 """
 
 from collections.abc import Collection, Mapping
@@ -31,7 +31,8 @@ Masses: TypeAlias = Literal[
 ]
 MASSES: tuple[Masses, ...] = get_args(Masses)
 _ELEMENTS = 20
-# Of a wedge, whose mass per length falls to nothing: centres (of the length) where none is given.
+# Centre of mass (share of the length) of a wedge, whose mass per length decreases to zero. It is
+# used if the file has no centre.
 _CENTRES: Mapping[Masses, float] = {"mass near the roots": 1 / 3, "mass near the tips": 2 / 3}
 # Every stiffness inside lies between these, and every frequency of a robot with it.
 _EXTREMES: tuple[Interior, ...] = ("soft", "stiff")
@@ -52,7 +53,7 @@ class Inside(NamedTuple):
 def plausible_insides(legs: Collection[GivenLeg]) -> tuple[Inside | None, ...]:
     """Mass along uniform legs, then every distribution of mass in the softest and stiffest beam.
 
-    Without given legs one, None: the inside is that of solids.
+    Without legs known by their 6×6, only None: the inside is that of solids.
     """
     if not legs:
         return (None,)
@@ -62,7 +63,7 @@ def plausible_insides(legs: Collection[GivenLeg]) -> tuple[Inside | None, ...]:
 
 
 def plausible_masses(legs: Collection[GivenLeg]) -> tuple[Masses, ...]:
-    """The distributions by name; wedges only where the centre of a leg's mass is not known."""
+    """Distributions by name, with wedges only if the mass centre of some leg is unknown."""
     if all(leg.mass_centre is not None for leg in legs):
         return tuple(masses for masses in MASSES if masses not in _CENTRES)
     return MASSES
@@ -78,28 +79,31 @@ def leg_with_inside(leg: GivenLeg, inside: Inside, highest: float) -> LegMatrice
 
 
 def ends_mass(leg: GivenLeg, masses: Masses) -> Array:
-    """Such masses on the twists of the leg's ends (12×12, SI, leg axes), its inside condensed."""
+    """Mass matrix (12×12, SI, leg axes) on the twists of the ends, with the inside condensed."""
     beam = interior_beam(leg, "uniform", _ELEMENTS)
     modes = held_leg(beam).constraint_modes
     return np.asarray(modes.T @ (_mass(beam, leg, masses, _ELEMENTS) @ modes))
 
 
 def shapes_inside(leg: GivenLeg, inside: Inside, highest: float, elements: int) -> Array:
-    """How the inside of the leg follows its ends, then how it swings between them (n×r)."""
+    """Shapes (n×r) of the inside of the leg: static ones by its ends, then modes with held ends."""
     beam = interior_beam(leg, inside.interior, elements)
-    held = held_leg(beam)
+    held_beam = held_leg(beam)
     if inside.masses == "mass in lumps":
-        return held.constraint_modes
+        return held_beam.constraint_modes
     mass = _mass(beam, leg, inside.masses, elements)
-    return craig_bampton(replace(held, mass=mass), highest).recovery
+    return craig_bampton(replace(held_beam, mass=mass), highest).recovery
 
 
 def by_shapes(shapes: Array, leg: GivenLeg, inside: Inside, elements: int) -> LegMatrices:
-    """The leg in these shapes: its own, or to first order those of one whose 6×6 differs little."""
+    """The leg in the given `shapes`: its own, or those of a leg with a slightly different 6×6.
+
+    With the latter, matrices are accurate to first order.
+    """
     beam = interior_beam(leg, inside.interior, elements)
     stiffness = shapes.T @ (beam.stiffness @ shapes)
-    own = np.linalg.inv(leg.compliance).astype(float)
-    stiffness[:ENDS, :ENDS] = ends_stiffness(own, leg.length)
+    stiffness_at_tip = np.linalg.inv(leg.compliance).astype(float)
+    stiffness[:ENDS, :ENDS] = ends_stiffness(stiffness_at_tip, leg.length)
 
     def centreline(stations: Array) -> SparseMatrix:
         return csr_array(beam.centreline(stations) @ shapes)
@@ -131,19 +135,19 @@ def _mass(beam: LegMatrices, leg: GivenLeg, masses: Masses, elements: int) -> Sp
 
 
 def _line(leg: GivenLeg, masses: Masses, elements: int) -> tuple[Array, Array]:
-    """Stations (m, from the root) with the share of the mass at each, all but the lump's."""
+    """Stations (m, from the root) with the share of the mass at each, except for the lump."""
     centre = _CENTRES.get(masses, 0.5)
     if leg.mass_centre is not None:
         centre = leg.mass_centre / leg.length
     points, weights = np.polynomial.legendre.leggauss(_POINTS)
-    begins = np.arange(elements)[:, None]
-    places = ((begins + 0.5 * (1.0 + points)) / elements).ravel()
+    starts = np.arange(elements)[:, None]
+    positions = ((starts + 0.5 * (1.0 + points)) / elements).ravel()
     # A power of the distance from the lighter end: its centre lies at (k + 1)/(k + 2).
     farther = max(centre, 1.0 - centre)
     power = (2.0 * farther - 1.0) / (1.0 - farther)
-    shares = np.tile(weights, elements) * (places if centre >= 0.5 else 1.0 - places) ** power
+    shares = np.tile(weights, elements) * (positions if centre >= 0.5 else 1.0 - positions) ** power
     shares *= 1.0 / shares.sum()
     if masses == "mass half at the ends":
-        places = np.concatenate([places, [0.0, 1.0]])
+        positions = np.concatenate([positions, [0.0, 1.0]])
         shares = 0.5 * np.concatenate([shares, [1.0 - centre, centre]])
-    return leg.length * places, shares
+    return leg.length * positions, shares

@@ -1,7 +1,8 @@
-"""How near to buckling the designer's own loads bring every model, and what stiffness they take.
+"""Buckling factors and losses of stiffness of every model under the loads of the robot file.
 
-Each model has its own statics, that of its bodies on their interfaces. Between these legs bend as
-beams do, whatever the model: so they buckle, and so what they carry stiffens or softens them.
+Each model has its own statics, that of its bodies on their interfaces. Between the interfaces, legs
+bend as beams in all models, and this determines their buckling and the effect of the force in them
+on their stiffness.
 """
 
 from collections.abc import Iterator, Sequence
@@ -33,11 +34,11 @@ from validation.models.robot_models import (
     static_bodies,
 )
 
-# Buckling of a leg between clamped ends is off by 2e-4 with ten elements, by less with any others;
-# of its modes with held ends these leave 1e-4.
+# With ten elements the error of the buckling load of a leg is 2e-4 between clamped ends and less
+# with other ends. With 24 modes with held ends the error of the reduction is 1e-4.
 _ELEMENTS, _MODES = 10, 24
-# Less is left open of no error.
-_NOTHING = 1e-3
+# Relative loss of stiffness and change of displacement below which a load has no note.
+_NEGLIGIBLE = 1e-3
 
 
 def stabilities(
@@ -46,9 +47,9 @@ def stabilities(
     options: ModelOptions = DEFAULT_OPTIONS,
     count: int = 0,
 ) -> list[list[Stability | None]]:
-    """Of each posture under each of the loads, with the lowest `count` frequencies.
+    """Stability in each posture under each load, with the lowest `count` frequencies.
 
-    None where the mechanism cannot move as a load says. Raises as `displacements` does.
+    None if the mechanism cannot move as a load requires. Raises as `displacements` does.
     """
     mechanism = postures[0].mechanism
     if not mechanism.loads:
@@ -56,37 +57,37 @@ def stabilities(
     masses = load_masses(model, mechanism, options)
     prepared, legs = prestressed_assembly(model, postures, options)
 
-    found: list[list[Stability | None]] = []
-    for at in postures:
-        solution = solved(prepared.at(at))
+    rows: list[list[Stability | None]] = []
+    for posture in postures:
+        solution = solved(prepared.at(posture))
         row: list[Stability | None] = []
         for load in mechanism.loads:
             try:
-                ones = loading(at, load, masses)
+                loadings = loading(posture, load, masses)
             except ComputationError:
                 row.append(None)
                 continue
-            geometric = geometric_stiffness(solution, ones, legs)
-            row.append(stability(solution, geometric, ones, count))
-        found.append(row)
-    return found
+            geometric = geometric_stiffness(solution, loadings, legs)
+            row.append(stability(solution, geometric, loadings, count))
+        rows.append(row)
+    return rows
 
 
 def prestressed_assembly(
     model: ModelName, postures: Sequence[Posture], options: ModelOptions
 ) -> tuple[Assembly, dict[str, Prestressed]]:
-    """The mechanism with such bodies, and what forces in its legs add to their stiffness."""
+    """Assembly for a model, and the geometric stiffness of the legs due to the forces in them."""
     mechanism = postures[0].mechanism
     if model == "simplified":
         return assembly(on_drives_alone(mechanism), {}), {}
-    # Virtual joints are links where they can be summed.
-    own = static_bodies("links" if model == "vjm" else model, mechanism, options)
-    bodies = {name: filled(body) for name, body in own.items()}
+    # The virtual joint method has the statics of links.
+    body_models = static_bodies("links" if model == "vjm" else model, mechanism, options)
+    bodies = {name: filled(body) for name, body in body_models.items()}
     legs: dict[str, Prestressed] = {}
     for name, leg, _ in constant_legs(mechanism, options):
-        bent = _prestressed(leg, options.theory)
-        bodies[name] = between(bent, dense(own[name].stiffness))
-        legs[name] = bent.geometric_stiffness
+        prestressed = _prestressed(leg, options.theory)
+        bodies[name] = between(prestressed, dense(body_models[name].stiffness))
+        legs[name] = prestressed.geometric_stiffness
     return assembly(released(postures, options)[0].mechanism, bodies), legs
 
 
@@ -95,55 +96,69 @@ def _prestressed(leg: ConstantLeg, theory: Theory) -> PrestressedLeg:
     try:
         properties = leg.properties(theory)
     except ComputationError:
-        # Where the formula of κ does not hold solids have stiff ends all the same.
+        # If the formula of κ does not apply, solids have their end stiffness nonetheless: the beam
+        # between is without shear.
         properties = leg.properties("euler-bernoulli")
     return prestressed_leg(properties, leg.length, _ELEMENTS, _MODES)
 
 
 def stability_notes(
     postures: Sequence[Posture],
-    found: Sequence[Sequence[Stability | None]],
+    rows: Sequence[Sequence[Stability | None]],
     requirement: Requirement,
 ) -> tuple[str, ...]:
-    """A line for each load that takes stiffness: where it is nearest to buckling, and how much.
+    """A line for each load that reduces stiffness: posture nearest to buckling, and the loss.
 
-    `found` in each posture under each load.
+    `rows` has the stability in each posture under each load.
     """
     loads = load_quantities([load.name for load in postures[0].mechanism.loads])
     return tuple(
-        f"Load {load.key}: {'; '.join(said)}"
-        for load, row in zip(loads, zip(*found, strict=True), strict=True)
-        if (known := [(at, one) for at, one in zip(postures, row, strict=True) if one])
-        and (said := [*_said(load, requirement, known)])
+        f"Load {load.key}: {'; '.join(statements)}"
+        for load, row in zip(loads, zip(*rows, strict=True), strict=True)
+        if (
+            solved_postures := [
+                (posture, stability_result)
+                for posture, stability_result in zip(postures, row, strict=True)
+                if stability_result
+            ]
+        )
+        and (statements := [*_statements(load, requirement, solved_postures)])
     )
 
 
-def _said(
-    load: Quantity, requirement: Requirement, found: Sequence[tuple[Posture, Stability]]
+def _statements(
+    load: Quantity, requirement: Requirement, solved_postures: Sequence[tuple[Posture, Stability]]
 ) -> Iterator[str]:
-    lost = np.array([one.stiffness_losses for _, one in found])
-    taken, moved = float(lost.max()), max(abs(one.extra_displacement) for _, one in found)
-    if np.isfinite(lost).all() and max(taken, moved) < _NOTHING:
+    losses = np.array([result.stiffness_losses for _, result in solved_postures])
+    largest_loss, largest_change = (
+        float(losses.max()),
+        max(abs(result.extra_displacement) for _, result in solved_postures),
+    )
+    if np.isfinite(losses).all() and max(largest_loss, largest_change) < _NEGLIGIBLE:
         return
-    buckling = [(one.factor, at, one) for at, one in found if one.factor is not None]
+    buckling = [
+        (result.factor, posture, result)
+        for posture, result in solved_postures
+        if result.factor is not None
+    ]
     if buckling:
-        factor, at, one = min(buckling, key=lambda place: place[0])
-        place = shown_pose(at.mechanism, at.pose)
-        where = f", first at {place}" if place else ""
-        most = next(iter(one.shares))
-        yield f"buckles the robot at {number(factor, 3)} times this load{where}, in {most}"
+        factor, posture, result = min(buckling, key=lambda item: item[0])
+        pose = shown_pose(posture.mechanism, posture.pose)
+        location = f", first at {pose}" if pose else ""
+        portion = next(iter(result.shares))
+        yield f"buckles the robot at {number(factor, 3)} times this load{location}, in {portion}"
     else:
         yield "buckles the robot nowhere"
-    if not np.isfinite(lost).all():
+    if not np.isfinite(losses).all():
         yield "nothing that is said of the robot under it holds"
         return
-    axis = AXES[int(np.argmax(lost.max(axis=0)))]
-    said = (
-        f"takes up to {percent(max(taken, 0.0), signed=False)} of the tool's stiffness ({axis}) "
-        f"and changes its displacement by {percent(moved, signed=False)}, which no linear "
-        "model sees"
+    axis = AXES[int(np.argmax(losses.max(axis=0)))]
+    statement = (
+        f"takes up to {percent(max(largest_loss, 0.0), signed=False)} of the tool's stiffness "
+        f"({axis}) and changes its displacement by {percent(largest_change, signed=False)}, "
+        "which no linear model sees"
     )
     limit = requirement.limit(load)
-    if requirement.absolute(load) is None and moved > limit:
-        said += f": more than the {percent(limit, signed=False)} that are accepted"
-    yield said
+    if requirement.absolute(load) is None and largest_change > limit:
+        statement += f": more than the {percent(limit, signed=False)} that are accepted"
+    yield statement
