@@ -448,9 +448,9 @@ def solve(
         free=free,
     )
     if vary or csv or jobs or picture or cluster is not None:
-        from validation.solve.varied import tell_varied  # noqa: PLC0415
+        from validation.solve.varied import write_varied  # noqa: PLC0415
 
-        tell_varied(question, vary, jobs or 1, cluster, csv, picture, json=json)
+        write_varied(question, vary, jobs or 1, cluster, csv, picture, json=json)
         return 0
     cost = checked(question)
     # Parts are not counted.

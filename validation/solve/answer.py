@@ -28,10 +28,10 @@ Place: TypeAlias = dict[str, float | int | str | list[float]]
 
 
 @dataclass(frozen=True)
-class LeftOpen:
-    """Half-widths, of the diagonal of a 6×6 (SI) and of frequencies (Hz); infinite if unknown.
+class HalfWidths:
+    """Half-widths of the diagonal of a 6×6 (SI) and of frequencies (Hz). Infinite if unknown.
 
-    `loads`: of the six components of displacements under the file's loads, by name.
+    `loads`: half-widths of the six components of displacements under the file's loads, by name.
     """
 
     compliance: Array
@@ -40,11 +40,11 @@ class LeftOpen:
 
     @property
     def known(self) -> bool:
-        """Whether anything is known of them."""
+        """True if the half-widths of the compliance are known."""
         return bool(np.isfinite(self.compliance).all())
 
     def shares_of_loads(self, loads: Mapping[str, Array]) -> dict[str, float]:
-        """What is open of displacements under `loads`, of the length of each; of none nothing."""
+        """Half-widths of displacements under `loads` over their lengths, without zero lengths."""
         lengths = {name: float(np.linalg.norm(loads[name][:3])) for name in self.loads}
         return {
             name: float(np.linalg.norm(self.loads[name][:3])) / length
@@ -54,11 +54,11 @@ class LeftOpen:
 
 
 @dataclass(frozen=True)
-class MeshUncertainty(LeftOpen):
-    """Of 95 % intervals, from the step to a mesh of other `divisions`.
+class MeshUncertainty(HalfWidths):
+    """Half-widths of 95 % intervals, from the step to a mesh of other `divisions`.
 
-    Infinite where that one is too large to be had. `meshes`: the divisions of all from which
-    numbers are extrapolated, where these show an order.
+    Infinite if that mesh is too large. `meshes`: divisions of all meshes from which numbers are
+    extrapolated, if they show an order.
     """
 
     divisions: int
@@ -66,16 +66,16 @@ class MeshUncertainty(LeftOpen):
 
 
 @dataclass(frozen=True)
-class PartUncertainty(LeftOpen):
-    """What the CAD parts of a mechanism leave open: of 95 % intervals by three meshes of each part.
+class PartUncertainty(HalfWidths):
+    """Half-widths of 95 % intervals due to CAD parts, from three meshes of each part.
 
-    Infinite for a part that is a mesh; `bracket`: averaged minus rigid interfaces, where the robot
-    file leaves open how they are held. `reduction`: most by which frequencies are too high for the
-    modes that were dropped; `counted`: by part, how many lie below which frequency
-    (Hz) with its interfaces as `by` says, all of them kept.
+    Infinite for a part that is a mesh. `bracket`: averaged minus rigid interfaces, zero if the
+    robot file specifies the end conditions. `reduction`: bound on the increase of frequencies by
+    dropped modes. `counted`: by part, number of modes below a frequency (Hz) with interfaces `by`
+    (fixed or free), all of them in the reduction basis.
     """
 
-    bracket: LeftOpen
+    bracket: HalfWidths
     reduction: Array
     counted: Mapping[str, tuple[int, float]]
     by: ReductionBy
@@ -112,18 +112,16 @@ class PairedModes(msgspec.Struct, frozen=True):
 class Answer:
     """Compliance (6×6 or 2×2, SI) and frequencies (Hz, ascending) at one posture or of one leg.
 
-    `place` is {"x": m}, {"pose": [m or rad]}, {"leg": 1 or 2} or {"body": name}; `idle` counts the
-    mobilities of a mechanism that do not move its tool; `loads` are displacements of the tool (6, m
-    and rad, base axes) under loads of the file by name, NaN where there is none, `stability` how
-    near to buckling these bring it, None where it cannot; `responses` are its answers to forces
-    that swing, `damped` the complex modes (frequencies, Hz, and loss factors) where anything damps;
-    `strain` maps its drives, joints and bodies to their shares of each mode's strain energy;
-    `paired` has the modes' partners in another model, None if none is asked for; `uncertainty` is
-    that of the mesh of prisms
-    where one is known, None else, `of_parts` that of CAD parts, and `of_digits` what the printed
-    digits of the 6×6 in the robot file leave open at most, to first order.
-    Of a body that nothing holds, `rigid` counts the motions without deformation that `frequencies`
-    leave out, and the compliance is empty.
+    `place` is {"x": m}, {"pose": [m or rad]}, {"leg": 1 or 2} or {"body": name}. `idle`: number of
+    mobilities of a mechanism that do not move its tool. `loads`: displacements of the tool (6, m
+    and rad, base axes) under loads of the file by name, NaN without a solution. `stability`:
+    buckling under these loads, None without a solution. `responses`: receptances of the tool.
+    `damped`: complex modes (frequencies, Hz, and loss factors), None without damping. `strain`:
+    shares of drives, joints and bodies in each mode's strain energy. `paired`: partners of the
+    modes in another model, None unless requested. `uncertainty`: half-widths due to the mesh of
+    prisms, None without such a mesh. `of_parts`: those due to CAD parts. `of_digits`: bounds due to
+    the printed digits of the 6×6 in the robot file, to first order. `rigid`: for a free body, count
+    of rigid-body motions, which are not among `frequencies`; its compliance is empty.
     """
 
     place: Place
@@ -136,7 +134,7 @@ class Answer:
     stability: Mapping[str, Stability | None] = field(default_factory=dict)
     uncertainty: MeshUncertainty | None = None
     of_parts: PartUncertainty | None = None
-    of_digits: LeftOpen | None = None
+    of_digits: HalfWidths | None = None
     strain: Mapping[Portion, Array] = field(default_factory=dict)
     paired: PairedModes | None = None
     rigid: int | None = None
@@ -146,8 +144,8 @@ class Answer:
 class Solution:
     """Answers of one model: an `Answer` for each pose, with the options of the model.
 
-    `accuracy` is the one that was asked for and reached, None if none was asked for. `moves` are
-    the coordinates of a pose with their units, such as "x (m)".
+    `accuracy`: requested and reached accuracy, None unless requested. `moves`: coordinates of a
+    pose with their units, such as "x (m)".
 
     Examples
     --------
@@ -209,7 +207,7 @@ class Solution:
         from validation.solve.solution_plot import solution_plot  # noqa: PLC0415
 
         places = [heading_of(answer.place)[0] for answer in self.answers]
-        deflections = np.array([np.diag(one.compliance)[:3] * 1e9 for one in self.answers])
+        deflections = np.array([np.diag(answer.compliance)[:3] * 1e9 for answer in self.answers])
         count = max(len(answer.frequencies) for answer in self.answers)
         frequencies = [_numbers_or_none(answer.frequencies, count) for answer in self.answers]
         return solution_plot(
@@ -236,11 +234,11 @@ class Solution:
         """
         rows: list[tuple[Cell, ...]] = []
         for answer in self.answers:
-            for name, moved in answer.loads.items():
-                stable = answer.stability.get(name)
-                factor = stable.factor if stable else None
+            for name, displacement in answer.loads.items():
+                stability = answer.stability.get(name)
+                factor = stability.factor if stability else None
                 rows.append(
-                    (heading_of(answer.place)[0], name, *_numbers_or_none(moved, 6), factor)
+                    (heading_of(answer.place)[0], name, *_numbers_or_none(displacement, 6), factor)
                 )
         if not rows:
             raise InputError("load_table: the robot file has no [[loads]]")
@@ -267,25 +265,30 @@ class Solution:
         # Only a picture needs the library that draws it.
         from validation.solve.solution_plot import loads_plot  # noqa: PLC0415
 
-        if not (names := list(dict.fromkeys(name for one in self.answers for name in one.loads))):
+        if not (
+            names := list(dict.fromkeys(name for answer in self.answers for name in answer.loads))
+        ):
             raise InputError("plot_loads: the robot file has no [[loads]]")
-        moved = {
-            name: np.array([1e6 * np.linalg.norm(one.loads[name][:3]) for one in self.answers])
+        displacements = {
+            name: np.array(
+                [1e6 * np.linalg.norm(answer.loads[name][:3]) for answer in self.answers]
+            )
             for name in names
         }
         factors = {
-            name: np.array([_factor(one.stability.get(name)) for one in self.answers])
+            name: np.array([_factor(answer.stability.get(name)) for answer in self.answers])
             for name in names
         }
-        return loads_plot(self._abscissa(), moved, factors)
+        return loads_plot(self._abscissa(), displacements, factors)
 
     def _abscissa(self) -> tuple[Array, str]:
         """The only coordinate that differs between the poses, or their number, with its label."""
         poses = [
-            np.atleast_1d(one.place.get("pose", one.place.get("x", []))) for one in self.answers
+            np.atleast_1d(answer.place.get("pose", answer.place.get("x", [])))
+            for answer in self.answers
         ]
-        alike = len({len(pose) for pose in poses}) == 1
-        changing = np.flatnonzero(np.ptp(poses, axis=0) > 0.0) if alike else np.zeros(0)
+        same_length = len({len(pose) for pose in poses}) == 1
+        changing = np.flatnonzero(np.ptp(poses, axis=0) > 0.0) if same_length else np.zeros(0)
         if len(changing) == 1 and len(self.moves) == len(poses[0]):
             column = int(changing[0])
             return np.array([float(pose[column]) for pose in poses]), self.moves[column]
@@ -313,12 +316,12 @@ class Solution:
 
         several = len(self.answers) > 1
         curves = {
-            f"{one.excitation.name}{f', {heading_of(answer.place)[0]}' if several else ''}": (
-                one.excitation.frequencies,
-                one.receptance,
+            f"{response.excitation.name}{f', {heading_of(answer.place)[0]}' if several else ''}": (
+                response.excitation.frequencies,
+                response.receptance,
             )
             for answer in self.answers
-            for one in answer.responses
+            for response in answer.responses
         }
         if not curves:
             raise InputError("plot_responses: the robot file has no [[responses]]")
@@ -344,9 +347,9 @@ class Solution:
         return html_paragraph(f"{self.robot}, {self.model}") + html_table(headings, rows)
 
 
-def _factor(stable: Stability | None) -> float:
+def _factor(stability: Stability | None) -> float:
     """Buckling factor; NaN if there is none."""
-    return np.nan if stable is None or stable.factor is None else stable.factor
+    return np.nan if stability is None or stability.factor is None else stability.factor
 
 
 def _numbers_or_none(values: Array, count: int) -> list[float | None]:
@@ -356,17 +359,17 @@ def _numbers_or_none(values: Array, count: int) -> list[float | None]:
 
 
 def deflection_texts(answer: Answer) -> list[str]:
-    """µm along x, y and, where it is known, z, each under its own load of 1000 N."""
+    """Deflections (µm) along x, y and, if known, z, each under a force of 1000 N along it."""
     return [f"{without_round_off(value * 1e9):.4g}" for value in np.diag(answer.compliance)[:3]]
 
 
 def without_round_off(micro: float) -> float:
-    """Without what rounding leaves of nothing: less than 1e-12 µm or µrad."""
+    """The number (µm or µrad) rounded to 1e-12, so that round-off about zero reads as zero."""
     return round(float(micro), 12) + 0.0
 
 
 def heading_of(place: Place, *, free: bool = False) -> tuple[str, str]:
-    """What is looked at and how it is held, and where and in which axes the answer is given."""
+    """Subject of an answer with its end conditions, and the point and axes of its compliance."""
     match place:
         case {"leg": number} if free:
             return f"leg {number}, nothing held", ""

@@ -11,7 +11,7 @@ from lumped.arrays import Array
 from lumped.errors import ComputationError
 from lumped.system.response import ToolResponse
 from lumped.system.stability import Stability
-from validation.solve.answer import Answer, LeftOpen, MeshUncertainty, Solution
+from validation.solve.answer import Answer, HalfWidths, MeshUncertainty, Solution
 
 
 def as_json(solution: Solution) -> str:
@@ -41,32 +41,33 @@ def finite_json(document: Any) -> str:
 
 def answer_record(answer: Answer) -> dict[str, Any]:
     """An answer's entry in the results; an infinite frequency is null."""
-    found: dict[str, Any] = {
+    record: dict[str, Any] = {
         **answer.place,
         "compliance": answer.compliance.tolist(),
         "frequencies": [f if np.isfinite(f) else None for f in answer.frequencies.tolist()],
     }
     if answer.idle is not None:
-        found["idle"] = answer.idle
+        record["idle"] = answer.idle
     if answer.rigid is not None:
-        del found["compliance"]
-        found["rigid"] = answer.rigid
+        del record["compliance"]
+        record["rigid"] = answer.rigid
     if answer.loads:
-        found["loads"] = {
-            name: {"displacement": _numbers(moved)} | _stability_record(answer.stability.get(name))
-            for name, moved in answer.loads.items()
+        record["loads"] = {
+            name: {"displacement": _numbers(displacement)}
+            | _stability_record(answer.stability.get(name))
+            for name, displacement in answer.loads.items()
         }
     if answer.damped:
-        frequencies, losses = (one.tolist() for one in answer.damped)
-        found["damped"] = {"frequencies": frequencies, "losses": losses}
+        frequencies, losses = (values.tolist() for values in answer.damped)
+        record["damped"] = {"frequencies": frequencies, "losses": losses}
     if answer.responses:
-        found["responses"] = {
-            one.excitation.name: _response_record(one) for one in answer.responses
+        record["responses"] = {
+            values.excitation.name: _response_record(values) for values in answer.responses
         }
     if (mesh := answer.uncertainty) is not None:
-        found["uncertainty"] = _mesh_record(mesh) if mesh.known else None
+        record["uncertainty"] = _mesh_record(mesh) if mesh.known else None
     if (parts := answer.of_parts) is not None:
-        found["parts"] = {
+        record["parts"] = {
             "uncertainty": _half_widths(parts) if parts.known else None,
             "averaged_less_rigid": _half_widths(parts.bracket),
             "reduction": parts.reduction.tolist(),
@@ -76,63 +77,67 @@ def answer_record(answer: Answer) -> dict[str, Any]:
             },
         }
     if (digits := answer.of_digits) is not None:
-        found["digits"] = _half_widths(digits)
+        record["digits"] = _half_widths(digits)
     if answer.strain:
-        found["strain"] = {str(part): share.tolist() for part, share in answer.strain.items()}
+        record["strain"] = {str(part): share.tolist() for part, share in answer.strain.items()}
     if answer.paired:
-        found["partners"] = msgspec.to_builtins(answer.paired)
-    return found
+        record["partners"] = msgspec.to_builtins(answer.paired)
+    return record
 
 
-def _half_widths(left_open: LeftOpen) -> dict[str, Any]:
+def _half_widths(half_widths: HalfWidths) -> dict[str, Any]:
     """Half-widths of the diagonal of a compliance, of frequencies and of displacements."""
     record: dict[str, Any] = {
-        "compliance": left_open.compliance.tolist(),
-        "frequencies": left_open.frequencies.tolist(),
+        "compliance": half_widths.compliance.tolist(),
+        "frequencies": half_widths.frequencies.tolist(),
     }
-    if left_open.loads:
-        record["loads"] = {name: _numbers(left) for name, left in left_open.loads.items()}
+    if half_widths.loads:
+        record["loads"] = {name: _numbers(sizes) for name, sizes in half_widths.loads.items()}
     return record
 
 
 def _mesh_record(mesh: MeshUncertainty) -> dict[str, Any]:
     """Half-widths with the divisions of the meshes that they are from."""
-    shown = {"extrapolated_from": list(mesh.meshes)} if mesh.meshes else {}
-    return {"divisions": mesh.divisions} | _half_widths(mesh) | shown
+    extrapolation = {"extrapolated_from": list(mesh.meshes)} if mesh.meshes else {}
+    return {"divisions": mesh.divisions} | _half_widths(mesh) | extrapolation
 
 
-def _response_record(one: ToolResponse) -> dict[str, Any]:
-    """Receptance (m/N) over frequencies (Hz), its peak, None where it has no bound or is none."""
-    height, frequency, *at = one.judged
-    found: dict[str, Any] = {
-        "frequencies": one.excitation.frequencies.tolist(),
-        "real": one.receptance.real.tolist(),
-        "imaginary": one.receptance.imag.tolist(),
+def _response_record(response: ToolResponse) -> dict[str, Any]:
+    """Receptance (m/N) over frequencies (Hz), and its peak. None for a number that is infinite."""
+    height, frequency, *excitation_point = response.judged
+    record: dict[str, Any] = {
+        "frequencies": response.excitation.frequencies.tolist(),
+        "real": response.receptance.real.tolist(),
+        "imaginary": response.receptance.imag.tolist(),
         "peak": {
             name: number if np.isfinite(number) else None
             for name, number in (("size", height), ("frequency", frequency))
         },
     }
-    return found | ({"at": {"size": at[0], "frequency": one.excitation.at}} if at else {})
+    return record | (
+        {"at": {"size": excitation_point[0], "frequency": response.excitation.at}}
+        if excitation_point
+        else {}
+    )
 
 
-def _stability_record(found: Stability | None) -> dict[str, Any]:
-    """What goes beside a displacement; a mechanism that has buckled has no stiffness."""
-    if found is None:
+def _stability_record(stability: Stability | None) -> dict[str, Any]:
+    """Buckling and loss of stiffness under a load. A buckled mechanism has no stiffness."""
+    if stability is None:
         return {}
-    stands = bool(np.isfinite(found.stiffness_losses).all())
+    stands = bool(np.isfinite(stability.stiffness_losses).all())
     record: dict[str, Any] = {
         "buckling": {
-            "factor": found.factor,
-            "reversed": found.reversed,
-            "body": next(iter(found.shares), None),
-            "shares": found.shares,
+            "factor": stability.factor,
+            "reversed": stability.reversed,
+            "body": next(iter(stability.shares), None),
+            "shares": stability.shares,
         },
-        "stiffness_lost": found.stiffness_losses.tolist() if stands else None,
-        "farther": found.extra_displacement if stands else None,
+        "stiffness_lost": stability.stiffness_losses.tolist() if stands else None,
+        "farther": stability.extra_displacement if stands else None,
     }
-    if len(found.frequencies):
-        record["frequencies"] = found.frequencies.tolist()
+    if len(stability.frequencies):
+        record["frequencies"] = stability.frequencies.tolist()
     return record
 
 

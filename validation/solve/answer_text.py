@@ -8,7 +8,7 @@ from lumped.system.stability import Stability
 from validation.models.options import ModelName
 from validation.solve.answer import (
     Answer,
-    LeftOpen,
+    HalfWidths,
     ModePair,
     PartUncertainty,
     Solution,
@@ -17,16 +17,16 @@ from validation.solve.answer import (
     without_round_off,
 )
 
-# Parts that are named of those that carry a mode: how many, and from which share on.
-_MOST_PARTS, _TOLD = 3, 0.005
-# Share of a stiffness from which on it is told that a load takes it.
-_WORTH_TELLING = 5e-5
+# Largest number of parts listed for a mode, and smallest listed share of its energy.
+_LISTED_PARTS, _SMALLEST_SHARE = 3, 0.005
+# Smallest listed share of a stiffness that a load takes.
+_SMALLEST_LOSS = 5e-5
 
 
 def as_text(solution: Solution) -> str:
     """The answers for people: deflections at 1000 N, the compliance, the frequencies."""
-    heard = ", ".join(f"{name} {value}" for name, value in solution.options.items())
-    lines = [f"{solution.robot}, {solution.model}" + (f" ({heard})" if heard else "")]
+    options = ", ".join(f"{name} {value}" for name, value in solution.options.items())
+    lines = [f"{solution.robot}, {solution.model}" + (f" ({options})" if options else "")]
     lines += [solution.accuracy.text] if solution.accuracy else []
     for answer in solution.answers:
         lines += ["", *_answer_lines(answer, solution.model)]
@@ -53,10 +53,16 @@ def _answer_lines(answer: Answer, model: ModelName) -> list[str]:
     lines = _static_lines(answer)
     if answer.loads:
         lines.append("  displacement (µm, µrad) under the loads of the robot file:")
-        lines += [f"    {name}: {_moved_text(moved)}" for name, moved in answer.loads.items()]
+        lines += [
+            f"    {name}: {_displacement_text(displacement)}"
+            for name, displacement in answer.loads.items()
+        ]
         bending = "rigid legs" if model == "simplified" else "legs bending as beams"
         lines.append(f"  stability under them, {bending} between their ends:")
-        lines += [f"    {name}: {_stability_text(one)}" for name, one in answer.stability.items()]
+        lines += [
+            f"    {name}: {_stability_text(stability)}"
+            for name, stability in answer.stability.items()
+        ]
     if len(answer.frequencies):
         listed = ", ".join(f"{value:.5g}" for value in answer.frequencies)
         lines.append(f"  natural frequencies (Hz): {listed}")
@@ -66,7 +72,7 @@ def _answer_lines(answer: Answer, model: ModelName) -> list[str]:
         lines.append(f"  loss factors of the modes (%): {listed}")
     if answer.responses:
         lines.append("  responses of the tool (µm/N) to the harmonic forces of the robot file:")
-        lines += [f"    {_response_text(one)}" for one in answer.responses]
+        lines += [f"    {_response_text(stability)}" for stability in answer.responses]
     if answer.idle:
         lines.append(f"  idle mobilities, which do not move the tool: {answer.idle}")
     if (mesh := answer.uncertainty) is not None:
@@ -93,63 +99,69 @@ def _answer_lines(answer: Answer, model: ModelName) -> list[str]:
     return lines
 
 
-def _moved_text(moved: Array) -> str:
+def _displacement_text(displacement: Array) -> str:
     """Displacement, its whole length and rotation."""
-    if not np.isfinite(moved).all():
+    if not np.isfinite(displacement).all():
         return (
             "none: the mechanism cannot move that way here, or the load has no wrench for this pose"
         )
     names = ("x", "y", "z", "φx", "φy", "φz")
-    micro = [without_round_off(1e6 * value) for value in moved]
-    told = [f"{name} {value:.4g}" for name, value in zip(names, micro, strict=True)]
-    told.insert(3, f"{1e6 * np.linalg.norm(moved[:3]):.4g} in all")
-    return ", ".join(told)
+    micro = [without_round_off(1e6 * value) for value in displacement]
+    texts = [f"{name} {value:.4g}" for name, value in zip(names, micro, strict=True)]
+    texts.insert(3, f"{1e6 * np.linalg.norm(displacement[:3]):.4g} in all")
+    return ", ".join(texts)
 
 
-def _response_text(one: ToolResponse) -> str:
-    """The peak, and the size at the frequency that is asked for."""
-    height, frequency, *at = one.judged
+def _response_text(response: ToolResponse) -> str:
+    """Peak of a receptance, and its size at the requested frequency."""
+    height, frequency, *size_at_frequency = response.judged
     if not height:
-        return f"{one.excitation.name}: none, the tool is rigid there"
+        return f"{response.excitation.name}: none, the tool is rigid there"
     peak = f"{1e6 * height:.4g}" if np.isfinite(height) else "without bound"
-    there = f", {1e6 * at[0]:.4g} at {one.excitation.at:.5g} Hz" if at else ""
-    return f"{one.excitation.name}: peak {peak} at {frequency:.5g} Hz{there}"
+    suffix = (
+        f", {1e6 * size_at_frequency[0]:.4g} at {response.excitation.at:.5g} Hz"
+        if size_at_frequency
+        else ""
+    )
+    return f"{response.excitation.name}: peak {peak} at {frequency:.5g} Hz{suffix}"
 
 
-def _stability_text(found: Stability | None) -> str:
-    """When it buckles, where most, and the stiffness of the tool that the load takes."""
-    if found is None:
+def _stability_text(stability: Stability | None) -> str:
+    """Buckling factor, bodies with the largest shares, and the tool's loss of stiffness."""
+    if stability is None:
         return "none, the mechanism cannot move that way here"
-    said = "does not buckle"
-    if found.factor is not None:
-        where = list(found.shares.items())[:_MOST_PARTS]
-        told = ", ".join(f"{name} {100.0 * share:.0f} %" for name, share in where if share >= _TOLD)
-        said = f"buckles at {found.factor:.4g} times the load ({told})"
-    if not np.isfinite(found.stiffness_losses).all():
-        return f"{said}; no stiffness is left"
+    buckling = "does not buckle"
+    if stability.factor is not None:
+        largest = list(stability.shares.items())[:_LISTED_PARTS]
+        shares = ", ".join(
+            f"{name} {100.0 * share:.0f} %" for name, share in largest if share >= _SMALLEST_SHARE
+        )
+        buckling = f"buckles at {stability.factor:.4g} times the load ({shares})"
+    if not np.isfinite(stability.stiffness_losses).all():
+        return f"{buckling}; no stiffness is left"
     names = ("x", "y", "z", "φx", "φy", "φz")
-    worth = [
+    losses = [
         f"{name} {100.0 * share:.2g} %"
-        for name, share in zip(names, found.stiffness_losses, strict=True)
-        if abs(share) >= _WORTH_TELLING
+        for name, share in zip(names, stability.stiffness_losses, strict=True)
+        if abs(share) >= _SMALLEST_LOSS
     ]
-    lost = f"takes {', '.join(worth)} of the stiffness" if worth else "takes no stiffness"
-    more = ", ".join(f"{value:.5g}" for value in found.frequencies)
-    return f"{said}; {lost}" + (f"; then {more} Hz" if more else "")
+    loss = f"takes {', '.join(losses)} of the stiffness" if losses else "takes no stiffness"
+    frequencies = ", ".join(f"{value:.5g}" for value in stability.frequencies)
+    return f"{buckling}; {loss}" + (f"; then {frequencies} Hz" if frequencies else "")
 
 
 def _mode_lines(answer: Answer) -> list[str]:
-    """What carries most of each mode's strain energy, and which mode of another model it is."""
+    """Bodies with most of each mode's strain energy, and partners in another model."""
     lines = []
     if answer.strain:
         names, shares = list(answer.strain), np.array(list(answer.strain.values()))
         lines.append("  most of their strain energy in:")
         for mode, column in enumerate(shares.T, start=1):
             # Shares that are equal but for rounding stand in the order of the file.
-            largest = np.argsort(-column.round(6), kind="stable")[:_MOST_PARTS]
-            told = [i for i in largest if column[i] >= _TOLD]
-            said = ", ".join(f"{names[i]} {100.0 * column[i]:.0f} %" for i in told)
-            lines.append(f"    {mode}: {said}")
+            largest = np.argsort(-column.round(6), kind="stable")[:_LISTED_PARTS]
+            leading = [i for i in largest if column[i] >= _SMALLEST_SHARE]
+            text = ", ".join(f"{names[i]} {100.0 * column[i]:.0f} %" for i in leading)
+            lines.append(f"    {mode}: {text}")
     if answer.paired:
         lines.append(f"  the same modes by the {answer.paired.against} model:")
         lines += [
@@ -159,12 +171,12 @@ def _mode_lines(answer: Answer) -> list[str]:
 
 
 def _partner(pair: ModePair) -> str:
-    """The partner of a mode, or why it has none."""
+    """The partner of a mode, or the reason that it has none."""
     if pair.undecided:
         return "several modes have the shape of one, which of them it is is open"
     if pair.local:
-        whole = f"{100.0 * pair.seen:.2g} % of its kinetic energy"
-        return f"none, a local mode ({whole} in whole cross-sections and bodies)"
+        share = f"{100.0 * pair.seen:.2g} % of its kinetic energy"
+        return f"none, a local mode ({share} in whole cross-sections and bodies)"
     if not pair.partner:
         return "none of this shape"
     partner = f"mode {pair.partner}, {pair.frequency:.5g} Hz"
@@ -174,39 +186,41 @@ def _partner(pair: ModePair) -> str:
     return partner
 
 
-def _part_lines(answer: Answer, found: PartUncertainty) -> list[str]:
-    """What meshes, holding and reduction of CAD parts leave open."""
-    if found.known:
+def _part_lines(answer: Answer, parts: PartUncertainty) -> list[str]:
+    """Uncertainty due to meshes, end conditions and reduction of CAD parts."""
+    if parts.known:
         lines = ["  uncertainty of the parts' meshes (95 %, from three of each):"]
-        lines += _share_lines(answer, found)
+        lines += _share_lines(answer, parts)
     else:
         lines = ["  uncertainty of the parts' meshes: not known: a given mesh cannot be refined"]
-    if found.bracket.compliance.any():
+    if parts.bracket.compliance.any():
         lines.append("  averaged minus rigid interfaces, where the robot file leaves it open:")
-        lines += _share_lines(answer, found.bracket, "+.2g")
-    if found.counted and len(answer.frequencies):
+        lines += _share_lines(answer, parts.bracket, "+.2g")
+    if parts.counted and len(answer.frequencies):
         counts = ", ".join(
-            f"{name} {count} below {below:.4g} Hz" for name, (count, below) in found.counted.items()
+            f"{name} {count} below {below:.4g} Hz" for name, (count, below) in parts.counted.items()
         )
-        most = 100.0 * float(np.max(found.reduction / answer.frequencies))
+        largest_change = 100.0 * float(np.max(parts.reduction / answer.frequencies))
         lines.append(
-            f"  modes of the parts with interfaces {found.by}, counted and all kept: {counts};"
+            f"  modes of the parts with interfaces {parts.by}, counted and all kept: {counts};"
         )
-        lines.append(f"    those dropped lower no frequency by more than {most:.1g} %")
+        lines.append(f"    those dropped lower no frequency by more than {largest_change:.1g} %")
     return lines
 
 
-def _share_lines(answer: Answer, left_open: LeftOpen, digits: str = ".2g") -> list[str]:
+def _share_lines(answer: Answer, half_widths: HalfWidths, digits: str = ".2g") -> list[str]:
     """Shares of the diagonal of the compliance and of the frequencies, in percent."""
-    shares = 100.0 * left_open.compliance / np.abs(np.diag(answer.compliance))
+    shares = 100.0 * half_widths.compliance / np.abs(np.diag(answer.compliance))
     lines = []
     if len(shares):
-        named = zip(("x", "y", "z", "φx", "φy", "φz"), shares, strict=True)
-        lines.append("    " + ", ".join(f"{name} {share:{digits}} %" for name, share in named))
+        named_shares = zip(("x", "y", "z", "φx", "φy", "φz"), shares, strict=True)
+        lines.append(
+            "    " + ", ".join(f"{name} {share:{digits}} %" for name, share in named_shares)
+        )
     if len(answer.frequencies):
-        shares = 100.0 * left_open.frequencies / answer.frequencies
+        shares = 100.0 * half_widths.frequencies / answer.frequencies
         lines.append("    frequencies " + ", ".join(f"{share:{digits}} %" for share in shares))
-    if shares_of_loads := left_open.shares_of_loads(answer.loads):
-        told = (f"{name} {100.0 * share:.2g} %" for name, share in shares_of_loads.items())
-        lines.append("    under loads " + ", ".join(told))
+    if shares_of_loads := half_widths.shares_of_loads(answer.loads):
+        texts = (f"{name} {100.0 * share:.2g} %" for name, share in shares_of_loads.items())
+        lines.append("    under loads " + ", ".join(texts))
     return lines

@@ -1,7 +1,7 @@
-"""What a model will cost, told before it is built: unknowns, memory and time.
+"""Cost of a model, estimated before it is built: unknowns, memory and time.
 
-The counts of a solid's mesh follow from the blocks of its section; what its factor takes was
-measured on legs of all shapes. Times are those of one ordinary core, good to a factor of three.
+The counts of a solid's mesh follow from the blocks of its section. The cost of its factor was
+measured on legs of all shapes. Times are for one ordinary core, within a factor of three.
 """
 
 from dataclasses import dataclass
@@ -26,7 +26,7 @@ _DENSE_COPIES, _DENSE_FLOPS = 6.0, 12.0
 # Estimated seconds of one answer, and of one more mesh that --accuracy makes.
 LONGEST, LONGEST_REFINEMENT = 3600.0, 600.0
 _HOUR = 3600.0
-# Seconds of a CAD part that nothing is kept of.
+# Seconds for a CAD part that is not in the cache.
 PER_PART = 15.0
 
 
@@ -71,13 +71,13 @@ def dense_cost(unknowns: int, postures: int) -> Cost:
     return Cost(n, 8.0 * _DENSE_COPIES * n**2, seconds)
 
 
-def require_affordable(cost: Cost, what: str, longest: float = LONGEST) -> None:
+def require_affordable(cost: Cost, subject: str, longest: float = LONGEST) -> None:
     """Raise InputError, with the estimate, beyond the available memory or `longest` (s)."""
     available = available_memory() or inf
     if cost.memory > available:
         raise InputError(
-            f"{what}: {cost}, more than the {available / 1e9:.2g} GB of memory available"
+            f"{subject}: {cost}, more than the {available / 1e9:.2g} GB of memory available"
         )
     if cost.seconds > longest:
         minutes = longest / 60.0
-        raise InputError(f"{what}: {cost}, more than the {minutes:g} minutes that it may take")
+        raise InputError(f"{subject}: {cost}, more than the {minutes:g} minutes that it may take")

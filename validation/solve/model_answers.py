@@ -1,4 +1,4 @@
-"""One model of a robot in the poses asked for, or of one of its bodies."""
+"""Answers of one model of a robot in the requested poses, or of one of its bodies."""
 
 from collections.abc import Sequence
 from contextlib import suppress
@@ -28,7 +28,7 @@ from validation.models.robot_models import (
 )
 from validation.models.roundings import roundings_of
 from validation.solids.solid_legs import formal_order
-from validation.solve.answer import Answer, LeftOpen, Place, Solution
+from validation.solve.answer import Answer, HalfWidths, Place, Solution
 from validation.solve.cost import (
     LONGEST,
     LONGEST_REFINEMENT,
@@ -48,9 +48,9 @@ _FEW_ELEMENTS = 6
 
 
 def checked(question: Question) -> Cost:
-    """What the answer will cost.
+    """Estimated cost of the answer.
 
-    Raises InputError, all faults of the question at once, or where it costs too much.
+    Raises InputError with all faults of the question at once, or if the cost is too high.
     """
     if faults := question.faults():
         raise InputError(faults)
@@ -58,9 +58,9 @@ def checked(question: Question) -> Cost:
 
 
 def solve(question: Question) -> Solution:
-    """The model's answers; unless `modes` are asked for, as many as there are of six.
+    """Solution of the model. Without `modes`, it has six modes, or all if there are fewer.
 
-    Raises InputError as `checked` does, ComputationError where the drives do not hold the tool.
+    Raises InputError like `checked`, and ComputationError if the drives do not hold the tool.
     """
     checked(question)
     if question.modes is not None:
@@ -73,76 +73,86 @@ def solve(question: Question) -> Solution:
 
 def _solved(question: Question) -> Solution:
     if "ends" in question.given:
-        question = _of(question, _without_own_ends(question.mechanism))
-    reached = None
+        question = _with_mechanism(question, _without_end_conditions(question.mechanism))
+    accuracy = None
     if question.accuracy is None:
-        _, found = _on_its_mesh(question, {})
+        _, solved = _answers_with_uncertainty(question, {})
     else:
         meshes: dict[int, list[Answer]] = {}
-        (question, found), reached = refined(
+        (question, solved), accuracy = refined(
             question,
-            lambda one: _on_its_mesh(one, meshes),
-            _left_open,
+            lambda one: _answers_with_uncertainty(one, meshes),
+            _largest_half_width,
             _finer,
             question.accuracy,
         )
     options = asdict(question.options)
-    heard = {name: value for name, value in options.items() if name in question.listens}
+    effective = {name: value for name, value in options.items() if name in question.listens}
     if question.digits and question.model != "simplified":
-        found = _with_digits(question, question.postures(), found)
+        solved = _with_digits(question, question.postures(), solved)
     tool = question.mechanism.tool
     moves = tuple(f"{move} ({UNITS_OF_MOVES[move]})" for move in tool.moves)
-    return Solution(question.mechanism.name, question.model, heard, tuple(found), reached, moves)
+    return Solution(
+        question.mechanism.name, question.model, effective, tuple(solved), accuracy, moves
+    )
 
 
-def _on_its_mesh(
+def _answers_with_uncertainty(
     question: Question, meshes: dict[int, list[Answer]]
 ) -> tuple[Question, list[Answer]]:
-    """The answers, of solids with what their meshes leave open; `meshes` gather those of each."""
+    """The answers, for solids with mesh uncertainty; `meshes` collects the answers by divisions."""
     if question.mechanism.parts:
         # Parts have other meshes every time: no step is that of the divisions alone.
         meshes = {}
-    at = question.postures()
-    found, options = _answers(question, at), question.options
+    postures = question.postures()
+    solved, options = _answers(question, postures), question.options
     if question.model == "solid" and (legs := _shapes(question)):
         divisions = beside(options, legs)
-        others = meshes.get(divisions) or _on_other_mesh(question, at, divisions)
-        meshes |= {options.divisions: found} | ({divisions: others} if others else {})
-        found = with_uncertainty(found, others, legs, options, divisions)
-        found = extrapolated(found, meshes, legs, options)
-    return question, found
+        other_mesh = meshes.get(divisions) or _on_other_mesh(question, postures, divisions)
+        meshes |= {options.divisions: solved} | ({divisions: other_mesh} if other_mesh else {})
+        solved = with_uncertainty(solved, other_mesh, legs, options, divisions)
+        solved = extrapolated(solved, meshes, legs, options)
+    return question, solved
 
 
-def _left_open(found: tuple[Question, list[Answer]]) -> float:
-    """The largest relative half-width of all answers that meshes leave."""
+def _largest_half_width(solved: tuple[Question, list[Answer]]) -> float:
+    """The largest relative half-width of all answers due to meshes."""
     shares = [
         abs(share)
-        for one in found[1]
-        for left in (one.uncertainty, one.of_parts)
-        if left is not None
+        for answer in solved[1]
+        for half_widths in (answer.uncertainty, answer.of_parts)
+        if half_widths is not None
         for share in (
-            *(np.concatenate([left.compliance, left.frequencies]) / _sizes(one)),
-            *left.shares_of_loads(one.loads).values(),
+            *(
+                np.concatenate([half_widths.compliance, half_widths.frequencies])
+                / _compliance_and_frequencies(answer)
+            ),
+            *half_widths.shares_of_loads(answer.loads).values(),
         )
     ]
     return float(np.max(shares, initial=0.0))
 
 
 def _finer(question: Question, factor: float) -> Question:
-    """The question on meshes that leave so many times less open, of at most twice the divisions.
+    """The question with meshes whose half-widths are `factor` times smaller.
 
-    Raises InputError where it takes too much, or a part is a mesh, which has no finer one.
+    Divisions grow at most by a factor of two. Raises InputError if the cost is too high, or if a
+    part is given as a mesh, which cannot be refined.
     """
     if question.alone is None:
-        question = _of(question, with_finer_parts(question.mechanism, factor))
-    own, legs = question.options.divisions, _shapes(question)
+        question = _with_mechanism(question, with_finer_parts(question.mechanism, factor))
+    divisions, legs = question.options.divisions, _shapes(question)
     if not legs:
         return question
     order = min(formal_order(leg, question.options.ends) for leg in legs)
     # The fewest divisions that promise enough; where these are too many, as many as there can be.
-    wanted = min(max(ceil(own * factor ** (1.0 / order)), own + 1), 2 * own)
-    given = [{**question.given, "divisions": one} for one in range(wanted, own, -1)]
-    return _affordable([replace(question, given=one) for one in given])
+    wanted_divisions = min(
+        max(ceil(divisions * factor ** (1.0 / order)), divisions + 1), 2 * divisions
+    )
+    options = [
+        {**question.given, "divisions": count} for count in range(wanted_divisions, divisions, -1)
+    ]
+    return _affordable([replace(question, given=count) for count in options])
 
 
 def _affordable(questions: Sequence[Question]) -> Question:
@@ -159,74 +169,86 @@ def _affordable(questions: Sequence[Question]) -> Question:
 
 
 def _on_other_mesh(
-    question: Question, at: Sequence[Posture], divisions: int
+    question: Question, postures: Sequence[Posture], divisions: int
 ) -> list[Answer] | None:
-    """The answers on a mesh of other `divisions`, None where a finer one is too large to be had."""
+    """The answers on a mesh of other `divisions`. None if a finer mesh is too large."""
     other = replace(question, given={**question.given, "divisions": divisions}, against=None)
     if divisions > question.options.divisions:
         try:
             _cost(other)
         except InputError:
             return None
-    return _answers(other, at, whole=False)
+    return _answers(other, postures, with_parts=False)
 
 
-def _answers(question: Question, at: Sequence[Posture], *, whole: bool = True) -> list[Answer]:
-    """The answers, `whole` with what parts among solids leave open."""
+def _answers(
+    question: Question, postures: Sequence[Posture], *, with_parts: bool = True
+) -> list[Answer]:
+    """The answers; with `with_parts`, solids have the uncertainty of CAD parts."""
     if question.alone is not None:
-        return [_of_body(question, question.alone)]
+        return [_body_answer(question, question.alone)]
     model, count, options = question.model, question.count, question.options
-    found = mechanism_modes(model, at, count, options) if count else []
-    told = [
+    modes = mechanism_modes(model, postures, count, options) if count else []
+    solved = [
         Answer(
-            _place(question, one.posture),
-            _shown(question, one.compliance),
-            one.modes.frequencies if isinstance(one, PostureModes) else one.frequencies,
-            one.idle,
-            strain=one.strain if isinstance(one, PostureModes) else {},
-            **(_damped(one) if isinstance(one, PostureModes) else {}),
+            _place(question, answer.posture),
+            _defined_compliance(question, answer.compliance),
+            answer.modes.frequencies if isinstance(answer, PostureModes) else answer.frequencies,
+            answer.idle,
+            strain=answer.strain if isinstance(answer, PostureModes) else {},
+            **(_damped(answer) if isinstance(answer, PostureModes) else {}),
         )
-        for one in found or answers(model, at, 0, options)
+        for answer in modes or answers(model, postures, 0, options)
     ]
     if loads := question.mechanism.loads:
         names = [load.name for load in loads]
-        moved = displacements(model, at, options)
+        displaced = displacements(model, postures, options)
         # Frequencies of other models have a stiffness inside their legs that is not a beam's.
-        held = stabilities(model, at, options, count if model == "beam" else 0)
-        told = [
+        stability_by_posture = stabilities(
+            model, postures, options, count if model == "beam" else 0
+        )
+        solved = [
             replace(
-                one,
-                loads=dict(zip(names, own, strict=True)),
+                answer,
+                loads=dict(zip(names, displacement, strict=True)),
                 stability=dict(zip(names, near, strict=True)),
             )
-            for one, own, near in zip(told, moved, held, strict=True)
+            for answer, displacement, near in zip(
+                solved, displaced, stability_by_posture, strict=True
+            )
         ]
     if question.against:
         # Rooms of the verdict, slow to load, that no other answer needs.
         from validation.solve.pairs import paired  # noqa: PLC0415
 
-        pairs = paired(found, question.against, options)
-        told = [replace(one, paired=own) for one, own in zip(told, pairs, strict=True)]
-    if whole and model == "solid" and question.mechanism.parts:
-        solids = found[0].system.models if found else None
+        pairs = paired(modes, question.against, options)
+        solved = [
+            replace(answer, paired=pair_list)
+            for answer, pair_list in zip(solved, pairs, strict=True)
+        ]
+    if with_parts and model == "solid" and question.mechanism.parts:
+        solids = modes[0].system.models if modes else None
         solids = solids or static_bodies(model, question.mechanism, options)
         from validation.solve.part_uncertainty import of_parts  # noqa: PLC0415
 
-        parts = of_parts(at, solids, count, options.reduction)
-        told = [replace(one, of_parts=own) for one, own in zip(told, parts, strict=True)]
-    return told
+        parts = of_parts(postures, solids, count, options.reduction)
+        solved = [
+            replace(answer, of_parts=part_uncertainty)
+            for answer, part_uncertainty in zip(solved, parts, strict=True)
+        ]
+    return solved
 
 
-def _damped(found: PostureModes) -> dict[str, Any]:
-    """Responses, and frequencies (Hz) and loss factors of as many complex modes, where damped."""
-    count = len(found.modes.frequencies)
-    if not count or not found.posture.mechanism.is_damped:
+def _damped(modes: PostureModes) -> dict[str, Any]:
+    """Responses, and frequencies (Hz) and loss factors of complex modes. Empty without damping."""
+    count = len(modes.modes.frequencies)
+    if not count or not modes.posture.mechanism.is_damped:
         return {}
-    known = found.damped.frequencies[:count], found.damped.losses[:count]
-    return {"responses": found.responses, "damped": known}
+    complex_modes = modes.damped.frequencies[:count], modes.damped.losses[:count]
+    return {"responses": modes.responses, "damped": complex_modes}
 
 
-def _of_body(question: Question, name: str) -> Answer:
+def _body_answer(question: Question, name: str) -> Answer:
     model, count, options = question.model, question.count, question.options
     leg = leg_of(question.mechanism.bodies[name])
     if isinstance(leg, ConstantLeg) and leg.ends is not None:
@@ -240,92 +262,99 @@ def _of_body(question: Question, name: str) -> Answer:
 
 
 def _shapes(question: Question) -> list[ConstantLeg]:
-    """The legs that are asked about, those that are alike once."""
+    """The legs of the question, equal ones once."""
     legs = constant_legs(question.mechanism, question.options)
     return list({leg: None for name, leg, _ in legs if question.alone in (None, name)})
 
 
-def _of(question: Question, mechanism: Mechanism) -> Question:
-    """The same asked of another robot."""
+def _with_mechanism(question: Question, mechanism: Mechanism) -> Question:
+    """The question with another robot."""
     return replace(question, robot_file=replace(question.robot_file, mechanism=mechanism))
 
 
 def _with_digits(
-    question: Question, at: Sequence[Posture], found: Sequence[Answer]
+    question: Question, postures: Sequence[Posture], solved: Sequence[Answer]
 ) -> list[Answer]:
-    """The answers with what the digits of the file's 6×6 leave open, where they leave something.
+    """The answers with bounds due to the printed digits of the file's 6×6, if there are any.
 
-    By the model itself, of few elements, of solids by beams in their place: what a 6×6 changes is a
-    small share, and which share it is depends little on the model.
+    Computed by the model itself with few elements, and for solids by beams: a 6×6 changes a number
+    by a small share, which depends little on the model.
     """
-    roundings = roundings_of(question.robot_file.printed_compliances, at)
+    roundings = roundings_of(question.robot_file.printed_compliances, postures)
     if not roundings:
-        return list(found)
-    given = question.given
+        return list(solved)
+    options = question.given
     if question.model == "solid":
-        given = {name: given[name] for name in ("equivalent",) if name in given}
+        options = {name: options[name] for name in ("equivalent",) if name in options}
         question = replace(question, model="beam")
     if question.model in OF_ELEMENTS:
-        given = {**given, "elements": min(question.options.elements, _FEW_ELEMENTS)}
-    question = replace(question, given=given)
+        options = {**options, "elements": min(question.options.elements, _FEW_ELEMENTS)}
+    question = replace(question, given=options)
 
     def values(postures: Sequence[Posture]) -> Array:
         rows: Sequence[Answer | PostureAnswer]
         if question.alone is not None:
-            rows = [_of_body(_of(question, postures[0].mechanism), question.alone)]
+            rows = [_body_answer(_with_mechanism(question, postures[0].mechanism), question.alone)]
         else:
             rows = answers(question.model, postures, question.count, question.options)
-        sizes = np.array([_sizes(one) for one in rows])
-        # Digits change nothing of what is infinite.
+        sizes = np.array([_compliance_and_frequencies(answer) for answer in rows])
+        # Digits do not change infinite numbers.
         return np.where(np.isfinite(sizes), sizes, 0.0)
 
-    nominal = values(at)
-    changes = np.array([one.factor * (values(one.postures) - nominal) for one in roundings])
-    share = combined(changes, lambda own: relative_sizes(own, nominal), Combiner.LINEAR_SUM)
+    nominal = values(postures)
+    changes = np.array(
+        [answer.factor * (values(answer.postures) - nominal) for answer in roundings]
+    )
+    share = combined(
+        changes,
+        lambda values_of_answer: relative_sizes(values_of_answer, nominal),
+        Combiner.LINEAR_SUM,
+    )
     if not share.any():
-        return list(found)
+        return list(solved)
     digits = [
-        np.nan_to_num(own * np.abs(_sizes(one))) for one, own in zip(found, share, strict=True)
+        np.nan_to_num(values_of_answer * np.abs(_compliance_and_frequencies(answer)))
+        for answer, values_of_answer in zip(solved, share, strict=True)
     ]
     return [
-        replace(one, of_digits=LeftOpen(*np.split(left, [len(one.compliance)])))
-        for one, left in zip(found, digits, strict=True)
+        replace(answer, of_digits=HalfWidths(*np.split(half_widths, [len(answer.compliance)])))
+        for answer, half_widths in zip(solved, digits, strict=True)
     ]
 
 
-def _sizes(one: Answer | PostureAnswer) -> Array:
+def _compliance_and_frequencies(answer: Answer | PostureAnswer) -> Array:
     """The diagonal of the compliance (6), then the frequencies."""
-    return np.concatenate([np.diag(one.compliance), one.frequencies])
+    return np.concatenate([np.diag(answer.compliance), answer.frequencies])
 
 
-def _place(question: Question, at: Posture) -> Place:
-    return {"x": float(at.pose[0])} if question.numbered else {"pose": at.pose.tolist()}
+def _place(question: Question, posture: Posture) -> Place:
+    return {"x": float(posture.pose[0])} if question.numbered else {"pose": posture.pose.tolist()}
 
 
-def _shown(question: Question, compliance: Array) -> Array:
-    """What the paper's simplified model knows of its robot: x and y."""
+def _defined_compliance(question: Question, compliance: Array) -> Array:
+    """Block of the compliance that the model defines: x and y in the paper's simplified model."""
     planar = question.numbered and question.model == "simplified"
     return compliance[:2, :2] if planar else compliance
 
 
 def _cost(question: Question, longest: float = LONGEST) -> Cost:
-    """Of the legs that differ, each made once, and of the parts."""
+    """Cost of the different legs, each once, and of the parts."""
     model, options = question.model, question.options
     seconds = PER_PART * len(question.mechanism.parts)
     shapes = _shapes(question)
     if model == "solid":
-        cost, what = solid_cost(tuple(shapes), options.divisions, question.count), "divisions"
+        cost, option = solid_cost(tuple(shapes), options.divisions, question.count), "divisions"
     elif model in OF_ELEMENTS:
         # Legs are reduced one by one, and small then.
-        cost, what = dense_cost(6 * (options.elements + 1), len(shapes)), "elements"
+        cost, option = dense_cost(6 * (options.elements + 1), len(shapes)), "elements"
     else:
         return Cost(0.0, 0.0, seconds)
-    require_affordable(cost, f"--{what} {getattr(options, what)}", longest)
+    require_affordable(cost, f"--{option} {getattr(options, option)}", longest)
     return replace(cost, seconds=cost.seconds + seconds)
 
 
-def _without_own_ends(mechanism: Mechanism) -> Mechanism:
-    """What is typed goes before what the robot file says of its prisms."""
+def _without_end_conditions(mechanism: Mechanism) -> Mechanism:
+    """The mechanism without end conditions of its prisms, so that typed ones apply."""
     bodies = {
         name: replace(body, shape=replace(body.shape, ends=None))
         if isinstance(body.shape, ConstantLeg)

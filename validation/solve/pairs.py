@@ -1,4 +1,4 @@
-"""Which modes of another model are those of a mechanism, by their shapes."""
+"""Pairs of modes of two models of a mechanism, by their shapes."""
 
 from collections.abc import Sequence
 
@@ -9,38 +9,41 @@ from validation.references.modes_on_path import vibration_of
 from validation.responses.mode_partners import Partners, partners
 from validation.solve.answer import ModePair, PairedModes
 
-# Modes of the other model besides as many as asked: a partner may come later in its order.
-_BESIDES = 6
+# Additional modes of the other model, as a partner may come later in its order.
+_EXTRA_MODES = 6
 
 
 def paired(
-    found: Sequence[PostureModes], against: ModelName, options: ModelOptions
+    modes_by_posture: Sequence[PostureModes], against: ModelName, options: ModelOptions
 ) -> list[PairedModes]:
-    """Pair all modes of `found` by energy-weighed MAC, in each posture."""
-    postures = [one.posture for one in found]
+    """Pair all modes of each posture with those of the model `against` by energy-weighted MAC."""
+    postures = [modes.posture for modes in modes_by_posture]
     mechanism = postures[0].mechanism
-    samples, count = samples_of(mechanism), len(found[0].modes.frequencies)
-    looked_at = count + _BESIDES
-    others = mechanism_modes(against, postures, looked_at, options)
-    own, other = (vibration_of(samples, ones, looked_at) for ones in (found, others))
-    of_postures = partners(own, other, count)
+    samples, count = samples_of(mechanism), len(modes_by_posture[0].modes.frequencies)
+    searched = count + _EXTRA_MODES
+    other_modes = mechanism_modes(against, postures, searched, options)
+    vibration, other_vibration = (
+        vibration_of(samples, postures_modes, searched)
+        for postures_modes in (modes_by_posture, other_modes)
+    )
+    pairing = partners(vibration, other_vibration, count)
     return [
-        PairedModes(against, tuple(_pair(of_postures, at, mode) for mode in range(count)))
-        for at in range(len(postures))
+        PairedModes(against, tuple(_pair(pairing, index, mode) for mode in range(count)))
+        for index in range(len(postures))
     ]
 
 
-def _pair(found: Partners, at: int, mode: int) -> ModePair:
+def _pair(pairing: Partners, posture: int, mode: int) -> ModePair:
     """Partner of a mode in a posture (their indices)."""
-    number = int(found.number[at, mode])
-    low, high = float(found.lowest[at, mode]), float(found.highest[at, mode])
+    number = int(pairing.number[posture, mode])
+    low, high = float(pairing.lowest[posture, mode]), float(pairing.highest[posture, mode])
     return ModePair(
         mode=mode + 1,
         partner=int(number) + 1 if number >= 0 else None,
-        frequency=float(found.frequency[at, mode]) if number >= 0 else None,
-        mac=float(found.likeness[at, mode]),
-        seen=float(found.seen[at, mode]),
-        local=bool(found.local[at, mode]),
+        frequency=float(pairing.frequency[posture, mode]) if number >= 0 else None,
+        mac=float(pairing.likeness[posture, mode]),
+        seen=float(pairing.seen[posture, mode]),
+        local=bool(pairing.local[posture, mode]),
         open=(low, high) if high > low else None,
-        undecided=bool(found.undecided[at, mode]),
+        undecided=bool(pairing.undecided[posture, mode]),
     )

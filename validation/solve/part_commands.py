@@ -55,20 +55,20 @@ def faces(
         require_writable(scene, ".html", force=force)
     size = part.stat().st_size if part.is_file() else 0
     with stage(f"reading {part.name}", _READING_A_BYTE * size):
-        found = part_file(part, unit)
+        file = part_file(part, unit)
     if json:
-        write_results(face_list.as_json(found))
+        write_results(face_list.as_json(file))
         return 0
-    write_results(face_list.as_text(found))
+    write_results(face_list.as_text(file))
     from validation.parts import face_pictures  # noqa: PLC0415
 
     with stage("drawing the faces"):
-        drawn = face_pictures.picture(found)
+        drawn = face_pictures.picture(file)
     if drawn.left_out:
         write_messages([drawn.left_out], 0)
     else:
         write(drawing, drawn.png, ".png")
-    write(scene, face_pictures.scene_page(found).encode(), ".html")
+    write(scene, face_pictures.scene_page(file).encode(), ".html")
     return 0
 
 
@@ -138,27 +138,29 @@ def identify(
     size = identifying.DEFAULT_UNKNOWNS if unknowns is None else unknowns
     count = identifying.DEFAULT_MODES if modes is None else modes
     if body is None:
-        wanted, points = request.interfaces_of(interface)
-        chosen = request.material_of(material or "")
+        definitions, points = request.interfaces_of(interface)
+        properties = request.material_of(material or "")
         file = part_file(Path(part), unit)
-        held = find_interfaces(file, wanted, points)
+        interfaces = find_interfaces(file, definitions, points)
 
         def at(size: int) -> Identified:
-            return identifying.identify(file, held, chosen, size, count)
+            return identifying.identify(file, interfaces, properties, size, count)
     else:
         shape = request.part_of(load_robot(part), body)
 
         def at(size: int) -> Identified:
             return identified(shape, size, count)
 
-    more = identifying.more_unknowns
+    refine = identifying.more_unknowns
     with stage(f"identifying {body or part}", _IDENTIFYING + _EACH_UNKNOWN * size):
-        found, reached = refined(size, at, identifying.largest_half_width, more, accuracy or np.inf)
+        identified_part, accuracy_text = refined(
+            size, at, identifying.largest_half_width, refine, accuracy or np.inf
+        )
     text = identified_text.as_json if json else identified_text.as_text
-    write_results(text(found, reached if accuracy else None))
+    write_results(text(identified_part, accuracy_text if accuracy else None))
     if out is not None:
         buffer = BytesIO()
-        named: Any = identified_text.as_arrays(found)
-        np.savez(buffer, **named)
+        arrays: Any = identified_text.as_arrays(identified_part)
+        np.savez(buffer, **arrays)
         write(out, buffer.getvalue(), ".npz")
     return 0

@@ -1,4 +1,4 @@
-"""Numerical uncertainty of what `solve` says of CAD parts: of meshes, and of how they are held."""
+"""Numerical uncertainty of `solve` due to CAD parts: meshes, and end conditions of interfaces."""
 
 from collections.abc import Mapping, Sequence
 from functools import cache
@@ -18,12 +18,12 @@ from validation.models.reduced_parts import Hold, ReducedPart, is_held_as_said, 
 from validation.models.robot_models import CUTOFF
 from validation.parts.meshes import FINEST, LEVELS
 from validation.references.reference_parts import UNKNOWN, part_policy
-from validation.solve.answer import LeftOpen, PartUncertainty
+from validation.solve.answer import HalfWidths, PartUncertainty
 from validation.uncertainty.combiners import relative_sizes
 from validation.uncertainty.mesh_half_widths import half_widths_on
 
-# Parts are reduced for statics alone by modes up to here (Hz), where they have none.
-_STILL = 1e-3
+# Cut-off frequency (Hz) of parts for statics alone, below all their modes.
+_LOWEST_CUTOFF = 1e-3
 
 
 def of_parts(
@@ -32,48 +32,48 @@ def of_parts(
     count: int,
     by: ReductionBy = "fixed",
 ) -> list[PartUncertainty]:
-    """What the parts of a mechanism, solids among its `models`, leave open in every posture.
+    """Uncertainty due to the CAD parts of a mechanism, solids among its `models`, in each posture.
 
-    Of its compliance, `count` frequencies and displacements under its loads: each part on its three
-    meshes, and with averaged interfaces in the place of rigid ones where the robot file does not
-    say how they are held. All other bodies as they are; parts are reduced `by` their modes with
-    interfaces fixed or free.
+    It covers the compliance, `count` frequencies and displacements under the loads. Each part is
+    solved on its three meshes, and with averaged instead of rigid interfaces if the robot file does
+    not specify them. Other bodies are unchanged. Parts are reduced `by` their modes with interfaces
+    fixed or free.
     """
     mechanism = postures[0].mechanism
     bodies, names = mechanism.parts, [load.name for load in mechanism.loads]
-    solids = {name: one for name, one in models.items() if isinstance(one, ReducedPart)}
-    highest = max((one.highest for one in solids.values()), default=_STILL)
+    solids = {name: part for name, part in models.items() if isinstance(part, ReducedPart)}
+    highest = max((part.highest for part in solids.values()), default=_LOWEST_CUTOFF)
 
     @cache
     def again(level: int, hold: Hold = "rigid") -> Array:
-        own = {
+        parts = {
             name: reduced(body, highest, CUTOFF["solid"] * highest, level, hold, by)
             for name, body in bodies.items()
         }
-        whole = {**models, **own}
-        found = swept(assembly(mechanism, whole), postures, count)
-        diagonals = np.diagonal(found.compliances, axis1=1, axis2=2)
-        moved = displacements_of(whole, postures).reshape(len(postures), -1)
-        return np.hstack([diagonals, found.frequencies, moved])
+        all_models = {**models, **parts}
+        sweep = swept(assembly(mechanism, all_models), postures, count)
+        diagonals = np.diagonal(sweep.compliances, axis1=1, axis2=2)
+        displaced = displacements_of(all_models, postures).reshape(len(postures), -1)
+        return np.hstack([diagonals, sweep.frequencies, displaced])
 
     fine = again(FINEST)
     scale = np.hstack([np.abs(fine[:, : 6 + count]), _lengths(fine[:, 6 + count :])])
 
-    def left_by_meshes(own: slice) -> Array:
+    def mesh_shares(columns: slice) -> Array:
         share = half_widths_on(
             LEVELS,
             part_policy(mechanism),
-            lambda level: again(level)[:, own],
-            lambda one, other, _: relative_sizes(one - other, scale[:, own]),
+            lambda level: again(level)[:, columns],
+            lambda first, second, _: relative_sizes(first - second, scale[:, columns]),
         )
-        return np.broadcast_to(share, fine[:, own].shape)
+        return np.broadcast_to(share, fine[:, columns].shape)
 
     # Compliances show one order together, frequencies another, displacements a third.
     kinds = slice(6), slice(6, 6 + count), slice(6 + count, None)
-    share = np.hstack([left_by_meshes(own) for own in kinds])
-    left = np.where(np.equal(share, UNKNOWN), np.inf, share * scale)
-    said = all(is_held_as_said(body) for body in bodies.values())
-    bracket = np.zeros_like(fine) if said else again(FINEST, "average") - fine
+    share = np.hstack([mesh_shares(columns) for columns in kinds])
+    half_widths = np.where(np.equal(share, UNKNOWN), np.inf, share * scale)
+    all_specified = all(is_held_as_said(body) for body in bodies.values())
+    bracket = np.zeros_like(fine) if all_specified else again(FINEST, "average") - fine
     prepared = assembly(mechanism, models)
 
     def split(values: Array) -> dict[str, Any]:
@@ -86,25 +86,27 @@ def of_parts(
 
     return [
         PartUncertainty(
-            **split(of_meshes),
-            bracket=LeftOpen(**split(of_holding)),
-            reduction=_bound(prepared.at(at), solids, count),
-            counted={name: (one.counted, one.cutoff) for name, one in solids.items()},
+            **split(mesh_half_widths),
+            bracket=HalfWidths(**split(interface_change)),
+            reduction=_bound(prepared.at(posture), solids, count),
+            counted={name: (part.counted, part.cutoff) for name, part in solids.items()},
             by=by,
         )
-        for at, of_meshes, of_holding in zip(postures, left, bracket, strict=True)
+        for posture, mesh_half_widths, interface_change in zip(
+            postures, half_widths, bracket, strict=True
+        )
     ]
 
 
-def _lengths(moved: Array) -> Array:
+def _lengths(displacements: Array) -> Array:
     """Lengths of translations and rotations (p×6l), one for each of their components."""
-    sizes = np.linalg.norm(moved.reshape(len(moved), -1, 3), axis=2)
+    sizes = np.linalg.norm(displacements.reshape(len(displacements), -1, 3), axis=2)
     return np.repeat(sizes, 3, axis=1)
 
 
 def _bound(system: System, solids: Mapping[str, ReducedPart], count: int) -> Array:
-    """Most by which the first frequencies (Hz) are too high for the modes that parts have not."""
+    """Bounds on the increase of the first frequencies (Hz) due to modes that the parts lack."""
     if not count:
         return np.zeros(0)
-    found = frequency_bounds(system, solids, count)
-    return np.asarray(found.upper - found.lower)
+    bounds = frequency_bounds(system, solids, count)
+    return np.asarray(bounds.upper - bounds.lower)

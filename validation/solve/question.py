@@ -1,4 +1,4 @@
-"""What is asked of a robot: a model, its options, where, how many modes; and its faults."""
+"""A question to `solve`: model, options, poses or body, number of modes; and its faults."""
 
 from dataclasses import dataclass
 from functools import cached_property, partial
@@ -14,7 +14,7 @@ from validation.kinematics.poses import parsed_pose
 from validation.models.options import STATIC, ModelName, ModelOptions
 from validation.uncertainty.refinement import accuracy_faults
 
-# What each model listens to; anything else given on the command line is a fault.
+# Options that affect each model; any other one on the command line is a fault.
 OPTIONS: dict[ModelName, tuple[str, ...]] = {
     "simplified": (),
     "vjm": ("legs", "theory", "equivalent"),
@@ -27,32 +27,32 @@ OPTIONS: dict[ModelName, tuple[str, ...]] = {
 OF_ELEMENTS: tuple[ModelName, ...] = ("segments", "beam")
 DEFAULT_MODES = 6
 # Beams get elements for as many, and are solved dense.
-_MOST_MODES = 1000
-# What only parts from files listen to, and what says how a 6×6 becomes a leg of constant section.
+_LARGEST_COUNT = 1000
+# Options of parts from files alone, and options of legs known by a 6×6.
 _OF_PARTS = ("parts", "reduction")
 _OF_GIVEN_LEGS = ("legs", "equivalent")
 
 
-def split_ends(model: ModelName, given: dict[str, Any]) -> tuple[dict[str, Any], bool]:
-    """Options of a model without `ends` "free-free", and whether they had it.
+def split_ends(model: ModelName, options: dict[str, Any]) -> tuple[dict[str, Any], bool]:
+    """Options of a model without `ends` "free-free"; True if they had it.
 
-    Faces of a solid that nothing holds may warp.
+    End faces of a free solid may warp.
     """
-    if given.get("ends") != "free-free":
-        return given, False
-    others = {name: value for name, value in given.items() if name != "ends"}
-    return others | ({"ends": "free"} if model == "solid" else {}), True
+    if options.get("ends") != "free-free":
+        return options, False
+    remaining = {name: value for name, value in options.items() if name != "ends"}
+    return remaining | ({"ends": "free"} if model == "solid" else {}), True
 
 
 @dataclass(frozen=True, eq=False)
 class Question:
-    """What is typed of a `model` of a robot: the options `given`, and where it is solved.
+    """A `model` of a robot with the typed options `given`, and the poses or body to be solved.
 
-    At positions `x` (m) or in `poses` ("0.25,0.6"), in the reference posture without them, or one
-    `leg` or `body` alone. `modes`: how many, None for six, to be paired with those of the model
-    `against`. With `digits` it is said what the printed digits of the file's 6×6 leave open;
-    `accuracy` is what meshes of solids may leave open, relative. A body alone has its first point
-    clamped, or if it is `free` nothing held.
+    Positions `x` (m), or `poses` ("0.25,0.6"), or one `leg` or `body` alone; the reference posture
+    without these. `modes`: number of modes, None for six. They are paired with those of the model
+    `against`. `digits`: True to add bounds due to the printed digits of the file's 6×6. `accuracy`:
+    largest relative half-width due to meshes of solids. A body alone has its first point clamped,
+    or no support if it is `free`.
     """
 
     robot_file: RobotFile
@@ -75,19 +75,19 @@ class Question:
 
     @cached_property
     def numbered(self) -> bool:
-        """Whether the file is of schema 1: poses are positions x, bodies are legs by number."""
+        """True for schema 1, in which poses are positions x and bodies are legs by number."""
         return self.robot_file.schema == 1
 
     @property
     def alone(self) -> str | None:
-        """The one body that is asked about, None for the whole robot."""
+        """Name of the body that is solved alone. None for the whole robot."""
         return self.body if self.leg is None else f"leg{self.leg}"
 
     @property
     def count(self) -> int:
         """Number of frequencies."""
-        asked = DEFAULT_MODES if self.modes is None else self.modes
-        return 0 if self.model in STATIC else asked
+        requested = DEFAULT_MODES if self.modes is None else self.modes
+        return 0 if self.model in STATIC else requested
 
     @property
     def options(self) -> ModelOptions:
@@ -96,12 +96,12 @@ class Question:
 
     @property
     def listens(self) -> tuple[str, ...]:
-        """Names of the options that have something to act on."""
+        """Names of the options that affect the answer."""
         ignored = self._ignored()
         return tuple(name for name in self._allowed() if name not in ignored)
 
     def postures(self) -> list[Posture]:
-        """The postures that are asked about."""
+        """Postures of the typed poses, or the reference posture."""
         return [self._posture(text) for text in self._typed] or [reference_posture(self.mechanism)]
 
     @property
@@ -115,19 +115,19 @@ class Question:
         """Everything that is wrong with the question, one line each."""
         if misplaced := self._place_faults():
             return misplaced
-        found = [*self._option_faults(), *self._mode_faults()]
+        faults = [*self._option_faults(), *self._mode_faults()]
         if self.accuracy is not None:
-            found += accuracy_faults(self.accuracy)
+            faults += accuracy_faults(self.accuracy)
             if self.model != "solid":
-                found.append(f"--accuracy: the {self.model} model has no meshes; leave it out")
+                faults.append(f"--accuracy: the {self.model} model has no meshes; leave it out")
         if self.alone is not None:
-            found += self._body_faults(self.alone)
+            faults += self._body_faults(self.alone)
         if self.free:
-            found += self._free_faults()
+            faults += self._free_faults()
         poses, unreadable = collect_faults(partial(parsed_pose, self.mechanism), self._typed)
         _, unreachable = collect_faults(partial(posture, self.mechanism), poses)
         option = "--x: " if self.numbered else ""
-        return [*found, *unreadable, *(f"{option}{fault}" for fault in unreachable)]
+        return [*faults, *unreadable, *(f"{option}{fault}" for fault in unreachable)]
 
     def _allowed(self) -> tuple[str, ...]:
         # Eq. (25) as printed is a statement about the paper's own kind of robot.
@@ -168,27 +168,27 @@ class Question:
         ]
 
     def _ignored(self) -> dict[str, str]:
-        """Options that have nothing to act on here, and why."""
+        """Options without effect on this question, with the reason."""
         ignored: dict[str, str] = {}
         legs = {n: leg for n, leg in legs_of(self.mechanism).items() if self.alone in (None, n)}
-        given = [isinstance(leg, GivenLeg) for leg in legs.values()]
+        known_by_matrix = [isinstance(leg, GivenLeg) for leg in legs.values()]
         if not self.mechanism.parts:
             ignored |= dict.fromkeys(_OF_PARTS, "no body of the robot is a part from a file")
-            if not any(given):
-                what = "no leg that is asked about is given by a 6×6"
-                ignored |= dict.fromkeys(_OF_GIVEN_LEGS, what)
+            if not any(known_by_matrix):
+                reason = "no leg that is asked about is given by a 6×6"
+                ignored |= dict.fromkeys(_OF_GIVEN_LEGS, reason)
             elif self.model in STATIC and self.options.legs == "given":
-                what = f"the {self.model} model takes the legs as they are given"
-                names = ("theory", "equivalent") if all(given) else ("equivalent",)
-                ignored |= dict.fromkeys(names, what)
+                reason = f"the {self.model} model takes the legs as they are given"
+                names = ("theory", "equivalent") if all(known_by_matrix) else ("equivalent",)
+                ignored |= dict.fromkeys(names, reason)
         if self.alone is not None:
             ignored["release"] = "a leg alone has no joint to release"
         return ignored
 
     def _mode_faults(self) -> list[str]:
         faults = []
-        if self.modes is not None and not 0 <= self.modes <= _MOST_MODES:
-            faults.append(f"--modes = {self.modes}: must be from 0 to {_MOST_MODES}")
+        if self.modes is not None and not 0 <= self.modes <= _LARGEST_COUNT:
+            faults.append(f"--modes = {self.modes}: must be from 0 to {_LARGEST_COUNT}")
         elif self.modes and self.model in STATIC:
             faults.append(f"--modes: the {self.model} model is static and has no frequencies")
         if self.against in STATIC:
@@ -198,7 +198,7 @@ class Question:
         return faults
 
     def _free_faults(self) -> list[str]:
-        """Faults of a question about a body that nothing holds."""
+        """Faults of a question about a free body."""
         faults = []
         if self.alone is None:
             faults.append("--ends free-free: only a body alone is free; name it by --body")
@@ -215,13 +215,13 @@ class Question:
         faults = []
         if body not in names:
             rigid = body in mechanism.bodies and body != GROUND
-            what = "is rigid" if rigid else "no such body"
+            reason = "is rigid" if rigid else "no such body"
             if body in mechanism.parts:
-                what = "is a part from a file, see flexproof identify ROBOT --body"
-            faults.append(f"--body {body}: {what}; must be one of {', '.join(names)}")
-        pose, one = ("--x", "--leg") if self.numbered else ("--pose", "--body")
+                reason = "is a part from a file, see flexproof identify ROBOT --body"
+            faults.append(f"--body {body}: {reason}; must be one of {', '.join(names)}")
+        pose, body_option = ("--x", "--leg") if self.numbered else ("--pose", "--body")
         if self._typed:
-            faults.append(f"{pose}: a body alone has no pose; leave out {pose} or {one}")
+            faults.append(f"{pose}: a body alone has no pose; leave out {pose} or {body_option}")
         if self.model == "simplified":
-            faults.append(f"{one}: the bodies of the simplified model are rigid")
+            faults.append(f"{body_option}: the bodies of the simplified model are rigid")
         return faults

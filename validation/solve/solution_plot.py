@@ -81,7 +81,7 @@ def loads_plot(
         return _marks_of_loads(quantities)
     panels = [
         Panel(
-            [Series(name, x, one) for name, one in values.items()],
+            [Series(name, x, numbers) for name, numbers in values.items()],
             title,
             scale=scale,
             staggered=False,
@@ -101,9 +101,9 @@ def _marks_of_loads(quantities: Sequence[tuple[str, Mapping[str, Array], Scale]]
         panels = figure.subplots(1, len(quantities), sharey=True)
         for axes, (title, values, _) in zip(panels, quantities, strict=True):
             sizes = np.array([values[name][0] for name in names])
-            known = np.isfinite(sizes) & (sizes > 0.0)
-            axes.plot(sizes[known], rows[known], "o", color=BLUE)
-            for size, row in zip(sizes[known], rows[known], strict=True):
+            positive = np.isfinite(sizes) & (sizes > 0.0)
+            axes.plot(sizes[positive], rows[positive], "o", color=BLUE)
+            for size, row in zip(sizes[positive], rows[positive], strict=True):
                 axes.annotate(
                     f"{size:.4g}", (size, row), (0.0, 5.0), textcoords="offset points", ha="center"
                 )

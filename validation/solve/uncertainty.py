@@ -1,4 +1,4 @@
-"""Numerical uncertainty of what `solve` says of solids, from other meshes of prisms."""
+"""Numerical uncertainty of solids in `solve`, from other meshes of prisms."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -29,30 +29,30 @@ def beside(options: ModelOptions, legs: Sequence[Leg]) -> int:
     Round and thin-walled sections need so many elements as they are that fewer divisions often give
     them the same mesh, whose answer would be called exact.
     """
-    own = options.divisions
-    others = (own // 2, 1, *range(own + 1, 8 * own + 1))
+    present = options.divisions
+    candidates = (present // 2, 1, *range(present + 1, 8 * present + 1))
     sections = [equivalent_leg(leg, options.equivalent).section for leg in legs]
-    chosen: int = next(
-        other
-        for other in others
-        if other and all(_ratio(section, own, other) >= _RATIO for section in sections)
+    divisions: int = next(
+        candidate
+        for candidate in candidates
+        if candidate and all(_ratio(section, present, candidate) >= _RATIO for section in sections)
     )
-    return chosen
+    return divisions
 
 
-def _ratio(section: Section, one: int, other: int) -> float:
-    """Of the sizes of elements of two meshes of a section, at least 1."""
+def _ratio(section: Section, first: int, second: int) -> float:
+    """Ratio of the element sizes of two meshes of a section, at least 1."""
     try:
-        coarse, fine = sorted(element_count(section, divisions) for divisions in (one, other))
+        coarse, fine = sorted(element_count(section, divisions) for divisions in (first, second))
     except InputError:
         # A shape that a user has added: as its divisions say.
-        return max(one, other) / min(one, other)
+        return max(first, second) / min(first, second)
     return sqrt(fine / coarse)
 
 
 def with_uncertainty(
     answers: Sequence[Answer],
-    others: Sequence[Answer] | None,
+    other_answers: Sequence[Answer] | None,
     legs: Sequence[Leg],
     options: ModelOptions,
     divisions: int,
@@ -61,33 +61,36 @@ def with_uncertainty(
 
     The step between both meshes times Roache's factor, r³ the ratio of their elements (Celik et
     al., J. Fluids Eng. 130 (2008) 078001). The coarser one's error is rᵖ times the finer one's.
-    Nothing is known without others.
+    Half-widths are infinite if `others` is None.
     """
-    if others is None:
+    if other_answers is None:
         frequencies = np.full_like(answers[0].frequencies, inf)
         loads = dict.fromkeys(answers[0].loads, np.full(6, inf))
         unknown = MeshUncertainty(np.full(6, inf), frequencies, divisions, loads=loads)
-        return [replace(one, uncertainty=unknown) for one in answers]
-    own = options.divisions
+        return [replace(answer, uncertainty=unknown) for answer in answers]
+    present = options.divisions
     solid = [equivalent_leg(leg, options.equivalent) for leg in legs]
     order = min(formal_order(leg, options.ends) for leg in solid)
-    along = max(own, divisions) / min(own, divisions)
-    ratio = min(cbrt(along * _ratio(leg.section, own, divisions) ** 2) for leg in solid)
-    policy = MeshPolicy.of_order(ratio if own > divisions else 1.0 / ratio, order)
+    along = max(present, divisions) / min(present, divisions)
+    ratio = min(cbrt(along * _ratio(leg.section, present, divisions) ** 2) for leg in solid)
+    policy = MeshPolicy.of_order(ratio if present > divisions else 1.0 / ratio, order)
 
     def half_widths(first: Array, second: Array) -> Array:
         return mesh_half_widths([np.abs(first - second)], policy)
 
-    found = []
-    for one, other in zip(answers, others, strict=True):
-        left_open = MeshUncertainty(
-            half_widths(np.diag(one.compliance), np.diag(other.compliance)),
-            half_widths(one.frequencies, other.frequencies),
+    results = []
+    for answer, other_answer in zip(answers, other_answers, strict=True):
+        uncertainty = MeshUncertainty(
+            half_widths(np.diag(answer.compliance), np.diag(other_answer.compliance)),
+            half_widths(answer.frequencies, other_answer.frequencies),
             divisions,
-            loads={name: half_widths(one.loads[name], other.loads[name]) for name in one.loads},
+            loads={
+                name: half_widths(answer.loads[name], other_answer.loads[name])
+                for name in answer.loads
+            },
         )
-        found.append(replace(one, uncertainty=left_open))
-    return found
+        results.append(replace(answer, uncertainty=uncertainty))
+    return results
 
 
 def extrapolated(
@@ -103,36 +106,43 @@ def extrapolated(
     """
     solid = [equivalent_leg(leg, options.equivalent) for leg in legs]
     if len(meshes) < GRIDS_FOR_ORDER or not all(
-        isinstance(one.section, Rectangle) for one in solid
+        isinstance(answer.section, Rectangle) for answer in solid
     ):
         return list(answers)
     divisions = tuple(sorted(meshes))
-    elements = [sum(n * element_count(one.section, n) for one in solid) for n in divisions]
+    elements = [sum(n * element_count(answer.section, n) for answer in solid) for n in divisions]
     order = min(formal_order(leg, options.ends) for leg in solid)
     upper = np.triu_indices(6)
     diagonal, count = upper[0] == upper[1], len(upper[0])
-    found = []
-    for one, *on_meshes in zip(answers, *(meshes[n] for n in divisions), strict=True):
-        values = np.array([np.append(own.compliance[upper], own.frequencies) for own in on_meshes])
+    results = []
+    for answer, *on_meshes in zip(answers, *(meshes[n] for n in divisions), strict=True):
+        values = np.array(
+            [
+                np.append(mesh_answer.compliance[upper], mesh_answer.frequencies)
+                for mesh_answer in on_meshes
+            ]
+        )
         sizes = np.cbrt(1.0 / np.array(elements))
-        limits, left = richardson_limits(sizes, values, order, ROUND_OFF)
+        limits, widths = richardson_limits(sizes, values, order, ROUND_OFF)
         numbers = np.where(np.isnan(limits), values[-1], limits)
         compliance = np.zeros((6, 6))
         compliance[upper] = compliance.T[upper] = numbers[:count]
-        stated = one.uncertainty
+        stated = answer.uncertainty
         if stated is None:
             return list(answers)
-        left_open = MeshUncertainty(
-            _known(left[:count][diagonal], stated.compliance),
-            _known(left[count:], stated.frequencies),
+        uncertainty = MeshUncertainty(
+            _known(widths[:count][diagonal], stated.compliance),
+            _known(widths[count:], stated.frequencies),
             stated.divisions,
             divisions,
             loads=stated.loads,
         )
-        found.append(
-            replace(one, compliance=compliance, frequencies=numbers[count:], uncertainty=left_open)
+        results.append(
+            replace(
+                answer, compliance=compliance, frequencies=numbers[count:], uncertainty=uncertainty
+            )
         )
-    return found
+    return results
 
 
 def _known(first: Array, otherwise: Array) -> Array:

@@ -26,11 +26,11 @@ from validation.solve.answer_json import answer_record, finite_json
 from validation.solve.model_answers import checked, solve
 from validation.solve.question import Question
 
-# What is told of each deflection: µm under 1000 N, µrad under 100 N m.
+# Loads of the listed deflections: N for µm, N m for µrad.
 _LOADS = 3 * (1000.0,) + 3 * (100.0,)
 _MICRO = 1e6
-# Of a picture: dots per inch, and curves that can still be told apart.
-_DOTS, _MOST = 150, len(OTHERS)
+# Resolution of a picture (dots per inch), and largest number of distinguishable curves.
+_DOTS, _LARGEST_CURVE_COUNT = 150, len(OTHERS)
 
 
 @dataclass(frozen=True)
@@ -55,15 +55,15 @@ class VariedAnswers:
 class _Unit:
     """One robot: plain data that can be sent to other processes and machines."""
 
-    said: str
-    asked: Question
+    values_text: str
+    question: Question
 
     def __call__(self) -> Solution:
-        with naming(f"--vary {self.said}"):
-            return solve(self.asked)
+        with naming(f"--vary {self.values_text}"):
+            return solve(self.question)
 
 
-def tell_varied(
+def write_varied(
     question: Question,
     vary: Sequence[str],
     jobs: int,
@@ -86,32 +86,32 @@ def tell_varied(
     variations = variations_of(question.robot_file, vary)
     if picture is not None:
         require_few_curves(variations, max(1, len(question.x) + len(question.poses)))
-    found = solve_varied(question, variations, jobs, cluster)
-    write_results(as_json(found) if json else as_text(found))
-    write_messages(without_say(found), 0)
+    answers = solve_varied(question, variations, jobs, cluster)
+    write_results(as_json(answers) if json else as_text(answers))
+    write_messages(numbers_without_effect(answers), 0)
     if csv is not None:
-        write(csv, csv_of(columns(found)).encode(), ".csv")
+        write(csv, csv_of(columns(answers)).encode(), ".csv")
     if picture is not None:
-        write(picture, png(question.robot_file, found), ".png")
+        write(picture, png(question.robot_file, answers), ".png")
 
 
 def solve_varied(
     question: Question, variations: tuple[Variation, ...], jobs: int, cluster: str | None
 ) -> VariedAnswers:
-    """Every robot of the variations, asked the same, by `jobs` processes or at a `cluster`.
+    """Solve the question for each robot of the variations, by `jobs` processes or on a `cluster`.
 
-    Raises InputError, naming the values, before anything is computed where a robot cannot be or
-    cannot be where it is asked, ComputationError where one cannot be solved.
+    Raises InputError with the values, before any computing, if a robot is invalid or cannot reach
+    a requested pose, and ComputationError if one cannot be solved.
     """
     robots = varied(question.robot_file, variations)
     units, seconds = [], 0.0
     for values, robot in robots:
-        said = assignments(variations, values)
+        text = assignments(variations, values)
         # Tables of many robots have no room for what digits leave open of each.
-        asked = replace(question, robot_file=robot, digits=False)
-        with naming(f"--vary {said}"):
-            seconds += checked(asked).seconds
-        units.append(_Unit(said, asked))
+        question_of_robot = replace(question, robot_file=robot, digits=False)
+        with naming(f"--vary {text}"):
+            seconds += checked(question_of_robot).seconds
+        units.append(_Unit(text, question_of_robot))
     with ExitStack() as stack, stage(counted(len(units), "robot"), seconds / jobs):
         executor: Executor = in_turn
         if cluster is not None:
@@ -126,39 +126,45 @@ def solve_varied(
     )
 
 
-def without_say(found: VariedAnswers) -> list[str]:
-    """A line for every number that was varied and changes no answer."""
+def numbers_without_effect(answers: VariedAnswers) -> list[str]:
+    """A line for each varied number that changes no answer."""
     lines = []
-    for place, one in enumerate(found.variations):
+    for index, variation in enumerate(answers.variations):
         # What the robots answer that differ in this number alone.
-        alike: dict[tuple[float, ...], set[bytes]] = {}
-        for values, solution in zip(found.values, found.solutions, strict=True):
+        results_by_others: dict[tuple[float, ...], set[bytes]] = {}
+        for values, solution in zip(answers.values, answers.solutions, strict=True):
             numbers = [
-                (own.compliance.tobytes(), own.frequencies.tobytes()) for own in solution.answers
+                (answer.compliance.tobytes(), answer.frequencies.tobytes())
+                for answer in solution.answers
             ]
-            others = values[:place] + values[place + 1 :]
-            alike.setdefault(others, set()).add(b"".join(chain.from_iterable(numbers)))
-        if len(one.values) > 1 and all(len(answers) == 1 for answers in alike.values()):
-            model = found.solutions[0].model
-            lines.append(f"--vary {one.key}: changes no answer of the {model} model")
+            other_values = values[:index] + values[index + 1 :]
+            results_by_others.setdefault(other_values, set()).add(
+                b"".join(chain.from_iterable(numbers))
+            )
+        if len(variation.values) > 1 and all(
+            len(results) == 1 for results in results_by_others.values()
+        ):
+            model = answers.solutions[0].model
+            lines.append(f"--vary {variation.key}: changes no answer of the {model} model")
     return lines
 
 
-def columns(found: VariedAnswers) -> dict[str, list[float | str]]:
+def columns(answers: VariedAnswers) -> dict[str, list[float | str]]:
     """A row for each robot and posture: values, place, deflections and frequencies."""
-    rows = found.rows
+    rows = answers.rows
     table: dict[str, list[float | str]] = {
-        one.key: [values[place] for values, _ in rows] for place, one in enumerate(found.variations)
+        variation.key: [values[index] for values, _ in rows]
+        for index, variation in enumerate(answers.variations)
     }
     for name, value in rows[0][1].place.items():
         places = [answer.place[name] for _, answer in rows]
         if isinstance(value, list):
             table |= {
-                f"{name}[{k + 1}]": [place[k] for place in places if isinstance(place, list)]
+                f"{name}[{k + 1}]": [index[k] for index in places if isinstance(index, list)]
                 for k in range(len(value))
             }
         else:
-            table[name] = [place for place in places if not isinstance(place, list)]
+            table[name] = [index for index in places if not isinstance(index, list)]
     return table | quantities([answer for _, answer in rows])
 
 
@@ -168,52 +174,55 @@ def quantities(answers: Sequence[Answer]) -> dict[str, list[float | str]]:
     for k, name in enumerate(AXES[: len(answers[0].compliance)]):
         unit = "µrad at 100 N m" if name in ROTATIONS else "µm at 1000 N"
         scale = _LOADS[k] * _MICRO
-        table[f"{name} ({unit})"] = [scale * float(one.compliance[k, k]) for one in answers]
-    columns = zip_longest(*(one.frequencies.tolist() for one in answers), fillvalue=np.nan)
+        table[f"{name} ({unit})"] = [scale * float(answer.compliance[k, k]) for answer in answers]
+    columns = zip_longest(*(answer.frequencies.tolist() for answer in answers), fillvalue=np.nan)
     return table | {f"f{k} (Hz)": list(column) for k, column in enumerate(columns, start=1)}
 
 
-def as_text(found: VariedAnswers) -> str:
+def as_text(answers: VariedAnswers) -> str:
     """The table for people."""
-    numbers, first = columns(found), found.solutions[0]
-    told = [
+    numbers, first = columns(answers), answers.solutions[0]
+    texts = [
         [value if isinstance(value, str) else f"{value:.6g}" for value in column]
         for column in numbers.values()
     ]
-    head = f"{first.robot}, {first.model}, {counted(len(found.values), 'robot')}"
-    rows = list(zip(*told, strict=True))
+    head = f"{first.robot}, {first.model}, {counted(len(answers.values), 'robot')}"
+    rows = list(zip(*texts, strict=True))
     return f"{head}\n{aligned(list(numbers), rows, indent='')}"
 
 
-def as_json(found: VariedAnswers) -> str:
+def as_json(answers: VariedAnswers) -> str:
     """The answers as JSON (schema 1): those of `solve --json`, each with its values by key."""
-    first = found.solutions[0]
-    keys = [one.key for one in found.variations]
+    first = answers.solutions[0]
+    keys = [variation.key for variation in answers.variations]
     document = {
         "schema": 1,
         "robot": first.robot,
         "model": first.model,
         "options": first.options,
-        "vary": [{"key": one.key, "values": list(one.values)} for one in found.variations],
+        "vary": [
+            {"key": variation.key, "values": list(variation.values)}
+            for variation in answers.variations
+        ],
         "results": [
             {"vary": dict(zip(keys, values, strict=True)), **answer_record(answer)}
-            for values, answer in found.rows
+            for values, answer in answers.rows
         ],
     }
     return finite_json(document)
 
 
 def require_few_curves(variations: Sequence[Variation], places: int) -> None:
-    """Raise InputError where there would be more curves than can be told apart."""
-    count = places * prod(len(one.values) for one in variations[1:])
-    if count > _MOST:
+    """Raise InputError if there would be more curves than line styles."""
+    count = places * prod(len(variation.values) for variation in variations[1:])
+    if count > _LARGEST_CURVE_COUNT:
         raise InputError(
-            f"--picture: {count} curves over {variations[0].key}; must be at most {_MOST} (fewer "
-            "values of the other numbers, or fewer poses)"
+            f"--picture: {count} curves over {variations[0].key}; must be at most "
+            f"{_LARGEST_CURVE_COUNT} (fewer values of the other numbers, or fewer poses)"
         )
 
 
-def png(robot_file: RobotFile, found: VariedAnswers) -> bytes:
+def png(robot_file: RobotFile, answers: VariedAnswers) -> bytes:
     """PNG of curves over the first number, deflections and frequencies in a panel each.
 
     One for each combination of what else varies.
@@ -222,32 +231,35 @@ def png(robot_file: RobotFile, found: VariedAnswers) -> bytes:
     from validation.drawing.chart import Chart, Panel, Series, few_ticks, from_zero  # noqa: PLC0415  # noqa: PLC0415
     from validation.drawing.plot import chart_png  # noqa: PLC0415
 
-    first, *others = found.variations
-    several = len(found.solutions[0].answers) > 1
+    first, *other_variations = answers.variations
+    several = len(answers.solutions[0].answers) > 1
     names = [
-        _curve(others, values[1:], answer if several else None) or found.solutions[0].model
-        for values, answer in found.rows
+        _curve(other_variations, values[1:], answer if several else None)
+        or answers.solutions[0].model
+        for values, answer in answers.rows
     ]
-    own = {name: [place for place, one in enumerate(names) if one == name] for name in names}
+    rows_by_name = {
+        name: [row for row, other_name in enumerate(names) if other_name == name] for name in names
+    }
     x = np.array(first.values)
     panels = [
         Panel(
-            [Series(name, x, np.array(numbers)[places]) for name, places in own.items()],
+            [Series(name, x, np.array(numbers)[places]) for name, places in rows_by_name.items()],
             heading,
             scale=from_zero,
         )
-        for heading, numbers in quantities([answer for _, answer in found.rows]).items()
+        for heading, numbers in quantities([answer for _, answer in answers.rows]).items()
     ]
     unit = unit_of(robot_file.tables, first.keys[0])
     label = f"{first.key} ({unit})" if unit else first.key
     return chart_png(Chart(panels, label, x_scale=few_ticks), _DOTS)
 
 
-def _curve(others: Sequence[Variation], values: Sequence[float], answer: Answer | None) -> str:
-    """What tells a curve from the others: the values of the other numbers, and the place."""
-    said = [assignments(others, values)] if others else []
+def _curve(variations: Sequence[Variation], values: Sequence[float], answer: Answer | None) -> str:
+    """Label of a curve: values of the other numbers, and the place."""
+    texts = [assignments(variations, values)] if variations else []
     if answer is not None:
-        ((name, place),) = answer.place.items()
-        numbers = place if isinstance(place, list) else [place]
-        said.append(f"{name} {', '.join(f'{value:.4g}' for value in numbers)}")
-    return "; ".join(said)
+        ((name, position),) = answer.place.items()
+        numbers = position if isinstance(position, list) else [position]
+        texts.append(f"{name} {', '.join(f'{value:.4g}' for value in numbers)}")
+    return "; ".join(texts)

@@ -146,7 +146,7 @@ def test_free_body_needs_a_body_and_a_dynamic_model(tmp_path, capsys):
     assert "compliance" not in result
 
 
-def test_digits_of_a_free_leg_are_those_of_its_frequencies():
+def test_digits_of_free_leg_concern_frequencies_alone():
     """The 6×6 of the paper's leg has three digits; a free body has no compliance."""
     (answer,) = api.solve("ifw", "segments", leg=1, modes=3, ends="free-free").answers
     assert answer.rigid == 6

@@ -60,7 +60,7 @@ def own(crane):
 
 
 @pytest.mark.exhaustive
-def test_the_meshes_leave_open_what_a_far_finer_one_changes(own, crane, coarse_parts):
+def test_mesh_uncertainty_covers_much_finer_mesh(own, crane, coarse_parts):
     with coarse_parts.context() as patch:
         patch.setattr(reduced_parts, "UNKNOWNS", 20_000)
         (finer,) = answers("solid", [reference_posture(crane.mechanism)], COUNT)
@@ -73,7 +73,7 @@ def test_the_meshes_leave_open_what_a_far_finer_one_changes(own, crane, coarse_p
     assert (half_widths <= 0.1 * values(own)).all()
 
 
-def test_half_width_of_f1_does_not_depend_on_judged_modes(crane, monkeypatch):
+def test_half_width_of_f1_is_independent_of_mode_count(crane, monkeypatch):
     """Errors of 1 % fall from mesh to mesh, of the lowest mode with order 1, of others faster."""
     shapes, falls = np.eye(12), RATIO ** np.linspace(1.0, 2.0, 12)
 
@@ -94,7 +94,7 @@ def test_half_width_of_f1_does_not_depend_on_judged_modes(crane, monkeypatch):
 
 
 @pytest.mark.exhaustive
-def test_parts_are_meshed_as_finely_as_an_accuracy_asks(crane, coarse_parts):
+def test_requested_accuracy_refines_meshes_of_parts(crane, coarse_parts):
     with coarse_parts.context() as patch:
         patch.setattr(reduced_parts, "UNKNOWNS", 1500)
         rough = answer_of(crane, 0)
@@ -111,7 +111,7 @@ def test_parts_are_meshed_as_finely_as_an_accuracy_asks(crane, coarse_parts):
     assert (apart <= 1.5 * rough.of_parts.compliance).all()
 
 
-def test_the_bracket_is_what_the_file_changes_when_it_says_so(own, crane):
+def test_bracket_equals_change_by_averaged_interfaces(own, crane):
     text = crane.text.replace(" } }", ' }, coupling = "average" }')
     average = robot_of(text, Path(crane.source).parent).mechanism
     (said,) = answers("solid", [reference_posture(average)], COUNT)
@@ -126,7 +126,7 @@ def test_the_bracket_is_what_the_file_changes_when_it_says_so(own, crane):
 
 
 @pytest.mark.parametrize("by", ["fixed", "free"])
-def test_dropped_modes_lower_no_frequency_by_more_than_is_said(own, crane, by):
+def test_dropped_modes_stay_within_stated_bound(own, crane, by):
     found = own if by == "fixed" else answer_of(crane, reduction="free")
     ((count, below),) = found.of_parts.counted.values()
     highest = 4.0 * below / CUTOFF["solid"]
@@ -151,7 +151,7 @@ def test_statics_alone_are_those_of_the_part(own, crane):
     assert ((share > 1e-6) & (share < 0.1)).all()
 
 
-def test_a_unit_force_leaves_open_what_its_compliance_does(crane):
+def test_unit_force_has_uncertainty_of_compliance(crane):
     """Exactly for how the part is held; for its meshes with an order of convergence of its own."""
     push = '[[loads]]\nname = "push"\nwrench = [0.0, 1.0, 0.0, 0.0, 0.0, 0.0]\n'
     found = answer_of(robot_of(f"{crane.text}\n{push}", Path(crane.source).parent), 0)
@@ -161,7 +161,7 @@ def test_a_unit_force_leaves_open_what_its_compliance_does(crane):
     assert 0.5 < left.loads["push"][1] / left.compliance[1] < 2.0
 
 
-def test_its_modes_have_partners_among_those_of_another_model(crane):
+def test_modes_have_partners_in_another_model(crane):
     (answer,) = solve(Question(crane, "solid", {}, 2, against="segments")).answers
     first = answer.paired.pairs[0]
     # An equivalent leg swings alike, at a frequency of its own.
@@ -192,7 +192,7 @@ def matrix(crane):
 
 
 @pytest.mark.exhaustive
-def test_the_equivalent_leg_of_a_tapered_arm_is_far_too_soft(crane, matrix):
+def test_equivalent_leg_of_tapered_arm_is_too_soft(crane, matrix):
     assert [note.model for note in matrix.models] == list(judged_models(crane.mechanism))
     entry = matrix.entry("segments", "z")
     assert entry.verdict == "inadequate"
@@ -207,7 +207,7 @@ def test_the_equivalent_leg_of_a_tapered_arm_is_far_too_soft(crane, matrix):
 
 
 @pytest.mark.exhaustive
-def test_what_is_condensed_is_the_solid_within_what_is_open(matrix):
+def test_condensed_part_is_solid_within_uncertainty(matrix):
     for model in ("vjm", "links", "segments-condensed"):
         for quantity in ("x", "y", "z"):
             entry = matrix.entry(model, quantity)
@@ -236,7 +236,7 @@ def test_what_the_file_says_of_the_faces_is_not_open(crane):
     assert list(settled.alternatives) == ["interfaces as given"]
 
 
-def test_the_page_says_what_the_reduction_kept_and_what_that_leaves(crane):
+def test_report_has_kept_modes_and_reduction_error(crane):
     postures = path_postures(Context(crane, "quick"))
     (note,) = reduction_note(postures, 8, {"arm": "rigid"}, 4)
     (arm,) = solid_parts(postures, 8, {"arm": "rigid"}).values()
@@ -245,7 +245,7 @@ def test_the_page_says_what_the_reduction_kept_and_what_that_leaves(crane):
     assert note.endswith("frequencies by <\u00a01\u00a0×\u00a010⁻⁶\u00a0% at most")
 
 
-def test_held_and_free_modes_of_parts_are_compared_in_a_run(crane):
+def test_run_compares_fixed_and_free_modes_of_parts(crane):
     """Within both bounds, which are worth something."""
     listed = {case.id: case for case in part_reductions.cases(mechanism=crane.mechanism)}
     case = listed["mechanism.parts.frequency[2]"]
@@ -254,7 +254,7 @@ def test_held_and_free_modes_of_parts_are_compared_in_a_run(crane):
     assert 0.0 < found.value_uncertainty + found.reference_uncertainty < 1e-3 * found.value
 
 
-def test_a_part_of_three_interfaces_is_no_leg_to_be_stepped():
+def test_part_with_three_interfaces_is_not_stepped():
     rocker = load_robot(str(Path(__file__).parents[3] / "examples" / "rocker" / "robot.toml"))
     said = why_unable(path_postures(Context(rocker, "quick")), JUDGED["segments-stepped"])
     assert said.startswith("no part has exactly two interfaces")

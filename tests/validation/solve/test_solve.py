@@ -29,7 +29,7 @@ from validation import cli
 from validation.models.options import ModelOptions
 from validation.solve.answer import (
     Answer,
-    LeftOpen,
+    HalfWidths,
     MeshUncertainty,
     PartUncertainty,
     Solution,
@@ -90,14 +90,14 @@ REFUSED = [
 
 
 @pytest.mark.parametrize(("typed", "said"), REFUSED, ids=lambda words: words[:40])
-def test_what_would_change_nothing_or_is_no_number_is_refused(robot, typed, said, command):
+def test_useless_options_and_bad_numbers_are_refused(robot, typed, said, command):
     name, *words = typed.split()
     line = command.refused("solve", robot if name == "ROBOT" else name, "--model", *words)
     assert said in line
     assert len(line) < 400
 
 
-def test_the_answer_names_the_options_that_had_a_say_and_changes_with_them(robot, command):
+def test_answer_lists_effective_options(robot, command):
     def heard(*words):
         document = command.json("solve", robot, *words)
         return document["options"], document["results"][0]["compliance"]
@@ -142,7 +142,7 @@ def test_solids_say_the_uncertainty_of_their_mesh(bar, command):
     np.testing.assert_allclose(stated["frequencies"], factor * np.abs(step), rtol=1e-6)
 
 
-def test_solids_of_a_mechanism_say_the_uncertainty_of_their_mesh():
+def test_solids_of_a_mechanism_have_mesh_uncertainty():
     """One factor for all, Roache's: orders 2λ(ν = 0.33) to 4, elements 1.5 to 2 times as large."""
     robot_file = load_robot("five-bar")
     bars = with_bars(reference_posture(robot_file.mechanism)).mechanism
@@ -170,7 +170,7 @@ def test_solids_of_a_mechanism_say_the_uncertainty_of_their_mesh():
     np.testing.assert_allclose(coarse.uncertainty.compliance, (factors[0] + 3.0) * step, rtol=1e-6)
 
 
-def test_numbers_whose_order_meshes_show_are_extrapolated(command, tmp_path):
+def test_numbers_with_observed_order_are_extrapolated(command, tmp_path):
     """Torsion of a square bar with free ends: Saint-Venant's L/GJ, known to every digit."""
     side, length, G = 0.05, 0.15, 2.1e11 / 2.6
     odd = np.arange(1, 40, 2)
@@ -203,7 +203,7 @@ SECTIONS = [
 
 
 @pytest.mark.parametrize("section", SECTIONS, ids=str)
-def test_the_mesh_that_says_the_uncertainty_is_another_one(section):
+def test_uncertainty_is_from_a_different_mesh(section):
     # A circle has five elements with one to three divisions, a thin tube forty with one to four.
     leg = ConstantLeg(5.0, section, Material.isotropic(2.1e11, 0.3, 7850.0))
     for divisions in (1, 2, 4, 8):
@@ -223,13 +223,13 @@ def test_a_mesh_that_nothing_stands_beside_says_so(bar, command, monkeypatch):
     assert command.json(*asked)["results"][0]["uncertainty"] is None
 
 
-def test_every_number_of_an_answer_stands_under_its_own_name():
+def test_every_number_of_an_answer_has_its_own_name():
     numbers = iter(np.arange(1.0, 200.0))
 
     def take(count):
         return np.array([next(numbers) for _ in range(count)])
 
-    bracket = LeftOpen(take(6), take(2))
+    bracket = HalfWidths(take(6), take(2))
     parts = PartUncertainty(take(6), take(2), bracket, take(2), {"arm": (7, 811.0)}, "fixed")
     answer = Answer(
         {"pose": [0.1]},
@@ -279,7 +279,7 @@ def test_every_number_of_an_answer_stands_under_its_own_name():
     assert "<td>1.9e+10</td><td>2.6e+10</td><td>3.3e+10</td>" in solution._repr_html_()
 
 
-def test_loads_of_the_file_are_answered_by_name_and_one_that_cannot_be_by_none(tmp_path, command):
+def test_loads_of_the_file_have_named_displacements(tmp_path, command):
     """Under a wrench C F, whatever the model; at the end of its reach no arm moves on."""
     path = robot_of(ONE_ARM + LOADS, tmp_path).source
     for model in ("vjm", "segments"):
@@ -319,7 +319,7 @@ RIGID_DRIVE = (
 
 
 @pytest.mark.parametrize("driven", [True, False], ids=["rigid-drive", "no-drive"])
-def test_simplified_model_without_elastic_drive_is_rigid(tmp_path, command, driven):
+def test_simplified_model_with_rigid_drives_is_rigid(tmp_path, command, driven):
     text = RIGID_DRIVE
     if not driven:
         text = re.sub("joints.motor = .*", "joints.root = ROOT", text).replace('["x"]', "[]")
@@ -354,7 +354,7 @@ loads = [{ name = "push", wrench = [3.0, 0.0, 0.0, 0.0, 0.0, 0.0] }]
     assert "push: x 3, y 0, z 0, 3 in all, φx 0, φy 0, φz 0" in command.told(*asked)
 
 
-def test_responses_and_losses_are_told_by_models_with_mass(tmp_path, command):
+def test_models_with_mass_have_responses_and_losses(tmp_path, command):
     """Every loss is twice the ratio; what hardly swings is the compliance."""
     wanted = '{ name = "hit", direction = [2, 0, 0], from = 0.01, to = 90.0, at = 30.0 }'
     text = f"damping.ratio = 0.02\nresponses = [{wanted}]\n{ONE_ARM}"
@@ -374,7 +374,7 @@ def test_responses_and_losses_are_told_by_models_with_mass(tmp_path, command):
     assert "responses" not in command.json(*asked, "links")["results"][0]
 
 
-def test_what_rounding_leaves_of_nothing_is_shown_as_nothing():
+def test_round_off_about_zero_is_shown_as_zero():
     compliance, moved = np.zeros((6, 6)), np.array([1.8e-52, -1.57e-5, 0.0, 0.0, 0.0, 0.0])
     np.fill_diagonal(compliance, [5e-7, 2e-7, 3e-71])
     answer = Answer({"pose": []}, compliance, np.zeros(0), loads={"weight": moved})
@@ -391,7 +391,7 @@ def test_what_rounding_leaves_of_nothing_is_shown_as_nothing():
     ],
     ids=lambda section: section.shape,
 )
-def test_the_estimate_of_a_solid_is_near_to_its_mesh_and_factor(section):
+def test_cost_estimate_is_near_real_mesh_and_factor(section):
     leg = ConstantLeg(0.3, section, Material.isotropic(2.1e11, 0.3, 7850.0))
     solid = solid_leg(leg, solid_mesh(leg, 4))
     unknowns = solid.stiffness.shape[0]
