@@ -55,7 +55,7 @@ def test_what_cannot_be_judged_is_refused(make, said):
 
 
 @pytest.mark.parametrize("uncertainty", [0.11, inf, nan])
-def test_a_comparison_less_certain_than_its_tolerance_says_what_would_decide_it(uncertainty):
+def test_undecided_comparison_has_remedy(uncertainty):
     measured = Measurement(10.0, 10.0, value_uncertainty=uncertainty)
     outcome = judge(EQUAL, measured, 0.0)
     assert outcome.verdict == "undecided"
@@ -66,7 +66,7 @@ def test_a_comparison_less_certain_than_its_tolerance_says_what_would_decide_it(
     )
 
 
-def test_verdicts_and_records_of_measurements_at_random_are_those_of_the_rule():
+def test_verdicts_of_random_measurements_follow_rule():
     """E less all allowances, with its sign, within the tolerance, and so the uncertainty."""
     rng = np.random.default_rng(12)
     for number in range(300):
@@ -105,7 +105,7 @@ def test_verdicts_and_records_of_measurements_at_random_are_those_of_the_rule():
         assert not record.exact
 
 
-def test_the_record_has_no_numbers_that_json_cannot_carry():
+def test_record_has_only_finite_numbers():
     measurement = Measurement(nan, 10.0, inf, table={"x": (nan, 1.0), "name": ("a", "b")})
     other = replace(EQUAL, id="toy.other")
     judged = judge(EQUAL, measurement, 0.0), judge(other, exact(1.0), 0.0)
@@ -138,7 +138,7 @@ def test_a_case_is_judged_at_every_place_it_looks_at(value, uncertainty, expecte
     assert isnan(value) or outcome.share == pytest.approx(abs(value - 2.0) / 0.05)
 
 
-def test_the_graver_verdict_is_kept_wherever_it_was_given():
+def test_graver_verdict_prevails_in_any_order():
     undecided, wrong = Elsewhere("there", 1.0, 1.0, 1.0), Elsewhere("far", 2.0, 1.0)
     assert judge(EQUAL, exact(2.0, elsewhere=(undecided,)), 0.0).verdict == "disagree"
     outcome = judge(EQUAL, exact(1.0, elsewhere=(undecided, wrong, undecided)), 0.0)
@@ -156,7 +156,7 @@ COMMON = {
 }
 
 
-def test_cases_stand_in_the_order_of_parameters_of_the_group_then_of_declaration():
+def test_cases_are_in_order_of_group_then_declaration():
     """Fields are said by the case, its parameters, its family or the group; the nearest counts."""
     cases = CaseGroup(over={"leg": (1, 2)}, group="all", **COMMON)
 
@@ -203,7 +203,7 @@ def test_cases_stand_in_the_order_of_parameters_of_the_group_then_of_declaration
         ({"effrot": 1.0}, TypeError),
     ],
 )
-def test_a_wrong_declaration_is_an_error_when_cases_are_listed(declaration, fault):
+def test_wrong_declaration_of_case_is_an_error(declaration, fault):
     cases = CaseGroup(over={"length": (1, 2)}, **COMMON)
     fields = {"title": "One", "compute": exact, **declaration}
     compute = fields.pop("compute")

@@ -100,7 +100,7 @@ def test_a_cantilever_under_its_weight_swung_and_spun(model, close):
         ("solid", 0.04, 1e-3),
     ],
 )
-def test_an_arm_that_spins_on_a_cone_is_pulled_and_bent_outwards(model, height, close):
+def test_arm_spinning_on_cone_is_pulled_outwards(model, height, close):
     """Across it ρAω²sc of each place and −ρIω²sc, s and c of its slope; along it ρAω²c².
 
     The couple is spread to a few percent of itself.
@@ -115,7 +115,7 @@ def test_an_arm_that_spins_on_a_cone_is_pulled_and_bent_outwards(model, height, 
 
 
 @pytest.mark.parametrize("model", ["vjm", "links", "segments", "beam"])
-def test_a_force_within_moves_the_tip_as_one_there_moves_it(model):
+def test_force_inside_leg_obeys_reciprocity(model):
     """Maxwell and Betti: P a²(3L − a)/6EI + P a/κGA, which a force at the tip does at a."""
     force = Load("within", "inner", "M", wrench=np.array([0.0, 0.0, 3.0, 0.0, 0.0, 0.0]))
     a = 0.2
@@ -138,7 +138,7 @@ def test_bodies_that_translate_are_masses_on_springs(model):
 
 
 @pytest.mark.parametrize("model", ["simplified", "links", "beam"])
-def test_a_pendulum_turns_its_drive_by_its_inertia_about_the_pivot(model):
+def test_pendulum_turns_drive_by_inertia_about_pivot(model):
     """(J + mc²) α = 0.86 α on the drive, its weight m g c where it hangs aside, nothing by spin."""
     bob = described(PENDULUM)
     swung, spun = on(bob, acceleration=[2.0, 0, 0]), on(bob, speed=[3.0, 0, 0])
@@ -150,7 +150,7 @@ def test_a_pendulum_turns_its_drive_by_its_inertia_about_the_pivot(model):
 
 
 @pytest.mark.parametrize("name", ["five-bar", "delta", "ifw", "hexapod"])
-def test_bodies_and_rotors_accelerate_as_their_positions_do(name):
+def test_accelerations_are_derivatives_of_positions(name):
     """Second differences of postures along x = ẋt + ẍt²/2; a hexapod's drives swing with legs."""
     robot = load_robot(name).mechanism
     drive = replace(next(joint.drive for joint in robot.joints if joint.drive), inertia=3.0)
@@ -193,7 +193,7 @@ def test_what_the_mechanism_cannot_do_is_no_load():
     assert np.isnan(stopped).all()
 
 
-def test_a_wrench_over_the_path_is_that_of_its_pose_and_none_beside_it():
+def test_wrench_over_path_acts_in_its_pose_only():
     arm = described(ARM + "path = { poses = [[0.1], [-0.2]] }")
     rows = np.array([[3.0, 0, 5.0, 0, 0, 0], [0, 2.0, 0, 0, 0.4, 0]])
     over = Load("cutting", "inner", "M", path_wrenches=rows)
@@ -261,7 +261,7 @@ class _Moving(multibody._ExudynModel):
 
 
 @pytest.mark.parametrize(("speed", "close"), [(0.0, 1e-4), (1.0, 1e-3)], ids=["rest", "moving"])
-def test_what_the_drives_give_moves_the_tool_of_another_program_as_the_load_says(speed, close):
+def test_drive_motion_moves_tool_as_in_other_program(speed, close):
     """A hexapod of rigid bodies in EXUDYN, with forces instead of drives.
 
     Without the inertia forces of its speed the tool would be 13 % slower along z.

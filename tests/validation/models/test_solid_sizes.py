@@ -59,7 +59,7 @@ def test_what_a_run_takes_is_said_leg_by_leg():
     assert f"preset fine takes {LARGEST['fine']}" in said
 
 
-def test_frequencies_have_no_such_reference_with_the_reason(context):
+def test_frequencies_without_reference_have_reason(context):
     """Without alternatives all verdicts are undecided."""
     robot = robot_at(context, placed_at(SLENDER.mechanism))
     found = of_mechanisms.dynamic_reference(Responses(robot))
@@ -67,12 +67,12 @@ def test_frequencies_have_no_such_reference_with_the_reason(context):
     assert re.match(REASON, found.decides)
 
 
-def test_its_modes_have_no_partners_and_the_figure_says_why(context):
+def test_modes_without_partners_have_reason_in_figure(context):
     with pytest.raises(Skip, match="no reference of the frequencies: leg1 as a solid"):
         modes.pairs(context)
 
 
-def test_their_export_is_refused_before_anything_is_computed(tmp_path):
+def test_export_is_refused_before_computation(tmp_path):
     request = Request(SLENDER, "quick", tmp_path / "run", 1, exports=True)
     with pytest.raises(InputError, match=REASON.replace("^", "^--export: ")):
         validate(request, catalogue)
@@ -82,7 +82,7 @@ def test_their_export_is_refused_before_anything_is_computed(tmp_path):
 @pytest.mark.parametrize(
     ("thickness", "said"), [(2e-4, "preset fine takes it$"), (5e-5, "no preset takes it$")]
 )
-def test_a_reference_too_large_names_the_preset_that_takes_it(thickness, said):
+def test_too_large_reference_names_sufficient_preset(thickness, said):
     foil = ConstantLeg(0.85, Tube(0.12, thickness), STEEL, name="leg 1")
     with pytest.raises(InputError, match=said):
         solid_leg(Context(IFW, "quick"), foil)
@@ -92,7 +92,7 @@ def test_a_reference_too_large_names_the_preset_that_takes_it(thickness, said):
     ("preset", "said"),
     [("quick", "--preset fine"), ("standard", "--preset fine"), ("fine", "no preset")],
 )
-def test_an_undecided_entry_is_sent_to_a_preset_that_is_finer_if_any(preset, said):
+def test_undecided_entry_names_finer_preset_if_any(preset, said):
     # 0.1 m by 0.06 m: 900 unknowns are six divisions, and so they are at standard; fine has more.
     leg = ConstantLeg(0.5, Rectangle(0.1, 0.06), STEEL)
     due = f"needs a finer reference: {said} computes one"

@@ -79,7 +79,7 @@ def turning(force):
 
 
 @pytest.mark.parametrize("name", ["3-rrr", "orthoglide", "hexapod"])
-def test_a_robot_that_turns_as_a_whole_feels_its_loads_and_its_ground_alone(name):
+def test_rigid_turn_has_stiffness_of_loads_only(name):
     """They keep their directions while all else turns: θ × F, and half of θ × M by either side."""
     robot = on_pedestal(name)
     at, tool = posture(robot, robot.poses[len(robot.poses) // 3]), robot.tool
@@ -129,7 +129,7 @@ def held_twice(first, wrench, *compliances):
     return joints, solution.system.motions.twists[0], geometric_stiffness(solution, load, {})
 
 
-def test_elastic_joints_of_one_bar_press_it_as_stiff_as_they_are():
+def test_elastic_joints_of_bar_press_it_by_stiffness():
     """A quarter of P pulls one end, three press the other: −½ (¾ − ¼) P L/2 θ²."""
     give = 1e-6 * np.eye(6)
     _, twists, found = held_twice('type = "fixed"', [8.0, 0, 0, 0, 0, 0], give, give / 3.0)
@@ -137,7 +137,7 @@ def test_elastic_joints_of_one_bar_press_it_as_stiff_as_they_are():
     np.testing.assert_allclose(found, due, rtol=0, atol=1e-9 * np.abs(due).max())
 
 
-def test_a_moment_through_a_universal_joint_works_on_both_of_its_angles():
+def test_moment_on_universal_joint_works_on_two_angles():
     """M·θ(α, β) of the rotation vector θ, whose second derivative by both is ½ a₁ × a₂."""
     first = 'type = "universal", axes = [[1.0, 0.0, 0.0], [0.6, 0.8, 0.0]]'
     give, moment = np.diag([1e3, 1e3, 1e3, 1e-4, 1e-4, 1e-4]), [0, 0, 0, 0, 0, 7.0]
@@ -148,7 +148,7 @@ def test_a_moment_through_a_universal_joint_works_on_both_of_its_angles():
 
 
 @pytest.mark.parametrize("model", ["simplified", "links", "beam"])
-def test_a_mass_above_its_drive_falls_where_its_weight_is_stiffer(model):
+def test_mass_above_drive_falls_if_weight_is_stiffer(model):
     """k/Σ m g h, nothing the other way; half the load at twice the factor; frequencies under it."""
     up = Load("up", "bob", "P", gravity=np.array([0.0, 9.81, 0.0]))
     down, twice = replace(up, gravity=-up.gravity), replace(up, gravity=2.0 * up.gravity)
@@ -258,7 +258,7 @@ def test_load_across_an_idle_rod_leaves_eulers_load(across):
 
 
 @pytest.mark.parametrize("kind", ["rods", "elastic balls", "rigid rod"])
-def test_buckling_with_idle_spins_is_alike_in_all_base_axes(kind):
+def test_buckling_with_idle_spins_is_frame_invariant(kind):
     """The built-in Delta, six idle spins, under wrench and gravity across its rods."""
     tables = deepcopy(load_robot("delta").tables)
     if kind == "elastic balls":
@@ -277,7 +277,7 @@ def test_buckling_with_idle_spins_is_alike_in_all_base_axes(kind):
     np.testing.assert_allclose(found, found[0] * np.ones((3, 1)), rtol=1e-5)
 
 
-def test_torque_that_spins_idle_rod_is_alike_in_all_base_axes():
+def test_torque_on_idle_rod_is_frame_invariant():
     """Inertia of the spinning rod balances the torque, no moment is left for its ball joints."""
     tables, found = load_robot("delta").tables, []
     axis = np.subtract(tables["points"]["C1l"], tables["points"]["E1l"]) / 0.56

@@ -36,7 +36,7 @@ def body_of(file, length, coupling=None, unit="mm"):
     return Body("arm", Part(file, STEEL, plane_ends(length, coupling), unit), points)
 
 
-def test_a_channel_twists_about_its_shear_centre_as_its_solid_does(tmp_path):
+def test_channel_twists_about_shear_centre_like_solid(tmp_path):
     """60 × 40 mm, 300 mm long, 8 mm thick, open along y: a force along z on its back twists it.
 
     Ends are averaged and free to warp, so that Saint-Venant's torsion is the whole of it.
@@ -73,7 +73,7 @@ def test_a_channel_twists_about_its_shear_centre_as_its_solid_does(tmp_path):
     assert abs(wrong[3, 2]) > 5.0 * abs(off(leg)[3, 2])
 
 
-def test_what_cannot_be_stepped_is_told_and_judged_without(tmp_path):
+def test_unsteppable_part_is_reported_and_judged(tmp_path):
     write_overlapping_crane(tmp_path)
     mechanism = load_robot(tmp_path / "robot.toml").mechanism
     at = posture(mechanism, mechanism.poses[0])
@@ -143,7 +143,7 @@ def hollow_wedge(occ):
 
 
 @pytest.mark.parametrize(("draw", "why"), REFUSED.values(), ids=REFUSED)
-def test_a_section_that_is_no_prisms_is_refused_and_named(tmp_path, draw, why):
+def test_nonprismatic_section_is_refused_and_named(tmp_path, draw, why):
     with pytest.raises(InputError, match=why) as error:
         stepped(body_of(meshed(tmp_path / "part.msh", draw, 20.0, 12.0), 0.4))
     (line,) = error.value.faults
@@ -151,7 +151,7 @@ def test_a_section_that_is_no_prisms_is_refused_and_named(tmp_path, draw, why):
 
 
 @pytest.mark.parametrize(("draw", "left"), PRISMS.values(), ids=PRISMS)
-def test_sections_that_hold_for_their_own_size_are_pieces(tmp_path, draw, left):
+def test_sections_as_long_as_their_size_are_pieces(tmp_path, draw, left):
     leg = stepped(body_of(meshed(tmp_path / "part.msh", draw, 20.0), 0.4))
     areas = np.array([piece.properties.mu for piece in leg.pieces]) / STEEL.rho
     # Of the bar, of what is left of it, and nothing between: a plane in a step's face is on one
@@ -176,7 +176,7 @@ def sections(x):
     return 0.04 * heights - 0.02 * 0.016, about_y, about_z
 
 
-def test_pieces_of_a_hollow_wedge_are_the_prisms_of_its_drawing(legs):
+def test_pieces_of_hollow_wedge_match_its_drawing(legs):
     exact = sections(0.4 * (np.arange(8) + 0.5) / 8.0)
     for name, values in zip(("EA", "EIy", "EIz"), exact, strict=True):
         found = [getattr(piece.properties, name) for piece in legs[8].pieces]
@@ -192,7 +192,7 @@ def compliance(leg, model="beam", theory="timoshenko"):
 
 
 @pytest.mark.parametrize(("component", "section"), [(0, 0), (4, 1)])
-def test_pieces_converge_to_the_integral_with_the_square_of_their_number(legs, component, section):
+def test_pieces_converge_with_second_order(legs, component, section):
     exact = quad(lambda x: 1.0 / (STEEL.E * sections(x)[section]), 0.0, 0.4)[0]
     coarse, fine = (compliance(leg)[component, component] / exact - 1.0 for leg in legs.values())
     # Sections in the middle of the pieces: the midpoint rule.
@@ -206,7 +206,7 @@ def test_beams_and_segments_are_one_statics(legs):
         assert scaled_difference(segments, beam) < 1e-9
 
 
-def test_a_leg_moves_rigidly_with_its_part_and_points_beyond_its_ends_with_it(legs):
+def test_leg_and_points_beyond_move_rigidly_with_part(legs):
     """A wedge of eight pieces somewhere in a body, under unit twists about the body's origin."""
     start, along = np.array([0.1, -0.2, 0.05]), np.array([1.0, 2.0, 2.0]) / 3.0
     ends = np.array([start, start + 0.4 * along])
@@ -239,7 +239,7 @@ def coarse(monkeypatch, tmp_path):
 
 @pytest.mark.exhaustive
 @pytest.mark.usefixtures("coarse")
-def test_a_rocker_of_three_bores_in_every_model_that_takes_it():
+def test_rocker_of_three_bores_in_every_model():
     robot = load_robot(ROCKER / "robot.toml")
     at = [reference_posture(robot.mechanism)]
     (links,) = answers("links", at, 0)
@@ -296,6 +296,7 @@ def test_checking_a_robot_opens_the_files_of_its_parts(command):
         (["solve", "--model", "links", "--body", "rocker"], "from a file, see flexproof identify"),
     ],
 )
-def test_a_part_alone_is_identified_by_its_name_not_solved(command, asked, said):
+def test_single_part_is_refused_by_solve(command, asked, said):
+    """A part alone is identified by its name."""
     robot = ROCKER / "robot.toml"
     assert said in command.refused(asked[0], robot, *asked[1:])

@@ -80,7 +80,7 @@ def test_template_has_mobility_of_its_kind(robot, motions, redundant):
     assert found.mobility == 6 * bodies - (found.constraints - found.redundant)
 
 
-def test_scara_tool_deflects_down_as_two_arms_and_quill():
+def test_scara_tool_deflects_as_two_arms_and_quill():
     """Arms at a right angle: the upper one bends, and twists under the forearm's length."""
     nu, L1, L2 = 0.33, 0.35, 0.25
     A1, Iy1, _, _, kz1 = box(0.12, 0.09, 0.012, nu)
@@ -157,7 +157,7 @@ def test_tricept_tool_deflects_down_as_three_legs():
     )
 
 
-def test_linear_delta_tool_deflects_down_as_rods_and_screws():
+def test_linear_delta_deflects_as_rods_and_screws():
     """Six rods of 500 mm that fall by 400 mm share the force, three screws carry a third each."""
     rod = 0.5 / (E_ALUMINIUM * pi / 4.0 * (0.02**2 - 0.016**2))
     down = rod / (6.0 * 0.8**2) + 1.0 / (3.0 * 2e7)
