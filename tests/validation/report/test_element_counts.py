@@ -36,7 +36,7 @@ def rows(*studies):
     return element_counts([figure(*studies)]).rows
 
 
-def test_rows_have_the_worst_quantity_of_each_formulation():
+def test_rows_have_worst_quantity_of_each_formulation():
     """8 of 5 and 8 elements, 0.12 % of +0.05 % and −0.12 %; other theories stay out."""
     table = element_counts(
         [

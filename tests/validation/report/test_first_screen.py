@@ -165,7 +165,7 @@ def test_assumption_is_stated_for_decided_frequencies():
     assert "solid" not in sentence(decided)
 
 
-def test_half_width_below_a_twentieth_percent_is_hidden():
+def test_half_width_below_twentieth_percent_is_hidden():
     small = [1e-9, 4e-4, 6e-4]
     table = table_of(matrix_of(*(entry(f"m{u}", "x", u, uncertainty=u) for u in small)))
     found = [(plain(cell.text), plain(cell.spread)) for cell in table.cells]
@@ -197,7 +197,7 @@ def test_robot_row_has_values_of_the_reference():
     ]
 
 
-def test_entries_of_the_same_cause_and_remedy_share_a_line():
+def test_entries_with_equal_cause_and_remedy_share_line():
     matrix = sample_matrix()
     *simple, off = lines = remedies_of(matrix, {entry.model for entry in matrix.entries})
     equivalent = "VJM on equivalent legs, segments and beams"
@@ -239,7 +239,7 @@ def test_reasons_of_undecided_stand_with_their_models():
     }
 
 
-def test_range_of_a_remedy_is_by_size_whatever_the_sign():
+def test_range_of_a_remedy_is_sorted_by_size():
     """Frequencies 8 % too low and 20 % too high, each with a sign."""
     causes = (Cause("shear", 1.0),)
     entries = tuple(

@@ -175,7 +175,7 @@ def test_cause_rows_have_every_amount(outcomes):
 
 
 @pytest.mark.parametrize("outcomes", DRAWN)
-def test_every_explanation_and_reason_names_its_quantities(outcomes):
+def test_explanations_and_reasons_name_quantities(outcomes):
     for table in agreement_tables(outcomes):
         own = [one for one in outcomes if one.case.body == table.subject]
         reasons = {}

@@ -373,7 +373,7 @@ def test_the_record_and_the_line_of_the_api():
                 assert f"remedy: {entry.remedy}" in line
 
 
-def test_numbers_and_tolerances_are_formatted_as_in_print():
+def test_numbers_and_tolerances_are_printed_in_style():
     written = {1.06e-6: "1.06\u00a0×\u00a010⁻⁶", -123456.0: "−123460", 0.0: "0", None: "–"}
     written |= {"centre": "centre", float("inf"): "∞"}
     assert {value: text.number(value) for value in written} == written

@@ -85,7 +85,7 @@ def test_verdict_is_at_the_top_and_checks_follow(markup):
     assert 'href="#robot.beam-vjm.planar_x_0.4975"' in banner
 
 
-def test_banner_is_coloured_for_inadequate_relied_model():
+def test_inadequate_relied_model_colours_the_banner():
     for rely, colour in (("vjm", "answer"), ("simplified", "inadequate")):
         report = sample_report(outcomes=[])
         page = render(replace(report, results=replace(report.results, rely=(rely,))))
@@ -113,7 +113,7 @@ def test_the_worst_comparisons_of_a_section_come_first():
     ]
 
 
-def test_the_page_shows_cases_data_findings_and_provenance(markup):
+def test_page_shows_cases_data_findings_and_provenance(markup):
     cases = len(sample_outcomes())
     for shown in ("Timoshenko &amp; Gere, Table 1", "shear is in both models", ".never</code>"):
         assert markup.count(shown) >= cases
@@ -285,7 +285,7 @@ def test_cross_validation_leads_the_page_unfolded():
     assert not second.leads
 
 
-def test_section_of_skipped_comparisons_states_the_reasons():
+def test_section_of_skipped_comparisons_has_reasons():
     """Each reason once, with the bodies that it is about; none if anything was compared."""
     skipped = tuple(
         replace(one, case=replace(one.case, body=name))

@@ -218,7 +218,7 @@ def test_something_else_at_the_address(greeting, answer, said, monkeypatch):
         b"".join(one.to_bytes(8, "little") for one in (8, 0)),
     ],
 )
-def test_junk_in_the_form_of_a_greeting_is_no_scheduler(greeting, monkeypatch):
+def test_junk_like_a_greeting_is_no_scheduler(greeting, monkeypatch):
     monkeypatch.setattr(on_dask, "_ANSWER_TIMEOUT", 2.0)
     with socket.create_server(("127.0.0.1", 0)) as server:
 
@@ -243,7 +243,7 @@ def test_without_dask_the_message_says_how_to_get_it(monkeypatch):
 
 
 @pytest.mark.exhaustive
-def test_a_worker_of_another_version_is_refused_by_name(tmp_path):
+def test_worker_of_another_version_is_refused_by_name(tmp_path):
     other = tmp_path / "other"
     for package in ("lumped", "meshes", "fem", "validation"):
         shutil.copytree(ROOT / package, other / package)

@@ -162,7 +162,7 @@ def judged(quantity, verdict, *values):
     )
 
 
-def test_values_go_by_their_poses_however_many_there_are():
+def test_values_are_matched_by_pose():
     """In any order, equal up to rounding, also on half a digit; each with each takes a minute."""
     places, values = 0.1 * np.arange(5_000.0) + 5e-10, np.arange(5_000.0)
     runs = []
@@ -175,7 +175,7 @@ def test_values_go_by_their_poses_however_many_there_are():
 
 
 @pytest.mark.parametrize("poses", [((0.1,), (0.2, 0.3)), ((), (0.1,)), ((0.1, 0.2),) * 2])
-def test_poses_of_other_lengths_have_no_values_in_common(poses):
+def test_poses_of_different_lengths_share_no_values(poses):
     """None, of robots that move otherwise and of files that somebody made."""
     entries = (
         replace(judged("x", "adequate"), poses=some, values=(1.0, 2.0))

@@ -54,7 +54,7 @@ def test_records_survive_and_keep_what_is_no_number(tmp_path):
         assert folder.remarks == []
 
 
-def test_an_earlier_run_stays_until_the_new_one_is_whole(tmp_path):
+def test_earlier_run_stays_until_new_run_is_complete(tmp_path):
     path = tmp_path / "run"
     finished(path)
     before = content(path)
@@ -73,7 +73,7 @@ def test_an_earlier_run_stays_until_the_new_one_is_whole(tmp_path):
         assert not partial(path).exists()
 
 
-def test_a_run_that_was_given_up_makes_way_for_the_next(tmp_path):
+def test_abandoned_run_is_replaced_by_the_next(tmp_path):
     path = tmp_path / "run"
     with open_folder(path, OTHER, "afresh") as folder:
         fill(folder, 2.0)
@@ -239,7 +239,7 @@ ODD = [b"", b"[]", b"5", b"{}", b"null", b'{"seal": "', 100_000 * b"[", b"\x00\x
        b'{"flexproof": "run", "files": 5}', b'{"seal": "%s", "a": 5}' % (32 * b"0")]  # fmt: skip
 
 
-def test_odd_records_are_not_finished_and_what_holds_is(tmp_path):
+def test_only_valid_records_count_as_finished(tmp_path):
     path = tmp_path / "odd"
     finished(path)
     records = path / "results.jsonl"

@@ -129,7 +129,7 @@ def test_patterns_take_brackets_literally(robot_file):
         runner.select(tasks, "quick", "toy.agree")
 
 
-def test_messages_with_control_characters_are_still_xml():
+def test_control_characters_in_messages_give_valid_xml():
     case = toys.case("toy.escape", toys.agrees)
     text = junit_xml([Outcome(case, Result(case.id, "failed", 0.0, "\x1b[31mred\x00 <&>"))], "toys")
     error = ET.fromstring(text).find("testsuite/testcase/error")  # noqa: S314  our own
@@ -167,7 +167,7 @@ def test_a_file_on_a_terminal_may_have_any_name(monkeypatch, capsys):
     assert "reading [/red]a[bold].step" in capsys.readouterr().err
 
 
-def test_long_work_is_forecast_by_the_speed_of_the_machine(monkeypatch, capsys):
+def test_long_work_is_forecast_by_machine_speed(monkeypatch, capsys):
     """A hundred seconds elsewhere are 200 here, and three minutes are told as such."""
     monkeypatch.setattr(telling, "slowness", lambda: 2.0)
     monkeypatch.setattr(telling, "_ESTIMATE_DELAY", 0.02)
