@@ -1,8 +1,8 @@
-"""A validation case as a typed record, and what it measures.
+"""A validation case as a typed record, and its measurement.
 
 The error of a comparison is E = value − reference. Named differences between the two models may
-be allowed for; what is left, E less the allowances, is held against the tolerance (vocabulary of
-ASME V&V 10 and 20).
+be allowed for. The unexplained difference, E less the allowances, is compared with the tolerance
+(vocabulary of ASME V&V 10 and 20).
 """
 
 import sys
@@ -31,14 +31,14 @@ OUT_OF_MEMORY = "choose a smaller preset or fewer --jobs"
 
 
 class Relation(Enum):
-    """What the case claims of the value: equal to the reference, at most, or at least as large."""
+    """Claimed relation of value to reference: equal, at most, or at least as large."""
 
     EQUAL = "equal"
     AT_MOST = "at most"
     AT_LEAST = "at least"
 
     def excess(self, difference: float) -> float:
-        """How far `difference` (value − reference) lies on the wrong side; negative: right side."""
+        """Violation of the relation by `difference` (value − reference). Negative if it holds."""
         match self:
             case Relation.EQUAL:
                 return abs(difference)
@@ -57,7 +57,7 @@ class Absolute:
     def __post_init__(self) -> None:
         _require_positive(self.amount)
 
-    def at(self, reference: float) -> float:  # noqa: ARG002  the same whatever the reference
+    def at(self, reference: float) -> float:  # noqa: ARG002  independent of the reference
         """Amount in the unit of the case."""
         return self.amount
 
@@ -85,7 +85,7 @@ Tolerance: TypeAlias = Absolute | Relative
 class Allowance:
     """A named cause and the part of value − reference that it explains (signed, unit of the case).
 
-    `source` says how the amount was found (section, equation, or function).
+    `source`: section, equation or function that the amount is from.
     """
 
     cause: str
@@ -95,9 +95,9 @@ class Allowance:
 
 @dataclass(frozen=True)
 class Elsewhere:
-    """The same comparison at another place than the measurement's own: in another pose or mode.
+    """A measurement's comparison repeated in another pose or mode, named by `where`.
 
-    `uncertainty` is that of what is judged there, None where exact.
+    `uncertainty`: half-width of the unexplained difference. None if the numbers are exact.
     """
 
     where: str
@@ -113,10 +113,10 @@ class Elsewhere:
 
 @dataclass(frozen=True)
 class UnjudgedValue:
-    """A value beside its reference that is shown and not judged, in `unit`.
+    """A value and its reference in `unit`, shown without a verdict.
 
-    `model` and `label` of the quantity as of a case; `half_width`: numerical uncertainty of the
-    reference, None if unknown; `elements` as of a case.
+    `model`, `label` and `elements` have the meaning that they have in `Case`. `half_width`:
+    numerical uncertainty of the reference. None if it is unknown.
     """
 
     model: str
@@ -135,19 +135,19 @@ class UnjudgedValue:
 
 @dataclass(frozen=True)
 class Measurement:
-    """What a case computed, in the unit of the case.
+    """Result of a case, in the unit of the case.
 
     `value_uncertainty`, `reference_uncertainty` and `judged_uncertainty` are the numerical
     uncertainties of both sides and of the unexplained difference (half-widths of a 95 % interval).
-    The last is stated where both sides have one mesh, whose errors cancel; else it follows from the
-    other two. Either one of them is stated, or the numbers are `exact`: nothing is discretised, and
-    rounding alone is left; ValueError for neither and for both. `table` maps column headings to
-    equally long columns; `studies` are convergence studies and sweeps to be shown with the case.
-    `pose` is the one that the numbers belong to. Where a case looks at several places it is fixed
-    beforehand, so that runs can be compared, and `elsewhere` has the others, judged as well. values
-    `shown` are reported beside it and not judged.
-    `claim`: what a source says of it, read as printed and as corrected. `decides`: what there is to
-    do, or to know, where the uncertainty is too large to judge.
+    The last is stated if both sides have one mesh, whose errors cancel. Otherwise it follows from
+    the other two. Either one of them is stated, or the numbers are `exact`: nothing is discretised,
+    and round-off is the only error. Neither, or both, raise ValueError. `table` maps column
+    headings to equally long columns. `studies` are convergence studies and sweeps to be shown with
+    the case. `pose` is the pose of the numbers. If a case compares several poses or modes, it is
+    fixed beforehand, so that runs can be compared, and `elsewhere` contains the others, which are
+    judged as well. Values `shown` are reported beside it without a verdict.
+    `claim`: statement of a source on this result, read as printed and as corrected. `decides`:
+    action or information that would decide the case if the uncertainty is too large.
     """
 
     value: float
@@ -184,33 +184,34 @@ class Measurement:
 
     @property
     def numerical_uncertainty(self) -> float | None:
-        """Uncertainty of what is judged: its own, or of both sides, root sum of squares.
+        """Half-width of the unexplained difference: as stated, or of both sides in quadrature.
 
-        None where the numbers are exact to rounding.
+        None if the numbers are exact to rounding.
         """
         if self.judged_uncertainty is not None:
             return self.judged_uncertainty
-        known = [u for u in (self.value_uncertainty, self.reference_uncertainty) if u is not None]
-        return hypot(*known) if known else None
+        half_widths = (self.value_uncertainty, self.reference_uncertainty)
+        stated = [half_width for half_width in half_widths if half_width is not None]
+        return hypot(*stated) if stated else None
 
 
-class Skip(Exception):  # noqa: N818  not an error: the case says why it cannot be run here
+class Skip(Exception):  # noqa: N818  not an error: it has the reason why the case cannot be run
     """Raised by a case that cannot be run on this machine or for this robot, with the reason."""
 
 
 @dataclass(frozen=True)
 class Case:
-    """One comparison: what is claimed, from which source, how closely, and how to compute it.
+    """One comparison: the claim, its source, its tolerance, and the function that computes it.
 
     `id` is dotted, with parameters in brackets: "robot.beam-vjm.planar[x=0.4975]". `quantity` and
-    `unit` name the value ("largest planar deflection", "µm"; "1" for ratios), `model` whose value
-    it is ("segments", "solid"; empty where it is no model's). `subject` tells what a case says
-    something about: the run's robot, or one of its legs, whose name is `body`. `label` is what an
-    axis has room for of the quantity. `section` is the heading under which the report shows the
-    case, `figure` the id of the figure that shows what it measured. `elements`: element count of
-    each leg; 0 if the model has no elements or the case is about several counts. `group` names what
-    expensive results the case shares: cases of one group run in the same process, one after the
-    other. `effort` is the expected time in seconds, for the order of work and the time left.
+    `unit` name the value ("largest planar deflection", "µm"; "1" for ratios), `model` the model
+    of the value ("segments", "solid"; "" if it is from no model). `subject` is the subject of the
+    case: the run's robot, or one of its legs, whose name is `body`. `label` is the quantity in the
+    few words for which an axis has room. `section` is the heading under which the report shows the
+    case, `figure` the id of the figure that shows its result. `elements`: element count of each
+    leg. 0 if the model has no elements or the case is about several counts. Cases of one `group`
+    share expensive results and run in the same process, one after the other.
+    `effort` is the expected time in seconds, for the order of work and the time left.
     `compute` may raise ComputationError (the case has failed) or Skip.
     """
 
@@ -237,9 +238,9 @@ class Case:
     elements: int = 0
 
     def measure(self, context: Context) -> Measurement:
-        """What `compute` finds in the `context` of the run.
+        """Result of `compute` in the `context` of the run.
 
-        Raises Skip also where it needs CalculiX, and there is none.
+        Raises Skip also if it needs CalculiX and CalculiX is not installed.
         """
         try:
             return self.compute(context)
@@ -265,7 +266,7 @@ def failure_reason(subject: str, error: Exception) -> str:
         message = f"ran out of memory; {OUT_OF_MEMORY}"
     else:
         message = f"{type(error).__name__}: {error} (traceback in log.txt)"
-    # A disk that is too full for the log must not take the result with it.
+    # If the disk is too full for the log, the result is kept nevertheless.
     with suppress(OSError):
         sys.stderr.write(f"\n== {subject}: {message}\n")
         traceback.print_exception(error)

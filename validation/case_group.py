@@ -1,4 +1,4 @@
-"""Cases declared where they are computed, and said once what many of them have in common.
+"""Cases declared beside the function that computes them, with common fields stated once.
 
     cases = CaseGroup(section="The mechanism over its path", group="mine", unit="Hz")
 
@@ -11,12 +11,12 @@
     )
     def _lowest(context: Context, model: ModelName, theory: Theory) -> Measurement: ...
 
-`cases()` has them in the order of their declaration. One declaration is as many cases as there are
-parameters to take it over: texts, and tuples of texts, are templates of them ("{kind}",
-"{entry.unit}", "{alpha:g}"), and any field, the parameters of a later key of `over` too, may be a
-function of those it names. A parameter with the name of a field, such as `model`, is that field
-where the declaration says nothing else of it; the quantity is the title where nothing else is said
-of it. What computes a case is given the parameters that it names.
+`cases()` returns them in the order of their declaration. One declaration makes a case for each
+combination of the parameters in `over`. Texts, and tuples of texts, are templates of the parameters
+("{kind}", "{entry.unit}", "{alpha:g}"). Any field, and the parameters of a later key of `over`, may
+be a function of the parameters that it names. A parameter with the name of a field, such as
+`model`, is the default of that field; the title is the default of the quantity. The function that
+computes a case receives the parameters that it names.
 """
 
 from collections.abc import Callable, Iterable, Mapping
@@ -63,7 +63,7 @@ class CaseFields(TypedDict, total=False):
 
 
 class CaseGroup:
-    """Cases with fields in `common`, all of them taken `over` the same parameters.
+    """Cases with `common` fields, each declared `over` the same parameters.
 
     The parameters of the group are the outermost: all its cases for the first value, then all for
     the next.
@@ -82,30 +82,32 @@ class CaseGroup:
         over: Over | None = None,
         **fields: Unpack[CaseFields],
     ) -> Callable[[Compute], Compute]:
-        """Declare a case, or one for each combination of the parameters, by what computes it."""
+        """Decorator that declares a case, or one for each combination of the parameters."""
 
         def declare(compute: Compute) -> Compute:
-            own = {"id": identifier, "title": title, **fields}
-            self._declared.append(partial(_cases, compute, over or {}, self._common, own))
+            declared_fields = {"id": identifier, "title": title, **fields}
+            self._declared.append(
+                partial(_cases, compute, over or {}, self._common, declared_fields)
+            )
             return compute
 
         return declare
 
     def family(self, *, over: Over | None = None, **fields: Unpack[CaseFields]) -> Self:
-        """A group within this one, in its place; it has these `fields` in common as well."""
+        """Add a group within this one, whose cases have these `fields` in common as well."""
         common: CaseFields = {**self._common, **fields}
-        within = type(self)(over=over, **common)
-        self._declared.append(within)
-        return within
+        group = type(self)(over=over, **common)
+        self._declared.append(group)
+        return group
 
-    def __call__(self, **given: Any) -> tuple[Case, ...]:
-        """All cases; `given` parameters are those that a robot's file decides.
+    def __call__(self, **parameters: Any) -> tuple[Case, ...]:
+        """All cases; `parameters` have the values that depend on the robot file.
 
-        Raises KeyError for a template, TypeError for a function with a parameter that is not there.
+        Raises KeyError for a template, TypeError for a function with an unknown parameter.
         """
         return tuple(
             case
-            for row in _rows(given, self._over)
+            for row in _combinations(parameters, self._over)
             for declared in self._declared
             for case in declared(**row)
         )
@@ -115,42 +117,44 @@ def _cases(
     compute: Callable[..., Measurement],
     over: Over,
     common: CaseFields,
-    own: Mapping[str, Any],
+    declared_fields: Mapping[str, Any],
     /,
-    **given: Any,
+    **parameters: Any,
 ) -> tuple[Case, ...]:
-    found = []
-    for row in _rows(given, over):
-        named = _named(compute, row)
-        signature(compute).bind("context", **named)
+    cases = []
+    for row in _combinations(parameters, over):
+        arguments = _arguments(compute, row)
+        signature(compute).bind("context", **arguments)
         from_row = {name: row[name] for name in CaseFields.__annotations__ if name in row}
-        fields = {"quantity": own["title"], **common, **from_row, **own}
-        filled = {name: _of(row, field) for name, field in fields.items()}
-        found.append(Case(compute=partial(compute, **named) if named else compute, **filled))
-    return tuple(found)
+        fields = {"quantity": declared_fields["title"], **common, **from_row, **declared_fields}
+        values = {name: _filled(row, field) for name, field in fields.items()}
+        cases.append(
+            Case(compute=partial(compute, **arguments) if arguments else compute, **values)
+        )
+    return tuple(cases)
 
 
-def _rows(given: Mapping[str, Any], over: Over) -> list[dict[str, Any]]:
+def _combinations(parameters: Mapping[str, Any], over: Over) -> list[dict[str, Any]]:
     """Every combination of parameters, the last one of `over` changing fastest."""
-    rows = [dict(given)]
+    rows = [dict(parameters)]
     for key, values in over.items():
         names = key.split(", ")
         rows = [
             row | dict(zip(names, value if len(names) > 1 else (value,), strict=True))
             for row in rows
-            for value in (values(**_named(values, row)) if callable(values) else values)
+            for value in (values(**_arguments(values, row)) if callable(values) else values)
         ]
     return rows
 
 
-def _of(row: Mapping[str, Any], field: Any) -> Any:
+def _filled(row: Mapping[str, Any], field: Any) -> Any:
     """A field with the parameters filled in."""
     if isinstance(field, tuple):
-        return tuple(_of(row, one) for one in field)
+        return tuple(_filled(row, text) for text in field)
     if isinstance(field, str):
         return field.format(**row) if row else field
-    return field(**_named(field, row)) if callable(field) else field
+    return field(**_arguments(field, row)) if callable(field) else field
 
 
-def _named(function: Callable[..., Any], row: Mapping[str, Any]) -> dict[str, Any]:
+def _arguments(function: Callable[..., Any], row: Mapping[str, Any]) -> dict[str, Any]:
     return {name: row[name] for name in signature(function).parameters if name in row}

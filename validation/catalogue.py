@@ -1,4 +1,4 @@
-"""Everything a run can compute for a robot: cases and figures."""
+"""Cases, assessments and figures that a run can compute for a robot."""
 
 from collections.abc import Sequence
 
@@ -42,29 +42,29 @@ _MEASURED = Assessment(
 
 
 def catalogue(robot_file: RobotFile, variations: Sequence[Variation] = ()) -> Sequence[Task]:
-    """Every case and figure for a robot, and those of the numbers that are varied.
+    """All cases, assessments and figures for a robot, and those of its variations.
 
     The paper's statements are for the paper's robot alone.
     """
-    described, limits = robot_file.mechanism, robot_file.agreement
+    mechanism, limits = robot_file.mechanism, robot_file.agreement
     return (
         *(paper.cases() if is_paper_robot(robot_file) else ()),
         *agreement_cases(robot_file),
         *part_models_vs_solid.cases(
-            parts=part_models_vs_solid.parts_as_legs(described), limits=limits
+            parts=part_models_vs_solid.parts_as_legs(mechanism), limits=limits
         ),
-        *mesh_cases.cases(legs=distinct_legs(described)),
-        *convergence_cases.cases(bodies=convergence_cases.subjects(described), limits=limits),
-        *cases(described, robot_file.requirement.modes),
+        *mesh_cases.cases(legs=distinct_legs(mechanism)),
+        *convergence_cases.cases(bodies=convergence_cases.subjects(mechanism), limits=limits),
+        *cases(mechanism, robot_file.requirement.modes),
         *([_MEASURED] if robot_file.measured else []),
         _ADEQUACY,
         *pictures.portraits(),
         *convergence_figure.figures(),
         *curves.figures(),
-        *(maps() if directions(described) else ()),
+        *(maps() if directions(mechanism) else ()),
         *pictures.figures(),
         *modes.figures(),
-        *responses.figures(described),
+        *responses.figures(mechanism),
         *responses.measured_figures(robot_file),
         *(paper.figures() if is_paper_robot(robot_file) else ()),
         *(cases_over(robot_file, variations) if variations else ()),

@@ -1,4 +1,4 @@
-"""What a case may use: the robot, the preset, and results that other cases computed before."""
+"""Context of a case: the robot, the preset, and results that earlier cases computed."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -20,7 +20,8 @@ T = TypeVar("T")
 class Context:
     """Robot file, preset and options of a run, and a memo of expensive results.
 
-    `finer`: the preset whose meshes references have, where those of the run's leave too much open.
+    `finer`: preset of the references' meshes. None if the meshes of the run's preset are fine
+    enough.
 
     `context.get(solid_leg, leg, divisions)` is `solid_leg(leg, divisions)`, computed once per
     process for equal arguments. The function must be pure and defined at the top of a module.
@@ -34,7 +35,7 @@ class Context:
 
     @property
     def meshes(self) -> Preset:
-        """The preset whose meshes references have."""
+        """Preset of the references' meshes."""
         return self.finer or self.preset
 
     def get(self, function: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:

@@ -1,7 +1,8 @@
-"""What a source says, read as printed and as corrected, and in which of the two readings it holds.
+"""Statements of a source, read as printed and as corrected, and the readings in which they hold.
 
-A sentence may speak of several curves ("longer legs, smaller deflections" of six): it holds where
-all of them do. One that itself chose a correction is circular and counts for nothing.
+A statement may concern several curves ("longer legs, smaller deflections" of six): it holds if it
+holds for all of them. A statement that was used to choose a correction is circular and is not
+counted.
 """
 
 from collections.abc import Iterable, Mapping
@@ -12,7 +13,7 @@ import msgspec
 Standing: TypeAlias = Literal[
     "both", "as printed alone", "as corrected alone", "in part", "neither", "circular"
 ]
-# In the order in which they are told.
+# In display order.
 STANDINGS: Mapping[Standing, str] = {
     "both": "as printed and as corrected",
     "as printed alone": "as printed alone",
@@ -32,9 +33,9 @@ _CURVE = {
 
 
 class ClaimedCurve(msgspec.Struct, frozen=True, rename=_CURVE):
-    """One number or curve that a sentence speaks of: its value in each reading, and the verdicts.
+    """One number or curve of a statement: its value and its verdict in each reading.
 
-    A value is None where that reading gives no finite number; then it does not hold either.
+    A value is None if the reading has no finite number. The statement then does not hold in it.
     """
 
     name: str
@@ -46,11 +47,11 @@ class ClaimedCurve(msgspec.Struct, frozen=True, rename=_CURVE):
 
 
 class Claim(msgspec.Struct, frozen=True, rename={"sentence": "statement"}):
-    """A sentence of a source (`where`), in our words, and the curves that bear it out or not.
+    """A statement at `where` of a source, paraphrased, and the curves that confirm or refute it.
 
-    `quantity` says what the values of the curves are.
-    `differs` names what of the printed text changes the numbers, empty where both readings are
-    one; `circular` why it counts for nothing.
+    `quantity` names the values of the curves. `differs` names the correction of the printed text
+    that changes the numbers. "" if both readings agree. `circular`: reason why the statement is
+    not counted. "" if it is counted.
     """
 
     sentence: str
@@ -62,17 +63,17 @@ class Claim(msgspec.Struct, frozen=True, rename={"sentence": "statement"}):
 
     @property
     def printed(self) -> int:
-        """How many curves hold as printed."""
+        """Number of curves for which the statement holds as printed."""
         return sum(curve.printed_holds for curve in self.curves)
 
     @property
     def corrected(self) -> int:
-        """How many curves hold as corrected."""
+        """Number of curves for which the statement holds as corrected."""
         return sum(curve.corrected_holds for curve in self.curves)
 
     @property
     def standing(self) -> Standing:
-        """In which reading the sentence holds."""
+        """Readings in which the statement holds."""
         if self.circular:
             return "circular"
         match self.printed == len(self.curves), self.corrected == len(self.curves):
@@ -85,30 +86,30 @@ class Claim(msgspec.Struct, frozen=True, rename={"sentence": "statement"}):
         return "in part" if self.printed or self.corrected else "neither"
 
 
-def gathered(claims: Iterable[Claim]) -> tuple[Claim, ...]:
-    """One claim for each sentence, with the curves of all that make it; order of appearance."""
-    found: dict[str, Claim] = {}
+def merged_claims(claims: Iterable[Claim]) -> tuple[Claim, ...]:
+    """One claim for each statement, with the curves of all claims of it, in order of appearance."""
+    merged: dict[str, Claim] = {}
     for claim in claims:
-        known = found.get(claim.sentence)
-        curves = (*(known.curves if known else ()), *claim.curves)
-        found[claim.sentence] = msgspec.structs.replace(known or claim, curves=curves)
-    return tuple(found.values())
+        earlier = merged.get(claim.sentence)
+        curves = (*(earlier.curves if earlier else ()), *claim.curves)
+        merged[claim.sentence] = msgspec.structs.replace(earlier or claim, curves=curves)
+    return tuple(merged.values())
 
 
 def summary(claims: Iterable[Claim]) -> str:
-    """How many sentences hold in which reading."""
+    """Number of statements that hold in each reading, as a sentence."""
     standings = [claim.standing for claim in claims]
-    counted = len(standings) - standings.count("circular")
-    told = [
+    counted_statements = len(standings) - standings.count("circular")
+    counts = [
         f"{standings.count(standing)} {meaning}"
         for standing, meaning in STANDINGS.items()
         if standing in standings
     ]
     circular = standings.count("circular")
-    left = f"; {circular} circular and not counted" if circular else ""
-    return f"Of {counted} statements hold: {', '.join(told)}{left}."
+    remainder = f"; {circular} circular and not counted" if circular else ""
+    return f"Of {counted_statements} statements hold: {', '.join(counts)}{remainder}."
 
 
 def claim_records(claims: Iterable[Claim]) -> list[dict[str, Any]]:
-    """The claims as results.json carries them."""
+    """Entries of the claims in results.json."""
     return [msgspec.to_builtins(claim) | {"standing": claim.standing} for claim in claims]

@@ -19,11 +19,11 @@ if TYPE_CHECKING:
     from validation.comparisons.checks import Check
     from validation.context import Context
 
-# What this session has judged, by the digest of the robot file, the preset and the modes asked for.
-_JUDGED = pytest.StashKey[dict[tuple[str, str, float | None], "Adequacy"]]()
+# Assessments of this session by digest of the robot file, preset and number of modes.
+_ASSESSMENTS = pytest.StashKey[dict[tuple[str, str, float | None], "Adequacy"]]()
 
-# What this session has computed of comparisons, by the digest of the robot file and the preset.
-_COMPARED = pytest.StashKey[dict[tuple[str, str], "Context"]]()
+# Contexts of this session's comparisons by digest of the robot file and preset.
+_CONTEXTS = pytest.StashKey[dict[tuple[str, str], "Context"]]()
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -47,12 +47,12 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Room for what is judged; raises UsageError with the faults of a robot that was asked for.
+    """Create the session's stores; raises UsageError with the faults of a requested robot file.
 
-    Workers of pytest-xdist could not say them: the session ends before it has any.
+    Workers of pytest-xdist do not read the files: the session would end before it starts them.
     """
-    config.stash[_JUDGED] = {}
-    config.stash[_COMPARED] = {}
+    config.stash[_ASSESSMENTS] = {}
+    config.stash[_CONTEXTS] = {}
     if not hasattr(config, "workerinput"):
         for robot in config.getoption("flexproof"):
             _robot_file(robot)
@@ -60,14 +60,16 @@ def pytest_configure(config: pytest.Config) -> None:
 
 @pytest.fixture
 def flexproof(request: pytest.FixtureRequest) -> Callable[..., "Adequacy"]:
-    """`flexproof(robot, accept=…)`: the models of a robot judged, once per session.
+    """`flexproof(robot, accept=…)`: adequacy of a robot's models, computed once per session.
 
-    A path counts from the folder of the test.
+    A relative path starts in the folder of the test.
     """
 
     def judge(robot: str | Path, accept: Mapping[str, float] | None = None) -> "Adequacy":
-        beside = request.path.parent / robot
-        return _judged(request.config, beside if beside.is_file() else robot, accept)
+        path_beside_test = request.path.parent / robot
+        return _assessment(
+            request.config, path_beside_test if path_beside_test.is_file() else robot, accept
+        )
 
     return judge
 
@@ -76,7 +78,7 @@ def flexproof(request: pytest.FixtureRequest) -> Callable[..., "Adequacy"]:
 def pytest_collection_modifyitems(
     session: pytest.Session, config: pytest.Config, items: list[pytest.Item]
 ) -> None:
-    """Add the robots that were asked for."""
+    """Add the requested robots."""
     for robot in config.getoption("flexproof"):
         collector = RobotCollector.from_parent(session, path=Path(robot).absolute(), robot=robot)
         items.extend(collector.collect())
@@ -99,7 +101,7 @@ class RobotCollector(pytest.File):
 
         robot_file = _robot_file(self.robot)
         for model in judged_models(robot_file.mechanism):
-            for quantity in (one.name for one in robot_file.requirement.quantities):
+            for quantity in (entry.name for entry in robot_file.requirement.quantities):
                 name = f"{model}.{quantity}"
                 yield ModelItem.from_parent(self, name=name, model=model, quantity=quantity)
         for check in checks(robot_file):
@@ -107,29 +109,29 @@ class RobotCollector(pytest.File):
 
 
 class ModelItem(pytest.Item):
-    """One model and one quantity: passed where adequate, skipped where silent or undecided."""
+    """One model and one quantity: passed if adequate, skipped if undefined or undecided."""
 
     def __init__(self, *, model: str, quantity: str, **node: Any) -> None:
         super().__init__(**node)
         self.model, self.quantity = model, quantity
 
     def runtest(self) -> None:
-        """Judge, or take from what has been judged."""
+        """Judge the entry; the assessment is computed once per session."""
         assert isinstance(self.parent, RobotCollector)  # noqa: S101  for the type checker
-        judged = _judged(self.config, self.parent.robot, None)
-        entry = judged.matrix.entry(self.model, self.quantity)
+        adequacy = _assessment(self.config, self.parent.robot, None)
+        entry = adequacy.matrix.entry(self.model, self.quantity)
         if entry is None:
             pytest.skip(f"{self.model} says nothing of {self.quantity}")
-        if entry.error is None and self.model in judged.matrix.faults:
-            pytest.fail(judged.told(entry), pytrace=False)
+        if entry.error is None and self.model in adequacy.matrix.faults:
+            pytest.fail(adequacy.told(entry), pytrace=False)
         strict = self.config.getoption("flexproof_strict")
         if entry.verdict == "undecided" and not strict:
-            pytest.skip(judged.told(entry))
+            pytest.skip(adequacy.told(entry))
         if entry.verdict != "adequate":
-            pytest.fail(judged.told(entry), pytrace=False)
+            pytest.fail(adequacy.told(entry), pytrace=False)
 
     def reportinfo(self) -> tuple[Path, None, str]:
-        """Where the item is from, and its name."""
+        """File and name of the item."""
         return self.path, None, self.name
 
 
@@ -149,25 +151,25 @@ class ComparisonItem(pytest.Item):
         assert isinstance(self.parent, RobotCollector)  # noqa: S101  for the type checker
         try:
             with one_blas_thread():
-                checked = self.check.compute(_context(self.config, self.parent.robot))
+                result = self.check.compute(_context(self.config, self.parent.robot))
         except Skip as reason:
             pytest.skip(str(reason))
         except (ComputationError, InputError) as error:
             pytest.fail(f"{self.name}: {error}", pytrace=False)
         strict = self.config.getoption("flexproof_strict")
-        if checked.verdict == "undecided" and not strict:
-            pytest.skip(checked.text)
-        if checked.verdict != "agree":
-            pytest.fail(checked.text, pytrace=False)
+        if result.verdict == "undecided" and not strict:
+            pytest.skip(result.text)
+        if result.verdict != "agree":
+            pytest.fail(result.text, pytrace=False)
 
     def reportinfo(self) -> tuple[Path, None, str]:
-        """Where the item is from, and its name."""
+        """File and name of the item."""
         return self.path, None, self.name
 
 
 def _robot_file(robot: str) -> "RobotFile":
-    """The robot that was asked for; raises UsageError with the faults of its file."""
-    from lumped.errors import InputError  # noqa: PLC0415  other sessions need not wait for it
+    """Load a requested robot; raises UsageError with the faults of its file."""
+    from lumped.errors import InputError  # noqa: PLC0415  loaded only by sessions that need it
     from lumped.robot_file import load_robot  # noqa: PLC0415
 
     try:
@@ -180,24 +182,24 @@ def _context(config: pytest.Config, robot: str) -> "Context":
     from validation.context import Context  # noqa: PLC0415  loads the finite elements
 
     robot_file = _robot_file(robot)
-    preset, known = config.getoption("flexproof_preset"), config.stash[_COMPARED]
+    preset, contexts = config.getoption("flexproof_preset"), config.stash[_CONTEXTS]
     key = robot_file.sha256, preset
-    if key not in known:
-        known[key] = Context(robot_file, preset)
-    return known[key]
+    if key not in contexts:
+        contexts[key] = Context(robot_file, preset)
+    return contexts[key]
 
 
-def _judged(
+def _assessment(
     config: pytest.Config, robot: str | Path, accept: Mapping[str, float] | None
 ) -> "Adequacy":
     from validation.api import adequacy, load  # noqa: PLC0415  loads the finite elements
 
     loaded = load(robot)
     preset = config.getoption("flexproof_preset")
-    known = config.stash[_JUDGED]
-    # Other limits judge what is there; more modes are computed.
+    assessments = config.stash[_ASSESSMENTS]
+    # Other limits need no new computation; other numbers of modes do.
     modes = {"modes": accept["modes"]} if accept and "modes" in accept else {}
     key = loaded.sha256, preset, modes.get("modes")
-    if key not in known:
-        known[key] = adequacy(loaded, preset=preset, accept=modes)
-    return known[key].accepting(accept) if accept else known[key]
+    if key not in assessments:
+        assessments[key] = adequacy(loaded, preset=preset, accept=modes)
+    return assessments[key].accepting(accept) if accept else assessments[key]

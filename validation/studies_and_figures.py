@@ -1,8 +1,8 @@
-"""What a run shows beside its verdicts: studies and figures.
+"""Studies and figures of a run, shown beside its verdicts.
 
-A *figure* is what the page shows under a title, with caption and table. What it is made of has
-words of its own in `validation.drawing`: a *chart* of curves, a *scene* of bodies that can be
-turned, and the *picture* taken of it.
+A *figure* stands on the page under a title, with caption and table. Its parts are defined in
+`validation.drawing`: a *chart* of curves, a *scene* of bodies that can be turned, and a *picture*
+of the scene.
 """
 
 import re
@@ -37,7 +37,7 @@ _INERT = re.compile(
 )
 # Links lead to other elements of the drawing, or are pictures in it.
 _LINK = re.compile(r"(?:href=\"|url\()([^\")]*)", re.IGNORECASE)
-_OWN = re.compile(r"#|data:image/png;base64,")
+_INTERNAL = re.compile(r"#|data:image/png;base64,")
 _FOREIGN_STYLE = re.compile(r"<style[^<>]*>[^<]*(?:@|url)[^<]*", re.IGNORECASE)
 
 
@@ -47,9 +47,10 @@ class Study:
 
     `series` maps a curve's name to as many values in `unit`. `orders` maps
     curves to observed orders and `uncertainties` to the numerical uncertainty of the finest value
-    (unit of the study); a curve without one is outside its asymptotic range, and `notes` say so.
+    (unit of the study); a curve without one is outside its asymptotic range, which
+    a line of `notes` states.
     `limits` maps curves to the value they tend to (exact or extrapolated; zero for curves that are
-    relative errors). Cases may share a study by giving equal ones: it is shown once.
+    relative errors). Equal studies of several cases are shown once.
 
     Studies of one `family` have one x and are drawn in the same axes, under `family_title`; their
     curves go by the `variant` of their study. If studies name a `panel`, the family has a panel for
@@ -85,7 +86,7 @@ class Study:
 
 @dataclass(frozen=True)
 class InteractiveScene:
-    """A 3-D scene that can be turned; `state` is as the page's viewer reads it, packed."""
+    """A 3-D scene that can be turned; `state` is the packed input of the page's viewer."""
 
     title: str
     state: bytes
@@ -95,11 +96,12 @@ class InteractiveScene:
 class Figure:
     """A picture with its caption and data; `svg` (markup) or `png` (bytes), and `data` as CSV.
 
-    Where this machine cannot draw it, `left_out` says why; data and scenes are there nevertheless.
+    If this machine cannot draw it, `left_out` is the reason. Data and scenes are present
+    nevertheless.
 
-    `id` also names its files; `section` is the part of the report it belongs to; `scenes` show the
-    panels of the picture in three dimensions; `computed_by` names the functions its numbers are
-    from; `studies` are its entries in results.json, as plain data.
+    `id` is also the stem of its file names. `section` is its part of the report. `scenes` show the
+    panels of the picture in three dimensions. `computed_by` names the functions that computed its
+    numbers. `studies` are its entries in results.json, as plain data.
     """
 
     id: str
@@ -122,9 +124,9 @@ class Figure:
 
     @property
     def files(self) -> Mapping[str, str | bytes]:
-        """What a folder of figures holds of it, by file name."""
-        named: dict[str, str | bytes] = {"svg": self.svg, "png": self.png, "csv": self.data}
-        return {f"{self.id}.{ending}": content for ending, content in named.items() if content}
+        """Contents of its files by file name."""
+        contents: dict[str, str | bytes] = {"svg": self.svg, "png": self.png, "csv": self.data}
+        return {f"{self.id}.{ending}": content for ending, content in contents.items() if content}
 
 
 @dataclass(frozen=True)
@@ -141,7 +143,7 @@ class PlannedFigure:
 
 
 def study_record(study: Study) -> dict[str, Any]:
-    """The study's entry in results.json, which has null where a number is not finite."""
+    """Entry of the study in results.json. A number that is not finite is null there."""
     names = ("id", "title", "x_label", "y_label", "unit", "x", "series", "formal_order")
     return {
         "kind": "convergence",
@@ -153,12 +155,14 @@ def study_record(study: Study) -> dict[str, Any]:
 
 
 def _require_inert(svg: str, name: str) -> None:
-    """Raise ValueError if markup, which stands in the page as it is, can do more than be drawn.
+    """Raise ValueError if markup, which the page embeds unchanged, can do more than be drawn.
 
-    Figures come from records of earlier runs, too, which anybody may have written.
+    Figures are also read from records of earlier runs, which anybody may have written.
     """
     for tag in (*re.findall(r"<[^<>]*>?", svg), *_FOREIGN_STYLE.findall(svg)):
-        if not _INERT.fullmatch(tag) or any(not _OWN.match(link) for link in _LINK.findall(tag)):
+        if not _INERT.fullmatch(tag) or any(
+            not _INTERNAL.match(link) for link in _LINK.findall(tag)
+        ):
             raise ValueError(f"figure {name}: {tag[:60]} has no place in a drawing")
 
 

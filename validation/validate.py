@@ -1,4 +1,4 @@
-"""A run from start to end: choose the cases, compute them, keep and publish what comes out."""
+"""A run from start to end: choose the cases, compute them, record and publish the results."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
@@ -35,21 +35,21 @@ from validation.solve.cost import PER_PART
 from validation.uncertainty.refinement import accuracy_faults
 from validation.verdicts import ADEQUACY, MEASURED, MEASURED_RESPONSE
 
-# How many times as long as results.json takes to write it is left alone.
-_SPARING = 20.0
+# Pause between two writes of results.json, as a multiple of the time that one write takes.
+_WRITE_PAUSE = 20.0
 # Seconds of an idle core for a unit of effort.
-_PER_EFFORT: Mapping[Preset, float] = {"quick": 0.25, "standard": 0.4, "fine": 1.5}
+_SECONDS_PER_EFFORT: Mapping[Preset, float] = {"quick": 0.25, "standard": 0.4, "fine": 1.5}
 
 
 @dataclass(frozen=True)
 class Request:
-    """What the user asks for, as typed.
+    """Request of the user, with the options of the command.
 
     `only` is a shell-style pattern of ids. `baseline` is the folder or results.json of an earlier
-    run to be compared with. `exports`: whether meshes, fields and matrices are wanted as files.
+    run to be compared with. `exports`: True if meshes, fields and matrices are written to files.
     `cluster` is the address of a Dask scheduler that computes parts and the robots of `vary`.
     `accept`, `rely`, `accuracy` (see `Requirement`), `inputs` (see `RobotFile.supposed`) and the
-    file of `measured` values add to what the robot's own file says; `strict`: undecided counts as
+    file of `measured` values add to the contents of the robot file. `strict`: undecided counts as
     inadequate.
     """
 
@@ -72,30 +72,32 @@ class Request:
 
     @cached_property
     def robot_file(self) -> RobotFile:
-        """The robot with what the options change of its file; raises InputError."""
-        read = self.robot
+        """The robot file as changed by the options; raises InputError."""
+        robot_file = self.robot
         if self.measured:
             from validation.measured.modes import with_measured_file  # noqa: PLC0415
 
-            read = with_measured_file(read, self.measured)
+            robot_file = with_measured_file(robot_file, self.measured)
         faults = [] if self.accuracy is None else accuracy_faults(self.accuracy)
         if self.inputs is not None and not SMALLEST_SHARE <= self.inputs <= 0.5:
             faults.append(
                 f"--inputs = {self.inputs:g}: must be from {SMALLEST_SHARE:g} to 0.5 (5 % is 0.05)"
             )
-        if self.inputs is not None and read.uncertain_inputs:
+        if self.inputs is not None and robot_file.uncertain_inputs:
             faults.append("--inputs: the robot file says itself how well its numbers are known")
         if faults:
             raise InputError(faults)
-        requirement = with_options(read.requirement, self.accept, self.rely, read.mechanism.lengths)
+        requirement = with_options(
+            robot_file.requirement, self.accept, self.rely, robot_file.mechanism.lengths
+        )
         if self.accuracy is not None:
             requirement = replace(requirement, accuracy=self.accuracy)
-        supposed = read.supposed if self.inputs is None else self.inputs
-        return replace(read, requirement=requirement, supposed=supposed)
+        supposed = robot_file.supposed if self.inputs is None else self.inputs
+        return replace(robot_file, requirement=requirement, supposed=supposed)
 
     @cached_property
     def variations(self) -> tuple[Variation, ...]:
-        """The numbers that are varied; raises InputError where a robot cannot be."""
+        """The variations of `vary`; raises InputError if a varied robot is invalid."""
         if not self.vary:
             return ()
         from validation.variations.curves import checked_variations  # noqa: PLC0415
@@ -104,8 +106,8 @@ class Request:
 
     @property
     def options(self) -> Mapping[str, str]:
-        """What the header of the run says of all this."""
-        given = {
+        """Options for the header of the run, as text."""
+        texts = {
             "only": self.only,
             "accept": " ".join(self.accept),
             "rely": " ".join(self.rely),
@@ -114,18 +116,18 @@ class Request:
             "accuracy": f"{self.accuracy:g}" if self.accuracy else "",
             "inputs": f"{self.inputs:g}" if self.inputs else "",
         }
-        return {option: text for option, text in given.items() if text}
+        return {option: text for option, text in texts.items() if text}
 
     @property
     def resume_command(self) -> str:
-        """The command that goes on with an interrupted run of this request."""
+        """Command that resumes an interrupted run of this request."""
         command = ["flexproof", "run", self.robot.source, "--preset", self.preset]
         command += ["--only", self.only] if self.only else []
         command += ["--baseline", str(self.baseline)] if self.baseline else []
         command += ["--export"] if self.exports else []
         command += ["--cluster", self.cluster] if self.cluster else []
         for option in ("accept", "rely", "vary"):
-            command += [word for one in getattr(self, option) for word in (f"--{option}", one)]
+            command += [word for text in getattr(self, option) for word in (f"--{option}", text)]
         command += ["--accuracy", f"{self.accuracy:g}"] if self.accuracy else []
         command += ["--inputs", f"{self.inputs:g}"] if self.inputs else []
         command += ["--measured", str(self.measured)] if self.measured else []
@@ -136,8 +138,8 @@ class Request:
 def validate(request: Request, catalogue: runner.Catalogue) -> Results:
     """Run the chosen cases and write the run folder.
 
-    Raises InputError before anything is written, StoreError where the disk refuses, and
-    ComputationError where workers cannot start or the export fails.
+    Raises InputError before anything is written, StoreError if the disk cannot be written,
+    and ComputationError if workers cannot start or the export fails.
     """
     robot_file, preset = request.robot_file, request.preset
     if request.cluster is not None and not (request.variations or robot_file.mechanism.parts):
@@ -149,15 +151,15 @@ def validate(request: Request, catalogue: runner.Catalogue) -> Results:
         _refuse_large_exports(request)
     if request.variations:
         catalogue = partial(catalogue, variations=request.variations)
-    listed = catalogue(robot_file)
-    # Whoever names measured values in the command wants to see them, whatever else is left out.
+    all_tasks = catalogue(robot_file)
+    # Measured values named in the command are compared even if --only excludes them.
     always = (MEASURED, MEASURED_RESPONSE) if request.measured else ()
-    tasks = runner.select(listed, preset, request.only, always)
+    tasks = runner.select(all_tasks, preset, request.only, always)
     header = provenance.header(robot_file, preset, request.options)
     # Before the run, so that after Ctrl-C only the page is left to be written.
     findings = (*audit(robot_file), *paper_findings(robot_file))
-    # Read before anything is written: the folder may be the baseline's own.
-    baseline = _baseline(request)
+    # Read before anything is written: the baseline may be in the same folder.
+    baseline = _read_baseline(request)
     with ExitStack() as stack:
         executor = None
         if request.cluster is not None:
@@ -168,7 +170,7 @@ def validate(request: Request, catalogue: runner.Catalogue) -> Results:
         stack.enter_context(some_cache())
         header |= {"seconds": 0.0, "planned": len(tasks)} | folder.begun
         header |= {"selftest": last_selftest(header)}
-        gathered = Results(
+        results = Results(
             header,
             tasks,
             baseline,
@@ -176,17 +178,17 @@ def validate(request: Request, catalogue: runner.Catalogue) -> Results:
             rely=robot_file.requirement.rely,
             strict=request.strict,
         )
-        gathered.add_records(folder.records)
-        gathered.remarks = folder.remarks
+        results.add_records(folder.records)
+        results.remarks = folder.remarks
         if request.variations and (executor is not None or request.jobs > 1):
             with stage("robots of --vary"):
-                _vary(request, tasks, executor)
-        if any(task.id not in gathered.done for task in tasks):
-            _prepare(request, executor)
-        _compute(request, catalogue, gathered, folder)
+                _solve_varied_robots(request, tasks, executor)
+        if any(task.id not in results.done for task in tasks):
+            _prepare_parts(request, executor)
+        _compute_tasks(request, catalogue, results, folder)
         with stage("writing the report"):
-            publish(gathered, folder, findings)
-        if request.exports and not gathered.unfinished:
+            publish(results, folder, findings)
+        if request.exports and not results.unfinished:
             from validation.export.files import export_mechanism  # noqa: PLC0415
 
             with (
@@ -194,28 +196,28 @@ def validate(request: Request, catalogue: runner.Catalogue) -> Results:
                 folder.exporting() as target,
             ):
                 export_mechanism(robot_file.mechanism, preset, target)
-        folder.complete = not gathered.unfinished
+        folder.complete = not results.unfinished
     if folder.complete:
-        gathered.path = request.out
-    return gathered
+        results.path = request.out
+    return results
 
 
-def publish(gathered: Results, folder: RunFolder, findings: Sequence[Finding]) -> None:
+def publish(results: Results, folder: RunFolder, findings: Sequence[Finding]) -> None:
     """Write junit.xml, figures/ (figures and tables of the report) and report.html."""
-    report = Report(gathered, findings)
+    report = Report(results, findings)
     contents = [report.tables, *(figure.files for figure in report.shown)]
     figures = {f"figures/{name}": content for files in contents for name, content in files.items()}
-    junit = junit_xml(report.outcomes, f"flexproof {gathered.header['robot']}")
+    junit = junit_xml(report.outcomes, f"flexproof {results.header['robot']}")
     page = {"report.html": render(report)}
-    folder.write({"results.json": gathered.as_json(), "junit.xml": junit, **figures, **page})
+    folder.write({"results.json": results.as_json(), "junit.xml": junit, **figures, **page})
 
 
-# What few runs ask for is imported where it is asked for: the others begin sooner.
+# Modules that few runs need are imported when needed: the others start sooner.
 @contextmanager
-def _ahead(cluster: Executor | None, jobs: int) -> Iterator[Executor]:
-    """The cluster, which raises where it is lost, else cores of this machine.
+def _executor(cluster: Executor | None, jobs: int) -> Iterator[Executor]:
+    """Executor on the cluster, which raises if the cluster is lost; without one, on local cores.
 
-    What is lost on these is computed by whoever asks for it, who also says what is wrong.
+    A local failure is suppressed: the caller computes the missing result and reports the error.
     """
     if cluster is not None:
         yield cluster
@@ -224,42 +226,42 @@ def _ahead(cluster: Executor | None, jobs: int) -> Iterator[Executor]:
         yield cores
 
 
-def _vary(request: Request, tasks: Sequence[Task], cluster: Executor | None) -> None:
-    """Solve the robots that differ in one number, as far as their cases and figures are asked."""
+def _solve_varied_robots(request: Request, tasks: Sequence[Task], cluster: Executor | None) -> None:
+    """Solve the robots that differ in one number, if their cases or figures are among the tasks."""
     from validation.variations.curves import variation_study  # noqa: PLC0415
 
     groups = {task.group for task in tasks}
     for number, variation in enumerate(request.variations, start=1):
         if f"vary.{number}" in groups:
-            with _ahead(cluster, request.jobs) as executor, suppress(InputError):
+            with _executor(cluster, request.jobs) as executor, suppress(InputError):
                 variation_study(request.robot_file, variation, request.preset, executor)
 
 
-def _baseline(request: Request) -> RunRecord | None:
-    """The run to compare with; raises InputError where it is of another robot."""
+def _read_baseline(request: Request) -> RunRecord | None:
+    """Read the run to compare with; raises InputError if it is of another robot."""
     if request.baseline is None:
         return None
     baseline = load_run(request.baseline)
-    other, name = baseline.run.get("robot"), request.robot_file.name
-    if other and other != name:
+    baseline_robot, name = baseline.run.get("robot"), request.robot_file.name
+    if baseline_robot and baseline_robot != name:
         raise InputError(
-            f'--baseline {request.baseline}: is of another robot, "{other}", and says nothing of '
-            f'"{name}"; must be a run of the same robot'
+            f'--baseline {request.baseline}: is of another robot, "{baseline_robot}", and says '
+            f'nothing of "{name}"; must be a run of the same robot'
         )
     return baseline
 
 
-def _prepare(request: Request, cluster: Executor | None) -> None:
-    """Mesh and reduce the parts of a mechanism, and keep it."""
+def _prepare_parts(request: Request, cluster: Executor | None) -> None:
+    """Mesh and reduce the parts of a mechanism, and cache the result."""
     if not request.robot_file.mechanism.parts:
         return
-    # Meshes and solvers, of which most runs ask for none.
+    # Loads meshers and solvers, which most runs do not need.
     from validation.references.part_preparation import prepare_parts  # noqa: PLC0415
 
     context = Context(request.robot_file, request.preset)
     parts = len(request.robot_file.mechanism.parts)
-    told = stage("meshing and reducing parts", PER_PART * parts / request.jobs)
-    with told, _ahead(cluster, request.jobs) as executor:
+    progress_stage = stage("meshing and reducing parts", PER_PART * parts / request.jobs)
+    with progress_stage, _executor(cluster, request.jobs) as executor:
         prepare_parts(context, executor, carried=cluster is not None)
 
 
@@ -274,32 +276,32 @@ def _refuse_large_exports(request: Request) -> None:
         raise InputError(f"--export: {reason}")
 
 
-def _compute(
-    request: Request, catalogue: runner.Catalogue, gathered: Results, folder: RunFolder
+def _compute_tasks(
+    request: Request, catalogue: runner.Catalogue, results: Results, folder: RunFolder
 ) -> None:
-    begun = perf_counter() - gathered.header["seconds"]
+    begun = perf_counter() - results.header["seconds"]
     due = 0.0
 
     def keep(record: Record) -> None:
         nonlocal due
         now = perf_counter()
         folder.keep(record, now - begun)
-        gathered.add(record)
-        if record["id"] == ADEQUACY and gathered.matrix:
-            # Long before the report is whole.
-            write_message(
-                sentence(gathered.matrix, gathered.rely).replace("\N{NO-BREAK SPACE}", " ")
-            )
-        gathered.header = dict(gathered.header) | {"seconds": now - begun}
-        # All records are kept; this file is for who looks on, and grows with the run.
+        results.add(record)
+        if record["id"] == ADEQUACY and results.matrix:
+            # Long before the report is complete.
+            write_message(sentence(results.matrix, results.rely).replace("\N{NO-BREAK SPACE}", " "))
+        results.header = dict(results.header) | {"seconds": now - begun}
+        # All records are kept. This file is for readers during the run, and grows with it.
         if now >= due:
-            folder.write({"results.json": gathered.as_json()})
-            due = now + (perf_counter() - now) * _SPARING
+            folder.write({"results.json": results.as_json()})
+            due = now + (perf_counter() - now) * _WRITE_PAUSE
 
-    waiting = [task for task in gathered.tasks if task.id not in gathered.done]
+    waiting = [task for task in results.tasks if task.id not in results.done]
     context = Context(request.robot_file, request.preset, request.options)
-    seconds = _PER_EFFORT[request.preset] * sum(task.effort for task in waiting) / request.jobs
-    with progress.showing(waiting, seconds) as shown:
+    seconds = (
+        _SECONDS_PER_EFFORT[request.preset] * sum(task.effort for task in waiting) / request.jobs
+    )
+    with progress.showing(waiting, seconds) as display:
         runner.run(
             catalogue,
             context,
@@ -307,5 +309,5 @@ def _compute(
             jobs=request.jobs,
             log=folder.log,
             keep=keep,
-            progress=shown,
+            progress=display,
         )

@@ -16,7 +16,7 @@ Adequacy: TypeAlias = Literal["adequate", "inadequate", "undecided"]
 # Types of an entry's quantity and causes.
 Q = TypeVar("Q")
 C = TypeVar("C", bound="CauseShare")
-# The two assessments of a run by id: against what is computed, and against what was measured.
+# Ids of the two assessments of a run: against computed and against measured references.
 ADEQUACY, MEASURED = "adequacy", "adequacy.measured"
 # The figure that shows a measured response beside those of the models.
 MEASURED_RESPONSE = "measured.response"
@@ -24,7 +24,7 @@ MEASURED_RESPONSE = "measured.response"
 
 @dataclass(frozen=True)
 class Coordinate:
-    """What a pose prescribes: "x" in "m", "phi_z" in "rad"."""
+    """Coordinate prescribed by a pose: "x" in "m", "phi_z" in "rad"."""
 
     name: str
     unit: str
@@ -34,9 +34,9 @@ class Coordinate:
 
     @property
     def axis(self) -> str:
-        """What an axis of a figure is labelled: "x (m)", "rotation about z (rad)"."""
-        about = ROTATIONS.get(self.name)
-        return f"rotation about {about} ({self.unit})" if about else str(self)
+        """Label of an axis of a figure: "x (m)", "rotation axis_name z (rad)"."""
+        axis_name = ROTATIONS.get(self.name)
+        return f"rotation axis_name {axis_name} ({self.unit})" if axis_name else str(self)
 
 
 class CauseShare(msgspec.Struct, frozen=True):
@@ -47,7 +47,7 @@ class CauseShare(msgspec.Struct, frozen=True):
 
 
 class Cause(CauseShare, frozen=True):
-    """A cause within a run, with the computation that its amount is from."""
+    """A cause within a run, with the computation of its amount."""
 
     source: str = ""
 
@@ -68,10 +68,10 @@ COLUMN = Column()
 def columns_of(record: type[msgspec.Struct]) -> dict[str, Column]:
     """Columns by the names of the fields, in their order, with their headings."""
     return {
-        field.name: mark._replace(heading=mark.heading or field.name.replace("_", " "))
+        field.name: column._replace(heading=column.heading or field.name.replace("_", " "))
         for field in msgspec.structs.fields(record)
-        for mark in get_args(field.type)
-        if isinstance(mark, Column)
+        for column in get_args(field.type)
+        if isinstance(column, Column)
     }
 
 
@@ -153,7 +153,7 @@ class EntryRecord(msgspec.Struct, Generic[Q, C], frozen=True, kw_only=True):
 
 
 class Entry(EntryRecord[Quantity, Cause], frozen=True, kw_only=True):
-    """An entry within a run, with what the page shows of it and results.json leaves out."""
+    """An entry within a run, with the numbers that the page shows and results.json omits."""
 
     # Numbers that are infinite here are None in the class above, as JSON has none.
     limit: Annotated[float, COLUMN] = inf
@@ -174,8 +174,8 @@ class Entry(EntryRecord[Quantity, Cause], frozen=True, kw_only=True):
         """Probability of the verdict, or of the likelier one if undecided; None if unknown."""
         if self.probability is None or self.probability_beyond is None:
             return None
-        both = {"adequate": self.probability, "inadequate": self.probability_beyond}
-        return both.get(self.verdict, max(both.values()))
+        probabilities = {"adequate": self.probability, "inadequate": self.probability_beyond}
+        return probabilities.get(self.verdict, max(probabilities.values()))
 
     @property
     def signed(self) -> bool:
@@ -185,24 +185,27 @@ class Entry(EntryRecord[Quantity, Cause], frozen=True, kw_only=True):
 
 @dataclass(frozen=True)
 class ModelNote:
-    """A model of the matrix: its name, what it is, and what it says nothing of (and why)."""
+    """A model of the matrix: name, description, and the quantities that it does not define.
+
+    `undefined` names those quantities with the reason. "" if there are none.
+    """
 
     model: str
     title: str
-    silent: str = ""
+    undefined: str = ""
 
 
 @dataclass(frozen=True)
 class Matrix:
     """All models by all quantities for one robot.
 
-    `coordinates` are what a pose prescribes; `poses` (p×n) are all that were looked at.
-    `notes` are facts that belong beside the matrix, `supposed` is what verdicts on frequencies
-    suppose, `parts` are the matrices of the robot's parts alone, named as `robot`: each leg's, root
-    clamped. Where models stand on legs that are not the robot's, `formulation` holds them against
-    solids of the legs that they model: what is off in the matrix and not there is the fault of the
-    legs, not of the model. `faults` name the models, and other computations, that ended with an
-    error of the program: what is undecided of them says nothing about the robot.
+    `coordinates` are prescribed by a pose; `poses` (p×n) are all poses of the path.
+    `notes` are facts that belong beside the matrix. `supposed` is the assumption of the verdicts on
+    frequencies. `parts` are matrices of each leg alone, root clamped, with the leg's name as
+    `robot`. If models use legs that differ from the robot's, `formulation` compares them with
+    solids of the legs that they model: an error in the matrix that is absent there is due to the
+    legs, not to the model. `faults` names the models, and other computations, that ended with an
+    error of the program: an entry that they leave undecided is no statement about the robot.
     """
 
     robot: str
@@ -219,28 +222,29 @@ class Matrix:
 
     @property
     def all_faults(self) -> tuple[str, ...]:
-        """The faults of this matrix and of those beside it, each once."""
-        own = (fault for one in (self, *self.beside) for fault in one.faults)
-        return tuple(dict.fromkeys(own))
+        """Faults of this matrix and of its attached matrices, each once."""
+        faults = (fault for matrix in (self, *self.attached) for fault in matrix.faults)
+        return tuple(dict.fromkeys(faults))
 
     @property
-    def beside(self) -> tuple["Matrix", ...]:
-        """All matrices that stand beside this one."""
+    def attached(self) -> tuple["Matrix", ...]:
+        """Matrices of the parts and of the formulation."""
         return (*self.parts, *((self.formulation,) if self.formulation else ()))
 
     def entry(self, model: str, name: str) -> Entry | None:
         """Entry of a model and a quantity by its name. None if the model does not define it."""
-        entries = (one for one in self.of_model(model) if one.quantity.name == name)
+        entries = (entry for entry in self.of_model(model) if entry.quantity.name == name)
         return next(entries, None)
 
     def known_entry(self, model: str, name: str) -> Entry:
         """Entry of a model and a quantity by its name; raises InputError if there is none."""
-        if found := self.entry(model, name):
-            return found
-        models, names = [one.model for one in self.models], [one.name for one in self.quantities]
-        for what, given, known in (("model", model, models), ("quantity", name, names)):
-            if given not in known:
-                raise InputError(f'{what} "{given}" is not judged; there are {", ".join(known)}')
+        if entry := self.entry(model, name):
+            return entry
+        models = [note.model for note in self.models]
+        names = [quantity.name for quantity in self.quantities]
+        for kind, word, allowed in (("model", model, models), ("quantity", name, names)):
+            if word not in allowed:
+                raise InputError(f'{kind} "{word}" is not judged; there are {", ".join(allowed)}')
         raise InputError(f'model "{model}" does not define "{name}"')
 
     def of_model(self, model: str) -> tuple[Entry, ...]:
@@ -252,7 +256,7 @@ class Matrix:
         return worst_of([entry.verdict for entry in self.of_model(model)] or ["undecided"])
 
     def fails(self, rely: Sequence[str], *, strict: bool) -> tuple[str, ...]:
-        """Models relied on that are inadequate, with `strict` also those that are undecided."""
+        """Models in `rely` that are inadequate, with `strict` also those that are undecided."""
         refused = {"inadequate", "undecided"} if strict else {"inadequate"}
         return tuple(model for model in rely if self.verdict(model) in refused)
 
@@ -274,6 +278,6 @@ VERDICTS: tuple[Adequacy, ...] = ("adequate", "inadequate", "undecided")
 
 
 def worst_of(verdicts: Sequence[Adequacy]) -> Adequacy:
-    """What holds of all: inadequate where it is so of any, adequate where of all."""
+    """Verdict on a set: inadequate if any is inadequate, adequate if all are adequate."""
     order: tuple[Adequacy, ...] = ("inadequate", "undecided", "adequate")
     return min(verdicts, key=order.index)

@@ -234,7 +234,7 @@ def test_value_and_reference_share_named_basics_alone():
     assert {key: both for key, both in common.items() if both} == {}
 
 
-def test_what_computes_a_comparison_rests_on_both_its_sides():
+def test_comparison_depends_on_both_sides():
     for key, (value, reference) in COMPARED.items():
         strange = named((*value, *reference)) - closure(roots(CASES[key].compute))
         assert not strange, key
@@ -246,7 +246,7 @@ def test_a_reference_by_the_value_s_code_is_seen():
     assert all(shared((one,), (other,)) for one, other in alike.items())
 
 
-def test_every_model_has_a_comparison_that_shares_nothing_with_it():
+def test_every_model_has_an_independent_comparison():
     by_ritz = {
         value for value, reference in COMPARED.values() if ritz.simplified_response in reference
     }

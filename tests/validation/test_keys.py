@@ -126,7 +126,7 @@ def part_keys(folder: Path) -> list[str]:
     return [mesh.key, identify.identified_entry(file, interfaces, STEEL, 1000, 6).key]
 
 
-def test_changed_source_line_changes_keys_of_its_results(tmp_path, monkeypatch):
+def test_changed_source_line_changes_result_keys(tmp_path, monkeypatch):
     """In a copy elsewhere, as an installed wheel is beside a checkout, keys are the same."""
     for package in sources.PACKAGES:
         shutil.copytree(ROOT / package, tmp_path / package)
@@ -162,7 +162,7 @@ def test_changed_source_line_changes_keys_of_its_results(tmp_path, monkeypatch):
 VIEWS = {"validation.tables", "validation.parts.identified_plot"}
 
 
-def test_sources_in_keys_of_parts_are_all_that_compute_them():
+def test_part_keys_include_all_computing_sources():
     """Whatever the modules that make entries import, but for packages without code."""
     drawn = runpy.run_path(str(ROOT / "docs" / "pictures" / "architecture.py"))
     files = drawn["modules"]()
@@ -181,7 +181,7 @@ def test_sources_in_keys_of_parts_are_all_that_compute_them():
                 assert all(isinstance(one, ast.Expr) for one in body), name
 
 
-def test_the_memo_tells_functions_and_how_they_are_called():
+def test_memo_distinguishes_functions_and_arguments():
     arguments = [
         *((), (1,), (1.0,), ("1",), (True,), ((1, 2), 3), (1, (2, 3))),
         *((np.zeros(6),), (np.zeros((2, 3)),), (np.zeros((3, 2)),), (np.zeros(6, np.float32),)),
@@ -200,7 +200,7 @@ def test_the_memo_tells_functions_and_how_they_are_called():
         fingerprint(object())
 
 
-def test_everything_said_of_a_part_is_in_its_key(tmp_path, monkeypatch):
+def test_part_key_depends_on_every_input(tmp_path, monkeypatch):
     file, interfaces = given(tmp_path)
     said = [(interfaces, STEEL), (interfaces[::-1], STEEL)]
     for place in (0, 1):
@@ -239,7 +239,7 @@ def asked_of_parts(file: PartFile, interfaces: tuple[Interface, ...]) -> Iterato
     yield from (partial(stepped_parts.stepped, leg, pieces) for pieces in (10, 11))
 
 
-def test_everything_that_is_kept_of_parts_has_a_key_of_its_own(tmp_path, monkeypatch):
+def test_cached_results_of_parts_have_unique_keys(tmp_path, monkeypatch):
     def noted(entry):
         keys.append(entry.key)
         raise InterruptedError
@@ -255,7 +255,7 @@ def test_everything_that_is_kept_of_parts_has_a_key_of_its_own(tmp_path, monkeyp
     assert len(set(keys)) == len(keys) == len(asked)
 
 
-def test_all_that_tells_runs_apart_is_in_the_name_of_a_run():
+def test_run_name_contains_all_differing_options():
     header = {
         "robot": "r",
         "robot_sha256": "1",
@@ -273,7 +273,7 @@ def test_all_that_tells_runs_apart_is_in_the_name_of_a_run():
     assert needed <= provenance.versions().keys()
 
 
-def test_options_and_measured_values_have_a_digest_of_all_that_they_say():
+def test_digest_depends_on_options_and_measured_values():
     plain = Request(load_robot("ifw"), "quick", Path("out"), 1)
     changed = {"only": "leg*", "accept": ("x=0.1",), "vary": ("geometry.a=0.9:1:3",)}
     requests = [plain, *(replace(plain, **{name: other}) for name, other in changed.items())]
@@ -296,7 +296,7 @@ def with_part(folder: Path, change: bytes = b"") -> RobotFile:
 
 
 @pytest.mark.usefixtures("coarse_parts")
-def test_the_digest_of_a_robot_is_that_of_its_file_and_its_parts(tmp_path):
+def test_robot_digest_covers_file_and_parts(tmp_path):
     one, same = with_part(tmp_path / "one"), with_part(tmp_path / "same")
     other = with_part(tmp_path / "other", b"/* other */\n")
     assert one.sha256 == same.sha256 != other.sha256
@@ -311,7 +311,7 @@ def test_the_digest_of_a_robot_is_that_of_its_file_and_its_parts(tmp_path):
     assert load_robot(tmp_path / "one" / "robot.toml").sha256 != one.sha256
 
 
-def test_the_plugin_judges_every_robot_preset_and_number_of_modes(tmp_path, monkeypatch):
+def test_plugin_judges_once_per_robot_preset_and_modes(tmp_path, monkeypatch):
     judged = []
 
     def judge(robot, *, preset, accept):
@@ -320,8 +320,8 @@ def test_the_plugin_judges_every_robot_preset_and_number_of_modes(tmp_path, monk
 
     monkeypatch.setattr(api, "adequacy", judge)
     robots = [with_part(tmp_path / name, b"/* b */\n" * (name == "b")) for name in "ab"]
-    known = {pytest_plugin._JUDGED: {}}
+    known = {pytest_plugin._ASSESSMENTS: {}}
     for robot, preset, accept in 2 * list(product(robots, PRESETS, (None, {"modes": 6}))):
         config = SimpleNamespace(stash=known, getoption=lambda _, preset=preset: preset)
-        pytest_plugin._judged(config, robot.source, accept)
+        pytest_plugin._assessment(config, robot.source, accept)
     assert len({fingerprint(one) for one in judged}) == len(judged) == 2 * len(PRESETS) * 2

@@ -80,7 +80,7 @@ def first_screen(
         name=matrix.robot,
         parts=tuple(
             replace(first_screen(part, plotted=False), heading=_heading(matrix, part))
-            for part in matrix.beside
+            for part in matrix.attached
         ),
     )
 

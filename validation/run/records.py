@@ -11,7 +11,7 @@ from msgspec.structs import replace
 from lumped.errors import InputError
 from lumped.files import read_ordinary
 from validation.case import Relation
-from validation.published_statements import Claim, claim_records, gathered
+from validation.published_statements import Claim, claim_records, merged_claims
 from validation.run.outcome import Outcome, Verdict
 from validation.studies_and_figures import Figure, Study, study_record
 from validation.verdicts import CauseShare, EntryRecord, Matrix
@@ -110,7 +110,7 @@ def run_record(
         adequacy_of_parts=tuple(
             record
             for matrix in matrices
-            for part in matrix.beside
+            for part in matrix.attached
             for record in stored_entries(part, part.robot)
         ),
         statements=tuple(claim_records(claims_of(outcomes))),
@@ -153,7 +153,7 @@ def studies_of(outcomes: Sequence[Outcome]) -> list[Study]:
 def claims_of(outcomes: Sequence[Outcome]) -> tuple[Claim, ...]:
     """Statements of sources in the outcomes, one claim for each sentence."""
     measured = [outcome.measurement for outcome in outcomes if outcome.measurement]
-    return gathered(m.claim for m in measured if m.claim)
+    return merged_claims(m.claim for m in measured if m.claim)
 
 
 def load_run(path: Path) -> RunRecord:

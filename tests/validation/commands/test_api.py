@@ -55,7 +55,7 @@ def test_run_counts_its_verdicts_and_names_its_page(tmp_path):
     assert "<!DOCTYPE html>" in finished.report.read_text(encoding="utf-8")
 
 
-def test_a_wrong_name_is_an_input_error_that_lists_the_right_ones(judged):
+def test_wrong_name_raises_error_with_valid_names(judged):
     for model, quantity, said in (
         ("bem", "x", 'model "bem" is not judged; there are simplified'),
         ("beam", "f99", 'quantity "f99" is not judged; there are x, y'),
@@ -203,7 +203,7 @@ LIST = "must be a list, each entry a number or a list, each entry a number"
         (lambda: api.converge("five-bar", elements=[2.5]), "^elements = .*, each entry a whole nu"),
     ],
 )
-def test_wrong_argument_is_an_input_error_that_names_it(call, said, tmp_path, monkeypatch):
+def test_wrong_argument_raises_error_with_its_name(call, said, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     with pytest.raises(InputError, match=said):
         call()

@@ -26,7 +26,7 @@ BAR = {
 STIFFNESS = 3.0 * STEEL["E"] * SIDE**4 / 12.0 / LENGTH**3
 
 
-def test_measured_deflection_of_a_fixed_robot_is_compared_and_plotted():
+def test_measured_deflection_of_fixed_robot_is_plotted():
     """Euler–Bernoulli's L³/3EI is what was measured; the pose of a structure has no coordinate."""
     value = {"quantity": "z", "pose": [], "load": 100.0, "value": 100.0 / STIFFNESS}
     measured = {**value, "uncertainty": 1e-6, "source": "dial gauge"}
@@ -56,14 +56,14 @@ def test_displacement_under_load_is_in_table_and_plot():
     ]
 
 
-def test_robots_without_loads_and_responses_have_no_such_plots():
+def test_robot_without_loads_has_no_load_plots():
     solution = api.solve(BAR, "beam", modes=0)
     for plot in (solution.load_table, solution.plot_loads, solution.plot_responses):
         with pytest.raises(InputError, match=r"has no \[\["):
             plot()
 
 
-def test_abscissa_of_a_plot_is_the_coordinate_that_changes():
+def test_plot_abscissa_is_the_varying_coordinate():
     solution = api.solve("ifw", "vjm", poses=[0.2, 0.3])
     (axes,) = solution.plot().axes
     assert axes.get_xlabel() == "x (m)"

@@ -33,7 +33,7 @@ def with_catalogue(monkeypatch):
     return use
 
 
-def test_a_run_prints_its_verdict_and_where_the_report_is(with_catalogue, tmp_path, capsys):
+def test_run_prints_verdict_and_report_path(with_catalogue, tmp_path, capsys):
     with_catalogue(toys.sound, runner.run)
     assert cli.main(["run", "--out", str(tmp_path / "out"), "--jobs", "2"]) == 0
     printed = capsys.readouterr()
@@ -113,7 +113,7 @@ def test_a_full_disk_ends_with_3_and_how_to_go_on(with_catalogue, tmp_path, monk
     assert f"{told} --out {out} --resume" in printed
 
 
-def test_what_the_system_refuses_is_no_fault_of_flexproof(tmp_path, monkeypatch, capsys):
+def test_system_errors_give_one_line(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr("meshes.processes.Process.__init__", refusing(errno.EMFILE))
     # A file of its own: what is known of others is not read again.
     part = tmp_path / "rocker.step"
@@ -134,7 +134,7 @@ def test_help_imports_nothing_heavy():
     assert "run" in done.stdout
 
 
-def test_a_verdict_worse_than_in_the_baseline_ends_with_1(with_catalogue, tmp_path, command):
+def test_verdict_worse_than_baseline_exits_with_1(with_catalogue, tmp_path, command):
     with_catalogue(toys.sound)
     first = tmp_path / "first"
     command.told("run", "--out", first)

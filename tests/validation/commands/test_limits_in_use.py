@@ -72,7 +72,7 @@ def test_every_way_of_the_api_to_say_a_limit(quantity, general, limit, verdict):
             by_default.assert_adequate("beam", quantity, within=limit)
 
 
-def test_the_preset_and_the_requirement_reach_what_is_computed(computed):
+def test_preset_and_requirement_reach_the_models(computed):
     for preset in ("quick", "standard", "fine"):
         found = api.adequacy("ifw", preset=preset, accept={"modes": 6})
         context = computed.pop()
@@ -101,7 +101,7 @@ def test_every_keyword_of_run_arrives(monkeypatch):
 
 
 @pytest.mark.parametrize("disagreeing", [0, 2])
-def test_run_returns_counts_and_exit_code_of_what_it_gathered(monkeypatch, disagreeing):
+def test_run_returns_counts_and_exit_code(monkeypatch, disagreeing):
     outcomes = [measured(f"toy[{k}]", 1.0, 1.0) for k in range(3)]
     outcomes += [measured(f"wrong[{k}]", 2.0, 1.0) for k in range(disagreeing)]
     outcomes.append(unmeasured("left", "skipped", "nothing to compare"))
@@ -225,7 +225,7 @@ def test_a_robot_file_as_tests(limit, sure, unsure, in_folder, computed):
         assert computed.pop().preset == preset
 
 
-def test_model_that_ends_with_an_error_is_a_failed_item(in_folder, monkeypatch):
+def test_model_with_program_error_is_a_failed_item(in_folder, monkeypatch):
     """Skipped as undecided, it would pass for ever."""
 
     def faulty(context):
@@ -238,7 +238,7 @@ def test_model_that_ends_with_an_error_is_a_failed_item(in_folder, monkeypatch):
     assert "ZeroDivisionError" in in_folder.said["beam.x"]
 
 
-def test_a_robot_file_is_collected_as_one_item_per_model_and_quantity(in_folder, capsys):
+def test_robot_file_has_item_per_model_and_quantity(in_folder, capsys):
     in_folder("", "--flexproof", "mine.toml", "--collect-only", "-q")
     # Eight models by six axes and any force, four frequencies and their order; comparisons of
     # formulations with each other, see test_checks.
@@ -330,7 +330,7 @@ def test_rely_strict_and_accept_decide_the_exit_code(besides, options, code, run
     assert refused == (code == 1 and "--rely" in options)
 
 
-def test_measured_values_are_shown_whatever_else_is_left_out(run, tmp_path, capsys):
+def test_measured_values_are_shown_despite_only(run, tmp_path, capsys):
     values = tmp_path / "values.csv"
     values.write_text("quantity,pose,value,uncertainty,source\nf2,0.4975,80.0,0.1,hammer test\n")
     options = ("--only", "adequacy", "--measured", str(values))
