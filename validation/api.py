@@ -169,20 +169,20 @@ def solve(
     112.4 Hz, 23.4 µm/kN
     """
     types = get_type_hints(ModelOptions)
-    given, free = split_ends(model, options)
+    fixed_options, free = split_ends(model, options)
     if faults := [
         fault
-        for name, value in given.items()
+        for name, value in fixed_options.items()
         if name in types
         for fault in faults_of(name, value, types[name])
     ]:
         raise InputError(faults)
     with _arguments_named():
         typed = _typed(poses)
-        asked = Question(
-            _loaded(robot), model, given, modes, poses=typed, leg=leg, body=body, free=free
+        question = Question(
+            _loaded(robot), model, fixed_options, modes, poses=typed, leg=leg, body=body, free=free
         )
-        return answered(asked)
+        return answered(question)
 
 
 @checked
@@ -353,9 +353,9 @@ class Adequacy:
         --------
         >>> judged.assert_adequate("beam", "f1", within=0.05)
         """
-        found = self.entry(model, quantity, within)
-        if found.verdict != "adequate":
-            raise AssertionError(self.told(found))
+        entry = self.entry(model, quantity, within)
+        if entry.verdict != "adequate":
+            raise AssertionError(self.told(entry))
 
     @checked
     def accepting(self, accept: Mapping[str, float]) -> "Adequacy":
@@ -411,9 +411,9 @@ class Adequacy:
         return entry_line(self.matrix, entry).replace("\N{NO-BREAK SPACE}", " ")
 
     def _within(self, model: str, quantity: str, limit: float) -> Matrix:
-        models = [one for one in self.subject.models if one.name == model]
-        asked = _accepting(self.requirement, {quantity: limit}, self.subject.lengths)
-        return judged(replace(self.subject, models=models, parts=()), asked)
+        models = [candidate for candidate in self.subject.models if candidate.name == model]
+        requirement = _accepting(self.requirement, {quantity: limit}, self.subject.lengths)
+        return judged(replace(self.subject, models=models, parts=()), requirement)
 
     def table(self) -> ResultTable:
         """Verdicts, a row for each model and quantity.
@@ -653,8 +653,8 @@ def identify(
         wanted, points = interfaces_of(texts)
         chosen = material_of(toml_value(material))
         file = part_file(Path(str(part)), unit)
-        held = find_interfaces(file, wanted, points)
-        return identified_between(file, held, chosen, unknowns, modes)
+        faces = find_interfaces(file, wanted, points)
+        return identified_between(file, faces, chosen, unknowns, modes)
 
 
 @checked
@@ -895,7 +895,7 @@ def _arguments_named() -> Iterator[None]:
 
 def _typed(poses: Sequence[float | Sequence[float]]) -> tuple[str, ...]:
     """Poses as they are typed on the command line."""
-    return tuple(",".join(repr(float(number)) for number in np.atleast_1d(one)) for one in poses)
+    return tuple(",".join(repr(float(number)) for number in np.atleast_1d(pose)) for pose in poses)
 
 
 def _loaded(robot: Robot) -> RobotFile:

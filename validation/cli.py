@@ -273,8 +273,8 @@ def run(
         return write_messages(["interrupted", go_on], 3)
     write_messages([*gathered.remarks, *summary.left_out(gathered)], 0)
     changes, worsened = summary.changes(gathered)
-    if said := [*summary.verdicts(gathered), *changes]:
-        write_results("\n".join(said))
+    if lines := [*summary.verdicts(gathered), *changes]:
+        write_results("\n".join(lines))
     write_results(f"report: {visible(str(gathered.path / 'report.html'))}")
     for line in (*summary.adequacy(gathered), *summary.cross_validation(gathered)):
         write_results(line)
@@ -304,7 +304,7 @@ def compare(before: PathArgument, after: PathArgument, *, json: AsJson = False) 
 
     runs = load_run(before), load_run(after)
     comparison = compare_runs(*runs)
-    judged = any(one.before and one.after for one in comparison.adequacy)
+    judged = any(change.before and change.after for change in comparison.adequacy)
     if not (comparison.seconds or judged or comparison.different_robots):
         raise InputError(f"{before} and {after} have no case in common: nothing compares them")
     if json:
@@ -547,10 +547,10 @@ def _version() -> str:
     from fem.solvers.backends.choice import solver_name  # noqa: PLC0415
 
     try:
-        own = version("flexproof")
+        program_version = version("flexproof")
     except PackageNotFoundError:
-        own = "not installed"
-    return f"{own}, linear solver: {solver_name()}"
+        program_version = "not installed"
+    return f"{program_version}, linear solver: {solver_name()}"
 
 
 if __name__ == "__main__":

@@ -1,10 +1,11 @@
-"""How far the whole displacement of the loaded point is from another one, load by load.
+"""Relative difference of two whole displacements of the loaded point, load by load.
 
 The displacement under a force is a translation, the one under a moment a rotation, three numbers
-each; what it is off by is the length of the difference over the length of the reference's. Of all
-directions of force the worst is found exactly: by Dines' theorem (Bull. Amer. Math. Soc. 47 (1941)
-494; the lossless S-lemma) the largest |D f|²/max(a, b) over f, a and b quadratic forms, is the
-smallest over 0 <= w <= 1 of the largest generalised eigenvalue of (DᵀD, w A + (1 − w) B).
+each. The relative difference is the length of the difference over the length of the reference's
+displacement. The worst of all directions of force is found exactly: by Dines' theorem (Bull. Amer.
+Math. Soc. 47 (1941) 494; the lossless S-lemma) the largest |D f|²/max(a, b) over f, a and b
+quadratic forms, is the smallest over 0 <= w <= 1 of the largest generalised eigenvalue of (DᵀD, w A
++ (1 − w) B).
 """
 
 from itertools import combinations
@@ -16,15 +17,15 @@ from lumped.acceptance.quantities import AXES, UNIT_LOADS, Quantity, QuantityKin
 from lumped.arrays import Array
 from validation.responses.statics_and_modes import Statics
 
-# A direction that hardly yields does not decide: of the largest displacement that a force of the
-# same size causes, at least this part is what an error is relative to.
+# A very stiff direction does not decide: an error is relative to at least this part of the largest
+# displacement that a force of the same size causes.
 FLOOR = 1.0 / 20.0
-# Of the largest displacement: below it there is rounding alone, and the reference is rigid.
+# Fraction of the largest displacement below which there is only round-off: the reference is rigid.
 RIGID = 1e-12
-# The golden section of the weight: of 70 steps 2e-15 is left.
+# Golden section of the weight: after 70 steps the interval is 2e-15 wide.
 _STEPS, _GOLDEN = 70, 0.5 * (5.0**0.5 - 1.0)
-# Eigenvalues as close as this are one: at a kink of their largest two of them meet.
-_SAME = 1e-8
+# Relative gap of repeated eigenvalues: at a kink of the largest eigenvalue two of them meet.
+_REPEATED = 1e-8
 
 
 class Worst(NamedTuple):
@@ -54,10 +55,10 @@ class RelativeDisplacement(NamedTuple):
 def sizes(difference: Statics, reference: Statics) -> Array:
     """Sizes of a difference relative to the reference's displacement (P×(7+L)).
 
-    One column for every unit load, then for every load of the robot file.
+    One column for each unit load, then for each load of the robot file.
     """
     loads = load_quantities([""] * reference.load_displacements.shape[1])
-    columns = [relative(difference, reference, one).size for one in (*UNIT_LOADS, *loads)]
+    columns = [relative(difference, reference, load).size for load in (*UNIT_LOADS, *loads)]
     return np.asarray(np.stack(columns, axis=1))
 
 
@@ -73,21 +74,32 @@ def relative(difference: Statics, reference: Statics, quantity: Quantity) -> Rel
         floor = FLOOR * np.linalg.norm(block, 2, axis=(1, 2))
     elif not is_load:
         wrench[:, quantity.column] = 1.0
-    moved, off = (one.displacements(quantity, wrench) for one in (reference, difference))
-    largest = np.linalg.norm(moved, axis=1) if is_load else np.linalg.norm(block, axis=(1, 2))
-    nothing = RIGID * float(largest.max(initial=0.0))
-    length = np.maximum(np.linalg.norm(moved, axis=1), floor)
-    size = np.linalg.norm(off, axis=1)
-    yields = length > nothing
-    infinite = np.where(size > nothing, np.inf, 0.0)
+    displacement, deviation = (
+        statics.displacements(quantity, wrench) for statics in (reference, difference)
+    )
+    largest = (
+        np.linalg.norm(displacement, axis=1) if is_load else np.linalg.norm(block, axis=(1, 2))
+    )
+    rigid_length = RIGID * float(largest.max(initial=0.0))
+    length = np.maximum(np.linalg.norm(displacement, axis=1), floor)
+    size = np.linalg.norm(deviation, axis=1)
+    yields = length > rigid_length
+    infinite = np.where(size > rigid_length, np.inf, 0.0)
     direction = wrench[:, rows]
     if is_load:
-        direction = moved / np.where(yields, length, np.inf)[:, None]
-    own, other = (np.einsum("pi,pi->p", direction, one) for one in (moved, off))
-    own = np.maximum(own, floor)
+        direction = displacement / np.where(yields, length, np.inf)[:, None]
+    reference_along, difference_along = (
+        np.einsum("pi,pi->p", direction, vectors) for vectors in (displacement, deviation)
+    )
+    reference_along = np.maximum(reference_along, floor)
     return RelativeDisplacement(
         np.divide(size, length, out=infinite, where=yields),
-        np.divide(other, own, out=np.zeros_like(own), where=yields & (own > 0.0)),
+        np.divide(
+            difference_along,
+            reference_along,
+            out=np.zeros_like(reference_along),
+            where=yields & (reference_along > 0.0),
+        ),
         wrench,
         direction,
         np.where(yields, length, 0.0),
@@ -97,49 +109,54 @@ def relative(difference: Statics, reference: Statics, quantity: Quantity) -> Rel
 def difference_under(
     model: Statics, reference: Statics, quantity: Quantity, wrench: Array
 ) -> tuple[Array, Array]:
-    """Difference (P×3) of displacements under wrenches (P×6), and the length (P) it is relative to.
+    """Difference (P×3) of displacements under wrenches (P×6), and its reference length (P).
 
-    The length as in `relative`.
+    The reference length is defined as in `relative`.
     """
-    due, moved = (one.displacements(quantity, wrench) for one in (reference, model))
-    length = np.linalg.norm(due, axis=-1)
+    expected, displacement = (
+        statics.displacements(quantity, wrench) for statics in (reference, model)
+    )
+    length = np.linalg.norm(expected, axis=-1)
     if quantity.kind is QuantityKind.ANY_FORCE:
         block = reference.compliances[:, :3, :3]
         length = np.maximum(length, FLOOR * np.linalg.norm(block, 2, axis=(1, 2)))
-    return moved - due, length
+    return displacement - expected, length
 
 
-def nearest_between(off: Array, length: Array) -> Array:
-    """Least relative size (…) of a difference from what lies between two of several references.
+def nearest_between(deviations: Array, length: Array) -> Array:
+    """Smallest relative distance (…) of a displacement from those between two references.
 
-    `off` (a×…×3) are the differences of displacements from the references, `length` (a×…) those of
-    the references. Between two references displacement and length change linearly. Infinite for
-    one reference.
+    `deviations` (a×…×3) are the differences of displacements from the references, `length` (a×…)
+    those of the references. Between two references displacement and length change linearly.
+    Infinite for one reference.
     """
     nearest = np.full(length.shape[1:], np.inf)
-    for first, second in combinations(range(len(off)), 2):
-        step = off[second] - off[first]
-        square, towards = (np.einsum("...i,...i->...", step, one) for one in (step, -off[first]))
+    for first, second in combinations(range(len(deviations)), 2):
+        step = deviations[second] - deviations[first]
+        square, towards = (
+            np.einsum("...i,...i->...", step, vector) for vector in (step, -deviations[first])
+        )
         share = np.divide(towards, square, out=np.zeros_like(square), where=square > 0.0)
         share = np.clip(share, 0.0, 1.0)
-        size = np.linalg.norm(off[first] + share[..., None] * step, axis=-1)
-        whole = length[first] + share * (length[second] - length[first])
-        found = np.divide(size, whole, out=np.full_like(size, np.inf), where=whole > 0.0)
-        nearest = np.fmin(nearest, found)
+        size = np.linalg.norm(deviations[first] + share[..., None] * step, axis=-1)
+        reference_length = length[first] + share * (length[second] - length[first])
+        distances = np.full_like(size, np.inf)
+        np.divide(size, reference_length, out=distances, where=reference_length > 0.0)
+        nearest = np.fmin(nearest, distances)
     return nearest
 
 
 def worst_force(difference: Array, reference: Array) -> Worst:
     """Largest |D f| / max(|C f|, s/20) over all directions f, s the largest |C f|.
 
-    D and C are p×3×3 blocks, translation by force. Of a reference of zeros the direction in which
-    the difference is largest, and an error that is infinite unless that is zero, too.
+    D and C are p×3×3 blocks, translation by force. If the reference is zero, the direction is
+    the one of the largest difference, and the error is infinite unless that is zero, too.
     """
     _, yields, axes = np.linalg.svd(reference)
     axes = np.swapaxes(axes, 1, 2)
     floor = FLOOR * yields[:, :1]
     rigid = floor[:, 0] <= 0.0
-    # In these axes the form below the fraction bar is diagonal.
+    # In these axes the quadratic form of the denominator is diagonal.
     a, b = yields**2, np.where(rigid[:, None], 1.0, floor**2) * np.ones(3)
     a = np.where(rigid[:, None], 1.0, a)
     forms = np.swapaxes(difference @ axes, 1, 2) @ (difference @ axes)
@@ -150,13 +167,18 @@ def worst_force(difference: Array, reference: Array) -> Worst:
 
     low, high = np.zeros(len(forms)), np.ones(len(forms))
     for _ in range(_STEPS):
-        # For every direction the fraction is convex in the weight, and so is the largest.
+        # The fraction is convex in the weight for each direction, and so is the largest one.
         first, second = high - _GOLDEN * (high - low), low + _GOLDEN * (high - low)
         largest = np.linalg.eigvalsh(scaled(np.array([first, second]))[0])[..., -1]
-        left = largest[0] <= largest[1]
-        low, high = np.where(left, low, first), np.where(left, second, high)
+        in_lower = largest[0] <= largest[1]
+        low, high = np.where(in_lower, low, first), np.where(in_lower, second, high)
     matrices, root = scaled(0.5 * (low + high))
-    force = np.array([_meeting(*of_pose) for of_pose in zip(matrices, root, a - b, strict=True)])
+    force = np.array(
+        [
+            _worst_direction(*forms_of_pose)
+            for forms_of_pose in zip(matrices, root, a - b, strict=True)
+        ]
+    )
     force = np.einsum("pij,pj->pi", axes, force)
     force /= np.linalg.norm(force, axis=1, keepdims=True)
     leading = np.take_along_axis(force, np.abs(force).argmax(axis=1)[:, None], axis=1)
@@ -169,15 +191,17 @@ def worst_force(difference: Array, reference: Array) -> Worst:
     return Worst(np.asarray(error), np.asarray(force))
 
 
-def _meeting(matrix: Array, root: Array, excess: Array) -> Array:
-    """The worst direction: of the largest eigenvalue, where both forms below the bar are equal.
+def _worst_direction(matrix: Array, root: Array, excess: Array) -> Array:
+    """Worst direction: of the largest eigenvalue, with both forms of the denominator equal.
 
-    `matrix` (3×3) in coordinates scaled by `root` (3), `excess` (3) one form less the other.
+    `matrix` (3×3) in coordinates scaled by `root` (3), `excess` (3): first form less the second.
     """
     values, vectors = np.linalg.eigh(matrix)
-    space = vectors[:, values >= values[-1] - _SAME * abs(values[-1])] / root[:, None]
-    differ, ways = np.linalg.eigh(space.T * excess @ space)
-    below, above = max(-float(differ[0]), 0.0), max(float(differ[-1]), 0.0)
+    space = vectors[:, values >= values[-1] - _REPEATED * abs(values[-1])] / root[:, None]
+    gaps, directions = np.linalg.eigh(space.T * excess @ space)
+    below, above = max(-float(gaps[0]), 0.0), max(float(gaps[-1]), 0.0)
     if below == 0.0 or above == 0.0:
-        return np.asarray(space @ ways[:, 0])
-    return np.asarray(space @ (np.sqrt(above) * ways[:, 0] + np.sqrt(below) * ways[:, -1]))
+        return np.asarray(space @ directions[:, 0])
+    return np.asarray(
+        space @ (np.sqrt(above) * directions[:, 0] + np.sqrt(below) * directions[:, -1])
+    )

@@ -20,19 +20,21 @@ from numpy.typing import NDArray
 from lumped.arrays import Array, IntArray
 from lumped.legs import BeamProperties
 
-# A mode that has less than half of its squared shape in common with another is another mode. Of
-# orthogonal shapes at most one has more.
+# Two modes with less than half of their squared shapes in common are different modes. At most one
+# of several orthogonal shapes has more than half in common with a given shape.
 ALIKE = 0.5
 # Likeness of two pairs with their partners exchanged, relative to that of the pairs, from which on
-# shapes do not decide: modes turned into each other by 35 to 55 degrees. Likeness of a pair beyond
-# which they do: orthogonal shapes have the rest of one in common with any other.
+# shapes do not decide: modes turned into each other by 35 to 55 degrees. Likeness of a pair above
+# which shapes decide: other orthogonal shapes share at most the rest of one.
 _UNDECIDED, _DECIDED = 0.5, 2.0 / 3.0
-# Relative gap beyond which frequencies tell apart what shapes do not: modes so far apart are turned
-# by 35 degrees only if models differ by as much (Davis & Kahan, SIAM J. Numer. Anal. 7 (1970) 1).
+# Relative gap beyond which frequencies distinguish modes of mixed shapes: modes so far apart are
+# turned by 35 degrees only if models differ by as much (Davis & Kahan, SIAM J. Numer. Anal. 7
+# (1970) 1).
 _FAR = 0.25
 # Relative gap of repeated frequencies: points with six digits split them by some millionths.
 _REPEATED = 1e-5
-# Weight of the distance in the order, squared, where likeness is equal: below any likeness.
+# Weight of the squared distance in the order, which decides if likeness is equal: below any
+# likeness.
 _TIE = 1e-9
 # Directions of a space below this part of the largest one are rounding.
 _RANK = 1e-6
@@ -62,8 +64,8 @@ class Pairs:
     of one frequency have theirs in ascending order. `likeness` (m): squared cosine between a mode
     and the space of its partner, or the largest likeness with any mode if there is no partner.
     `exchange` (m×m): likeness of two
-    pairs with their partners exchanged, relative to that of the pairs; zero within one space, and
-    of modes that their frequencies tell apart.
+    pairs with their partners exchanged, relative to that of the pairs. Zero within one space, and
+    for modes that their frequencies distinguish.
     `mixed` (m×m): pairs of different frequencies whose shapes do not decide which is which.
     `undecided` (m): modes without a partner since fewer modes of the other model have their shapes
     than they are. `ordered` (m): partners in the most ascending order that modes closer than their
@@ -80,9 +82,9 @@ class Pairs:
 
 
 def sampled_modes(frequencies: Array, samples: Array, seen: Array | None = None) -> SampledModes:
-    """Modes by `samples` (k×m) of their shapes, each weighed by the root of its mass.
+    """Modes from `samples` (k×m) of their shapes, each weighed by the root of its mass.
 
-    Without `seen` (m) the samples see all of the energy.
+    If `seen` (m) is None, the samples see all of the energy.
     """
     sizes = np.linalg.norm(samples, axis=0)
     shapes = samples / np.where(sizes > 0.0, sizes, 1.0)
@@ -115,7 +117,7 @@ def pair_modes(
     overlaps = _overlaps(_in_spaces(own, own_spaces), _in_spaces(other, other_spaces))
     if excluded is not None:
         overlaps[excluded] = 0.0
-    # Each mode has a partner to be compared with, if need be one that is like none.
+    # Each mode needs a partner to be compared with: missing ones are zero shapes.
     lacking = max(len(own_spaces) - len(other_spaces), 0)
     overlaps = np.pad(overlaps, ((0, 0), (0, lacking)))
     other_spaces = np.append(other_spaces, -1 - np.arange(lacking))
@@ -124,24 +126,26 @@ def pair_modes(
     blocks = _Blocks(overlaps, own_spaces, other_spaces, nearest)
     likeness = blocks.likeness()
     exchange = blocks.exchange(means, likeness)
-    lower, upper = (of.outer(own.frequencies, own.frequencies) for of in (np.minimum, np.maximum))
+    lower, upper = (
+        ufunc.outer(own.frequencies, own.frequencies) for ufunc in (np.minimum, np.maximum)
+    )
     exchange[upper > (1.0 + _FAR) * lower] = 0.0
     open_pairs = likeness <= _DECIDED
     linked = (exchange >= _UNDECIDED) & np.logical_and.outer(open_pairs, open_pairs)
-    likeness, undecided = blocks.of_mixtures(linked, likeness)
-    found = (likeness >= ALIKE) & ~undecided
+    likeness, undecided = blocks.mixture_likeness(linked, likeness)
+    paired = (likeness >= ALIKE) & ~undecided
     near = one_frequency(own.frequencies, unsure)
-    beside = np.equal.outer(near, near)
-    partner = np.where(found, nearest, -1)
-    partner = _ascending(partner, linked & beside)
+    same_frequency = np.equal.outer(near, near)
+    partner = np.where(paired, nearest, -1)
+    partner = _ascending(partner, linked & same_frequency)
     return Pairs(
         np.where(nearest < len(other.frequencies), nearest, -1),
         partner,
-        np.where(found, likeness, means.max(axis=1, initial=0.0)),
+        np.where(paired, likeness, means.max(axis=1, initial=0.0)),
         exchange,
-        linked & ~beside & np.logical_and.outer(found, found),
+        linked & ~same_frequency & np.logical_and.outer(paired, paired),
         undecided,
-        _ascending(partner, linked | beside),
+        _ascending(partner, linked | same_frequency),
     )
 
 
@@ -150,14 +154,14 @@ def _assigned(likeness: Array) -> IntArray:
 
     Rows and columns that are equal are assigned in ascending order.
     """
-    places = np.subtract.outer(*(np.arange(float(size)) for size in likeness.shape))
-    penalised = likeness - _TIE * places**2
+    distances = np.subtract.outer(*(np.arange(float(size)) for size in likeness.shape))
+    penalised = likeness - _TIE * distances**2
     columns: IntArray = scipy.optimize.linear_sum_assignment(penalised, maximize=True)[1]
     return columns
 
 
 def one_frequency(frequencies: Array, unsure: Array | None = None) -> IntArray:
-    """Number (m) of the space that each mode belongs to, by ascending frequency.
+    """Number (m) of each mode's space, by ascending frequency.
 
     A space spans no more than the smallest of its modes' relative uncertainties `unsure` (m), and
     repeated frequencies if these are smaller: modes in a chain of small gaps are several spaces.
@@ -186,30 +190,30 @@ class _Blocks:
     def likeness(self) -> Array:
         """Squared cosines (m) of the principal angles between the spaces of each pair.
 
-        Of repeated modes the first have the smallest angles.
+        The first of repeated modes have the smallest angles.
         """
-        found = np.zeros(len(self.partner))
+        likeness = np.zeros(len(self.partner))
         pairs = np.column_stack([self.own_spaces, self.other_spaces[self.partner]])
         for pair in np.unique(pairs, axis=0):
             inside = np.flatnonzero((pairs == pair).all(axis=1))
-            found[inside] = self._cosines(inside)[: len(inside)]
-        return found
+            likeness[inside] = self._cosines(inside)[: len(inside)]
+        return likeness
 
     def exchange(self, means: Array, likeness: Array) -> Array:
         """Likeness (m×m) of two pairs exchanged, relative to that of the pairs; 0 in one space."""
         crossed = means[:, self.partner] + means[:, self.partner].T
         together = np.add.outer(likeness, likeness)
-        others = self.other_spaces[self.partner]
-        apart = ~np.equal.outer(self.own_spaces, self.own_spaces)
-        apart &= ~np.equal.outer(others, others) & (together > 0.0)
-        return np.divide(crossed, together, out=np.zeros_like(crossed), where=apart)
+        partner_spaces = self.other_spaces[self.partner]
+        separate = ~np.equal.outer(self.own_spaces, self.own_spaces)
+        separate &= ~np.equal.outer(partner_spaces, partner_spaces) & (together > 0.0)
+        return np.divide(crossed, together, out=np.zeros_like(crossed), where=separate)
 
-    def of_mixtures(self, linked: BoolArray, likeness: Array) -> tuple[Array, BoolArray]:
-        """Likeness (m), of linked pairs with the space of all their partners.
+    def mixture_likeness(self, linked: BoolArray, likeness: Array) -> tuple[Array, BoolArray]:
+        """Likeness (m), for linked pairs that with the space of all their partners.
 
-        And modes (m) that share the shapes of fewer partners than they are.
+        The second array (m) marks modes that share the shapes of fewer partners than modes.
         """
-        found, undecided = likeness.copy(), np.zeros(len(likeness), dtype=bool)
+        group_likeness, undecided = likeness.copy(), np.zeros(len(likeness), dtype=bool)
         groups = _components(linked)
         for number in np.flatnonzero(np.bincount(groups) > 1):
             inside = np.flatnonzero(groups == number)
@@ -219,28 +223,28 @@ class _Blocks:
                 [squares[self.own_spaces[rows] == self.own_spaces[i]].mean() for i in inside]
             )
             if (self._cosines(inside)[: len(inside)] >= ALIKE).all():
-                found[inside] = spanned
+                group_likeness[inside] = spanned
             else:
                 undecided[inside] = spanned >= 0.5 * ALIKE
-        return found, undecided
+        return group_likeness, undecided
 
     def _spaces(self, modes: IntArray) -> tuple[IntArray, IntArray]:
-        """All modes in the spaces of these, and in those of their partners."""
-        others = self.other_spaces[self.partner[modes]]
+        """All modes in the spaces of `modes`, and all in the spaces of their partners."""
+        partner_spaces = self.other_spaces[self.partner[modes]]
         return (
             np.flatnonzero(np.isin(self.own_spaces, self.own_spaces[modes])),
-            np.flatnonzero(np.isin(self.other_spaces, others)),
+            np.flatnonzero(np.isin(self.other_spaces, partner_spaces)),
         )
 
     def _cosines(self, modes: IntArray) -> Array:
-        """Squared cosines of the principal angles between these spaces, descending."""
+        """Squared cosines of the principal angles between the spaces of `modes`, descending."""
         cosines = np.linalg.svd(self.overlaps[np.ix_(*self._spaces(modes))], compute_uv=False)
         return np.pad(np.square(cosines), (0, max(len(modes) - len(cosines), 0)))
 
 
 def _overlaps(own: SampledModes, other: SampledModes) -> Array:
-    """Cosines (m×n) times the root of the ratio of the shares of energy that are seen."""
-    smaller, larger = (of.outer(own.seen, other.seen) for of in (np.minimum, np.maximum))
+    """Cosines (m×n) times the root of the ratio of the shares of energy that the samples see."""
+    smaller, larger = (ufunc.outer(own.seen, other.seen) for ufunc in (np.minimum, np.maximum))
     ratio = np.divide(smaller, larger, out=np.zeros_like(smaller), where=larger > 0.0)
     overlaps: Array = (own.shapes.T @ other.shapes) * np.sqrt(ratio)
     return overlaps
@@ -261,32 +265,33 @@ def _in_spaces(modes: SampledModes, spaces: IntArray) -> SampledModes:
 
 def _means(overlaps: Array, own_spaces: IntArray, other_spaces: IntArray) -> Array:
     """Squared overlaps (m×n), the mean over the smaller of two spaces."""
-    own, other = (
+    own_members, other_members = (
         (spaces[:, None] == np.unique(spaces)).astype(float)
         for spaces in (own_spaces, other_spaces)
     )
-    sums = own.T @ np.square(overlaps) @ other
-    means: Array = own @ (sums / np.minimum.outer(own.sum(axis=0), other.sum(axis=0))) @ other.T
+    sums = own_members.T @ np.square(overlaps) @ other_members
+    counts = np.minimum.outer(own_members.sum(axis=0), other_members.sum(axis=0))
+    means: Array = own_members @ (sums / counts) @ other_members.T
     return means
 
 
 def _components(linked: BoolArray) -> IntArray:
-    """Number (m) of the group of linked modes that each belongs to."""
+    """Number (m) of each mode's group of linked modes."""
     numbers: IntArray = scipy.sparse.csgraph.connected_components(linked, directed=False)[1]
     return numbers
 
 
 def _ascending(partner: IntArray, linked: BoolArray) -> IntArray:
     """Partners (m), in ascending order within each group of linked modes that have one."""
-    found, groups = partner.copy(), _components(linked)
+    sorted_partner, groups = partner.copy(), _components(linked)
     for number in np.flatnonzero(np.bincount(groups) > 1):
         inside = np.flatnonzero((groups == number) & (partner >= 0))
-        found[inside] = np.sort(partner[inside])
-    return found
+        sorted_partner[inside] = np.sort(partner[inside])
+    return sorted_partner
 
 
 def centreline_samples(length: float, count: int) -> tuple[Array, Array]:
-    """Gauss–Legendre stations (m) along a leg and the share of its length that each stands for."""
+    """Gauss–Legendre stations (m) along a leg and the share of its length that each represents."""
     points, weights = np.polynomial.legendre.leggauss(count)
     return 0.5 * length * (1.0 + points), 0.5 * length * weights
 

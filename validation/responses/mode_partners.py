@@ -18,7 +18,7 @@ from validation.responses.statics_and_modes import PathModes
 # Modes are local if the samples, cross-sections and bodies moving as wholes, have less than this
 # share of their kinetic energy.
 _LOCAL = ALIKE
-# Likeness of exchanged partners, relative, from which on modes share what changes them: shapes with
+# Likeness of exchanged partners, relative, from which on modes share their changes: shapes with
 # 0.9 and 0.1 in common.
 _SHARED = 0.1
 
@@ -33,8 +33,8 @@ class Partners:
     model has the mode. `likeness` is the squared cosine between the shape and the space of its
     partner, without partner the largest with any mode; `seen` the share of the reference's kinetic
     energy in cross-sections and bodies that move as wholes. `ordered` are the numbers in the most
-    ascending order that shapes and uncertainties allow, `loose` the modes that may stand elsewhere.
-    `by_number` is the model's K-th frequency, NaN if it has fewer.
+    ascending order that shapes and uncertainties allow, `loose` the modes whose place in the order
+    is open. `by_number` is the model's K-th frequency, NaN if it has fewer.
     """
 
     frequency: Array
@@ -50,7 +50,7 @@ class Partners:
 
     def first(self, count: int) -> "Partners":
         """Partners of the first `count` modes alone."""
-        return Partners(**{one.name: getattr(self, one.name)[:, :count] for one in fields(self)})
+        return Partners(**{item.name: getattr(self, item.name)[:, :count] for item in fields(self)})
 
     @property
     def local(self) -> BoolArray:
@@ -74,42 +74,44 @@ def partners(
         for pose, (own, other) in zip(range(poses), _sampled(reference, model), strict=True)
     ]
     return Partners(
-        **{one.name: np.array([row[one.name] for row in rows]) for one in fields(Partners)}
+        **{item.name: np.array([row[item.name] for row in rows]) for item in fields(Partners)}
     )
 
 
 def amounts_by_shape(reference: PathModes, other: PathModes, amounts: Array, count: int) -> Array:
     """`amounts` (p×m×n, ≥ 0) of the reference's first `count` modes and their partners (p×count).
 
-    A mode that looks like its partner alone has their amount. Modes that mix have the sum over all
-    of them: what changes such modes changes the sum of their squares alike whichever of them is
-    whose partner, but not each of them. NaN without a partner.
+    A mode with the shape of its partner alone has the amount of the pair. Modes that mix have the
+    sum over all of them: a perturbation fixes the sum of the squares of their changes, whichever is
+    the partner of which, but not each change. NaN if there is no partner.
     """
-    found = np.full((len(amounts), count), np.nan)
+    partner_amounts = np.full((len(amounts), count), np.nan)
     poses = zip(
-        found,
+        partner_amounts,
         _sampled(reference, other),
         reference.frequencies,
         other.frequencies,
         amounts,
         strict=True,
     )
-    for row, modes, frequencies, others, amount in poses:
-        there, known = (np.flatnonzero(np.isfinite(one)) for one in (frequencies, others))
+    for row, modes, frequencies, other_frequencies, amount in poses:
+        reference_modes, other_modes = (
+            np.flatnonzero(np.isfinite(values)) for values in (frequencies, other_frequencies)
+        )
         pairs = pair_modes(*modes)
         paired = np.flatnonzero(pairs.partner >= 0)
-        own = np.zeros(len(there))
-        own[paired] = amount[there[paired], known[pairs.partner[paired]]]
-        sums = own + (pairs.exchange >= _SHARED) @ own
+        pair_amounts = np.zeros(len(reference_modes))
+        pair_amounts[paired] = amount[reference_modes[paired], other_modes[pairs.partner[paired]]]
+        sums = pair_amounts + (pairs.exchange >= _SHARED) @ pair_amounts
         inside = paired[paired < count]
         row[inside] = sums[inside]
-    return found
+    return partner_amounts
 
 
 def shape_ranges(readings: Sequence[PathModes]) -> list[tuple[Array, Array]]:
     """Lowest and highest frequency (p×m each, Hz) of the modes of each reading, by their shapes.
 
-    Of all readings of one robot that have a mode of that shape.
+    The range covers all readings of one robot that have a mode of that shape.
     """
     ranges = []
     for reading in readings:
@@ -118,16 +120,16 @@ def shape_ranges(readings: Sequence[PathModes]) -> list[tuple[Array, Array]]:
             if other is reading:
                 continue
             count = reading.frequencies.shape[1]
-            known = partners(reading, other, count).frequency
-            lowest, highest = np.fmin(lowest, known), np.fmax(highest, known)
+            frequency = partners(reading, other, count).frequency
+            lowest, highest = np.fmin(lowest, frequency), np.fmax(highest, frequency)
         ranges.append((lowest, highest))
     return ranges
 
 
 def frequency_changes(fine: PathModes, coarse: PathModes, count: int) -> Array:
-    """By how much the first modes' frequencies change from one mesh to a finer one (p×count).
+    """Changes of the first modes' frequencies from one mesh to a finer one (p×count).
 
-    Relative to the finer one's, by shape; NaN for a mode that the coarser one does not have.
+    Relative to the finer mesh, paired by shape. NaN for a mode that the coarser mesh does not have.
     """
     changes = np.abs(coarse.frequencies[:, None, :] / fine.frequencies[:, :, None] - 1.0)
     return amounts_by_shape(fine, coarse, changes, count)
@@ -143,18 +145,18 @@ def _at_pose(
     own: SampledModes, other: SampledModes, count: int, unsure: Array | None
 ) -> dict[str, Array | IntArray | BoolArray]:
     """Fields of `Partners` at one pose."""
-    known = np.zeros(len(own.frequencies))
+    uncertainties = np.zeros(len(own.frequencies))
     if unsure is not None:
-        judged = min(len(known), len(unsure))
-        known[:judged] = unsure[:judged]
-    pairs = pair_modes(own, other, known)
+        judged = min(len(uncertainties), len(unsure))
+        uncertainties[:judged] = unsure[:judged]
+    pairs = pair_modes(own, other, uncertainties)
     frequency, lowest, highest = _frequencies(pairs, other.frequencies)
     loose = pairs.mixed.any(axis=1) | (pairs.ordered != pairs.partner)
 
     def first(values: Array | IntArray | BoolArray, missing: float) -> Array:
-        found: Array = np.full(count, missing, dtype=values.dtype)
-        found[: len(values)] = values[:count]
-        return found
+        padded: Array = np.full(count, missing, dtype=values.dtype)
+        padded[: len(values)] = values[:count]
+        return padded
 
     return {
         "frequency": first(frequency, np.nan),
@@ -170,15 +172,15 @@ def _at_pose(
     }
 
 
-def _frequencies(pairs: Pairs, others: Array) -> tuple[Array, Array, Array]:
+def _frequencies(pairs: Pairs, model_frequencies: Array) -> tuple[Array, Array, Array]:
     """Frequencies (m, Hz) of the partners, and the lowest and highest that shapes leave open."""
     frequency = np.full(len(pairs.partner), np.nan)
-    found = pairs.partner >= 0
-    frequency[found] = others[pairs.partner[found]]
+    paired = pairs.partner >= 0
+    frequency[paired] = model_frequencies[pairs.partner[paired]]
     candidates = np.where(
         pairs.mixed | np.eye(len(frequency), dtype=bool), frequency[None, :], np.nan
     )
     lowest, highest = frequency.copy(), frequency.copy()
-    lowest[found] = np.nanmin(candidates[found], axis=1)
-    highest[found] = np.nanmax(candidates[found], axis=1)
+    lowest[paired] = np.nanmin(candidates[paired], axis=1)
+    highest[paired] = np.nanmax(candidates[paired], axis=1)
     return frequency, lowest, highest

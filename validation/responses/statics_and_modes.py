@@ -14,7 +14,7 @@ from validation.responses.mode_pairing import SampledModes, sampled_modes
 class Unsolved:
     """A half of a response that a model defines but that cannot be computed, with the `reason`.
 
-    `fault`: the reason is an error of the program, not of the robot.
+    `fault`: True if the reason is an error of the program, not of the robot.
     """
 
     reason: str
@@ -49,17 +49,18 @@ class Statics:
     def displacements(self, quantity: Quantity, wrenches: Array) -> Array:
         """Translations, or rotations if the quantity is one (P×…×3), under wrenches (P×…×6).
 
-        Under a load of the robot file if the quantity belongs to one, whatever the wrenches are.
+        If the quantity belongs to a load of the robot file, displacements under that load; the
+        wrenches then give the shape of the result alone.
         """
         if quantity.kind is QuantityKind.LOAD:
-            poses, *others, _ = wrenches.shape
-            moved = self.load_displacements[:, quantity.column].reshape(
-                poses, *(1,) * len(others), 6
+            poses, *inner_shape, _ = wrenches.shape
+            twists = self.load_displacements[:, quantity.column].reshape(
+                poses, *(1,) * len(inner_shape), 6
             )
-            moved = np.broadcast_to(moved, wrenches.shape)
+            twists = np.broadcast_to(twists, wrenches.shape)
         else:
-            moved = np.einsum("pij,p...j->p...i", self.compliances, wrenches)
-        return np.asarray(moved[..., 3:] if quantity.rotational else moved[..., :3])
+            twists = np.einsum("pij,p...j->p...i", self.compliances, wrenches)
+        return np.asarray(twists[..., 3:] if quantity.rotational else twists[..., :3])
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,7 +9,7 @@ import scipy
 from lumped.arrays import Array
 from lumped.memo import memo
 
-# 512 points of Sobol: half-widths of one seed and another differ by 1 to 2 % of themselves.
+# Binary logarithm of the number of Sobol' points, 512: half-widths of two seeds differ by 1 to 2 %.
 _POWER = 9
 _CONFIDENCE = 0.95
 
@@ -17,10 +17,10 @@ _CONFIDENCE = 0.95
 class Combiner(Enum):
     """Rule for perturbations of one source.
 
-    HULL: the largest change, of perturbations that exclude each other. LINEAR_SUM: all changes
-    together, the most that there can be. ROOT_OF_SQUARES: independent standard uncertainties.
-    PROBABILITY: 95 % of all sums of changes, each times an independent number that is as likely
-    anywhere between −1 and 1.
+    HULL: the largest change, of perturbations that exclude each other. LINEAR_SUM: sum of the
+    sizes of all changes, an upper bound. ROOT_OF_SQUARES: independent standard uncertainties.
+    PROBABILITY: 95 % quantile of the sums of changes, each times an independent number
+    uniformly distributed between −1 and 1.
     """
 
     HULL = "hull"
@@ -30,9 +30,9 @@ class Combiner(Enum):
 
 
 def combined(changes: Array, size: Callable[[Array], Array], combiner: Combiner) -> Array:
-    """Half-width by `changes` (R×…), one for each perturbation.
+    """Half-width from `changes` (R×…), one for each perturbation.
 
-    `size` of n changes (n×…) returns their sizes (n×…, of another shape if changes are vectors).
+    `size` maps n changes (n×…) to their sizes (n×…, of another shape if changes are vectors).
     """
     if combiner is Combiner.PROBABILITY:
         sums = np.tensordot(_uniform(len(changes)), changes, axes=1)
@@ -46,7 +46,7 @@ def combined(changes: Array, size: Callable[[Array], Array], combiner: Combiner)
 
 
 def relative_sizes(changes: Array, values: Array) -> Array:
-    """Sizes of changes (…×n) relative to the values (n). 0 if nothing yields."""
+    """Sizes of changes (…×n) relative to the values (n). 0 if a value is zero."""
     shares = np.zeros_like(changes)
     return np.divide(np.abs(changes), np.abs(values), out=shares, where=values != 0.0)
 

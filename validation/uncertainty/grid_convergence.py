@@ -3,9 +3,9 @@
 Values f belong to mesh sizes h, coarse to fine; f = f∞ + C hᵖ in the asymptotic range.
 Roache, J. Fluids Eng. 116 (1994) 405 (grid convergence index, GCI); Celik et al., J. Fluids Eng.
 130 (2008) 078001 (order on grids of unequal ratio); ASME V&V 20-2009 §2 (safety factors).
-One policy for all numbers: an order observed above the formal one is capped to it, for it is an
-accident of coarse grids, one below is used; too few grids to observe any take the formal one, whose
-lack of proof the safety factor of three stands for.
+One policy for all numbers: an observed order above the formal one is an accident of coarse grids
+and is capped to it; an observed order below is used. If there are too few grids to observe an
+order, the formal one is used, with the safety factor of three for unproven convergence.
 Differences are d_k = f_{k+1} − f_k, ratios r_k = h_k / h_{k+1} > 1.
 """
 
@@ -23,26 +23,26 @@ from validation.uncertainty.mesh_half_widths import PROVEN, UNPROVEN, MeshPolicy
 F = TypeVar("F", float, Array)
 Behaviour: TypeAlias = Literal["monotone", "oscillating", "diverging", "round-off plateau"]
 
-# Orders are sought up to 12: p-elements aside no method in use has a higher one.
+# Largest order that is searched: except p-elements, no method in use has a higher one.
 LARGEST_ORDER = 12.0
 # Pairwise orders closer than this fraction of the finest one count as settled: GCI is then right
-# within its own safety factor (Roache 1994 asks for "constant p" without a number).
+# within its own safety factor (Roache 1994 requires "constant p" without a number).
 SETTLED = 0.25
-# ASME V&V 20: the smaller safety factor where the observed order is within 10 % of the formal one.
+# ASME V&V 20: the smaller safety factor if the observed order is within 10 % of the formal one.
 CLOSE_TO_FORMAL = 0.10
-# Below so many elements no series is expected to be asymptotic.
+# Fewest elements from which on a series is expected to be asymptotic.
 COARSE_COUNT = 5
 
 
 @dataclass(frozen=True)
 class Convergence:
-    """What a refinement study shows of its `values`, coarse to fine.
+    """Result of a refinement study of `values`, coarse to fine.
 
-    `orders` are the pairwise observed orders (one per three neighbouring grids, NaN where the
+    `orders` are the pairwise observed orders (one per three neighbouring grids, NaN if the
     differences do not shrink monotonically), `observed_order` is fitted over the asymptotic tail.
-    That, `extrapolated` (Richardson) and `uncertainty` (GCI times |f|, in the unit of f) are None
-    outside the asymptotic range, and `refusal` says why. On a round-off plateau the uncertainty is
-    the round-off level itself.
+    `observed_order`, `extrapolated` (Richardson) and `uncertainty` (GCI times |f|, in the unit of
+    f) are None outside the asymptotic range, and `refusal` is the reason. On a round-off plateau
+    the uncertainty is the round-off level itself.
     """
 
     values: Array
@@ -58,7 +58,7 @@ def three_grid_order(
 ) -> float:
     """Observed order p from three grids; `ratio_coarse` = h1/h2, `ratio_fine` = h2/h3.
 
-    Solves (f2 − f1)/(f3 − f2) = r2ᵖ (r1ᵖ − 1)/(r2ᵖ − 1) (Celik et al. 2008); NaN where the
+    Solves (f2 − f1)/(f3 − f2) = r2ᵖ (r1ᵖ − 1)/(r2ᵖ − 1) (Celik et al. 2008); NaN if the
     differences change sign, vanish, or no order between 0 and 12 fits.
     """
     first, second = middle - coarse, fine - middle
@@ -93,24 +93,24 @@ def pairwise_orders(sizes: Array, values: Array) -> Array:
 def fit_order(sizes: Array, values: Array) -> float:
     """Order p in (0, 12] of f = f∞ + C hᵖ over all given grids (at least three).
 
-    The one whose least-squares fit leaves least, weighted as in `_fitted`.
+    The order with the smallest residual of the least-squares fit, weighted as in `_fitted`.
     """
 
-    def left(order: float) -> float:
+    def residual(order: float) -> float:
         deviations = _fitted(sizes, values, (order,))[1]
         return float(np.linalg.norm(deviations / np.sqrt(sizes / sizes[-1])))
 
     candidates = np.linspace(0.05, LARGEST_ORDER, 240)
     best = int(np.argmin(_residuals(sizes, values, candidates)))
     bounds = (candidates[max(best - 1, 0)], candidates[min(best + 1, len(candidates) - 1)])
-    found = scipy.optimize.minimize_scalar(
-        left, bounds=bounds, method="bounded", options={"xatol": 1e-10}
+    minimum = scipy.optimize.minimize_scalar(
+        residual, bounds=bounds, method="bounded", options={"xatol": 1e-10}
     )
-    return float(found.x)
+    return float(minimum.x)
 
 
 def _residuals(sizes: Array, values: Array, orders: Array) -> Array:
-    """The norms (m) that `fit_order` minimises, for m orders at once."""
+    """Residual norms (m) that `fit_order` minimises, for m orders at once."""
     shape, root = sizes / sizes[-1], np.sqrt(sizes[-1] / sizes)
     weighted = root * values
     basis = np.stack(
@@ -129,13 +129,16 @@ def orders_to_limits(counts: Sequence[int], errors: Array, floors: Array) -> Arr
     not settled, or for fewer than three counts.
     """
     return np.array(
-        [_order_to_limit(counts, own, floor) for own, floor in zip(errors.T, floors, strict=True)]
+        [
+            _order_to_limit(counts, series, floor)
+            for series, floor in zip(errors.T, floors, strict=True)
+        ]
     )
 
 
 def _order_to_limit(counts: Sequence[int], errors: Array, floor: float) -> float:
-    usable = [place for place, error in enumerate(errors) if abs(error) > floor]
-    asymptotic = [place for place in usable if counts[place] >= COARSE_COUNT]
+    usable = [index for index, error in enumerate(errors) if abs(error) > floor]
+    asymptotic = [index for index in usable if counts[index] >= COARSE_COUNT]
     usable = asymptotic if len(asymptotic) >= 3 else usable
     # Errors must decrease over all of these counts, not only over the three that are fitted.
     sizes, signs = np.abs(errors[usable]), np.sign(errors[usable])
@@ -149,7 +152,7 @@ def _order_to_limit(counts: Sequence[int], errors: Array, floor: float) -> float
 
 
 def _fitted(sizes: Array, values: Array, orders: tuple[float, ...]) -> tuple[Array, Array]:
-    """f∞ and Cᵢ of f = f∞ + Σ Cᵢ h^pᵢ, h in units of the finest, and how far values are off it.
+    """f∞ and Cᵢ of f = f∞ + Σ Cᵢ h^pᵢ, h in units of the finest, and the deviations of the fit.
 
     Least squares, weights 1/h as in Eça and Hoekstra, J. Comput. Phys. 262 (2014) 104: the fine
     grids count more.
@@ -162,10 +165,10 @@ def _fitted(sizes: Array, values: Array, orders: tuple[float, ...]) -> tuple[Arr
 
 
 def classify(sizes: Array, values: Array, round_off: float) -> Behaviour:
-    """How the four finest values behave.
+    """Behaviour of the four finest values.
 
-    `round_off` is the relative accuracy that arithmetic leaves to the values. Diverging: the
-    finest difference is not smaller, per logarithm of h, than the one before.
+    `round_off` is the relative round-off error of the values. Diverging: the finest difference is
+    not smaller, per logarithm of h, than the one before.
     """
     differences = np.diff(values[-4:])
     if abs(differences[-1]) <= round_off * abs(values[-1]):
@@ -174,7 +177,7 @@ def classify(sizes: Array, values: Array, round_off: float) -> Behaviour:
         shrinking = abs(differences[-1]) < abs(differences[0])
         return "oscillating" if shrinking else "diverging"
     per_octave = np.abs(differences) / np.log(sizes[-4:-1] / sizes[-3:])
-    # Equal steps, but for rounding, are the logarithm's: order zero.
+    # Steps that are equal within round-off are those of a logarithm: order zero.
     return "monotone" if per_octave[-1] < (1.0 - 1e-9) * per_octave[-2] else "diverging"
 
 
@@ -200,7 +203,7 @@ def analyse(
     order = fit_order(sizes[tail:], values[tail:])
     ratio = float(sizes[-2] / sizes[-1])
     extrapolated = richardson(values[-2], values[-1], ratio, min(order, formal_order))
-    # 1.25 where the observed order is within 10 % of the formal one, else 3.
+    # 1.25 if the observed order is within 10 % of the formal one, otherwise 3.
     proven = abs(order - formal_order) <= CLOSE_TO_FORMAL * formal_order
     policy = MeshPolicy.to_limit(PROVEN if proven else UNPROVEN)
     uncertainty = float(mesh_half_widths([np.abs(extrapolated - values[-1])], policy))
@@ -210,14 +213,15 @@ def analyse(
 def richardson_limits(
     sizes: Array, values: Array, formal_order: float, round_off: float = 1e-12
 ) -> tuple[Array, Array]:
-    """Richardson's limits (n) of `values` (m×n), and their uncertainties, as those of the finest.
+    """Richardson's limits (n) of `values` (m×n), with the uncertainties (n) of the finest values.
 
-    Intervals about the limits, as wide, hold the finest values too. NaN where no order is shown.
+    Intervals of this half-width about the limits contain the finest values too. NaN if no order is
+    observed.
     Arguments and errors as of `analyse`.
     """
     studies = [analyse(sizes, column, formal_order, round_off) for column in values.T]
     limits, uncertainties = (
-        np.array([getattr(one, name) for one in studies], dtype=float)
+        np.array([getattr(study, name) for study in studies], dtype=float)
         for name in ("extrapolated", "uncertainty")
     )
     return limits, uncertainties
@@ -226,8 +230,8 @@ def richardson_limits(
 def uncertainty_of(convergence: Convergence) -> float:
     """Numerical uncertainty of the finest value, in its unit.
 
-    GCI where the study is asymptotic; where it is not, three times the spread of the last three
-    grids, the safety factor of unproven convergence.
+    GCI if the study is asymptotic; otherwise three times the spread of the last three grids, with
+    the safety factor of unproven convergence.
     """
     if convergence.uncertainty is not None:
         return convergence.uncertainty
@@ -236,11 +240,11 @@ def uncertainty_of(convergence: Convergence) -> float:
 
 
 def uncertainty_of_known_orders(sizes: Array, values: Array, orders: tuple[float, ...]) -> float:
-    """Numerical uncertainty of the finest value where all orders are known, in its unit.
+    """Numerical uncertainty of the finest value from known orders, in its unit.
 
-    f = f∞ + Σ Cᵢ h^pᵢ by least squares, weights 1/h, on one grid more than there are unknowns at
-    least: 1.25 times what is left of the finest value, ASME's factor of proven convergence, and the
-    largest deviation from the fit. Raises ValueError for fewer grids.
+    f = f∞ + Σ Cᵢ h^pᵢ by least squares, weights 1/h, on at least one grid more than
+    unknowns. The result is 1.25 (ASME's factor of proven convergence) times the error of the finest
+    value, plus the largest deviation from the fit. Raises ValueError for fewer grids.
     """
     if len(values) < len(orders) + 2:
         raise ValueError(f"{len(orders)} orders need {len(orders) + 2} grids, not {len(values)}")

@@ -1,9 +1,9 @@
 """Half-widths of numbers due to their mesh, from changes between successive meshes.
 
 One formula for all meshes and element counts, s max(Δ, Δ₋₁/rᵖ)/|rᵖ − 1|: the error of the finest
-mesh if errors fall by rᵖ from mesh to mesh, times a safety factor s. Δ is the last change, which
-counts as at least the share of the one before, Δ₋₁, that the order p leaves of it. A `MeshPolicy`
-states r, s and which orders are assumed (Roache, J. Fluids Eng. 116 (1994) 405).
+mesh if errors fall by rᵖ from mesh to mesh, times a safety factor s. Δ is the last change. It
+is taken as at least Δ₋₁/rᵖ, the share of the change before, Δ₋₁, that remains with the order p. A
+`MeshPolicy` states r, s and which orders are assumed (Roache, J. Fluids Eng. 116 (1994) 405).
 """
 
 from collections.abc import Callable, Sequence
@@ -26,9 +26,9 @@ class MeshPolicy:
 
     `ratio`: size of the elements of a mesh over that of the next one; below one if the other mesh
     is the finer one, 0 if its elements are infinitely fine. `orders`: lowest and highest order of
-    convergence. Two meshes show no order, and the lowest counts; of three the order is that of the
-    sums of all changes, within both. `safety`: factor over the estimated error. `round_off`: least
-    relative half-width.
+    convergence. With two meshes the lowest order is used; with three the order is that of the
+    sums of all changes, limited to both. `safety`: factor over the estimated error. `round_off`:
+    least relative half-width.
     """
 
     ratio: float
@@ -43,7 +43,7 @@ class MeshPolicy:
 
     @classmethod
     def to_limit(cls, safety: float = UNPROVEN) -> "MeshPolicy":
-        """Policy for changes to the limit of infinitely fine elements: they are the error."""
+        """Policy for changes from the limit of infinitely fine elements, which equal the error."""
         return cls(0.0, (1.0, 1.0), safety)
 
     def order(self, before: float, after: float) -> float:
@@ -63,10 +63,10 @@ def mesh_half_widths(changes: Sequence[Array], policy: MeshPolicy) -> Array:
     order = policy.orders[0]
     if earlier:
         order = policy.order(float(np.nansum(earlier[-1])), float(np.nansum(last)))
-    falls = policy.ratio**order
-    for before in earlier[-1:]:
-        last = np.maximum(last, before / falls)
-    return np.asarray(policy.safety * last / abs(falls - 1.0) + policy.round_off)
+    reduction = policy.ratio**order
+    for previous in earlier[-1:]:
+        last = np.maximum(last, previous / reduction)
+    return np.asarray(policy.safety * last / abs(reduction - 1.0) + policy.round_off)
 
 
 def half_widths_on(
@@ -83,5 +83,5 @@ def half_widths_on(
     if not isinstance(policy, MeshPolicy):
         return np.asarray(policy)
     answers = [solve(level) for level in levels]
-    changes = [change(one, other, answers[-1]) for one, other in pairwise(answers)]
+    changes = [change(coarse, fine, answers[-1]) for coarse, fine in pairwise(answers)]
     return mesh_half_widths(changes, policy)

@@ -1,8 +1,8 @@
 """Refinement on demand: finer meshes until the half-widths of all numbers are small enough.
 
 The result states the accuracy that was reached. If a finer mesh is too large, the requested
-accuracy is reported as missed, with the reason. The size of the meshes decides, never the time
-that they took: results do not depend on how busy a machine is.
+accuracy is reported as missed, with the reason. The size of the meshes decides, never the
+computing time: results do not depend on the load of the machine.
 """
 
 from collections.abc import Callable
@@ -31,36 +31,38 @@ class Accuracy:
 
     @property
     def text(self) -> str:
-        """A line for people."""
-        said = f"accuracy ±{100.0 * self.reached:.2g} %, asked for ±{100.0 * self.asked:.2g} %"
-        return f"{said}; {self.missed}" if self.missed else said
+        """One line for the user."""
+        summary = f"accuracy ±{100.0 * self.reached:.2g} %, asked for ±{100.0 * self.asked:.2g} %"
+        return f"{summary}; {self.missed}" if self.missed else summary
 
 
 def refined(
     mesh: M,
     compute: Callable[[M], A],
-    left_open: Callable[[A], float],
+    largest_half_width: Callable[[A], float],
     finer: Callable[[M, float], M],
-    asked: float,
+    requested: float,
 ) -> tuple[A, Accuracy]:
-    """Answer on the first mesh whose largest half-width is at most `asked`.
+    """Answer on the first mesh whose largest half-width is at most `requested`.
 
-    `left_open` returns the largest relative half-width in an answer, `finer` the next mesh if that
-    half-width is a given multiple of `asked`. If `finer` or `compute` raises InputError or
-    ComputationError, because there is no finer mesh or it is too large, the last answer stands.
+    `largest_half_width` returns the largest relative half-width in an answer, `finer` the next mesh
+    if that half-width is a given multiple of `requested`. If `finer` or `compute` raises InputError
+    or ComputationError, because there is no finer mesh or it is too large, the last answer stands.
     """
     answer = compute(mesh)
-    while (reached := left_open(answer)) > asked:
+    while (reached := largest_half_width(answer)) > requested:
         try:
-            mesh = finer(mesh, reached / asked)
+            mesh = finer(mesh, reached / requested)
             answer = compute(mesh)
         except (ComputationError, InputError) as error:
-            return answer, Accuracy(asked, reached, str(error))
-    return answer, Accuracy(asked, reached)
+            return answer, Accuracy(requested, reached, str(error))
+    return answer, Accuracy(requested, reached)
 
 
-def accuracy_faults(asked: float) -> list[str]:
-    """What is wrong with an accuracy that is asked for, a line or none."""
-    if _FINEST <= asked <= _COARSEST:
+def accuracy_faults(requested: float) -> list[str]:
+    """Fault of a requested accuracy as one line. Empty if it is valid."""
+    if _FINEST <= requested <= _COARSEST:
         return []
-    return [f"--accuracy = {asked:g}: must be from {_FINEST:g} to {_COARSEST:g} (0.002 is 0.2 %)"]
+    return [
+        f"--accuracy = {requested:g}: must be from {_FINEST:g} to {_COARSEST:g} (0.002 is 0.2 %)"
+    ]

@@ -56,7 +56,7 @@ def test_separate_modes_have_the_assigned_partners(seed):
     assert not pairs.undecided.any()
 
 
-def test_sum_of_all_pairs_decides():
+def test_pairs_maximise_the_sum_of_likeness():
     """Greedy takes 0.6 for the first and leaves 0; together 0.5 + 0.5 is more."""
     first, second = [1.0, 0.0, 0.0, 0.0], [0.5, 0.5057, 0.7030, 0.0]
     others = [[0.7746, 0.6325, 0.0, 0.0], [0.7071, -0.2126, -0.35, 0.5762]]
@@ -117,7 +117,7 @@ def test_repeated_modes_may_split_in_the_other_model():
 
 
 @pytest.mark.parametrize("seed", range(10))
-def test_permutation_in_a_chain_of_close_modes_is_found(seed):
+def test_permutation_of_close_modes_is_recovered(seed):
     """Gaps of 1 to 8 %, however long the chain."""
     rng = RNG_OF([6, seed])
     shapes, weights = orthonormal(rng, MODES)
@@ -130,7 +130,7 @@ def test_permutation_in_a_chain_of_close_modes_is_found(seed):
 
 
 @pytest.mark.parametrize(("degrees", "mixed"), [(0.0, False), (30.0, False), (45.0, True)])
-def test_shapes_turned_by_half_a_right_angle_decide_nothing(degrees, mixed):
+def test_shapes_turned_by_45_degrees_are_mixed(degrees, mixed):
     shapes, weights = orthonormal(RNG_OF(7), 2)
     cosine, sine = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
     turned = shapes @ np.array([[cosine, -sine], [sine, cosine]])
@@ -142,7 +142,7 @@ def test_shapes_turned_by_half_a_right_angle_decide_nothing(degrees, mixed):
 
 
 @pytest.mark.parametrize("share", [0.002, 0.12, 0.3])
-def test_local_mode_is_like_none_beyond_its_energy(share):
+def test_local_mode_likeness_is_bounded_by_energy(share):
     """All that the samples see of it is the shape of a mode: MAC 1, likeness its share."""
     shapes, weights = orthonormal(RNG_OF(8), 2)
     own = modes_of(np.array([10.0, 11.0]), shapes, weights, np.array([share, 1.0]))
@@ -154,7 +154,7 @@ def test_local_mode_is_like_none_beyond_its_energy(share):
     assert pair_modes(other, own).partner.tolist() == [-1, 1]
 
 
-def test_one_frequency_spans_no_more_than_its_uncertainty():
+def test_mode_space_spans_at_most_its_uncertainty():
     """A chain of gaps of 0.9 % is not one frequency; a certain mode is not one with others."""
     chain = 100.0 * 1.009 ** np.arange(5)
     assert one_frequency(chain, np.full(5, 0.01)).tolist() == [0, 0, 1, 1, 2]

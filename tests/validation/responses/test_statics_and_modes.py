@@ -37,20 +37,20 @@ def test_displacements_are_products_pose_by_pose(place, quantity):
 
 
 @pytest.mark.parametrize("quantity", QUANTITIES, ids=str)
-def test_differences_and_multiples_are_those_of_displacements(quantity):
+def test_statics_are_linear_in_displacements(quantity):
     one, other, forces = statics(1), statics(2), wrenches()
     moved = 3.0 * one.displacements(quantity, forces) - other.displacements(quantity, forces)
     found = (3.0 * one - other).displacements(quantity, forces)
     np.testing.assert_allclose(found, moved, rtol=1e-12, atol=1e-12)
 
 
-def test_load_that_cannot_be_followed_moves_nothing():
+def test_load_without_solution_gives_zero_displacement():
     found = Statics.of(np.zeros((1, 6, 6)), np.array([[[np.nan] * 6, [1.0] * 6]]))
     assert found.load_displacements.tolist() == [[[0.0] * 6, [1.0] * 6]]
     assert found.displacements(ANY_FORCE, np.ones((1, 6))).tolist() == [[0.0] * 3]
 
 
-def test_modes_that_do_not_exist_are_left_out():
+def test_missing_modes_are_omitted():
     frequencies = np.array([[10.0, 20.0, np.nan], [11.0, np.nan, np.nan]])
     samples = np.random.default_rng(1).normal(size=(2, 4, 3))
     weights, seen = np.array([1.0, 4.0, 9.0, 0.0]), np.array([[1.0, 0.5, 0.0], [0.7, 0.0, 0.0]])

@@ -30,7 +30,7 @@ HALVING = 0.4 / 2.0 ** np.arange(10)
 COARSE = HALVING[:6]
 
 
-def test_the_order_of_a_pure_power_is_found_on_unequal_grids():
+def test_order_of_pure_power_on_unequal_grids():
     draws = np.random.default_rng(0).uniform([0.5, 1.2, 1.2, -5.0], [8.0, 3.0, 3.0, 5.0], (5, 4))
     for order, first, second, limit in draws:
         sizes = np.array([first * second, second, 1.0])
@@ -49,12 +49,12 @@ def test_the_order_of_a_pure_power_is_found_on_unequal_grids():
         (np.array([1.2, 1.1, 1.05, 1.0, 1.0 + 1e-14, 1.0 - 1e-14]), "round-off plateau"),
     ],
 )
-def test_behaviours_are_told_apart(values, behaviour):
+def test_behaviour_of_values_is_classified(values, behaviour):
     assert classify(COARSE, values, 1e-12) == behaviour
 
 
 @pytest.mark.parametrize(("order", "safety"), [(2.0, 1.25), (1.85, 1.25), (1.7, 3.0), (2.4, 3.0)])
-def test_the_safety_factor_is_small_near_the_formal_order(order, safety):
+def test_safety_factor_is_smaller_near_formal_order(order, safety):
     study = analyse(COARSE, 3.0 + 0.7 * COARSE**order, formal_order=2.0)
     assert study.observed_order == pytest.approx(order, rel=1e-6)
     # The true error of the finest value, 0.7 hᵖ, times the safety factor; with an order above the
@@ -79,7 +79,7 @@ def test_no_uncertainty_outside_the_asymptotic_range(values, reason):
     assert reason in study.refusal
 
 
-def test_on_a_plateau_the_uncertainty_is_the_round_off():
+def test_uncertainty_on_plateau_is_round_off():
     study = analyse(HALVING, 3.0 + 0.7 * HALVING**4, formal_order=4.0, round_off=1e-9)
     assert study.uncertainty == pytest.approx(3e-9, rel=1e-6)
     assert study.extrapolated == study.values[-1]
@@ -96,12 +96,12 @@ def test_on_a_plateau_the_uncertainty_is_the_round_off():
         ([0.4, 0.2, 0.1, 0.05], [1.0, 1.1, np.nan, 1.3], "finite"),
     ],
 )
-def test_what_is_no_study_is_refused(sizes, values, reason):
+def test_invalid_study_is_refused(sizes, values, reason):
     with pytest.raises(ValueError, match=reason):
         analyse(np.array(sizes), np.array(values), formal_order=2.0)
 
 
-def test_fine_grids_count_more_in_proportion_to_their_size():
+def test_fit_weights_grids_by_inverse_size():
     """Weights 1/h, against normal equations written out: grids 1, 1/2, 1/4, 1/10, not one power.
 
     Without weights, with 1/√h or with 1/h² order and limit would be others.
@@ -130,7 +130,7 @@ def test_fine_grids_count_more_in_proportion_to_their_size():
         uncertainty_of_known_orders(sizes[:3], values[:3], (1.42, 4.0))
 
 
-def test_a_published_study_has_its_printed_order_and_limit():
+def test_published_study_gives_printed_order_and_limit():
     # NASA Glenn: pressure recovery on three grids of ratio 2, p = 1.786, limit 0.97130.
     coarse, middle, fine = 0.96178, 0.96854, 0.97050
     order = three_grid_order(coarse, middle, fine, 2.0, 2.0)
@@ -141,7 +141,7 @@ def test_a_published_study_has_its_printed_order_and_limit():
         assert isnan(three_grid_order(*values, 2.0, 2.0))
 
 
-def test_two_grids_state_three_times_what_their_formal_order_leaves():
+def test_two_grids_use_formal_order_and_factor_three():
     for order, half_width in ((2.0, 1.0), (4.0, 0.2)):
         policy = MeshPolicy.of_order(2.0, order)
         assert mesh_half_widths([1.0], policy) == pytest.approx(half_width)
@@ -166,7 +166,7 @@ def test_half_width_on_three_meshes_is_by_hand(changes, half_width) -> None:
     assert found == pytest.approx([half_width], rel=1e-12)
 
 
-def test_every_number_of_a_refinement_has_its_own_uncertainty_and_is_held_by_it():
+def test_richardson_intervals_contain_the_limits():
     rng = np.random.default_rng(14)
     for ladder in ((1, 2, 3, 4), (2, 4, 8, 16)):
         limits, orders = rng.uniform(1.0, 3.0, 4), rng.uniform(1.0, 4.0, 4)
@@ -197,7 +197,7 @@ def refined_to(asked: float):
 
 
 @pytest.mark.parametrize("asked", [0.2, 0.01, 1e-4])
-def test_the_first_mesh_that_is_fine_enough_answers(asked: float) -> None:
+def test_refinement_stops_at_first_fine_mesh(asked: float) -> None:
     found, told = refined_to(asked)
     assert left(found) <= asked
     assert told == Accuracy(asked, left(found))
