@@ -36,7 +36,7 @@ from lumped.robot_file.evidence import with_options
 from lumped.robot_file.places import unit_of
 from lumped.robot_file.written import toml_of, toml_value
 from meshes.part.interfaces import find_interfaces
-from validation.adequacy.judgement import judged
+from validation.adequacy.judgement import verdict_matrix
 from validation.adequacy.robot_verdicts import judged_robot
 from validation.case import Skip
 from validation.comparisons.convergence_study import ConvergenceStudy
@@ -388,7 +388,7 @@ class Adequacy:
                 f"accept: modes = {requirement.modes}: must be at most {self.requirement.modes}, "
                 "as many as were computed; ask for more in `adequacy`"
             )
-        return Adequacy(judged(self.subject, requirement), requirement, self.subject)
+        return Adequacy(verdict_matrix(self.subject, requirement), requirement, self.subject)
 
     def told(self, entry: Entry) -> str:
         """Describe an entry in one line.
@@ -413,7 +413,7 @@ class Adequacy:
     def _within(self, model: str, quantity: str, limit: float) -> Matrix:
         models = [candidate for candidate in self.subject.models if candidate.name == model]
         requirement = _accepting(self.requirement, {quantity: limit}, self.subject.lengths)
-        return judged(replace(self.subject, models=models, parts=()), requirement)
+        return verdict_matrix(replace(self.subject, models=models, parts=()), requirement)
 
     def table(self) -> ResultTable:
         """Verdicts, a row for each model and quantity.

@@ -11,7 +11,7 @@ from like_ifw import IFW
 from meshes.part import slices, volume
 from meshes.part.reading import read
 from validation import cli
-from validation.adequacy.judgement import judged
+from validation.adequacy.judgement import verdict_matrix
 from validation.adequacy.robot_verdicts import robot_subject
 from validation.context import Context
 from validation.models import reduced_parts
@@ -72,7 +72,7 @@ def paper_subject() -> Subject:
         if not (kept := file.read()):
             subject = robot_subject(Context(IFW, "quick"))
             # Responses are solved when they are needed: with them the others are spared that.
-            judged(subject, IFW.requirement)
+            verdict_matrix(subject, IFW.requirement)
             kept = pickle.dumps(subject)
             file.write(kept)
     found: Subject = pickle.loads(kept)  # noqa: S301  our own
@@ -81,7 +81,7 @@ def paper_subject() -> Subject:
 
 @pytest.fixture(scope="session")
 def paper(paper_subject: Subject) -> Matrix:
-    return judged(paper_subject, IFW.requirement)
+    return verdict_matrix(paper_subject, IFW.requirement)
 
 
 @pytest.fixture(scope="module")

@@ -1,4 +1,4 @@
-"""The models that are judged, by the names that the matrix has them under."""
+"""Judged models, by their names in the matrix of verdicts."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -44,28 +44,28 @@ JUDGED: Mapping[str, JudgedModel] = {
         "beam", "20 beam elements per leg, Euler–Bernoulli", _EULER
     ),
 }
-# Those whose legs are rigid or the robot's own; all others stand on equivalent legs.
+# Models with rigid legs or with the robot's own legs; all others use equivalent legs.
 LEGS_AS_GIVEN = ("simplified", "vjm", "links")
 _STATIC = "a static model: without masses it has no frequencies"
 _RIGID = "its bodies and joints are rigid, and no drive lets the tool move this way"
 
 
 def judged_models(mechanism: Mechanism) -> dict[str, JudgedModel]:
-    """The models that are judged, in the matrix's order.
+    """Judged models by name, in the order of the matrix.
 
-    Without a leg known by its 6×6, or a part that a leg stands for, both kinds of virtual joints
-    are one.
+    Both kinds of virtual joints coincide, and one is left out, if no leg is known by its 6×6 and no
+    part is replaced by a leg.
     """
     parts = mechanism.parts.values()
     left_out = set() if parts else {"segments-stepped", "segments-condensed"}
-    given = any(isinstance(body.shape, GivenLeg) for body in mechanism.bodies.values())
-    if not given and not any(is_leg(body) for body in parts):
+    has_stiffness_leg = any(isinstance(body.shape, GivenLeg) for body in mechanism.bodies.values())
+    if not has_stiffness_leg and not any(is_leg(body) for body in parts):
         left_out.add("vjm-equivalent")
     return {name: model for name, model in JUDGED.items() if name not in left_out}
 
 
 def why_unable(postures: Sequence[Posture], model: JudgedModel) -> str:
-    """Why a model cannot answer for the mechanism of these postures; "" where it can."""
+    """Reason why a model cannot represent the mechanism of these postures. "" if it can."""
     if model.options.parts == "stepped":
         return why_not_stepped(postures[0].mechanism)
     return why_not_serial(postures) if model.kind == "vjm" else ""
@@ -74,13 +74,16 @@ def why_unable(postures: Sequence[Posture], model: JudgedModel) -> str:
 def judged_models_of(
     robot: RobotOnPath, recipes: Mapping[str, JudgedModel] | None = None
 ) -> dict[str, Model]:
-    """Models of a robot by name: those of the `recipes`, or all that are judged."""
-    chosen = judged_models(robot.mechanism) if recipes is None else recipes
-    return {name: judged_model(robot, name, recipe) for name, recipe in chosen.items()}
+    """Models of a robot by name: those of the `recipes`, or all judged ones if it is None."""
+    recipes_by_name = judged_models(robot.mechanism) if recipes is None else recipes
+    return {name: judged_model(robot, name, recipe) for name, recipe in recipes_by_name.items()}
 
 
 def judged_model(robot: RobotOnPath, name: str, recipe: JudgedModel) -> Model:
-    """Model by its name in the matrix; its halves are None if it cannot represent the robot."""
+    """Model by its name in the matrix.
+
+    Its statics and modes are None if it cannot represent the robot.
+    """
     unable = why_unable(robot.postures, recipe)
     static = recipe.kind in STATIC
     model = formulation(name, recipe.kind, recipe.options)

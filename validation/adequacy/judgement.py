@@ -1,7 +1,7 @@
-"""From errors to verdicts: which pose decides, what is left open, why, and what would help.
+"""Verdicts from errors: deciding pose, parts of the half-width, causes and computed remedies.
 
-Every step of a model's ladder removes one named cause by a computation of its own, none of which
-knows the reference; what the ladder does not reach is the rest, and is shown as such.
+Each step of a model's ladder removes one named cause by a computation that does not use the
+reference. The part of an error that no step removes is shown as the rest.
 """
 
 from collections.abc import Mapping, Sequence
@@ -30,26 +30,27 @@ _DECIDED_BY: Mapping[str, str] = {
     Source.PAIRING: "shapes of close modes mix and do not decide which mode of the model is which",
 }
 _UNDECIDED_SHAPES = "several modes of the reference have the shape of one mode"
-# Causes below this share of an error are not named, steps below this part of a limit not taken.
-_WORTH_NAMING, _WORTH_TAKING = 0.005, 0.1
-_NEARLY = 0.5
-# Interpretation of the reference and pose, by number, that an entry has its numbers of.
-Place: TypeAlias = tuple[int, int]
+# Smallest named share of an error; smallest effect of a remedy's step, as a share of the limit.
+_NAMED_SHARE, _STEP_SHARE = 0.005, 0.1
+# Share of the widest part of a half-width from which on a part's remedy may stand for the widest's.
+_NEAR_SHARE = 0.5
+# Row of the interpretation and index of the pose that an entry's numbers belong to.
+Position: TypeAlias = tuple[int, int]
 
 
-def judged(subject: Subject, requirement: Requirement) -> Matrix:
-    """The matrix of a robot: every model by every quantity that it defines.
+def verdict_matrix(subject: Subject, requirement: Requirement) -> Matrix:
+    """Matrix of verdicts of a robot: each model by each quantity that it defines.
 
-    Its parts are judged with it, what beams get wrong of one alone is noted. Where inputs of the
-    robot are uncertain, a verdict that they leave less than 95 % probable is none.
+    Includes the matrices of its legs alone, and that of models on legs of constant section. If
+    inputs of the robot are uncertain, a verdict less than 95 % probable becomes undecided.
     """
     model_errors = ModelErrors(subject, requirement.modes)
     inputs = UncertainInputs(model_errors, subject.inputs) if subject.inputs else None
-    named = {*subject.loads, *subject.harmonics}
+    defined = {*subject.loads, *subject.harmonics}
     quantities = tuple(
         quantity
         for quantity in requirement.quantities
-        if quantity in named or not (quantity.kind is QuantityKind.LOAD or quantity.harmonic)
+        if quantity in defined or not (quantity.kind is QuantityKind.LOAD or quantity.harmonic)
     )
     entries = [
         entry
@@ -62,19 +63,22 @@ def judged(subject: Subject, requirement: Requirement) -> Matrix:
         coordinates=subject.coordinates,
         poses=tuple(_pose(subject, p) for p in range(len(subject.poses))),
         models=tuple(
-            ModelNote(one.name, one.title, _silent(subject, one)) for one in subject.models
+            ModelNote(model.name, model.title, _undefined_reason(subject, model))
+            for model in subject.models
         ),
         quantities=quantities,
         entries=tuple(entries),
         notes=subject.notes,
         supposed=subject.dynamics.supposed,
-        parts=tuple(judged(part, requirement) for part in subject.parts),
-        formulation=judged(subject.formulation, requirement) if subject.formulation else None,
+        parts=tuple(verdict_matrix(part, requirement) for part in subject.parts),
+        formulation=verdict_matrix(subject.formulation, requirement)
+        if subject.formulation
+        else None,
         faults=(*subject.responses.faults, *subject.faults),
     )
 
 
-def _silent(subject: Subject, model: Model) -> str:
+def _undefined_reason(subject: Subject, model: Model) -> str:
     """Reason why a model does not define a half. "" if there is none."""
     massless = model.modes is not None and subject.responses.modes(model, NOMINAL) is None
     return model.silent or (_NO_MASS if massless else "")
@@ -91,30 +95,32 @@ def _entry(
     reference = subject.reference(quantity)
     errors = model_errors.errors(model, quantity)
     if errors is None:
-        return _unknown(subject, model, quantity, requirement.limit(quantity))
-    limits = _limits(errors, quantity, requirement)
+        return _unsolved_entry(subject, model, quantity, requirement.limit(quantity))
+    limits = _pose_limits(errors, quantity, requirement)
     verdicts = verdicts_of(errors, limits)
     verdict = worst_of(verdicts)
-    pose = _deciding(verdicts, verdict, errors.bound / limits)
+    pose = _deciding_pose(verdicts, verdict, errors.bound / limits)
     limit = float(limits[pose])
     path = np.arange(len(limits))
-    chosen = _chosen(errors, pose)
-    place = int(chosen[pose]), pose
+    rows = _interpretation_rows(errors, pose)
+    position = int(rows[pose]), pose
     missing = np.asarray(errors.missing.any(axis=0))
     error, spread, low, high = (
-        _optional(np.where(missing, np.nan, one))
-        for one in (errors.error[chosen, path], errors.spread[chosen, path], *errors.interval)
+        _optional(np.where(missing, np.nan, numbers))
+        for numbers in (errors.error[rows, path], errors.spread[rows, path], *errors.interval)
     )
-    alongs = _alongs(errors, chosen)
+    alongs = _errors_along_load(errors, rows)
     causes = (
-        explained(model_errors, model, quantity, errors, place) if verdict != "adequate" else ()
+        causes_of_error(model_errors, model, quantity, errors, position)
+        if verdict != "adequate"
+        else ()
     )
-    remedy, left = "", None
+    remedy, remaining = "", None
     if verdict == "inadequate":
-        remedy, left = remedied(model_errors, model, quantity, errors, limit, pose)
-    off = inputs.error(model, quantity, errors) if inputs else None
-    known = probability(off, verdict, limits, pose) if off else None
-    there = not missing[pose]
+        remedy, remaining = shortest_remedy(model_errors, model, quantity, errors, limit, pose)
+    input_error = inputs.error(model, quantity, errors) if inputs else None
+    chances = probability(input_error, verdict, limits, pose) if input_error else None
+    defined = not missing[pose]
     return Entry(
         model=model.name,
         quantity=quantity,
@@ -124,20 +130,22 @@ def _entry(
         high=high[pose],
         readings=_readings(errors, pose),
         limit=limit,
-        verdict=known.settled(verdict) if known else verdict,
+        verdict=chances.settled(verdict) if chances else verdict,
         pose=_pose(subject, pose),
         reference=reference.title,
         causes=causes,
         remedy=remedy,
-        error_with_remedy=left,
-        reason=(known.decides if known else "")
-        or _reason(errors, model, quantity, verdict, reference, place, limits),
-        value=float(errors.value[place]) if there else None,
-        expected=float(errors.expected[place]) if there else None,
-        expected_range=_expected_range(errors, pose) if there else (),
+        error_with_remedy=remaining,
+        reason=(chances.decides if chances else "")
+        or _reason(errors, model, quantity, verdict, reference, position, limits),
+        value=float(errors.value[position]) if defined else None,
+        expected=float(errors.expected[position]) if defined else None,
+        expected_range=_expected_range(errors, pose) if defined else (),
         along=alongs[pose] if alongs else None,
-        force=_force(errors, quantity, place),
-        uncertainties=_parts(errors, reference, place) | _of_inputs(known) if there else {},
+        force=_worst_force(errors, quantity, position),
+        uncertainties=_half_width_parts(errors, reference, position) | _input_half_width(chances)
+        if defined
+        else {},
         errors=error,
         spreads=spread,
         lows=low,
@@ -146,30 +154,35 @@ def _entry(
         values=() if quantity in (ANY_FORCE, ORDER) else _optional(errors.value[0]),
         alongs=alongs,
         computed_by=(*model.computed_by, *reference.computed_by),
-        probability=known.within if known else None,
-        probability_beyond=known.beyond if known else None,
-        input_shares=known.shares if known else {},
-        value_spread=known.of_value if known else None,
+        probability=chances.within if chances else None,
+        probability_beyond=chances.beyond if chances else None,
+        input_shares=chances.shares if chances else {},
+        value_spread=chances.value_half_width if chances else None,
         assumed=reference.supposed,
     )
 
 
-def _limits(errors: Errors, quantity: Quantity, requirement: Requirement) -> Array:
-    """Largest relative errors (p) that are accepted of a quantity."""
+def _pose_limits(errors: Errors, quantity: Quantity, requirement: Requirement) -> Array:
+    """Largest accepted relative errors (P) of a quantity."""
     absolute = requirement.absolute(quantity)
-    if absolute is None or errors.displaced is None:
+    if absolute is None or errors.displacement is None:
         return np.full(errors.error.shape[1], requirement.limit(quantity))
-    length = errors.displaced.length.max(axis=0)
+    length = errors.displacement.length.max(axis=0)
     limits = np.divide(absolute, length, out=np.full(len(length), np.inf), where=length > 0.0)
     return np.asarray(limits)
 
 
-def _of_inputs(known: Probability | None) -> dict[str, float]:
-    return {"inputs": known.half_width} if known else {}
+def _input_half_width(chances: Probability | None) -> dict[str, float]:
+    return {"inputs": chances.half_width} if chances else {}
 
 
-def _unknown(subject: Subject, model: Model, quantity: Quantity, limit: float) -> Entry | None:
-    """Entry for a quantity without a reference or a solution. None if the model is silent on it."""
+def _unsolved_entry(
+    subject: Subject, model: Model, quantity: Quantity, limit: float
+) -> Entry | None:
+    """Entry for a quantity without a reference or a solution.
+
+    None if the model does not define the quantity.
+    """
     half, reference = subject.responses.half(model, NOMINAL, quantity), subject.reference(quantity)
     if half is None:
         return None
@@ -187,10 +200,10 @@ def _unknown(subject: Subject, model: Model, quantity: Quantity, limit: float) -
 
 
 def verdicts_of(errors: Errors, limits: Array) -> list[Adequacy]:
-    """The verdict at every pose, by its limit (p).
+    """Verdict at each pose, by its limit (P).
 
-    Adequate where no error that is left open exceeds the limit, inadequate where all do, on one
-    side. The order of modes is judged by each interpretation alone: undecided where they disagree.
+    Adequate if no possible error exceeds the limit, inadequate if all exceed it on one side. The
+    order of modes is judged by each interpretation alone: undecided if they disagree.
     """
     poses = range(errors.error.shape[1])
     if errors.numbers is None:
@@ -200,14 +213,14 @@ def verdicts_of(errors: Errors, limits: Array) -> list[Adequacy]:
             for p in poses
         ]
     low, high = errors.bounds
-    alone = [
+    by_interpretation = [
         {
             _verdict(low[k, p], high[k, p], errors.missing[k, p], errors.unknown[k, p], limits[p])
             for k in range(len(errors.names))
         }
         for p in poses
     ]
-    return [said.pop() if len(said) == 1 else "undecided" for said in alone]
+    return [verdicts.pop() if len(verdicts) == 1 else "undecided" for verdicts in by_interpretation]
 
 
 def _verdict(
@@ -224,14 +237,14 @@ def _verdict(
     return "inadequate" if low > limit or high < -limit else "undecided"
 
 
-def _deciding(verdicts: Sequence[Adequacy], verdict: Adequacy, shares: Array) -> int:
-    """The pose with the verdict of the whole in which most of its limit is left open.
+def _deciding_pose(verdicts: Sequence[Adequacy], verdict: Adequacy, shares: Array) -> int:
+    """Pose with the overall `verdict` and the largest possible error as a share of its limit.
 
-    Poses that are alike up to rounding, as in a symmetric robot, leave it to the first of them.
+    The first of poses that tie up to rounding, as in a symmetric robot.
     """
-    alike = np.array([one == verdict for one in verdicts])
+    deciding = np.array([pose_verdict == verdict for pose_verdict in verdicts])
     size = np.where(np.isnan(shares), -0.5, np.abs(shares))
-    size = np.where(alike, size, -1.0)
+    size = np.where(deciding, size, -1.0)
     return int(first_largest(size))
 
 
@@ -241,98 +254,112 @@ def _reason(
     quantity: Quantity,
     verdict: Adequacy,
     reference: Reference,
-    place: Place,
+    position: Position,
     limits: Array,
 ) -> str:
     if verdict == "adequate":
         return ""
-    pose = place[1]
-    unknown, of_response = errors.unknown[:, pose], quantity.harmonic
+    pose = position[1]
+    unknown, harmonic = errors.unknown[:, pose], quantity.harmonic
     if errors.missing[:, pose].all() and not unknown.any():
-        return f"{model.name} {_lacking(errors, quantity, pose)}"
+        return f"{model.name} {_reason_without_number(errors, quantity, pose)}"
     if verdict == "inadequate":
-        rigid = errors.displaced is not None and not errors.value[:, pose].any()
+        rigid = errors.displacement is not None and not errors.value[:, pose].any()
         return model.rigid if rigid else ""
-    places = _places(errors, reference, pose)
-    if errors.paired is not None and errors.paired.undecided[:, pose].any():
-        places.append(f"{_UNDECIDED_SHAPES} of {model.name}")
-        unknown = unknown & ~errors.paired.undecided[:, pose]
+    texts = _misplaced_modes(errors, reference, pose)
+    if errors.pairing is not None and errors.pairing.undecided[:, pose].any():
+        texts.append(f"{_UNDECIDED_SHAPES} of {model.name}")
+        unknown = unknown & ~errors.pairing.undecided[:, pose]
     if unknown.any():
-        without = [one.name for one in compress(reference.interpretations, unknown)]
-        lacking = "nothing damps it" if of_response else "there are fewer modes than are judged"
-        places.append(f"with {', '.join(without)} {lacking}")
-    decides = _decides(errors, reference, pose, limits)
-    if places or errors.missing[:, pose].any():
-        return "; ".join(filter(None, (*places, decides or reference.finer)))
-    parts = _parts(errors, reference, place)
-    decided = {Source.MESHES: reference.finer, **_DECIDED_BY, reference.open: decides}
-    decided[Source.INTERIOR] = reference.interior
-    decided[Source.MASSES] = reference.masses or reference.decides
+        without = [
+            interpretation.name for interpretation in compress(reference.interpretations, unknown)
+        ]
+        lacking = "nothing damps it" if harmonic else "there are fewer modes than are judged"
+        texts.append(f"with {', '.join(without)} {lacking}")
+    decides = _deciding_information(errors, reference, pose, limits)
+    if texts or errors.missing[:, pose].any():
+        return "; ".join(filter(None, (*texts, decides or reference.finer)))
+    parts = _half_width_parts(errors, reference, position)
+    remedy_by_source = {Source.MESHES: reference.finer, **_DECIDED_BY, reference.open: decides}
+    remedy_by_source[Source.INTERIOR] = reference.interior
+    remedy_by_source[Source.MASSES] = reference.masses or reference.decides
     widest = max(parts.values())
     ranked = sorted(parts, key=lambda name: -parts[name])
-    # Where nothing helps against what leaves most open, what helps against nearly as much does.
-    helps = [decided[name] for name in ranked if parts[name] >= _NEARLY * widest and decided[name]]
-    return next((said for said in helps if said != NOT_FINER), reference.finer)
+    # If the widest part has no remedy, that of a part nearly as wide is named.
+    remedies = [
+        remedy_by_source[name]
+        for name in ranked
+        if parts[name] >= _NEAR_SHARE * widest and remedy_by_source[name]
+    ]
+    return next((remedy for remedy in remedies if remedy != NOT_FINER), reference.finer)
 
 
-def _lacking(errors: Errors, quantity: Quantity, pose: int) -> str:
-    """Why a model has nothing to compare."""
+def _reason_without_number(errors: Errors, quantity: Quantity, pose: int) -> str:
+    """Reason, after the model's name, why the model has no number to compare."""
     if quantity.static:
         return "is elastic where the reference is rigid"
     if quantity.harmonic:
         return "has no peak there, or one without bound that nothing damps"
-    if quantity == ORDER or errors.paired is None:
+    if quantity == ORDER or errors.pairing is None:
         return "has too few modes"
-    paired = errors.paired
-    seen, likeness = (float(of[:, pose].max()) for of in (paired.seen, paired.likeness))
+    pairing = errors.pairing
+    share, likeness = (
+        float(values[:, pose].max()) for values in (pairing.rigid_share, pairing.likeness)
+    )
     lacking = f"energy-weighed MAC at most {likeness:.2f} with each of its modes"
-    if paired.local[:, pose].all():
+    if pairing.local[:, pose].all():
         return (
             "does not have this mode, a local one of a leg's section: "
-            f"{100.0 * seen:.2g} % of its kinetic energy is motion of whole cross-sections and "
+            f"{100.0 * share:.2g} % of its kinetic energy is motion of whole cross-sections and "
             f"bodies; {lacking}"
         )
     return f"has no mode of this shape: {lacking}"
 
 
-def _decides(errors: Errors, reference: Reference, pose: int, limits: Array) -> str:
-    """What settles the interpretations: the legs' interior if none of the others is enough."""
+def _deciding_information(errors: Errors, reference: Reference, pose: int, limits: Array) -> str:
+    """Information that decides between interpretations: the interior if no other is enough."""
     if not reference.interior:
         return reference.decides
-    alone = [verdicts_of(errors.rows(rows), limits)[pose] for rows in reference.by_interior]
-    return reference.interior if set(alone) == {"undecided"} else reference.decides
+    verdicts = [verdicts_of(errors.rows(rows), limits)[pose] for rows in reference.by_interior]
+    return reference.interior if set(verdicts) == {"undecided"} else reference.decides
 
 
-def _places(errors: Errors, reference: Reference, pose: int) -> list[str]:
-    """Modes in other places by interpretation of the order. [] if all interpretations agree."""
+def _misplaced_modes(errors: Errors, reference: Reference, pose: int) -> list[str]:
+    """Misplaced modes by interpretation, as texts. [] if all interpretations agree."""
     if errors.numbers is None:
         return []
-    said: dict[str, list[str]] = {}
-    for one, numbers in zip(reference.interpretations, errors.numbers[:, pose], strict=True):
-        moved = [
+    names_by_text: dict[str, list[str]] = {}
+    for interpretation, numbers in zip(
+        reference.interpretations, errors.numbers[:, pose], strict=True
+    ):
+        misplaced = [
             f"f{k + 1} is " + (f"the model's f{number + 1}" if number >= 0 else "missing")
             for k, number in enumerate(numbers)
             if number != k
         ]
-        said.setdefault(", ".join(moved), []).append(one.name)
-    if len(said) == 1:
+        names_by_text.setdefault(", ".join(misplaced), []).append(interpretation.name)
+    if len(names_by_text) == 1:
         return []
-    told = [f"{moved} with {' or '.join(names)}" for moved, names in said.items() if moved]
-    return [*told, "otherwise every mode is in its place"] if "" in said else told
+    texts = [
+        f"{misplaced} with {' or '.join(names)}"
+        for misplaced, names in names_by_text.items()
+        if misplaced
+    ]
+    return [*texts, "otherwise every mode is in its place"] if "" in names_by_text else texts
 
 
-def _chosen(errors: Errors, pose: int) -> IntArray:
-    """The interpretation (p) whose numbers an entry has: at `pose` the one of the largest error.
+def _interpretation_rows(errors: Errors, pose: int) -> IntArray:
+    """Interpretation (P) of an entry's numbers: that of the largest error at `pose`.
 
-    The others follow it, so that a curve over the poses is of one interpretation. The order, which
-    jumps anyway, has the largest at every pose.
+    Other poses use the same one, so that a curve over the poses is of one interpretation. The
+    order, which jumps anyway, uses the interpretation of the largest error at each pose.
     """
     largest = errors.largest
     return largest if errors.numbers is not None else np.full_like(largest, largest[pose])
 
 
 def _readings(errors: Errors, pose: int) -> dict[str, float]:
-    """The error by each interpretation at a pose; {} if there is one or an error lacks.
+    """Error by each interpretation at a pose. {} for one interpretation or a missing error.
 
     Interpretations that compare modes of different numbers are no readings of one error.
     """
@@ -342,49 +369,49 @@ def _readings(errors: Errors, pose: int) -> dict[str, float]:
 
 
 def _expected_range(errors: Errors, pose: int) -> tuple[float, float]:
-    """Lowest and highest number of the reference by all interpretations, with half-widths."""
+    """Lowest and highest value of the reference by all interpretations, with half-widths."""
     expected, spread = errors.expected[:, pose], errors.spread[:, pose]
-    # Half-widths of an error are those of the reference times this.
+    # Factor from half-widths of the reference to those of the error.
     reach = np.ones_like(expected)
     reach = np.abs(np.divide(errors.value[:, pose], expected, out=reach, where=expected != 0.0))
     half = np.divide(spread, reach, out=spread.copy(), where=reach > 0.0)
     return float(np.min(expected * (1.0 - half))), float(np.max(expected * (1.0 + half)))
 
 
-def _alongs(errors: Errors, chosen: IntArray) -> tuple[float | None, ...]:
-    """Signed errors along the load at every pose; () for frequencies."""
-    if errors.displaced is None:
+def _errors_along_load(errors: Errors, rows: IntArray) -> tuple[float | None, ...]:
+    """Signed errors along the load at each pose. () for frequencies."""
+    if errors.displacement is None:
         return ()
-    along = errors.displaced.along[chosen, np.arange(len(chosen))]
+    along = errors.displacement.along[rows, np.arange(len(rows))]
     return _optional(np.where(errors.missing.any(axis=0), np.nan, along))
 
 
-def _force(errors: Errors, quantity: Quantity, place: Place) -> tuple[float, ...]:
-    """The worst direction of force; () of any other quantity."""
-    if errors.displaced is None or quantity != ANY_FORCE:
+def _worst_force(errors: Errors, quantity: Quantity, position: Position) -> tuple[float, ...]:
+    """Direction of the worst force. () for any other quantity."""
+    if errors.displacement is None or quantity != ANY_FORCE:
         return ()
-    return tuple(float(number) for number in errors.displaced.wrench[place][:3])
+    return tuple(float(number) for number in errors.displacement.wrench[position][:3])
 
 
-def _parts(errors: Errors, reference: Reference, place: Place) -> dict[str, float]:
+def _half_width_parts(errors: Errors, reference: Reference, position: Position) -> dict[str, float]:
     """Parts of the half-width, and half of the distance between the interpretations."""
     parts: dict[str, float] = {
-        source: float(half_widths[place])
+        source: float(half_widths[position])
         for source, half_widths in errors.budget.items()
         if source is Source.MESHES or half_widths.any()
     }
-    if errors.paired is not None:
-        mixed = 0.5 * float(errors.paired.below[place] + errors.paired.above[place])
+    if errors.pairing is not None:
+        mixed = 0.5 * float(errors.pairing.below[position] + errors.pairing.above[position])
         parts |= {Source.PAIRING: mixed} if mixed else {}
     if reference.open and errors.numbers is None:
-        low = high = errors.error[:, place[1]]
-        if errors.paired is not None:
-            low = low - errors.paired.beyond_below[:, place[1]]
-            high = high + errors.paired.beyond_above[:, place[1]]
+        low = high = errors.error[:, position[1]]
+        if errors.pairing is not None:
+            low = low - errors.pairing.exchange_below[:, position[1]]
+            high = high + errors.pairing.exchange_above[:, position[1]]
         interior = 0.0
         if reference.interior:
-            alike = reference.by_interior
-            interior = max(0.5 * float(high[rows].max() - low[rows].min()) for rows in alike)
+            groups = reference.by_interior
+            interior = max(0.5 * float(high[rows].max() - low[rows].min()) for rows in groups)
             parts[Source.INTERIOR] = interior
         parts[reference.open] = 0.5 * float(high.max() - low.min()) - interior
     return {str(name): half_width for name, half_width in parts.items()}
@@ -398,26 +425,29 @@ def _optional(numbers: Array) -> tuple[float | None, ...]:
     return tuple(None if np.isnan(number) else float(number) for number in numbers)
 
 
-def explained(
-    model_errors: ModelErrors, model: Model, quantity: Quantity, errors: Errors, place: Place
+def causes_of_error(
+    model_errors: ModelErrors, model: Model, quantity: Quantity, errors: Errors, position: Position
 ) -> tuple[Cause, ...]:
-    """Causes of the error at a place, the largest first; shares sum to one.
+    """Causes of the error of an interpretation and pose, the largest first.
 
-    The error of a deflection is the length of a vector; a step takes off it what it does along that
-    vector, under the load that the error is of.
+    Shares sum to one before causes below 0.5 % are left out. The error of a deflection is the
+    length of a vector. The amount of a step is its change of displacement along that vector, under
+    the load of the error.
     """
-    if errors.missing[:, place[1]].any():
+    if errors.missing[:, position[1]].any():
         return ()
-    total = float(errors.error[place])
+    total = float(errors.error[position])
     if total == 0.0:
         return ()
     subject = model_errors.subject
-    readings = [one.reading for one in subject.reference(quantity).interpretations]
+    readings = [
+        interpretation.reading for interpretation in subject.reference(quantity).interpretations
+    ]
     amounts: dict[str, float] = {}
     sources: dict[str, str] = {REST: "the error minus the named causes"}
-    before = model
+    previous = model
     for step in subject.steps(model, quantity):
-        amount = _amount(model_errors, quantity, errors, (before, step.model), place)
+        amount = _removed_error(model_errors, quantity, errors, (previous, step.model), position)
         if amount is None:
             reasons = (subject.responses.unsolved(step.model, r, quantity) for r in readings)
             if unsolved := next(filter(None, reasons), ""):
@@ -425,40 +455,40 @@ def explained(
             break
         amounts[step.cause] = amounts.get(step.cause, 0.0) + amount
         sources.setdefault(step.cause, step.source)
-        before = step.model
+        previous = step.model
     amounts[REST] = total - sum(amounts.values())
     causes = [Cause(name, amount / total, sources[name]) for name, amount in amounts.items()]
-    named = [cause for cause in causes if abs(cause.share) >= _WORTH_NAMING]
-    return tuple(sorted(named, key=lambda cause: -abs(cause.share)))
+    significant = [cause for cause in causes if abs(cause.share) >= _NAMED_SHARE]
+    return tuple(sorted(significant, key=lambda cause: -abs(cause.share)))
 
 
-def _amount(
+def _removed_error(
     model_errors: ModelErrors,
     quantity: Quantity,
     errors: Errors,
     models: tuple[Model, Model],
-    place: Place,
+    position: Position,
 ) -> float | None:
-    """Amount that the step between two models takes off an error. None if one is not solved."""
-    row, pose = place
-    displaced = errors.displaced
-    if displaced is None:
+    """Amount of an error removed by the step between two models. None if one is not solved."""
+    row, pose = position
+    displacement = errors.displacement
+    if displacement is None:
         before, after = (model_errors.errors(model, quantity) for model in models)
         if before is None or after is None or after.missing[:, pose].any():
             return None
-        return float(before.error[place] - after.error[place])
+        return float(before.error[position] - after.error[position])
     subject = model_errors.subject
     reading = subject.reference(quantity).interpretations[row].reading
     first, second = (subject.responses.known_statics(model, reading) for model in models)
     if first is None or second is None:
         return None
-    step = (first - second).displacements(quantity, displaced.wrench[row])[pose]
+    step = (first - second).displacements(quantity, displacement.wrench[row])[pose]
     size = float(errors.error[row, pose])
-    amount = step @ displaced.off[row, pose]
-    return float(amount / (displaced.length[row, pose] * size)) if size > 0.0 else 0.0
+    amount = step @ displacement.difference[row, pose]
+    return float(amount / (displacement.length[row, pose] * size)) if size > 0.0 else 0.0
 
 
-def remedied(
+def shortest_remedy(
     model_errors: ModelErrors,
     model: Model,
     quantity: Quantity,
@@ -466,11 +496,12 @@ def remedied(
     limit: float,
     pose: int,
 ) -> tuple[str, float | None]:
-    """The shortest way up the ladder that brings the error within its limit, with what it leaves.
+    """Remedy with the fewest steps of the ladder that meets the limit, and the remaining error.
 
-    If all leave it inadequate, the model that answers as the reference; without one the way that
-    comes nearest to the limit. The error left is the largest over all poses and interpretations.
-    Only those steps are named that change anything worth the name. ("", None) if none helps.
+    If the model remains inadequate by all steps, the remedy is a model equivalent to the reference;
+    without such a model, the steps that come nearest to the limit. The remaining error is the
+    largest over all poses and interpretations. A step is named if it changes the error by at least
+    a tenth of the limit. ("", None) if no step helps.
     """
     subject = model_errors.subject
     tried: list[tuple[float, float, str, bool]] = []
@@ -481,23 +512,23 @@ def remedied(
         if after is None:
             break
         errors_after = after.worst
-        if step.remedy and not abs(errors_after[pose] - before) < _WORTH_TAKING * limit:
-            # Another model takes the place of what was before, an option that of its other value.
+        if step.remedy and not abs(errors_after[pose] - before) < _STEP_SHARE * limit:
+            # Another model replaces all earlier remedies, an option its own earlier value.
             remedies = {} if step.remedy.model else remedies
             remedies[step.remedy.option or step.remedy.text] = step.remedy.text
         if step.remedy and remedies and np.isfinite(errors_after).all():
             worst = float(errors_after[np.argmax(np.abs(errors_after))])
             beyond = "inadequate" in verdicts_of(after, np.full(len(errors_after), limit))
             tried.append((abs(worst), worst, ", ".join(remedies.values()), beyond))
-        # A step without a remedy of its own is taken together with the next one.
+        # A step without a remedy counts together with the next one.
         before = float(errors_after[pose]) if step.remedy else before
-    enough = [one for one in tried if one[0] <= limit]
+    sufficient = [attempt for attempt in tried if attempt[0] <= limit]
     replacement = subject.reference(quantity).remedy
-    if replacement and not enough and all(beyond for *_, beyond in tried):
+    if replacement and not sufficient and all(beyond for *_, beyond in tried):
         return replacement.text, 0.0
     if not tried:
         return "", None
-    size, error, remedy, _ = enough[0] if enough else min(tried)
+    size, error, remedy, _ = sufficient[0] if sufficient else min(tried)
     if np.isfinite(start) and size >= abs(start):
         return "", None
     return remedy, error

@@ -1,4 +1,4 @@
-"""What all models say of a mechanism in some postures, and how far they are from its solids."""
+"""Results of all models of a mechanism in some postures, and their differences from its solids."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -18,7 +18,7 @@ from validation.references.static_reference import static_reference
 from validation.responses.mode_partners import frequency_changes, partners
 from validation.responses.statics_and_modes import PathModes, Statics
 
-# From the bottom of a stack of curves to its top.
+# Models in drawing order, from the bottom of a stack of curves to its top.
 _DYNAMIC = ("segments", "segments-stepped", "segments-condensed", "beam", "beam-euler-bernoulli")
 _STATIC_STACK = ("simplified", "vjm", "links", *_DYNAMIC)
 _DYNAMIC_STACK = ("simplified", *_DYNAMIC)
@@ -26,12 +26,13 @@ _DYNAMIC_STACK = ("simplified", *_DYNAMIC)
 
 @dataclass(frozen=True, eq=False)
 class Compared:
-    """One quantity or several in p postures by all models and, last, by the interpretations.
+    """One or several quantities in P postures by all models and, last, by the interpretations.
 
-    `values` maps their names to p×k numbers, `differences` all names but `against`, the first
-    interpretation, to the relative differences from it (p×k, NaN if there is nothing to compare).
-    `uncertainties` (p×k or more, relative) are those of the interpretations; of frequencies of legs
-    known by their 6×6 they cover every plausible inside.
+    `values` (P×k) by name of model or interpretation. `against`: name of the first interpretation.
+    `differences` (P×k): relative differences of all others from it, NaN if there is no number to
+    compare. `uncertainties` (P×k or more, relative): half-widths of the interpretations. For
+    frequencies with legs known by their 6×6 they cover each plausible mass distribution and
+    stiffness inside the legs.
     """
 
     values: Mapping[str, Array]
@@ -41,7 +42,7 @@ class Compared:
 
 
 def compared_models(mechanism: Mechanism) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """The models that are compared in statics, and those that are in frequencies."""
+    """Names of the models compared in statics, and of those compared in frequencies."""
     judged = judged_models(mechanism)
     static, dynamic = (
         tuple(name for name in stack if name in judged) for stack in (_STATIC_STACK, _DYNAMIC_STACK)
@@ -50,88 +51,97 @@ def compared_models(mechanism: Mechanism) -> tuple[tuple[str, ...], tuple[str, .
 
 
 def compared_statics(robot: RobotOnPath) -> tuple[dict[str, Statics], dict[str, Array]]:
-    """Statics by all models and, last, by the interpretations of the reference.
+    """Statics by name of model or, last, interpretation, and half-widths of the interpretations.
 
-    Then the half-widths of the interpretations (p×7, relative), of meshes and of the file's digits.
-    Raises InputError or ComputationError without reference.
+    Half-widths (P×7, relative) are the sum of those of meshes and of the robot file's digits.
+    Raises InputError or ComputationError if there is no reference.
     """
     responses = Responses(robot)
-    found = {
+    statics = {
         name: responses.required_statics(model, NOMINAL)
-        for name, model in _stacked(robot, _STATIC_STACK).items()
+        for name, model in _models_of_stack(robot, _STATIC_STACK).items()
         if model.statics
     }
     uncertainties = {}
-    for one in static_reference(responses).interpretations:
+    for interpretation in static_reference(responses).interpretations:
         solid = robot.prisms or robot.mechanism.parts
-        name = f"solid, {one.name}" if solid else "legs' own 6×6"
-        known = (one.budget.get(source) for source in (Source.MESHES, Source.DIGITS))
-        half_widths = [of.displacements for of in known if of and of.displacements is not None]
-        found[name] = responses.required_statics(SOLID, one.reading)
+        name = f"solid, {interpretation.name}" if solid else "legs' own 6×6"
+        sources = (interpretation.budget.get(source) for source in (Source.MESHES, Source.DIGITS))
+        half_widths = [
+            half_width.displacements
+            for half_width in sources
+            if half_width and half_width.displacements is not None
+        ]
+        statics[name] = responses.required_statics(SOLID, interpretation.reading)
         uncertainties[name] = np.asarray(np.sum(half_widths, axis=0))
-    return found, uncertainties
+    return statics, uncertainties
 
 
 def compared_compliances(
     statics: Mapping[str, Statics], uncertainties: Mapping[str, Array]
 ) -> Compared:
-    """Compliance (p×6, SI) along and about each axis, under its own force and moment.
+    """Compliance (P×6, SI) along and about each axis, under a force and moment about that axis.
 
-    Arguments as `compared_statics` gives them.
+    The arguments are the results of `compared_statics`.
     """
-    found = {name: np.diagonal(one.compliances, axis1=1, axis2=2) for name, one in statics.items()}
+    compliances = {
+        name: np.diagonal(model_statics.compliances, axis1=1, axis2=2)
+        for name, model_statics in statics.items()
+    }
     against = next(iter(uncertainties))
-    reference = found[against]
-    known = np.where(reference != 0.0, reference, np.nan)
-    differences = {name: values / known - 1.0 for name, values in found.items() if name != against}
-    return Compared(found, differences, against)
+    reference = compliances[against]
+    nonzero = np.where(reference != 0.0, reference, np.nan)
+    differences = {
+        name: values / nonzero - 1.0 for name, values in compliances.items() if name != against
+    }
+    return Compared(compliances, differences, against)
 
 
-def _by_ends(reference: Reference) -> dict[str, list[Interpretation]]:
-    """Interpretations that differ in the legs' insides alone, by the name of the first of them."""
-    alike: dict[Reading, list[Interpretation]] = {}
-    for one in reference.interpretations:
-        alike.setdefault(one.reading.restricted(("ends",)), []).append(one)
+def _grouped_by_ends(reference: Reference) -> dict[str, list[Interpretation]]:
+    """Group interpretations that differ inside the legs alone, by the first one's name."""
+    groups: dict[Reading, list[Interpretation]] = {}
+    for interpretation in reference.interpretations:
+        groups.setdefault(interpretation.reading.restricted(("ends",)), []).append(interpretation)
     return {
         first.name if reference.supposed else f"solid, {first.name}": [first, *others]
-        for first, *others in alike.values()
+        for first, *others in groups.values()
     }
 
 
 def compared_frequencies(robot: RobotOnPath) -> Compared:
-    """The first frequencies (p×k, Hz), ascending; differences of modes of one shape.
+    """First frequencies (P×k, Hz), ascending, with differences of modes of the same shape.
 
-    Raises InputError or ComputationError without reference.
+    Raises InputError or ComputationError if there is no reference.
     """
     responses = Responses(robot)
-    found = solved_modes(responses)
+    modes_by_name = solved_modes(responses)
     reference = dynamic_reference(responses)
     uncertainties = {}
     judged = robot.judged
-    for name, (first, *others) in _by_ends(reference).items():
-        shown = responses.required_modes(SOLID, first.reading)
+    for name, (first, *others) in _grouped_by_ends(reference).items():
+        first_modes = responses.required_modes(SOLID, first.reading)
         half_widths = first.frequency_half_widths(judged)
         if half_widths is None:
             continue
         changes = [
-            frequency_changes(shown, modes, judged)
+            frequency_changes(first_modes, modes, judged)
             for other in others
             if (modes := responses.known_modes(SOLID, other.reading))
         ]
-        found[name] = shown
+        modes_by_name[name] = first_modes
         uncertainties[name] = half_widths + np.nanmax(
             [np.zeros_like(half_widths), *changes], axis=0
         )
     if not uncertainties:
         raise InputError(reference.decides)
     against = next(iter(uncertainties))
-    reference_modes = found[against]
-    own = reference_modes.frequencies[:, :judged]
+    reference_modes = modes_by_name[against]
+    reference_frequencies = reference_modes.frequencies[:, :judged]
     return Compared(
-        {name: one.frequencies[:, :judged] for name, one in found.items()},
+        {name: modes.frequencies[:, :judged] for name, modes in modes_by_name.items()},
         {
-            name: partners(reference_modes, one, judged).frequency / own - 1.0
-            for name, one in found.items()
+            name: partners(reference_modes, modes, judged).frequency / reference_frequencies - 1.0
+            for name, modes in modes_by_name.items()
             if name != against
         },
         against,
@@ -140,8 +150,8 @@ def compared_frequencies(robot: RobotOnPath) -> Compared:
 
 
 def solved_modes(responses: Responses) -> dict[str, PathModes]:
-    """Modes of all models that have any. Raises ComputationError if one is not solved."""
-    models = _stacked(responses.robot, _DYNAMIC_STACK)
+    """Modes of all models that define modes. Raises ComputationError if one is not solved."""
+    models = _models_of_stack(responses.robot, _DYNAMIC_STACK)
     return {
         name: responses.required_modes(model, NOMINAL)
         for name, model in models.items()
@@ -149,6 +159,6 @@ def solved_modes(responses: Responses) -> dict[str, PathModes]:
     }
 
 
-def _stacked(robot: RobotOnPath, stack: tuple[str, ...]) -> dict[str, Model]:
+def _models_of_stack(robot: RobotOnPath, stack: tuple[str, ...]) -> dict[str, Model]:
     recipes = judged_models(robot.mechanism)
     return {name: judged_model(robot, name, recipes[name]) for name in stack if name in recipes}

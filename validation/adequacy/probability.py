@@ -1,14 +1,14 @@
-"""How probable a verdict is where inputs of the robot are uncertain, and which of them decide it.
+"""Probability of a verdict under uncertain inputs of the robot, and the inputs that decide it.
 
 An input x with relative standard uncertainty v is x₀ (1 + v ξ), ξ normal, all independent. Robots
-with one input alone one standard uncertainty below and above show how each ξ by itself changes what
-an error is made of, by g ξ/(1 + c ξ) or g ξ + h ξ²/2: of frequencies the error with its sign, of
-displacements the vectors u and u*, from which the error is |u − u*|/|u*|. That has no derivative
-where it is zero, while the vectors have theirs, and those of parts in series add. Of any force the
-longest error under several fixed forces counts, the worst ones of all these robots. By how much all
-this misses some robots with all inputs off at once (`misfit`, root mean square) is added to the
-interval. Where one of these robots has no such error (its modes are other ones) that counts against
-both verdicts.
+with a single input one standard uncertainty below and above give the change of the components of an
+error with each ξ alone, as g ξ/(1 + c ξ) or g ξ + h ξ²/2. The component of a frequency is its error
+with sign. Those of displacements are the vectors u and u*, from which the error is |u − u*|/|u*|:
+this has no derivative at zero, while the vectors have one, and vectors of parts in series add. For
+any force, the longest error under several fixed forces counts, the worst ones of all these robots.
+The deviation from some robots with all inputs perturbed at once (`misfit`, root mean square) is
+added to the interval. A robot without such an error (its modes are other ones) counts against both
+verdicts.
 
 The probability of one input is exact: the normal distribution between the ξ at which the verdict
 changes, found by bisection between neighbours of 4096 points. Of several inputs it is the share of
@@ -39,32 +39,33 @@ from validation.verdicts import Adequacy
 
 # Of a normal distribution, two-sided 95 %.
 COVERAGE = 1.959964
-# A verdict that is less probable than this is none.
+# Smallest probability of a verdict; a less probable one becomes undecided.
 CONFIDENCE = 0.95
-# 4096 points of Sobol': probabilities of several seeds differ by 0.002.
+# 2¹² = 4096 points of Sobol': probabilities of several seeds differ by 0.002.
 _POWER = 12
-# A share of the variance below which an input is not named.
-_WORTH_NAMING = 0.01
-# Standard uncertainties from which on there is no error where at one there is none: at zero there
-# is one, what lies between nobody knows.
+# Smallest share of the variance from which on an input is named.
+_NAMED_SHARE = 0.01
+# Standard uncertainties from which on an error that is missing at one counts as missing. At zero it
+# exists; between, the point at which it is lost is unknown, so half is assumed.
 _LOST_FROM = 0.5
 _SIDES = ("below", "above")
-# Of g ξ/(1 + c ξ): up to this |c| its pole is five standard uncertainties away, or farther.
+# Largest |c| of g ξ/(1 + c ξ): its pole is at least five standard uncertainties away.
 _LARGEST_BEND = 0.2
-# Directions of force under which errors of any force are followed from robot to robot.
+# Fixed directions of force under which errors of any force are evaluated for all robots.
 _FORCES = 8
-# Halvings of an interval between two of 4096 points: to rounding.
+# Halvings of an interval between two of 4096 points, down to rounding.
 _HALVINGS = 50
-# Numbers that are held at once.
-_AT_ONCE = 4_000_000
+# Most numbers of an array in memory.
+_MOST_NUMBERS = 4_000_000
 
 
 @dataclass(frozen=True, eq=False)
 class Slope:
-    """The errors of a quantity with one input a standard uncertainty below and above.
+    """Errors of a quantity with one input a standard uncertainty below and above.
 
-    `key` of the input in the robot file, `relative` its standard uncertainty; `below` and `above`
-    as `ErrorOfInputs.own`, NaN where there is no such error; `values` (2×p) the model's own number.
+    `key` of the input in the robot file, `relative` its standard uncertainty. `below` and `above`
+    have the shape of `ErrorOfInputs.nominal`, and NaN if the error is missing. `values` (2×P) are
+    the model's value of the quantity below and above.
     """
 
     key: str
@@ -76,43 +77,41 @@ class Slope:
 
 @dataclass(frozen=True, eq=False)
 class ErrorOfInputs:
-    """Errors as they are with the inputs of the file, and how these change them.
+    """Errors with the inputs of the file, and their change with each input.
 
-    `own` (a×p×f×k): what errors are made of, by a interpretations of the reference in p poses
-    under f forces. If `signed`, k is two, the error and its half-width; else eight: displacements
-    of the model (3) and of the reference (3), the least length that the error is relative to, and
-    its half-width. `lost`: share of robots with all inputs off that have no such error although the
-    slopes do.
+    `nominal` (R×P×f×k): components of errors, by R interpretations of the reference in P poses
+    under f forces. If `signed`, k is two: the error and its half-width. Otherwise k is eight:
+    displacements of the model (3) and of the reference (3), the smallest length to which the error
+    is relative, and its half-width. `misfit`: root mean square deviation from robots with all
+    inputs perturbed. `lost`: share of these robots without such an error although the slopes have
+    one.
     """
 
-    own: Array
+    nominal: Array
     slopes: Sequence[Slope]
     signed: bool
     misfit: float = 0.0
     lost: float = 0.0
 
-    def at(self, draws: Array) -> Array:
-        """The interval (n×2×p, lowest and highest) for draws (n×inputs) of ξ.
-
-        NaN where there is no such error.
-        """
-        rows = max(1, _AT_ONCE // max(self.own.size, 1))
+    def intervals(self, draws: Array) -> Array:
+        """Lowest and highest error (n×2×P) for draws (n×inputs) of ξ. NaN if there is none."""
+        rows = max(1, _MOST_NUMBERS // max(self.nominal.size, 1))
         pieces = np.split(draws, range(rows, len(draws), rows))
         return np.concatenate(
-            [self._interval(_followed(self.own, *self._ends, piece)) for piece in pieces]
+            [self._interval(_components_at(self.nominal, *self._ends, piece)) for piece in pieces]
         )
 
     def probabilities(
-        self, limit: float | Array, known: Mapping[str, float] | None = None
+        self, limit: float | Array, reductions: Mapping[str, float] | None = None
     ) -> Array:
-        """Of being within the limit in all poses, and of being beyond it in one.
+        """Probability of errors within the limit in all poses, and of one beyond it in some pose.
 
-        `known`: factors by which inputs are known better than the file says.
+        `reductions`: factors on the inputs' standard uncertainties of the file, by key.
         """
-        factors = np.array([(known or {}).get(slope.key, 1.0) for slope in self.slopes])
+        factors = np.array([(reductions or {}).get(slope.key, 1.0) for slope in self.slopes])
 
         def verdicts(draws: Array) -> NDArray[np.bool_]:
-            low, high = np.moveaxis(self.at(draws * factors), 1, 0)
+            low, high = np.moveaxis(self.intervals(draws * factors), 1, 0)
             within = ((low >= -limit) & (high <= limit)).all(axis=1)
             beyond = ((low > limit) | (high < -limit)).any(axis=1)
             return np.array([within, beyond])
@@ -124,160 +123,166 @@ class ErrorOfInputs:
         return np.asarray((1.0 - self.lost) * shares)
 
     def half_width(self, pose: int) -> float:
-        """Half-width (95 %) that inputs leave open of the error of a pose, about that of the file.
+        """Half-width (95 %) of a pose's error due to inputs, about the error of the file.
 
-        Of a vector it is the radius that holds 95 % of its changes.
+        For a vector it is the radius that contains 95 % of its changes.
         """
-        own, below, above = self._of_largest(pose)
-        followed = _followed(own, below, above, _draws(len(self.slopes)))
-        sizes = np.linalg.norm(self._vectors(followed) - self._vectors(own), axis=-1)
+        nominal, below, above = self._largest_components(pose)
+        components = _components_at(nominal, below, above, _draws(len(self.slopes)))
+        sizes = np.linalg.norm(self._vectors(components) - self._vectors(nominal), axis=-1)
         return float(np.nanquantile(sizes, CONFIDENCE))
 
-    def _interval(self, found: Array) -> Array:
-        """Lowest and highest error (n×2×p) of what they are made of (n×a×p×f×k)."""
-        half, vectors = found[..., 0, -1], self._vectors(found)
+    def _interval(self, components: Array) -> Array:
+        """Lowest and highest error (n×2×P) from components (n×R×P×f×k)."""
+        half_width, vectors = components[..., 0, -1], self._vectors(components)
         error = np.linalg.norm(vectors, axis=-1).max(axis=-1)
         error = vectors[..., 0, 0] if self.signed else error
-        low, high = (error - half).min(axis=1), (error + half).max(axis=1)
+        low, high = (error - half_width).min(axis=1), (error + half_width).max(axis=1)
         if not self.signed:
-            moved, due = found[..., :3], found[..., 3:6]
-            length = np.maximum(np.linalg.norm(due, axis=-1), found[..., 6])
-            between = nearest_between(*(np.moveaxis(one, 1, 0) for one in (moved - due, length)))
-            low = np.minimum(low, between.max(axis=-1) - half.max(axis=1))
+            model, reference = components[..., :3], components[..., 3:6]
+            length = np.maximum(np.linalg.norm(reference, axis=-1), components[..., 6])
+            between = nearest_between(
+                *(np.moveaxis(rows, 1, 0) for rows in (model - reference, length))
+            )
+            low = np.minimum(low, between.max(axis=-1) - half_width.max(axis=1))
             low = np.maximum(low, 0.0)
         return np.stack([low - self.misfit, high + self.misfit], axis=1)
 
-    def _vectors(self, found: Array) -> Array:
-        """Errors as vectors (…×3), of frequencies as numbers (…×1)."""
+    def _vectors(self, components: Array) -> Array:
+        """Errors from components: vectors (…×3), or signed numbers (…×1) for frequencies."""
         if self.signed:
-            return found[..., :1]
-        moved, due, least = found[..., :3], found[..., 3:6], found[..., 6]
-        length = np.maximum(np.linalg.norm(due, axis=-1), least)[..., None]
-        vectors = np.divide(moved - due, length, out=np.zeros_like(due), where=length != 0.0)
+            return components[..., :1]
+        model, reference, least = components[..., :3], components[..., 3:6], components[..., 6]
+        length = np.maximum(np.linalg.norm(reference, axis=-1), least)[..., None]
+        vectors = np.divide(
+            model - reference, length, out=np.zeros_like(reference), where=length != 0.0
+        )
         return np.asarray(vectors)
 
     @cached_property
     def _ends(self) -> tuple[Array, Array]:
-        """What errors are made of with each input below and above (m×a×p×f×k each)."""
+        """Components of errors with each input below and above (m×R×P×f×k each)."""
         below, above = ([getattr(slope, side) for slope in self.slopes] for side in _SIDES)
         return np.array(below), np.array(above)
 
     @property
-    def losing(self) -> list[str]:
-        """Inputs that alone can leave the model without such an error."""
+    def losing_inputs(self) -> list[str]:
+        """Inputs whose perturbation alone can remove the error (its mode is lost)."""
         sides = {slope.key: np.array([slope.below, slope.above]) for slope in self.slopes}
         return [key for key, ends in sides.items() if np.isnan(ends).any()]
 
     def shares(self, pose: int) -> dict[str, float]:
-        """First-order indices of Sobol' of the error of a pose, the largest first."""
-        own, below, above = (self._vectors(one) for one in self._of_largest(pose))
-        linear, square = _derivatives(below - own, above - own)
+        """First-order Sobol' indices of the error of a pose, the largest first."""
+        nominal, below, above = (
+            self._vectors(components) for components in self._largest_components(pose)
+        )
+        linear, square = _derivatives(below - nominal, above - nominal)
         parts = (linear**2 + 0.5 * square**2).sum(axis=1)
         if not parts.sum() > 0.0:
             return {}
-        named = zip((slope.key for slope in self.slopes), parts / parts.sum(), strict=True)
-        found = sorted(((float(share), key) for key, share in named), reverse=True)
-        return {key: share for share, key in found if share >= _WORTH_NAMING}
+        shares_by_key = zip((slope.key for slope in self.slopes), parts / parts.sum(), strict=True)
+        ranked = sorted(((float(share), key) for key, share in shares_by_key), reverse=True)
+        return {key: share for share, key in ranked if share >= _NAMED_SHARE}
 
-    def _of_largest(self, pose: int) -> tuple[Array, Array, Array]:
-        """What the largest error of a pose is made of (k), and each input off (m×k, below, above).
+    def _largest_components(self, pose: int) -> tuple[Array, Array, Array]:
+        """Components (k) of a pose's largest error, and with each input below and above (m×k each).
 
-        The largest with the inputs of the file, of all interpretations and forces.
+        The largest error with the inputs of the file, of all interpretations and forces.
         """
-        sizes = np.linalg.norm(self._vectors(self.own[:, pose]), axis=-1)
-        alternative, force = np.unravel_index(np.argmax(sizes), sizes.shape)
-        place = alternative, pose, force
-        below, above = (ends[:, *place] for ends in self._ends)
-        return self.own[place], below, above
+        sizes = np.linalg.norm(self._vectors(self.nominal[:, pose]), axis=-1)
+        interpretation, force = np.unravel_index(np.argmax(sizes), sizes.shape)
+        position = interpretation, pose, force
+        below, above = (ends[:, *position] for ends in self._ends)
+        return self.nominal[position], below, above
 
 
-def _followed(own: Array, below: Array, above: Array, draws: Array) -> Array:
-    """What is `own` (…) with the inputs of the file, for draws (n×m) of ξ (n×…).
+def _components_at(nominal: Array, below: Array, above: Array, draws: Array) -> Array:
+    """Components (n×…) for draws (n×m) of ξ, from `nominal` ones (…) with the inputs of the file.
 
-    `below` and `above` (m×…) have one input a standard uncertainty off.
+    `below` and `above` (m×…) have one input a standard uncertainty below and above.
     """
-    found = np.repeat(own[None], len(draws), axis=0)
-    for low, high, draw in zip(below - own, above - own, draws.T, strict=True):
-        found += _change(low, high, draw.reshape(-1, *[1] * own.ndim))
-    return found
+    components = np.repeat(nominal[None], len(draws), axis=0)
+    for low, high, draw in zip(below - nominal, above - nominal, draws.T, strict=True):
+        components += _change(low, high, draw.reshape(-1, *[1] * nominal.ndim))
+    return components
 
 
 def _change(below: Array, above: Array, draw: Array) -> Array:
-    """Change at ξ = `draw` of what changes by `below` and `above` at −1 and 1.
+    """Change at ξ = `draw` of a number that changes by `below` at ξ = −1 and by `above` at ξ = 1.
 
-    By g ξ/(1 + c ξ), as everything linear changes with one stiffness; where its pole is too near,
-    by g ξ + h ξ²/2. NaN on the side of a NaN, from `_LOST_FROM` on.
+    By g ξ/(1 + c ξ), the dependence of any linear response on one stiffness, or by g ξ + h ξ²/2 if
+    the pole is too near. NaN on the side of a NaN, from `_LOST_FROM` on.
     """
     linear, square = _derivatives(below, above)
     bend = np.divide(-0.5 * square, linear, out=np.full_like(linear, np.inf), where=linear != 0.0)
-    far = np.abs(bend) <= _LARGEST_BEND
-    bend = np.where(far, bend, 0.0)
-    # At 1 it is linear + square/2.
-    slope = np.where(far, (linear + 0.5 * square) * (1.0 + bend), linear)
-    change = slope * draw / (1.0 + bend * draw) + np.where(far, 0.0, 0.5 * square) * draw**2
-    gone = (draw < -_LOST_FROM) & np.isnan(below) | (draw > _LOST_FROM) & np.isnan(above)
-    return np.where(gone, np.nan, change)
+    regular = np.abs(bend) <= _LARGEST_BEND
+    bend = np.where(regular, bend, 0.0)
+    # The change at ξ = 1 is linear + square/2.
+    slope = np.where(regular, (linear + 0.5 * square) * (1.0 + bend), linear)
+    change = slope * draw / (1.0 + bend * draw) + np.where(regular, 0.0, 0.5 * square) * draw**2
+    lost = (draw < -_LOST_FROM) & np.isnan(below) | (draw > _LOST_FROM) & np.isnan(above)
+    return np.where(lost, np.nan, change)
 
 
 def _derivatives(below: Array, above: Array) -> tuple[Array, Array]:
-    """First and second derivative of what changes by `below` and `above` at −1 and 1.
+    """First and second derivative in ξ of a number that changes by `below` at −1, `above` at 1.
 
-    Linear where the change is known on one side alone, constant where on none.
+    Linear if the change is known on one side only, constant if it is unknown on both.
     """
     below, above = (
-        np.nan_to_num(np.where(np.isnan(one), -other, one))
-        for one, other in ((below, above), (above, below))
+        np.nan_to_num(np.where(np.isnan(change), -other, change))
+        for change, other in ((below, above), (above, below))
     )
     return 0.5 * (above - below), above + below
 
 
 @dataclass(frozen=True)
 class Probability:
-    """What uncertain inputs make of a verdict.
+    """Probability of a verdict under uncertain inputs.
 
-    `within` and `beyond` the limit, wherever in its interval the error is; what is left of one is
-    open however well the inputs are known. Half-widths (95 %): `half_width` of the error,
-    `of_value` of the model's own number (its unit), to first order, None where it is lost
-    within a standard uncertainty. `shares` are the first-order indices of the error's inputs,
-    `decides` is what to know better.
+    `within` and `beyond`: probability that the whole interval of the error is within, or beyond,
+    the limit. The rest to one stays open even with exact inputs. Half-widths (95 %): `half_width`
+    of the error, `value_half_width` of the model's own value (its unit), to first order. None if
+    the value is lost within a standard uncertainty. `shares` are the first-order indices of the
+    error's inputs. `decides` names the inputs to be known better.
     """
 
     within: float
     beyond: float
     half_width: float
-    of_value: float | None
+    value_half_width: float | None
     shares: Mapping[str, float]
     decides: str = ""
 
     def settled(self, verdict: Adequacy) -> Adequacy:
-        """A verdict by the inputs of the file; undecided where these leave too little of it."""
-        own = {"adequate": self.within, "inadequate": self.beyond}
-        return verdict if own.get(verdict, 1.0) >= CONFIDENCE else "undecided"
+        """Return the `verdict` by the inputs of the file, or undecided if it is too improbable."""
+        probabilities = {"adequate": self.within, "inadequate": self.beyond}
+        return verdict if probabilities.get(verdict, 1.0) >= CONFIDENCE else "undecided"
 
 
 def probability(
     error: ErrorOfInputs, verdict: Adequacy, limit: float | Array, pose: int
 ) -> Probability:
-    """Of a verdict by the inputs of the file; `pose` (its index) is the one that decides it."""
+    """Probability of a verdict by the inputs of the file. `pose`: index of its deciding pose."""
     within, beyond = map(float, error.probabilities(limit))
     shares = error.shares(pose)
-    of_value = propagated(slope.values[:, pose] for slope in error.slopes)
-    found = Probability(
+    value_uncertainty = propagated(slope.values[:, pose] for slope in error.slopes)
+    chances = Probability(
         within,
         beyond,
         error.half_width(pose),
-        COVERAGE * of_value if np.isfinite(of_value) else None,
+        COVERAGE * value_uncertainty if np.isfinite(value_uncertainty) else None,
         shares,
     )
-    if found.settled(verdict) == verdict:
-        return found
-    keys = list(dict.fromkeys([*error.losing, *shares]))
-    return replace(found, decides=_decided_by(error, verdict, limit, keys))
+    if chances.settled(verdict) == verdict:
+        return chances
+    keys = list(dict.fromkeys([*error.losing_inputs, *shares]))
+    return replace(chances, decides=_deciding_inputs(error, verdict, limit, keys))
 
 
 @dataclass(frozen=True, eq=False)
 class UncertainInputs:
-    """Errors of a robot's models with its inputs perturbed, by the same rules as the nominal ones.
+    """Errors of a robot's models with inputs perturbed, by the rules of the nominal errors.
 
     `nominal` compares the robot of the file.
     """
@@ -285,40 +290,46 @@ class UncertainInputs:
     nominal: ModelErrors
     inputs: InputUncertainties
 
-    def error(self, model: Model, quantity: Quantity, own: Errors) -> ErrorOfInputs | None:
+    def error(
+        self, model: Model, quantity: Quantity, nominal_errors: Errors
+    ) -> ErrorOfInputs | None:
         """Change of a model's error of a quantity by inputs. None if there is no such error.
 
         The order of modes has none: it jumps.
         """
-        if own.numbers is not None or own.missing.any():
+        if nominal_errors.numbers is not None or nominal_errors.missing.any():
             return None
         below, above, together = (
-            [_of_robot(one, model, quantity) for one in all_errors]
+            [_robot_errors(robot, model, quantity) for robot in all_errors]
             for all_errors in self._model_errors
         )
         forces = None
         if quantity == ANY_FORCE:
-            forces = _worst_forces([own, *(one.errors for one in (*below, *above))])
+            forces = _worst_forces([nominal_errors, *(robot.errors for robot in (*below, *above))])
         slopes = [
             Slope(
                 key,
                 relative,
-                low.components(own, forces),
-                high.components(own, forces),
-                np.stack([low.value(own), high.value(own)]),
+                low.components(nominal_errors, forces),
+                high.components(nominal_errors, forces),
+                np.stack([low.value(nominal_errors), high.value(nominal_errors)]),
             )
             for (key, relative), low, high in zip(
                 self.inputs.relative.items(), below, above, strict=True
             )
         ]
-        nominal = replace(_of_robot(self.nominal, model, quantity), errors=own)
-        found = ErrorOfInputs(nominal.components(own, forces), slopes, own.displaced is None)
-        foreseen = found.at(self.inputs.draws)
-        missed = np.array([one.interval(own) for one in together]) - foreseen
-        lost = np.isnan(missed) & ~np.isnan(foreseen)
-        squared = np.ma.masked_invalid(missed**2).mean(axis=0).filled(0.0)
+        nominal_robot = replace(_robot_errors(self.nominal, model, quantity), errors=nominal_errors)
+        error = ErrorOfInputs(
+            nominal_robot.components(nominal_errors, forces),
+            slopes,
+            nominal_errors.displacement is None,
+        )
+        expected = error.intervals(self.inputs.draws)
+        deviations = np.array([robot.interval(nominal_errors) for robot in together]) - expected
+        lost = np.isnan(deviations) & ~np.isnan(expected)
+        squared = np.ma.masked_invalid(deviations**2).mean(axis=0).filled(0.0)
         return replace(
-            found,
+            error,
             misfit=float(np.sqrt(squared.max())),
             lost=float(lost.any(axis=(1, 2)).mean()),
         )
@@ -334,96 +345,101 @@ class UncertainInputs:
 
 
 @dataclass(frozen=True, eq=False)
-class _OfRobot:
-    """Errors of a model's quantity for one robot. None if it has none.
+class _RobotErrors:
+    """Errors of a model's quantity for one robot. `errors` is None if there are none.
 
-    `statics` of the reference and of the model, for each interpretation, are what they come from.
+    `statics` of the reference and of the model, for each interpretation, are the errors' source.
     """
 
     quantity: Quantity
     errors: Errors | None
     statics: Sequence[tuple[Statics, Statics]] = ()
 
-    def components(self, own: Errors, forces: Array | None) -> Array:
-        """As `ErrorOfInputs.own`; under fixed `forces` (p×f×6) if the quantity is any force."""
-        errors, of_displacement = self.errors, own.displaced is not None
+    def components(self, nominal: Errors, forces: Array | None) -> Array:
+        """Components as in `ErrorOfInputs.nominal`, under `forces` (P×f×6) if they are given."""
+        errors, vectorial = self.errors, nominal.displacement is not None
         count = 1 if forces is None else forces.shape[1]
-        shape = (*own.error.shape, count, 8 if of_displacement else 2)
+        shape = (*nominal.error.shape, count, 8 if vectorial else 2)
         if errors is None:
             return np.full(shape, np.nan)
-        found = np.empty(shape)
-        found[..., -1] = errors.farthest[..., None]
-        if errors.displaced is None:
-            found[..., 0] = errors.error[..., None]
-            return found
+        components = np.empty(shape)
+        components[..., -1] = errors.farthest[..., None]
+        if errors.displacement is None:
+            components[..., 0] = errors.error[..., None]
+            return components
         for k, (reference, model) in enumerate(self.statics):
-            wrenches = errors.displaced.wrench[k, :, None] if forces is None else forces
-            found[k, ..., :3] = model.displacements(self.quantity, wrenches)
-            found[k, ..., 3:6] = reference.displacements(self.quantity, wrenches)
+            wrenches = errors.displacement.wrench[k, :, None] if forces is None else forces
+            components[k, ..., :3] = model.displacements(self.quantity, wrenches)
+            components[k, ..., 3:6] = reference.displacements(self.quantity, wrenches)
             least = FLOOR * np.linalg.norm(reference.compliances[:, :3, :3], 2, axis=(1, 2))
-            found[k, ..., 6] = least[:, None] if forces is not None else 0.0
-        return np.where(errors.missing[..., None, None], np.nan, found)
+            components[k, ..., 6] = least[:, None] if forces is not None else 0.0
+        return np.where(errors.missing[..., None, None], np.nan, components)
 
-    def interval(self, own: Errors) -> Array:
-        """Lowest and highest error (2×p)."""
+    def interval(self, nominal: Errors) -> Array:
+        """Lowest and highest error (2×P)."""
         if self.errors is None:
-            return np.full((2, own.error.shape[1]), np.nan)
+            return np.full((2, nominal.error.shape[1]), np.nan)
         return np.stack(self.errors.interval)
 
-    def value(self, own: Errors) -> Array:
-        """The model's own number (p)."""
+    def value(self, nominal: Errors) -> Array:
+        """Value (P) of the quantity by the model."""
         if self.errors is None:
-            return np.full(own.error.shape[1], np.nan)
+            return np.full(nominal.error.shape[1], np.nan)
         return np.asarray(self.errors.value[0])
 
 
-def _of_robot(model_errors: ModelErrors, model: Model, quantity: Quantity) -> _OfRobot:
+def _robot_errors(model_errors: ModelErrors, model: Model, quantity: Quantity) -> _RobotErrors:
     errors = model_errors.errors(model, quantity)
-    return _OfRobot(quantity, errors, model_errors.statics(model) if quantity.static else ())
+    return _RobotErrors(quantity, errors, model_errors.statics(model) if quantity.static else ())
 
 
-def _worst_forces(found: Sequence[Errors | None]) -> Array:
-    """The worst forces (p×f×6) of several robots, at most `_FORCES` of them.
+def _worst_forces(errors: Sequence[Errors | None]) -> Array:
+    """Worst forces (P×f×6) of several robots, at most `_FORCES` of them.
 
-    The first is that of the first robot's largest error, then those that differ most from it.
+    The first is that of the first robot's largest error. Each next one is the force least aligned
+    with those before it.
     """
-    first = found[0]
-    loads = [one.displaced.wrench for one in found if one is not None and one.displaced]
+    first = errors[0]
+    loads = [
+        robot_errors.displacement.wrench
+        for robot_errors in errors
+        if robot_errors is not None and robot_errors.displacement
+    ]
     all_forces = np.concatenate(loads).transpose(1, 0, 2)
-    chosen = []
+    selected = []
     for pose, forces in enumerate(all_forces):
         start = 0 if first is None else int(first.largest[pose])
-        order, alike = [start], np.abs(forces @ forces[start])
+        order, alignments = [start], np.abs(forces @ forces[start])
         while len(order) < min(_FORCES, len(forces)):
-            order.append(int(np.argmin(alike)))
-            alike = np.maximum(alike, np.abs(forces @ forces[order[-1]]))
-        chosen.append(forces[order])
-    return np.array(chosen)
+            order.append(int(np.argmin(alignments)))
+            alignments = np.maximum(alignments, np.abs(forces @ forces[order[-1]]))
+        selected.append(forces[order])
+    return np.array(selected)
 
 
-def _decided_by(
+def _deciding_inputs(
     error: ErrorOfInputs, verdict: Adequacy, limit: float | Array, keys: Sequence[str]
 ) -> str:
-    """What has to be known better for a verdict: the one input that can do it, else the first few.
+    """Text on the inputs to be known better for a verdict: a single one, otherwise the first few.
 
-    `keys` in the order of their shares.
+    `keys` in the order of their shares. "" if all of them together do not decide it.
     """
     relative = {slope.key: slope.relative for slope in error.slopes}
     column = 0 if verdict == "adequate" else 1
 
-    def lacking(known: Mapping[str, float]) -> float:
-        return CONFIDENCE - float(error.probabilities(limit, known)[column])
+    def lacking(reductions: Mapping[str, float]) -> float:
+        return CONFIDENCE - float(error.probabilities(limit, reductions)[column])
 
     for key in keys:
         if lacking({key: 0.0}) > 0.0:
             continue
-        # A share of points is a staircase: to a hundredth of the uncertainty, on the safe side.
+        # A share of points is a step function: to 0.01 of the uncertainty, on the safe side.
         factor = scipy.optimize.brentq(
-            lambda one, key=key: lacking({key: one}), 0.0, 1.0, xtol=0.005
+            lambda reduction, key=key: lacking({key: reduction}), 0.0, 1.0, xtol=0.005
         )
-        known = max(factor - 0.01, 0.0) * relative[key]
+        required = max(factor - 0.01, 0.0) * relative[key]
         return (
-            f"{key} known to a standard uncertainty of {100.0 * known:.2g} % (now "
+            f"{key} known to a standard uncertainty of {100.0 * required:.2g} % (now "
             f"{100.0 * relative[key]:.2g} %) would decide it"
         )
     for count in range(2, len(keys) + 1):
@@ -433,29 +449,29 @@ def _decided_by(
 
 
 def _normal_shares(verdicts: Callable[[Array], NDArray[np.bool_]]) -> Array:
-    """Probabilities (m) that verdicts (m×n) of a normal number hold, for draws (n×1).
+    """Probabilities (m) that verdicts (m×n) hold for a normal number, with draws (n×1).
 
-    Where a verdict changes between two of the points, the number at which it does is bisected.
+    If a verdict changes between two of the points, the number at which it changes is bisected.
     """
     count = 2**_POWER
     points = scipy.special.ndtri((np.arange(count) + 0.5) / count)
-    found = []
+    probabilities = []
     for row, holds in enumerate(verdicts(points[:, None])):
         changes = np.flatnonzero(holds[1:] != holds[:-1])
         left, right = points[changes], points[changes + 1]
         for _ in range(_HALVINGS):
             middle = 0.5 * (left + right)
-            as_left = verdicts(middle[:, None])[row] == holds[changes]
-            left, right = np.where(as_left, middle, left), np.where(as_left, right, middle)
+            equal_left = verdicts(middle[:, None])[row] == holds[changes]
+            left, right = np.where(equal_left, middle, left), np.where(equal_left, right, middle)
         ends = np.concatenate([[0.0], scipy.special.ndtr(0.5 * (left + right)), [1.0]])
-        # Between the changes it holds and does not hold in turn.
-        found.append(np.diff(ends)[0 if holds[0] else 1 :: 2].sum())
-    return np.array(found)
+        # Between the changes, the verdict holds and does not hold in turn.
+        probabilities.append(np.diff(ends)[0 if holds[0] else 1 :: 2].sum())
+    return np.array(probabilities)
 
 
 @memo(8)
 def _draws(inputs: int) -> Array:
-    """Points of Sobol' (n×inputs), normal."""
+    """Normally distributed points (n×inputs) from Sobol' points."""
     points = scipy.stats.qmc.Sobol(inputs, seed=0).random_base2(_POWER)
     # The first point of the unscrambled sequence is the corner; the scrambled one has none.
     return np.asarray(scipy.special.ndtri(points), dtype=float)
@@ -465,7 +481,7 @@ def propagated(changes: Iterable[Sequence[float] | Array]) -> float:
     """Standard uncertainty from independent inputs, to first order (GUM, eq. (10)).
 
     `changes` are the model's values with one input at a time a standard uncertainty below and
-    above what the file says.
+    above its value in the file.
     """
     slopes = np.array([0.5 * (above - below) for below, above in changes])
     return float(combined(slopes, np.abs, Combiner.ROOT_OF_SQUARES))

@@ -1,6 +1,7 @@
-"""The adequacy of a robot's models, and of the models of each of its legs by itself, root clamped.
+"""Adequacy of a robot's models, and of the models of each of its legs alone with its root clamped.
 
-What feet, joints and other legs hide, the leg alone shows: torsion of open sections, say.
+A leg alone shows errors that feet, joints and other legs hide, such as those of torsion of open
+sections.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -21,7 +22,7 @@ from lumped.mechanism.placing import place_leg, place_rigid_body
 from lumped.models.bodies import leg_of, on_equivalent_legs
 from lumped.text import counted
 from validation.adequacy.judged_models import JUDGED, LEGS_AS_GIVEN, judged_models_of
-from validation.adequacy.judgement import judged
+from validation.adequacy.judgement import verdict_matrix
 from validation.case import failure_reason
 from validation.context import PRESETS, Context, Preset
 from validation.models.loads.stability import stabilities, stability_notes
@@ -52,46 +53,49 @@ from validation.uncertainty.refinement import refined
 from validation.verdicts import Matrix
 
 _ROOT, _TIP = "root", "tip"
-# Presets that refine meshes without --accuracy, of robots without and with CAD parts: a quick run
-# has one mesh of each kind, and finer meshes of parts take minutes.
+# Presets that refine meshes without --accuracy, by whether the robot has CAD parts: a quick run has
+# one mesh of each kind, and finer meshes of parts take minutes.
 _REFINING: Mapping[bool, tuple[Preset, ...]] = {False: ("standard", "fine"), True: ("fine",)}
-# Robots with all inputs off at once, by which one at a time are checked.
+# Number of robots with all inputs perturbed at once, as a check on single perturbations.
 _CHECKS: Mapping[Preset, int] = {"quick": 4, "standard": 8, "fine": 32}
-# Rigid legs say nothing of a leg alone, and links are virtual joints there.
-_NOT_OF_A_LEG = ("simplified", "links", "segments-stepped", "segments-condensed")
+# Models left out for a leg alone: rigid legs have no compliance, links equal virtual joints there.
+_NOT_FOR_A_LEG = ("simplified", "links", "segments-stepped", "segments-condensed")
 
 
 def robot_adequacy(context: Context) -> Matrix:
-    """The matrix of the run's robot; what has no reference is undecided."""
+    """Matrix of the run's robot. Quantities without a reference are undecided."""
     return judged_robot(context)[1]
 
 
 def judged_robot(context: Context) -> tuple[Subject, Matrix]:
-    """The run's robot and its matrix, by references whose meshes are fine enough.
+    """Return the run's robot and its matrix, by references with sufficiently fine meshes.
 
-    Their half-widths are at most the requested accuracy. Without a request they are at most a
-    fifth of the limit of each error that they leave undecided, as far as `finer_context` goes.
+    Half-widths due to meshes are at most the requested accuracy. Without a request they are at most
+    a fifth of the limit of each undecided error, as far as `finer_context` refines.
     Raises InputError as `robot_subject` does.
     """
     requirement = context.robot_file.requirement
 
     def judge(context: Context) -> tuple[Subject, Matrix]:
         subject = robot_subject(context)
-        return subject, judged(subject, requirement)
+        return subject, verdict_matrix(subject, requirement)
 
-    (subject, matrix), reached = refined(
+    (subject, matrix), refinement = refined(
         context,
         judge,
-        lambda found: _left_by_meshes(found[1], requirement.accuracy),
+        lambda result: _largest_mesh_half_width(result[1], requirement.accuracy),
         finer_context,
         requirement.accuracy or 1.0,
     )
-    said = (reached.text,) if requirement.accuracy else ()
-    return subject, replace(matrix, notes=(*matrix.notes, *said))
+    accuracy_notes = (refinement.text,) if requirement.accuracy else ()
+    return subject, replace(matrix, notes=(*matrix.notes, *accuracy_notes))
 
 
-def _left_by_meshes(matrix: Matrix, accuracy: float | None) -> float:
-    """The most that meshes leave open of an error; without `accuracy` in fifths of its limit."""
+def _largest_mesh_half_width(matrix: Matrix, accuracy: float | None) -> float:
+    """Largest half-width of an error due to meshes.
+
+    Without `accuracy`, relative to a fifth of the error's limit, and of undecided errors only.
+    """
     shares = [
         entry.uncertainties["meshes"] / (1.0 if accuracy else entry.limit / 5.0)
         for entry in matrix.entries
@@ -101,10 +105,10 @@ def _left_by_meshes(matrix: Matrix, accuracy: float | None) -> float:
 
 
 def finer_context(context: Context, factor: float) -> Context:
-    """The run with the next preset's meshes of prisms, and meshes of parts finer by `factor`.
+    """Run with the next preset's meshes of prisms, and meshes of parts finer by `factor`.
 
-    Raises InputError if there are neither, and unless --accuracy is given if the preset refines
-    nothing or does not take as many unknowns. Raises ComputationError for lack of memory.
+    Raises InputError if neither exists. Without --accuracy, raises InputError also if the preset
+    does not refine or does not allow so many unknowns. Raises ComputationError for lack of memory.
     """
     robot_file = context.robot_file
     requested = robot_file.requirement.accuracy is not None
@@ -119,10 +123,10 @@ def finer_context(context: Context, factor: float) -> Context:
         robot_file=replace(robot_file, mechanism=mechanism),
         finer=larger[0] if larger else context.finer,
     )
-    unknowns, most = _solid_unknowns(finer), LARGEST[context.preset]
-    if not requested and unknowns > most:
+    unknowns, largest = _solid_unknowns(finer), LARGEST[context.preset]
+    if not requested and unknowns > largest:
         raise InputError(
-            f"finer solids have {unknowns:.2g} unknowns, {context.preset} takes {most}"
+            f"finer solids have {unknowns:.2g} unknowns, {context.preset} takes {largest}"
         )
     return finer
 
@@ -136,7 +140,7 @@ def _solid_unknowns(context: Context) -> float:
 
 
 def robot_subject(context: Context) -> Subject:
-    """The run's robot with its models and its references.
+    """Subject of the run: the robot with its models and its references.
 
     Raises InputError if an uncertain input leads to no robot.
     """
@@ -148,24 +152,24 @@ def robot_subject(context: Context) -> Subject:
         reference = dynamic_reference(responses)
     except UNSOLVED as error:
         reference = no_reference(error)
-    stable, faults = _stability(robot)
+    stable, faults = _stability_notes(robot)
     subject = replace(
         statics,
         dynamics=reference,
         modal_steps=modal_steps(robot, models),
-        notes=(*_notes(robot), *stable, *_suppositions(responses, reference)),
+        notes=(*_notes(robot), *stable, *_assumption_notes(responses, reference)),
         faults=faults,
         parts=tuple(
             leg_subject(context, name, leg_of(robot.mechanism.bodies[name]))
             for name in distinct_legs(robot.mechanism)
         ),
-        formulation=_on_legs_of_constant_section(robot, models),
+        formulation=_constant_section_subject(robot, models),
     )
     return replace(subject, inputs=_input_uncertainties(subject))
 
 
 def _input_uncertainties(subject: Subject) -> InputUncertainties | None:
-    """Uncertain inputs of a robot. None if its file names none, or without a reference.
+    """Uncertain inputs of a robot. None if its file has none or there is no reference.
 
     Raises InputError if a perturbation leads to no robot.
     """
@@ -182,7 +186,7 @@ def _input_uncertainties(subject: Subject) -> InputUncertainties | None:
 
 
 def static_subject(robot: RobotOnPath, models: Iterable[Model]) -> Subject:
-    """A robot with models of its statics; no reference if solids cannot be made of its legs."""
+    """Robot with models of its statics. Without a reference if its legs cannot be solids."""
     responses, steps = Responses(robot), Steps()
     try:
         reference, steps = static_reference(responses), static_steps(robot)
@@ -203,34 +207,38 @@ def static_subject(robot: RobotOnPath, models: Iterable[Model]) -> Subject:
     )
 
 
-def _static(models: Iterable[Model]) -> list[Model]:
-    """The models without their modes, and without the reason for those that have none."""
+def _without_modes(models: Iterable[Model]) -> list[Model]:
+    """Return the models without modes, and without the reason of the models without modes."""
     return [
-        replace(one, modes=None, silent=one.silent if one.statics is None else "") for one in models
+        replace(model, modes=None, silent=model.silent if model.statics is None else "")
+        for model in models
     ]
 
 
-def _on_legs_of_constant_section(robot: RobotOnPath, models: Mapping[str, Model]) -> Subject | None:
-    """Statics of the models that put such legs for given ones, against solids of those.
+def _constant_section_subject(robot: RobotOnPath, models: Mapping[str, Model]) -> Subject | None:
+    """Statics of the models that use legs of constant section, against solids of the same legs.
 
-    None where no leg is given; nor beside parts, whose own idealisation would be in it.
+    None if no leg is known by its 6×6, or if the robot has parts, whose idealisation would be part
+    of the error.
     """
     if not robot.given or robot.mechanism.parts:
         return None
     mechanism = on_equivalent_legs(robot.mechanism)
     postures = [replace(posture, mechanism=mechanism) for posture in robot.postures]
-    # Both sides have these legs, feet and tool, whatever the robot's are: no digit is uncertain.
+    # Model and reference have the same legs, feet and tool, so no digit is uncertain.
     on_solids = replace(robot_at(robot.context, postures), printed=())
-    on_such_legs = [one for name, one in models.items() if name not in LEGS_AS_GIVEN]
-    return replace(static_subject(on_solids, _static(on_such_legs)), robot="equivalent legs")
+    constant_section_models = [model for name, model in models.items() if name not in LEGS_AS_GIVEN]
+    return replace(
+        static_subject(on_solids, _without_modes(constant_section_models)), robot="equivalent legs"
+    )
 
 
 def leg_subject(context: Context, name: str, shape: Leg) -> Subject:
-    """One leg alone and its models, statics alone."""
+    """Subject of one leg alone with its models, for statics only."""
     leg = robot_at(context, [reference_posture(leg_alone(name, shape))])
-    left_out = _NOT_OF_A_LEG if leg.given else (*_NOT_OF_A_LEG, "vjm-equivalent")
-    recipes = {name: one for name, one in JUDGED.items() if name not in left_out}
-    subject = static_subject(leg, _static(judged_models_of(leg, recipes).values()))
+    left_out = _NOT_FOR_A_LEG if leg.given else (*_NOT_FOR_A_LEG, "vjm-equivalent")
+    recipes = {name: recipe for name, recipe in JUDGED.items() if name not in left_out}
+    subject = static_subject(leg, _without_modes(judged_models_of(leg, recipes).values()))
     if subject.statics.model is None:
         return subject
     title = "the leg's own 6×6" if leg.given else "solid leg, root clamped"
@@ -238,56 +246,56 @@ def leg_subject(context: Context, name: str, shape: Leg) -> Subject:
 
 
 def leg_alone(name: str, shape: Leg) -> Mechanism:
-    """A leg in its own axes, its first interface fixed to the ground, the tool at its second."""
+    """Leg in its own axes, its first interface fixed to the ground, the tool at its second."""
     points = {_ROOT: np.zeros(3), _TIP: np.array([shape.length, 0.0, 0.0])}
-    placed = [
+    placed_bodies = [
         place_rigid_body(GROUND, [_ROOT], points, origin=np.zeros(3)),
         place_leg(name, shape, (_ROOT, _TIP), points),
     ]
     clamp = Joint("clamp", "fixed", Side(GROUND, _ROOT), Side(name, _ROOT), np.zeros((0, 3)))
     return Mechanism(
         name=name,
-        bodies={one.name: one for one, _ in placed},
+        bodies={body.name: body for body, _ in placed_bodies},
         joints=(clamp,),
         tool=Tool(name, _TIP),
-        reference={one.name: frame for one, frame in placed},
+        reference={body.name: frame for body, frame in placed_bodies},
         poses=np.zeros((1, 0)),
     )
 
 
 def _notes(robot: RobotOnPath) -> list[str]:
-    """Poses that were left out, idle mobilities and the error of the reduction."""
+    """Notes on omitted poses, idle mobilities and the error of the reduction."""
     notes = []
     if len(robot.postures) < len(robot.mechanism.poses):
         all_poses = len(robot.mechanism.poses)
         notes.append(f"{len(robot.postures)} of the {all_poses} poses of the path were computed")
     if idle := mobility(robot.postures[0]).idle:
-        what = counted(idle, "idle mobility does", "idle mobilities do")
-        notes.append(f"{what} not move the tool; their zero frequencies are left out")
+        counted_mobilities = counted(idle, "idle mobility does", "idle mobilities do")
+        notes.append(f"{counted_mobilities} not move the tool; their zero frequencies are left out")
     with suppress(*UNSOLVED):
         notes += reduction_note(robot.postures, robot.offered, robot.holding.first, robot.judged)
     return notes
 
 
-def _stability(robot: RobotOnPath) -> tuple[Sequence[str], tuple[str, ...]]:
-    """Notes on the stability under the robot's loads, and its name if it ended with a fault."""
+def _stability_notes(robot: RobotOnPath) -> tuple[Sequence[str], tuple[str, ...]]:
+    """Notes on the stability under the robot's loads, and its name if it failed by a fault."""
     subject = "stability under loads"
     try:
-        found = robot.context.get(stabilities, "links", robot.postures)
+        results = robot.context.get(stabilities, "links", robot.postures)
         requirement = robot.context.robot_file.requirement
-        return stability_notes(robot.postures, found, requirement), ()
+        return stability_notes(robot.postures, results, requirement), ()
     except Exception as error:  # noqa: BLE001  loses no model, only its note
         reason = failure_reason(subject, error)
         faults = () if isinstance(error, UNSOLVED) else (subject,)
         return [f"Stability under the robot's loads cannot be computed: {reason}"], faults
 
 
-def _suppositions(responses: Responses, dynamics: Reference) -> list[str]:
-    """What probabilities and verdicts on frequencies suppose."""
+def _assumption_notes(responses: Responses, dynamics: Reference) -> list[str]:
+    """Notes on the assumptions of probabilities and of verdicts on frequencies."""
     notes = []
-    if supposed := responses.robot.context.robot_file.supposed:
+    if assumed := responses.robot.context.robot_file.supposed:
         notes.append(
             f"Probabilities suppose that every modulus, length and stiffness of the file has a "
-            f"standard uncertainty of {100.0 * supposed:g} %"
+            f"standard uncertainty of {100.0 * assumed:g} %"
         )
     return [*notes, *mass_notes(responses, dynamics)]

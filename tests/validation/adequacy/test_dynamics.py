@@ -21,7 +21,7 @@ from lumped.screws import shift
 from lumped.sections import HollowRectangle, ISection, Rectangle, Tube
 from meshes.section.section_mesh import section_mesh
 from validation.adequacy.judged_models import JUDGED, judged_model
-from validation.adequacy.judgement import judged
+from validation.adequacy.judgement import verdict_matrix
 from validation.adequacy.robot_verdicts import leg_subject, robot_adequacy
 from validation.context import Context
 from validation.models.leg_models import leg_matrices
@@ -56,14 +56,14 @@ FLANGED = ConstantLeg(
 BEAMS = ("segments", "beam", "segments-euler-bernoulli", "beam-euler-bernoulli")
 
 
-def test_meshes_of_walls_are_doubled_whatever_those_of_bars_are():
+def test_wall_meshes_are_doubled_for_any_bar_mesh():
     """Of a five-bar of box sections `standard` left more open than `quick` had."""
     meshes, bar = solid_meshes("fine"), replace(FLANGED, section=Rectangle(0.1, 0.1))
     assert meshes.ratio([FLANGED]) == 2.0
     assert meshes.ratio([FLANGED, bar]) == pytest.approx(4.0 / 3.0)
 
 
-def test_legs_alike_are_made_once_for_each_way_their_ends_are_held():
+def test_equal_legs_are_made_once_per_end_condition():
     robot, made = load_robot("five-bar").mechanism, []
 
     def build(leg, ends, _highest):
@@ -98,7 +98,7 @@ def flanged():
 
 @pytest.mark.exhaustive
 @pytest.mark.parametrize("model", BEAMS)
-def test_beams_of_i_section_have_modes_that_solids_do_not_have(flanged, model):
+def test_i_section_beams_have_modes_without_a_partner(flanged, model):
     order = flanged.entry(model, "order")
     assert order.verdict == "inadequate"
     # Two at 160 Hz, where the robot's next mode is above 220 Hz.
@@ -109,7 +109,7 @@ def test_beams_of_i_section_have_modes_that_solids_do_not_have(flanged, model):
     assert (order.remedy, order.error_with_remedy) == ("use solid", 0.0)
 
 
-def test_bending_is_known_better_than_torsion_of_an_open_section():
+def test_bending_is_more_certain_than_open_torsion():
     """The section mesh leaves torsion open, and bending of 100 × 100 mm next to nothing."""
     robot = robot_on_path(at_the_centre(**OF_FLANGED))
     (solids,) = dynamic_reference(Responses(robot)).interpretations
@@ -119,7 +119,7 @@ def test_bending_is_known_better_than_torsion_of_an_open_section():
     assert max(others) < 0.0025
 
 
-def test_torsion_of_an_i_section_between_held_ends_is_inadequate_by_beams():
+def test_i_section_torsion_by_beams_is_inadequate():
     entry = alone(FLANGED)
     assert entry.verdict == "inadequate"
     # 3.7 times the compliance of the solid, from a mesh of its own.
@@ -137,10 +137,10 @@ def test_torsion_of_an_i_section_between_held_ends_is_inadequate_by_beams():
 def alone(leg):
     """The torsion of the leg by beams, at preset quick."""
     subject = leg_subject(Context(load_robot("ifw"), "quick"), "leg1", leg)
-    return judged(subject, Requirement()).entry("beam", "phi_x")
+    return verdict_matrix(subject, Requirement()).entry("beam", "phi_x")
 
 
-def test_free_ends_leave_saint_venants_torsion_as_it_is_and_unsaid_ones_leave_it_open():
+def test_torsion_verdict_depends_on_end_conditions():
     entry = alone(replace(FLANGED, ends="free"))
     # The thin-walled J alone is off; inward corners leave the quick mesh 4 % uncertain.
     assert entry.along == pytest.approx(0.0, abs=0.02)
@@ -165,7 +165,7 @@ def test_free_ends_leave_saint_venants_torsion_as_it_is_and_unsaid_ones_leave_it
         (HollowRectangle(0.1, 0.16, 0.008), "free"),
     ],
 )
-def test_stated_uncertainties_of_frequencies_hold_shorter_slices_and_finer_sections(section, ends):
+def test_frequency_half_widths_cover_finer_meshes(section, ends):
     leg = ConstantLeg(0.9, section, STEEL, ends=ends)
     robot = like_ifw(a=1.0, platform_mass=30.0, leg1=leg, leg2=leg)
     quick, finer = (
@@ -183,7 +183,7 @@ def test_stated_uncertainties_of_frequencies_hold_shorter_slices_and_finer_secti
         assert (changes <= own.budget[Source.MESHES].frequencies).all()
 
 
-def test_lumps_of_mass_decide_on_the_nine_modes_that_they_have_and_leave_the_tenth_open():
+def test_mass_lumps_decide_nine_modes_and_leave_tenth():
     # Three ways each for the platform and two point masses: fewer modes than are judged.
     leg1, leg2 = (replace(leg, inertia=None, mass_centre=None) for leg in (LEG1, LEG2))
     asked = Requirement(modes=10)
@@ -192,7 +192,7 @@ def test_lumps_of_mass_decide_on_the_nine_modes_that_they_have_and_leave_the_ten
     truth = dynamic_reference(responses)
     beams, none = judged_model(robot, "beam", JUDGED["beam"]), Reference("none")
     subject = Subject("", (), np.zeros((1, 0)), responses, [beams], none, truth)
-    matrix = judged(subject, asked)
+    matrix = verdict_matrix(subject, asked)
     known = [matrix.entry("beam", f"f{number}") for number in range(1, 10)]
     # With half of the mass at the ends of stiff legs f4 has a MAC of 0.498 with its beams' mode,
     # and f6, f7 and f9 have no partner among the beams with some insides of the legs either.
@@ -209,7 +209,7 @@ def test_lumps_of_mass_decide_on_the_nine_modes_that_they_have_and_leave_the_ten
     assert ", f10 " in note
 
 
-def test_drives_alone_have_a_second_mode_but_at_the_ends_of_the_stroke():
+def test_drives_lack_second_mode_at_ends_of_stroke():
     """There it moves along one axis alone; beyond the modes that there are stands nothing."""
     robot = robot_on_path(Context(load_robot("ifw"), "quick"))
     found = modes_by_model(robot, "simplified", DEFAULT_OPTIONS)
@@ -251,7 +251,7 @@ def rigid_inertia(leg, masses):
 
 
 @pytest.mark.parametrize("masses", MASSES)
-def test_mass_centre_and_inertia_are_those_of_the_drawing(masses):
+def test_mass_centre_and_inertia_match_the_drawing(masses):
     mass, centre, inertia = rigid_inertia(GIVEN, masses)
     expected, squared = SLENDER[masses]
     assert mass == pytest.approx(PRISM.mass, rel=1e-9)
@@ -288,7 +288,7 @@ def test_wedges_are_plausible_without_mass_centre():
 
 
 @pytest.mark.parametrize("mixed", [False, True])
-def test_legs_without_mass_bound_robots_whose_legs_are_all_given(*, mixed):
+def test_massless_legs_bound_robots_with_6x6_legs(*, mixed):
     """Frequencies of any distribution lie below; held ends of a solid are stiffer than its 6×6."""
     prism = ConstantLeg(LEG2.length, Rectangle(0.1, 0.1), STEEL, ends="rigid")
     legs = {"leg2": prism} if mixed else {}

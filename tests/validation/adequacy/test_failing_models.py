@@ -6,7 +6,7 @@ from written_robot import robot_of
 
 from lumped.errors import ComputationError
 from validation.adequacy import robot_verdicts
-from validation.adequacy.judgement import judged
+from validation.adequacy.judgement import verdict_matrix
 from validation.adequacy.robot_verdicts import robot_subject
 from validation.context import Context
 from validation.models.options import DEFAULT_OPTIONS
@@ -24,7 +24,7 @@ def arm(tmp_path):
 
 
 def verdicts_of(arm):
-    matrix = judged(robot_subject(Context(arm, "quick")), arm.requirement)
+    matrix = verdict_matrix(robot_subject(Context(arm, "quick")), arm.requirement)
     return matrix, {(one.model, one.quantity.name): one.verdict for one in matrix.entries}
 
 
@@ -65,7 +65,7 @@ def test_model_that_raises_leaves_the_others_judged(arm, monkeypatch, capsys, mo
     assert "return 1 / 0" in capsys.readouterr().err
 
 
-def test_stability_that_raises_leaves_all_models_judged(arm, monkeypatch):
+def test_failing_stability_leaves_all_models_judged(arm, monkeypatch):
     """What loads take of the stiffness is then left open of every error under them."""
     due = verdicts_of(arm)[1]
     for module in (robot_verdicts, uncertainty_sources):

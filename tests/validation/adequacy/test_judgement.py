@@ -14,7 +14,7 @@ from toy_subject import toy_subject
 from lumped.acceptance.quantities import load_quantities
 from lumped.acceptance.requirement import Requirement
 from validation.adequacy.errors import first_largest
-from validation.adequacy.judgement import REST, judged
+from validation.adequacy.judgement import REST, verdict_matrix
 from validation.drawing.text import error_with_spread
 from validation.responses.mode_partners import frequency_changes, partners
 from validation.responses.statics_and_modes import PathModes, Statics
@@ -51,10 +51,10 @@ def subject_of(truth, modes, *others, unsure=0.0, **more):
 def entry(modes, quantity, *others, unsure=0.0):
     """Entry of a model against the truth above and other interpretations, limits 5 %."""
     subject = subject_of(TRUTH, modes, *others, unsure=unsure)
-    return judged(subject, Requirement(modes=3)).entry("model", quantity)
+    return verdict_matrix(subject, Requirement(modes=3)).entry("model", quantity)
 
 
-def test_an_order_on_which_the_alternatives_disagree_is_undecided_and_names_the_modes():
+def test_order_with_disagreeing_readings_is_undecided():
     # The same robot with other ends: its second and third shape change places.
     swapped = vibration([100.0, 160.0, 190.0, 300.0], A, C, B, D)
     like_the_first = vibration([101.0, 151.0, 202.0, 303.0], *AXES)
@@ -116,7 +116,7 @@ def test_verdict_on_mixed_modes_covers_both_partners(limit, verdict):
         for pair, shapes in (((100.0, 104.0), (A, B)), ((104.0, 112.0), MIXED))
     )
     subject = subject_of(truth, model)
-    matrix = judged(subject, Requirement(frequency=limit, modes=3))
+    matrix = verdict_matrix(subject, Requirement(frequency=limit, modes=3))
     assert matrix.entry("model", "f1").verdict == verdict
 
 
@@ -124,18 +124,18 @@ def test_mode_shared_with_a_local_one_is_undecided():
     """Two modes of the reference, each half of one shape of the model and half local."""
     truth = vibration([100.0, 150.0, 152.0, 300.0], A, B, -B, D, seen=[1.0, 0.5, 0.5, 1.0])
     subject = subject_of(truth, vibration([100.0, 149.0, 250.0, 300.0], A, B, C, D))
-    matrix = judged(subject, Requirement(modes=3))
+    matrix = verdict_matrix(subject, Requirement(modes=3))
     for quantity in ("f2", "f3"):
         entry = matrix.entry("model", quantity)
         assert entry.verdict == "undecided"
         assert "several modes of the reference have the shape of one" in entry.reason
 
 
-def test_local_mode_is_no_partner_and_named_with_its_energy():
+def test_local_mode_is_no_partner_and_has_its_energy():
     """5 % of its energy in the samples, all of that like a mode of the model."""
     truth = vibration([100.0, 150.0, 152.0, 300.0], A, B, B, D, seen=[1.0, 0.05, 1.0, 1.0])
     subject = subject_of(truth, vibration([100.0, 153.0, 250.0, 300.0], A, B, C, D))
-    matrix = judged(subject, Requirement(modes=3))
+    matrix = verdict_matrix(subject, Requirement(modes=3))
     local, true = (matrix.entry("model", quantity) for quantity in ("f2", "f3"))
     assert (local.verdict, local.error) == ("inadequate", None)
     assert "a local one of a leg's section: 5 % of its kinetic energy" in local.reason
@@ -145,17 +145,17 @@ def test_local_mode_is_no_partner_and_named_with_its_energy():
     assert matrix.entry("model", "order").error == pytest.approx(250.0 / 152.0 - 1.0)
 
 
-def test_permutation_inside_a_repeated_pair_is_no_order():
+def test_permutation_within_repeated_pair_is_no_order():
     """Any two directions of a repeated pair are modes; an exchanged third is another order."""
     turned = np.cos(1.0) * B + np.sin(1.0) * C, np.cos(1.0) * C - np.sin(1.0) * B
     truth = vibration([100.0, 150.0, 150.0, 300.0], A, B, C, D)
     for shapes in ((B, C), (C, B), turned):
         model = vibration([100.0, 120.0, 120.0, 300.0], A, *shapes, D)
-        matrix = judged(subject_of(truth, model), Requirement(modes=3))
+        matrix = verdict_matrix(subject_of(truth, model), Requirement(modes=3))
         assert matrix.entry("model", "order").error == 0.0
         assert matrix.entry("model", "f2").error == pytest.approx(-0.2)
     model = vibration([90.0, 90.0, 100.0, 300.0], *turned, A, D)
-    order = judged(subject_of(truth, model), Requirement(modes=3)).entry("model", "order")
+    order = verdict_matrix(subject_of(truth, model), Requirement(modes=3)).entry("model", "order")
     assert (order.verdict, order.error) == ("inadequate", pytest.approx(90.0 / 150.0 - 1.0))
 
 
@@ -163,7 +163,7 @@ def test_order_of_modes_closer_than_known_is_undecided():
     """Exchanged in the model, 0.1 Hz apart in a reference that is known to 1 %."""
     truth = vibration([100.0, 100.1, 200.0, 300.0], A, B, C, D)
     model = vibration([90.0, 112.0, 200.0, 300.0], B, A, C, D)
-    matrix = judged(subject_of(truth, model, unsure=0.01), Requirement(modes=3))
+    matrix = verdict_matrix(subject_of(truth, model, unsure=0.01), Requirement(modes=3))
     assert matrix.entry("model", "order").verdict == "undecided"
     assert matrix.entry("model", "f1").error == pytest.approx(0.12)
 
@@ -189,7 +189,7 @@ def test_a_mode_has_the_change_of_its_own_shape(coarse, changes):
 
 
 @pytest.mark.parametrize(("common", "number"), [(0.4, -1), (0.6, 0)])
-def test_a_mode_with_less_than_half_in_common_is_another_one(common, number):
+def test_mode_with_mac_below_half_is_another_mode(common, number):
     model = vibration([100.0], np.sqrt(common) * A + np.sqrt(1.0 - common) * D)
     found = partners(vibration([100.0, 150.0, 200.0], A, B, C), model, 1)
     assert found.number.tolist() == [[number]]
@@ -209,7 +209,7 @@ def test_entry_of_two_readings_has_the_farther_one():
 
 
 @pytest.mark.parametrize("interior", ["", "give the section of the leg"])
-def test_interval_covers_modes_that_pass_between_readings(interior):
+def test_interval_covers_crossing_modes_of_readings(interior):
     """From a soft to a stiff inside of a leg A goes from 100 to 130 Hz, and B from 110 to 115.
 
     In between both may be f1, at up to 115 Hz, or f2, from 110 Hz. Other readings stand alone.
@@ -219,7 +219,7 @@ def test_interval_covers_modes_that_pass_between_readings(interior):
     model = vibration([112.0, 120.0, 200.0, 300.0], B, A, C, D)
     inside = {"interior": interior, "insides": ("soft", "stiff")}
     subject = subject_of(soft, model, stiff, unsure=0.01, **inside)
-    matrix = judged(subject, Requirement(modes=3))
+    matrix = verdict_matrix(subject, Requirement(modes=3))
     first, second = (matrix.entry("model", name) for name in ("f1", "f2"))
     assert first.readings == pytest.approx({"ends 0": 0.2, "ends 1": 112.0 / 115.0 - 1.0})
     assert second.readings == pytest.approx({"ends 0": 112.0 / 110.0 - 1.0, "ends 1": -1.0 / 13.0})
@@ -245,7 +245,7 @@ def static_entry(*factors, unsure=0.0, limit=0.05):
         models=[model("model", truth)],
         statics=reference("solids", known, half_widths, open="how pins are held"),
     )
-    return judged(subject, Requirement(deflection=limit, modes=3)).entry("model", "x")
+    return verdict_matrix(subject, Requirement(deflection=limit, modes=3)).entry("model", "x")
 
 
 def test_model_equal_to_its_reference_has_no_error():
@@ -301,7 +301,7 @@ def test_entry_of_tied_readings_has_the_first(rounding):
 
 
 @pytest.mark.parametrize(("limit", "verdict"), [(0.05, "undecided"), (0.07, "adequate")])
-def test_interval_of_model_between_readings_contains_zero(limit, verdict):
+def test_model_between_readings_has_zero_in_interval(limit, verdict):
     """6 % farther than one reading and 6 % less far than the other: the truth may lie between."""
     told = static_entry(0.94, 1.06, limit=limit)
     assert told.readings == pytest.approx({"rigid pins": 0.06, "averaged ones": 0.06})
@@ -320,7 +320,7 @@ def test_frequency_error_keeps_its_sign_beyond_zero(value, text):
     assert plain(error_with_spread(told)) == text
 
 
-def test_interval_wider_than_the_half_width_is_shown_by_its_ends():
+def test_wide_interval_is_shown_by_its_bounds():
     told = static_entry(1.2, unsure=0.01)
     assert plain(error_with_spread(structs.replace(told, high=0.35))) == "19 to 35 %"
     signed = entry(vibration([90.0, 150.0, 200.0, 300.0], *AXES), "f1", unsure=0.01)
@@ -340,7 +340,7 @@ def plain(text):
     return text.replace("\N{NO-BREAK SPACE}", " ")
 
 
-def test_limit_in_metres_decides_by_the_way_of_each_pose():
+def test_limit_in_metres_applies_to_each_pose():
     """4 % of 0.1 mm are 4 µm, 2 % of 1 mm are 20 µm: of 0.1 mm the latter are more."""
     compliances = np.array([1e-8 * np.eye(6)] * 2)
     due, moved = (
@@ -354,11 +354,11 @@ def test_limit_in_metres_decides_by_the_way_of_each_pose():
         loads=load_quantities(["press"]),
     )
     wanted = Requirement(modes=3, loads=("press",), displacement=1e-4)
-    told = judged(subject, wanted).entry("model", "load:press")
+    told = verdict_matrix(subject, wanted).entry("model", "load:press")
     assert (told.verdict, told.pose) == ("adequate", (0.7,))
     assert (told.error, told.limit) == pytest.approx((0.02, 0.1), rel=1e-9)
     # In both poses beyond 3 µm, the second by more.
-    told = judged(subject, replace(wanted, displacement=3e-6)).entry("model", "load:press")
+    told = verdict_matrix(subject, replace(wanted, displacement=3e-6)).entry("model", "load:press")
     assert (told.verdict, told.pose, told.limit) == ("inadequate", (0.7,), pytest.approx(3e-3))
 
 
@@ -372,7 +372,7 @@ def entries(seed):
     found, pairs = subject(seed), []
     models = {one.name: one for one in found.models}
     for limit in LIMITS:
-        matrix = judged(found, Requirement(deflection=limit, frequency=limit, modes=MODES))
+        matrix = verdict_matrix(found, Requirement(deflection=limit, frequency=limit, modes=MODES))
         pairs += [(e, Rule(found, models[e.model], e.quantity.name, MODES)) for e in matrix.entries]
     return pairs
 

@@ -12,7 +12,7 @@ from lumped.acceptance.requirement import Requirement
 from lumped.errors import InputError
 from lumped.robot_file import load_robot
 from validation.adequacy.judged_models import judged_model, judged_models, judged_models_of
-from validation.adequacy.judgement import judged
+from validation.adequacy.judgement import verdict_matrix
 from validation.adequacy.robot_verdicts import robot_subject, static_subject
 from validation.context import Context
 from validation.kinematics.poses import postures_of
@@ -58,11 +58,11 @@ def subject(arm):
     return robot_subject(Context(arm, "quick"))
 
 
-def test_errors_are_those_of_whole_displacements_and_peaks_against_the_solid_of_solve(arm, subject):
+def test_errors_match_displacements_and_peaks_of_solve(arm, subject):
     """Which differs from the reference by its mesh."""
     names = [one.name for one in arm.requirement.quantities]
     assert [name for name in names if ":" in name] == [*OF_LOADS, *OF_HIT]
-    matrix = judged(subject, arm.requirement)
+    matrix = verdict_matrix(subject, arm.requirement)
     postures = robot_on_path(Context(arm, "quick")).postures
 
     def answered(model, options):
@@ -92,7 +92,7 @@ def test_errors_are_those_of_whole_displacements_and_peaks_against_the_solid_of_
             assert entry.limit == 0.05
     # Each quantity has a model whose error is far beyond what is left.
     assert min(largest.values()) > 5.0, largest
-    matrix = judged(subject, replace(arm.requirement, deflection=1e-4, response=1e-3))
+    matrix = verdict_matrix(subject, replace(arm.requirement, deflection=1e-4, response=1e-3))
     weight, hit = (
         matrix.entry("beam-euler-bernoulli", name)
         for name in ("load:weight", "response:hit.frequency")
@@ -104,14 +104,14 @@ def test_errors_are_those_of_whole_displacements_and_peaks_against_the_solid_of_
     assert "--theory timoshenko" in hit.remedy
 
 
-def test_limits_in_metres_take_the_place_of_shares_and_responses_have_their_own(arm, subject):
+def test_limits_in_metres_replace_relative_limits(arm, subject):
     wanted = replace(arm.requirement, deflection=1e-6, limits={OF_HIT[0]: 0.3}, response=0.01)
-    matrix = judged(subject, wanted)
+    matrix = verdict_matrix(subject, wanted)
     assert [matrix.entry("beam", name).limit for name in OF_HIT] == [0.3, 0.01, 0.01]
     entry = matrix.entry("simplified", "load:cutting")
     missed = entry.error * entry.expected
     for limit, verdict in ((2.0 * missed, "adequate"), (0.5 * missed, "inadequate")):
-        matrix = judged(subject, replace(wanted, displacement=limit))
+        matrix = verdict_matrix(subject, replace(wanted, displacement=limit))
         found = matrix.entry("simplified", "load:cutting")
         assert found.verdict == verdict
         assert found.limit == pytest.approx(limit / found.expected, rel=0.02)
@@ -125,7 +125,7 @@ def test_limits_in_metres_take_the_place_of_shares_and_responses_have_their_own(
         statics=reference("solids", {"stiffer": due, "softer": 2.0 * due}),
         static_steps={},
     )
-    matrix = judged(both, replace(wanted, displacement=100.0 * missed))
+    matrix = verdict_matrix(both, replace(wanted, displacement=100.0 * missed))
     found = matrix.entry("simplified", "load:cutting")
     place = matrix.poses.index(found.pose), OF_LOADS.index("load:cutting")
     moved = due.load_displacements[place][:3]
@@ -134,7 +134,7 @@ def test_limits_in_metres_take_the_place_of_shares_and_responses_have_their_own(
 
 def test_table_gives_displacements_under_loads_in_um(arm, subject):
     """Of the load itself: forces of 1000 N belong to other columns."""
-    table = table_of(judged(subject, arm.requirement))
+    table = table_of(verdict_matrix(subject, arm.requirement))
     robot = dict(zip(table.headings, table.robot, strict=True))
     postures = robot_on_path(Context(arm, "quick")).postures
     moved = displacements("solid", postures, ModelOptions(divisions=2))[:, :, :3]
@@ -146,8 +146,8 @@ def test_table_gives_displacements_under_loads_in_um(arm, subject):
         assert float(value) == pytest.approx(length, rel=0.02), name
 
 
-def test_the_table_tells_peaks_in_micrometres_and_the_chart_has_all_models(arm, subject):
-    matrix = judged(subject, arm.requirement)
+def test_table_has_micrometres_and_chart_all_models(arm, subject):
+    matrix = verdict_matrix(subject, arm.requirement)
     told = dict(zip(table_of(matrix).headings, table_of(matrix).robot, strict=True))
     peak, frequency, _ = (matrix.entry("beam", name).expected for name in OF_HIT)
     assert told["hit peak"][0] == f"{1e6 * peak:.3g}\u00a0µm/N"
@@ -172,14 +172,14 @@ def test_the_table_tells_peaks_in_micrometres_and_the_chart_has_all_models(arm, 
     assert 0.0 >= phase[0] > -10.0 > -170.0 > phase[-1] >= -180.0
 
 
-def test_where_masses_of_given_legs_lie_is_an_interval_of_weight_alone(tmp_path):
+def test_mass_distribution_widens_weight_interval_only(tmp_path):
     file = robot_of(load_robot("ifw").text + LOADS, tmp_path)
     mechanism = replace(file.mechanism, poses=file.mechanism.poses[::4])
     file = replace(file, text="", mechanism=mechanism)
     robot = robot_on_path(Context(file, "quick"))
     wanted = Requirement(deflection=0.005, loads=file.requirement.loads)
     links = judged_model(robot, "links", judged_models(mechanism)["links"])
-    matrix = judged(static_subject(robot, [links]), wanted)
+    matrix = verdict_matrix(static_subject(robot, [links]), wanted)
     weight, push, stop = (matrix.entry("links", name) for name in OF_LOADS)
     # Links are the reference: from nothing to what other places of the mass make of it.
     assert weight.error == pytest.approx(0.0, abs=1e-9)
@@ -201,7 +201,7 @@ def test_pulled_arm_moves_less_far(tmp_path):
     assert at.extra_displacement == pytest.approx(-1.0 / 6.0, rel=0.1)
 
 
-def test_a_load_that_softens_what_it_meets_is_judged_by_no_linear_model(tmp_path):
+def test_softening_load_leaves_linear_models_undecided(tmp_path):
     """Pressed with a fifth of k/L, which turns the drive over, the arm yields 1/(5 − 1) more."""
     press = '[[loads]]\nname = "press"\nwrench = [10.0, -2.0e4, 0.0, 0.0, 0.0, 0.0]\n'
     crush = press.replace("press", "crush").replace("-2.0e4", "-2.0e5")
@@ -224,7 +224,9 @@ def test_a_load_that_softens_what_it_meets_is_judged_by_no_linear_model(tmp_path
         extra_displacement=at.extra_displacement * 1e-3,
     )
     assert stability_notes(robot.postures, [[small, None]], arm.requirement) == ()
-    matrix = judged(static_subject(robot, judged_models_of(robot).values()), arm.requirement)
+    matrix = verdict_matrix(
+        static_subject(robot, judged_models_of(robot).values()), arm.requirement
+    )
     pressed, free = (matrix.entry("vjm", one) for one in ("load:press", "x"))
     assert (pressed.verdict, free.verdict) == ("undecided", "adequate")
     assert pressed.reason == SAY_LINEAR
@@ -254,7 +256,7 @@ relative = 0.1
 """
 
 
-def test_measured_peaks_are_compared_with_what_the_damping_leaves_open(tmp_path, arm):
+def test_measured_peaks_include_damping_uncertainty(tmp_path, arm):
     """A peak is as 1/2ζ, of which (1/0.9 − 1/1.1)/2 is a standard uncertainty of a tenth."""
     robot = robot_of(arm.text + MEASURED, tmp_path)
     matrix = measured_matrix(Context(robot, "quick"))
@@ -276,12 +278,12 @@ def test_measured_peaks_are_compared_with_what_the_damping_leaves_open(tmp_path,
         robot_of(arm.text + MEASURED.replace("hit.frequency", "hut"), tmp_path)
 
 
-def test_a_model_whose_parts_lose_nothing_has_a_peak_without_bound(tmp_path):
+def test_undamped_model_has_unbounded_peak(tmp_path):
     """The material alone loses: rigid bodies on the drive know nothing of it."""
     lossy = HELD.replace("rho = 7850.0 }", "rho = 7850.0, loss = 0.01 }")
     asked = '[[responses]]\nname = "turn"\ndirection = [1.0, 0.0, 0.0]\nfrom = 5.0\nto = 100.0\n'
     arm = robot_of(f"{lossy}[path]\nposes = [[0.0]]\n{asked}count = 20\n", tmp_path)
-    matrix = judged(robot_subject(Context(arm, "quick")), arm.requirement)
+    matrix = verdict_matrix(robot_subject(Context(arm, "quick")), arm.requirement)
     entry = matrix.entry("simplified", "response:turn")
     assert (entry.verdict, entry.error) == ("inadequate", None)
     assert "nothing damps" in entry.reason

@@ -61,7 +61,7 @@ drive = {{ stiffness = 5.0e4 }}
 
 
 @pytest.mark.usefixtures("coarse_legs")
-def test_a_mechanism_has_a_matrix_and_plausible_masses_of_its_own(tmp_path):
+def test_mechanism_has_matrix_and_plausible_masses(tmp_path):
     short = robot_of(ARM, tmp_path)
     matrix = robot_adequacy(Context(short, "quick"))
     assert list(map(str, matrix.coordinates)) == ["x (m)"]
@@ -80,13 +80,13 @@ def test_a_mechanism_has_a_matrix_and_plausible_masses_of_its_own(tmp_path):
     assert matrix.entry("beam", "z").verdict == "inadequate"
 
 
-def test_legs_that_branch_are_no_chains_of_virtual_joints():
+def test_branching_legs_are_no_virtual_joint_chains():
     delta, five_bar = (Context(load_robot(name), "quick") for name in ("delta", "five-bar"))
     assert why_not_serial(path_postures(five_bar)[:1]) == ""
     assert "branches at" in why_not_serial(path_postures(delta)[:1])
 
 
-def test_ends_are_alternatives_until_the_file_says_them():
+def test_unspecified_ends_are_two_interpretations():
     mechanism = load_robot("five-bar").mechanism
     legs, said = legs_of(mechanism), dict(mechanism.bodies)
     assert list(holding(mechanism).alternatives) == ["ends rigid", "ends free"]
@@ -134,7 +134,7 @@ def test_rigid_bodies_have_their_kinetic_energy(pose):
     assert samples.weights[:rows] @ squares == pytest.approx(expected, rel=1e-9)
 
 
-def test_points_of_a_leg_have_its_mass_and_rotary_inertia():
+def test_leg_point_masses_have_its_mass_and_inertia():
     mechanism = load_robot("five-bar").mechanism
     samples = samples_of(mechanism)
     counts = [points.size for points in samples.points.values()]

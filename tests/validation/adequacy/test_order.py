@@ -9,7 +9,7 @@ from toy_responses import reference
 from toy_subject import toy_subject
 
 from lumped.acceptance.requirement import Requirement
-from validation.adequacy.judgement import judged
+from validation.adequacy.judgement import verdict_matrix
 from validation.responses.mode_partners import partners
 from validation.responses.statics_and_modes import PathModes
 
@@ -54,7 +54,7 @@ def test_order_of_modes_is_that_of_their_families(seed):
         models=[toy_model("model", modes=model)],
         dynamics=reference("truth", {"": truth}),
     )
-    matrix = judged(subject, Requirement(frequency=LIMIT, modes=count))
+    matrix = verdict_matrix(subject, Requirement(frequency=LIMIT, modes=count))
     for mode in range(count):
         entry = matrix.entry("model", f"f{mode + 1}")
         family = of_truth[mode]
@@ -75,7 +75,7 @@ def test_order_of_modes_is_that_of_their_families(seed):
 
 
 @pytest.mark.parametrize("seed", range(20))
-def test_frequency_is_there_if_and_only_if_a_partner_is(seed):
+def test_frequency_exists_only_with_a_partner(seed):
     """Of models that lack modes in chains; each number is of one mode alone."""
     rng = np.random.default_rng([44, seed])
     shapes = np.linalg.qr(rng.normal(size=(SAMPLES, 9)))[0]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from written_robot import robot_of
 
-from validation.adequacy.judgement import judged
+from validation.adequacy.judgement import verdict_matrix
 from validation.adequacy.robot_verdicts import robot_subject
 from validation.context import Context
 
@@ -92,7 +92,7 @@ MODELS = ("segments", "beam")
 
 def matrix_of(text, folder):
     robot_file = robot_of(text, folder)
-    return judged(robot_subject(Context(robot_file, "quick")), robot_file.requirement)
+    return verdict_matrix(robot_subject(Context(robot_file, "quick")), robot_file.requirement)
 
 
 @pytest.mark.exhaustive

@@ -17,7 +17,7 @@ from lumped.robot_file import load_robot
 from lumped.robot_file.places import value_at
 from lumped.sections import HollowRectangle
 from validation.adequacy.judged_models import judged_models, judged_models_of
-from validation.adequacy.judgement import judged
+from validation.adequacy.judgement import verdict_matrix
 from validation.adequacy.posture_errors import compared_frequencies
 from validation.adequacy.robot_verdicts import static_subject
 from validation.context import Context
@@ -43,7 +43,7 @@ DIGITS = "digits of the file"
 
 
 @pytest.mark.parametrize("quantity", [one.name for one in UNIT_LOADS])
-def test_legs_as_given_hold_in_statics_and_constant_sections_distort_them(paper, quantity):
+def test_6x6_legs_hold_and_constant_sections_distort(paper, quantity):
     entry = paper.entry("vjm", quantity)
     assert entry.verdict == "adequate"
     # Two formulations that share the data alone, whose three digits leave something open.
@@ -62,7 +62,7 @@ def test_legs_as_given_hold_in_statics_and_constant_sections_distort_them(paper,
 
 
 @pytest.mark.parametrize("model", BEAMS)
-def test_what_fails_on_equivalent_legs_holds_on_solids_of_the_same_legs(paper, model):
+def test_equivalent_legs_hold_on_solids_of_same_legs(paper, model):
     for quantity in ("x", "y", "z"):
         assert paper.entry(model, quantity).verdict == "inadequate"
         entry = paper.formulation.entry(model, quantity)
@@ -80,7 +80,7 @@ def test_a_rigid_model_knows_no_motion_along_z(paper):
     assert entry.remedy == "use vjm"
 
 
-def test_the_matrix_is_of_the_path_of_all_models_and_of_both_readings(paper):
+def test_matrix_has_path_models_and_readings(paper):
     assert list(map(str, paper.coordinates)) == ["x (m)"]
     assert np.allclose(paper.poses, load_robot("ifw").mechanism.poses)
     assert [note.model for note in paper.models] == list(judged_models(load_robot("ifw").mechanism))
@@ -99,7 +99,7 @@ def test_a_given_leg_is_its_own_reference(paper):
 
 
 @pytest.mark.parametrize("model", BEAMS)
-def test_what_holds_for_every_plausible_mass_of_given_legs_is_decided(paper, model):
+def test_verdict_equal_for_all_masses_is_decided(paper, model):
     first = paper.entry(model, "f1")
     assert first.verdict == "inadequate"
     assert first.uncertainties["where the legs' mass lies"] > 0.01
@@ -110,17 +110,17 @@ def test_what_holds_for_every_plausible_mass_of_given_legs_is_decided(paper, mod
         assert 5e-4 < paper.entry(model, quantity).uncertainties[DIGITS] < 3e-3
 
 
-def test_what_is_open_is_undecided_and_says_what_would_decide(paper_subject):
+def test_undecided_entry_names_deciding_information(paper_subject):
     """f1 by beams is off by 33 to 43 %: of a designer who accepts 36 % it is undecided."""
     asked = Requirement(deflection=1e-4, modes=4, frequency=0.36)
-    matrix = judged(paper_subject, asked)
+    matrix = verdict_matrix(paper_subject, asked)
     first, y = matrix.entry("beam", "f1"), matrix.entry("vjm", "y")
     assert (first.verdict, y.verdict) == ("undecided", "undecided")
     assert first.reason.startswith("give the section or the solid in place of the 6×6 in [leg1]")
     assert y.reason == "give the 6×6 in the robot file with more digits"
 
 
-def test_digits_leave_sizes_of_peaks_twice_as_open_as_their_frequencies(tmp_path):
+def test_digits_affect_peaks_twice_as_frequencies(tmp_path):
     asked = '[[responses]]\nname = "hit"\ndirection = [0.0, 0.0, 1.0]\nfrom = 20.0\nto = 200.0\n'
     text = f"{load_robot('ifw').text}\n[damping]\nratio = 0.02\n{asked}count = 20\n"
     file = robot_of(text, tmp_path)
@@ -142,11 +142,11 @@ def coupled(leg):
     return GivenLeg(leg.length, leg.mass, tip)
 
 
-def test_a_coupling_that_is_left_out_is_not_adequate_however_good_the_diagonals_are():
+def test_omitted_coupling_is_not_adequate():
     robot = like_ifw(leg1=coupled(LEG1), leg2=coupled(LEG2), foot_compliance=None)
     robot = robot_on_path(Context(file_of(robot), "quick"))
     subject = static_subject(robot, judged_models_of(robot).values())
-    matrix = judged(subject, robot.context.robot_file.requirement)
+    matrix = verdict_matrix(subject, robot.context.robot_file.requirement)
     compliances = {
         one.name: subject.responses.statics(one, robot.first_reading).compliances
         for one in (SOLID, *subject.models)
@@ -217,7 +217,7 @@ def half_widths_of_digits(robot_file, poses):
     ).displacements
 
 
-def test_95_percent_of_all_robots_with_these_digits_lie_within(printed, draws):
+def test_digits_half_width_contains_95_percent(printed, draws):
     poses = printed.mechanism.poses[[1, 4]]
     stated = half_widths_of_digits(printed, poses)
     own = virtual_joints(printed, poses)
@@ -228,7 +228,7 @@ def test_95_percent_of_all_robots_with_these_digits_lie_within(printed, draws):
     assert np.abs(inside - 0.95).max() <= 0.05
 
 
-def test_a_digit_moves_frequencies_as_solving_the_robot_with_it_changed_does(printed, monkeypatch):
+def test_digit_sensitivity_matches_perturbed_robot(printed, monkeypatch):
     bodies, poses = printed.mechanism.bodies, printed.mechanism.poses[[2]]
     postures = tuple(postures_of(printed.mechanism, poses))
 
@@ -254,7 +254,7 @@ def test_a_digit_moves_frequencies_as_solving_the_robot_with_it_changed_does(pri
         assert np.allclose(share, off, rtol=1e-3, atol=1e-3 * off.max())
 
 
-def test_more_digits_leave_less_and_those_of_no_leg_nothing(printed):
+def test_digits_half_width_falls_with_digits(printed):
     poses = printed.mechanism.poses[[4]]
 
     def printed_with(digits):

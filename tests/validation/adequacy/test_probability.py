@@ -15,7 +15,7 @@ from written_robot import robot_of
 from lumped.acceptance.requirement import Requirement
 from lumped.errors import InputError
 from lumped.robot_file import load_robot
-from validation.adequacy.judgement import judged
+from validation.adequacy.judgement import verdict_matrix
 from validation.adequacy.probability import ErrorOfInputs, Slope, probability
 from validation.adequacy.robot_verdicts import robot_subject
 from validation.context import Context
@@ -85,7 +85,7 @@ def test_one_input_of_a_length_is_exact(start, limit, within):
     assert found == pytest.approx([within, 1.0 - within], abs=1e-9)
 
 
-def test_inputs_across_each_other_give_rayleighs_distribution():
+def test_orthogonal_inputs_give_rayleigh_distribution():
     error = of_vectors(NOTHING, LONG, (0.05, 0.0, 0.0))
     for limit in (0.01, 0.05, 0.1):
         within = 1.0 - np.exp(-0.5 * (limit / 0.05) ** 2)
@@ -111,7 +111,7 @@ def test_three_inputs_agree_with_monte_carlo():
 
 
 @pytest.mark.parametrize("quantity", ["x", "phi_z", "any_force"])
-def test_error_zero_of_a_robot_is_probable_as_its_slope(quantity):
+def test_zero_nominal_error_is_probable_by_its_slope(quantity):
     """Beams that are right in the file's robot and off by 5 % for each standard uncertainty."""
     toy = toy_subject(1)
     truth = toy.responses.statics(toy.statics.model, reading(""))
@@ -125,7 +125,7 @@ def test_error_zero_of_a_robot_is_probable_as_its_slope(quantity):
         responses=Responses(1.0, perturb),
         inputs=InputUncertainties({"drive": 0.1}, np.array([[0.7]])),
     )
-    entry = judged(robot, Requirement(deflection=0.08, modes=1)).entry("beam", quantity)
+    entry = verdict_matrix(robot, Requirement(deflection=0.08, modes=1)).entry("beam", quantity)
     assert (entry.error, entry.verdict) == (0.0, "undecided")
     assert entry.probability == pytest.approx(2.0 * ndtr(1.6) - 1.0, abs=1e-6)
     assert entry.uncertainties["inputs"] == pytest.approx(1.96 * 0.05, rel=2e-3)
@@ -169,7 +169,7 @@ relative = 0.15
 """
 
 
-def test_model_right_by_a_fitted_drive_is_as_sure_as_its_inputs(tmp_path):
+def test_fitted_drive_is_only_as_certain_as_its_inputs(tmp_path):
     """The drive of the rigid model makes up for the arm, as long as both are as in the file.
 
     0.5²/k + c = 0.5²/k' with k = 20000 (1 + 0.1 ξ) and c = 8.113e-6 (1 + 0.15 η).
@@ -181,7 +181,7 @@ def test_model_right_by_a_fitted_drive_is_as_sure_as_its_inputs(tmp_path):
     for limit, printed in ((0.16, 0.937), (0.12, 0.842), (0.02, 0.186)):
         within = (errors <= limit).mean()
         assert within == pytest.approx(printed, abs=1e-3)
-        matrix = judged(subject, Requirement(modes=1, limits={"y": limit}))
+        matrix = verdict_matrix(subject, Requirement(modes=1, limits={"y": limit}))
         entry = matrix.entry("simplified", "y")
         assert entry.error == pytest.approx(0.0, abs=1e-8)
         # 4096 Sobol' points of two inputs to 0.003, and Monte Carlo to 0.0005.
@@ -208,7 +208,7 @@ def test_a_linear_error_is_normal(error, within, beyond):
 def test_half_widths_and_shares_of_the_variance():
     found = probability(linear(0.006, 0.008), "adequate", LIMIT, 0)
     assert found.half_width == pytest.approx(1.96 * 0.01, rel=0.01)
-    assert found.of_value == pytest.approx(1.96 * 0.01, rel=1e-4)
+    assert found.value_half_width == pytest.approx(1.96 * 0.01, rel=1e-4)
     assert found.shares == pytest.approx({"input1": 0.64, "input0": 0.36})
     assert found.settled("adequate") == "undecided"
     # Where errors are bent, those of Sobol.
@@ -220,7 +220,7 @@ def test_half_widths_and_shares_of_the_variance():
     ]
     error = ErrorOfInputs(own, bent, signed=True)
     indices = scipy.stats.sobol_indices(
-        func=lambda draws: error.at(draws.T)[:, :, 0].mean(axis=1),
+        func=lambda draws: error.intervals(draws.T)[:, :, 0].mean(axis=1),
         n=2**13,
         dists=[scipy.stats.norm()] * 2,
         rng=0,
@@ -229,7 +229,7 @@ def test_half_widths_and_shares_of_the_variance():
     assert [shares["a"], shares["b"]] == pytest.approx(indices.first_order, abs=0.02)
 
 
-def test_an_input_is_to_be_known_so_well_that_the_verdict_is_95_percent_sure():
+def test_required_input_uncertainty_gives_95_percent():
     found = probability(linear(0.002, 0.02), "adequate", LIMIT, 0)
     # The second one's own part: what 1.645 standard uncertainties of 1 % leave beside the first.
     left = sqrt(((LIMIT - ERROR) / ndtri(0.95)) ** 2 - 0.002**2)
@@ -241,7 +241,7 @@ def test_an_input_is_to_be_known_so_well_that_the_verdict_is_95_percent_sure():
     assert together.decides == "better values of input1 and input0 together would decide it"
     # Without an error one below it is there at none, from half a standard uncertainty on not.
     error = linear(0.002)
-    lost = replace(error.slopes[0], below=np.full_like(error.own, np.nan))
+    lost = replace(error.slopes[0], below=np.full_like(error.nominal, np.nan))
     found = probability(replace(error, slopes=[lost]), "adequate", LIMIT, 0)
     assert found.within == pytest.approx(ndtr(0.5), abs=2e-3)
     assert found.beyond == 0.0
@@ -276,7 +276,7 @@ def test_rigid_bodies_on_a_drive_are_judged_as_by_hand(of_arm):
     drives, moduli = 1.0 + np.random.default_rng(0).normal(size=(200_000, 2)).T * [[0.1], [0.05]]
     errors = ratio * drives / moduli / (1.0 + ratio * drives / moduli)
     limit = float(np.quantile(errors, 0.8))
-    matrix = judged(of_arm, Requirement(modes=2, limits={"x": limit}))
+    matrix = verdict_matrix(of_arm, Requirement(modes=2, limits={"x": limit}))
     entry = matrix.entry("simplified", "x")
     assert entry.error == pytest.approx(ratio / (1.0 + ratio), rel=2e-3)
     # The solid's mesh is left open on both sides, and what the quadratic form misses.
@@ -291,7 +291,7 @@ def test_rigid_bodies_on_a_drive_are_judged_as_by_hand(of_arm):
     assert (beam.probability, beam.verdict, first.probability) == (1.0, "adequate", 1.0)
 
 
-def test_robots_whose_mode_is_lost_count_against_the_verdict(of_arm):
+def test_robots_with_lost_mode_count_against_verdict(of_arm):
     first_below, *_ = of_arm.inputs.alone(-1)
     first_draw, *draws = of_arm.inputs.together
     for lost, within, reason in (
@@ -305,13 +305,13 @@ def test_robots_whose_mode_is_lost_count_against_the_verdict(of_arm):
             return perturbed_robot(robot, perturbed)
 
         robot = replace(of_arm, responses=Responses(of_arm.responses.robot, perturb))
-        entry = judged(robot, Requirement(modes=2)).entry("beam", "f1")
+        entry = verdict_matrix(robot, Requirement(modes=2)).entry("beam", "f1")
         assert entry.probability == pytest.approx(within, abs=2e-3)
         assert (entry.probability_beyond, entry.verdict) == (0.0, "undecided")
         assert entry.reason.startswith(reason)
 
 
-def test_without_a_table_moduli_lengths_and_stiffnesses_can_be_supposed_uncertain(arm):
+def test_option_assumes_uncertain_inputs_without_table(arm):
     five_bar, ifw = (load_robot(name) for name in ("five-bar", "ifw"))
     assert five_bar.uncertain_inputs == {}
     drives = [f"joints.motor{k}.drive.stiffness" for k in (1, 2)]

@@ -23,7 +23,7 @@ from lumped.robot_file.rules.published import json_schema
 from lumped.sections import HollowRectangle, Rectangle, Tube
 from meshes.section.section_mesh import section_mesh
 from validation import cli
-from validation.adequacy.judgement import REST, judged
+from validation.adequacy.judgement import REST, verdict_matrix
 from validation.adequacy.robot_verdicts import finer_context, leg_subject, robot_adequacy
 from validation.context import Context
 from validation.references import model_ladder, modes_on_path
@@ -75,7 +75,7 @@ def refusing(monkeypatch, module, function, refused=lambda _: True):
     monkeypatch.setattr(module, function, refuse)
 
 
-def test_a_mechanism_is_judged_without_the_model_that_refuses(monkeypatch, arm, sound):
+def test_mechanism_is_judged_without_failing_model(monkeypatch, arm, sound):
     refusing(monkeypatch, model_ladder, "answers", lambda model: model == "segments")
     refusing(monkeypatch, modes_on_path, "dynamic_bodies", lambda model: model == "segments")
     matrix = robot_adequacy(Context(arm, "quick"))
@@ -87,7 +87,7 @@ def test_a_mechanism_is_judged_without_the_model_that_refuses(monkeypatch, arm, 
             assert now == before
 
 
-def test_a_step_that_is_not_solved_ends_the_causes_and_says_why(monkeypatch, arm, sound):
+def test_unsolved_step_ends_causes_with_its_reason(monkeypatch, arm, sound):
     refusing(monkeypatch, model_ladder, "own_spring")
     matrix = robot_adequacy(Context(arm, "quick"))
     for now, before in zip(matrix.entries, sound.entries, strict=True):
@@ -113,7 +113,7 @@ SOUND = ConstantLeg(0.8, Rectangle(0.1, 0.06), STEEL, ends="rigid")
     ],
     ids=["walls too thin", "incompressible"],
 )
-def test_one_leg_without_solids_leaves_the_robot_undecided_and_the_other_judged(changed, said):
+def test_leg_without_solid_leaves_other_leg_judged(changed, said):
     legs = {"leg1": SOUND, "leg2": replace(SOUND, **changed)}
     robot = like_ifw(a=0.9, platform_mass=30.0, foot_compliance=None, **legs)
     robot = replace(robot, poses=robot.poses[4:5])
@@ -127,7 +127,7 @@ def test_one_leg_without_solids_leaves_the_robot_undecided_and_the_other_judged(
     assert {entry.verdict for entry in other.entries} == {"undecided"}
 
 
-def test_postures_that_are_none_of_the_robot_are_not_left_undecided(monkeypatch, tmp_path):
+def test_posture_with_open_joints_raises_error(monkeypatch, tmp_path):
     sound = biglide.rotation_z
     monkeypatch.setattr(biglide, "rotation_z", lambda angle: sound(1.001 * angle))
     with pytest.raises(ComputationError, match="leaves the joints open"):
@@ -135,12 +135,12 @@ def test_postures_that_are_none_of_the_robot_are_not_left_undecided(monkeypatch,
 
 
 @pytest.mark.exhaustive
-def test_walls_that_allow_one_section_mesh_leave_its_constants_open():
+def test_single_section_mesh_leaves_constants_open():
     """Both solids share the coarsest mesh, and its torsion is half a percent uncertain."""
     section = HollowRectangle(width=0.06, height=0.06, thickness=0.006)
     leg = ConstantLeg(0.9, section, STEEL, ends="free")
     subject = leg_subject(Context(load_robot("ifw"), "quick"), "leg1", leg)
-    left = judged(subject, Requirement()).entry("beam", "phi_x").uncertainties["meshes"]
+    left = verdict_matrix(subject, Requirement()).entry("beam", "phi_x").uncertainties["meshes"]
     coarse, fine = (
         section_constants(section_mesh(section, number), 0.3).torsion_constant
         for number in (COARSEST_WALLS, 8)
@@ -177,7 +177,7 @@ def test_an_accuracy_that_is_asked_for_is_reached(arm):
 
 
 @pytest.mark.exhaustive
-def test_a_verdict_that_hangs_on_meshes_is_decided_by_the_finest(arm):
+def test_mesh_dependent_verdict_is_decided_by_finest(arm):
     entry = widest(by(arm, "standard"))
     finest = by(arm, "fine", 1e-6)
     assert finest.notes[-1].endswith("; no preset has finer meshes of its bodies")
@@ -248,7 +248,7 @@ def test_remedy_is_a_model_or_an_option_of_solve(remedy):
 
 
 @pytest.mark.parametrize("said", [FINER_PARTS, finer_by(FINER)])
-def test_finer_references_are_computed_by_an_option_of_run(said):
+def test_run_option_refines_references(said):
     assert len(options_taken(said, "run", "ifw")) == 1
 
 
@@ -261,7 +261,7 @@ def test_finer_references_are_computed_by_an_option_of_run(said):
         ((), (), "the section or the solid in place of the 6×6 in [leg1], [leg2]"),
     ],
 )
-def test_masses_are_said_by_the_keys_that_the_file_leaves_out(leg1, leg2, said):
+def test_mass_remedy_names_missing_keys_of_file(leg1, leg2, said):
     legs = known_legs(load_robot("ifw").mechanism)
     for name, keys in (("leg1", leg1), ("leg2", leg2)):
         legs[name] = replace(legs[name], **dict.fromkeys(keys))
@@ -272,7 +272,7 @@ def test_masses_are_said_by_the_keys_that_the_file_leaves_out(leg1, leg2, said):
     assert all(f'"{key}":' in schema for key in ("mass_centre", "inertia", "section", "material"))
 
 
-def test_ends_and_interfaces_are_said_by_lines_that_can_be_pasted(tmp_path):
+def test_end_remedy_has_lines_for_the_robot_file(tmp_path):
     arm = ONE_ARM + "[path]\nposes = [[0.0]]\n"
     decides = holding(robot_of(arm, tmp_path).mechanism).decides
     (table,) = re.findall(r"\[[\w.]+\]", decides)
@@ -289,7 +289,7 @@ def test_ends_and_interfaces_are_said_by_lines_that_can_be_pasted(tmp_path):
 
 
 @pytest.mark.parametrize("ends", [0.3, 0.8])
-def test_where_no_mesh_is_finer_what_leaves_nearly_as_much_open_is_said(ends):
+def test_nearly_widest_part_has_its_remedy_named(ends):
     """A five-bar's meshes left 0.234 % open, its ends 0.222 %: it was told that nothing helps."""
     exact = Statics(np.eye(6)[None], np.zeros((1, 0, 6)))
     held = {"rigid": exact, "free": (1.0 - 0.04 * ends) * exact}
@@ -299,6 +299,6 @@ def test_where_no_mesh_is_finer_what_leaves_nearly_as_much_open_is_said(ends):
         statics = reference("solids", held, half_widths, **said)
         pose = (Coordinate("x", "m"),), np.zeros((1, 1))
         robot = Subject("toy", *pose, Responses(None), [beam], statics, Reference("none"))
-        entry = judged(robot, Requirement()).entry("beam", "x")
+        entry = verdict_matrix(robot, Requirement()).entry("beam", "x")
         assert entry.uncertainties["meshes"] > entry.uncertainties["ends"]
         assert (entry.verdict, entry.reason) == ("undecided", told)

@@ -19,7 +19,7 @@ from lumped.models import serial_chains
 from lumped.models.bodies import legs_of, on_equivalent_legs
 from meshes.section.section_mesh import section_mesh
 from validation.adequacy.judged_models import JUDGED, judged_models_of
-from validation.adequacy.judgement import judged
+from validation.adequacy.judgement import verdict_matrix
 from validation.adequacy.robot_verdicts import robot_subject, static_subject
 from validation.context import Context
 from validation.models.options import ModelOptions
@@ -60,7 +60,9 @@ def contradictions(subject, errors):
     """Verdicts that errors (by model and quantity, one for each pose) do not bear out."""
     found = []
     for limit in LIMITS:
-        matrix = judged(subject, Requirement(deflection=limit, frequency=limit, modes=MODES))
+        matrix = verdict_matrix(
+            subject, Requirement(deflection=limit, frequency=limit, modes=MODES)
+        )
         for (model, quantity), error in errors.items():
             entry, size = matrix.entry(model, quantity), np.abs(error)
             left = np.array([0.0 if one is None else one for one in entry.spreads])

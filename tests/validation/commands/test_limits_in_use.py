@@ -23,7 +23,7 @@ from lumped.robot_file.variation import variations_of
 from validation import api, catalogue, cli, pytest_plugin
 from validation import validate as session
 from validation.adequacy import robot_verdicts as adequacy_of_robot
-from validation.adequacy.judgement import judged
+from validation.adequacy.judgement import verdict_matrix
 from validation.case import Measurement
 from validation.references.responses import Model
 from validation.run import runner
@@ -270,7 +270,7 @@ def test_broken_robot_file_is_named_in_one_line(workers, in_folder, pytester):
 
 
 def matrix_of(context):
-    return judged(toy_subject(4), context.robot_file.requirement)
+    return verdict_matrix(toy_subject(4), context.robot_file.requirement)
 
 
 def measured_f2_of(context):

@@ -19,7 +19,7 @@ from report_sample import measured, unmeasured
 from lumped.acceptance.quantities import AXIS_LABELS, QuantityKind
 from lumped.acceptance.requirement import Requirement
 from validation import api
-from validation.adequacy.judgement import judged
+from validation.adequacy.judgement import verdict_matrix
 from validation.case import Absolute, Relative
 from validation.drawing import text
 from validation.drawing.chart import chart_table
@@ -44,7 +44,7 @@ TWO, FOUR, SIX = 0.051, 6e-4, 6e-6
 NOTHING = 5e-5
 SUBJECTS = [subject(seed) for seed in (0, 1)]
 MATRICES = [
-    judged(one, Requirement(deflection=0.05, frequency=0.05, modes=MODES, limits=LIMITS))
+    verdict_matrix(one, Requirement(deflection=0.05, frequency=0.05, modes=MODES, limits=LIMITS))
     for one in SUBJECTS
 ]
 
