@@ -4,8 +4,8 @@ T = K⁻¹M is symmetric in the inner product of M, its eigenvalues are θ = 1/�
 sides read a factor once for all of them. The basis is kept M-orthonormal in full, so a Ritz
 value has the residual ‖T x − θ x‖_M = ‖B s‖ with the last block's B and s: some eigenvalue lies
 that near (Krylov, Weinstein), and within residual²/gap of an isolated one (Kato, Temple); Parlett,
-The Symmetric Eigenvalue Problem, §§10–13. A search can be told what is known already and stays
-M-orthogonal to it: so it finds what an earlier one has missed.
+The Symmetric Eigenvalue Problem, §§10–13. A search stays M-orthogonal to the
+modes already known, and thus finds those that an earlier search has missed.
 """
 
 from collections.abc import Callable
@@ -19,21 +19,21 @@ from fem.solvers.backends.choice import announce_fallback
 from fem.solvers.backends.protocol import HOST, DeviceError, Space
 from lumped.arrays import Array, SparseMatrix
 
-# The mode after the last one only has to show where the gap is.
+# The mode after the last one only has to locate the gap.
 _RESIDUAL_BEYOND = 1e-2
 # Modes closer than this in ω² belong together: no shift between them is far from both.
 CLUSTER = 1e-4
-# How many of the lowest modes are wanted of the values ω² (ascending) and their residuals relative
-# to θ that there are so far; None where they do not tell yet.
+# Required number of lowest modes, from the current values ω² (ascending) and their residuals
+# relative to θ. None if these do not determine it yet.
 Wanted: TypeAlias = Callable[[Array, Array], int | None]
-# A direction that loses this part of its squared length to those before it is rounding error.
+# A direction of which only this part of its squared length remains is round-off.
 _DEPENDENT = 1e-20
-# A pass that leaves or removes no more than this is the last; without it M is not applied again.
+# A pass with at most this round-off is the last one; M is then not applied again.
 _ORTHONORMAL = 1e-12
 
 
 class NotConvergedError(Exception):
-    """Of what was looked for `converged` modes have, in as many vectors as were allowed."""
+    """Only `converged` of the required modes converged within the allowed number of vectors."""
 
     def __init__(self, converged: int, solves: int) -> None:
         self.converged, self.solves = converged, solves
@@ -44,7 +44,7 @@ class NotConvergedError(Exception):
 class Ritz:
     """Converged pairs: ω² (ascending, m), M-orthonormal vectors (n×m), residuals relative to θ.
 
-    `beyond` is the Ritz value after the last one, infinite where there is none.
+    `beyond` is the Ritz value after the last one, infinite if there is none.
     """
 
     values: Array
@@ -63,7 +63,7 @@ class Ritz:
 
 
 def merged(first: Ritz, second: Ritz) -> Ritz:
-    """The pairs of two searches, of which `second` was told those of `first`."""
+    """Pairs of two searches, of which `second` is M-orthogonal to those of `first`."""
     values = np.concatenate([first.values, second.values])
     order = np.argsort(values, kind="stable")
     last = values[order[-1]]
@@ -71,29 +71,29 @@ def merged(first: Ritz, second: Ritz) -> Ritz:
         values=values[order],
         vectors=np.hstack([first.vectors, second.vectors])[:, order],
         residuals=np.concatenate([first.residuals, second.residuals])[order],
-        # Below the last value it says only that more is missing: the next count will.
+        # A value below the last one only means that more are missing, which the next count shows.
         beyond=second.beyond if second.beyond > last else np.inf,
     )
 
 
 def _orthonormal(block: Any, basis: Any, M: Any, space: Space) -> tuple[Any, Any]:
-    """The part of `block` M-orthogonal to `basis`, M-orthonormal, and M times it.
+    """Part of `block` M-orthogonal to `basis`, M-orthonormal, and M times it.
 
-    Dependent directions are dropped. All four are in `space`.
+    Dependent directions are dropped. Arguments and results are in `space`.
     """
     weighted = M @ block
     size = space.get(np.einsum("ij,ij->j", block, weighted))
     moving = np.flatnonzero(size > 0.0)
     scale = space.put(1.0 / np.sqrt(size[moving]))
     block, weighted = (a[:, space.put(moving)] * scale for a in (block, weighted))
-    # Again where a pass had much to remove: it leaves rounding errors of the size of that.
+    # A pass that removes much is repeated: its round-off is proportional to the removed part.
     for _ in range(4):
         gram = space.get(block.T @ weighted)
         squares, directions = eigh((gram + gram.T) / 2.0)
-        kept = squares > _DEPENDENT
-        scaled = space.put(directions[:, kept] / np.sqrt(squares[kept]))
+        independent = squares > _DEPENDENT
+        scaled = space.put(directions[:, independent] / np.sqrt(squares[independent]))
         block, weighted = block @ scaled, weighted @ scaled
-        rounding = np.finfo(float).eps / squares[kept].min(initial=1.0)
+        rounding = np.finfo(float).eps / squares[independent].min(initial=1.0)
         if basis.shape[1]:
             along = basis.T @ weighted
             block -= basis @ along
@@ -117,7 +117,7 @@ def first_modes(count: int) -> Wanted:
 
 
 def modes_below(squared: float) -> Wanted:
-    """All modes with ω² below `squared`, one beyond it telling that none is still to come."""
+    """All modes with ω² below `squared`; one beyond it shows that none is still to come."""
 
     def wanted(values: Array, residuals: Array) -> int | None:
         below = int(np.sum(values < squared * (1.0 + residuals)))
@@ -139,18 +139,19 @@ def block_lanczos(
     """The lowest modes, as many as are `wanted`, M-orthogonal to `known` (n×m).
 
     `solve` is K⁻¹ on blocks (n×k), `start` (n×s) the first block before the first solve; at most
-    `limit` vectors are tried. Of what is wanted no `residual` relative to θ is larger. Fewer
-    come back where no more have mass. Blocks stay in `space`, where `solve` takes and leaves them;
-    if its device fails, the search begins again in the host's memory. Raises NotConvergedError.
+    `limit` vectors are tried. The residual of each returned mode relative to θ is at most
+    `residual`. Fewer modes are returned if no more have mass. Blocks stay in `space`, as do input
+    and output of `solve`. If its device fails, the search restarts in the host's memory. Raises
+    NotConvergedError.
     """
-    told = np.zeros((len(start), 0)) if known is None else known
+    known_vectors = np.zeros((len(start), 0)) if known is None else known
     if space is not HOST:
         try:
             with space.errors():
-                return _search(solve, M, start, wanted, limit, residual, told, space)
+                return _search(solve, M, start, wanted, limit, residual, known_vectors, space)
         except DeviceError as error:
             announce_fallback(error)
-    return _search(solve, M, start, wanted, limit, residual, told, HOST)
+    return _search(solve, M, start, wanted, limit, residual, known_vectors, HOST)
 
 
 def _search(
@@ -160,11 +161,11 @@ def _search(
     wanted: Wanted,
     limit: int,
     residual: float,
-    told: Array,
+    known_vectors: Array,
     space: Space,
 ) -> Ritz:
-    first, M = told.shape[1], space.matrix(mass)
-    everything = space.columns(len(start), first + limit, space.put(told))
+    first, M = known_vectors.shape[1], space.matrix(mass)
+    everything = space.columns(len(start), first + limit, space.put(known_vectors))
     block, weighted_block = _orthonormal(
         solve(M @ space.put(start)), everything[:, :first], M, space
     )
@@ -173,20 +174,20 @@ def _search(
         everything = space.columns(len(start), first + limit, everything[:, :first])
     everything[:, first : first + width] = block
     solves, projected = start.shape[1], np.zeros((0, 0))
-    leak = np.zeros((told.shape[1], 0))
+    leak = np.zeros((known_vectors.shape[1], 0))
     while True:
-        reached = everything[:, : first + width]
+        tried = everything[:, : first + width]
         image = solve(weighted_block)
         weighted = M @ image
         solves += block.shape[1]
-        shares = reached.T @ weighted
+        shares = tried.T @ weighted
         along = space.get(shares)
         leak, column = np.hstack([leak, along[:first]]), along[first:]
         previous = width - block.shape[1]
         projected = np.block(
             [[projected, column[:previous]], [column[:previous].T, column[previous:]]]
         )
-        following, weighted_following = _orthonormal(image - reached @ shares, reached, M, space)
+        following, weighted_following = _orthonormal(image - tried @ shares, tried, M, space)
         coefficients = space.get(following.T @ weighted)
         theta, s = eigh((projected + projected.T) / 2.0)
         theta, s = theta[::-1], s[:, ::-1]
@@ -201,11 +202,11 @@ def _search(
         if count is not None and np.all(residuals[:count] <= residual):
             beyond = residuals[count : count + 1]
             if np.all(beyond <= _RESIDUAL_BEYOND):
-                # What is known is known to its own residual, a part of that of what is found.
+                # Known modes have residuals of their own, which enter those of the new modes.
                 along = np.linalg.norm(leak @ s[:, :count], axis=0) / theta[:count]
                 return Ritz(
                     values=values[:count],
-                    vectors=space.get(reached[:, first:] @ space.put(s[:, :count])),
+                    vectors=space.get(tried[:, first:] @ space.put(s[:, :count])),
                     residuals=np.hypot(residuals[:count], along),
                     beyond=float(values[count]) if len(values) > count else np.inf,
                 )
@@ -215,5 +216,5 @@ def _search(
         block, weighted_block = following, weighted_following
         width += block.shape[1]
         if first + width > everything.shape[1]:
-            everything = space.columns(len(start), first + limit, reached)
+            everything = space.columns(len(start), first + limit, tried)
         everything[:, first + width - block.shape[1] : first + width] = block

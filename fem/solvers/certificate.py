@@ -1,8 +1,8 @@
-"""How many eigenvalues of K x = λ M x lie below σ: the certificate that no mode was missed.
+"""Number of eigenvalues of K x = λ M x below σ: the certificate that no mode was missed.
 
-By Sylvester's law of inertia the signs of D in K − σM = L D Lᵀ are those of its eigenvalues. Of a
-body that nothing holds these signs would be rounding where σ is small, so that it is counted with
-springs and then without them: with A = K − σM + WWᵀ Haynsworth's theorem (Linear Algebra Appl. 1
+By Sylvester's law of inertia the signs of D in K − σM = L D Lᵀ are those of its eigenvalues. For an
+unsupported body these signs would be round-off if σ is small. It is therefore counted with springs,
+and the springs are then removed: with A = K − σM + WWᵀ Haynsworth's theorem (Linear Algebra Appl. 1
 (1968) 73) on [A W B; Wᵀ I 0; Bᵀ 0 0] gives the inertia of K − σM on the vectors with Bᵀx = 0, to
 which the bordered matrix adds a positive eigenvalue for each spring and one of either sign for each
 condition (Gould, Math. Prog. 32 (1985) 90).
@@ -25,8 +25,8 @@ _ZERO = 500.0 * np.finfo(np.float64).eps
 class Pencil:
     """K − σM for any σ, on one pattern that is ordered once.
 
-    `springs` (n) are stiffnesses on single unknowns, zero on most, that hold a body while it is
-    factorised; `symbolic` is of K with them, `mass` has M entry by entry of its triangle.
+    `springs` (n) are stiffnesses on single unknowns, zero on most, that support a body while it
+    is factorised; `symbolic` is of K with them, `mass` has M entry by entry of its triangle.
     """
 
     symbolic: Symbolic
@@ -43,13 +43,15 @@ def pencil(K: SparseMatrix, M: SparseMatrix, springs: Array | None = None) -> Pe
 
     Their upper triangles are enough.
     """
-    held = np.zeros(K.shape[0]) if springs is None else springs
-    # A sum of real matrices drops what cancels; that of a real and an imaginary one has the entries
-    # of both in one place each.
-    both = upper_triangle(K) + 1j * upper_triangle(csr_array(M))
-    both = csr_array(both + diags_array(held, format="csr"))
-    stiffness = csr_array((both.data.real.copy(), both.indices, both.indptr), shape=both.shape)
-    return Pencil(analyse(stiffness), both.data.imag.copy(), held)
+    added = np.zeros(K.shape[0]) if springs is None else springs
+    # A sum of real matrices drops entries that cancel. The sum of a real and an imaginary matrix
+    # has the entries of both.
+    combined = upper_triangle(K) + 1j * upper_triangle(csr_array(M))
+    combined = csr_array(combined + diags_array(added, format="csr"))
+    stiffness = csr_array(
+        (combined.data.real.copy(), combined.indices, combined.indptr), shape=combined.shape
+    )
+    return Pencil(analyse(stiffness), combined.data.imag.copy(), added)
 
 
 def count_below(
@@ -64,23 +66,23 @@ def count_below(
     eigenvalue; move it. With `constraints` B (n×c, of full rank) only vectors with Bᵀx = 0 count.
     `room` is a factor that makes room for this one.
     """
-    n, held = pencil.symbolic.size, pencil.springs
+    n, springs = pencil.symbolic.size, pencil.springs
     if room is not None:
         room.make_room()
     factor = pencil.shifted(sigma).indefinite("count of the modes")
-    own = np.flatnonzero(held)
-    W = np.zeros((n, len(own)))
-    W[own, np.arange(len(own))] = np.sqrt(held[own])
+    sprung = np.flatnonzero(springs)
+    W = np.zeros((n, len(sprung)))
+    W[sprung, np.arange(len(sprung))] = np.sqrt(springs[sprung])
     B = np.zeros((n, 0)) if constraints is None else constraints
     border = np.hstack([W, B])
     if factor.inertia.zero or not border.shape[1]:
         return factor.inertia
     across = border.T @ factor.solve(border)
-    # Conditions of any units, as they come, get the size of the springs.
+    # Conditions in any units are scaled to the size of the springs.
     scale = np.ones(border.shape[1])
-    scale[len(own) :] = 1.0 / np.sqrt(np.abs(np.diag(across)[len(own) :]))
+    scale[len(sprung) :] = 1.0 / np.sqrt(np.abs(np.diag(across)[len(sprung) :]))
     remaining = -across * scale * scale[:, None]
-    remaining[np.diag_indices(len(own))] += 1.0
+    remaining[np.diag_indices(len(sprung))] += 1.0
     values = np.linalg.eigvalsh((remaining + remaining.T) / 2.0)
     c, zero = B.shape[1], int((np.abs(values) <= _ZERO).sum())
     negative = factor.inertia.negative + int((values < -_ZERO).sum()) - c

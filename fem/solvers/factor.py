@@ -18,9 +18,9 @@ from fem.solvers.backends.protocol import HOST, DeviceError, Numeric, Space
 from lumped.arrays import Array, SparseMatrix
 from lumped.errors import ComputationError
 
-# An unknown whose own stiffness is this part of its diagonal entry is held by rounding alone.
+# An unknown with a stiffness below this part of its diagonal entry is supported by round-off alone.
 _SINGULAR = 100.0 * np.finfo(np.float64).eps
-# Two factors at once where the memory that is left holds this many more; the machine is not ours.
+# Two factors at once if the free memory holds this many more; other programs share the machine.
 _ROOM = 4
 _SEED = 3
 
@@ -129,20 +129,19 @@ class Symbolic:
         return factor
 
     def indefinite(self, part: str) -> Factor:
-        """The factor of any symmetric matrix; ComputationError where memory will not suffice."""
+        """Factor of any symmetric matrix; ComputationError if memory will not suffice."""
         return Factor(self, part)
 
     def with_values(self, values: Array) -> "Symbolic":
-        """Another matrix in the same order: `values` of its triangle, entry by entry."""
+        """Matrix of the same pattern and order, with `values` of its triangle entry by entry."""
         lower = self.triangle
-        own = csc_array((values, lower.indices, lower.indptr), shape=lower.shape)
-        return replace(self, triangle=own)
+        triangle = csc_array((values, lower.indices, lower.indptr), shape=lower.shape)
+        return replace(self, triangle=triangle)
 
     def _held_by_rounding(self, factor: Factor) -> bool:
-        """Whether the unknown that gives way most has a stiffness that is rounding error.
+        """True if the stiffness of the most compliant unknown is round-off.
 
-        1/(A⁻¹)ₖₖ is what elimination leaves of Aₖₖ when unknown k comes last: the smallest that its
-        pivot can be.
+        1/(A⁻¹)ₖₖ is the pivot of unknown k if it is eliminated last: its smallest possible pivot.
         """
         if not self.size:
             return False

@@ -1,8 +1,8 @@
 """Lowest modes of K φ = ω² M φ, certified by a Sturm count.
 
-Lanczos alone (fem.solvers.block_lanczos) cannot know what it missed: the negative eigenvalues of
-K − σM, σ in the gap above the last mode, are counted. Where the count finds more than the search,
-the search goes on, orthogonal to what it has found, until the count says that nothing is missing.
+Lanczos alone (fem.solvers.block_lanczos) cannot detect a missed mode. Therefore the negative
+eigenvalues of K − σM, σ in the gap above the last mode, are counted. If there are more than modes,
+the search is continued orthogonally to the modes so far, until none is missing.
 """
 
 from collections.abc import Callable
@@ -19,19 +19,19 @@ from lumped.dense.modes import Modes, too_few
 from lumped.errors import ComputationError, InputError
 from lumped.text import counted
 
-# Measured for 20 modes: 6 to 12 columns cost the same time, fewer read the factor more often, more
-# need more columns in all.
+# Measured for 20 modes: 6 to 12 columns per block take the same time. Fewer read the factor more
+# often, more need more columns in total.
 _BLOCK = 8
 _SEED = 1
 # Residual relative to θ: bounds the relative error of a frequency by half of it without any
 # assumption, and by 5e-10 for a mode that keeps 1e-3 from its neighbours in ω².
 _RESIDUAL = 1e-6
-# Searches for what the count says is missing; each starts from noise of its own.
+# Largest number of searches for missing modes; each starts from different noise.
 _SEARCHES = 4
 # The shift goes up to this part above the last mode, at most half way to the next one.
 _SHIFT_ABOVE = 1e-2
-# Places of σ in its interval: a pivot may vanish at one of them by chance.
-_PLACES = (1.0, 0.8, 0.6)
+# Positions of σ in its interval: a pivot may vanish at one of them by chance.
+_FRACTIONS = (1.0, 0.8, 0.6)
 
 Solve: TypeAlias = Callable[[Any], Any]
 Count: TypeAlias = Callable[[float], Inertia]
@@ -39,11 +39,11 @@ Count: TypeAlias = Callable[[float], Inertia]
 
 @dataclass(frozen=True)
 class CertifiedModes(Modes):
-    """Modes of which none is missing.
+    """Lowest modes with the proof that none is missing.
 
     `frequency_errors`: relative, estimated by the smaller of both bounds of the residual.
-    `count` eigenvalues lie below `shift` (rad²/s²) by inertia: the modes given and those found
-    beyond them, of the last one's cluster for example.
+    `count` eigenvalues lie below `shift` (rad²/s²) by inertia: the returned modes and further
+    ones, such as the rest of the last one's cluster.
     """
 
     frequency_errors: Array
@@ -62,22 +62,22 @@ class MissedModesError(ComputationError):
 def certify(values: Array, beyond: float, count: Count, part: str) -> float:
     """A shift σ (rad²/s²) below which exactly the eigenvalues `values` are proven to lie.
 
-    `values` are the eigenvalues found (ω², ascending), `beyond` the next one if it is known, else
-    infinite; `count` the inertia of K − σM. Raises MissedModesError where the count is higher,
-    ComputationError where it is lower or cannot be made.
+    `values` are the eigenvalues found (ω², ascending), `beyond` the next one if it is known,
+    otherwise infinite; `count` the inertia of K − σM. Raises MissedModesError if the count is
+    higher, ComputationError if it is lower or cannot be made.
     """
     last, wanted = float(values[-1]), len(values)
     half_way = (beyond - last) / 2.0
     near = min(_SHIFT_ABOVE * last, half_way)
-    # Far above the last mode at the end: there is the most room for rounding.
-    for above in [*(place * near for place in _PLACES), min(half_way, last)]:
+    # The last shift is far above the last mode, with the largest margin for round-off.
+    for above in [*(fraction * near for fraction in _FRACTIONS), min(half_way, last)]:
         sigma = last + above
-        found = count(sigma)
-        if found.zero:
+        inertia = count(sigma)
+        if inertia.zero:
             continue
-        missing = found.negative - wanted
+        missing = inertia.negative - wanted
         message = (
-            f"certificate of the modes failed: {found.negative} lie below "
+            f"certificate of the modes failed: {inertia.negative} lie below "
             f"{np.sqrt(sigma) / (2.0 * np.pi):.6g} Hz, {wanted} were found; the start vectors have "
             "no share in a mode or the factor of the stiffness is inaccurate"
         )
@@ -104,27 +104,29 @@ def lowest_modes(
     """The lowest `mode_count` modes from K⁻¹ and M (csr n×n, semidefinite).
 
     `solve` is K⁻¹ on blocks (n×k), in `space` and on the host; `count` gives the inertia of
-    K − σM. Shapes are mass-normalised, on the n unknowns. Where the count finds missed modes, as
-    many are searched for M-orthogonally to those found, from other noise, and the count is made
-    anew. Raises InputError for fewer than one mode, ComputationError, naming `part`, where modes
-    do not converge or the certificate still fails.
+    K − σM. Shapes are mass-normalised, on the n unknowns. If the count shows missed modes, as
+    many are searched M-orthogonally to those so far, from other noise, and the count is repeated.
+    Raises InputError for fewer than one mode, ComputationError with `part` if modes do not converge
+    or the certificate still fails.
     """
     n = M.shape[0]
     if mode_count < 1:
         raise InputError(f"modes = {mode_count!r}: must be 1 or more", part=part)
     rng = np.random.default_rng(_SEED)
-    ritz = _searched(solve, M, _noise(n, rng), mode_count, part, space)
+    ritz = _converged_pairs(solve, M, _noise(n, rng), mode_count, part, space)
     for search in range(_SEARCHES):
         try:
             sigma = certify(ritz.values, ritz.beyond, count, part)
         except MissedModesError as error:
             if search == _SEARCHES - 1:
                 raise
-            more = _searched(solve, M, _noise(n, rng), error.missing, part, space, ritz.vectors)
-            ritz = merged(ritz, more)
+            missed = _converged_pairs(
+                solve, M, _noise(n, rng), error.missing, part, space, ritz.vectors
+            )
+            ritz = merged(ritz, missed)
         else:
             break
-    first = _first(ritz, mode_count)
+    first = _lowest(ritz, mode_count)
     return CertifiedModes(
         frequencies=first.frequencies,
         shapes=first.shapes,
@@ -139,10 +141,10 @@ def searched_modes(
 ) -> Modes:
     """The first search of `lowest_modes`, without its count, which takes as long."""
     block = _noise(M.shape[0], np.random.default_rng(_SEED))
-    return _first(_searched(solve, M, block, mode_count, part, space), mode_count)
+    return _lowest(_converged_pairs(solve, M, block, mode_count, part, space), mode_count)
 
 
-def _searched(
+def _converged_pairs(
     solve: Solve,
     M: SparseMatrix,
     start: Array,
@@ -162,8 +164,8 @@ def _searched(
             part=part,
         ) from error
     if len(ritz.values) < count:
-        asked = count + (0 if known is None else known.shape[1])
-        raise too_few(part, asked)
+        requested = count + (0 if known is None else known.shape[1])
+        raise too_few(part, requested)
     return ritz
 
 
@@ -172,6 +174,6 @@ def _noise(n: int, rng: np.random.Generator) -> Array:
     return np.asarray(rng.standard_normal((n, _BLOCK)) / np.sqrt(n))
 
 
-def _first(ritz: Ritz, mode_count: int) -> Modes:
+def _lowest(ritz: Ritz, mode_count: int) -> Modes:
     frequencies = np.sqrt(ritz.values[:mode_count]) / (2.0 * np.pi)
     return Modes(frequencies, fix_signs(ritz.vectors[:, :mode_count]))

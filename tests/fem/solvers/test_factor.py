@@ -114,7 +114,7 @@ def test_a_chain_that_rounding_alone_holds_is_refused():
                 symbolic.factorise("chain")
 
 
-def test_too_little_memory_is_said_before_the_factorisation(short_leg, monkeypatch):
+def test_memory_shortage_is_reported_before_factoring(short_leg, monkeypatch):
     symbolic = analyse(short_leg[0])
     # The factor alone: half of the square of the fill, which is at least the band of a slice.
     assert 8 * short_leg[0].nnz / 2 < symbolic.peak_bytes < 1e9
@@ -143,7 +143,7 @@ def test_matrix_whose_pivots_must_be_paired():
     assert count_below(pencil(singular, csr_array((3, 3))), 0.0) == Inertia(1, 1, 1)
 
 
-def test_entries_of_the_mass_where_the_stiffness_has_none_are_counted():
+def test_mass_entries_outside_stiffness_are_counted():
     """Also where an entry of both cancels at the shift; dense eigenvalues."""
     K, M = np.diag([1.0, 2.0, 6.0]), np.array([[2.0, 1.0, 0.0], [1.0, 2.0, 0.5], [0.0, 0.5, 3.0]])
     K[0, 2] = K[2, 0] = M[0, 2] = M[2, 0] = 0.25
