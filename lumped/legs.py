@@ -17,12 +17,12 @@ from lumped.sections import Section
 Theory: TypeAlias = Literal["euler-bernoulli", "timoshenko"]
 Ends: TypeAlias = Literal["rigid", "free"]
 
-# Largest 2νG/E in κ, just short of the one where Cowper's ν is infinite.
-_MOST_POISSON = 0.999
+# Largest 2νG/E in κ, just below 1, for which Cowper's ν is infinite.
+_LARGEST_RATIO = 0.999
 
 
 class NoBeamTheoryError(ComputationError):
-    """A section has no stable Timoshenko beam: its shear coefficient is negative."""
+    """Error of a section without a stable Timoshenko beam: its shear coefficient is negative."""
 
 
 @dataclass(frozen=True)
@@ -44,13 +44,14 @@ class Material:
 
     @property
     def shear_nu(self) -> float:
-        """Poisson's ratio ν′ with which Cowper's formulas hold: ν′/2(1 + ν′) = νG/E.
+        """Poisson's ratio ν′ for Cowper's formulas: ν′/2(1 + ν′) = νG/E.
 
-        Saint-Venant's shear stresses depend on νG/E alone, κ of an isotropic material on ν by it;
-        with a shear modulus of its own κ is that of ν′. As G nears E/2ν ν′ grows without bound, and
-        κ to its limit, which is kept beyond: an error of up to ν (i/L)² in bending.
+        Saint-Venant's shear stresses depend on νG/E alone, and so does κ. With an independent shear
+        modulus κ is therefore that of an isotropic material with ν′. As G approaches E/2ν, ν′ grows
+        without bound and κ tends to its limit, which is used beyond: an error of up to ν (i/L)² in
+        bending.
         """
-        share = min(2.0 * self.nu * self.G / self.E, _MOST_POISSON)
+        share = min(2.0 * self.nu * self.G / self.E, _LARGEST_RATIO)
         return share / (1.0 - share)
 
 
@@ -62,8 +63,8 @@ class BeamProperties:
     GJ (N m²), mass per length `mu` (kg/m), rotary inertia per length `rho_J` about x, `rho_Iy`
     and `rho_Iz` (kg m; the latter two zero in Euler–Bernoulli theory).
 
-    A section without two axes of symmetry has besides: EIyz = E∫yz dA (N m²) and `rho_Iyz` (kg m),
-    `shear_yz` (1/N), the shear strain along z by a unit force along y, and the shear centre at
+    A section without two axes of symmetry has in addition: EIyz = E∫yz dA (N m²) and `rho_Iyz` (kg
+    m), `shear_yz` (1/N), the shear strain along z by a unit force along y, and the shear centre at
     (`centre_y`, `centre_z`) (m) from the centroid: forces through it do not twist the leg.
     """
 
@@ -85,12 +86,12 @@ class BeamProperties:
 
     @property
     def couples_bending(self) -> bool:
-        """Whether a force along y deflects the leg along z too."""
+        """True if a force along y deflects the leg along z too."""
         return bool(self.EIyz or self.shear_yz)
 
     @property
     def couples_torsion(self) -> bool:
-        """Whether forces through the centroid twist the leg."""
+        """True if forces through the centroid twist the leg."""
         return bool(self.centre_y or self.centre_z)
 
     @property
@@ -100,13 +101,13 @@ class BeamProperties:
 
     @property
     def to_shear_centre(self) -> Array:
-        """6×6: the centroid's twist, its deflections replaced with those of the shear centre."""
-        moved = np.eye(6)
-        moved[1, 3], moved[2, 3] = -self.centre_z, self.centre_y
-        return moved
+        """6×6 map of the centroid's twist to one with the deflections of the shear centre."""
+        transfer = np.eye(6)
+        transfer[1, 3], transfer[2, 3] = -self.centre_z, self.centre_y
+        return transfer
 
     def as_euler_bernoulli(self) -> "BeamProperties":
-        """The same beam without shear deformation and without rotary inertia of bending."""
+        """Return the beam without shear deformation and without rotary inertia of bending."""
         return replace(
             self, GAy=np.inf, GAz=np.inf, shear_yz=0.0, rho_Iy=0.0, rho_Iz=0.0, rho_Iyz=0.0
         )
@@ -147,8 +148,9 @@ class BeamProperties:
 class ConstantLeg:
     """Prismatic leg of `length` (m) with one section and one material, centroids along its axis.
 
-    `ends`: whether its end faces are kept plane by what they are bolted to or may warp; None where
-    nobody said so. `name` serves messages alone: alike legs are equal whatever they are called.
+    `ends`: end condition of its end faces, kept plane by the bodies to which they are bolted or
+    free to warp. None if the robot file does not specify it. `name` is used in messages alone: legs
+    that differ in name alone are equal.
     """
 
     length: float
@@ -213,8 +215,8 @@ class ConstantLeg:
 class GivenLeg:
     """Leg known by its 6×6 tip compliance (root clamped, leg axes, SI) and its mass (kg).
 
-    Of where the mass lies, if known, `mass_centre` (m from the root along x) and `inertia` (3×3,
-    kg m², leg axes) about it; `name` serves messages.
+    `mass_centre` (m from the root along x) and `inertia` (3×3, kg m², leg axes) about it describe
+    the mass distribution. None if they are unknown. `name` is used in messages.
     """
 
     length: float
@@ -231,14 +233,14 @@ Leg: TypeAlias = GivenLeg | ConstantLeg
 def tip_compliance(properties: BeamProperties, length: float) -> Array:
     """6×6 compliance (SI, leg axes) at the tip of a prismatic cantilever of `length` (m).
 
-    The compliance of the whole piece, at its middle, moved to its end: c22 = L³/3EIz + L/κGA, c26 =
-    L²/2EIz, c35 = −L²/2EIy with two axes of symmetry.
+    The compliance of the whole piece, referred to its middle, is transferred to its end: c22 =
+    L³/3EIz + L/κGA, c26 = L²/2EIz, c35 = −L²/2EIy with two axes of symmetry.
     """
     return move_compliance(properties.piece_compliance(length), np.array([length / 2.0, 0.0, 0.0]))
 
 
 def given_compliance(leg: Leg) -> Array:
-    """6×6 tip compliance (SI, leg axes) of a leg as described: its own, or Timoshenko's."""
+    """6×6 tip compliance (SI, leg axes) of a leg: as given in the file, or Timoshenko's."""
     if isinstance(leg, GivenLeg):
         return leg.compliance
     return tip_compliance(leg.timoshenko, leg.length)

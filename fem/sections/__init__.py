@@ -1,4 +1,4 @@
-"""What a cross-section does: constants, Saint-Venant flexure, warping, waves along it.
+"""Cross-sections by finite elements: constants, Saint-Venant flexure, warping, waves.
 
 In: section meshes and materials. Out: constants and functions of the section.
 """

@@ -1,4 +1,4 @@
-"""Torsion with warping as a degree of freedom, where Saint-Venant's theory leaves it out.
+"""Torsion with warping as a degree of freedom, which Saint-Venant's theory omits.
 
 Rotation θ(x) and warping intensity χ(x), u_x = χ ω(y, z) (E. Reissner, J. Math. Phys. 31 (1952)
 268; Benscoter, J. Appl. Mech. 21 (1954) 25):
@@ -22,8 +22,8 @@ from lumped.legs import Material
 
 # Quadratic elements: the third mode is right to 1e-7.
 _ELEMENTS = 40
-# Γ over I_p²/A of a section that does not warp, a round one: rounding alone. So little warping
-# does as little to a frequency, which then is Saint-Venant's.
+# Γ over I_p²/A below which a section, a round one, does not warp: only round-off. So little warping
+# has as little effect on a frequency, which then is Saint-Venant's.
 _UNWARPED = 1e-9
 
 
@@ -55,9 +55,9 @@ def warping_rod(constants: SectionConstants, material: Material) -> WarpingRod:
 def held_torsion_compliance(
     constants: SectionConstants, material: Material, length: float
 ) -> float:
-    """Rotation of the tip per torque (rad/(N m)) where neither end warps (χ = 0).
+    """Rotation of the tip per torque (rad/(N m)) if neither end warps (χ = 0).
 
-    Of T = G I_p θ' − G(I_p − J) χ and EΓ χ″ = G(I_p − J)(χ − θ'):
+    From T = G I_p θ' − G(I_p − J) χ and EΓ χ″ = G(I_p − J)(χ − θ'):
     (L − (1 − J/I_p) (2/k) tanh(kL/2)) / GJ with k² = G J (1 − J/I_p) / EΓ.
     """
     rod = warping_rod(constants, material)
@@ -85,12 +85,12 @@ def cantilever_frequencies(
             [-rod.shear * coupling, rod.shear * product + rod.bimoment * gradients],
         ]
     )
-    nothing = np.zeros_like(product)
-    mass = np.block([[rod.rotary * product, nothing], [nothing, rod.warping * product]])
-    held = basis.get_dofs(lambda x: x[0] == 0.0).flatten()
-    kept = np.setdiff1d(np.arange(len(stiffness)), held)
-    pick = np.ix_(kept, kept)
-    values = eigh(stiffness[pick], mass[pick], eigvals_only=True, subset_by_index=[0, count - 1])
+    zeros = np.zeros_like(product)
+    mass = np.block([[rod.rotary * product, zeros], [zeros, rod.warping * product]])
+    root = basis.get_dofs(lambda x: x[0] == 0.0).flatten()
+    free = np.setdiff1d(np.arange(len(stiffness)), root)
+    block = np.ix_(free, free)
+    values = eigh(stiffness[block], mass[block], eigvals_only=True, subset_by_index=[0, count - 1])
     return np.asarray(np.sqrt(values) / (2.0 * np.pi))
 
 

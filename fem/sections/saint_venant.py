@@ -108,9 +108,9 @@ class SaintVenant:
     `moments` (2×2, m⁴) is Σ = ∫ s sᵀ dA; `slopes` (2×2, m⁻⁴) has c = Σ⁻¹F of the unit forces Fy
     and Fz as rows. `warping` (N, m²) is ω of the rotation about the centroid, of zero mean;
     `twist_stress` (2×M×Q, m) is τ/Gθ′. `flexure` (2×N, m⁻¹) holds Ψ and `flexure_stress`
-    (2×2×M×Q, m⁻²; force, direction, …) τ of the unit forces through the shear centre, that is
-    orthogonal to the twist's stress: their work vanishes. `flexure_torque` (2, m) is the moment of
-    these stresses about the centroid.
+    (2×2×M×Q, m⁻²; force, direction, …) τ of the unit forces through the shear centre, which are
+    orthogonal to the twist's stress: their mutual work vanishes. `flexure_torque` (2, m) is the
+    moment of these stresses about the centroid.
     """
 
     quadrature: SectionQuadrature
@@ -136,7 +136,7 @@ class SaintVenant:
 def saint_venant(mesh: SectionMesh, poisson_shear_ratio: float) -> SaintVenant:
     """Torsion and flexure of the section `mesh`; `poisson_shear_ratio` is νG/E.
 
-    Raises ComputationError where the section is not in one piece.
+    Raises ComputationError if the section is not in one piece.
     """
     quad = section_quadrature(mesh)
     y, z = quad.points
@@ -214,11 +214,11 @@ def summed(blocks: Array, unknowns: IntArray, size: int) -> csc_matrix:
 def solved_with(matrix: csc_matrix, loads: Array, held: Sequence[int]) -> Array:
     """Solutions (n×m) for `loads` (n×m) with the `held` unknowns at zero.
 
-    Two-dimensional, a few thousand unknowns: SuperLU is quick enough here.
+    The problem is two-dimensional with a few thousand unknowns: SuperLU is fast enough.
     """
     free = np.setdiff1d(np.arange(len(loads)), held)
-    kept = csc_matrix(matrix[free][:, free])
-    factor = splu(kept, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
+    free_block = csc_matrix(matrix[free][:, free])
+    factor = splu(free_block, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
     solution = np.zeros(loads.shape)
     solution[free] = factor.solve(np.ascontiguousarray(loads[free]))
     return solution

@@ -1,7 +1,7 @@
 """Constants of a section from finite elements on its mesh, without thin-wall assumptions.
 
-And what the mesh adds to bending because it cannot contract as Poisson's ratio asks. A bent prism
-curves its sections: with εxx = s, s = y or z from the centroid,
+It also has the bending stiffness that a mesh adds because it cannot represent the contraction by
+Poisson's ratio. A bent prism curves its sections: with εxx = s, s = y or z from the centroid,
 
     s = y   u = −ν (½(y² − z²), yz)        s = z   u = −ν (yz, ½(z² − y²))
 
@@ -27,9 +27,9 @@ from lumped.legs import BeamProperties, Material
 from lumped.memo import memo
 from meshes.section.section_mesh import SectionMesh
 
-# Of the strain ν s that is asked for: rounding of interpolation, beneath any error of a mesh.
+# Share of the required strain ν s: round-off of the interpolation, below any error of a mesh.
 _ROUNDING = 1e-12
-# Of a coupling's own scale: beneath it stand rounding and mirror images of meshes, found to 1e-10.
+# Share of a coupling's scale: round-off and the mirror images of meshes, exact to 1e-10, are below.
 _SYMMETRIC = 1e-8
 
 
@@ -97,7 +97,7 @@ def section_constants(
 def constants_of(solution: SaintVenant, held: Array) -> SectionConstants:
     """Constants of the section whose torsion and flexure are solved, with the `held` contraction.
 
-    That is 2×2 (m⁴), of the moments ∫ s sᵀ dA.
+    The `held` contraction is 2×2 (m⁴), a part of the moments ∫ s sᵀ dA.
     """
     quad = solution.quadrature
     kappa = [
@@ -144,8 +144,8 @@ def _cowper(solution: SaintVenant, axis: int) -> float:
 def beam_properties(constants: SectionConstants, material: Material) -> BeamProperties:
     """Timoshenko beam of a section along the line of its centroids, shear by strain energy.
 
-    Of the prism with the section's very mesh: bent cells that cannot contract are stiffer than EI.
-    What rounding leaves of couplings about an axis of symmetry is none.
+    It is the beam of a prism with this very mesh: bent cells that cannot contract are stiffer than
+    EI. Couplings of the size of round-off about an axis of symmetry are set to zero.
     """
     E, G, rho = material.E, material.G, material.rho
     kappa_y, kappa_z = constants.shear_coefficients
@@ -178,7 +178,7 @@ def beam_properties(constants: SectionConstants, material: Material) -> BeamProp
 
 
 def held_contraction(quad: SectionQuadrature, nu: float, shear_to_young: float) -> Array:
-    """Symmetric 2×2 (m⁴) that a prism of this mesh has in bending over Σ = ∫ s sᵀ dA, s = (y, z).
+    """Symmetric 2×2 (m⁴) that this mesh adds to Σ = ∫ s sᵀ dA in bending, s = (y, z).
 
     With the strains δε by which the interpolated fields miss the contraction, and r = ∫ BᵀCδε, it
     is (∫ δεᵀCδε − rᵀK⁻¹r)/E: positive semidefinite, without cancellation against Σ.
@@ -196,8 +196,8 @@ def held_contraction(quad: SectionQuadrature, nu: float, shear_to_young: float) 
     energy = np.einsum("asmq,bsmq,mq->ab", missed, stresses, quad.weights, optimize=True)
     residual = np.column_stack([_forces(quad, stress) for stress in stresses])
     relaxed = _stiffness_solution(quad, moduli, residual)
-    found = energy - residual.T @ relaxed
-    return np.asarray(0.5 * (found + found.T))
+    contraction = energy - residual.T @ relaxed
+    return np.asarray(0.5 * (contraction + contraction.T))
 
 
 def _strains(quad: SectionQuadrature, field: Array) -> Array:
@@ -226,7 +226,7 @@ def _stiffness_solution(quad: SectionQuadrature, moduli: Array, forces: Array) -
         "misq,st,mjtq,mq->mij", operator, moduli, operator, quad.weights, optimize=True
     )
     unknowns = (2 * cells[:, :, None] + np.arange(2)).reshape(len(cells), size)
-    # Two nodes far apart hold the three rigid motions, which balanced forces do not stir.
+    # Two nodes far apart fix the three rigid motions, on which balanced forces do no work.
     far = int(np.argmax(np.abs(nodes - nodes[0]).max(axis=1)))
     across = 1 - int(np.argmax(np.abs(nodes[far] - nodes[0])))
     return solved_with(summed(blocks, unknowns, len(forces)), forces, held=[0, 1, 2 * far + across])

@@ -1,4 +1,4 @@
-"""Waves in an infinitely long leg: what 3-D elasticity makes of a beam's frequency.
+"""Waves in an infinitely long leg: frequencies of beams by 3-D elasticity.
 
 Standing waves u_x = a(y,z) cos kx, (u_y, u_z) = b(y,z) sin kx turn elasticity into a real
 symmetric eigenvalue problem on the section alone (semi-analytical finite elements; Gavrić, J. Sound
@@ -18,12 +18,14 @@ from meshes.section.section_mesh import SectionMesh
 def torsion_wave(mesh: SectionMesh, material: Material, wave_number: float) -> float:
     """Angular frequency (rad/s) of the torsional wave of `wave_number` k (rad/m).
 
-    The mode is told from bending and tension by its share of motion in a rotation of the section.
+    The mode is distinguished from bending and tension by its share of motion in a rotation of the
+    section.
     """
     quad = section_quadrature(mesh)
     motion = _rotation(mesh, quad)
     stiffness, mass = stiffness_matrix(quad, material, wave_number), mass_matrix(quad, material.rho)
-    # Two bendings, tension and torsion are the four lowest; two more in case higher ones cross.
+    # Two bendings, tension and torsion are the four lowest; two more are computed since higher ones
+    # may cross.
     values, shapes = eigh(stiffness, mass, subset_by_index=[0, 5])
     share = np.square(shapes.T @ mass @ motion) / (motion @ mass @ motion)
     return float(np.sqrt(values[np.argmax(share)]))
@@ -48,14 +50,14 @@ def strains(quad: SectionQuadrature, k: float) -> Array:
     count = len(quad.shapes)
     along_y, along_z = (quad.gradients[:, :, i].transpose(0, 2, 1) for i in (0, 1))
     shape = np.broadcast_to(quad.shapes.T, (cells, points, count))
-    found = np.zeros((cells, points, 6, count, 3))
-    found[:, :, 0, :, 0] = -k * shape
-    found[:, :, 1, :, 1] = along_y
-    found[:, :, 2, :, 2] = along_z
-    found[:, :, 3, :, 1], found[:, :, 3, :, 2] = along_z, along_y
-    found[:, :, 4, :, 0], found[:, :, 4, :, 2] = along_z, k * shape
-    found[:, :, 5, :, 0], found[:, :, 5, :, 1] = along_y, k * shape
-    return found.reshape(cells, points, 6, 3 * count)
+    amplitudes = np.zeros((cells, points, 6, count, 3))
+    amplitudes[:, :, 0, :, 0] = -k * shape
+    amplitudes[:, :, 1, :, 1] = along_y
+    amplitudes[:, :, 2, :, 2] = along_z
+    amplitudes[:, :, 3, :, 1], amplitudes[:, :, 3, :, 2] = along_z, along_y
+    amplitudes[:, :, 4, :, 0], amplitudes[:, :, 4, :, 2] = along_z, k * shape
+    amplitudes[:, :, 5, :, 0], amplitudes[:, :, 5, :, 1] = along_y, k * shape
+    return amplitudes.reshape(cells, points, 6, 3 * count)
 
 
 def elasticity(material: Material) -> Array:

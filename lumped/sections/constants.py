@@ -80,9 +80,9 @@ class SectionProperties(Section):
     def _own_faults(self, unit: str) -> list[str]:
         faults = []
         if self.Iyz**2 >= self.Iy * self.Iz:
-            most = sqrt(self.Iy) * sqrt(self.Iz)
+            limit = sqrt(self.Iy) * sqrt(self.Iz)
             faults.append(
-                f"Iyz = {self.Iyz!r}: must be below √(Iy Iz) in size, {most:.4g} {unit}⁴; no area "
+                f"Iyz = {self.Iyz!r}: must be below √(Iy Iz) in size, {limit:.4g} {unit}⁴; no area "
                 "has such moments"
             )
         if self.Iy + self.Iz < self.J:

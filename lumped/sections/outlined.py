@@ -25,12 +25,12 @@ from lumped.sections.shapes import Boxed, Section
 
 Points: TypeAlias = tuple[tuple[float, float], ...]
 
-# Share of the section's size: parts of its rim that are nearer to each other touch.
+# Share of the section's size: parts of its rim closer to each other than this touch.
 _TOUCHING = 1e-6
-# Share of Iy + Iz: a smaller product of inertia is rounding about an axis of symmetry.
+# Share of Iy + Iz: a smaller product of inertia is round-off about an axis of symmetry.
 _SYMMETRIC = 1e-9
 # Share of the section's size: a shear centre nearer to the centroid is the boundary elements' error
-# about an axis of symmetry; likewise of a shear coupling beside the shear coefficients.
+# about an axis of symmetry. The same share bounds a shear coupling against the shear coefficients.
 _OFF_CENTRE = 1e-7
 
 
@@ -48,7 +48,7 @@ class OutlinedSection(Section):
 
     @property
     def largest_angle(self) -> float:
-        """Largest inner angle of a corner (rad), above π where an edge turns back into the wall."""
+        """Largest inner angle of a corner (rad), above π at a re-entrant corner."""
         return max(float(inner_angles(loop).max()) for loop in self.loops)
 
     @property
@@ -141,11 +141,11 @@ class _Profile(Boxed, OutlinedSection):
         return [f"web = {self.web!r}: must be below the width, {self.width:g} {unit}"]
 
     def _flange_fault(self, flanges: int, unit: str) -> list[str]:
-        most = self.height / flanges
-        if self.flange < most:
+        limit = self.height / flanges
+        if self.flange < limit:
             return []
         part = "the height" if flanges == 1 else "half the height"
-        return [f"flange = {self.flange!r}: leaves no web; must be below {part}, {most:g} {unit}"]
+        return [f"flange = {self.flange!r}: leaves no web; must be below {part}, {limit:g} {unit}"]
 
 
 @dataclass(frozen=True)
@@ -209,7 +209,7 @@ class Polygon(OutlinedSection):
     @property
     def loops(self) -> tuple[Loop, ...]:
         outline, *holes = (np.array(points, dtype=float) for points in self._all)
-        return _turned(outline, 1.0), *(_turned(hole, -1.0) for hole in holes)
+        return _oriented(outline, 1.0), *(_oriented(hole, -1.0) for hole in holes)
 
     @property
     def _all(self) -> tuple[Points, ...]:
@@ -222,13 +222,13 @@ class Polygon(OutlinedSection):
         if not size > 0.0:
             return ["outline: all points are one; must enclose an area"]
         gap = _TOUCHING * size
-        named = list(zip(names, loops, strict=True))
-        faults = [fault for name, loop in named for fault in _loop_faults(name, loop, gap)]
-        return faults or _hole_faults(named, gap)
+        named_loops = list(zip(names, loops, strict=True))
+        faults = [fault for name, loop in named_loops for fault in _loop_faults(name, loop, gap)]
+        return faults or _hole_faults(named_loops, gap)
 
 
-def _turned(loop: Loop, direction: float) -> Loop:
-    """The loop counter-clockwise for a positive direction, else clockwise."""
+def _oriented(loop: Loop, direction: float) -> Loop:
+    """The loop counter-clockwise for a positive direction, otherwise clockwise."""
     return loop if _signed_area(loop) * direction > 0.0 else loop[::-1]
 
 
@@ -238,7 +238,7 @@ def _signed_area(loop: Loop) -> float:
 
 
 def _loop_faults(name: str, loop: Loop, gap: float) -> list[str]:
-    """Faults of one closed line: its first crossing alone, since one error makes many."""
+    """Faults of one closed line: its first crossing alone, since one wrong point makes many."""
     count = len(loop)
     lengths = np.linalg.norm(np.roll(loop, -1, axis=0) - loop, axis=1)
     for i in np.flatnonzero(lengths <= gap):
@@ -247,8 +247,8 @@ def _loop_faults(name: str, loop: Loop, gap: float) -> list[str]:
         return [f"{name}[{i + 2}]: repeats the point before it; leave it out"]
     distances = _edge_distances(loop, loop)
     neighbours = (np.arange(count)[:, None] - np.arange(count)) % count
-    apart = (neighbours > 1) & (neighbours < count - 1)
-    for i, j in np.argwhere(np.triu(apart & (distances <= gap))):
+    separate = (neighbours > 1) & (neighbours < count - 1)
+    for i, j in np.argwhere(np.triu(separate & (distances <= gap))):
         return [
             f"{name}: the edges from points {i + 1} and {j + 1} cross or touch; "
             "must be points in order along a line that does not meet itself"
@@ -262,8 +262,8 @@ def _loop_faults(name: str, loop: Loop, gap: float) -> list[str]:
     return []
 
 
-def _hole_faults(named: list[tuple[str, Loop]], gap: float) -> list[str]:
-    (_, outline), *holes = named
+def _hole_faults(named_loops: list[tuple[str, Loop]], gap: float) -> list[str]:
+    (_, outline), *holes = named_loops
     faults = []
     for k, (name, hole) in enumerate(holes):
         if np.min(_edge_distances(hole, outline)) <= gap:
@@ -279,14 +279,14 @@ def _hole_faults(named: list[tuple[str, Loop]], gap: float) -> list[str]:
 
 
 def _edge_distances(first: Loop, second: Loop) -> Array:
-    """Smallest distances (n×m, m) between the edges of two closed lines; 0 where they cross."""
+    """Smallest distances (n×m, m) between the edges of two closed lines; 0 if they cross."""
     a, b = first[:, None], np.roll(first, -1, axis=0)[:, None]
     c, d = second[None], np.roll(second, -1, axis=0)[None]
-    found = np.minimum.reduce(
+    distances = np.minimum.reduce(
         [_to_edge(a, c, d), _to_edge(b, c, d), _to_edge(c, a, b), _to_edge(d, a, b)]
     )
     crossing = (_side(a, b, c) * _side(a, b, d) < 0.0) & (_side(c, d, a) * _side(c, d, b) < 0.0)
-    return np.where(crossing, 0.0, found)
+    return np.where(crossing, 0.0, distances)
 
 
 def distances_to_edges(point: Array, loop: Loop) -> Array:
@@ -295,11 +295,11 @@ def distances_to_edges(point: Array, loop: Loop) -> Array:
 
 
 def _to_edge(point: Array, start: Array, end: Array) -> Array:
-    way = end - start
-    share = np.clip(((point - start) * way).sum(axis=-1) / (way**2).sum(axis=-1), 0.0, 1.0)
-    return np.asarray(np.linalg.norm(point - start - share[..., None] * way, axis=-1))
+    edge = end - start
+    share = np.clip(((point - start) * edge).sum(axis=-1) / (edge**2).sum(axis=-1), 0.0, 1.0)
+    return np.asarray(np.linalg.norm(point - start - share[..., None] * edge, axis=-1))
 
 
 def _side(start: Array, end: Array, point: Array) -> Array:
-    way, away = end - start, point - start
-    return np.asarray(way[..., 0] * away[..., 1] - way[..., 1] * away[..., 0])
+    edge, arm = end - start, point - start
+    return np.asarray(edge[..., 0] * arm[..., 1] - edge[..., 1] * arm[..., 0])

@@ -35,17 +35,17 @@ _Integrand: TypeAlias = Callable[[Array, Array], Array]
 # Largest length of an element over its distance from the nearest corner: J of an angle whose walls
 # are a fiftieth of its sides is right to 3e-6.
 _GRADING = 0.25
-# Error of the constants that the smallest element leaves, ε^(2π/α) of a corner's singular term.
+# Error of the constants due to the smallest element, ε^(2π/α) of a corner's singular term.
 _LEFT = 1e-7
-# Below this change of direction (rad) a corner is one of a curve that is drawn as a polygon.
+# Below this change of direction (rad) a corner belongs to a curve approximated by a polygon.
 _WEAK = np.pi / 6.0
 # Smallest element there and share of each edge that an element may take: curves have many edges.
 _SMALLEST_WEAK, _SHARE = 0.3, 0.5
 # Gauss points: exact for all products of polynomials; kernels at a distance of so many lengths.
 _POINTS, _NEAR = 6, 3.0
-# Of an element's length: nearer than this a point lies on its line.
+# Share of an element's length: a point closer to its line than this lies on it.
 _ON_LINE = 1e-12
-# Rows of the matrix that are integrated at a time.
+# Number of rows of the matrix that are integrated at a time.
 _CHUNK = 256
 
 
@@ -182,12 +182,12 @@ def rim_solution(loops: Sequence[Loop]) -> RimSolution:
 
 def _polynomials(slopes: Array, y: Array, z: Array) -> Array:
     """P_0 and P_1 (force × power of r × direction × …) of the unit forces along y and z."""
-    found = np.zeros((2, 2, 2, *y.shape))
+    fields = np.zeros((2, 2, 2, *y.shape))
     for force, (c1, c2) in enumerate(slopes):
-        found[force, 0] = -0.5 * c1 * y**2, -0.5 * c2 * z**2
+        fields[force, 0] = -0.5 * c1 * y**2, -0.5 * c2 * z**2
         half = 0.5 * (y**2 + z**2)
-        found[force, 1] = c1 * half - c2 * y * z, c2 * half - c1 * y * z
-    return found
+        fields[force, 1] = c1 * half - c2 * y * z, c2 * half - c1 * y * z
+    return fields
 
 
 def _polygon_integral(loops: Sequence[Loop], of: _Integrand) -> Array:
@@ -243,19 +243,19 @@ def inner_angles(loop: Loop) -> Array:
 
 
 def is_inside(loops: Sequence[Loop], point: Array) -> bool:
-    """Whether a point lies within closed lines: an odd number of crossings of a ray along +y."""
+    """True if a point lies within closed lines: an odd number of crossings of a ray along +y."""
     crossings = 0
     for loop in loops:
         y, z = (loop - point).T
         next_y, next_z = np.roll(y, -1), np.roll(z, -1)
         crossed = (z > 0.0) != (next_z > 0.0)
-        at = y - z * (next_y - y) / np.where(crossed, next_z - z, 1.0)
-        crossings += int(np.count_nonzero(crossed & (at > 0.0)))
+        crossing_y = y - z * (next_y - y) / np.where(crossed, next_z - z, 1.0)
+        crossings += int(np.count_nonzero(crossed & (crossing_y > 0.0)))
     return bool(crossings % 2)
 
 
 def _smallest_elements(loop: Loop) -> Array:
-    """Length (n) of the elements at each corner, as its singular term r^(π/α) needs it."""
+    """Length (n) of the elements at each corner, required by its singular term r^(π/α)."""
     lengths = np.linalg.norm(np.roll(loop, -1, axis=0) - loop, axis=1)
     shorter = np.minimum(lengths, np.roll(lengths, 1))
     inner = inner_angles(loop)
@@ -300,7 +300,7 @@ def _potentials(rim: _Rim, fluxes: Array) -> Array:
         columns = double.reshape(-1, 3 * elements)
         block = matrix[rows]
         np.add.at(block.T, places, columns.T)
-    # A constant has no flux: its own value at a node is what the others leave.
+    # A constant has no flux: the diagonal is the negative sum of the other entries.
     matrix[np.diag_indices(count)] -= matrix.sum(axis=1)
     weights = np.zeros(count)
     np.add.at(weights, rim.cells, np.outer(rim.lengths, [1.0, 4.0, 1.0]) / 6.0)

@@ -16,7 +16,7 @@ from typing import ClassVar
 
 @dataclass(frozen=True)
 class Section(ABC):
-    """What every section shape offers; lengths in m, all sizes fields of the shape."""
+    """Interface of all section shapes; lengths in m, all sizes are fields of the shape."""
 
     shape: ClassVar[str]
 
@@ -51,12 +51,12 @@ class Section(ABC):
 
     @property
     def has_outline(self) -> bool:
-        """Whether the shape is known, not only its constants."""
+        """True if the shape is known, not only its constants."""
         return True
 
     @property
     def is_doubly_symmetric(self) -> bool:
-        """Whether the shape is symmetric about y and about z whatever its sizes are."""
+        """True if the shape is symmetric about y and about z for all sizes."""
         return True
 
     @property
@@ -66,27 +66,27 @@ class Section(ABC):
 
     @property
     def shear_centre(self) -> tuple[float, float]:
-        """Shear centre (y, z, m) from the centroid: that itself in doubly symmetric shapes."""
+        """Shear centre (y, z, m) from the centroid; zero in doubly symmetric shapes."""
         return 0.0, 0.0
 
     def shear_coupling(self, nu: float) -> float:  # noqa: ARG002
         """GA times the shear strain along z by a unit force along y, Poisson's ratio `nu`.
 
-        Beside 1/κ of both directions; 0 if y or z is an axis of symmetry.
+        It is the off-diagonal term to 1/κ of both directions; 0 if y or z is an axis of symmetry.
         """
         return 0.0
 
     def faults(self, unit: str = "m") -> list[str]:
-        """What makes the shape impossible, one line each; empty if it is sound.
+        """Faults that make the shape impossible, one line each; empty if it is valid.
 
-        `unit` is that of its sizes.
+        `unit` is the unit of its sizes.
         """
         sizes = {entry.name: getattr(self, entry.name) for entry in fields(self)}
         wrong = [f"{k} = {x!r}: must be above 0 {unit}" for k, x in sizes.items() if not x > 0]
         return wrong or self._own_faults(unit)
 
     def _own_faults(self, unit: str) -> list[str]:  # noqa: ARG002
-        """What sizes above zero say together."""
+        """Faults of the combination of sizes that are each above zero."""
         return []
 
 
@@ -104,7 +104,7 @@ class Boxed(Section):
 
 @dataclass(frozen=True)
 class _Round(Section):
-    """A shape of outer `diameter` (m) around a bore, the same seen from everywhere."""
+    """A shape of outer `diameter` (m) around a bore, axially symmetric."""
 
     diameter: float
 
@@ -233,7 +233,7 @@ def _box_shear(flange: float, web: float, nu: float) -> float:
 
 
 def _thin_walled_shear(m: float, nu: float, flanges: float) -> float:
-    """Cowper's κ of two flanges of m times the webs' area, with what the flanges' width adds."""
+    """Cowper's κ of two flanges of m times the webs' area, with the term of the flanges' width."""
     numerator = 10.0 * (1.0 + nu) * (1.0 + 3.0 * m) ** 2
     free_of_nu = 12.0 + 72.0 * m + 150.0 * m**2 + 90.0 * m**3
     with_nu = 11.0 + 66.0 * m + 135.0 * m**2 + 90.0 * m**3
@@ -309,7 +309,7 @@ class ISection(Boxed):
         return _thin_walled_shear(m, nu, flanges)
 
     def _shear_along_flanges(self, nu: float) -> float:
-        """The two flanges as rectangles of their own; the web carries no shear across itself."""
+        """The two flanges as separate rectangles; the web carries no shear across its thickness."""
         kappa = 10.0 * (1.0 + nu) / (12.0 + 11.0 * nu)
         return kappa * 2.0 * self.width * self.flange / self.area
 

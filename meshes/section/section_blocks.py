@@ -1,4 +1,4 @@
-"""How each section shape is cut into four-sided blocks for a structured mesh.
+"""Division of each section shape into four-sided blocks for a structured mesh.
 
 The meaning of `divisions`, the number of elements across the smaller side of the section's
 bounding box:
@@ -45,11 +45,11 @@ WALL_ASPECT = 8.0
 # of its bulged sides, chosen so that three blocks meet at 120° each.
 _CORE_SHARE = 0.5
 _CORE_BULGE = radians(15.0)
-# Keeps ratios such as 0.3 / 0.1 from being rounded up past the whole number that is meant.
+# Prevents round-off in ratios such as 0.3 / 0.1 from adding an element.
 _ROUND_OFF = 1e-9
 # Divisions of the coarsest mesh of a polygon without blocks: fewer give the same mesh.
 _COARSEST = 4
-# Share of a section's size: edges that are nearer to each other lie on one line of blocks.
+# Share of a section's size: edges closer to each other than this lie on one line of blocks.
 _SAME_LINE = 1e-9
 
 
@@ -69,7 +69,7 @@ class Blocks:
 
 
 def section_blocks(section: Section, divisions: Divisions) -> Blocks:
-    """The blocks of a sound `section`; raises InputError where the divisions do not suit it."""
+    """The blocks of a sound `section`; raises InputError if the divisions do not suit it."""
     match section, divisions:
         case Rectangle() as rectangle, _:
             return _rectangle(rectangle, divisions)
@@ -87,22 +87,22 @@ def section_blocks(section: Section, divisions: Divisions) -> Blocks:
 
 
 def has_blocks(section: OutlinedSection) -> bool:
-    """Whether all edges of an outline and its holes run along y or along z."""
+    """True if all edges of an outline and its holes run along y or along z."""
     gap = _SAME_LINE * max(section.extent)
     ways = [np.abs(np.roll(loop, -1, axis=0) - loop) for loop in section.loops]
     return bool((np.vstack(ways).min(axis=1) <= gap).all())
 
 
 def refinements(divisions: Divisions) -> int:
-    """How often each element of the coarsest mesh of a polygon is cut into four."""
+    """Number of times that each element of a polygon's coarsest mesh is cut into four."""
     count = min(divisions) if isinstance(divisions, tuple) else divisions
     return max(0, ceil(log2(count / _COARSEST)))
 
 
 def side_ratio(section: Section) -> float:
-    """Larger side of a section over its smaller one, as elements count it.
+    """Ratio of a section's larger to its smaller side in elements.
 
-    A strip bends as a plate does, over lengths of its width: where it is wider than `WALL_ASPECT`
+    A strip bends as a plate does, over lengths of its width: if it is wider than `WALL_ASPECT`
     times its thickness, its elements are stretched along both of its long directions.
     """
     smaller, larger = sorted(section.extent)
@@ -121,7 +121,7 @@ def element_length(section: Section, divisions: int) -> float:
 def element_count(section: Section, divisions: Divisions) -> int:
     """Elements of a section's mesh; raises InputError as `section_blocks` does.
 
-    Of a polygon without blocks about so many: squares that fill its area.
+    For a polygon without blocks it is an estimate: squares that fill its area.
     """
     if isinstance(section, OutlinedSection) and not has_blocks(section):
         size = min(section.extent) / (_COARSEST * 2 ** refinements(divisions))
@@ -200,11 +200,11 @@ def _i_section(section: ISection, divisions: int) -> Blocks:
 
 
 def _rectilinear(section: OutlinedSection, divisions: int) -> Blocks:
-    """Blocks between the lines of all edges, as far as they lie in the section."""
+    """Blocks between the lines of all edges that lie within the section."""
     loops = section.centred_loops
     lines = [_lines(np.concatenate([loop[:, axis] for loop in loops]), section) for axis in (0, 1)]
     ys, zs = lines
-    middles_y, middles_z = (0.5 * (one[:-1] + one[1:]) for one in lines)
+    middles_y, middles_z = (0.5 * (line[:-1] + line[1:]) for line in lines)
     filled = np.array([[is_inside(loops, np.array([y, z])) for y in middles_y] for z in middles_z])
     side = min(section.extent)
     return _grid(
@@ -255,7 +255,7 @@ def _grid(
     counts_z: list[int],
     filled: Sequence[Sequence[bool]],
 ) -> Blocks:
-    """Rectangular blocks between the lines `ys` and `zs`, where `filled` (rows along z) says so."""
+    """Rectangular blocks between lines `ys` and `zs`, for true cells of `filled` (rows along z)."""
     numbers: dict[tuple[int, int], int] = {}
     counts: dict[Edge, int] = {}
     corners = []

@@ -37,13 +37,13 @@ class SectionMesh:
     element: SectionElement
 
 
-# Studies of one leg ask for the same few meshes again and again.
+# Studies of one leg use the same few meshes repeatedly.
 @memo(64)
 def section_mesh(section: Section, divisions: Divisions) -> SectionMesh:
     """Mesh of `section`, `divisions` elements across its smaller side (see `section_blocks`).
 
-    Curved sides are met exactly by all nodes. Raises InputError where the section is impossible or
-    the divisions do not suit it, ComputationError where gmsh fails.
+    Curved sides are met exactly by all nodes. Raises InputError if the section is impossible or
+    the divisions do not suit it, ComputationError if gmsh fails.
     """
     require_section(section, divisions)
     part = f"section mesh ({section.shape})"
@@ -87,7 +87,7 @@ def _add_blocks(gmsh: ModuleType, blocks: Blocks) -> None:
 
 
 def _fill(gmsh: ModuleType, section: OutlinedSection, refinements: int) -> None:
-    """Quadrilaterals within a polygon, each cut into four so many times.
+    """Fill a polygon with quadrilaterals, each cut into four `refinements` times.
 
     Triangles and pairs of them are cut into quadrilaterals of half their size.
     """
@@ -95,8 +95,8 @@ def _fill(gmsh: ModuleType, section: OutlinedSection, refinements: int) -> None:
     curves = []
     for loop, sizes in zip(section.centred_loops, _corner_sizes(section), strict=True):
         points = [
-            geo.addPoint(0.0, *place, 2.0 * size)
-            for place, size in zip(loop.tolist(), sizes.tolist(), strict=True)
+            geo.addPoint(0.0, *corner, 2.0 * size)
+            for corner, size in zip(loop.tolist(), sizes.tolist(), strict=True)
         ]
         ends = [*points[1:], points[0]]
         lines = [geo.addLine(start, end) for start, end in zip(points, ends, strict=True)]
@@ -111,24 +111,24 @@ def _fill(gmsh: ModuleType, section: OutlinedSection, refinements: int) -> None:
 
 
 def _corner_sizes(section: OutlinedSection) -> list[Array]:
-    """Size of the elements (m) at each corner: the distance to the nearest edge elsewhere.
+    """Size of the elements (m) at each corner: the distance to the nearest other edge.
 
-    That is the wall's thickness there; a quarter of the section's smaller side at most.
+    This is the wall's thickness at the corner; a quarter of the section's smaller side at most.
     """
     largest = 0.25 * min(section.extent)
     sizes = []
     for which, loop in enumerate(section.centred_loops):
-        own = []
+        loop_sizes = []
         for number, corner in enumerate(loop):
             nearest = largest
             for other, rim in enumerate(section.centred_loops):
-                away = distances_to_edges(corner, rim)
+                distances = distances_to_edges(corner, rim)
                 if other == which:
-                    # Its own two edges meet in it.
-                    away[[number - 1, number]] = np.inf
-                nearest = min(nearest, float(away.min()))
-            own.append(nearest)
-        sizes.append(np.array(own))
+                    # The two edges that meet in the corner do not count.
+                    distances[[number - 1, number]] = np.inf
+                nearest = min(nearest, float(distances.min()))
+            loop_sizes.append(nearest)
+        sizes.append(np.array(loop_sizes))
     return sizes
 
 
@@ -158,11 +158,11 @@ def counter_clockwise(nodes: Array, cells: IntArray, element: SectionElement) ->
 
 
 def symmetrised(nodes: Array, part: str) -> Array:
-    """Nodes (N×2) moved to the mean of their own places and those of their mirror images.
+    """Nodes (N×2) moved to the mean of their positions and those of their mirror images.
 
     Gmsh spaces points on arcs to about 1e-9 of their length; a section symmetric to rounding has
     products of inertia and couplings that vanish to rounding. Raises ComputationError naming
-    `part` where a node has no mirror image within 1e-6 of the section's size.
+    `part` if a node has no mirror image within 1e-6 of the section's size.
     """
     tolerance = 1e-6 * float(np.ptp(nodes, axis=0).max())
     for mirror in ([-1.0, 1.0], [1.0, -1.0]):

@@ -135,7 +135,7 @@ def test_tee_has_its_shear_centre_in_the_flange():
     assert tee.shear_centre[1] == pytest.approx(0.99 - centroid, abs=1e-3)
 
 
-def test_outline_is_one_section_in_any_place_and_direction():
+def test_outline_has_any_origin_and_direction():
     """Moved, listed clockwise, from another corner; turned by 90°, mirrored."""
     angle = Angle(width=0.06, height=0.1, flange=0.006, web=0.008)
     points = tuple(map(tuple, angle.loops[0].tolist()))
@@ -234,7 +234,7 @@ def test_section_by_its_constants_makes_the_same_beam():
         ({"Ay": 2e-3}, "Ay = 0.002: must be above 0 and at most A, 0.001 m²"),
     ],
 )
-def test_impossible_constants_are_refused_with_one_reason(changed, fault):
+def test_impossible_constants_give_one_reason(changed, fault):
     sound = SectionProperties(1e-3, 2e-7, 3e-7, 1e-8, Ay=8e-4, Az=7e-4)
     assert sound.faults() == []
     (found,) = replace(sound, **changed).faults()

@@ -53,7 +53,7 @@ def by_elements(section, nu, divisions):
 
 
 @pytest.mark.parametrize("section", SECTIONS, ids=lambda one: one.shape)
-def test_section_constants_converge_to_those_of_the_rim(section):
+def test_section_constants_converge_to_rim_solution(section):
     """Two formulations, each of its own mesh; scales are the section's size where one vanishes.
 
     Finite elements converge with h^(4/3) at inward right angles: half the distance at least is

@@ -26,7 +26,7 @@ from lumped.sections import (
 from meshes.section.section_mesh import SectionMesh, section_mesh
 
 
-def test_torsion_constant_converges_from_above_at_twice_the_order_of_the_element():
+def test_torsion_constant_converges_with_twice_order():
     # The warping minimises energy, so J of a convex section falls with refinement as h^2p, but
     # for rectangles (logarithmic corner term) a little slower.
     meshes = [section_mesh(Rectangle(0.1, 0.2), divisions) for divisions in (3, 6)]
@@ -54,7 +54,7 @@ def test_ellipse():
 
 
 @pytest.mark.parametrize("section", [Rectangle(0.1, 0.16), Circle(0.1), Tube(0.1, 0.02)])
-def test_cowper_coefficients_and_round_sections_that_do_not_warp(section):
+def test_cowper_coefficients_and_round_sections(section):
     """Cowper (1966), exact for these three: 10(1+ν)/(12+11ν), 6(1+ν)/(7+6ν) and the tube's."""
     for nu in (0.0, 0.3):
         constants = section_constants(section_mesh(section, 12), nu)
@@ -88,7 +88,7 @@ def test_energy_shear_coefficients():
         assert found == pytest.approx(expected, rel=2e-5)
 
 
-def test_cubic_material_enters_through_its_shear_modulus():
+def test_cubic_material_acts_by_its_shear_modulus():
     mesh = section_mesh(Rectangle(0.3, 0.1), 6)
     # ν G/E is the same: 0.25 · 0.4 = 0.2 · 0.5.
     isotropic, cubic, other = (
@@ -158,7 +158,7 @@ def test_sections_against_sectionproperties():
         assert ours.warping_constant == pytest.approx(theirs.get_egamma(), rel=5e-3)
 
 
-def test_sections_in_two_pieces_and_mirrored_ones_are_refused():
+def test_split_and_mirrored_sections_are_refused():
     mesh = section_mesh(Rectangle(0.1, 0.1), 2)
     nodes = np.vstack([mesh.nodes, mesh.nodes + np.array([1.0, 0.0])])
     cells = np.vstack([mesh.cells, mesh.cells + len(mesh.nodes)])
@@ -168,7 +168,7 @@ def test_sections_in_two_pieces_and_mirrored_ones_are_refused():
         section_constants(replace(mesh, nodes=mesh.nodes * np.array([1.0, -1.0])), 0.3)
 
 
-def test_beam_properties_equal_the_textbook_ones_where_these_are_exact():
+def test_beam_properties_match_exact_textbook_values():
     material = Material(E=2.1e11, G=1.1e11, nu=0.0, rho=7850.0)
     section = Rectangle(0.1, 0.16)
     ours = beam_properties(section_constants(section_mesh(section, 16), 0.0), material)
@@ -177,7 +177,7 @@ def test_beam_properties_equal_the_textbook_ones_where_these_are_exact():
     )
 
 
-def test_circle_does_not_warp_so_its_torsional_waves_have_no_dispersion():
+def test_torsional_waves_of_circle_have_no_dispersion():
     """Pochhammer: the lowest torsional wave of a round bar runs at √(G/ρ) at any wave number."""
     mesh = section_mesh(Circle(0.1), 6)
     for k in (1.0, 30.0):
@@ -187,7 +187,7 @@ def test_circle_does_not_warp_so_its_torsional_waves_have_no_dispersion():
         )
 
 
-def test_a_thick_i_section_has_the_wave_of_a_rod_that_warps():
+def test_thick_i_section_wave_matches_warping_rod():
     """E. Reissner, J. Math. Phys. 31 (1952) 268: one warping function, 8 % above."""
     mesh = section_mesh(ISection(width=0.1, height=0.16, flange=0.02, web=0.02), 4)
     k = np.pi / 1.6
@@ -213,7 +213,7 @@ def test_a_thin_walled_i_section_has_vlasovs_wave():
 @pytest.mark.parametrize(
     ("section", "nu"), [(HollowRectangle(0.1, 0.16, 0.01), 0.3), (Circle(0.1), 0.0)]
 )
-def test_straight_cells_and_all_without_poissons_ratio_contract_as_asked(section, nu):
+def test_contraction_of_straight_cells_is_prescribed(section, nu):
     assert not held_contraction(section_quadrature(section_mesh(section, 2)), nu, 0.4).any()
 
 
@@ -223,7 +223,7 @@ SOFT = Material(E=1.0, G=2.0, nu=0.25, rho=1.0)
 
 @pytest.mark.parametrize("material", [STEEL, AUXETIC, SOFT])
 @pytest.mark.parametrize("section", [Circle(0.1), Tube(0.1, 0.02)])
-def test_energy_is_the_least_of_plane_displacements_beside_plane_sections(section, material):
+def test_energy_is_minimum_over_plane_displacements(section, material):
     """Dense generalised plane strain, all of C on all unknowns: f₀ − fᵀK⁺f over E, with εxx = s."""
     quad = section_quadrature(section_mesh(section, 4))
     moduli, field = elasticity(material), strains(quad, 0.0)
