@@ -1,4 +1,4 @@
 """The entry of the command.
 
-The command line goes in; its exit code comes out.
+In: the command line. Out: its exit code.
 """

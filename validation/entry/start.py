@@ -7,11 +7,11 @@ import sys
 def main() -> int:
     """Load and run the command line; returns the exit code."""
     try:
-        # BLAS reads this once, as numpy is loaded.
+        # BLAS reads this once, when numpy is loaded.
         from fem.machine import ONE_BLAS_THREAD  # noqa: PLC0415
 
         os.environ.update(ONE_BLAS_THREAD)
-        from validation.cli import main as run  # noqa: PLC0415  takes a fifth of a second
+        from validation.cli import main as run  # noqa: PLC0415  import takes 0.2 s
     except KeyboardInterrupt:
         sys.stderr.write("flexproof: interrupted\n")
         return 3

@@ -1,4 +1,4 @@
-"""Designs compared by all models over a number of the robot file, with what each would choose."""
+"""Designs compared by all models over a number of the robot file, with the choice of each model."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -46,7 +46,7 @@ class Designs:
         >>> list(designs.decisions)
         ['deflection', 'frequency']
         """
-        return {objective: found.decision for objective, found in self.curves.items()}
+        return {objective: curves.decision for objective, curves in self.curves.items()}
 
     def best(self, objective: Objective = "deflection", model: str | None = None) -> float:
         """Value of the number that a model chooses.
@@ -132,13 +132,13 @@ class Designs:
         Returns
         -------
         matplotlib.figure.Figure
-            A curve for each model and the reference; stars mark what each would choose.
+            A curve for each model and the reference; stars mark the choice of each.
 
         Examples
         --------
         >>> designs.plot().savefig("designs.png")
         """
-        # Only a picture needs the library that draws it.
+        # Loads the plotting library, which only pictures need.
         from validation.drawing.plot import drawn_chart  # noqa: PLC0415
 
         x = np.array(self.variation.values)
@@ -153,9 +153,9 @@ class Designs:
     def _choice(self, objective: Objective, model: str) -> int:
         decision = self.decisions[objective]
         if model not in decision.models:
-            known = ", ".join(decision.models)
+            allowed = ", ".join(decision.models)
             raise InputError(
-                f'model "{model}": has no {MEANING[objective]}; must be one of {known}'
+                f'model "{model}": has no {MEANING[objective]}; must be one of {allowed}'
             )
         return decision.choice(model).design
 

@@ -1,4 +1,4 @@
-"""A finished run: its comparisons as a table and as a figure, and where its report is."""
+"""A finished run: its comparisons as a table and as a figure, and the path of its report."""
 
 from collections import Counter
 from collections.abc import Mapping
@@ -62,8 +62,8 @@ class Run:
         Returns
         -------
         ResultTable
-            The last column is the unexplained difference divided by the tolerance, at the place
-            where this is largest: above 1 the comparison disagrees.
+            The last column is the unexplained difference divided by the tolerance, in the pose
+            or mode in which it is largest: above 1 the comparison disagrees.
 
         Examples
         --------
@@ -92,7 +92,7 @@ class Run:
         --------
         >>> finished.plot().savefig("comparisons.png")
         """
-        # Only a picture needs the library that draws it.
+        # Loads the plotting library, which only pictures need.
         from validation.python.finished_plot import Compared, finished_plot  # noqa: PLC0415
 
         compared = [

@@ -1,4 +1,4 @@
-"""Figure of a finished run: how much of its tolerance each comparison uses."""
+"""Figure of a finished run: used share of the tolerance of each comparison."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -10,9 +10,9 @@ from matplotlib.figure import Figure
 from validation.drawing.style import GREEN, VERMILLION, WIDTH, Look, plot_style
 from validation.run.outcome import Verdict
 
-# in, of a row, and of the axis with legend; letters of a line of a row's name.
+# Height of a row and of the axis with legend (in); characters per line of a row's name.
 _ROW, _AROUND, _LETTERS = 0.36, 1.1, 38
-# Smaller shares of a tolerance are drawn here: differences of round-off, and zero.
+# Smallest drawn share of a tolerance, also for smaller ones: round-off and zero.
 _SMALLEST = 1e-6
 _LOOKS: Mapping[Verdict, Look] = {
     "agree": Look(GREEN, "o"),
@@ -31,23 +31,23 @@ class Compared:
 
 
 def finished_plot(comparisons: Sequence[Compared]) -> Figure:
-    """One row for each section, a marker for each comparison, a line where tolerances end."""
-    sections = list(dict.fromkeys(one.section for one in comparisons))
+    """One row for each section, a marker for each comparison, a line at the tolerance."""
+    sections = list(dict.fromkeys(comparison.section for comparison in comparisons))
     with plot_style():
         size = (WIDTH, _AROUND + _ROW * len(sections))
         figure = Figure(figsize=size, layout="constrained")
         axes = figure.subplots()
         for verdict, look in _LOOKS.items():
-            of_verdict = [one for one in comparisons if one.verdict == verdict]
-            if of_verdict:
+            group = [comparison for comparison in comparisons if comparison.verdict == verdict]
+            if group:
                 axes.plot(
-                    np.clip([one.share for one in of_verdict], _SMALLEST, None),
-                    [sections.index(one.section) for one in of_verdict],
+                    np.clip([comparison.share for comparison in group], _SMALLEST, None),
+                    [sections.index(comparison.section) for comparison in group],
                     look.marker,
                     color=look.colour,
                     fillstyle="none",
                     markersize=6.0,
-                    label=f"{verdict} ({len(of_verdict)})",
+                    label=f"{verdict} ({len(group)})",
                 )
         axes.axvline(1.0, color="black", linestyle="--", linewidth=1.0, label="tolerance")
         axes.set_xscale("log")

@@ -89,14 +89,14 @@ class MeasuredComparison:
         --------
         >>> compared.plot().savefig("measured.png")
         """
-        # Only a picture needs the library that draws it.
+        # Loads the plotting library, which only pictures need.
         from validation.drawing.plot import drawn_chart  # noqa: PLC0415
 
-        shown = measured_curves(self.matrix)
-        if shown is None:
+        chart = measured_curves(self.matrix)
+        if chart is None:
             raise InputError("plot: the robot has no measured value")
         with plot_style():
-            return drawn_chart(shown)
+            return drawn_chart(chart)
 
     def __repr__(self) -> str:
         quantities = ", ".join(quantity.name for quantity in self.matrix.quantities)

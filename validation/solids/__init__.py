@@ -1,4 +1,4 @@
-"""Legs and robots in three dimensions as a run looks at them: which meshes, and how uncertain.
+"""Solid legs in a run: choice of meshes, and uncertainty of their results.
 
-Legs go in; compliances, modes and energies of solids come out with what refinement leaves open.
+In: legs. Out: compliances, modes and energies of solids with their discretisation uncertainty.
 """

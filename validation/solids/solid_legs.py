@@ -1,4 +1,4 @@
-"""A leg as a solid on series of similar meshes and as a beam of their sections: how uncertain."""
+"""Legs as solids on series of similar meshes and as beams of their sections, with uncertainties."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
@@ -47,27 +47,29 @@ FORMAL_ORDER = 4.0
 # torsion and flexure of walled sections (the Laplacian's corner; G. Strang, G. J. Fix, An Analysis
 # of the Finite Element Method, ch. 8).
 CORNER_ORDER = 4.0 / 3.0
-# Relative rounding of compliances and frequencies: below it a refinement shows nothing.
+# Relative round-off of compliances and frequencies: smaller changes are no convergence.
 ROUND_OFF = 1e-9
 GRIDS_FOR_ORDER, _FEWEST_GRIDS = 4, 2
 # Curved and thin-walled sections keep their proportions only under doubling, from four on.
 _RECTANGLE_LADDER = (1, 2, 3, 4, 6, 8, 12)
 COARSEST_WALLS = 4
 _DOUBLING_LADDER = (COARSEST_WALLS, 8, 16, 32)
-# With the slices of `slices` rigid faces of a box (ν = 0.3) are 0.8 % off, with these 6e-5.
+# Factor on the slices of `slices`: rigid faces of a box (ν = 0.3) have an error of 0.8 % without
+# it, of 6e-5 with it.
 _THINNER = 16
-# Twice the modes asked for, so that no partner is missing where two models order them differently.
+# Modes in addition to the requested ones, so that each has a partner if models order them
+# differently.
 _SPARE_MODES = 6
 _STATIONS = 24
 _ENDS: tuple[Ends, Ends] = ("rigid", "free")
-# Tasks of this group share what is kept of the robot's solids.
+# Tasks of this group share the cached results of the robot's solids.
 SHARED_SOLIDS = "robot.solid.modes"
-# Divisions of rectangles where legs vibrate; the next coarser ones give the numerical uncertainty.
-# Up to four, walls have one element across: half of that shows what the length of elements does,
-# and what the section mesh leaves out it leaves out of the constants alike.
+# Divisions of rectangles for modes of legs; the next coarser ones give the numerical uncertainty.
+# Up to four, walls have one element across: half of that shows the effect of their
+# length, and the error of the section mesh is the same in the section constants.
 DIVISIONS: dict[Preset, int] = {"quick": 2, "standard": 3, "fine": 4}
 WALL_DIVISIONS: dict[Preset, int] = {"quick": 2, "standard": 4, "fine": 8}
-# Of beams beside them.
+# Element count of the beams that are compared with the solids.
 ELEMENTS = 20
 
 
@@ -75,8 +77,8 @@ ELEMENTS = 20
 class Refinement:
     """Values (m×…) on m similar meshes with `divisions` across the section, coarse to fine.
 
-    `free`: where end faces are held, the same with ends free to warp and contract, on the same
-    meshes: all but the stresses at the held edges is in both.
+    `free`: values with ends free to warp and contract, on the same meshes. They contain all errors
+    except that of the stresses at the edges of rigid end faces. None if the ends are free.
     """
 
     divisions: tuple[int, ...]
@@ -92,9 +94,10 @@ class Refinement:
     def uncertainty(self, *index: int) -> float:
         """Numerical uncertainty of one of the finest values (its unit).
 
-        With fewer than four meshes, which show no order, Roache's estimate for two: of what held
-        edges change by their own order, of all else by that of free ends. On four, where a corner
-        lowers the order, its term and the smooth one are told apart by their known orders.
+        With fewer than four meshes, which show no order, it is Roache's estimate for two meshes:
+        the change due to rigid edges by the order of the edges, the rest by that of free ends. With
+        four meshes and an order lowered by a corner, the term of the corner and the smooth term are
+        fitted with their known orders.
         """
         values = self._curve(index)
         if len(values) < GRIDS_FOR_ORDER:
@@ -145,8 +148,8 @@ def edge_order(nu: float) -> float:
     """Order 2 Re λ of energies with stresses r^(λ − 1) where a free side meets a rigid face at 90°.
 
     λ is a root of sin²(λπ/2) = (4 (1 − ν)² − λ²)/(3 − 4ν), plane strain (M. L. Williams, J. Appl.
-    Mech. 19 (1952) 526): 0.71 for ν = 0.3, 1.04 ± 0.58i for ν = −0.9, where stretching is held.
-    Without contraction nothing is held.
+    Mech. 19 (1952) 526): 0.71 for ν = 0.3, 1.04 ± 0.58i for ν = −0.9, where the face restrains
+    stretching. Without contraction nothing is restrained.
     """
     if nu == 0.0:
         return FORMAL_ORDER
@@ -157,7 +160,7 @@ def edge_order(nu: float) -> float:
 
     if nu < 0.0:
         return 2.0 * float(scipy.optimize.newton(misfit, 1.05 + 0.3j).real)
-    # λ = 1 is a root as well, that of a uniform stress.
+    # λ = 1 is a root as well, of a uniform stress.
     if misfit(1.0 - 1e-9).real <= 0.0:
         return 2.0
     return 2.0 * float(
@@ -168,13 +171,16 @@ def edge_order(nu: float) -> float:
 def static_ladder(leg: ConstantLeg, most: int) -> tuple[int, ...]:
     """Divisions whose section mesh has at most `most` unknowns, for studies by doubling.
 
-    Empty where not even two meshes are affordable.
+    Empty if not even two meshes are that small.
     """
     return _ladder(leg, most, lambda _: 1)
 
 
 def dynamic_ladder(leg: ConstantLeg, most: int) -> tuple[int, ...]:
-    """Divisions whose solid mesh has at most `most` unknowns, for studies of modes; as above."""
+    """Divisions whose solid mesh has at most `most` unknowns, for studies of modes.
+
+    Empty if not even two meshes are that small.
+    """
     return _ladder(leg, most, lambda divisions: 2 * slices(leg, divisions) + 1)
 
 
@@ -183,12 +189,12 @@ def _ladder(leg: ConstantLeg, most: int, layers: Callable[[int], int]) -> tuple[
         return 3 * len(face_mesh(leg, divisions).nodes) * layers(divisions) <= most
 
     steps = _RECTANGLE_LADDER if isinstance(leg.section, Rectangle) else _DOUBLING_LADDER
-    chosen = tuple(takewhile(affordable, steps))
-    return chosen if len(chosen) >= _FEWEST_GRIDS else ()
+    ladder = tuple(takewhile(affordable, steps))
+    return ladder if len(ladder) >= _FEWEST_GRIDS else ()
 
 
 def divisions_across(leg: ConstantLeg, rectangle: int, walls: int) -> int:
-    """Those of a rectangle's smaller side, or of the walls and rims of the other shapes."""
+    """Divisions of a rectangle's smaller side, or of the walls and rims of other shapes."""
     return rectangle if isinstance(leg.section, Rectangle) else walls
 
 
@@ -208,7 +214,7 @@ def section_counts(leg: ConstantLeg, divisions: int) -> Divisions:
 def slices(leg: ConstantLeg, divisions: int) -> int:
     """Slices along the leg, as long as a rectangle's elements are wide.
 
-    In the other shapes, which start at four divisions, four times as long: walls need their
+    Slices of the other shapes, which start at four divisions, are four times as long: walls need
     divisions across, not along.
     """
     along = max(2, ceil(leg.length / element_length(leg.section, 1)))
@@ -218,18 +224,19 @@ def slices(leg: ConstantLeg, divisions: int) -> int:
 def static_slices(leg: ConstantLeg, divisions: int) -> int:
     """Slices along the leg for doubling, whose cost is their logarithm.
 
-    So thin that what is held at a rigid face decays over many of them: the section's mesh is left.
+    They are so thin that stresses at a rigid face decay over many of them: only the error of the
+    section's mesh remains.
     """
     return _THINNER * slices(leg, divisions)
 
 
 def face_mesh(leg: ConstantLeg, divisions: int) -> SectionMesh:
-    """The mesh of a leg's section that its solid of so many divisions has."""
+    """Section mesh of a leg's solid with this number of divisions."""
     return section_mesh(leg.section, section_counts(leg, divisions))
 
 
 def doubled_unknowns(leg: ConstantLeg, divisions: int) -> int:
-    """Unknowns of the mesh that doubling condenses to the ends."""
+    """Number of unknowns of the mesh that doubling condenses to the ends."""
     return 3 * len(face_mesh(leg, divisions).nodes) * (2 * static_slices(leg, divisions) + 1)
 
 
@@ -240,7 +247,7 @@ def leg_constants(leg: ConstantLeg, divisions: int) -> SectionConstants:
 
 
 def own_properties(leg: ConstantLeg, divisions: int) -> BeamProperties:
-    """Timoshenko beam of those constants."""
+    """Timoshenko beam with the constants of `leg_constants`."""
     return beam_properties(leg_constants(leg, divisions), leg.material)
 
 
@@ -251,28 +258,28 @@ def face_restraint(leg: ConstantLeg, divisions: int) -> Array:
 
 
 def decay_of_warping(leg: ConstantLeg, divisions: int) -> float:
-    """√(EΓ/GJ) (m): how far from an end non-uniform torsion reaches (Vlasov)."""
+    """√(EΓ/GJ) (m): decay length of non-uniform torsion from an end (Vlasov)."""
     constants, material = leg_constants(leg, divisions), leg.material
-    stiffer = material.E * constants.warping_constant
-    return float(np.sqrt(stiffer / (material.G * constants.torsion_constant)))
+    warping_stiffness = material.E * constants.warping_constant
+    return float(np.sqrt(warping_stiffness / (material.G * constants.torsion_constant)))
 
 
 def solid_compliances(leg: ConstantLeg, divisions: tuple[int, ...]) -> dict[Ends, Refinement]:
     """Tip compliances (m×6×6, SI, leg axes) with rigid and with free ends, by doubling."""
     tips = [doubled_tips(leg, number, static_slices(leg, number)) for number in divisions]
-    rigid, free = (np.array([one[ends] for one in tips]) for ends in _ENDS)
+    rigid, free = (np.array([tip[ends] for tip in tips]) for ends in _ENDS)
     relaxed = Refinement(divisions, free, formal_order(leg, "free"))
-    held = Refinement(divisions, rigid, formal_order(leg, "rigid"), relaxed)
-    return {"rigid": held, "free": relaxed}
+    restrained = Refinement(divisions, rigid, formal_order(leg, "rigid"), relaxed)
+    return {"rigid": restrained, "free": relaxed}
 
 
 def doubled_tips(leg: ConstantLeg, divisions: int, along: int) -> Mapping[Ends, Array]:
     """Tip compliance (6×6, SI, leg axes) of the solid leg of `along` slices by its ends."""
-    # Both kinds of ends are computed together, whichever the leg says that it has.
+    # Both end conditions are computed together, whichever the leg specifies.
     return _doubled_tips(replace(leg, ends=None), divisions, along)
 
 
-# A robot's legs are asked for by studies of the leg, of the robot and of the models' adequacy.
+# Studies of the leg, of the robot and of the models' adequacy use the same legs.
 @memo(64)
 def _doubled_tips(leg: ConstantLeg, divisions: int, along: int) -> dict[Ends, Array]:
     condensed = doubling.condensed_leg(leg, face_mesh(leg, divisions), along)
@@ -286,8 +293,10 @@ def solid_frequencies(
     beam = beam_leg(leg.timoshenko, leg.length, ELEMENTS)
     stations, lengths = centreline_samples(leg.length, _STATIONS)
     root = np.sqrt(centreline_weights(leg.timoshenko, lengths))[:, None]
-    of_beam = clamped_modes(beam, count)
-    target = sampled_modes(of_beam.frequencies, root * (beam.centreline(stations) @ of_beam.shapes))
+    beam_modes = clamped_modes(beam, count)
+    target = sampled_modes(
+        beam_modes.frequencies, root * (beam.centreline(stations) @ beam_modes.shapes)
+    )
     frequencies, mac, unknowns, seconds = [], [], [], []
     for number in divisions:
         start = process_time()
@@ -295,10 +304,11 @@ def solid_frequencies(
         mesh = hexahedra(leg.section, leg.length, counts, slices(leg, number))
         clamped = clamped_leg(solid_leg(leg, mesh), ends)
         twists = section_twists(mesh, stations)
-        for offered in count + _SPARE_MODES * np.array([1, 2, 4, 8]):
-            modes = clamped.modes(int(offered))
+        for mode_count in count + _SPARE_MODES * np.array([1, 2, 4, 8]):
+            modes = clamped.modes(int(mode_count))
             shapes = root * (twists @ modes.shapes)
-            # Of unit modal mass; walls that move by themselves leave next to none to the sections.
+            # Share of the unit modal mass; local modes of walls have almost none in the sections'
+            # motion.
             seen = np.square(shapes).sum(axis=0)
             pairs = pair_modes(target, sampled_modes(modes.frequencies, shapes, seen))
             if (pairs.partner >= 0).all():
@@ -307,14 +317,14 @@ def solid_frequencies(
         mac.append(pairs.likeness)
         unknowns.append(mesh.nodes.size)
         seconds.append(process_time() - start)
-    found = Refinement(divisions, np.array(frequencies), formal_order(leg, ends))
-    return SolidModes(found, np.array(mac), tuple(unknowns), tuple(seconds))
+    refinement = Refinement(divisions, np.array(frequencies), formal_order(leg, ends))
+    return SolidModes(refinement, np.array(mac), tuple(unknowns), tuple(seconds))
 
 
 def held_solid(leg: ConstantLeg, divisions: int, ends: Ends, section: int | None = None) -> HeldLeg:
     """The solid leg with the twists of both ends given; `ends` as in its coupling.
 
-    `section`: divisions of its section, where they are others than `divisions` along it.
+    `section`: divisions of its section. None if they are equal to `divisions`, those along it.
     """
     solid = solid_leg(leg, solid_mesh(leg, divisions, section=section))
     with naming(leg.name):
@@ -322,7 +332,7 @@ def held_solid(leg: ConstantLeg, divisions: int, ends: Ends, section: int | None
 
 
 def own_beam(leg: ConstantLeg, divisions: int) -> LegMatrices:
-    """Timoshenko beam of the constants of the very section mesh that the solid has."""
+    """Timoshenko beam with the constants of the solid's own section mesh."""
     material = leg.material
     mesh = section_mesh(leg.section, divisions)
     constants = section_constants(mesh, material.nu, material.G / material.E)
@@ -333,8 +343,8 @@ def own_beam(leg: ConstantLeg, divisions: int) -> LegMatrices:
 class TwoMeshes:
     """Tip compliances (6×6, SI, leg axes) of a solid leg by its ends, on two similar meshes.
 
-    Sizes of the `coarse` one are `ratio` times the `fine` one's. `restrained`: what rigid faces
-    take from a Timoshenko cantilever in theory, on the finer mesh of the section.
+    Element sizes of `coarse` are `ratio` times those of `fine`. `restrained`: theoretical change of
+    a Timoshenko cantilever's compliance by rigid faces, on the finer mesh of the section.
     """
 
     coarse: Mapping[Ends, Array]
@@ -358,10 +368,10 @@ def two_meshes(leg: ConstantLeg, most: int) -> TwoMeshes:
 def mesh_pair(leg: ConstantLeg, most: int) -> tuple[tuple[int, int], tuple[int, int]]:
     """Divisions of the section and slices along it of the two finest meshes, coarse and fine.
 
-    Their section meshes have at most `most` unknowns. Where one alone of thin walls can have so
-    few, both share it and the coarser one is half as fine along the leg: what the section mesh
-    leaves out of a solid it leaves out of the constants alike. Raises InputError where not even
-    that one is small enough.
+    Their section meshes have at most `most` unknowns. If only one mesh of thin walls has so
+    few, both share it and the coarser one is half as fine along the leg: the error of the section
+    mesh is the same in the section constants. Raises InputError if not even that one is small
+    enough.
     """
     ladder = static_ladder(leg, most)
     if ladder:
@@ -378,7 +388,7 @@ def mesh_pair(leg: ConstantLeg, most: int) -> tuple[tuple[int, int], tuple[int, 
 
 
 def has_meshes(leg: ConstantLeg, most: int) -> bool:
-    """Whether there is a `mesh_pair` of a leg."""
+    """True if a leg has a `mesh_pair`."""
     return bool(static_ladder(leg, most)) or _coarsest_unknowns(leg) <= most
 
 

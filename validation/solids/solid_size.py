@@ -1,6 +1,6 @@
-"""How large solids of legs are, counted from the blocks of their sections, and what a run takes.
+"""Size of solid legs, counted from the blocks of their sections, and the limit of each preset.
 
-A preset says how fine a mesh is; how many unknowns follow depends on how slender the legs are.
+A preset sets the mesh size; the number of unknowns depends on the slenderness of the legs.
 """
 
 from collections.abc import Callable, Sequence
@@ -14,7 +14,7 @@ from meshes.section.section_blocks import element_length, section_blocks, sides_
 from validation.context import PRESETS, Preset
 
 # Unknowns of one solid that a run factorises: some 20 s and 2 GB, 50 s and 5 GB, 7 min and 29 GB
-# (where a machine has less, the factorisation refuses). A hundred ordinary robots drawn at random
+# (with less memory, the factorisation is refused). A hundred ordinary robots drawn at random
 # have at most 34 000, 108 000 and 675 000.
 LARGEST: dict[Preset, int] = {"quick": 100_000, "standard": 200_000, "fine": 800_000}
 
@@ -28,7 +28,7 @@ def solid_unknowns(leg: ConstantLeg, divisions: int) -> float:
         sides = (sides_of(blocks, corners) for corners in blocks.corners)
         nodes = float(sum((2 * across + 1) * (2 * along + 1) for across, along in sides))
     except InputError:
-        # A shape that a user has added: as many squares as its area holds, four nodes each.
+        # A shape added by a user: squares that fill its area, four nodes each.
         nodes = 4.0 * leg.section.area / size**2
     return 3.0 * nodes * (2.0 * slices + 1.0)
 
@@ -49,15 +49,15 @@ def why_shapeless(legs: Sequence[Leg]) -> str:
 
 
 def too_large(legs: Sequence[Leg], divisions: Sequence[int], preset: Preset) -> str:
-    """Which of `legs`, meshed with so many `divisions`, a run does not take, and why; or ""."""
+    """Reason why a run refuses some of `legs` with these `divisions`. "" if it takes all."""
     if shapeless := why_shapeless(legs):
         return shapeless
-    most = LARGEST[preset]
+    limit = LARGEST[preset]
     reasons = []
     for leg, number in zip(legs, divisions, strict=True):
         constant = equivalent_leg(leg)
         unknowns = solid_unknowns(constant, number)
-        if unknowns > most:
+        if unknowns > limit:
             name = constant.name or "a leg"
             reasons.append(
                 f"{name} as a solid of {counted(number, 'division')} has about {unknowns:.2g}"
@@ -65,15 +65,15 @@ def too_large(legs: Sequence[Leg], divisions: Sequence[int], preset: Preset) -> 
     if not reasons:
         return ""
     return (
-        f"{' and '.join(reasons)} unknowns, preset {preset} takes {most}; "
+        f"{' and '.join(reasons)} unknowns, preset {preset} takes {limit}; "
         "solve --model solid says what one answer would take"
     )
 
 
 def larger_preset(preset: Preset, takes: Callable[[Preset], bool]) -> str:
-    """The first preset beyond this one that `takes` what this one does not: "--preset fine".
+    """Option for the first larger preset for which `takes` is true: "--preset fine".
 
-    "no preset" where none does.
+    "no preset" if there is none.
     """
     larger = PRESETS[PRESETS.index(preset) + 1 :]
-    return next((f"--preset {one}" for one in larger if takes(one)), "no preset")
+    return next((f"--preset {candidate}" for candidate in larger if takes(candidate)), "no preset")
