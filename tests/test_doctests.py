@@ -80,7 +80,7 @@ def run_examples_of_result(name, known):
 
 
 @pytest.mark.parametrize("name", FUNCTIONS)
-def test_docstrings_describe_every_parameter_and_result(name):
+def test_docstrings_cover_parameters_and_results(name):
     """The form of numpydoc: Parameters by name, Returns, Raises, Examples."""
     text = inspect.getdoc(getattr(api, name))
     for heading in ("Parameters", "Returns", "Raises", "Examples"):
@@ -102,7 +102,7 @@ def members(name):
 
 
 @pytest.mark.parametrize("name", RESULTS)
-def test_docstrings_of_methods_describe_parameters_and_results(name):
+def test_method_docstrings_cover_parameters_and_result(name):
     for member, value in members(name).items():
         if isinstance(value, property):
             continue

@@ -86,7 +86,7 @@ def test_the_examples_run(script, tmp_path, monkeypatch):
 
 
 @pytest.mark.exhaustive
-def test_the_example_of_a_design_team_is_a_test_that_passes(tmp_path):
+def test_design_team_example_passes(tmp_path):
     line = (
         f"-m pytest -p no:cacheprovider -q --flexproof-preset quick --rootdir . {EXAMPLES}/design"
     )
@@ -128,7 +128,7 @@ def run_console(text: str, capsys: pytest.CaptureFixture[str]) -> None:
             assert line == "…" or line in rest, f"{command} did not print {line!r} but\n{actual}"
 
 
-def test_every_block_and_link_of_the_pages_is_understood():
+def test_blocks_and_links_of_pages_are_valid():
     for page in PAGES:
         text = page.read_text(encoding="utf-8")
         assert text.count("\n```") == 2 * len(blocks(page)), f"{page.name}: an open code block"
@@ -149,7 +149,7 @@ def test_guide_lists_types_of_robots():
     assert re.findall(r"^\| `([\w-]+)` \|", page, re.MULTILINE) == list(get_args(RobotType))
 
 
-def test_files_of_mechanisms_in_the_guide_are_the_built_in_ones():
+def test_mechanism_files_of_guide_are_built_in():
     shown = {
         name.removesuffix(".toml"): text
         for language, name, text in blocks(ROOT / "docs" / "guide" / "mechanisms.md")
@@ -166,7 +166,7 @@ def test_a_new_case_takes_ten_lines():
     assert len(re.findall(r"^.*\S", case.rpartition('"""\n')[2], re.MULTILINE)) <= 10
 
 
-def test_the_guide_to_the_cases_covers_the_catalogue_and_nothing_else():
+def test_guide_to_cases_lists_exactly_the_catalogue():
     page = (ROOT / "docs" / "guide" / "cases.md").read_text(encoding="utf-8")
     rows = re.findall(r"^\| (`.*?) \|", page, re.MULTILINE)
     patterns = [pattern for row in rows for pattern in re.findall(r"`([^`]+)`", row)]
@@ -181,7 +181,7 @@ def test_the_guide_to_the_cases_covers_the_catalogue_and_nothing_else():
 
 
 @pytest.mark.exhaustive
-def test_the_numbers_of_the_page_on_parts_are_what_the_models_answer():
+def test_numbers_of_page_on_parts_match_models():
     """The page is written by a script, `python docs/pictures/parts_models.py`."""
     script = runpy.run_path(str(ROOT / "docs" / "pictures" / "parts_models.py"))
     page = script["PAGE"].read_text(encoding="utf-8")

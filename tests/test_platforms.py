@@ -41,7 +41,7 @@ sys.exit(validation.cli.main(["run", "ifw", "--preset", "quick", "--out", "repor
 """
 
 
-def test_without_posix_models_are_solved_and_runs_refused(tmp_path):
+def test_without_posix_only_runs_are_refused(tmp_path):
     done = subprocess.run(
         [sys.executable, "-c", WITHOUT_POSIX + USE],
         cwd=tmp_path,
@@ -57,7 +57,7 @@ def test_without_posix_models_are_solved_and_runs_refused(tmp_path):
     assert not list(tmp_path.glob("report*"))
 
 
-def test_processes_are_refused_where_pipes_are_not_inherited(monkeypatch):
+def test_processes_need_inherited_pipes(monkeypatch):
     monkeypatch.setattr(processes, "_POSIX", False)
     with pytest.raises(ComputationError, match="works on Linux and macOS alone"):
         processes.in_own_process(len, "abc")

@@ -167,7 +167,7 @@ def analyse(matrix: SparseMatrix) -> Symbolic:
 
 @dataclass(eq=False)
 class RenewableFactor:
-    """A factor that is given up where another one needs its memory, and made anew when asked for.
+    """Factor that is released if another one needs its memory, and recomputed on the next use.
 
     `part` names its matrix in errors; these are those of `Symbolic.factorise`.
     """

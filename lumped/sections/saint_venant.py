@@ -265,7 +265,7 @@ def _smallest_elements(loop: Loop) -> Array:
 
 
 def _graded(start: Array, way: Array, corners: Array, smallest: Array) -> list[float]:
-    """Where the elements of an edge begin, as shares of it, ascending."""
+    """Start points of the elements of an edge, as shares of it, ascending."""
     length = float(np.linalg.norm(way))
     along = (corners - start) @ way / length**2
     across = np.linalg.norm(corners - start - along[:, None] * way, axis=1)

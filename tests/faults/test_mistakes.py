@@ -84,7 +84,7 @@ def first_failure(nearest: tuple[str, ...], mistake: Mistake | None = None) -> s
     return found and found[1]
 
 
-def test_every_text_stands_once_in_its_file_and_its_nearest_tests_are_there():
+def test_mistakes_quote_unique_lines_and_real_tests():
     assert len({one.name for one in MISTAKES}) == len(MISTAKES) >= 70
     assert {one.file.split("/")[0] for one in MISTAKES} == set(PACKAGES)
     for one in MISTAKES:
