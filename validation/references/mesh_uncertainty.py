@@ -1,7 +1,7 @@
 """Uncertainty of references due to meshes: a row for each kind of mesh.
 
-Solid legs show what the length of elements does, beams of the constants of their sections what the
-section meshes do, and CAD parts are solved on three meshes, in the first interpretation alone.
+The effect of the element length is computed with solid legs, that of section meshes with beams of
+the sections' constants. CAD parts are solved on three meshes, in the first interpretation alone.
 """
 
 from collections.abc import Callable, Sequence
@@ -31,11 +31,11 @@ from validation.uncertainty.combiners import relative_sizes
 from validation.uncertainty.mesh_half_widths import MeshPolicy, half_widths_on
 
 H = TypeVar("H")
-_TWO = (0, 1)
+_TWO_LEVELS = (0, 1)
 # Solution of the legs' own 6×6 without any mesh.
 ROUNDING = 1e-9
-# Motion of the tool by the weight of solid legs against that by beams of the same mass: 0.3 % of
-# legs five times as long as high with held ends (ν = 0.3), a tenth of it with free ones.
+# Relative difference of the tool's motion by the weight of solid legs and of beams of equal mass:
+# 0.3 % for legs five times as long as high with held ends (ν = 0.3), a tenth of it with free ends.
 _MASS_OF_BEAMS = 5e-3
 
 
@@ -43,8 +43,9 @@ _MASS_OF_BEAMS = 5e-3
 class MeshRow:
     """Kind of mesh, the field of a reading that chooses it, and its levels from coarse to fine.
 
-    `model` is solved on these meshes under a reading. `policy` of a robot is a share instead if it
-    is known beforehand: 0 if its reference has no such mesh, all if it cannot be refined.
+    `model` is solved on these meshes under a reading. `policy` returns the half-width of a robot
+    itself if it is known beforehand: 0 if its reference has no such mesh, 1 if the mesh cannot be
+    refined.
     """
 
     kind: MeshKind
@@ -75,33 +76,36 @@ def _static_leg_policy(robot: RobotOnPath) -> MeshPolicy | float:
     return slowest(ratio)
 
 
-def _shared_sections(robot: RobotOnPath) -> MeshPolicy | float:
-    """If both solids of a leg share a section mesh: by constants of that and of a finer one."""
+def _shared_section_policy(robot: RobotOnPath) -> MeshPolicy | float:
+    """Policy for a section mesh that both solids of a leg share, compared with a finer one."""
     shared = any(shares_section(robot.context, leg) for leg in robot.legs.values())
     return slowest(SECTION_RATIO) if shared else 0.0
 
 
-def _modal_legs(robot: RobotOnPath) -> MeshPolicy | float:
+def _modal_leg_policy(robot: RobotOnPath) -> MeshPolicy | float:
     if not robot.prisms:
         return 0.0
     ratio = solid_meshes(robot.context.meshes).ratio(robot.prisms)
     return slowest(ratio)
 
 
-def _sections(robot: RobotOnPath) -> MeshPolicy | float:
+def _modal_section_policy(robot: RobotOnPath) -> MeshPolicy | float:
     return slowest(SECTION_RATIO) if robot.prisms else 0.0
 
 
-def _beams(reading: Reading) -> Model:
-    """Beams free to warp lean on Saint-Venant's constant less than such solids do."""
+def _section_beams(reading: Reading) -> Model:
+    """Beams for the study of section meshes: without warping if ends are free, otherwise with it.
+
+    Beams free to warp depend less on Saint-Venant's constant than solids with free ends do.
+    """
     return OWN if "free" in reading.ends.values() else HELD
 
 
 _PARTS = MeshRow("part_mesh", LEVELS, lambda robot: part_policy(robot.mechanism))
-_STATIC_LEGS = MeshRow("mesh", _TWO, _static_leg_policy)
-_STATIC_SECTIONS = MeshRow("section_mesh", _TWO, _shared_sections, lambda _: OWN)
-_MODAL_LEGS = MeshRow("mesh", _TWO, _modal_legs)
-_MODAL_SECTIONS = MeshRow("section_mesh", _TWO, _sections, _beams)
+_STATIC_LEGS = MeshRow("mesh", _TWO_LEVELS, _static_leg_policy)
+_STATIC_SECTIONS = MeshRow("section_mesh", _TWO_LEVELS, _shared_section_policy, lambda _: OWN)
+_MODAL_LEGS = MeshRow("mesh", _TWO_LEVELS, _modal_leg_policy)
+_MODAL_SECTIONS = MeshRow("section_mesh", _TWO_LEVELS, _modal_section_policy, _section_beams)
 
 
 def displacement_half_widths(responses: Responses, reading: Reading) -> Array:
@@ -109,8 +113,8 @@ def displacement_half_widths(responses: Responses, reading: Reading) -> Array:
     robot = responses.robot
     solve = responses.required_statics
 
-    def change(one: Statics, other: Statics, fine: Statics) -> Array:
-        return sizes(one - other, fine)
+    def change(first: Statics, second: Statics, fine: Statics) -> Array:
+        return sizes(first - second, fine)
 
     loads = robot.mechanism.loads
     half_widths = np.zeros((len(robot.postures), len(UNIT_LOADS) + len(loads)))
@@ -125,10 +129,10 @@ def displacement_half_widths(responses: Responses, reading: Reading) -> Array:
 
 
 def frequency_half_widths(responses: Responses, reading: Reading) -> Array:
-    """Relative half-widths of the judged frequencies (P×K) due to all meshes. All of it if unknown.
+    """Relative half-widths of the judged frequencies (P×K) due to all meshes. One if unknown.
 
-    Unknown are those of modes that a coarser solid, or the beams, do not have. The order by which
-    parts converge is that of the first `MOST_MODES` frequencies, however many are judged.
+    Half-widths of modes that a coarser solid, or the beams, do not have are unknown. The order
+    of convergence of parts is that of the first `MOST_MODES` frequencies, for any judged number.
     """
     robot, solve = responses.robot, responses.required_modes
     fine = solve(SOLID, reading)
@@ -137,7 +141,7 @@ def frequency_half_widths(responses: Responses, reading: Reading) -> Array:
     half_widths += _PARTS.half_widths(responses, robot.first_reading, solve, _first_changes)
     half_widths = half_widths[:, : robot.judged]
     if robot.prisms:
-        beams = solve(_beams(reading), reading)
+        beams = solve(_section_beams(reading), reading)
         of_beams = _MODAL_SECTIONS.half_widths(responses, reading, solve, _all_changes)
         amounts = np.broadcast_to(
             of_beams[:, None, :], (*fine.frequencies.shape, of_beams.shape[1])
@@ -146,19 +150,19 @@ def frequency_half_widths(responses: Responses, reading: Reading) -> Array:
     return np.where(np.isnan(half_widths), UNKNOWN, half_widths)
 
 
-def _first_changes(one: PathModes, other: PathModes, fine: PathModes) -> Array:
-    return _frequency_changes(one, other, fine, MOST_MODES)
+def _first_changes(first: PathModes, second: PathModes, fine: PathModes) -> Array:
+    return _frequency_changes(first, second, fine, MOST_MODES)
 
 
-def _all_changes(one: PathModes, other: PathModes, fine: PathModes) -> Array:
-    return _frequency_changes(one, other, fine, fine.frequencies.shape[1])
+def _all_changes(first: PathModes, second: PathModes, fine: PathModes) -> Array:
+    return _frequency_changes(first, second, fine, fine.frequencies.shape[1])
 
 
-def _frequency_changes(one: PathModes, other: PathModes, fine: PathModes, count: int) -> Array:
+def _frequency_changes(coarse: PathModes, middle: PathModes, fine: PathModes, count: int) -> Array:
     """Differences (P×count) of the changes from two meshes to the finest one, by shape."""
     first, second = (
         np.zeros(1) if modes is fine else frequency_changes(fine, modes, count)
-        for modes in (one, other)
+        for modes in (coarse, middle)
     )
     return np.asarray(np.abs(first - second))
 
@@ -166,14 +170,14 @@ def _frequency_changes(one: PathModes, other: PathModes, fine: PathModes, count:
 def response_half_widths(
     responses: Responses, reading: Reading, numbers: Callable[[PathModes], Array]
 ) -> Array:
-    """Relative half-widths of `numbers` of the responses due to meshes. All of them if unknown."""
+    """Relative half-widths of `numbers` of the responses due to meshes. One if unknown."""
     robot, solve = responses.robot, responses.required_modes
 
-    def change(one: PathModes, other: PathModes, fine: PathModes) -> Array:
-        return relative_sizes(numbers(one) - numbers(other), numbers(fine))
+    def change(first: PathModes, second: PathModes, fine: PathModes) -> Array:
+        return relative_sizes(numbers(first) - numbers(second), numbers(fine))
 
     half_widths = np.zeros_like(numbers(solve(SOLID, reading)))
-    # A peak that nothing damps has no size.
+    # An undamped peak has no finite size.
     with np.errstate(invalid="ignore"):
         for row in (_MODAL_LEGS, _MODAL_SECTIONS):
             half_widths += row.half_widths(responses, reading, solve, change)

@@ -1,4 +1,4 @@
-"""Natural modes of a robot: what models are held against, and why they are off."""
+"""Reference of the natural modes of a robot, and causes of the errors of models."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -41,10 +41,10 @@ _SUPPOSED = "for every plausible distribution of the legs' mass and stiffness"
 
 
 def dynamic_reference(responses: Responses) -> Reference:
-    """Solid legs reduced to their ends, legs known by their 6×6 with every plausible inside."""
+    """Solid legs reduced to their ends, legs known by their 6×6 with each plausible inside."""
     robot = responses.robot
     preset, holding, parts = robot.context.meshes, robot.holding, robot.mechanism.parts
-    if reason := _why_unmeshed(robot.prisms, preset):
+    if reason := _reason_unmeshed(robot.prisms, preset):
         return Reference("none", decides=reason)
     interpretations = []
     for (name, ends), inside in product(
@@ -61,7 +61,7 @@ def dynamic_reference(responses: Responses) -> Reference:
         )
     mass_unsaid = Source.MASSES if robot.given else ""
     return Reference(
-        title=_title(robot),
+        title=_reference_title(robot),
         model=SOLID,
         interpretations=interpretations,
         open=" and ".join(filter(None, (holding.unsaid, mass_unsaid))),
@@ -74,8 +74,8 @@ def dynamic_reference(responses: Responses) -> Reference:
     )
 
 
-def _title(robot: RobotOnPath) -> str:
-    """What models are held against."""
+def _reference_title(robot: RobotOnPath) -> str:
+    """Title of the reference."""
     if robot.given:
         return "mechanism of the legs' own 6×6 and plausible insides"
     if robot.mechanism.parts:
@@ -84,49 +84,51 @@ def _title(robot: RobotOnPath) -> str:
     return "mechanism of solid legs, reduced to their ends"
 
 
-def _why_unmeshed(prisms: Sequence[ConstantLeg], preset: Preset) -> str:
-    """Why a preset does not mesh these legs; or ""."""
+def _reason_unmeshed(prisms: Sequence[ConstantLeg], preset: Preset) -> str:
+    """Reason why a preset does not mesh these legs. "" if it does."""
     divisions = [solid_meshes(preset).fine.divisions(leg) for leg in prisms]
     return too_large(prisms, divisions, preset)
 
 
 def _finer_preset(prisms: Sequence[ConstantLeg], preset: Preset) -> str:
-    """What would leave less of the meshes of these legs: a larger preset, if one meshes them."""
-    return finer_by(larger_preset(preset, lambda one: not _why_unmeshed(prisms, one)))
+    """Instruction for finer meshes of these legs: a larger preset, if one meshes them."""
+    return finer_by(larger_preset(preset, lambda larger: not _reason_unmeshed(prisms, larger)))
 
 
 def mass_notes(responses: Responses, reference: Reference) -> tuple[str, ...]:
-    """Ranges of frequencies of plausible insides in the middle of the path, and bounds of all.
+    """Notes on the frequency ranges of plausible insides at mid-path, and on their upper bounds.
 
-    Mass lowers frequencies, wherever it lies (Rayleigh): legs without mass bound them from above.
-    Nothing bounds them from below, since the 6×6 says nothing of what is between a leg's ends.
+    Mass at any position lowers frequencies (Rayleigh), so massless legs bound them from above.
+    There is no lower bound, since the 6×6 has no information on the leg between its ends.
     """
     if not reference.supposed or reference.model is None:
         return ()
     robot = responses.robot
-    known = [
+    all_frequencies = [
         modes.frequencies
-        for one in reference.interpretations
-        if (modes := responses.known_modes(reference.model, one.reading))
+        for interpretation in reference.interpretations
+        if (modes := responses.known_modes(reference.model, interpretation.reading))
     ]
-    found = np.array([one[len(one) // 2, : robot.judged] for one in known])
-    lows, highs = np.nanmin(found, axis=0), np.nanmax(found, axis=0)
+    middle_frequencies = np.array(
+        [path[len(path) // 2, : robot.judged] for path in all_frequencies]
+    )
+    lows, highs = np.nanmin(middle_frequencies, axis=0), np.nanmax(middle_frequencies, axis=0)
     spans = [
         f"f{k + 1} {low:.4g} to {high:.4g} Hz"
         for k, (low, high) in enumerate(zip(lows, highs, strict=True))
     ]
-    said = (
+    note = (
         f"Plausible distributions of the legs' mass and stiffness give {', '.join(spans)} in the "
         "middle of the path"
     )
     # Links bound neither solids, whose held ends are stiffer, nor parts.
     if robot.prisms or robot.mechanism.parts:
-        return (said,)
+        return (note,)
     middle = robot.postures[len(robot.postures) // 2]
     massless = links(robot.mechanism, tip_compliances(robot.mechanism))
     (above,) = modes_along(assembly(robot.mechanism, massless), [middle], robot.judged)
     bounds = [f"f{k + 1} {top:.4g} Hz" for k, top in enumerate(above.modes.frequencies)]
-    return (f"{said}; no distribution gives more than massless legs: {', '.join(bounds)}",)
+    return (f"{note}; no distribution gives more than massless legs: {', '.join(bounds)}",)
 
 
 def modal_steps(robot: RobotOnPath, judged: Mapping[str, Model]) -> Steps:
@@ -136,7 +138,7 @@ def modal_steps(robot: RobotOnPath, judged: Mapping[str, Model]) -> Steps:
         "drives": beam,
         "shear of segments": judged["segments"],
         "shear of beams": beam,
-        # Second order in 1/n: a quarter of the error is left.
+        # Second order in 1/n: a quarter of the error remains.
         "twice as many": Model("twice as many segments", modes=_on_twice_as_many),
         "beams": beam,
     }

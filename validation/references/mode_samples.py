@@ -1,4 +1,4 @@
-"""Where shapes of a mechanism's modes are sampled, and what mass each sample stands for."""
+"""Sampling points of a mechanism's mode shapes, and the mass that each sample represents."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -24,10 +24,10 @@ _CORNERS = np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])
 
 @dataclass(frozen=True, eq=False)
 class Samples:
-    """What is sampled of a shape (k numbers), with the mass `weights` (k) of each.
+    """Samples of a shape (k numbers), with the mass `weights` (k) of each.
 
-    `points` (m×3, body axes) of legs and parts, `turned` the principal axes of every rigid body,
-    `prisms` the masses (m, kg) at the points of the legs of constant section.
+    `points` (m×3, body axes) of legs and parts. `turned`: principal axes of each rigid body.
+    `prisms`: masses (m, kg) at the points of the legs of constant section.
     """
 
     mechanism: Mechanism
@@ -37,16 +37,16 @@ class Samples:
     weights: Array
 
     def of_models(self, models: Mapping[str, BodyModel]) -> dict[str, Array]:
-        """Displacements (3m×n) at the points from the unknowns of each leg's model."""
-        known: dict[tuple[BodyModel, bytes], Array] = {}
-        found = {}
+        """Matrices (3m×n) from the unknowns of each leg's model to displacements at its points."""
+        matrices: dict[tuple[BodyModel, bytes], Array] = {}
+        matrix_by_body = {}
         for name, model in models.items():
             points = self.points[name]
             key = model, points.tobytes()
-            if key not in known:
-                known[key] = model.displacements(points).toarray()
-            found[name] = known[key]
-        return found
+            if key not in matrices:
+                matrices[key] = model.displacements(points).toarray()
+            matrix_by_body[name] = matrices[key]
+        return matrix_by_body
 
     def at(self, system: System, shapes: Array, of_models: Mapping[str, Array]) -> Array:
         """Samples (k×m) of shapes (n×m) of a system; legs without a model are rigid."""
@@ -56,8 +56,8 @@ class Samples:
             frame, shape = system.posture.frames[name], self.mechanism.bodies[name].shape
             centre = shape.centre if isinstance(shape, Rigid) else np.zeros(3)
             point = next(iter(self.mechanism.bodies[name].interfaces))
-            place = frame.position + frame.rotation @ centre
-            twist = system.motions.at(name, point, place) @ outer
+            position = frame.position + frame.rotation @ centre
+            twist = system.motions.at(name, point, position) @ outer
             rows.append(turn(frame.rotation @ axes).T @ twist)
         for name, points in self.points.items():
             if name in of_models:
@@ -65,22 +65,22 @@ class Samples:
                 continue
             frame = system.posture.frames[name]
             point = next(iter(self.mechanism.bodies[name].interfaces))
-            own = turn(frame.rotation).T @ system.motions.at(name, point, frame.position) @ outer
-            rows += [(shift(place) @ own)[:3] for place in points]
+            twist = turn(frame.rotation).T @ system.motions.at(name, point, frame.position) @ outer
+            rows += [(shift(position) @ twist)[:3] for position in points]
         return np.vstack(rows)
 
     def seen(self, system: System, shapes: Array, of_models: Mapping[str, Array]) -> Array:
-        """Share (m) of the kinetic energy of mass-normalised shapes (n×m) that the samples see.
+        """Share (m) of the kinetic energy of mass-normalised shapes (n×m) covered by the samples.
 
-        Samples of prisms move with whole cross-sections, as all of a beam does: the rest of the
-        energy is motion inside the sections of solids. That of all other bodies counts as seen.
+        Samples of prisms move with whole cross-sections, like a beam. The rest of the energy is
+        motion inside the sections of solids. The energy of all other bodies counts as covered.
         """
         inside = np.zeros(shapes.shape[1])
         for name in self.prisms.keys() & of_models.keys():
-            own = system.body_unknowns(name, shapes)
-            whole = np.repeat(self.prisms[name], 3) @ np.square(of_models[name] @ own)
-            energy = np.sum(own * (system.models[name].mass @ own), axis=0)
-            inside += np.maximum(energy - whole, 0.0)
+            unknowns = system.body_unknowns(name, shapes)
+            sampled_energy = np.repeat(self.prisms[name], 3) @ np.square(of_models[name] @ unknowns)
+            energy = np.sum(unknowns * (system.models[name].mass @ unknowns), axis=0)
+            inside += np.maximum(energy - sampled_energy, 0.0)
         return np.asarray(np.clip(1.0 - inside, 0.0, 1.0))
 
 
@@ -94,7 +94,7 @@ def samples_of(mechanism: Mechanism) -> Samples:
             weights += [np.full(3, body.shape.mass), np.maximum(moments, 0.0)]
     points, prisms = {}, {}
     for name, leg in legs_of(mechanism).items():
-        points[name], masses = _of_leg(mechanism.bodies[name])
+        points[name], masses = _leg_points_and_masses(mechanism.bodies[name])
         if isinstance(leg, ConstantLeg):
             prisms[name] = masses
         weights.append(np.repeat(masses, 3))
@@ -105,7 +105,7 @@ def samples_of(mechanism: Mechanism) -> Samples:
     return Samples(mechanism, points, turned, prisms, np.concatenate(weights))
 
 
-def _of_leg(body: Body) -> tuple[Array, Array]:
+def _leg_points_and_masses(body: Body) -> tuple[Array, Array]:
     """Points (m×3, body axes) of a leg and the mass (m, kg) of each."""
     leg = equivalent_leg(leg_of(body))
     properties = leg.timoshenko

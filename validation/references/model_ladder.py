@@ -1,4 +1,4 @@
-"""Models up to the reference: formulations, legs as springs of ever more of their solids, solids.
+"""Models of the ladder: formulations, legs as springs with more and more effects, and solids.
 
 Statics of springs are solved by virtual joints if legs are serial chains, which share no code with
 the assembler of the reference, and by links otherwise.
@@ -53,8 +53,8 @@ Spring: TypeAlias = Callable[[RobotOnPath, Leg, Ends], Array]
 
 def model_statics(postures: Sequence[Posture], model: ModelName, options: ModelOptions) -> Statics:
     """Statics of a model."""
-    found = np.array([answer.compliance for answer in answers(model, postures, 0, options)])
-    return Statics.of(found, displacements(model, postures, options))
+    compliances = np.array([answer.compliance for answer in answers(model, postures, 0, options)])
+    return Statics.of(compliances, displacements(model, postures, options))
 
 
 def formulation(name: str, kind: ModelName, options: ModelOptions) -> Model:
@@ -104,7 +104,7 @@ def solid_statics(robot: RobotOnPath, reading: Reading) -> Statics:
 def own_statics(robot: RobotOnPath, reading: Reading) -> Statics:
     """Statics with legs of their sections' own constants.
 
-    On the coarse section mesh legs whose solids share one section mesh have the constants of that.
+    On the coarse section mesh, legs whose solids share one section mesh have its constants.
     """
 
     def divisions(leg: Leg) -> int:
@@ -119,7 +119,7 @@ def own_statics(robot: RobotOnPath, reading: Reading) -> Statics:
 
 def _spring_statics(spring: Spring, robot: RobotOnPath, reading: Reading) -> Statics:
     """Statics with each leg as a spring at its tip."""
-    # Models that do not depend on ends have springs that do not.
+    # Readings without ends belong to models whose springs do not depend on them.
     ends = reading.ends or dict.fromkeys(robot.legs, "rigid")
     springs = {body: spring(robot, leg, ends[body]) for body, leg in robot.legs.items()}
     return _by_springs(robot, springs)
@@ -130,7 +130,7 @@ def _by_springs(robot: RobotOnPath, springs: Springs) -> Statics:
 
 
 def _summed(postures: Sequence[Posture], springs: Springs) -> Statics:
-    """Statics by virtual joints along serial chains, every leg by its tip's compliance."""
+    """Statics by virtual joints along serial chains, each leg by its tip's compliance."""
     compliances = np.array([serial_chains.compliance(posture, springs) for posture in postures])
     masses = masses_of(postures[0].mechanism)
     return Statics.of(compliances, displacements_by(by_chains(springs), postures, masses))
@@ -196,7 +196,7 @@ SOLID = Model(
     modal_fields=("ends", "masses", "interior", "mesh", "part_mesh"),
     stand_in=HELD,
 )
-# Less all that rigid end faces take.
+# Legs of own constants, less the compliance lost by rigid end faces.
 RESTRAINED = Model(
     "contraction held", statics=partial(_spring_statics, _restrained), static_fields=("ends",)
 )

@@ -50,18 +50,18 @@ Build = Callable[[Leg, Ends, float], LegMatrices]
 
 
 def modes_by_model(robot: RobotOnPath, model: ModelName, options: ModelOptions) -> PathModes | None:
-    """What a model answers; None where nothing has mass."""
+    """Modes of a robot by a model. None if nothing has mass."""
     if model == "simplified":
         drives = modes_on_drives(robot.postures, robot.offered)
-        found = vibration_of(robot.samples, drives, robot.offered)
-        return found if np.isfinite(found.frequencies).any(axis=1).all() else None
+        modes = vibration_of(robot.samples, drives, robot.offered)
+        return modes if np.isfinite(modes.frequencies).any(axis=1).all() else None
     return robot.context.get(model_vibration, robot.postures, model, options, robot.offered)
 
 
 class LegMesh(NamedTuple):
     """Divisions of a prism's mesh: `across` rectangles, and across the `walls` of other sections.
 
-    Sections with walls are meshed with at least `least` divisions, whatever the slices are.
+    Sections with walls have at least `least` divisions, independent of the slices along the leg.
     """
 
     across: int
@@ -92,7 +92,7 @@ class SolidMeshes(NamedTuple):
 
 
 def solid_meshes(preset: Preset) -> SolidMeshes:
-    """Meshes between which the step of a preset's solid legs is taken."""
+    """Coarse and fine mesh of a preset's solid legs."""
     across, walls = DIVISIONS[preset], WALL_DIVISIONS[preset]
     return SolidMeshes(LegMesh(across - 1, walls // 2), LegMesh(across, walls))
 
@@ -100,8 +100,8 @@ def solid_meshes(preset: Preset) -> SolidMeshes:
 def modes_of_solids(robot: RobotOnPath, reading: Reading) -> PathModes:
     """Modes with solid legs, legs known by their 6×6 with an inside, and CAD parts.
 
-    Sections of thin walls are one mesh with one and with two divisions: shorter slices would not
-    show how much too stiff it resists distortion. The fine one has at least four.
+    Sections of thin walls have the same mesh with one and with two divisions: shorter slices alone
+    would not show its excess stiffness against distortion. The fine mesh has at least four.
     """
     meshes = solid_meshes(robot.context.meshes)
     mesh = meshes.fine._replace(least=COARSEST_WALLS) if reading.mesh else meshes.coarse
@@ -115,27 +115,42 @@ def modes_of_own_beams(
     return robot.context.get(own_vibration, robot.postures, mesh, ends, robot.offered)
 
 
-def vibration_of(samples: Samples, found: Iterable[PostureModes], count: int) -> PathModes:
-    """Frequencies and sampled shapes of `count` modes, NaN beyond those that have mass; responses.
+def vibration_of(samples: Samples, posture_modes: Iterable[PostureModes], count: int) -> PathModes:
+    """Frequencies and sampled shapes of `count` modes, and responses. NaN for missing modes.
 
-    Lumps of mass have few modes; on its drives alone a robot has fewer at the end of a stroke.
+    A robot of few lumped masses has few modes, and one on its drives alone has fewer at the end of
+    a stroke.
     """
-    frequencies, shapes, seen, responses, of_models = [], [], [], [], None
-    for one in found:
-        # Bodies have the same models in every posture.
-        of_models = of_models or samples.of_models(one.system.models)
-        beyond = (0, count - len(one.modes.frequencies))
-        frequencies.append(np.pad(one.modes.frequencies, beyond, constant_values=np.nan))
-        shapes.append(np.pad(samples.at(one.system, one.modes.shapes, of_models), ((0, 0), beyond)))
-        seen.append(np.pad(samples.seen(one.system, one.modes.shapes, of_models), beyond))
-        responses.append(one.responses)
+    frequencies, shapes, energy_shares, responses, displacements = [], [], [], [], None
+    for posture in posture_modes:
+        # Bodies have the same models in all postures.
+        displacements = displacements or samples.of_models(posture.system.models)
+        padding = (0, count - len(posture.modes.frequencies))
+        frequencies.append(np.pad(posture.modes.frequencies, padding, constant_values=np.nan))
+        shapes.append(
+            np.pad(
+                samples.at(posture.system, posture.modes.shapes, displacements), ((0, 0), padding)
+            )
+        )
+        energy_shares.append(
+            np.pad(samples.seen(posture.system, posture.modes.shapes, displacements), padding)
+        )
+        responses.append(posture.responses)
     return PathModes(
         np.array(frequencies),
         np.array(shapes),
         samples.weights,
-        np.array(seen),
-        np.array([[number for one in of for number in one.judged] for of in responses]),
-        [np.array([one.receptance for one in ones]) for ones in zip(*responses, strict=True)],
+        np.array(energy_shares),
+        np.array(
+            [
+                [judged for posture in excitations for judged in posture.judged]
+                for excitations in responses
+            ]
+        ),
+        [
+            np.array([posture.receptance for posture in excitation])
+            for excitation in zip(*responses, strict=True)
+        ],
     )
 
 
@@ -148,10 +163,10 @@ def model_vibration(
 
     def solve(highest: float) -> PathModes:
         bodies = dynamic_bodies(model, mechanism, highest, options)
-        along = modes_along(assembly(mechanism, bodies), postures, count)
-        return vibration_of(samples, along, count)
+        posture_modes = modes_along(assembly(mechanism, bodies), postures, count)
+        return vibration_of(samples, posture_modes, count)
 
-    return with_enough_modes(solve, _known, postures, count)
+    return with_enough_modes(solve, _solved_frequencies, postures, count)
 
 
 def built_vibration(
@@ -161,7 +176,7 @@ def built_vibration(
     ends: Holds,
     count: int,
 ) -> PathModes:
-    """Modes with every leg as `build` makes it of leg, ends and highest frequency (Hz).
+    """Modes with each leg by `build`, a function of leg, ends and highest frequency (Hz).
 
     `parts`: models of the CAD parts.
     """
@@ -169,27 +184,27 @@ def built_vibration(
     samples, legs = samples_of(mechanism), known_legs(mechanism)
 
     def solve(highest: float) -> PathModes:
-        made: dict[tuple[object, Ends], LegMatrices] = {}
+        built: dict[tuple[object, Ends], LegMatrices] = {}
         bodies: dict[str, BodyModel] = {}
         for name, leg in legs.items():
             key = leg if isinstance(leg, ConstantLeg) else name, ends[name]
-            if key not in made:
-                made[key] = filled(build(leg, ends[name], highest))
-            bodies[name] = made[key]
+            if key not in built:
+                built[key] = filled(build(leg, ends[name], highest))
+            bodies[name] = built[key]
         prepared = assembly(mechanism, {**bodies, **parts})
         return vibration_of(samples, modes_along(prepared, postures, count), count)
 
-    return with_enough_modes(solve, _known, postures, count)
+    return with_enough_modes(solve, _solved_frequencies, postures, count)
 
 
-def _known(found: PathModes) -> Array:
-    return np.asarray(found.frequencies[np.isfinite(found.frequencies)])
+def _solved_frequencies(modes: PathModes) -> Array:
+    return np.asarray(modes.frequencies[np.isfinite(modes.frequencies)])
 
 
 def solid_vibration(
     postures: tuple[Posture, ...], reading: Reading, mesh: LegMesh, count: int
 ) -> PathModes:
-    """Modes with prisms as solids on `mesh` reduced to their ends; all else as the reading."""
+    """Modes with prisms as solids on `mesh` reduced to their ends; other bodies by the reading."""
 
     def build(leg: Leg, ends: Ends, highest: float) -> LegMatrices:
         if isinstance(leg, GivenLeg):
@@ -201,7 +216,7 @@ def solid_vibration(
     return built_vibration(postures, build, parts, reading.ends, count)
 
 
-# Robots that differ in one number share most of their legs.
+# Stored, since robots that differ in one number share most of their legs.
 @memo(16)
 def _reduced_solid(
     leg: ConstantLeg, number: int, face: int, ends: Ends, highest: float
@@ -221,5 +236,5 @@ def own_vibration(
 
 def _own_leg(leg: Leg, ends: Ends, highest: float, *, mesh: LegMesh, warping: bool) -> LegMatrices:
     number = mesh.divisions(equivalent_leg(leg))
-    whole = own_elements(leg, ends if warping else None, ELEMENTS, number)
-    return craig_bampton(held_leg(whole), highest, CUTOFF["beam"] * highest).matrices
+    elements = own_elements(leg, ends if warping else None, ELEMENTS, number)
+    return craig_bampton(held_leg(elements), highest, CUTOFF["beam"] * highest).matrices

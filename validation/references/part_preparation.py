@@ -1,8 +1,8 @@
-"""CAD parts of a run before anything else: meshed, identified and reduced side by side.
+"""Preparation of a run's CAD parts before all else: meshing, identification and reduction.
 
-Parts do not know of each other, and neither do the meshes of one: each is work of its own for a
-core of this machine or a worker of a cluster. What comes out lies where the comparisons look for
-it (validation.run.cache), so that these compute nothing of it again.
+Parts, and the meshes of one part, are independent of each other: each is separate work for a core
+of this machine or a worker of a cluster. Results are stored in the cache of the comparisons
+(validation.run.cache), which do not compute them again.
 """
 
 import tempfile
@@ -26,15 +26,15 @@ from validation.references.robot_on_path import RobotOnPath, robot_on_path
 from validation.run.cache import Arrays, CacheEntry, find, keep
 from validation.run.executor import Executor
 
-# Entries of the cache that are asked for of a part.
+# Function from a part to the cache entries that it needs.
 Question = Callable[[Body], Sequence[CacheEntry[Any]]]
 
 
 @dataclass(frozen=True)
 class PartWork:
-    """What is asked of a part, with the `content` of its file for who does not have that.
+    """Cache entries to compute for a part, with the `content` of its file for other machines.
 
-    `carried`: whether what was computed comes back with the answer: from another machine.
+    `carried`: true on another machine, which returns the computed arrays.
     """
 
     body: Body
@@ -43,11 +43,11 @@ class PartWork:
     carried: bool
 
     def __call__(self) -> dict[str, Arrays]:
-        """Compute the entries; their arrays by key, and of those that they need, if `carried`.
+        """Compute the entries. If `carried`, return their arrays, and those they need, by key.
 
-        An entry that cannot be computed is left to the comparison that asks for it again.
+        An entry that cannot be computed is left to the comparison that needs it.
         """
-        with self._at_hand() as body:
+        with self._local_body() as body:
             entries = _entries(self.ask, body)
             for entry in entries:
                 with suppress(InputError, ComputationError):
@@ -57,34 +57,36 @@ class PartWork:
             return {key: arrays for entry in entries for key, arrays in entry.stored_arrays.items()}
 
     @contextmanager
-    def _at_hand(self) -> Iterator[Body]:
+    def _local_body(self) -> Iterator[Body]:
         """The body with its file on this machine."""
         shape = reduced_parts.shape_of(self.body)
         if not self.carried:
             yield self.body
             return
         with tempfile.TemporaryDirectory(prefix="flexproof-part-") as folder:
-            here = Path(folder) / shape.file.name
-            here.write_bytes(self.content)
-            yield replace(self.body, shape=replace(shape, file=here))
+            copy = Path(folder) / shape.file.name
+            copy.write_bytes(self.content)
+            yield replace(self.body, shape=replace(shape, file=copy))
 
 
 def prepare_parts(context: Context, executor: Executor, *, carried: bool) -> None:
-    """Compute what a run asks of the mechanism's parts: first what they are, then as solids.
+    """Compute the entries of the mechanism's parts: first their identification, then their solids.
 
-    Raises what the executor raises where a process or the cluster is lost.
+    Raises the executor's error if a process or the cluster is lost.
     """
     mechanism = context.robot_file.mechanism
     bodies = {
         part_key(*reduced_parts.found_in(body), reduced_parts.shape_of(body).material): body
         for body in mechanism.parts.values()
     }
-    _finish([(body, _as_it_is) for body in bodies.values()], executor, carried=carried)
-    asked = list(_reductions(robot_on_path(context), bodies.values()))
-    _finish(asked, executor, carried=carried)
+    _compute_missing(
+        [(body, _identification) for body in bodies.values()], executor, carried=carried
+    )
+    requests = list(_reductions(robot_on_path(context), bodies.values()))
+    _compute_missing(requests, executor, carried=carried)
 
 
-def _as_it_is(body: Body) -> list[CacheEntry[Any]]:
+def _identification(body: Body) -> list[CacheEntry[Any]]:
     stepped = [stepped_entry(body)] if reduced_parts.is_leg(body) else []
     return [reduced_parts.identified_entry(body), *stepped]
 
@@ -94,13 +96,13 @@ def _reduction(body: Body, **options: Any) -> list[CacheEntry[Any]]:
 
 
 def _reductions(robot: RobotOnPath, bodies: Collection[Body]) -> Iterator[tuple[Body, Question]]:
-    """The finest meshes first: they take longest."""
+    """Reductions of the bodies, those of the finest meshes first, since they take longest."""
     alternatives = tuple(robot.holding.alternatives.values())
     first = alternatives[:1]
     highest, cutoff = highest_of_parts(robot.postures, robot.offered)
     ask = partial(_reduction, highest=highest, cutoff=cutoff)
-    # Coarser meshes are those of the uncertainty, and the coarsest that of the other reduction: of
-    # the first way of holding.
+    # Coarser meshes serve the uncertainty, and the coarsest also the check by the other reduction:
+    # under the first end conditions only.
     for question, several in (
         (partial(ask, level=FINEST), alternatives),
         (partial(ask, level=MIDDLE), first),
@@ -112,20 +114,22 @@ def _reductions(robot: RobotOnPath, bodies: Collection[Body]) -> Iterator[tuple[
 
 
 def _entries(ask: Question, body: Body) -> Sequence[CacheEntry[Any]]:
-    """Entries of a part; none if its file cannot be read or does not fit the robot."""
+    """Entries of a part. Empty if its file cannot be read or does not fit the robot."""
     try:
         return ask(body)
     except (InputError, ComputationError):
         return ()
 
 
-def _finish(asked: Sequence[tuple[Body, Question]], executor: Executor, *, carried: bool) -> None:
-    """Have computed what is not kept already, and keep it."""
+def _compute_missing(
+    requests: Sequence[tuple[Body, Question]], executor: Executor, *, carried: bool
+) -> None:
+    """Compute and store the missing entries by the executor."""
     work = [
         PartWork(
             body, part_content(reduced_parts.shape_of(body).file) if carried else b"", ask, carried
         )
-        for body, ask in asked
+        for body, ask in requests
         if not all(entry.is_stored for entry in _entries(ask, body))
     ]
     if work:

@@ -18,7 +18,7 @@ from validation.responses.statics_and_modes import PathModes, Statics
 
 
 def perturbed_robot(robot: RobotOnPath, reading: Reading) -> RobotOnPath:
-    """The robot with the perturbed inputs and the perturbed digit of a reading, in its poses.
+    """Robot with the perturbed inputs and the perturbed digit of a reading, in its poses.
 
     Raises InputError if there is no such robot.
     """
@@ -40,17 +40,17 @@ def _with_factors(robot: RobotOnPath, factors: Factors) -> Mechanism:
     return with_unknowns(mechanism, unknowns)
 
 
-def congruent(reference: Statics, own: Statics, perturbed: Statics) -> Statics:
-    """Reference with the changes of a stand-in's statics from `own` to `perturbed`.
+def congruent(reference: Statics, nominal: Statics, perturbed: Statics) -> Statics:
+    """Reference with the changes of a stand-in's statics from `nominal` to `perturbed`.
 
     Displacements under loads change by T times the change of the stand-in's.
     """
-    change = perturbed - own
+    change = perturbed - nominal
     try:
         lower = np.linalg.cholesky(reference.compliances)
-        lower = lower @ np.linalg.inv(np.linalg.cholesky(own.compliances))
+        lower = lower @ np.linalg.inv(np.linalg.cholesky(nominal.compliances))
     except np.linalg.LinAlgError:
-        # Directions in which the robot is rigid: both are the same there.
+        # In directions in which the robot is rigid, both compliances are equal.
         return Statics(
             reference.compliances + change.compliances,
             reference.load_displacements + change.load_displacements,
@@ -62,18 +62,18 @@ def congruent(reference: Statics, own: Statics, perturbed: Statics) -> Statics:
     )
 
 
-def scaled(reference: PathModes, own: PathModes, perturbed: PathModes) -> PathModes:
+def scaled(reference: PathModes, nominal: PathModes, perturbed: PathModes) -> PathModes:
     """Reference with the relative changes of a stand-in's frequencies, mode by mode of one shape.
 
-    The peaks of responses likewise.
+    Peaks of responses change by the same ratios as the stand-in's.
     """
-    count = min(one.frequencies.shape[1] for one in (reference, own, perturbed))
-    number = partners(reference, own, count).number
+    count = min(modes.frequencies.shape[1] for modes in (reference, nominal, perturbed))
+    number = partners(reference, nominal, count).number
     number = np.where(number >= 0, number, np.arange(count))
-    changes = perturbed.frequencies[:, :count] / own.frequencies[:, :count]
+    changes = perturbed.frequencies[:, :count] / nominal.frequencies[:, :count]
     ratio = np.take_along_axis(changes, number, 1)
     with np.errstate(invalid="ignore"):
-        peaks = reference.peaks * (perturbed.peaks / own.peaks)
+        peaks = reference.peaks * (perturbed.peaks / nominal.peaks)
     return replace(
         reference,
         frequencies=reference.frequencies[:, :count] * ratio,

@@ -95,17 +95,26 @@ class Interpretation:
 
     def frequency_half_widths(self, count: int) -> Array | None:
         """Half-widths (P×`count`) of the first frequencies by all sources. None without any."""
-        known = [one.frequencies for one in self.budget.values() if one.frequencies is not None]
-        return np.asarray(np.sum([one[:, :count] for one in known], axis=0)) if known else None
+        by_source = [
+            half_widths.frequencies
+            for half_widths in self.budget.values()
+            if half_widths.frequencies is not None
+        ]
+        return (
+            np.asarray(np.sum([half_widths[:, :count] for half_widths in by_source], axis=0))
+            if by_source
+            else None
+        )
 
 
 @dataclass(frozen=True, eq=False)
 class Reference:
     """Most accurate model of a robot, under all `interpretations` of what its file leaves open.
 
-    `open` names what is left open and `decides` what would settle it, `masses` that of loads on
-    the legs' masses, `interior` that of the stiffness inside legs; `finer` what would make the
-    reference more certain. `remedy` replaces a model by the reference's. None if there is none.
+    `open`: name of the information missing in the file. Instructions: `decides` supplies this
+    information, `masses` that for loads on the legs' masses, `interior` that for the stiffness
+    inside legs, and `finer` makes the reference more certain. `remedy`
+    replaces a model by the reference's. None if there is none.
     `supposed`: range that the interpretations are assumed to cover. "" if nothing is assumed.
     Without a model there is no reference, and `decides` is the reason.
     """
@@ -126,8 +135,10 @@ class Reference:
     def by_interior(self) -> list[list[int]]:
         """Numbers of the interpretations that differ in the stiffness inside the legs alone."""
         rows: dict[Reading, list[int]] = {}
-        for number, one in enumerate(self.interpretations):
-            rows.setdefault(one.reading.restricted(("ends", "masses")), []).append(number)
+        for number, interpretation in enumerate(self.interpretations):
+            rows.setdefault(interpretation.reading.restricted(("ends", "masses")), []).append(
+                number
+            )
         return list(rows.values())
 
 
@@ -146,7 +157,7 @@ NOT_FINER = finer_by("no preset")
 
 @dataclass(frozen=True, eq=False)
 class Step:
-    """Step from a model towards the reference: one cause is removed, the others are left.
+    """Step from a model towards the reference that removes one cause and keeps the others.
 
     `model` has neither this cause nor those of the steps before. `source`: computation that it
     comes from. `remedy`: change that takes the step. None if no option or model does.
@@ -178,7 +189,7 @@ def ladders(
 ) -> Steps:
     """Steps by name of the judged model: those of its order that have one of the `models`.
 
-    `texts` of every step contain `words` by their names.
+    `texts` of each step contain `words` by their names.
     """
     steps = {
         name: Step(
@@ -200,13 +211,12 @@ def ladders(
 class Subject:
     """A robot with its judged `models`, references, and steps between them.
 
-    `poses` (P×n) in `coordinates`; `notes` as in `Matrix`;
-    `parts` are its parts alone (each leg, root clamped), `formulation` the models whose legs are
-    others than the robot's, compared with solids of those; `inputs` its uncertain inputs. None if
-    its file names none. `loads` are the quantities of its loads,
-    `harmonics` those of its responses to harmonic forces, in their order. `faults` name other
-    computations than models that ended with an error of the program. `lengths`: unit of lengths
-    in the robot's file, in which limits are stated.
+    `poses` (P×n) in `coordinates`. `notes` as in `Matrix`. `parts`: each leg alone, root clamped.
+    `formulation`: models on legs other than the robot's, compared with solids of the same legs.
+    `inputs`: uncertain inputs. None if the file names none. `loads`: quantities of its loads.
+    `harmonics`: quantities of its responses to harmonic forces, in their order. `faults`: names of
+    computations, other than models, that failed by an error of the program. `lengths`: unit of
+    lengths in the robot's file, used to state limits.
     """
 
     robot: str
@@ -249,12 +259,12 @@ class InputUncertainties:
     draws: Array
 
     def alone(self, direction: int) -> list[Factors]:
-        """Each input by itself a standard uncertainty off: above (1) or below (−1) its value."""
+        """Perturbations of one input each by a standard uncertainty, up (1) or down (−1)."""
         return [((key, direction * share),) for key, share in self.relative.items()]
 
     @property
     def together(self) -> list[Factors]:
-        """All inputs off, for each of the draws."""
+        """Perturbations of all inputs at once, one for each draw."""
         return [
             tuple((key, share * draw) for (key, share), draw in zip(shares, row, strict=True))
             for shares in [self.relative.items()]

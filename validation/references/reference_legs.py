@@ -1,4 +1,4 @@
-"""Legs as their robot's reference has them, and the springs by which causes are told apart."""
+"""Legs of a robot's reference, and springs of intermediate models that separate causes."""
 
 from collections.abc import Iterable
 from typing import Literal
@@ -27,8 +27,8 @@ from validation.solids.solid_legs import (
 from validation.solids.solid_size import larger_preset, why_shapeless
 from validation.uncertainty.mesh_half_widths import MeshPolicy
 
-# Unknowns of the finest section mesh of a solid leg; the second number where the first one does not
-# allow two meshes of its walls.
+# Most unknowns of the section mesh of a solid leg. The second number applies if the first one does
+# not allow two meshes of its walls.
 UNKNOWNS: dict[Preset, tuple[int, int]] = {
     "quick": (900, 2500),
     "standard": (900, 2500),
@@ -37,61 +37,63 @@ UNKNOWNS: dict[Preset, tuple[int, int]] = {
 # Edges of held faces and inward corners of sections have singular stresses: no energy converges
 # more slowly than with this power of the mesh size (M. L. Williams, J. Appl. Mech. 19 (1952) 526).
 SLOWEST_ORDER = 4.0 / 3.0
-# The same section constants serve all that is not a mesh study.
+# Divisions for the section constants of all computations other than mesh studies.
 SECTION_DIVISIONS = 8
-# How much finer those are than the one mesh that both solids of a leg share.
+# Ratio of these divisions to those of a mesh that both solids of a leg share.
 SECTION_RATIO = SECTION_DIVISIONS / COARSEST_WALLS
 
 
 def slowest(ratio: float) -> MeshPolicy:
-    """Policy for two meshes of legs or sections: the lowest order that there can be."""
+    """Policy for two meshes of legs or sections, with the lowest possible order."""
     return MeshPolicy.of_order(ratio, SLOWEST_ORDER)
 
 
 def solid_leg(context: Context, leg: ConstantLeg) -> TwoMeshes:
     """Tip compliances of a leg as a solid on two meshes, once per run and process.
 
-    Raises InputError where even one section mesh has too many unknowns, with the larger preset that
-    takes it, and for a section without a shape.
+    Raises InputError if even one section mesh has too many unknowns, with the larger preset that
+    allows it, and for a section without a shape.
     """
     if shapeless := why_shapeless([leg]):
         raise InputError(shapeless)
-    most = most_unknowns(context.meshes, leg)
+    limit = most_unknowns(context.meshes, leg)
     try:
-        return context.get(two_meshes, leg, most)
+        return context.get(two_meshes, leg, limit)
     except InputError as error:
-        if has_meshes(leg, most):
+        if has_meshes(leg, limit):
             raise
-        takes = larger_preset(context.meshes, lambda one: has_meshes(leg, most_unknowns(one, leg)))
+        takes = larger_preset(
+            context.meshes, lambda preset: has_meshes(leg, most_unknowns(preset, leg))
+        )
         raise InputError(f"{error}; {takes} takes it") from error
 
 
 def finer_statics(context: Context, legs: Iterable[Leg]) -> str:
-    """What would make solids of these legs finer: a larger preset, or nothing."""
+    """Instruction for finer solids of these legs: a larger preset, or none."""
     solids = [leg for leg in legs if isinstance(leg, ConstantLeg)]
 
     def finer(preset: Preset) -> bool:
-        now = [mesh_pair(leg, most_unknowns(context.meshes, leg)) for leg in solids]
-        return [mesh_pair(leg, most_unknowns(preset, leg)) for leg in solids] != now
+        present = [mesh_pair(leg, most_unknowns(context.meshes, leg)) for leg in solids]
+        return [mesh_pair(leg, most_unknowns(preset, leg)) for leg in solids] != present
 
     return finer_by(larger_preset(context.meshes, finer))
 
 
 def shares_section(context: Context, leg: Leg) -> bool:
-    """Whether both solids of a leg have one section mesh, the only one that is affordable."""
+    """True if both solids of a leg share one section mesh, the only affordable one."""
     if not isinstance(leg, ConstantLeg):
         return False
     return not context.get(static_ladder, leg, most_unknowns(context.meshes, leg))
 
 
 def most_unknowns(preset: Preset, leg: ConstantLeg) -> int:
-    """Unknowns of the finest section mesh: more where few do not allow two meshes."""
+    """Most unknowns of a section mesh: more if few do not allow two meshes."""
     first, second = UNKNOWNS[preset]
     return first if static_ladder(leg, first) else second
 
 
 def solid_tip(context: Context, leg: Leg, ends: Ends, *, mesh: Literal[0, 1] = 1) -> Array:
-    """6×6 tip compliance (SI, leg axes) of a solid leg on one of its meshes; a given one's own."""
+    """6×6 tip compliance (SI, leg axes) of a solid leg on a mesh, or of a leg given by its 6×6."""
     if isinstance(leg, GivenLeg):
         return given_compliance(leg)
     meshes = solid_leg(context, leg)
@@ -99,11 +101,11 @@ def solid_tip(context: Context, leg: Leg, ends: Ends, *, mesh: Literal[0, 1] = 1
 
 
 def straight_spring(leg: Leg) -> Array:
-    """The entries of a tip compliance that a straight leg of constant section has."""
+    """Tip compliance with only the entries that a straight leg of constant section has."""
     tip = given_compliance(leg)
-    kept = np.eye(6)
-    kept[1, 5] = kept[5, 1] = kept[2, 4] = kept[4, 2] = 1.0
-    return np.asarray(tip * kept)
+    mask = np.eye(6)
+    mask[1, 5] = mask[5, 1] = mask[2, 4] = mask[4, 2] = 1.0
+    return np.asarray(tip * mask)
 
 
 def own_spring(context: Context, leg: Leg, divisions: int = SECTION_DIVISIONS) -> Array:
@@ -115,20 +117,20 @@ def own_spring(context: Context, leg: Leg, divisions: int = SECTION_DIVISIONS) -
 
 
 def held_spring(context: Context, leg: Leg, ends: Ends) -> Array:
-    """The own spring; if ends are held, with the twist by non-uniform torsion."""
+    """Spring of own section constants, with non-uniform torsion if the ends are held."""
     spring = own_spring(context, leg)
     if isinstance(leg, ConstantLeg) and ends == "rigid":
         constants = context.get(own_constants, leg)
         beam = beam_properties(constants, leg.material)
         # Motion of the tip's centroid as the tip turns about its shear centre.
-        turned = np.array([0.0, beam.centre_z, -beam.centre_y, 1.0, 0.0, 0.0])
-        held = held_torsion_compliance(constants, leg.material, leg.length)
-        spring = spring + (held - leg.length / beam.GJ) * np.outer(turned, turned)
+        motion = np.array([0.0, beam.centre_z, -beam.centre_y, 1.0, 0.0, 0.0])
+        twist = held_torsion_compliance(constants, leg.material, leg.length)
+        spring = spring + (twist - leg.length / beam.GJ) * np.outer(motion, motion)
     return spring
 
 
 def restrained_spring(context: Context, leg: Leg, ends: Ends) -> Array:
-    """The own spring, less all that rigid faces take where ends are held."""
+    """Spring of own section constants, less the compliance lost by rigid faces of held ends."""
     spring = own_spring(context, leg)
     if isinstance(leg, ConstantLeg) and ends == "rigid":
         spring = spring + solid_leg(context, leg).restrained
@@ -138,7 +140,7 @@ def restrained_spring(context: Context, leg: Leg, ends: Ends) -> Array:
 def own_elements(
     leg: Leg, ends: Ends | None, elements: int, divisions: int = SECTION_DIVISIONS
 ) -> LegMatrices:
-    """A leg in beam elements of its section's own constants; with warping where `ends` hold it."""
+    """Beam elements of a leg with its section's own constants, with warping if `ends` are given."""
     constant = equivalent_leg(leg)
     constants, material = own_constants(constant, divisions), constant.material
     if ends is None:

@@ -1,4 +1,4 @@
-"""CAD parts of a mechanism as their solids, and what their meshes leave open."""
+"""Solids of the CAD parts of a mechanism, and their uncertainty due to meshes."""
 
 from collections.abc import Mapping, Sequence
 
@@ -29,11 +29,11 @@ from validation.uncertainty.mesh_half_widths import MeshPolicy
 
 Bodies = Mapping[str, BodyModel]
 _FEWEST = 8
-# Share of an answer that is left open where nothing tells it: all of it.
+# Relative half-width of a number without an estimate of its uncertainty: all of it.
 UNKNOWN = 1.0
 # The meshes of parts are of one size in all presets.
 FINER_PARTS = "needs finer meshes of the parts, such as --accuracy 0.002 makes"
-# Above models with equivalent legs.
+# Steps above models with equivalent legs.
 PART_STEPS: Mapping[str, StepTexts] = {
     "stepped": StepTexts(
         "one constant section instead of the part",
@@ -55,10 +55,10 @@ def solid_parts(
     level: int = FINEST,
     by: ReductionBy = "fixed",
 ) -> dict[str, ReducedPart]:
-    """Every part on one of its three meshes, reduced where `count` modes are looked at.
+    """Each part on one of its three meshes, reduced for `count` computed modes.
 
-    Statics are exact. `ends`: interfaces of which nobody said how they are held are rigid, or
-    averaged where free; `by` modes with interfaces fixed or free.
+    Statics are exact. `ends`: condition of interfaces that the robot file does not specify, rigid
+    or, if free, averaged. `by`: reduction with modes of fixed or free interfaces.
     """
     mechanism = postures[0].mechanism
     if not mechanism.parts:
@@ -71,14 +71,14 @@ def solid_parts(
 
 
 def hold_of(ends: Ends) -> Hold:
-    """How interfaces are held of which the robot file does not say it."""
+    """Condition of interfaces that the robot file does not specify."""
     return "rigid" if ends == "rigid" else "average"
 
 
 def highest_of_parts(postures: Sequence[Posture], count: int) -> tuple[float, float]:
-    """Frequency (Hz) up to which parts are reduced where `count` modes are looked at, and cut-off.
+    """Highest frequency (Hz) of accurate reductions for `count` computed modes, and cut-off.
 
-    For those that are judged and as many again: the rest is only there to be told apart from them.
+    It covers the judged modes and as many again: the rest only serves to identify mode shapes.
     """
     highest = highest_frequency(postures, max(_FEWEST, count // 3))
     return highest, CUTOFF["solid"] * highest
@@ -87,17 +87,17 @@ def highest_of_parts(postures: Sequence[Posture], count: int) -> tuple[float, fl
 def reduction_note(
     postures: Sequence[Posture], count: int, ends: Mapping[str, Ends], judged: int
 ) -> tuple[str, ...]:
-    """What the reduction of the parts has kept, and most by which that errs in the middle posture.
+    """Note on the modes kept by the reduction of parts, and its largest error at mid-path.
 
-    Nothing where no body is a part. Arguments as of `solid_parts`; raises ComputationError and
-    InputError where the robot has not as many modes as are `judged`.
+    Empty if no body is a part. Arguments as in `solid_parts`. Raises ComputationError and
+    InputError if the robot has fewer modes than are `judged`.
     """
     parts = solid_parts(postures, count, ends)
     if not parts:
         return ()
     bounds = bounded_frequencies(postures, count, ends, judged)
     counts = ", ".join(
-        f"{name} {one.counted} below {one.cutoff:.4g} Hz" for name, one in parts.items()
+        f"{name} {part.counted} below {part.cutoff:.4g} Hz" for name, part in parts.items()
     )
     return (
         f"CAD parts keep all modes with fixed interfaces, by count: {counts}; higher ones lower "
@@ -116,7 +116,7 @@ def bounded_frequencies(
 ) -> FrequencyBounds:
     """The first `judged` frequencies in the middle posture, other bodies beams, and their bounds.
 
-    Arguments as of `solid_parts`; raises as `reduction_note` does.
+    Arguments as in `solid_parts`, errors as in `reduction_note`.
     """
     parts = solid_parts(postures, count, ends, level, by)
     middle = postures[len(postures) // 2]
@@ -125,7 +125,7 @@ def bounded_frequencies(
 
 
 def condensed_parts(mechanism: Mechanism) -> dict[str, BodyModel]:
-    """Every part on its interfaces alone, with Guyan's mass."""
+    """Each part condensed on its interfaces, with Guyan's mass."""
     return {name: condensed(body) for name, body in mechanism.parts.items()}
 
 
@@ -135,27 +135,29 @@ def assembled(
     parts: Bodies | None = None,
     masses: Masses = MASSES[0],
 ) -> Statics:
-    """Statics by the assembler, every leg by its tip's compliance (6×6).
+    """Statics by the assembler, each leg by its tip's compliance (6×6).
 
-    `parts`: models of those bodies that are CAD parts; condensed on their interfaces without.
-    `masses`: where legs known by their 6×6 have theirs, which loads act on.
+    `parts`: models of the CAD parts, condensed on their interfaces if None. `masses`: mass
+    distribution of legs known by their 6×6, for loads on masses.
     """
     mechanism = postures[0].mechanism
-    of_parts = condensed_parts(mechanism) if parts is None else parts
-    prepared = assembly(mechanism, {**links(mechanism, springs), **of_parts})
+    part_models = condensed_parts(mechanism) if parts is None else parts
+    prepared = assembly(mechanism, {**links(mechanism, springs), **part_models})
     solutions = {system.posture: solved(system) for system in prepared.along(postures)}
-    moved = displacements_by(
-        lambda at, loads: tool_displacements(solutions[at], loads),
+    load_displacements = displacements_by(
+        lambda posture, loads: tool_displacements(solutions[posture], loads),
         postures,
-        masses_of(mechanism, masses, of_parts),
+        masses_of(mechanism, masses, part_models),
     )
-    return Statics.of(np.array([compliance(one) for one in solutions.values()]), moved)
+    return Statics.of(
+        np.array([compliance(solution) for solution in solutions.values()]), load_displacements
+    )
 
 
 def part_kinds(mechanism: Mechanism) -> tuple[PartLegs, ...]:
-    """Idealisations of parts by the `PART_STEPS`, in their order; none without parts.
+    """Idealisations of parts in the order of `PART_STEPS`. Empty without parts.
 
-    The last one is all that stepped legs lack, and the only one if parts cannot be stepped.
+    The last one removes all errors of stepped legs. It is the only one if parts cannot be stepped.
     """
     if not mechanism.parts:
         return ()
@@ -163,11 +165,11 @@ def part_kinds(mechanism: Mechanism) -> tuple[PartLegs, ...]:
 
 
 def part_policy(mechanism: Mechanism) -> MeshPolicy | float:
-    """Policy for the meshes of the parts; 0 without any. A part that is a mesh cannot be refined.
+    """Policy for the meshes of the parts. 0 without parts.
 
-    Its half-width is unknown, and taken as the whole.
+    A part given as a mesh cannot be refined: its half-width is unknown, and taken as one.
     """
     if not mechanism.parts:
         return 0.0
-    given = any(found_in(body)[0].mesh is not None for body in mechanism.parts.values())
-    return UNKNOWN if given else TETRAHEDRA
+    has_mesh_file = any(found_in(body)[0].mesh is not None for body in mechanism.parts.values())
+    return UNKNOWN if has_mesh_file else TETRAHEDRA

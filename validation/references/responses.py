@@ -18,7 +18,7 @@ from validation.responses.statics_and_modes import PathModes, Statics, Unsolved
 
 # Fields of a reading that change the robot, and with it all models.
 PERTURBATIONS = ("factors", "rounding")
-# Errors that a robot may cause: walls too thin to mesh, a material that is lost in rounding.
+# Errors that a robot may cause: walls too thin to mesh, a stiffness below round-off.
 UNSOLVED = (InputError, ComputationError)
 
 H = TypeVar("H")
@@ -32,8 +32,8 @@ class Model:
     `statics` is None if the model does not define them; `modes` is None if it is static, and
     returns None if nothing has mass. `static_fields` and `modal_fields` are the fields of a
     reading that each half depends on. `silent`: reason why a half is not defined. `rigid`: reason
-    for zeros in the compliance. `stand_in`: model whose changes by uncertain inputs this model has,
-    too, if the robot has solids. None if it is always solved anew.
+    for zeros in the compliance. `stand_in`: model whose changes by uncertain inputs are applied to
+    this model if the robot has solids. None if it is always solved anew.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""A mechanism in the postures in which it is judged, and what its robot file leaves unsaid."""
+"""Mechanism in the postures in which it is judged, and readings of an incomplete robot file."""
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
@@ -27,7 +27,7 @@ from validation.parts.meshes import FINEST
 from validation.references.mode_samples import Samples, samples_of
 from validation.verdicts import Coordinate
 
-# How ends are held, and tip compliances (6×6, SI, leg axes), by body.
+# End conditions, and tip compliances (6×6, SI, leg axes), by body.
 Holds: TypeAlias = Mapping[str, Ends]
 Springs: TypeAlias = Mapping[str, Array]
 # Relative changes of uncertain inputs by their keys in the robot file.
@@ -35,7 +35,7 @@ Factors: TypeAlias = tuple[tuple[str, float], ...]
 # Fields of a reading that choose a mesh.
 MeshKind: TypeAlias = Literal["mesh", "section_mesh", "part_mesh"]
 
-# Poses of a long path, of a grid say, are looked at in even steps.
+# Most poses of a path, such as a grid; of a longer path, poses in even steps are computed.
 MOST_POSES: Mapping[Preset, int] = {"quick": 9, "standard": 25, "fine": 81}
 HOLD: tuple[Ends, Ends] = ("rigid", "free")
 _SAY_PARTS = 'how faces are held: coupling = "rigid", "average" or "pin" in the interfaces of'
@@ -44,9 +44,9 @@ _SAY_ENDS = 'how end faces are held: ends = "rigid" (bolted flat) or ends = "fre
 
 @dataclass(frozen=True)
 class Reading:
-    """Reading of a robot file where it leaves something open, on one mesh of each kind.
+    """Reading of a robot file with open information filled in, and one mesh of each kind.
 
-    `ends` of every leg and part. `masses` and `interior` of the legs known by their 6×6. `mesh` of
+    `ends` of each leg and part. `masses` and `interior` of the legs known by their 6×6. `mesh` of
     solid legs, and `section_mesh` of the constants of their sections: 1 is the fine one, 0 the
     coarse one. `part_mesh`: level of CAD parts. `elements`: factor on the element count of
     formulations. The robot itself is perturbed by `factors` of its inputs and by `rounding`, the
@@ -64,7 +64,11 @@ class Reading:
     rounding: int | None = None
 
     def __hash__(self) -> int:
-        values = [getattr(self, one.name) for one in fields(self) if one.name != "ends"]
+        values = [
+            getattr(self, reading_field.name)
+            for reading_field in fields(self)
+            if reading_field.name != "ends"
+        ]
         return hash((frozenset(self.ends.items()), *values))
 
     @property
@@ -79,30 +83,31 @@ class Reading:
 
     @property
     def is_perturbed(self) -> bool:
-        """Whether the robot differs from that of its file."""
+        """True if the robot differs from that of its file."""
         return bool(self.factors) or self.rounding is not None
 
     @property
     def unperturbed(self) -> "Reading":
-        """The same reading of the robot as its file describes it."""
+        """Reading without perturbations: the robot as its file describes it."""
         return replace(self, factors=(), rounding=None)
 
     def restricted(self, names: Collection[str]) -> "Reading":
-        """Reading with the default in all fields but those named."""
+        """Reading with the default in all fields except `names`."""
         return replace(NOMINAL, **{name: getattr(self, name) for name in names})
 
 
-# Reading of models that depend on nothing that a robot file leaves open.
+# Reading of models that do not depend on information missing from a robot file.
 NOMINAL = Reading({})
 
 
 @dataclass(frozen=True)
 class Holding:
-    """How ends of legs and interfaces of parts are held.
+    """End conditions of legs and of interfaces of parts.
 
-    `alternatives`: the ends of every leg and part by the alternative's name ("free" ones of parts
-    are averaged), one where all is said. `unsaid` what the robot file leaves open, in words,
-    `decides` what would settle it; both empty where it says all.
+    `alternatives`: ends of each leg and part by the alternative's name ("free" ones of parts are
+    averaged). There is one if the robot file specifies all. `unsaid`: text on the conditions that
+    the file does not specify. `decides`: instruction that specifies them. Both are "" if the file
+    specifies all.
     """
 
     alternatives: Mapping[str, Holds]
@@ -117,10 +122,10 @@ class Holding:
 
 @dataclass(frozen=True, eq=False)
 class RobotOnPath:
-    """A mechanism in its postures, with what every reference of it is computed from.
+    """Mechanism in its postures, with the inputs of its references.
 
-    `legs` by body, prisms that are alike the same. `printed`: the 6×6 of its file with half a unit
-    of their digits. Empty if these are not in question.
+    `legs` by body; equal prisms are the same object. `printed`: the 6×6 of its file with half a
+    unit of their last digits. Empty if digits are not a source of uncertainty.
     """
 
     context: Context
@@ -131,7 +136,7 @@ class RobotOnPath:
 
     @property
     def mechanism(self) -> Mechanism:
-        """The mechanism, the same in all postures."""
+        """Mechanism, common to all postures."""
         return self.postures[0].mechanism
 
     @property
@@ -146,47 +151,47 @@ class RobotOnPath:
 
     @property
     def has_solids(self) -> bool:
-        """Whether any body is a solid in the reference."""
+        """True if any body is a solid in the reference."""
         return bool(self.prisms or self.mechanism.parts)
 
     @property
     def say_masses(self) -> str:
-        """What would say where the mass of these lies."""
+        """Instruction that settles the given legs' mass distribution. "" without such legs."""
         return say_masses(self.given, self.context.robot_file.schema)
 
     @property
     def say_interior(self) -> str:
-        """Instruction that settles the stiffness inside these; "" without such legs."""
+        """Instruction that settles the stiffness inside the given legs. "" without such legs."""
         return say_interior(self.given, self.context.robot_file.schema)
 
     @property
     def first_reading(self) -> Reading:
-        """The reading by which the meshes of CAD parts are studied."""
+        """Reading used for the mesh study of CAD parts."""
         return Reading(self.holding.first)
 
     @property
     def judged(self) -> int:
-        """How many frequencies are judged."""
+        """Number of judged frequencies."""
         return self.context.robot_file.requirement.modes
 
     @property
     def offered(self) -> int:
-        """How many modes of each model are looked at."""
+        """Number of computed modes of each model."""
         return offered(self.judged)
 
     @cached_property
     def samples(self) -> Samples:
-        """Where the shapes of all models are sampled."""
+        """Sampling points of the shapes of all models."""
         return samples_of(self.mechanism)
 
     @cached_property
     def roundings(self) -> list[Rounding]:
-        """The robot with each printed digit of its 6×6 off in turn."""
+        """Robots with one printed digit of a 6×6 off each."""
         return roundings_of(self.printed, self.postures)
 
     @cached_property
     def climbs(self) -> str:
-        """The model by whose code causes in statics are computed: links where vjm cannot."""
+        """Model that computes causes in statics: vjm, or links if vjm cannot."""
         return "links" if self.mechanism.parts or why_not_serial(self.postures) else "vjm"
 
 
@@ -196,7 +201,7 @@ def robot_on_path(context: Context) -> RobotOnPath:
 
 
 def robot_at(context: Context, postures: Sequence[Posture]) -> RobotOnPath:
-    """A mechanism, of the run's robot or a part of it, in these postures."""
+    """Mechanism of the run's robot, or of a part of it, in these postures."""
     mechanism = postures[0].mechanism
     return RobotOnPath(
         context,
@@ -212,29 +217,29 @@ def path_postures(context: Context) -> tuple[Posture, ...]:
     return context.get(_postures, context.robot_file.mechanism, MOST_POSES[context.preset])
 
 
-def _postures(mechanism: Mechanism, most: int) -> tuple[Posture, ...]:
+def _postures(mechanism: Mechanism, largest: int) -> tuple[Posture, ...]:
     count = len(mechanism.poses)
-    chosen = np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(int))
-    return tuple(postures_on_path(mechanism, mechanism.poses[chosen]))
+    rows = np.unique(np.linspace(0, count - 1, min(count, largest)).round().astype(int))
+    return tuple(postures_on_path(mechanism, mechanism.poses[rows]))
 
 
 def offered(judged: int) -> int:
-    """How many modes of each model are looked at to judge so many.
+    """Number of modes of each model that are computed to judge `judged` ones.
 
-    Legs that are alike have theirs in clusters, which a model must not show in part.
+    Modes of equal legs come in clusters, which must not be cut.
     """
     return max(12, 6 * judged)
 
 
 def coordinates(mechanism: Mechanism) -> tuple[Coordinate, ...]:
-    """What a pose prescribes."""
+    """Coordinates that a pose prescribes."""
     return tuple(Coordinate(move, UNITS_OF_MOVES[move]) for move in mechanism.tool.moves)
 
 
 def holding(mechanism: Mechanism, schema: int = 2) -> Holding:
-    """How legs and parts are held: as is said, and where it is not in both ways.
+    """End conditions of legs and parts: as specified in the robot file, otherwise both variants.
 
-    `schema` of the robot file, whose tables are named in what would decide it.
+    `schema` of the robot file, for the table names in the instruction.
     """
     # The 6×6 of a given leg has its ends in it.
     legs = {
@@ -244,24 +249,24 @@ def holding(mechanism: Mechanism, schema: int = 2) -> Holding:
     parts: dict[str, Ends | None] = {
         name: "rigid" if is_held_as_said(body) else None for name, body in mechanism.parts.items()
     }
-    said = {**legs, **parts}
-    unsaid = [
-        (name, question, f"say in the robot file {say} {_tables(of_kind, schema)}")
-        for name, question, say, of_kind in (
+    specified = {**legs, **parts}
+    unspecified = [
+        (name, question, f"say in the robot file {say} {_tables(bodies, schema)}")
+        for name, question, say, bodies in (
             ("ends", "how the ends are held", _SAY_ENDS, legs),
             ("interfaces", "how the parts' interfaces are held", _SAY_PARTS, parts),
         )
-        if not all(of_kind.values())
+        if not all(bodies.values())
     ]
-    if not unsaid:
+    if not unspecified:
         name = "interfaces as given" if parts and not legs else "ends as given"
-        return Holding({name: {body: ends or "rigid" for body, ends in said.items()}})
-    names, questions, decides = (tuple(one) for one in zip(*unsaid, strict=True))
+        return Holding({name: {body: ends or "rigid" for body, ends in specified.items()}})
+    names, questions, decides = (tuple(column) for column in zip(*unspecified, strict=True))
     loose = "free" if "ends" in names else "averaged"
     return Holding(
         {
             f"{' and '.join(names)} {'rigid' if hold == 'rigid' else loose}": {
-                body: ends or hold for body, ends in said.items()
+                body: ends or hold for body, ends in specified.items()
             }
             for hold in HOLD
         },
@@ -271,33 +276,36 @@ def holding(mechanism: Mechanism, schema: int = 2) -> Holding:
 
 
 def say_masses(legs: Mapping[str, GivenLeg], schema: int = 2) -> str:
-    """What would say where the mass of legs known by their 6×6 lies: the keys that are left out.
+    """Instruction that settles the mass distribution of legs known by their 6×6: missing keys.
 
-    Where none is, nothing but what the legs are made of does; "" without such legs.
+    If no key is missing, the instruction is to give the legs' section or solid. "" without such
+    legs.
     """
     lacking: dict[str, dict[str, None]] = {}
     for name, leg in legs.items():
         keys = [key for key in ("mass_centre", "inertia") if getattr(leg, key) is None]
         lacking.setdefault(" and ".join(keys), {})[name] = None
-    if untold := [f"{keys} in {_tables(of, schema)}" for keys, of in lacking.items() if keys]:
-        return f"give the legs' mass distribution beside the 6×6: {', '.join(untold)}"
+    if missing := [
+        f"{keys} in {_tables(bodies, schema)}" for keys, bodies in lacking.items() if keys
+    ]:
+        return f"give the legs' mass distribution beside the 6×6: {', '.join(missing)}"
     return say_interior(legs, schema)
 
 
 def say_interior(legs: Iterable[str], schema: int = 2) -> str:
-    """Instruction that settles all about legs known by their 6×6; "" without such legs."""
-    made = _tables(dict.fromkeys(legs), schema)
-    return f"give the section or the solid in place of the 6×6 in {made}" if made else ""
+    """Instruction that settles the inside of legs known by their 6×6. "" without such legs."""
+    tables = _tables(dict.fromkeys(legs), schema)
+    return f"give the section or the solid in place of the 6×6 in {tables}" if tables else ""
 
 
-def _tables(held: Mapping[str, Ends | None], schema: int) -> str:
-    """Tables of the robot file of bodies of which something is not said."""
+def _tables(ends_by_body: Mapping[str, Ends | None], schema: int) -> str:
+    """Table names in the robot file of the bodies with unspecified ends."""
     head = "" if schema == 1 else "bodies."
-    return ", ".join(f"[{head}{name}]" for name, ends in held.items() if ends is None)
+    return ", ".join(f"[{head}{name}]" for name, ends in ends_by_body.items() if ends is None)
 
 
 def known_legs(mechanism: Mechanism) -> dict[str, Leg]:
-    """Every leg by name, prisms that are alike the same."""
+    """Legs by name; equal prisms are the same object."""
     prisms = {name: leg for name, leg, _ in constant_legs(mechanism, DEFAULT_OPTIONS)}
     return {
         name: leg if isinstance(leg, GivenLeg) else prisms[name]
@@ -306,7 +314,7 @@ def known_legs(mechanism: Mechanism) -> dict[str, Leg]:
 
 
 def distinct_legs(mechanism: Mechanism) -> tuple[str, ...]:
-    """The legs by name, of those that are alike the first alone."""
+    """Names of distinct legs: the first of each group of equal legs."""
     first: dict[object, str] = {}
     for name, leg in known_legs(mechanism).items():
         first.setdefault(leg if isinstance(leg, ConstantLeg) else name, name)
@@ -314,7 +322,7 @@ def distinct_legs(mechanism: Mechanism) -> tuple[str, ...]:
 
 
 def why_not_serial(postures: Sequence[Posture]) -> str:
-    """Why virtual joints cannot be summed along every leg; "" where they can."""
+    """Reason why virtual joints cannot be summed along each leg. "" if they can."""
     mechanism = postures[0].mechanism
     try:
         require_legs(mechanism)

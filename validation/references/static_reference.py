@@ -47,9 +47,11 @@ def static_reference(responses: Responses) -> Reference:
         for name, ends in robot.holding.alternatives.items()
         for reading in [Reading(ends)]
     ]
-    own = "fem.bodies.doubling.condensed_leg" if robot.prisms else "lumped.legs.given_compliance"
+    leg_function = (
+        "fem.bodies.doubling.condensed_leg" if robot.prisms else "lumped.legs.given_compliance"
+    )
     return Reference(
-        title=_title(robot),
+        title=_reference_title(robot),
         model=SOLID,
         interpretations=interpretations,
         open=robot.holding.unsaid,
@@ -58,15 +60,15 @@ def static_reference(responses: Responses) -> Reference:
         finer=FINER_PARTS if parts else finer_statics(context, robot.legs.values()),
         remedy=None if robot.given else USE_SOLID,
         computed_by=(
-            *((own,) if robot.legs else ()),
+            *((leg_function,) if robot.legs else ()),
             *(("validation.models.reduced_parts.reduced",) if parts else ()),
             "lumped.system.solution.compliance",
         ),
     )
 
 
-def _title(robot: RobotOnPath) -> str:
-    """What models are held against."""
+def _reference_title(robot: RobotOnPath) -> str:
+    """Title of the reference."""
     names = ", ".join(robot.given)
     if robot.mechanism.parts:
         solid = " and solid legs" if robot.prisms else ""

@@ -1,8 +1,8 @@
 """Uncertainty of references by all sources but meshes: a row for each source.
 
-The 6×6 that a robot really has is known within its printed digits alone, while every model takes
-the number that is printed. The error of a model is uncertain by as much, even if the reference is
-assembled from the same number.
+The true 6×6 of a robot is known only within its printed digits, while each model uses the printed
+number. The error of a model is uncertain by the same amount, even if the reference is assembled
+from the same number.
 """
 
 from collections.abc import Callable, Sequence
@@ -47,13 +47,13 @@ from validation.responses.mode_partners import amounts_by_shape
 from validation.responses.statics_and_modes import PathModes, Statics
 from validation.uncertainty.combiners import Combiner, combined
 
-# Of shares of frequencies that digits leave open a hundredth does not matter.
+# Elements for sensitivities to digits: an error of 1 % of a half-width does not matter.
 _FEW_ELEMENTS = ModelOptions(elements=8)
-# A displacement that a load's own softening changes by less is a linear one.
+# Smallest relative change of a displacement by its load's softening that counts as nonlinear.
 _LINEAR = 1e-3
-# m/N: a logarithm has no zero.
+# Lower bound of sizes (m/N) before their logarithm.
 _NO_SIZE = 1e-30
-# Perturbed readings, each with a factor on the change from the reading that is perturbed.
+# Perturbed readings, each with a factor on the change from the unperturbed reading.
 Perturbed = Sequence[tuple[float, Reading]]
 
 
@@ -61,7 +61,7 @@ Perturbed = Sequence[tuple[float, Reading]]
 class SourceRow:
     """Source of uncertainty of a reference, with half-widths by responses under a reading.
 
-    `applies` to a robot, or leaves nothing open.
+    `applies`: true for robots with this source. Other robots have no half-widths from it.
     """
 
     source: Source
@@ -73,7 +73,7 @@ class SourceRow:
 class Perturbations:
     """Half-widths of displacements by a model under perturbed readings.
 
-    `readings` of a robot perturb a reading of it; `combiner` is the rule for their changes.
+    `readings`: perturbations of a robot's reading. `combiner`: rule that combines their changes.
     """
 
     model: Model
@@ -81,13 +81,14 @@ class Perturbations:
     combiner: Combiner
 
     def __call__(self, responses: Responses, reading: Reading) -> HalfWidths:
-        """Half-widths under a reading, relative to the model's own displacements."""
-        own = responses.required_statics(self.model, reading)
+        """Half-widths under a reading, relative to the model's unperturbed displacements."""
+        unperturbed = responses.required_statics(self.model, reading)
         changes = [
-            factor * _flat(responses.required_statics(self.model, one) - own)
-            for factor, one in self.readings(responses.robot, reading)
+            factor
+            * _flattened_statics(responses.required_statics(self.model, perturbed) - unperturbed)
+            for factor, perturbed in self.readings(responses.robot, reading)
         ]
-        return HalfWidths(combined(np.array(changes), partial(_sizes, own), self.combiner))
+        return HalfWidths(combined(np.array(changes), partial(_sizes, unperturbed), self.combiner))
 
 
 def budget(rows: Sequence[SourceRow], responses: Responses, reading: Reading) -> Budget:
@@ -96,21 +97,24 @@ def budget(rows: Sequence[SourceRow], responses: Responses, reading: Reading) ->
     return {row.source: row.half_widths(responses, reading) for row in rows if row.applies(robot)}
 
 
-def _flat(statics: Statics) -> Array:
-    """All numbers of statics (P×k)."""
+def _flattened_statics(statics: Statics) -> Array:
+    """Compliances and load displacements of statics as one matrix (P×k)."""
     poses = len(statics.compliances)
     return np.hstack(
-        [one.reshape(poses, -1) for one in (statics.compliances, statics.load_displacements)]
+        [
+            numbers.reshape(poses, -1)
+            for numbers in (statics.compliances, statics.load_displacements)
+        ]
     )
 
 
-def _sizes(own: Statics, changes: Array) -> Array:
-    """Sizes (n×P×(7+L)) of changes (n×P×k) relative to a robot's own displacements.
+def _sizes(unperturbed: Statics, changes: Array) -> Array:
+    """Sizes (n×P×(7+L)) of changes (n×P×k) relative to the unperturbed displacements.
 
-    Zero if the robot is rigid: the error of a model is relative to nothing there.
+    Zero if the robot is rigid, since no relative error exists there.
     """
     count, poses, _ = changes.shape
-    loads = own.load_displacements.shape[1]
+    loads = unperturbed.load_displacements.shape[1]
     compliances, load_displacements = np.split(changes, [36], axis=2)
     # All changes in all poses, as poses of one record.
     changed = Statics(
@@ -118,22 +122,23 @@ def _sizes(own: Statics, changes: Array) -> Array:
         load_displacements.reshape(count * poses, loads, 6),
     )
     repeated = Statics(
-        np.tile(own.compliances, (count, 1, 1)), np.tile(own.load_displacements, (count, 1, 1))
+        np.tile(unperturbed.compliances, (count, 1, 1)),
+        np.tile(unperturbed.load_displacements, (count, 1, 1)),
     )
-    found = sizes(changed, repeated).reshape(count, poses, -1)
-    return np.where(np.isfinite(found), found, 0.0)
+    relative_sizes = sizes(changed, repeated).reshape(count, poses, -1)
+    return np.where(np.isfinite(relative_sizes), relative_sizes, 0.0)
 
 
-def _rounded(robot: RobotOnPath, reading: Reading) -> Perturbed:
-    """Each printed digit of a 6×6 off by half a unit; none if no 6×6 of the file is the robot's."""
+def _rounded_readings(robot: RobotOnPath, reading: Reading) -> Perturbed:
+    """Readings with one printed digit of a 6×6 off by half a unit each. Empty without a 6×6."""
     return [
         (rounding.factor, replace(reading, rounding=number))
         for number, rounding in enumerate(robot.roundings)
     ]
 
 
-def _plausible(robot: RobotOnPath, reading: Reading) -> Perturbed:
-    """Every plausible mass distribution of the legs known by their 6×6."""
+def _plausible_mass_readings(robot: RobotOnPath, reading: Reading) -> Perturbed:
+    """Readings with each plausible mass distribution of the legs known by their 6×6."""
     return [
         (1.0, replace(reading, masses=masses)) for masses in plausible_masses(robot.given.values())
     ]
@@ -149,74 +154,90 @@ def _linked(postures: tuple[Posture, ...]) -> Statics:
 
 
 # Each number is off by up to half a unit of its last digit, independently of all others.
-STATIC_DIGITS = Perturbations(Model("links", statics=_links), _rounded, Combiner.PROBABILITY)
-# Displacements under a load on masses are linear in the places of mass: any between these.
-_MASSES = Perturbations(SOLID, _plausible, Combiner.HULL)
+STATIC_DIGITS = Perturbations(
+    Model("links", statics=_links), _rounded_readings, Combiner.PROBABILITY
+)
+# Displacements under a load on masses are linear in the positions of mass: the hull contains all.
+_MASSES = Perturbations(SOLID, _plausible_mass_readings, Combiner.HULL)
 
 
 def _linearity(responses: Responses, _: Reading) -> HalfWidths:
-    """Change of the stiffness by the loads that act on it, if it is not negligible.
+    """Half-widths due to the change of stiffness by loads, zero if it is negligible.
 
-    All of it if the robot has buckled, and if the stability cannot be computed.
+    One (all of the displacement) if the robot has buckled or its stability cannot be computed.
     """
     robot = responses.robot
     try:
-        found = robot.context.get(stabilities, "links", robot.postures)
+        stability = robot.context.get(stabilities, "links", robot.postures)
     except Exception as error:  # noqa: BLE001  loses no model: it leaves their errors open
         failure_reason("stability under loads", error)
-        left = np.ones((len(robot.postures), len(robot.mechanism.loads)))
+        half_widths = np.ones((len(robot.postures), len(robot.mechanism.loads)))
     else:
-        farther = np.array(
-            [[abs(one.extra_displacement) if one else 0.0 for one in row] for row in found]
+        extra = np.array(
+            [
+                [
+                    abs(load_stability.extra_displacement) if load_stability else 0.0
+                    for load_stability in row
+                ]
+                for row in stability
+            ]
         )
-        left = np.nan_to_num(farther, nan=1.0)
-    left[left < _LINEAR] = 0.0
-    return HalfWidths(np.pad(left, ((0, 0), (len(UNIT_LOADS), 0))))
+        half_widths = np.nan_to_num(extra, nan=1.0)
+    half_widths[half_widths < _LINEAR] = 0.0
+    return HalfWidths(np.pad(half_widths, ((0, 0), (len(UNIT_LOADS), 0))))
 
 
 def modes_by_digits(
     printed: Sequence[Printed], postures: tuple[Posture, ...], count: int, masses: Masses
 ) -> tuple[PathModes, Array]:
-    """Modes by beams, given legs by their own 6×6, and relative half-widths (p×m) due to digits.
+    """Modes by beams and legs known by their 6×6, and relative half-widths (P×m) due to digits.
 
-    All changes by the digits of the `printed` 6×6 together, to first order.
+    Half-widths combine the changes by all digits of the `printed` 6×6, to first order.
     """
     roundings = roundings_of(printed, postures)
     mechanism = postures[0].mechanism
     highest, few = highest_frequency(postures, count), _FEW_ELEMENTS.elements
-    given, inside = _given_legs(mechanism), Inside(masses)
-    shapes_of = {name: shapes_inside(leg, inside, highest, few) for name, leg in given.items()}
-    own = {name: by_shapes(shapes_of[name], leg, inside, few) for name, leg in given.items()}
+    given_legs, inside = _given_legs(mechanism), Inside(masses)
+    shapes_of = {name: shapes_inside(leg, inside, highest, few) for name, leg in given_legs.items()}
+    leg_models = {
+        name: by_shapes(shapes_of[name], leg, inside, few) for name, leg in given_legs.items()
+    }
     beams = dynamic_bodies("beam", mechanism, highest, _FEW_ELEMENTS)
-    along = list(modes_along(assembly(mechanism, {**beams, **own}), postures, count))
-    found = vibration_of(samples_of(mechanism), along, count)
-    known = int(np.isfinite(found.frequencies).sum(axis=1).min())
-    modes = [(one.system, one.modes.shapes[:, :known]) for one in along]
+    posture_modes = list(modes_along(assembly(mechanism, {**beams, **leg_models}), postures, count))
+    vibration = vibration_of(samples_of(mechanism), posture_modes, count)
+    solved = int(np.isfinite(vibration.frequencies).sum(axis=1).min())
+    modes = [(posture.system, posture.modes.shapes[:, :solved]) for posture in posture_modes]
     stiffness = np.array([_energies(system.stiffness, shapes) for system, shapes in modes])
     mass = np.array([_energies(system.mass, shapes) for system, shapes in modes])
     changes = []
     for rounding in roundings:
-        of = rounding.postures[0].mechanism
+        rounded = rounding.postures[0].mechanism
         changed = {
             name: by_shapes(shapes_of[name], leg, inside, few)
-            for name, leg in _given_legs(of).items()
-            if leg is not given[name]
+            for name, leg in _given_legs(rounded).items()
+            if leg is not given_legs[name]
         }
-        stiffer, heavier = np.zeros_like(stiffness), np.zeros_like(mass)
-        for at, (system, shapes) in enumerate(modes):
+        stiffness_changes, mass_changes = np.zeros_like(stiffness), np.zeros_like(mass)
+        for pose, (system, shapes) in enumerate(modes):
             for name, leg in changed.items():
-                moved = system.body_unknowns(name, shapes)
-                stiffer[at] += _energies(leg.stiffness - own[name].stiffness, moved)
-                heavier[at] += _energies(leg.mass - own[name].mass, moved)
-            for joint, other in zip(mechanism.joints, of.joints, strict=True):
-                # What a spring stores where its ends are held falls by λᵀ dC λ.
-                if joint.compliance is not None and other is not joint:
-                    softer = np.asarray(other.compliance) - joint.compliance
-                    stiffer[at] -= _energies(softer, system.wrenches(joint, shapes))
-        # Rayleigh's quotient of the shapes as they are, exact to first order; half for its root.
-        changes.append(rounding.factor * 0.5 * (stiffer / stiffness - heavier / mass))
+                leg_shapes = system.body_unknowns(name, shapes)
+                stiffness_changes[pose] += _energies(
+                    leg.stiffness - leg_models[name].stiffness, leg_shapes
+                )
+                mass_changes[pose] += _energies(leg.mass - leg_models[name].mass, leg_shapes)
+            for joint, rounded_joint in zip(mechanism.joints, rounded.joints, strict=True):
+                # The energy of a spring with prescribed end motions falls by λᵀ dC λ.
+                if joint.compliance is not None and rounded_joint is not joint:
+                    compliance_change = np.asarray(rounded_joint.compliance) - joint.compliance
+                    stiffness_changes[pose] -= _energies(
+                        compliance_change, system.wrenches(joint, shapes)
+                    )
+        # Rayleigh's quotient with unperturbed shapes, exact to first order; ½ for the square root.
+        changes.append(
+            rounding.factor * 0.5 * (stiffness_changes / stiffness - mass_changes / mass)
+        )
     half_widths = combined(np.array(changes), np.abs, Combiner.LINEAR_SUM)
-    return found, np.pad(half_widths, ((0, 0), (0, count - known)))
+    return vibration, np.pad(half_widths, ((0, 0), (0, count - solved)))
 
 
 def _given_legs(mechanism: Mechanism) -> dict[str, GivenLeg]:
@@ -224,7 +245,7 @@ def _given_legs(mechanism: Mechanism) -> dict[str, GivenLeg]:
 
 
 def _energies(matrix: Array | SparseMatrix, shapes: Array) -> Array:
-    """φᵀAφ of every shape (n×m)."""
+    """Quadratic form φᵀAφ of each shape φ, a column of `shapes` (n×m)."""
     return np.asarray(np.sum(shapes * (matrix @ shapes), axis=0))
 
 
@@ -251,10 +272,10 @@ def _modal_meshes(responses: Responses, reading: Reading) -> HalfWidths:
 def _modal_digits(responses: Responses, reading: Reading) -> HalfWidths:
     """Half-widths of modes and of responses to harmonic forces due to printed digits."""
     robot, fine = responses.robot, responses.required_modes(SOLID, reading)
-    digits = _digits_of_frequencies(robot, fine, reading.masses)
+    digits = _frequency_digit_half_widths(robot, fine, reading.masses)
     if not robot.mechanism.excitations:
         return HalfWidths(frequencies=digits)
-    peaks, receptances = _digits_of_responses(robot, fine, digits)
+    peaks, receptances = _response_digit_half_widths(robot, fine, digits)
     return HalfWidths(frequencies=digits, peaks=peaks, receptances=receptances)
 
 
@@ -266,66 +287,71 @@ def _receptance_sizes(excitation: int, modes: PathModes) -> Array:
     return np.abs(modes.receptances[excitation])
 
 
-def _digits_of_responses(
+def _response_digit_half_widths(
     robot: RobotOnPath, fine: PathModes, digits: Array
 ) -> tuple[Array, list[Array]]:
     """Half-widths of peaks (P×q) and receptances (P×n each) by `digits` of frequencies (P×K)."""
-    of_peaks: list[Array] = []
+    peak_half_widths: list[Array] = []
     receptances = []
-    for number, one in enumerate(robot.mechanism.excitations):
-        peak = fine.peaks[:, [len(of_peaks) + 1]]
-        nearest, left = _left_by_digits(
-            fine, digits, one.frequencies, _receptance_sizes(number, fine), peak
+    for number, excitation in enumerate(robot.mechanism.excitations):
+        peak = fine.peaks[:, [len(peak_half_widths) + 1]]
+        peak_half_width, half_widths = _digit_half_widths(
+            fine, digits, excitation.frequencies, _receptance_sizes(number, fine), peak
         )
-        of_peaks += [2.0 * nearest, nearest]
-        if one.at is not None:
-            of_peaks.append(np.array([np.interp(one.at, one.frequencies, row) for row in left]))
-        receptances.append(left)
-    return np.stack(of_peaks, axis=1), receptances
+        peak_half_widths += [2.0 * peak_half_width, peak_half_width]
+        if excitation.at is not None:
+            peak_half_widths.append(
+                np.array(
+                    [np.interp(excitation.at, excitation.frequencies, row) for row in half_widths]
+                )
+            )
+        receptances.append(half_widths)
+    return np.stack(peak_half_widths, axis=1), receptances
 
 
-def _left_by_digits(
+def _digit_half_widths(
     fine: PathModes, digits: Array, frequencies: Array, sizes: Array, peak: Array
 ) -> tuple[Array, Array]:
-    """What printed digits leave open of the frequency of a peak (p) and of sizes (p×n), relative.
+    """Relative half-widths due to printed digits: of a peak's frequency (P) and of sizes (P×n).
 
-    `sizes` at `frequencies` (n, Hz), `peak` (p×1, Hz). As if all stiffness were off together by
-    what `digits` leave of the frequency nearest to each: h(ω) becomes h(ω(1 − s))/(1 + 2s).
+    `sizes` at `frequencies` (n, Hz), `peak` (P×1, Hz). Assumes that all stiffness changes together
+    by the half-width s, from `digits`, of the nearest natural frequency: h(ω) becomes
+    h(ω(1 − s))/(1 + 2s).
     """
     modes = np.nan_to_num(fine.frequencies[:, : digits.shape[1]], nan=np.inf)
-    asked = np.hstack([peak, np.broadcast_to(frequencies, sizes.shape)])
-    nearest = np.argmin(np.abs(modes[:, None] - asked[:, :, None]), axis=2)
+    evaluated = np.hstack([peak, np.broadcast_to(frequencies, sizes.shape)])
+    nearest = np.argmin(np.abs(modes[:, None] - evaluated[:, :, None]), axis=2)
     shares = np.take_along_axis(digits, nearest, axis=1)
     slopes = np.gradient(np.log(np.maximum(sizes, _NO_SIZE)), np.log(frequencies), axis=1)
     return shares[:, 0], shares[:, 1:] * (2.0 + np.abs(slopes))
 
 
-def _digits_of_frequencies(robot: RobotOnPath, fine: PathModes, masses: Masses) -> Array:
-    """What printed digits leave open of the judged frequencies of `fine` (p×K, relative).
+def _frequency_digit_half_widths(robot: RobotOnPath, fine: PathModes, masses: Masses) -> Array:
+    """Relative half-widths (P×K) of the judged frequencies of `fine` due to printed digits.
 
-    As of the beams' modes of the same shape; of a mode that beams do not have the most of all
-    judged.
+    Those of the beams' modes of the same shape. For a mode without such a beam mode, the largest of
+    all judged ones.
     """
     beams, share = robot.context.get(
         modes_by_digits, robot.printed, robot.postures, robot.offered, masses
     )
     amounts = np.broadcast_to(share[:, None, :], (*fine.frequencies.shape, share.shape[1]))
     by_shape = amounts_by_shape(fine, beams, amounts, robot.judged)
-    most = share[:, : robot.judged].max(axis=1, keepdims=True)
-    return np.where(np.isnan(by_shape), most, by_shape)
+    largest = share[:, : robot.judged].max(axis=1, keepdims=True)
+    return np.where(np.isnan(by_shape), largest, by_shape)
 
 
 def _is_rounded(robot: RobotOnPath) -> bool:
-    """Whether printed digits of the file's 6×6 change the robot."""
+    """True if printed digits of the file's 6×6 change the robot."""
     return bool(robot.roundings)
 
 
 def _loads_given_masses(robot: RobotOnPath) -> bool:
-    """Whether loads act on masses whose places within the legs are unknown."""
+    """True if loads act on masses with unknown positions within the legs."""
     return bool(robot.given) and any(load.acts_on_mass for load in robot.mechanism.loads)
 
 
-# Linear sums over the rows are the half-width of the whole.
+# The total half-width is the linear sum over the rows.
 STATIC_ROWS = (
     SourceRow(Source.MESHES, lambda _: True, _displacement_meshes),
     SourceRow(Source.DIGITS, _is_rounded, STATIC_DIGITS),
