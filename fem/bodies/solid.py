@@ -104,7 +104,7 @@ def solid_leg_matrices(solid: SolidLeg) -> LegMatrices:
 
 
 def centreline_of(mesh: SolidMesh, coupled: CoupledSolid) -> Callable[[Array], SparseMatrix]:
-    """Function from stations (m values, m) to the twists of their sections (6m×n) by unknowns."""
+    """Function of k positions (m): matrix (6k×n) from n unknowns to twists of the sections."""
     return lambda stations_x: csr_array(section_twists(mesh, stations_x) @ coupled.transformation)
 
 

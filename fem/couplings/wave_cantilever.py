@@ -116,7 +116,10 @@ def saint_venant_beam(kind: PrismWaves) -> PrismWaves:
 
 
 def _shear_stiffness(kind: PrismWaves) -> float:
-    """κGA (N) of flexure: c = L³/3EI + L/κGA at the tip, for L of the section's size."""
+    """Shear stiffness κGA (N), from the tip compliance L³/(3EI) + L/(κGA) of a short cantilever.
+
+    Its length L is the radius of gyration of the section.
+    """
     fields = kind.fields
     inertia = np.diag(fields.rigid.T @ fields.mass @ fields.rigid)
     length = float(np.sqrt(inertia[1] / inertia[0]))

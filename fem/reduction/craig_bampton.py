@@ -38,9 +38,9 @@ CUTOFF_FACTOR = 2.5
 class CraigBampton(Superelement):
     """Superelement with all fixed-interface modes up to `cutoff` (Hz).
 
-    Unknowns: ends 12, amplitudes of the fixed-interface modes, of the residual modes.
-    `frequencies` (Hz) of the former; `truncated` W (12×12, kg s⁶ for translations): the dropped
-    modes' Σ p pᵀ/ω_k⁶ on the twists of the ends.
+    Unknowns: 12 motions of the ends, then amplitudes of the fixed-interface modes and of the
+    residual modes. `frequencies` (Hz): of the fixed-interface modes. `truncated`: W = Σ p pᵀ/ω_k⁶
+    over the dropped modes (12×12, kg s⁶ for translations), p = ΨᵀMφ_k on the twists of the ends.
     """
 
     cutoff: float

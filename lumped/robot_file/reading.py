@@ -123,7 +123,7 @@ def decimal_tables(text: str) -> Mapping[str, Any]:
 
 
 def printed_compliances(tables: Mapping[str, Any]) -> Iterator[Printed]:
-    """Every 6×6 `compliance` in tables of a sound robot file, of either schema, as printed."""
+    """Each 6×6 `compliance` of a valid robot file, of either schema, with its printed digits."""
     for name, inner in tables.items():
         if isinstance(inner, Mapping):
             yield from printed_compliances(inner)

@@ -244,8 +244,9 @@ def _closed(
     for joint, motion in closing:
         if rotor_moves_alone(joint):
             raise ComputationError(
-                f"joint {joint.name}: closes a loop of rigid bodies, where the rotor of its drive "
-                "needs a body of its own beside the joint's compliance"
+                f"joint {joint.name}: closes a loop of rigid bodies and has both a rotor and a "
+                "compliance, so that the motion of the rotor is undetermined; describe the rotor "
+                "as a body"
             )
         position = frames.interface(joint.first.body, joint.first.point)
         first, second = (

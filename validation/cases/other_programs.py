@@ -61,8 +61,8 @@ _by_calculix = cases.family(
 def reduced_solids(posture: Posture) -> tuple[Array, Array]:
     """Compliance (6×6, SI, base axes) at the loaded point, and first frequencies (Hz).
 
-    Legs are bars of their outer size on coarse meshes, reduced to their ends. Mass is integrated at
-    the same points as in CalculiX.
+    Each leg is replaced by a solid bar with its outer dimensions, coarsely meshed and reduced by
+    Craig and Bampton's method. Mass is integrated at the same points as in CalculiX.
     """
     bars = with_bars(posture)
     highest = highest_frequency([bars], SOLID_MODES)

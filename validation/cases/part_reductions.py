@@ -1,4 +1,4 @@
-"""Modes of a mechanism with CAD parts, reduced twice.
+"""Modes of a mechanism with CAD parts by two different reductions of the parts.
 
 Parts are reduced by their modes with interfaces held (Craig, Bampton), and free (MacNeal, Rubin),
 which span different spaces. Each reduction bounds its own truncation error.

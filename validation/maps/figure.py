@@ -223,8 +223,8 @@ def _caption(space: Workspace, maps: Sequence[Map]) -> str:
         for mapped, _, worst in maps
     ]
     sentences.append(
-        "Dots: poses of the grid. Stars: worst postures, also between the dots; the search closes "
-        "the loops and solves the model in each posture that it evaluates"
+        "Dots: poses of the grid. Stars: worst postures found by a search, which may lie between "
+        "the dots. The search closes the loops and solves the model in each posture that it tries"
         + (". Each star is in the slice nearest to it." if len(space.axes) > 2 else ".")
     )
     if poses < len(mechanism.poses):

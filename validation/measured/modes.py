@@ -77,7 +77,7 @@ def with_measured_file(robot_file: RobotFile, path: Path) -> RobotFile:
     all_nodes = counted(len(set(numbers)), "node")
     if not located.any():
         raise InputError(
-            f"{path}: [hammer.nodes] of {robot_file.source} has none of its {all_nodes}"
+            f"{path}: none of its {all_nodes} is listed in [hammer.nodes] of {robot_file.source}"
         )
     sizes = np.abs(tested.poles)
     test = ModalTest(

@@ -317,7 +317,11 @@ def _with_poles(
 
 
 def _stable_poles(poles: list[ComplexArray], band: Array) -> tuple[list[int], list[list[float]]]:
-    """Indices of the stable poles among those of the highest order, and their scatter."""
+    """Indices, among the poles of the highest polynomial order, of those that recur.
+
+    They do so at most of the high orders. Then, for each, the standard deviations of its frequency
+    (Hz) and damping ratio over these orders.
+    """
     upper_half = poles[len(poles) // 2 :]
     orders = [of_order[(of_order.imag > 0.0) & (of_order.real < 0.0)] for of_order in upper_half]
     stable: list[int] = []

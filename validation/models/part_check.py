@@ -12,7 +12,9 @@ from validation.models.reduced_parts import found_in
 
 
 def parts_text(mechanism: Mechanism) -> str:
-    """Lines on every part: its size, and for each interface its faces and their distance.
+    """Lines on every part: its size, and the faces of each interface.
+
+    These have their distance from the point of the joint.
 
     Empty if no body is a part. Raises InputError with the faults of all parts.
     """

@@ -226,7 +226,7 @@ def modes_along(
 def springs_of(mechanism: Mechanism, options: ModelOptions) -> dict[str, Array]:
     """Tip compliances (6×6, SI, body axes) of legs and parts for the virtual joint method.
 
-    Raises InputError for a part that is no leg.
+    Raises InputError for a CAD part that does not have exactly two interfaces.
     """
     require_legs(mechanism)
     springs = tip_compliances(mechanism, options.legs, options.theory, options.equivalent)

@@ -55,10 +55,10 @@ class HalfWidths:
 
 @dataclass(frozen=True)
 class MeshUncertainty(HalfWidths):
-    """Half-widths of 95 % intervals, from the step to a mesh of other `divisions`.
+    """Half-widths of 95 % intervals, from the change to a second mesh.
 
-    Infinite if that mesh is too large. `meshes`: divisions of all meshes from which numbers are
-    extrapolated, if they show an order.
+    It has `divisions` elements across the section. Infinite if it is too large. `meshes`: divisions
+    of all meshes from which numbers are extrapolated. Empty if no order was observed.
     """
 
     divisions: int

@@ -218,7 +218,7 @@ def require_few_curves(variations: Sequence[Variation], places: int) -> None:
     if count > _LARGEST_CURVE_COUNT:
         raise InputError(
             f"--picture: {count} curves over {variations[0].key}; must be at most "
-            f"{_LARGEST_CURVE_COUNT} (fewer values of the other numbers, or fewer poses)"
+            f"{_LARGEST_CURVE_COUNT}: vary other parameters over fewer values, or take fewer poses"
         )
 
 

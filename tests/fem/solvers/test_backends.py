@@ -110,7 +110,7 @@ class TestContract:
         size = np.abs(K.data).max() * np.abs(solution).max() + np.abs(load).max()
         assert np.abs(K @ solution - load).max() <= 1e-13 * size
 
-    def test_factors_of_one_pattern_serve_in_turns(self, matrices):
+    def test_factor_solves_after_another_of_same_sparsity(self, matrices):
         """One order of elimination; an earlier factor still solves after a later one is made."""
         K, M = matrices
         both = pencil(K, M)

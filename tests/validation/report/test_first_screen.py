@@ -165,7 +165,7 @@ def test_assumption_is_stated_for_decided_frequencies():
     assert "solid" not in sentence(decided)
 
 
-def test_half_width_below_twentieth_percent_is_hidden():
+def test_half_width_below_0_05_percent_is_hidden():
     small = [1e-9, 4e-4, 6e-4]
     table = table_of(matrix_of(*(entry(f"m{u}", "x", u, uncertainty=u) for u in small)))
     found = [(plain(cell.text), plain(cell.spread)) for cell in table.cells]

@@ -295,7 +295,7 @@ def counted_quantities(matrix, text):
     )
 
 
-def test_remedy_lines_have_the_range_of_their_errors():
+def test_each_remedy_line_states_range_of_its_errors():
     """One line for each set of two foremost causes and remedy, in the order of the matrix."""
     for matrix in MATRICES:
         off = [entry for entry in matrix.entries if entry.verdict == "inadequate"]

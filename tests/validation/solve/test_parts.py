@@ -151,7 +151,7 @@ def test_statics_alone_are_those_of_the_part(own, crane):
     assert ((share > 1e-6) & (share < 0.1)).all()
 
 
-def test_unit_force_has_uncertainty_of_compliance(crane):
+def test_unit_force_motion_is_as_uncertain_as_compliance(crane):
     """Exactly for how the part is held; for its meshes with an order of convergence of its own."""
     push = '[[loads]]\nname = "push"\nwrench = [0.0, 1.0, 0.0, 0.0, 0.0, 0.0]\n'
     found = answer_of(robot_of(f"{crane.text}\n{push}", Path(crane.source).parent), 0)

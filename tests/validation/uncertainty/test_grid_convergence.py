@@ -204,7 +204,7 @@ def test_refinement_stops_at_first_fine_mesh(asked: float) -> None:
     assert found == 2 or left(found // 2) > asked
 
 
-def test_accuracy_beyond_the_largest_mesh_is_missed() -> None:
+def test_accuracy_beyond_largest_mesh_is_reported() -> None:
     found, told = refined_to(1e-6)
     assert (found, told.reached) == (64, left(64))
     assert told.text.startswith("accuracy ±0.0024 %, asked for ±0.0001 %; --divisions 128: takes m")

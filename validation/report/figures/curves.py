@@ -41,9 +41,10 @@ _FORCE, _MOMENT = 1000.0, 100.0
 _OWN_LOADS = f"under {_FORCE:g} N along each axis or {_MOMENT:g} N m about it"
 _END_CONDITIONS = (
     "End conditions of legs and interfaces of solids are those of the robot file; if it has none, "
-    "both limits are shown: rigid, and free to warp or averaged."
+    "both limits are shown: rigid ends, and ends free to warp (legs) or averaged interfaces "
+    "(CAD parts)."
 )
-_ONE_SHAPE = "In ascending order; differences compare modes of the same shape."
+_ONE_SHAPE = "Frequencies in ascending order. Differences compare modes of the same shape."
 _OF_THE_POINT = "Motion of the loaded point along the force or about the moment"
 _POSE = "pose"
 _TITLE = "Deflection over the path"
@@ -172,8 +173,8 @@ def _decisions(context: Context, variation: Variation) -> Chart:
     panels = [objective_panel(varied.decision, x) for varied in objectives.values()]
     return Chart(panels, label, 2, 3.2, abscissa, few_ticks).captioned(
         *(_choices_sentence(varied, variation) for varied in objectives.values()),
-        "Each robot over its whole path. A star marks the best computed value of a "
-        "curve; values between the computed ones were not searched.",
+        "Each value of the parameter is judged over the whole path of its robot. A star marks the "
+        "best computed value of a curve; values between the computed ones were not searched.",
     )
 
 

@@ -140,10 +140,10 @@ def pairs(context: Context) -> Chart:
         }
     panels.append(Panel(changes, "difference (%)", levels=(0.0,), staggered=False))
     return Chart(panels, "mode of the reference", len(panels), 2.0, columns).captioned(
-        f"In the middle of the path; reference: {interpretation.name or 'solid'}. Left: "
-        "energy-weighted modal assurance criterion (MAC), black for equal shapes; blocks are modes "
-        "of nearly equal frequency, which may mix. Right: differences of paired "
-        "frequencies; modes without a partner are not shown.",
+        f"All in the middle of the path, compared with solids ({interpretation.name or 'solid'}). "
+        "All panels but the last: energy-weighted modal assurance criterion (MAC), black for equal "
+        "shapes; dark blocks of several cells are modes of nearly equal frequency, which may mix. "
+        "Last panel: differences of paired frequencies; modes without a partner are not shown.",
     )
 
 

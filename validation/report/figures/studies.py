@@ -130,10 +130,11 @@ def study_curves(family: Family) -> Chart:
     table: dict[str, Column] = {label: x.tolist()}
     table |= {f"{curve.label} ({curve.study.unit})": curve.values for curve in family.curves}
     sentences = [
-        "Left: deviation from the limit. Right: its decay; observed orders are in the legend."
+        "Left: deviation from the extrapolated or exact value. Right: its decay; observed orders "
+        "are in the legend."
     ]
     if any(curve.uncertainty is not None for curve in family.curves):
-        sentences.append("The bar at the finest value is its numerical uncertainty.")
+        sentences.append("The bar on the finest mesh is the numerical uncertainty there.")
     return Chart(panels, label, 2, 2.2, table).captioned(*sentences, *family.notes)
 
 
