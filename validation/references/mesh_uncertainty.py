@@ -43,6 +43,10 @@ _MASS_OF_BEAMS = 5e-3
 class MeshRow:
     """Kind of mesh, the field of a reading that chooses it, and its levels from coarse to fine.
 
+    Half-widths are those of the finest level, on which references are. For section meshes they are
+    those of the coarse level, which is the mesh of the solids: the ratio of their policy is below
+    one.
+
     `model` is solved on these meshes under a reading. `policy` returns the half-width of a robot
     itself if it is known beforehand: 0 if its reference has no such mesh, 1 if the mesh cannot be
     refined.

@@ -39,8 +39,9 @@ UNKNOWNS: dict[Preset, tuple[int, int]] = {
 SLOWEST_ORDER = 4.0 / 3.0
 # Divisions for the section constants of all computations other than mesh studies.
 SECTION_DIVISIONS = 8
-# Ratio of these divisions to those of a mesh that both solids of a leg share.
-SECTION_RATIO = SECTION_DIVISIONS / COARSEST_WALLS
+# Size of their elements over that of a mesh that solids have: below one, since the half-width is
+# that of the solids, which are on the coarser mesh.
+SECTION_RATIO = COARSEST_WALLS / SECTION_DIVISIONS
 
 
 def slowest(ratio: float) -> MeshPolicy:
