@@ -36,17 +36,22 @@ class Interface:
     """Interface of a part: `faces` for a joint, and its reference `point` (3, m, file axes).
 
     `axis` (unit vector) of the cylinder that the faces form, through `on_axis` (3, m); both None
-    where they form none. `reason` of the coupling.
+    where they form none. `by_default`: whether the robot file specifies no coupling.
     """
 
     name: str
     faces: tuple[int, ...]
     point: Array
     coupling: Coupling
-    reason: str
+    by_default: bool
     axis: Array | None
     on_axis: Array | None
     area: float
+
+    @property
+    def reason(self) -> str:
+        """Reason for the coupling."""
+        return WHY_RIGID if self.by_default else "as specified"
 
 
 def find_interfaces(
@@ -91,11 +96,11 @@ def _interface(
             f'coupling = "pin" suits a bore alone, and the faces {kinds} form no cylinder; '
             'take "rigid" or "average"'
         )
-    reason = "as asked for" if specified.coupling else WHY_RIGID
+    by_default = not specified.coupling
     numbers = tuple(face.number for face in faces)
     on_axis = None if axis is None else faces[0].on_axis
     total = float(areas.sum())
-    return Interface(name, numbers, point, coupling, reason, axis, on_axis, total)
+    return Interface(name, numbers, point, coupling, by_default, axis, on_axis, total)
 
 
 def _selected_faces(part: PartFile, specified: PartInterface, point: Array | None) -> list[Face]:

@@ -36,7 +36,7 @@ def _interface_text(file: PartFile, interface: Interface) -> str:
     numbers = ", ".join(str(face.number) for face in faces)
     text = f"{interface.name}: face{'s' if len(faces) > 1 else ''} {numbers} ({kinds}"
     text += f" of radius {faces[0].radius * 1e3:.4g} mm)" if interface.axis is not None else ")"
-    condition = interface.coupling + ("" if interface.reason == "as asked for" else " by default")
+    condition = interface.coupling + (" by default" if interface.by_default else "")
     return f"{text}, {_offset_text(file, interface)}, {condition}"
 
 

@@ -77,7 +77,7 @@ def _mesh_key(part: PartFile, interfaces: Sequence[Interface], *inputs: object) 
     Parts with different couplings then share one mesh. gmsh may make different meshes from equal
     inputs.
     """
-    faces = [replace(interface, coupling="rigid", reason="") for interface in interfaces]
+    faces = [replace(interface, coupling="rigid", by_default=False) for interface in interfaces]
     return part_key(part, faces, _NO_MATERIAL, *inputs, sources=MESHING)
 
 

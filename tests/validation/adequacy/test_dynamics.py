@@ -114,8 +114,8 @@ def test_bending_is_more_certain_than_open_torsion():
     robot = robot_on_path(at_the_centre(**OF_FLANGED))
     (solids,) = dynamic_reference(Responses(robot)).interpretations
     first, *others = solids.budget[Source.MESHES].frequencies[0, :4]
-    # A twentieth of it is what the section mesh leaves open of the beams of the same shape.
-    assert 0.0052 < first < 0.0056
+    # The section mesh of the solids leaves open a ninth of it, by beams on it and on a finer one.
+    assert 0.0056 < first < 0.0061
     assert max(others) < 0.0025
 
 
