@@ -25,8 +25,10 @@ def test_solve_gives_the_numbers_of_the_command(command):
     for pose in (0.3, [0.3]):
         asked = {"poses": [pose], "modes": 2, "theory": "euler-bernoulli"}
         (answer,) = api.solve("ifw", "segments", **asked).answers
-        assert np.array_equal(answer.compliance, printed["compliance"])
-        assert answer.frequencies.tolist() == printed["frequencies"]
+        # Round-off of BLAS varies with the place of arrays in memory: 1e-15 of the largest entry.
+        largest = 1e-12 * np.abs(answer.compliance).max()
+        assert answer.compliance == pytest.approx(np.array(printed["compliance"]), abs=largest)
+        assert answer.frequencies == pytest.approx(printed["frequencies"], rel=1e-10)
 
 
 @pytest.mark.exhaustive
