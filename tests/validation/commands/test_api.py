@@ -40,7 +40,7 @@ def test_the_matrix_is_that_of_a_run(tmp_path):
     ]
     # One choice of what is judged: each leg alone and the notes are there, too.
     assert [part.robot for part in judged.matrix.parts] == ["leg1", "leg2"]
-    for name in ("beside", "notes", "supposed"):
+    for name in ("attached", "notes", "supposed"):
         assert getattr(finished.matrix, name) == getattr(judged.matrix, name)
     assert finished.matrix.formulation.robot == "equivalent legs"
 
