@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from fem.extras import EXTRAS
 from fem.machine import threads
+from fem.solvers.backends.accuracy import is_accurate
 from fem.solvers.backends.protocol import DeviceError
 from lumped.arrays import Array, SparseMatrix
 
@@ -29,14 +30,10 @@ from lumped.arrays import Array, SparseMatrix
 _COLUMNS_AT_ONCE = 32
 # Kinds of errors that the card's libraries raise; those of cuBLAS, cuSPARSE and CUDA are the first.
 _FAILURES = (RuntimeError, OSError, ImportError, TypeError, ValueError, NotImplementedError)
-# Largest backward error ‖b − A x‖/(max|A| ‖x‖ + ‖b‖) of a factor whose signs are those of the
-# matrix. Solutions have 3e-16 to 5e-16; eigenvalues of K − σM are 1e-12 of its largest and more.
-_BACKWARD_ERROR = 1e-13
 # Share of free memory that a factorisation may take by its estimate.
 _USABLE = 0.95
 # Columns that a growing basis has more than it needs, of those that it has.
 _GROWTH = 0.5
-_SEED = 5
 
 
 @dataclass(frozen=True)
@@ -215,7 +212,7 @@ class CudssOrdering:
         del part
         self.load(values)
         negative, zero = self._signs()
-        if not zero and self._backward_error() > _BACKWARD_ERROR:
+        if not zero and not self._is_accurate():
             zero = 1
         return CudssNumeric(self, values, negative, zero)
 
@@ -276,21 +273,14 @@ class CudssOrdering:
         unsigned = self._size - positive - negative
         return negative, max(int(replaced[0]), unsigned, int(failed[0] != 0))
 
-    def _backward_error(self) -> float:
-        """Largest residual of a solution for random forces, in units of what the sums are of."""
-        import cupy  # noqa: PLC0415
+    def _is_accurate(self) -> bool:
+        """Whether a solution by the factor has a small backward error."""
         from cupyx.scipy.sparse import csr_matrix  # noqa: PLC0415
 
-        forces = np.random.default_rng(_SEED).standard_normal((self._size, 1))
-        right = space().put(forces)
-        solution = self.solved(right)
         with _device_errors():
             arrays = self._entries, self._columns, self._offsets
             upper = csr_matrix(arrays, shape=(self._size, self._size))
-            product = upper @ solution + upper.T @ solution - upper.diagonal()[:, None] * solution
-            residual = float(abs(right - product).max())
-            size = float(abs(solution).max()) * float(cupy.abs(self._entries).max())
-        return residual / (size + float(np.abs(forces).max()))
+            return is_accurate(upper, self.solved, space().put)
 
     def _execute(self, phase: int, solution: Any, right: Any) -> None:
         import cupy  # noqa: PLC0415

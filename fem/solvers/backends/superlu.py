@@ -12,6 +12,7 @@ import numpy as np
 import scipy
 from scipy.sparse import csc_array
 
+from fem.solvers.backends.accuracy import is_accurate
 from fem.solvers.backends.host_memory import require_memory
 from fem.solvers.backends.protocol import HOST
 from lumped.arrays import Array, SparseMatrix
@@ -21,9 +22,6 @@ LARGEST = 20_000
 # Bytes of L, U and working memory per unknown: 25 000 for a leg of second-order tetrahedra with
 # 18 000 unknowns.
 _BYTES_PER_UNKNOWN = 40_000
-# Largest backward error of a factor whose signs are those of the matrix: as for cuDSS.
-_BACKWARD_ERROR = 1e-13
-_SEED = 5
 
 
 def title() -> str:
@@ -75,12 +73,9 @@ class SuperluOrdering:
             )
         except RuntimeError:
             return SuperluNumeric(None, 0, size)
-        forces = np.random.default_rng(_SEED).standard_normal(size)
-        solution = handle.solve(forces)
-        scale = np.abs(solution).max() * np.abs(values).max() + np.abs(forces).max()
-        accurate = np.abs(forces - matrix @ solution).max() <= _BACKWARD_ERROR * scale
         pivots = handle.U.diagonal()
         zero = int((pivots == 0.0).sum())
-        if not accurate or not np.array_equal(handle.perm_r, handle.perm_c):
+        on_diagonal = np.array_equal(handle.perm_r, handle.perm_c)
+        if not on_diagonal or not is_accurate(lower, handle.solve):
             zero = max(zero, 1)
         return SuperluNumeric(handle, int((pivots < 0.0).sum()), zero)

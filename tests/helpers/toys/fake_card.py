@@ -88,6 +88,11 @@ class CardMatrix:
             content = csr_array(tuple(map(on_host, content)), shape=shape)
         assert issparse(content)
         self.content = content
+        self.shape = content.shape
+
+    @property
+    def data(self):
+        return on_card(self.content.data)
 
     def __matmul__(self, block):
         assert isinstance(block, CardArray)

@@ -29,6 +29,7 @@ from weakref import finalize
 import numpy as np
 from scipy.sparse import csr_array
 
+from fem.solvers.backends.accuracy import is_accurate
 from fem.solvers.backends.host_memory import require_memory
 from fem.solvers.backends.protocol import HOST
 from lumped.arrays import Array, SparseMatrix
@@ -59,10 +60,6 @@ _COLUMNS_AT_ONCE = 64
 _PATIENCE_AT_START = 120.0
 # Seconds for a server to end by itself.
 _PATIENCE_AT_END = 3.0
-# Largest backward error ‖b − A x‖/(max|A| ‖x‖ + ‖b‖) of a factor whose signs are those of the
-# matrix: as for cuDSS.
-_BACKWARD_ERROR = 1e-13
-_SEED = 5
 
 
 class MissingPetscError(InputError):
@@ -352,7 +349,8 @@ class PetscOrdering:
             require_memory(self.peak_bytes, self._size, part)
         self.load(values, part)
         negative, zero = self._signs
-        if not zero and self._size and self._backward_error(values) > _BACKWARD_ERROR:
+        upper = csr_array((values, *self._upper), shape=(self._size, self._size))
+        if not zero and not is_accurate(upper, self.solved):
             zero = 1
         return PetscNumeric(self, values, negative, zero)
 
@@ -371,12 +369,3 @@ class PetscOrdering:
             some = slice(start, start + _COLUMNS_AT_ONCE)
             solution[:, some] = self._server.solve(self._name, columns[:, some])
         return solution
-
-    def _backward_error(self, values: Array) -> float:
-        """Largest residual of a solution for random forces, in units of the sums' terms."""
-        forces = np.random.default_rng(_SEED).standard_normal((self._size, 1))
-        solution = self.solved(forces)
-        upper = csr_array((values, *self._upper), shape=(self._size, self._size))
-        product = upper @ solution + upper.T @ solution - upper.diagonal()[:, None] * solution
-        size = np.abs(solution).max() * np.abs(values).max() + np.abs(forces).max()
-        return float(np.abs(forces - product).max() / size)
