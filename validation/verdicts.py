@@ -34,9 +34,9 @@ class Coordinate:
 
     @property
     def axis(self) -> str:
-        """Label of an axis of a figure: "x (m)", "rotation axis_name z (rad)"."""
+        """Label of an axis of a figure: "x (m)", "rotation about z (rad)"."""
         axis_name = ROTATIONS.get(self.name)
-        return f"rotation axis_name {axis_name} ({self.unit})" if axis_name else str(self)
+        return f"rotation about {axis_name} ({self.unit})" if axis_name else str(self)
 
 
 class CauseShare(msgspec.Struct, frozen=True):

@@ -354,7 +354,7 @@ def _entry(
         expected=worst.value,
         measured=True,
         mac=pair and pair.mac,
-        computed_by=("validation.measured.matrix.predicted", "validation.measured.matrix"),
+        computed_by=("validation.measured.matrix.Predictions.value", "validation.measured.matrix"),
     )
     if reason:
         # Modes without similar shapes, and values of opposite sign, cannot be compared.
