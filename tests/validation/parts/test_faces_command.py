@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from drawn_parts import written
 from forgetting import forget
+from messages import only_message
 
 from lumped.errors import InputError
 from lumped.memo import fingerprint
@@ -144,7 +145,4 @@ def test_file_that_crashes_the_kernel_is_one_line(tmp_path, capfd, coarse_parts,
     assert cli.main([word.format(part=part, robot=robot) for word in command]) == 2
     out, err = capfd.readouterr()
     assert out == ""
-    # A slow machine gets lines of progress first.
-    *_, line = err.splitlines()
-    assert f"{part}: its reader fails" in line
-    assert "Traceback" not in err
+    assert f"{part}: its reader fails" in only_message(err)

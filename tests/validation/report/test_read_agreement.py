@@ -37,7 +37,6 @@ TOLERANCE = 0.01
 # Shares below a half of the last digit shown, 0.01 %, are not shown.
 SHOWN = 5e-5
 NUMBER = r"[+−]?\d+\.\d\d"
-CAUSE = rf"([a-z][a-z ]*[a-z]) {NUMBER}"
 
 
 def drawn_outcomes(seed):

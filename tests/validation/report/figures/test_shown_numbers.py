@@ -19,7 +19,7 @@ from validation.report.figures import responses
 from validation.report.figures.adequacy import measured_curves
 from validation.responses.statics_and_modes import PathModes
 from validation.variations import curves
-from validation.verdicts import Entry
+from validation.verdicts import Coordinate, Entry
 
 # Sizes of responses at three poses and two frequencies, m/N.
 SIZES = 1e-6 * np.array([[1.0, 2.0], [10.0, 20.0], [100.0, 200.0]])
@@ -75,7 +75,7 @@ def test_response_band_starts_at_lowest_reading(robot, monkeypatch):
 
 
 def test_note_on_masses_uses_middle_pose(robot):
-    robot.prisms = [None]
+    robot.has_solids = True
     truth = reference("", {"wedge": vibration(1.0), "lump": vibration(0.9)}, supposed="plausible")
     (note,) = mass_notes(Responses(robot), truth)
     assert "give f1 9 to 10 Hz, f2 18 to 20 Hz in the middle of the path" in note
@@ -142,3 +142,10 @@ def test_measured_chart_over_poses_has_whole_intervals():
     beam = next(one for one in panel.series if one.label == "beam")
     assert beam.y == pytest.approx([1.1, 1.1])
     assert beam.bars == pytest.approx(np.full((2, 2), 0.05))
+
+
+@pytest.mark.parametrize(
+    ("name", "unit", "label"), [("x", "m", "x (m)"), ("phi_z", "rad", "rotation about z (rad)")]
+)
+def test_axis_of_a_coordinate_has_its_unit(name, unit, label):
+    assert Coordinate(name, unit).axis == label
