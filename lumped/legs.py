@@ -100,6 +100,16 @@ class BeamProperties:
         return np.array([[self.EIz, self.EIyz], [self.EIyz, self.EIy]])
 
     @property
+    def shear_flexibility(self) -> Array:
+        """[1/GAy s; s 1/GAz] (1/N), s = `shear_yz`: shear strains along y and z from Vy and Vz."""
+        return np.array([[1.0 / self.GAy, self.shear_yz], [self.shear_yz, 1.0 / self.GAz]])
+
+    @property
+    def rotary_inertia(self) -> Array:
+        """[ρIz ρIyz; ρIyz ρIy] (kg m): inertia against the rotations of `bending`."""
+        return np.array([[self.rho_Iz, self.rho_Iyz], [self.rho_Iyz, self.rho_Iy]])
+
+    @property
     def to_shear_centre(self) -> Array:
         """6×6 map of the centroid's twist to one with the deflections of the shear centre."""
         transfer = np.eye(6)
@@ -133,8 +143,8 @@ class BeamProperties:
         )
         if self.couples_bending:
             flexibility = np.linalg.inv(self.bending)
-            shear = np.array([[1.0 / self.GAy, self.shear_yz], [self.shear_yz, 1.0 / self.GAz]])
-            compliance[1:3, 1:3] = length**3 / 12.0 * flexibility + length * shear
+            shear = length * self.shear_flexibility
+            compliance[1:3, 1:3] = length**3 / 12.0 * flexibility + shear
             # φz turns with the deflection along y, φy against that along z.
             signs = np.array([[1.0, -1.0], [-1.0, 1.0]])
             compliance[4:, 4:] = length * signs * flexibility[::-1, ::-1]

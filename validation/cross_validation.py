@@ -14,13 +14,13 @@ from validation.case import Case, Skip
 from validation.comparisons.convergence_study import ConvergenceStudy
 from validation.comparisons.discretisations import RefinedModel
 from validation.context import Context
+from validation.drawing.text import quantity_name
 from validation.report.agreement import agreement_sentence
 from validation.report.agreement_parts import (
     AgreementRow,
     agreement_rows,
     difference_parts,
     percent,
-    quantity_name,
 )
 from validation.run.outcome import Outcome
 from validation.tables import ResultTable, html_paragraph

@@ -162,8 +162,7 @@ def _shear_stiffnesses(p: BeamProperties) -> tuple[float, float, float]:
     """Shear stiffnesses (N) along y, along z, and between both."""
     if not p.shear_yz:
         return p.GAy, p.GAz, 0.0
-    flexibility = np.array([[1.0 / p.GAy, p.shear_yz], [p.shear_yz, 1.0 / p.GAz]])
-    stiffness = np.linalg.inv(flexibility)
+    stiffness = np.linalg.inv(p.shear_flexibility)
     return float(stiffness[0, 0]), float(stiffness[1, 1]), float(stiffness[0, 1])
 
 

@@ -258,8 +258,7 @@ def _coupled(p: BeamProperties, size: float) -> _Coupled:
     """The equations, lengths in `size` (m), ω² in EI/(μ size⁴)."""
     EI, mu = max(p.EIy, p.EIz), p.mu
     flexibility = np.zeros((5, 5))
-    shear = np.array([[1.0 / p.GAy, p.shear_yz], [p.shear_yz, 1.0 / p.GAz]])
-    flexibility[:2, :2] = shear * EI / size**2
+    flexibility[:2, :2] = p.shear_flexibility * EI / size**2
     flexibility[2, 2] = EI / p.GJ
     flexibility[3:, 3:] = EI * np.linalg.inv(p.bending)
     # The centroid moves by v_s + z_s φx and w_s − y_s φx.
@@ -268,27 +267,30 @@ def _coupled(p: BeamProperties, size: float) -> _Coupled:
     mass[:2, :2] = np.eye(2)
     mass[:2, 2] = mass[2, :2] = arm
     mass[2, 2] = p.rho_J / (mu * size**2) + arm @ arm
-    rotary = np.array([[p.rho_Iz, p.rho_Iyz], [p.rho_Iyz, p.rho_Iy]])
-    mass[3:, 3:] = rotary / (mu * size**2)
+    mass[3:, 3:] = p.rotary_inertia / (mu * size**2)
     return _Coupled(flexibility, mass, EI / (mu * size**4))
 
 
 def _coupled_frequency(p: BeamProperties, length: float, order: int) -> float:
     """Frequency (Hz) number `order` of bending in both planes with torsion."""
     lower, upper = 0.0, np.pi / (2.0 * length) ** 2 * sqrt(max(p.EIy, p.EIz) / p.mu)
-    while _coupled_count(p, length, upper, upper) < order:
+    while _coupled_count(p, length, upper) < order:
         lower, upper = upper, 1.5 * upper
+    pieces = _coupled_pieces(p, length, upper)
+    equations = _coupled(p, length / pieces)
 
     def eigenvalue(omega: float) -> float:
-        return float(eigvalsh(_coupled_stiffness(p, length, omega, upper))[order - 1])
+        return float(eigvalsh(_coupled_stiffness(equations, pieces, omega))[order - 1])
 
     root = scipy.optimize.brentq(eigenvalue, lower, upper, xtol=1e-300, rtol=_ROOT_TOLERANCE)
     return float(root) / (2.0 * pi)
 
 
-def _coupled_count(p: BeamProperties, length: float, omega: float, highest: float) -> int:
+def _coupled_count(p: BeamProperties, length: float, omega: float) -> int:
     """Number of frequencies below ω (rad/s)."""
-    return int(np.count_nonzero(eigvalsh(_coupled_stiffness(p, length, omega, highest)) < 0.0))
+    pieces = _coupled_pieces(p, length, omega)
+    stiffness = _coupled_stiffness(_coupled(p, length / pieces), pieces, omega)
+    return int(np.count_nonzero(eigvalsh(stiffness) < 0.0))
 
 
 def _coupled_pieces(p: BeamProperties, length: float, omega: float) -> int:
@@ -298,20 +300,19 @@ def _coupled_pieces(p: BeamProperties, length: float, omega: float) -> int:
     and torsion, and the softer of both planes with the more inert one bounds bending.
     """
     bending = np.linalg.eigvalsh(p.bending)[0]
-    shear = np.array([[1.0 / p.GAy, p.shear_yz], [p.shear_yz, 1.0 / p.GAz]])
-    rotary = np.array([[p.rho_Iz, p.rho_Iyz], [p.rho_Iyz, p.rho_Iy]])
-    largest = (float(np.linalg.eigvalsh(matrix)[-1]) for matrix in (shear, rotary))
+    matrices = p.shear_flexibility, p.rotary_inertia
+    largest = (float(np.linalg.eigvalsh(matrix)[-1]) for matrix in matrices)
     plane = _Plane(float(bending), next(largest), 2.0 * p.mu, next(largest))
     polar = p.rho_J + 2.0 * p.mu * (p.centre_y**2 + p.centre_z**2)
     by_torsion = int(length * omega / (np.pi * sqrt(p.GJ / polar))) + 1
     return max(_pieces(plane, length, omega), by_torsion)
 
 
-def _coupled_stiffness(p: BeamProperties, length: float, omega: float, highest: float) -> Array:
-    """K(ω) of the clamped–free beam on five motions of the cuts and the tip, in units of EI/l."""
-    pieces = _coupled_pieces(p, length, highest)
-    size = length / pieces
-    equations = _coupled(p, size)
+def _coupled_stiffness(equations: _Coupled, pieces: int, omega: float) -> Array:
+    """K(ω) of the clamped–free beam on five motions of the cuts and the tip, in units of EI/l.
+
+    `equations` are those of a piece.
+    """
     state = np.zeros((10, 10))
     state[0, 3] = state[1, 4] = 1.0
     state[:5, 5:] = equations.flexibility

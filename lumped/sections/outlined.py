@@ -131,10 +131,6 @@ class _Profile(Boxed, OutlinedSection):
     flange: float
     web: float
 
-    @property
-    def extent(self) -> tuple[float, float]:
-        return self.width, self.height
-
     def _web_fault(self, unit: str) -> list[str]:
         if self.web < self.width:
             return []
@@ -285,7 +281,8 @@ def _edge_distances(first: Loop, second: Loop) -> Array:
     distances = np.minimum.reduce(
         [_to_edge(a, c, d), _to_edge(b, c, d), _to_edge(c, a, b), _to_edge(d, a, b)]
     )
-    crossing = (_side(a, b, c) * _side(a, b, d) < 0.0) & (_side(c, d, a) * _side(c, d, b) < 0.0)
+    across = twice_area(a, b, c) * twice_area(a, b, d) < 0.0
+    crossing = across & (twice_area(c, d, a) * twice_area(c, d, b) < 0.0)
     return np.where(crossing, 0.0, distances)
 
 
@@ -300,6 +297,7 @@ def _to_edge(point: Array, start: Array, end: Array) -> Array:
     return np.asarray(np.linalg.norm(point - start - share[..., None] * edge, axis=-1))
 
 
-def _side(start: Array, end: Array, point: Array) -> Array:
-    edge, arm = end - start, point - start
-    return np.asarray(edge[..., 0] * arm[..., 1] - edge[..., 1] * arm[..., 0])
+def twice_area(a: Array, b: Array, c: Array) -> Array:
+    """Twice the area of triangles, positive counter-clockwise; corners …×2 (m)."""
+    u, v = b - a, c - a
+    return np.asarray(u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0])

@@ -96,14 +96,12 @@ def _shapes(at: Array) -> Array:
 class RimSolution:
     """Torsion and flexure of a polygon with sides of the order of 1.
 
-    `area`, `centroid` (2), `moments` (2×2) Σ, `torsion_constant` J, `shear_centre` (2) from the
-    centroid. `shear_energies` (3×2×2): coefficients of 1, r, r² of ∫ τ_f·τ_g dA of the unit forces
-    f, g through the shear centre, whose work with the stress of twisting vanishes.
+    `area`, `torsion_constant` J, `shear_centre` (2) from the centroid. `shear_energies` (3×2×2):
+    coefficients of 1, r, r² of ∫ τ_f·τ_g dA of the unit forces f, g through the shear centre, whose
+    work with the stress of twisting vanishes.
     """
 
     area: float
-    centroid: Array
-    moments: Array
     torsion_constant: float
     shear_centre: Array
     shear_energies: Array
@@ -172,8 +170,6 @@ def rim_solution(loops: Sequence[Loop]) -> RimSolution:
     energies = 0.5 * (energies + energies.transpose(0, 2, 1))
     return RimSolution(
         area=area,
-        centroid=centroid,
-        moments=moments,
         torsion_constant=torsion_constant,
         shear_centre=np.array([-warped[1], warped[0]]),
         shear_energies=energies,

@@ -5,7 +5,7 @@
 are those of table [agree] of the robot file.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 
@@ -21,12 +21,9 @@ from validation.comparisons.discretisations import RefinedModel
 from validation.comparisons.element_convergence import QUANTITIES
 from validation.comparisons.requested import leg_names
 from validation.context import Context
-from validation.drawing.text import percent
+from validation.drawing.text import percent, quantity_name
 from validation.references.robot_on_path import distinct_legs
 from validation.run.outcome import Outcome, Verdict, judge
-
-# Names of rotations as they are typed, by the labels of the cases.
-_TYPED: Mapping[str, str] = {"φx": "phi_x", "φy": "phi_y", "φz": "phi_z"}
 
 
 @dataclass(frozen=True)
@@ -57,7 +54,7 @@ def checks(robot_file: RobotFile) -> tuple[Check, ...]:
     limits = robot_file.agreement
     agreement = [
         Check(
-            f"agrees[{_within(case.body)}{case.model}-solid-{_quantity(case)}]",
+            f"agrees[{_within(case.body)}{case.model}-solid-{quantity_name(case.label)}]",
             partial(_agrees, case),
         )
         for case in agreement_cases(robot_file)
@@ -78,10 +75,6 @@ def _within(body: str) -> str:
     return f"{body}-" if body else ""
 
 
-def _quantity(case: Case) -> str:
-    return _TYPED.get(case.label, case.label)
-
-
 def _agrees(case: Case, context: Context) -> Checked:
     outcome = judge(case, case.measure(context), 0.0)
     return Checked(outcome.verdict, agreement_text(outcome))
@@ -98,7 +91,7 @@ def agreement_text(outcome: Outcome) -> str:
     ]
     half_width = percent((measurement.numerical_uncertainty or 0.0) / scale, signed=False)
     return _block(
-        f"{case.body or 'robot'}, {_quantity(case)} by {case.model} and by the solid: "
+        f"{case.body or 'robot'}, {quantity_name(case.label)} by {case.model} and by the solid: "
         f"{outcome.verdict}",
         value=f"{measurement.value:.6g}{unit}",
         reference=f"{measurement.reference:.6g}{unit}",

@@ -2,7 +2,7 @@
 
 import re
 from base64 import b64encode
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
 from inspect import unwrap
 from math import isfinite, isinf
@@ -20,6 +20,8 @@ _MINUS = "−"
 _ROUNDING = 1e-8
 # Share of the reference below which half-widths are not written.
 _SMALLEST_SPREAD = 5e-4
+# Names of rotations in typed input, by the labels of comparisons.
+_TYPED_NAMES: Mapping[str, str] = {"φx": "phi_x", "φy": "phi_y", "φz": "phi_z"}
 
 
 def number(value: Any, digits: int = 5) -> str:
@@ -209,3 +211,8 @@ def inline_svg(figure: Figure) -> str:
     markup = re.sub(r'\bid="', f'id="{prefix}', figure.svg)
     markup = re.sub(r'(href="#|url\(#)', rf"\g<1>{prefix}", markup)
     return markup.replace("<svg ", f'<svg role="img" aria-label="{escape(figure.title)}" ', 1)
+
+
+def quantity_name(label: str) -> str:
+    """Name of a quantity in typed input: "phi_x" for "φx"."""
+    return _TYPED_NAMES.get(label, label)

@@ -6,6 +6,7 @@ from itertools import pairwise
 import numpy as np
 
 from lumped.arrays import Array, IntArray
+from lumped.sections.outlined import twice_area
 from validation.drawing.surfaces import Surface, joined
 
 # Area of a triangle relative to that of the polygon's extent below which its corners are on a line.
@@ -78,8 +79,8 @@ def _joined_ring(corners: Array, ring: list[int], hole: list[int]) -> list[int]:
 def _is_visible(corners: Array, ring: list[int], start: Array, end: Array) -> bool:
     """True if no edge of the ring intersects the line from `start` to `end`."""
     a, b = corners[ring], corners[ring[1:] + ring[:1]]
-    across = _twice_area(start, end, a) * _twice_area(start, end, b) < 0.0
-    along = _twice_area(a, b, start) * _twice_area(a, b, end) < 0.0
+    across = twice_area(start, end, a) * twice_area(start, end, b) < 0.0
+    along = twice_area(a, b, start) * twice_area(a, b, end) < 0.0
     return not bool((across & along).any())
 
 
@@ -91,7 +92,7 @@ def _ears(corners: Array, ring: list[int]) -> list[tuple[int, int, int]]:
         for k in range(len(remaining)):
             ear = remaining[k - 1], remaining[k], remaining[(k + 1) % len(remaining)]
             a, b, c = (corners[number] for number in ear)
-            area = float(_twice_area(a, b, c))
+            area = float(twice_area(a, b, c))
             if abs(area) <= _FLAT * size:
                 break
             outside_ear = [number for number in remaining if number not in ear]
@@ -107,13 +108,7 @@ def _ears(corners: Array, ring: list[int]) -> list[tuple[int, int, int]]:
 
 def _contains(a: Array, b: Array, c: Array, points: Array) -> bool:
     """True if a point lies in a triangle or on its rim. Points at its corners do not count."""
-    sides = (_twice_area(p, q, points) for p, q in ((a, b), (b, c), (c, a)))
+    sides = (twice_area(p, q, points) for p, q in ((a, b), (b, c), (c, a)))
     inside = np.logical_and.reduce([side >= 0.0 for side in sides])
     corner = [(points == p).all(axis=1) for p in (a, b, c)]
     return bool((inside & ~np.logical_or.reduce(corner)).any())
-
-
-def _twice_area(a: Array, b: Array, c: Array) -> Array:
-    """Twice the area of triangles, positive counter-clockwise."""
-    u, v = b - a, c - a
-    return np.asarray(u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0])

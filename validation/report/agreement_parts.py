@@ -7,12 +7,11 @@ from typing import Annotated, Literal
 import msgspec
 
 from validation.case import UnjudgedValue
+from validation.drawing.text import quantity_name
 from validation.run.outcome import Outcome, Verdict
 from validation.tables import Cell, ResultTable
 from validation.verdicts import COLUMN, Column, columns_of
 
-# Names of rotations in typed input, by the labels of comparisons.
-_TYPED_NAMES: Mapping[str, str] = {"φx": "phi_x", "φy": "phi_y", "φz": "phi_z"}
 # Decimals of percentages: smaller parts are round-off.
 _DECIMALS = 6
 
@@ -117,11 +116,6 @@ def agreement_rows(outcomes: Iterable[Outcome]) -> ResultTable:
             for row in (*judged, *unjudged)
         ),
     )
-
-
-def quantity_name(label: str) -> str:
-    """Name of a quantity in typed input: "phi_x" for "φx"."""
-    return _TYPED_NAMES.get(label, label)
 
 
 def percent(share: float) -> str:

@@ -14,7 +14,13 @@ import numpy as np
 from lumped.arrays import Array
 from lumped.mechanism.joint import Joint
 from lumped.mechanism.kinematics.closure import Closure, closure_of
-from lumped.mechanism.kinematics.mobility import generic_mobility, mobility, null_space, row_space
+from lumped.mechanism.kinematics.mobility import (
+    Mobility,
+    generic_mobility,
+    mobility,
+    null_space,
+    row_space,
+)
 from lumped.mechanism.kinematics.postures import reference_posture
 from lumped.mechanism.mechanism import Mechanism
 
@@ -97,8 +103,11 @@ def _moves_with(mechanism: Mechanism, cause: OffAxis) -> bool:
         for joint in mechanism.joints
     )
     changed = replace(mechanism, joints=joints)
-    results = (mobility(reference_posture(changed)), generic_mobility(changed))
-    return not any(each.barred or each.at_limit for each in results)
+    return _moves(mobility(reference_posture(changed))) and _moves(generic_mobility(changed))
+
+
+def _moves(result: Mobility) -> bool:
+    return not (result.barred or result.at_limit)
 
 
 def legs_in_line(mechanism: Mechanism) -> list[tuple[str, str, bool]]:
