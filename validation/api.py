@@ -382,7 +382,7 @@ class Adequacy:
         >>> strict.entry("simplified", "z").limit
         0.0001
         """
-        requirement = _accepting(self.requirement, accept, self.subject.lengths)
+        requirement = _accepting(self.requirement, accept, self._lengths)
         if requirement.modes > self.requirement.modes:
             raise InputError(
                 f"accept: modes = {requirement.modes}: must be at most {self.requirement.modes}, "
@@ -410,9 +410,14 @@ class Adequacy:
         """
         return entry_line(self.matrix, entry).replace("\N{NO-BREAK SPACE}", " ")
 
+    @property
+    def _lengths(self) -> UnitOfLength:
+        """Unit in which the robot file states lengths, and limits of displacements."""
+        return self.subject.responses.robot.mechanism.lengths
+
     def _within(self, model: str, quantity: str, limit: float) -> Matrix:
         models = [candidate for candidate in self.subject.models if candidate.name == model]
-        requirement = _accepting(self.requirement, {quantity: limit}, self.subject.lengths)
+        requirement = _accepting(self.requirement, {quantity: limit}, self._lengths)
         return verdict_matrix(replace(self.subject, models=models, parts=()), requirement)
 
     def table(self) -> ResultTable:

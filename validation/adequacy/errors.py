@@ -1,22 +1,23 @@
 """Total relative errors of a model against each interpretation of the reference, by pose."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lumped.acceptance.quantities import ANY_FORCE, ORDER, Quantity, QuantityKind
 from lumped.arrays import Array, IntArray
-from validation.references.reference import Interpretation, Source, Subject
+from validation.references.reference import Interpretation, Reference, Source, Subject
 from validation.references.responses import Model
-from validation.references.robot_on_path import Factors
+from validation.references.robot_on_path import Factors, Reading
 from validation.responses.displacement import difference_under, nearest_between, relative
 from validation.responses.mode_pairing import one_frequency
 from validation.responses.mode_partners import Partners, partners, shape_ranges
 from validation.responses.statics_and_modes import PathModes, Statics
 
+H = TypeVar("H")
 # Relative difference up to which errors of two poses or interpretations tie, far above rounding.
 _TIE = 1e-9
 
@@ -222,25 +223,30 @@ class ModelErrors:
         self, model: Model, interpretation: Interpretation
     ) -> tuple[Statics, Statics] | None:
         """Statics of the reference and of a model. None if one of them has none."""
-        reference_model, responses = self.subject.statics.model, self.subject.responses
-        reading = replace(interpretation.reading, factors=self.factors)
-        reference_statics = (
-            responses.known_statics(reference_model, reading) if reference_model else None
+        return self._both(
+            self.subject.statics, model, interpretation, self.subject.responses.known_statics
         )
-        model_statics = responses.known_statics(model, reading)
-        return (reference_statics, model_statics) if reference_statics and model_statics else None
 
     def modes_of(
         self, model: Model, interpretation: Interpretation
     ) -> tuple[PathModes, PathModes] | None:
         """Modes of the reference and of a model. None if one of them has none."""
-        reference_model, responses = self.subject.dynamics.model, self.subject.responses
-        reading = replace(interpretation.reading, factors=self.factors)
-        reference_modes = (
-            responses.known_modes(reference_model, reading) if reference_model else None
+        return self._both(
+            self.subject.dynamics, model, interpretation, self.subject.responses.known_modes
         )
-        model_modes = responses.known_modes(model, reading)
-        return (reference_modes, model_modes) if reference_modes and model_modes else None
+
+    def _both(
+        self,
+        reference: Reference,
+        model: Model,
+        interpretation: Interpretation,
+        known: Callable[[Model, Reading], H | None],
+    ) -> tuple[H, H] | None:
+        """Halves of the responses of a reference and of a model. None if one of them has none."""
+        reading = replace(interpretation.reading, factors=self.factors)
+        of_reference = known(reference.model, reading) if reference.model else None
+        of_model = known(model, reading)
+        return (of_reference, of_model) if of_reference and of_model else None
 
     def _between(self, wrenches: Array, model: Model, quantity: Quantity) -> Array:
         """Relative size (P) of the difference from the nearest reading between two interpretations.

@@ -19,7 +19,6 @@ from validation.adequacy.probability import Probability, UncertainInputs, probab
 from validation.references.reference import NOT_FINER, SAY_LINEAR, Reference, Source, Subject
 from validation.references.responses import Model
 from validation.references.robot_on_path import NOMINAL
-from validation.responses.statics_and_modes import Unsolved
 from validation.verdicts import Adequacy, Cause, Entry, Matrix, ModelNote, worst_of
 
 REST = "rest, not attributed"
@@ -183,10 +182,10 @@ def _unsolved_entry(
 
     None if the model does not define the quantity.
     """
-    half, reference = subject.responses.half(model, NOMINAL, quantity), subject.reference(quantity)
-    if half is None:
+    responses, reference = subject.responses, subject.reference(quantity)
+    if responses.half(model, NOMINAL, quantity) is None:
         return None
-    unsolved = half.reason if isinstance(half, Unsolved) else ""
+    unsolved = responses.unsolved(model, NOMINAL, quantity)
     return Entry(
         model=model.name,
         quantity=quantity,

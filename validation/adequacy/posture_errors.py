@@ -8,7 +8,7 @@ import numpy as np
 from lumped.arrays import Array
 from lumped.errors import InputError
 from lumped.mechanism.mechanism import Mechanism
-from validation.adequacy.judged_models import judged_model, judged_models
+from validation.adequacy.judged_models import judged_models, judged_models_of
 from validation.references.modal_reference import dynamic_reference
 from validation.references.model_ladder import SOLID
 from validation.references.reference import Interpretation, Reference, Source
@@ -64,8 +64,7 @@ def compared_statics(robot: RobotOnPath) -> tuple[dict[str, Statics], dict[str, 
     }
     uncertainties = {}
     for interpretation in static_reference(responses).interpretations:
-        solid = robot.prisms or robot.mechanism.parts
-        name = f"solid, {interpretation.name}" if solid else "legs' own 6×6"
+        name = f"solid, {interpretation.name}" if robot.has_solids else "legs' own 6×6"
         sources = (interpretation.budget.get(source) for source in (Source.MESHES, Source.DIGITS))
         half_widths = [
             half_width.displacements
@@ -161,4 +160,4 @@ def solved_modes(responses: Responses) -> dict[str, PathModes]:
 
 def _models_of_stack(robot: RobotOnPath, stack: tuple[str, ...]) -> dict[str, Model]:
     recipes = judged_models(robot.mechanism)
-    return {name: judged_model(robot, name, recipes[name]) for name in stack if name in recipes}
+    return judged_models_of(robot, {name: recipes[name] for name in stack if name in recipes})

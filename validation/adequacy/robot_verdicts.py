@@ -203,7 +203,6 @@ def static_subject(robot: RobotOnPath, models: Iterable[Model]) -> Subject:
         static_steps=steps,
         loads=load_quantities([load.name for load in robot.mechanism.loads]),
         harmonics=response_quantities(robot.mechanism.judged_responses),
-        lengths=robot.mechanism.lengths,
     )
 
 

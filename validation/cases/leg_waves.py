@@ -30,7 +30,6 @@ from lumped.system.solution import modes, solved
 from meshes.section.section_mesh import section_mesh
 from validation.models.leg_models import filled
 
-WAVES = "waves in the legs: contraction, warping by shear on the way, walls that bend"
 WAVES_SOURCE = "waves of 3-D elasticity on the section's mesh (validation.cases.leg_waves)"
 NO_WAVES = (
     "waves of 3-D elasticity have no number for this mode: walls of the legs move by themselves at "

@@ -51,7 +51,7 @@ def dynamic_reference(responses: Responses) -> Reference:
         holding.alternatives.items(), plausible_insides(robot.given.values())
     ):
         reading = Reading(ends, *(inside or ()))
-        stated = name if robot.prisms or parts or not robot.given else ""
+        stated = name if robot.has_solids or not robot.given else ""
         interpretations.append(
             Interpretation(
                 ", ".join(filter(None, (stated, str(inside or "")))),
@@ -122,7 +122,7 @@ def mass_notes(responses: Responses, reference: Reference) -> tuple[str, ...]:
         "middle of the path"
     )
     # Links bound neither solids, whose held ends are stiffer, nor parts.
-    if robot.prisms or robot.mechanism.parts:
+    if robot.has_solids:
         return (note,)
     middle = robot.postures[len(robot.postures) // 2]
     massless = links(robot.mechanism, tip_compliances(robot.mechanism))

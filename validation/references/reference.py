@@ -9,7 +9,6 @@ import numpy as np
 
 from lumped.acceptance.quantities import Quantity, QuantityKind
 from lumped.arrays import Array
-from lumped.mechanism.length_unit import METRE, UnitOfLength
 from validation.references.responses import Model, Responses
 from validation.references.robot_on_path import Factors, Reading
 from validation.verdicts import Coordinate
@@ -215,8 +214,7 @@ class Subject:
     `formulation`: models on legs other than the robot's, compared with solids of the same legs.
     `inputs`: uncertain inputs. None if the file names none. `loads`: quantities of its loads.
     `harmonics`: quantities of its responses to harmonic forces, in their order. `faults`: names of
-    computations, other than models, that failed by an error of the program. `lengths`: unit of
-    lengths in the robot's file, used to state limits.
+    computations, other than models, that failed by an error of the program.
     """
 
     robot: str
@@ -235,7 +233,6 @@ class Subject:
     loads: tuple[Quantity, ...] = ()
     harmonics: tuple[Quantity, ...] = ()
     faults: tuple[str, ...] = ()
-    lengths: UnitOfLength = METRE
 
     def steps(self, model: Model, quantity: Quantity) -> Sequence[Step]:
         """Steps from a model to the reference of a quantity."""

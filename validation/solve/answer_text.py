@@ -72,7 +72,7 @@ def _answer_lines(answer: Answer, model: ModelName) -> list[str]:
         lines.append(f"  loss factors of the modes (%): {listed}")
     if answer.responses:
         lines.append("  responses of the tool (µm/N) to the harmonic forces of the robot file:")
-        lines += [f"    {_response_text(stability)}" for stability in answer.responses]
+        lines += [f"    {_response_text(response)}" for response in answer.responses]
     if answer.idle:
         lines.append(f"  idle mobilities, which do not move the tool: {answer.idle}")
     if (mesh := answer.uncertainty) is not None:

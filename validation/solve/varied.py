@@ -228,7 +228,7 @@ def png(robot_file: RobotFile, answers: VariedAnswers) -> bytes:
     One for each combination of what else varies.
     """
     # Only who wants a picture waits for what draws it.
-    from validation.drawing.chart import Chart, Panel, Series, few_ticks, from_zero  # noqa: PLC0415  # noqa: PLC0415
+    from validation.drawing.chart import Chart, Panel, Series, few_ticks, from_zero  # noqa: PLC0415
     from validation.drawing.plot import chart_png  # noqa: PLC0415
 
     first, *other_variations = answers.variations

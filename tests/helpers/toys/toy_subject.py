@@ -18,8 +18,8 @@ F2 = (ERROR - (1.0 + ERROR) * OPEN, ERROR + (1.0 + ERROR) * OPEN)
 POSES = np.array([[0.3], [0.7]])
 
 
-def toy_subject(count):
-    """The subject with so many modes, at two poses."""
+def toy_subject(count, robot=None):
+    """The subject with so many modes, at two poses. `robot`: where its file matters."""
     compliances = np.array([np.diag([1.0, 2.0, 3.0, 40.0, 50.0, 60.0])] * len(POSES)) * 1e-8
     statics = Statics(compliances, np.zeros((len(POSES), 0, 6)))
     frequencies = np.array([100.0 * np.arange(1, count + 1)] * len(POSES))
@@ -33,7 +33,7 @@ def toy_subject(count):
         robot="toy",
         coordinates=(Coordinate("x", "m"),),
         poses=POSES,
-        responses=Responses(None),
+        responses=Responses(robot),
         models=(model("vjm", statics), model("beam", (1.0 + ERROR) * statics, higher)),
         statics=reference("exact", {"": statics}),
         dynamics=reference("exact", {"": modes}, meshes(frequencies=unsure)),

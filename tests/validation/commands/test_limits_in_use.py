@@ -26,6 +26,7 @@ from validation.adequacy import robot_verdicts as adequacy_of_robot
 from validation.adequacy.judgement import verdict_matrix
 from validation.case import Measurement
 from validation.references.responses import Model
+from validation.references.robot_on_path import robot_on_path
 from validation.run import runner
 from validation.verdicts import Assessment
 
@@ -40,7 +41,7 @@ def computed(monkeypatch):
 
     def toy(context):
         contexts.append(context)
-        return toy_subject(context.robot_file.requirement.modes)
+        return toy_subject(context.robot_file.requirement.modes, robot_on_path(context))
 
     monkeypatch.setattr(adequacy_of_robot, "robot_subject", toy)
     return contexts
