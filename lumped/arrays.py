@@ -1,6 +1,6 @@
-"""Array types that all models exchange, and operations on them.
+"""Types of the arrays that models exchange, and operations on these arrays.
 
-Matrices are dense or sparse, depending on the model. Mode shapes are columns.
+Matrices are dense or sparse, depending on the model. Mode shapes are the columns of a matrix.
 """
 
 import sys
@@ -42,9 +42,9 @@ def dense(matrix: SparseMatrix) -> Array:
 
 
 def unit_diagonal(matrix: Array) -> Array:
-    """Scale factors d (n) for which d_i A_ij d_j has a unit diagonal.
+    """Scale factors d (n) for which the scaled matrix d_i A_ij d_j has a unit diagonal.
 
-    Raises LinAlgError if a diagonal entry is not positive, since A is then not positive definite.
+    Raises LinAlgError if a diagonal entry of A is not positive: A is not positive definite then.
     """
     diagonal = np.diag(matrix)
     if not (diagonal > 0.0).all():
@@ -53,7 +53,10 @@ def unit_diagonal(matrix: Array) -> Array:
 
 
 def fix_signs(shapes: Array) -> Array:
-    """Mode shapes (n×m), each column with a positive largest entry, so that runs are repeatable."""
+    """Mode shapes (n×m, columns) with the sign for which the largest entry of each is positive.
+
+    Repeated runs thus return the same shapes.
+    """
     largest = np.argmax(np.abs(shapes), axis=0)
     signed: Array = shapes * np.sign(shapes[largest, np.arange(shapes.shape[1])])
     return signed

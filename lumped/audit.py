@@ -1,7 +1,7 @@
-"""Consistency checks on the data of a robot file, as printed and as used.
+"""Consistency checks on the data of a robot file: as printed in its source, and as corrected.
 
-Each check yields the findings on one part, each with the number that proves it. Consistent data
-have no findings.
+Each check examines one part of the robot and yields findings with the number that proves them.
+Consistent data have no findings.
 """
 
 from collections.abc import Iterable, Iterator, Mapping
@@ -21,9 +21,10 @@ Kind: TypeAlias = Literal["computed", "read"]
 Severity: TypeAlias = Literal["error", "warning", "note"]
 # Moments of inertia are printed with three to four digits.
 _TRIANGLE_ROUNDING = 1e-3
-# Share of √(c_ii c_jj) below which a coupling term is incidental. A straight beam has √3/2.
+# Ratio |c_ij|/√(c_ii c_jj) below which a coupling term is insignificant. A straight beam has √3/2.
 _COUPLING_THRESHOLD = 0.1
-# Ratio of tip rotations, leg to beam. Local compliance of an end adds rotation, but not tenfold.
+# Largest ratio of the tip rotation of a leg to that of a beam. Local compliance at an end adds
+# rotation, but not tenfold.
 _LARGEST_TIP_ROTATION = 10.0
 
 
@@ -31,12 +32,12 @@ _LARGEST_TIP_ROTATION = 10.0
 class Finding:
     """A fault of printed data or of a printed formula.
 
-    `where` is the key of the robot file or the location in the paper, `check` the name of the
-    check. `printed` is the printed text, `wrong` the fault, `evidence` a sentence with the
-    computed `numbers` (SI, by name), `used` the value that the models use instead.
-    `kind` is "computed" if a computation detects the fault, "read" if only a reader can.
-    `severity` is "error" if nothing can be computed or the result would be wrong, "warning" if
-    the data are doubtful but usable, "note" if no result depends on them.
+    `where` is the key in the robot file or the location in the paper. `check` is the name of the
+    check. `printed` is the printed text, `wrong` describes the fault, `evidence` is a sentence with
+    the computed `numbers` (SI, by name). `used` is the value with which the models compute instead.
+    `kind` is "computed" if a computation detects the fault, "read" if only a reader can. `severity`
+    is "error" if the result would be wrong or there would be none, "warning" if the data are
+    doubtful but usable, "note" if no result depends on them.
     """
 
     where: str
@@ -52,10 +53,10 @@ class Finding:
 
 @dataclass(frozen=True)
 class DescribedPart:
-    """A part of the robot as described in a file, SI. A field is None if the file lacks it.
+    """Data of one part of the robot as described in a robot file, SI units.
 
-    `compliance` 6×6, `inertia` 3×3 at the mass centre, `length` and `mass_centre` (m from the
-    root, along x) of a leg.
+    `compliance` is 6×6. `inertia` is 3×3 about the mass centre. `length` (m) and `mass_centre` (m
+    from the root along x) are those of a leg. A field is None if the file does not contain it.
     """
 
     name: str
@@ -66,7 +67,10 @@ class DescribedPart:
 
 
 def parts(tables: Mapping[str, Any]) -> tuple[DescribedPart, ...]:
-    """Foot, legs and tool of a biglide's tables, or bodies and joints of a mechanism's tables."""
+    """Parts described by the tables of a robot file.
+
+    These are foot, legs and tool of a biglide, or bodies and joints of any other mechanism.
+    """
     tables = written_out(tables)
     per_metre = length_unit_of(tables).per_metre
     part_tables = {
@@ -90,9 +94,9 @@ def parts(tables: Mapping[str, Any]) -> tuple[DescribedPart, ...]:
 
 
 def _length(tables: Mapping[str, Any], table: Mapping[str, Any]) -> float | None:
-    """Length of a leg in the file's unit, as specified or between its points.
+    """Length of a leg in the file's unit: its key `length`, or the distance of its two points.
 
-    None if the part is no leg.
+    None if the part is not a leg.
     """
     if "from" not in table:
         return table.get("length")
@@ -109,10 +113,11 @@ def _matrix(table: Mapping[str, Any], key: str) -> Array | None:
 
 
 def audit(robot_file: RobotFile) -> tuple[Finding, ...]:
-    """All findings, on the data as printed and on the data as used.
+    """All findings on a robot file, both on the data as printed and on the data as corrected.
 
-    If a correction of the file removes a finding, its `used` describes the correction. Otherwise
-    `used` is "as printed" if the file corrects its source elsewhere, or "as given".
+    If a correction in the file removes a finding on the printed data, the finding's `used`
+    describes the correction. Otherwise `used` is "as printed" if the file corrects other data, and
+    "as given" if the file has no corrections.
     """
     findings_used = _data_audit(robot_file.tables)
     findings_printed = _data_audit(as_printed(robot_file))
@@ -140,7 +145,7 @@ def _used(finding: Finding, corrections: Iterable[Correction], *, remains: bool)
 
 
 def data_findings(part: DescribedPart) -> tuple[Finding, ...]:
-    """All findings on one part."""
+    """Findings of all checks on one part."""
     checks = (
         _symmetry,
         _definiteness,
@@ -154,7 +159,7 @@ def data_findings(part: DescribedPart) -> tuple[Finding, ...]:
 
 
 def _symmetry(part: DescribedPart) -> Iterator[Finding]:
-    """Compliance and inertia must be symmetric (Maxwell and Betti; a definition)."""
+    """Check that compliance (Maxwell–Betti) and inertia (by definition) are symmetric."""
     matrices = (("compliance", part.compliance, "SI units"), ("inertia", part.inertia, "kg m²"))
     for key, matrix, unit in matrices:
         for a in () if matrix is None else asymmetries(matrix):
@@ -171,7 +176,7 @@ def _symmetry(part: DescribedPart) -> Iterator[Finding]:
 
 
 def _definiteness(part: DescribedPart) -> Iterator[Finding]:
-    """A compliance must be positive definite: every load does positive work."""
+    """Check that the compliance is positive definite, so that every load does positive work."""
     if part.compliance is None or is_positive_definite(part.compliance):
         return
     smallest = smallest_eigenvalue(part.compliance)
@@ -188,7 +193,7 @@ def _definiteness(part: DescribedPart) -> Iterator[Finding]:
 
 
 def _triangle_inequality(part: DescribedPart) -> Iterator[Finding]:
-    """No principal moment of inertia of a body exceeds the sum of the other two."""
+    """Check that no principal moment of inertia exceeds the sum of the other two."""
     if part.inertia is None:
         return
     moments = np.linalg.eigvalsh(0.5 * (part.inertia + part.inertia.T))
@@ -210,7 +215,7 @@ def _triangle_inequality(part: DescribedPart) -> Iterator[Finding]:
 
 
 def _slender_axis(part: DescribedPart) -> Iterator[Finding]:
-    """A leg is longest along its x axis, so its moment of inertia is smallest about x."""
+    """Check that the moment of inertia of a leg is smallest about its longitudinal axis x."""
     if part.inertia is None or part.length is None:
         return
     moments, axes = np.linalg.eigh(0.5 * (part.inertia + part.inertia.T))
@@ -231,11 +236,11 @@ def _slender_axis(part: DescribedPart) -> Iterator[Finding]:
 
 
 def _couplings(part: DescribedPart) -> Iterator[Finding]:
-    """Signs of c26 (y with φz) and c35 (z with φy).
+    """Check the signs of the coupling terms c26 (y with φz) and c35 (z with φy).
 
-    Both follow from the lever arm between the loaded point and the centre of bending:
-    c26 = arm · c66, c35 = −arm · c55. A leg clamped at its root has a positive arm. For a foot,
-    the two arms must only have equal signs.
+    Both follow from the lever arm between the loaded point and the centre of bending: c26 = arm ·
+    c66, c35 = −arm · c55. The arm of a leg clamped at its root is positive. For a foot, both arms
+    must have the same sign.
     """
     if part.compliance is None or part.name == "tool":
         return
@@ -270,7 +275,10 @@ def _couplings(part: DescribedPart) -> Iterator[Finding]:
 
 
 def _tip_rotation(part: DescribedPart) -> Iterator[Finding]:
-    """The tip of a leg turns about as much as that of a beam with equal deflection: 3c/L²."""
+    """Check that the tip rotates about as much as that of a beam of equal deflection.
+
+    For a beam without shear deformation c66 = 3 c22/L² and c55 = 3 c33/L².
+    """
     if part.compliance is None or part.length is None:
         return
     diagonal = np.diag(part.compliance)
@@ -292,7 +300,7 @@ def _tip_rotation(part: DescribedPart) -> Iterator[Finding]:
 
 
 def _mass_centre(part: DescribedPart) -> Iterator[Finding]:
-    """A leg's mass centre lies between root and tip."""
+    """Check that the mass centre of a leg lies between root and tip."""
     if part.mass_centre is None or part.length is None or 0.0 < part.mass_centre < part.length:
         return
     yield Finding(

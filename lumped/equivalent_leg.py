@@ -1,4 +1,4 @@
-"""Equivalent leg of constant section: a prism that replaces a leg known by its 6×6 (paper §2.3)."""
+"""Equivalent leg: a prism of constant section in place of a leg known by its 6×6 (paper §2.3)."""
 
 from dataclasses import replace
 from math import sqrt
@@ -17,10 +17,10 @@ EquivalentBy: TypeAlias = Literal["stiffness", "compliance"]
 def constant_leg(
     length: float, EA: float, EIy: float, EIz: float, GJ: float, mass: float
 ) -> ConstantLeg:
-    """Solid rectangular leg with four given stiffnesses (N, N m²) and mass (kg).
+    """Prismatic leg of solid rectangular section with given stiffnesses (N, N m²) and mass (kg).
 
     h = √(12 EIy/EA) along z, b = √(12 EIz/EA) along y, E = EA/(bh), G = GJ/J(b, h), ν = 0. The
-    material is cubic, since no isotropic section has four arbitrary terms.
+    material is cubic: with an isotropic material, no section has four arbitrary stiffnesses.
     """
     section = Rectangle(width=sqrt(12.0 * EIz / EA), height=sqrt(12.0 * EIy / EA))
     material = Material(
@@ -42,11 +42,12 @@ def require_positive_definite(leg: GivenLeg) -> None:
 
 
 def equivalent_leg(leg: Leg, by: EquivalentBy = "stiffness") -> ConstantLeg:
-    """Constant-section leg with the first four diagonal terms of the 6×6 (paper §2.3).
+    """Prismatic leg whose 6×6 has the same first four diagonal terms as `leg` (paper §2.3).
 
-    With `by` "stiffness", from K = c⁻¹: EA = K11 L, EIz = K22 L³/12, EIy = K33 L³/12, GJ = K44 L.
-    With `by` "compliance", from c: EA = L/c11, EIz = L³/3c22, EIy = L³/3c33, GJ = L/c44. A leg of
-    constant section is its own equivalent. Raises InputError if c is not positive definite.
+    If `by` is "stiffness", the terms are those of K = c⁻¹: EA = K11 L, EIz = K22 L³/12, EIy = K33
+    L³/12, GJ = K44 L. If `by` is "compliance", they are those of c: EA = L/c11, EIz = L³/3c22, EIy
+    = L³/3c33, GJ = L/c44. A leg that is prismatic already is returned unchanged. Raises InputError
+    if the compliance c is not positive definite.
     """
     if isinstance(leg, ConstantLeg):
         return leg

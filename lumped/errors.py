@@ -1,4 +1,4 @@
-"""Error classes: wrong input, which the user corrects, and failed computations."""
+"""Error classes for wrong input, which the user can correct, and for failed computations."""
 
 import warnings
 from collections.abc import Callable, Iterable, Iterator
@@ -11,16 +11,16 @@ from lumped.text import shortened
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
-# Error numbers of a system that is out of files, processes, memory or room on its disk.
+# Values of errno if the system is out of file handles, processes, memory or disk space.
 EXHAUSTED = frozenset({EMFILE, ENFILE, EAGAIN, ENOMEM, ENOSPC, EDQUOT, EFBIG, EIO})
 # Largest number of faults in one message: more than anybody reads before correcting the first.
 _LARGEST_FAULT_COUNT = 50
 
 
 class _SendableError(Exception):
-    """An error that survives pickling although its constructor takes more than a message.
+    """An error that can be pickled although its constructor takes more than a message.
 
-    The message begins with the `part` of the model; "" if it names none.
+    `part` is the part of the model with which the message begins. "" if the message has no part.
     """
 
     part = ""
@@ -34,12 +34,12 @@ def _unpickled_error(kind: type[_SendableError], *message: str) -> _SendableErro
 
 
 class Remark(UserWarning):
-    """A message to the user, in one line, that changes neither results nor the exit code."""
+    """A message of one line to the user that affects neither results nor the exit code."""
 
 
 @contextmanager
 def remarks_to(receive: Callable[[Remark], object]) -> Iterator[None]:
-    """Hand remarks over, each once; other warnings are shown as they are elsewhere."""
+    """Context in which `receive` is called for each remark. Other warnings are shown as usual."""
     with warnings.catch_warnings():
         show = warnings.showwarning
 
@@ -56,10 +56,10 @@ def remarks_to(receive: Callable[[Remark], object]) -> Iterator[None]:
 
 
 class InputError(_SendableError):
-    """Wrong input: one line per fault, each with location, value and allowed values.
+    """Wrong input, with one line per fault: location, value and allowed values.
 
-    Long lines are shortened. Of more than fifty faults the remainder is counted. Each line begins
-    with the `part` of the model; "" if there is none.
+    Long lines are shortened. After fifty faults, only the number of the remaining ones is given.
+    Each line begins with `part`, the affected part of the model, unless it is "".
     """
 
     def __init__(self, faults: str | Iterable[str], part: str = "") -> None:
@@ -73,7 +73,7 @@ class InputError(_SendableError):
 
 
 class ComputationError(_SendableError):
-    """A computation failed: the message names the part of the model and the likely cause."""
+    """A computation failed. The message contains the part of the model and the likely cause."""
 
     def __init__(self, message: str, part: str = "") -> None:
         self.part = part
@@ -85,10 +85,10 @@ def _prefixed(part: str, message: str) -> str:
 
 
 def write_error(path: object, error: OSError, advice: str = "") -> InputError | ComputationError:
-    """Error of a file that cannot be written.
+    """Error to raise if the file `path` cannot be written.
 
-    ComputationError if the system is out of resources, otherwise InputError with `advice` on a
-    wrong path.
+    ComputationError if the system is out of resources. Otherwise InputError, whose message ends
+    with `advice`, because the path is wrong.
     """
     if error.errno in EXHAUSTED:
         return ComputationError(f"{path}: cannot be written ({error.strerror})")
@@ -98,7 +98,7 @@ def write_error(path: object, error: OSError, advice: str = "") -> InputError | 
 def collect_faults(
     function: Callable[[Item], Result], items: Iterable[Item]
 ) -> tuple[list[Result], list[str]]:
-    """Results of a function for the items that it accepts, and its faults for all others."""
+    """Apply a function to items. Return its results and the faults of the items that it rejects."""
     results: list[Result] = []
     faults: list[str] = []
     for item in items:
@@ -111,9 +111,9 @@ def collect_faults(
 
 @contextmanager
 def naming(part: str) -> Iterator[None]:
-    """Prefix the messages of errors raised in this context with the `part` of the model.
+    """Context that prefixes the messages of errors raised in it with `part`, a part of the model.
 
-    Errors of this part, and all errors if it is "", remain unchanged.
+    Messages that begin with this part already, and all messages if `part` is "", remain unchanged.
     """
     try:
         yield

@@ -12,21 +12,25 @@ from lumped.errors import InputError
 
 # Default limit (bytes) on the size of an input file.
 LARGEST = 10_000_000
-# Flags against following links and inheriting descriptors, if the system has them.
+# Flags of `os.open` against following links and inheriting descriptors, if the system has them.
 NO_FOLLOW = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_CLOEXEC", 0) | getattr(os, "O_BINARY", 0)
 _READ = os.O_RDONLY | NO_FOLLOW | getattr(os, "O_NONBLOCK", 0)
 _OTHER_FILE_TYPES = {stat.S_IFDIR: "folder", stat.S_IFIFO: "pipe", stat.S_IFSOCK: "socket"}
 
 
 class StoreError(Exception):
-    """Writing is no longer possible (disk full, device gone). Files written before are kept."""
+    """Error: files can no longer be written (disk full, device gone).
+
+    Files written before remain.
+    """
 
 
 def require_ordinary(path: Path | str, kind: str) -> int:
     """Size (bytes) of an ordinary file.
 
-    Raises InputError if `path` is not an ordinary file (opening a pipe would wait for a writer)
-    or a broken link, and OSError or ValueError if its status cannot be read.
+    `kind` is the expected kind of file, for messages. Raises InputError if `path` is a broken link
+    or not an ordinary file (opening a pipe would wait for a writer). Raises OSError or ValueError
+    if its status cannot be read.
     """
     try:
         status = Path(path).stat()
@@ -44,14 +48,15 @@ def require_ordinary(path: Path | str, kind: str) -> int:
 
 
 def read_ordinary(path: Path | str, kind: str, largest: int = LARGEST) -> bytes:
-    """Content of an ordinary file of at most `largest` bytes. Messages require `kind`.
+    """Content of an ordinary file of at most `largest` bytes.
 
-    Raises FileNotFoundError if there is no such file, InputError for any other fault.
+    `kind` is the expected kind of file, for messages. Raises FileNotFoundError if there is no such
+    file, and InputError for any other fault.
     """
     try:
         size = require_ordinary(path, kind)
         with Path(path).open("rb") as file:
-            # Files that the system generates on reading have no size before.
+            # Files that the system generates when they are read have the size 0 until then.
             content = file.read(largest + 1) if size <= largest else None
     except FileNotFoundError:
         raise
@@ -65,7 +70,10 @@ def read_ordinary(path: Path | str, kind: str, largest: int = LARGEST) -> bytes:
 
 @contextmanager
 def os_errors_as_store_errors(path: Path) -> Iterator[None]:
-    """Convert errors of the operating system while `path` is written to StoreError."""
+    """Context that converts errors of the operating system to StoreError.
+
+    `path` is the file written.
+    """
     try:
         yield
     except OSError as error:
@@ -77,10 +85,11 @@ def os_errors_as_store_errors(path: Path) -> Iterator[None]:
 
 
 def write_whole(path: Path, content: bytes, temporary_folder: Path | None = None) -> None:
-    """Create or replace a file in an existing folder: flush it to the disk, then rename it.
+    """Create or replace a file in one step: a temporary file is flushed to the disk and renamed.
 
-    The temporary file lies in the same folder, or in `temporary_folder`. A link is replaced, not
-    its target. Raises OSError, in which case a previous file remains.
+    The folder must exist. The temporary file lies in the same folder, or in `temporary_folder`. If
+    `path` is a link, the link is replaced, not its target. Raises OSError, in which case the
+    previous file remains.
     """
     # The name is cut because it may already have the largest length of the file system.
     temporary = (temporary_folder or path.parent) / f".{path.name[:200]}.{token_hex(8)}.tmp"
@@ -109,5 +118,5 @@ def read_regular(path: Path) -> bytes | None:
 
 
 def digest(content: bytes) -> str:
-    """Digest of `content`: 32 hexadecimal digits."""
+    """Digest of `content` as 32 hexadecimal digits."""
     return blake2b(content, digest_size=16).hexdigest()

@@ -1,6 +1,6 @@
-"""Legs of a robot: as a section and a material, or as a compliance matrix and a mass.
+"""Legs of a robot, given by a section and a material, or by a compliance matrix and a mass.
 
-A leg's local x axis runs from its root to its tip, its local z axis is the robot's z axis.
+Leg axes: x runs from the root to the tip, z is as near to the robot's z axis as possible.
 """
 
 from dataclasses import dataclass, field, replace
@@ -17,19 +17,20 @@ from lumped.sections import Section
 Theory: TypeAlias = Literal["euler-bernoulli", "timoshenko"]
 Ends: TypeAlias = Literal["rigid", "free"]
 
-# Largest 2νG/E in κ, just below 1, for which Cowper's ν is infinite.
+# Largest value of 2νG/E in the shear coefficient κ. At 1 the Poisson's ratio ν′ would be infinite.
 _LARGEST_RATIO = 0.999
 
 
 class NoBeamTheoryError(ComputationError):
-    """Error of a section without a stable Timoshenko beam: its shear coefficient is negative."""
+    """Error: the shear coefficient of a section is negative. No such Timoshenko beam is stable."""
 
 
 @dataclass(frozen=True)
 class Material:
-    """Linear elastic material with cubic symmetry along the leg's axes; isotropic if G = E/2(1+ν).
+    """Linear elastic material with cubic symmetry along the leg's axes.
 
-    E, G in Pa, density `rho` in kg/m³.
+    Young's modulus `E` and shear modulus `G` in Pa, Poisson's ratio `nu`, density `rho` in kg/m³.
+    The material is isotropic if G = E/2(1+ν).
     """
 
     E: float
@@ -39,17 +40,17 @@ class Material:
 
     @classmethod
     def isotropic(cls, E: float, nu: float, rho: float) -> "Material":
-        """Isotropic material of Young's modulus E (Pa), Poisson's ratio ν, density ρ (kg/m³)."""
+        """Isotropic material from Young's modulus E (Pa), Poisson's ratio ν, density ρ (kg/m³)."""
         return cls(E=E, G=E / (2.0 * (1.0 + nu)), nu=nu, rho=rho)
 
     @property
     def shear_nu(self) -> float:
-        """Poisson's ratio ν′ for Cowper's formulas: ν′/2(1 + ν′) = νG/E.
+        """Poisson's ratio ν′ for Cowper's formulas, from ν′/2(1 + ν′) = νG/E.
 
-        Saint-Venant's shear stresses depend on νG/E alone, and so does κ. With an independent shear
-        modulus κ is therefore that of an isotropic material with ν′. As G approaches E/2ν, ν′ grows
-        without bound and κ tends to its limit, which is used beyond: an error of up to ν (i/L)² in
-        bending.
+        Saint-Venant's shear stresses, and hence κ, depend on νG/E alone. If the shear modulus is
+        independent of E and ν, κ is therefore that of an isotropic material with ν′. As G
+        approaches E/2ν, ν′ grows without bound and κ tends to a limit. This limit is also used for
+        larger G, which changes bending by up to ν (i/L)² with the radius of gyration i.
         """
         share = min(2.0 * self.nu * self.G / self.E, _LARGEST_RATIO)
         return share / (1.0 - share)
@@ -57,15 +58,16 @@ class Material:
 
 @dataclass(frozen=True)
 class BeamProperties:
-    """Stiffnesses and inertias of a prismatic leg along the line of its centroids.
+    """Stiffnesses and inertias of a prismatic leg, referred to the line of its centroids.
 
-    EA, GAy, GAz (N; κGA for shear along y and z, infinite without shear deformation), EIy, EIz,
-    GJ (N m²), mass per length `mu` (kg/m), rotary inertia per length `rho_J` about x, `rho_Iy`
-    and `rho_Iz` (kg m; the latter two zero in Euler–Bernoulli theory).
+    EA (N). GAy and GAz (N): κGA for shear along y and z, infinite without shear deformation. EIy,
+    EIz, GJ (N m²). `mu`: mass per length (kg/m). `rho_J`, `rho_Iy`, `rho_Iz` (kg m): rotary inertia
+    per length about x, y and z, the latter two zero in Euler–Bernoulli theory.
 
-    A section without two axes of symmetry has in addition: EIyz = E∫yz dA (N m²) and `rho_Iyz` (kg
-    m), `shear_yz` (1/N), the shear strain along z by a unit force along y, and the shear centre at
-    (`centre_y`, `centre_z`) (m) from the centroid: forces through it do not twist the leg.
+    The remaining fields are zero for a section with two axes of symmetry: EIyz = E∫yz dA (N m²),
+    `rho_Iyz` = ρ∫yz dA (kg m), `shear_yz` (1/N), the shear strain along z for a unit force along y,
+    and the position (`centre_y`, `centre_z`) (m) of the shear centre relative to the centroid.
+    Forces through the shear centre do not twist the leg.
     """
 
     EA: float
@@ -86,7 +88,7 @@ class BeamProperties:
 
     @property
     def couples_bending(self) -> bool:
-        """True if a force along y deflects the leg along z too."""
+        """True if a force along y also deflects the leg along z."""
         return bool(self.EIyz or self.shear_yz)
 
     @property
@@ -96,40 +98,47 @@ class BeamProperties:
 
     @property
     def bending(self) -> Array:
-        """[EIz EIyz; EIyz EIy] (N m²): (Mz, −My) from the curvatures along y and along z."""
+        """Bending stiffness [EIz EIyz; EIyz EIy] (N m²).
+
+        Its product with the curvatures in the directions y and z is (Mz, −My).
+        """
         return np.array([[self.EIz, self.EIyz], [self.EIyz, self.EIy]])
 
     @property
     def shear_flexibility(self) -> Array:
-        """[1/GAy s; s 1/GAz] (1/N), s = `shear_yz`: shear strains along y and z from Vy and Vz."""
+        """Shear flexibility [1/GAy s; s 1/GAz] (1/N) with s = `shear_yz`.
+
+        Its product with the shear forces (Vy, Vz) is the shear strains along y and z.
+        """
         return np.array([[1.0 / self.GAy, self.shear_yz], [self.shear_yz, 1.0 / self.GAz]])
 
     @property
     def rotary_inertia(self) -> Array:
-        """[ρIz ρIyz; ρIyz ρIy] (kg m): inertia against the rotations of `bending`."""
+        """Rotary inertia per length [ρIz ρIyz; ρIyz ρIy] (kg m) for the rotations (φz, −φy)."""
         return np.array([[self.rho_Iz, self.rho_Iyz], [self.rho_Iyz, self.rho_Iy]])
 
     @property
     def to_shear_centre(self) -> Array:
-        """6×6 map of the centroid's twist to one with the deflections of the shear centre."""
+        """6×6 matrix T that takes the twist of a section at its centroid to its shear centre."""
         transfer = np.eye(6)
         transfer[1, 3], transfer[2, 3] = -self.centre_z, self.centre_y
         return transfer
 
     def as_euler_bernoulli(self) -> "BeamProperties":
-        """Return the beam without shear deformation and without rotary inertia of bending."""
+        """Copy of the properties without shear deformation and rotary inertia of bending."""
         return replace(
             self, GAy=np.inf, GAz=np.inf, shear_yz=0.0, rho_Iy=0.0, rho_Iz=0.0, rho_Iyz=0.0
         )
 
     def piece_compliance(self, length: float) -> Array:
-        """6×6 compliance of a piece of `length` (m), referred to the centroid in its middle.
+        """6×6 compliance (SI, leg axes) of a piece of `length` l (m), referred to its middle.
 
-        (l/EA, l³/12EIz + l/κGA, l³/12EIy + l/κGA, l/GJ, l/EIy, l/EIz) on the diagonal of a section
-        with two axes of symmetry: the spring between two rigid elements that makes a chain of them
-        exact in statics for any number of elements. Otherwise bending and shear are 2×2 blocks,
-        and the shear centre's offset adds a term of torsion: its deflections, not the centroid's,
-        are free of the twist, C = T⁻¹ C_s T⁻ᵀ.
+        The reference point is the centroid. For a section with two axes of symmetry the matrix is
+        diagonal: (l/EA, l³/12EIz + l/κGA, l³/12EIy + l/κGA, l/GJ, l/EIy, l/EIz). Rigid elements
+        joined by such springs have exact static deflections for any number of elements. For other
+        sections, bending and shear are 2×2 blocks. If the shear centre is not the centroid, the
+        compliance C_s for deflections of the shear centre, which torsion does not move, is
+        transformed to the centroid: C = T⁻¹ C_s T⁻ᵀ with T = `to_shear_centre`.
         """
         compliance = np.diag(
             [
@@ -145,7 +154,7 @@ class BeamProperties:
             flexibility = np.linalg.inv(self.bending)
             shear = length * self.shear_flexibility
             compliance[1:3, 1:3] = length**3 / 12.0 * flexibility + shear
-            # φz turns with the deflection along y, φy against that along z.
+            # φz = dv/dx for the deflection v along y, φy = −dw/dx for the deflection w along z.
             signs = np.array([[1.0, -1.0], [-1.0, 1.0]])
             compliance[4:, 4:] = length * signs * flexibility[::-1, ::-1]
         if self.couples_torsion:
@@ -156,11 +165,11 @@ class BeamProperties:
 
 @dataclass(frozen=True)
 class ConstantLeg:
-    """Prismatic leg of `length` (m) with one section and one material, centroids along its axis.
+    """Prismatic leg of `length` (m) with one section and one material.
 
-    `ends`: end condition of its end faces, kept plane by the bodies to which they are bolted or
-    free to warp. None if the robot file does not specify it. `name` is used in messages alone: legs
-    that differ in name alone are equal.
+    Its x axis is the centroid line. `ends` is the end condition: end faces kept plane and rigid by
+    the bodies to which they are bolted, or free to warp. None if the robot file does not specify
+    it. `name` is used in messages only: legs that differ in their name alone are equal.
     """
 
     length: float
@@ -171,14 +180,15 @@ class ConstantLeg:
 
     @property
     def mass(self) -> float:
-        """Mass (kg)."""
+        """Mass (kg) of the leg."""
         return self.material.rho * self.section.area * self.length
 
     @cached_property
     def timoshenko(self) -> BeamProperties:
-        """Beam properties with shear deformation and rotary inertia, textbook section constants.
+        """Beam properties of Timoshenko theory, with textbook section constants.
 
-        Raises NoBeamTheoryError if the section's κ is negative at this ν: no such beam is stable.
+        Raises NoBeamTheoryError if the shear coefficient κ of the section is negative for the
+        Poisson's ratio of the material: such a beam is not stable.
         """
         section, material = self.section, self.material
         kappas = section.shear_coefficients(material.shear_nu)
@@ -215,7 +225,10 @@ class ConstantLeg:
         )
 
     def properties(self, theory: Theory) -> BeamProperties:
-        """Beam properties in the given beam theory; raises as `timoshenko` does."""
+        """Beam properties in the beam theory `theory`.
+
+        Raises NoBeamTheoryError for Timoshenko theory with a negative shear coefficient.
+        """
         if theory == "euler-bernoulli":
             return self._beam((1.0, 1.0)).as_euler_bernoulli()
         return self.timoshenko
@@ -223,10 +236,11 @@ class ConstantLeg:
 
 @dataclass(frozen=True, eq=False)
 class GivenLeg:
-    """Leg known by its 6×6 tip compliance (root clamped, leg axes, SI) and its mass (kg).
+    """Leg known by its 6×6 tip compliance (root clamped, leg axes, SI), length and mass.
 
-    `mass_centre` (m from the root along x) and `inertia` (3×3, kg m², leg axes) about it describe
-    the mass distribution. None if they are unknown. `name` is used in messages.
+    `length` in m, `mass` in kg. `mass_centre` (m from the root along x) and `inertia` (3×3, kg m²,
+    leg axes, about the mass centre) describe the mass distribution. They are None if it is unknown.
+    `name` is used in messages only.
     """
 
     length: float
@@ -241,16 +255,16 @@ Leg: TypeAlias = GivenLeg | ConstantLeg
 
 
 def tip_compliance(properties: BeamProperties, length: float) -> Array:
-    """6×6 compliance (SI, leg axes) at the tip of a prismatic cantilever of `length` (m).
+    """6×6 compliance (SI, leg axes) at the tip of a prismatic cantilever of `length` L (m).
 
-    The compliance of the whole piece, referred to its middle, is transferred to its end: c22 =
-    L³/3EIz + L/κGA, c26 = L²/2EIz, c35 = −L²/2EIy with two axes of symmetry.
+    This is the compliance of the whole leg about its middle, transferred to its end. With two axes
+    of symmetry: c22 = L³/3EIz + L/κGA, c26 = L²/2EIz, c35 = −L²/2EIy.
     """
     return move_compliance(properties.piece_compliance(length), np.array([length / 2.0, 0.0, 0.0]))
 
 
 def given_compliance(leg: Leg) -> Array:
-    """6×6 tip compliance (SI, leg axes) of a leg: as given in the file, or Timoshenko's."""
+    """6×6 tip compliance (SI, leg axes) of a leg: from the robot file, or by Timoshenko theory."""
     if isinstance(leg, GivenLeg):
         return leg.compliance
     return tip_compliance(leg.timoshenko, leg.length)

@@ -1,4 +1,4 @@
-"""Memoised values of pure functions in a process, and fingerprints as keys of stored values."""
+"""Memoised values of pure functions within a process, and fingerprints as keys of stored values."""
 
 from collections.abc import Callable, Iterable, MutableMapping
 from dataclasses import Field, fields, is_dataclass
@@ -23,7 +23,7 @@ _memoised: list[_Memoised] = []
 
 
 def memo(size: int) -> Callable[[Callable[P, T]], Callable[P, T]]:
-    """Decorate a pure function to keep its last `size` values, by hashable arguments."""
+    """Decorate a pure function with hashable arguments so that its last `size` values are kept."""
 
     def decorate(function: Callable[P, T]) -> Callable[P, T]:
         cached = lru_cache(maxsize=size)(function)
@@ -34,7 +34,7 @@ def memo(size: int) -> Callable[[Callable[P, T]], Callable[P, T]]:
 
 
 def forget() -> None:
-    """Discard all memoised values, so that changed sources of them take effect."""
+    """Discard all memoised values, so that changes of the source code take effect."""
     for cached in _memoised:
         cached.cache_clear()
 
@@ -42,13 +42,13 @@ def forget() -> None:
 def fingerprint(value: object) -> str:
     """Hash of plain data: numbers, texts, paths, arrays, records with all fields, and collections.
 
-    Equal data give equal hashes in every process. Raises TypeError for anything else.
+    Equal data have equal hashes in every process. Raises TypeError for other types.
     """
     return _hashed(value, fields)
 
 
 def comparison_fingerprint(value: object) -> str:
-    """Fingerprint that is equal for equal records: fields excluded from comparison do not count."""
+    """Fingerprint without the fields that are excluded from comparison: equal for equal records."""
     return _hashed(value, _compared)
 
 
@@ -56,7 +56,7 @@ def _compared(record: Any) -> list[Field[Any]]:
     return [entry for entry in fields(record) if entry.compare]
 
 
-# Digests of records that compare by identity, such as mechanisms, during their lifetime.
+# Digests of records that compare by identity, such as mechanisms, for as long as these exist.
 _digests_by_selection: dict[object, MutableMapping[Any, bytes]] = {
     fields: WeakKeyDictionary(),
     _compared: WeakKeyDictionary(),
@@ -75,7 +75,7 @@ def _feed(
     select_fields: Callable[[Any], Iterable[Field[Any]]],
     digests_by_id: MutableMapping[Any, bytes],
 ) -> None:
-    """Update a digest with `value`. `digests_by_id`: digests of records that occur repeatedly."""
+    """Update a digest with `value`. `digests_by_id` stores the digests of records for reuse."""
     match value:
         case np.ndarray():
             update(f"array {value.dtype.str} {value.shape} ".encode())

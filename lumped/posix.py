@@ -1,4 +1,4 @@
-"""Optional modules of POSIX systems. Without them, limits are unknown and locks not taken."""
+"""Modules that exist on POSIX systems only. Without them, files are not locked."""
 
 from importlib import import_module
 from types import ModuleType

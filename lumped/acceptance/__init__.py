@@ -1,4 +1,5 @@
-"""Requirements on a robot's models: accepted errors and measured values.
+"""Accepted errors of a robot's models, and measured values with which the models are compared.
 
-In: tables [accept] and [[measured]] of robot files. Out: limits and measurements by quantity.
+Input: tables [accept], [agree] and [[measured]] of robot files. Output: limits and measured values,
+each for one quantity.
 """

@@ -1,9 +1,13 @@
 """Measured values of a robot: quantity, pose, value, uncertainty and source.
 
-Quantities: x y z phi_x phi_y phi_z, the signed deflection (m) or rotation (rad) of the loaded point
-under its own force or moment; f1 f2 …, natural frequencies (Hz); leg1.c22 …, entries of a leg's 6×6
-compliance at its tip, root clamped, leg axes (SI); response:NAME, response:NAME.frequency and
-response:NAME.at, the judged numbers of a response (m/N, Hz, m/N).
+Names of the quantities and the units of their values:
+
+- x y z phi_x phi_y phi_z: signed deflection (m) or rotation (rad) of the loaded point along or
+  about a base axis, under a force along or a moment about the same axis;
+- f1 f2 …: natural frequencies (Hz);
+- leg1.c22 …: entries of the 6×6 tip compliance (SI, leg axes) of a leg with the root clamped;
+- response:NAME, response:NAME.frequency, response:NAME.at: height of the peak of a harmonic
+  response (m/N), frequency of the peak (Hz), and magnitude at one frequency (m/N).
 """
 
 from collections.abc import Mapping, Sequence
@@ -32,7 +36,11 @@ from lumped.text import shown
 
 @dataclass(frozen=True, eq=False)
 class Freedoms:
-    """Motions of `places` (k×3, m, axes of the `bodies`) along `directions` (k×3, base axes)."""
+    """Measured motions: displacements of points of the robot along given directions.
+
+    Motion i is that of the point `places[i]` (m, in the axes of the body `bodies[i]`) along the
+    unit vector `directions[i]` (base axes).
+    """
 
     bodies: tuple[str, ...]
     places: Array
@@ -41,9 +49,10 @@ class Freedoms:
 
 @dataclass(frozen=True, eq=False)
 class MeasuredResponse:
-    """A frequency response function of a test: `receptance` (n, m/N) at `frequencies` (n, Hz).
+    """Measured frequency response function: complex displacement per harmonic force.
 
-    Displacement along the first of two freedoms, `ends`, per force along the second.
+    `receptance` (n values, m/N) at `frequencies` (n values, Hz). `ends` are two motions: the
+    displacement is measured along the first, the force acts along the second.
     """
 
     name: str
@@ -54,9 +63,11 @@ class MeasuredResponse:
 
 @dataclass(frozen=True, eq=False)
 class ModalTest:
-    """Modes of a test in a `pose`: real `shapes` (k×m) of the freedoms `at`, `frequencies` (m, Hz).
+    """Modes measured in a modal test of the robot in the pose `pose`.
 
-    `ratios` (m) are their damping ratios; `responses` those that are compared with models.
+    Column j of `shapes` (k×m, real) is the shape of mode j at the k motions `at`. `frequencies`
+    (Hz) and damping `ratios` have one value for each of the m modes. `responses` are the measured
+    frequency response functions with which models are compared.
     """
 
     pose: tuple[float, ...]
@@ -69,12 +80,13 @@ class ModalTest:
 
 @dataclass(frozen=True)
 class Measured:
-    """A measured value with its standard uncertainty, in the unit of the quantity, and source.
+    """A measured value with its standard uncertainty and source, in the unit of the quantity.
 
-    `pose` is the pose of the robot (empty for a single leg), `load` the force (N) or moment (N m)
-    of a deflection. A frequency with a mode shape is that of the mode `column` of its `test`. A
-    response of the test has the number `response` in it and a `phase` (rad). It is measured at the
-    frequency of the mode, or at `frequency` (Hz).
+    `pose` is the pose of the robot (empty for a single leg). `load` is the force (N) or moment (N
+    m) under which a deflection was measured. The other fields are set only for values of a modal
+    `test`. `column` is the index of the mode to which the value belongs. For a value of a frequency
+    response, `response` is its index in the test, `phase` its phase (rad) and `frequency` its
+    frequency (Hz). None stands for the frequency of the mode.
     """
 
     quantity: Quantity
@@ -91,15 +103,15 @@ class Measured:
 
     @property
     def of_leg(self) -> bool:
-        """True for an entry of a leg's 6×6, which has no pose."""
+        """True for an entry of the 6×6 compliance of a leg alone, which has no pose."""
         return self.quantity.kind is QuantityKind.COMPLIANCE
 
 
 def measured_value(table: Mapping[str, Any], place: str, responses: Sequence[str] = ()) -> Measured:
-    """Measured value of a table with valid keys; `place` is its location in messages.
+    """Measured value from the table of a robot file whose keys have been checked.
 
-    `responses` are the names of the robot's judged numbers of responses. Raises InputError with one
-    line per fault.
+    `place` is the location of the table in messages. `responses` are the names of the numbers of
+    harmonic responses that the robot file defines. Raises InputError with one line per fault.
     """
     name = table["quantity"]
     if (quantity := measured_quantity(name, responses)) is None:
@@ -111,7 +123,7 @@ def measured_value(table: Mapping[str, Any], place: str, responses: Sequence[str
 
 
 def _names(responses: Sequence[str]) -> str:
-    """Names of all quantities that can be measured of a robot."""
+    """Comma-separated names of all quantities of a robot that can be measured."""
     names = ", ".join(
         (
             *(quantity.name for quantity in response_quantities(responses)),
@@ -123,7 +135,10 @@ def _names(responses: Sequence[str]) -> str:
 
 
 def _value_faults(measured: Measured, place: str) -> list[str]:
-    """Faults of a measured value by itself, one line each, starting with its place."""
+    """Faults of a measured value that do not depend on the robot, one line each.
+
+    Each line begins with `place`, the location of the value.
+    """
     faults = []
     if measured.of_leg and measured.pose:
         faults.append(f"{place}.pose: must be left out, a leg alone has none")
@@ -137,7 +152,10 @@ def _value_faults(measured: Measured, place: str) -> list[str]:
 
 
 def _why_positive(quantity: Quantity) -> str:
-    """Reason why no elastic robot has a negative value of a quantity. "" for couplings."""
+    """Reason why a measured value of the quantity must be positive.
+
+    "" for coupling terms of a compliance, which may be negative.
+    """
     if quantity.harmonic:
         return "the size or the frequency of a response"
     if quantity.mode is not None:
@@ -149,12 +167,12 @@ def _why_positive(quantity: Quantity) -> str:
 
 
 def digest(values: Sequence[Measured]) -> str:
-    """Digest (hexadecimal) of measured values: equal for equal ones."""
+    """Hexadecimal digest of measured values. Equal values have equal digests."""
     return fingerprint(tuple(values))
 
 
 def pose_faults(robot: Mechanism, measured: Measured, place: str) -> list[str]:
-    """Reasons why the robot has no such leg, or cannot be in the pose of a measured value."""
+    """Faults of a measured value in view of the robot: an unknown leg, or a pose out of reach."""
     if measured.of_leg:
         legs = tuple(legs_of(robot))
         is_leg = measured.quantity.leg in legs
@@ -164,7 +182,7 @@ def pose_faults(robot: Mechanism, measured: Measured, place: str) -> list[str]:
 
 
 def place_faults(robot: Mechanism, pose: Sequence[float], place: str) -> list[str]:
-    """Reasons why the robot cannot be in a pose, one line each."""
+    """Reasons why the robot cannot take the pose `pose`, one line each."""
     moves = robot.tool.moves
     if len(pose) != len(moves):
         required = f"as many numbers as the tool's moves ({', '.join(moves) or 'none'}; m, rad)"

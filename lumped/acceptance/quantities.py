@@ -1,7 +1,8 @@
-"""Quantities by which models are judged or measured: kind, name, unit and place among numbers.
+"""Quantities for which models are judged or measured: kind, name, unit and index among results.
 
-Files and the command line contain the names. `quantities` and `measured_quantity` are the two
-functions that read them. Loads and responses have their names from the robot file.
+Robot files and the command line refer to a quantity by its name; `quantities` and
+`measured_quantity` are the two functions that convert names. The names of loads and responses come
+from the robot file.
 """
 
 import re
@@ -10,49 +11,50 @@ from dataclasses import dataclass
 from enum import StrEnum, auto
 from typing import NamedTuple
 
-# Base axes, in the order of rows and columns of every 6×6.
+# Components of a twist along and about the base axes, in the order of rows and columns of a 6×6.
 AXES = ("x", "y", "z", "phi_x", "phi_y", "phi_z")
-# Axis of each rotation.
+# Axis about which each rotation is measured.
 ROTATIONS = {"phi_x": "x", "phi_y": "y", "phi_z": "z"}
 AXIS_LABELS = {name: name.replace("phi_", "φ") for name in AXES}
 MOST_MODES = 10
-# Name of measured responses, which no response of a robot file may have.
+# Name of the responses of a modal test. A response in a robot file must have another name.
 TEST_RESPONSE = "hammer"
 _LEG_ENTRY = re.compile(r"([\w-]{1,40})\.c([1-6])([1-6])")
 
 
 class QuantityKind(StrEnum):
-    """Kinds of quantities: those of verdicts up to SIZE, then those of measured values alone.
+    """Kinds of quantities. Those after SIZE occur for measured values only.
 
-    A kind is one row of `_TEXTS`.
+    The texts of a kind are one row of `_TEXTS`.
     """
 
-    # Whole translation under a unit force along an axis, whole rotation under a unit moment.
+    # Displacement vector under a unit force along an axis; rotation vector under a unit moment.
     DEFLECTION = auto()
     ROTATION = auto()
-    # Whole translation under the unit force of the direction in which the model is farthest off.
+    # Displacement vector under a unit force in the direction that gives the largest model error.
     ANY_FORCE = auto()
-    # Whole translation under a load of the robot file.
+    # Displacement vector under a load of the robot file.
     LOAD = auto()
     FREQUENCY = auto()
-    # Order of the modes.
+    # Agreement of the sequence of modes: the k-th mode of a model is the k-th of the reference.
     ORDER = auto()
-    # Height and frequency of the peak of a response, and its size at one frequency.
+    # Magnitude and frequency of the peak of a harmonic response; its magnitude at one frequency.
     PEAK = auto()
     PEAK_FREQUENCY = auto()
     SIZE = auto()
-    # Signed component along an axis under a force along it, signed angle under a moment about it.
+    # Signed displacement along an axis under a force along the same axis, and signed rotation about
+    # an axis under a moment about the same axis.
     COMPONENT = auto()
     ANGLE = auto()
-    # Entry of a leg's 6×6 at its tip, root clamped.
+    # Entry of the 6×6 compliance of a leg at its tip, with the root clamped.
     COMPLIANCE = auto()
-    # Size of a measured response at a mode of the test, and far below all of them.
+    # Magnitude of a measured response at a measured natural frequency, and far below all of them.
     TEST_SIZE = auto()
     LOW_SIZE = auto()
 
 
 class _Texts(NamedTuple):
-    """Unit, and templates of the texts of a kind of quantity."""
+    """Unit of a kind of quantity, and templates of its texts."""
 
     unit: str
     name: str
@@ -88,7 +90,7 @@ _TEXTS = {
     ),
     _KIND.COMPONENT: _Texts("m", *_BY_FORCE),
     _KIND.ANGLE: _Texts("rad", *_BY_MOMENT),
-    # The unit depends on the entry.
+    # The unit depends on row and column.
     _KIND.COMPLIANCE: _Texts("", "{key}", "{key}", "{entry} of the 6×6 of {leg}"),
     _KIND.TEST_SIZE: _Texts(
         *("m/N", f"response:{TEST_RESPONSE}.{{key}}", "response at {key}", "response at {key}")
@@ -98,22 +100,23 @@ _TEXTS = {
         *("response at low frequency", "response at low frequency"),
     ),
 }
-# Units of a compliance: translations, then rotations, under a force and under a moment.
+# Units of the 3×3 blocks of a compliance. Rows: translation, rotation. Columns: force, moment.
 _COMPLIANCE_UNITS = (("m/N", "1/N"), ("1/N", "rad/(N m)"))
 _WHOLE = {_KIND.DEFLECTION, _KIND.ROTATION, _KIND.ANY_FORCE, _KIND.LOAD}
 _STATIC = {*_WHOLE, _KIND.COMPONENT, _KIND.ANGLE, _KIND.COMPLIANCE}
 _MODAL = {_KIND.FREQUENCY, _KIND.ORDER}
-# Kinds by the ends of the names of judged numbers of a response.
+# Kind of quantity for each suffix after "response:NAME".
 _RESPONSE_KINDS = {"": _KIND.PEAK, "frequency": _KIND.PEAK_FREQUENCY, "at": _KIND.SIZE}
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """A quantity: its `kind`, `key` within the kind, and `column` among numbers of that kind.
+    """A quantity for which models are judged or measured.
 
-    The key is the axis, the mode ("f2"), the leg's entry ("leg1.c22"), or the name of a load or
-    response; "" for the kinds that have one quantity each. Columns count from 0: axes, loads,
-    modes, judged numbers of all responses, and entries of a 6×6 row by row.
+    `key` identifies the quantity within its `kind`: the axis, the mode ("f2"), the entry of a leg's
+    compliance ("leg1.c22"), or the name of a load or response. It is "" if the kind has a single
+    quantity. `column` is the index from 0 among the results of that kind: axes, loads, modes,
+    response numbers, or the 36 entries of a 6×6 row by row.
     """
 
     kind: QuantityKind
@@ -125,27 +128,34 @@ class Quantity:
 
     @property
     def name(self) -> str:
-        """Name in files and on the command line."""
+        """Name of the quantity in files and on the command line."""
         return self._text(_TEXTS[self.kind].name)
 
     @property
     def label(self) -> str:
-        """Short heading: "φx", "load cutting", "mill peak frequency"."""
+        """Short heading, such as "φx", "load cutting" or "mill peak frequency"."""
         return self._text(_TEXTS[self.kind].label)
 
     @property
     def meaning(self) -> str:
-        """Meaning in words: "rotation under a moment about x"."""
+        """Description in words, such as "rotation under a moment about x"."""
         return self._text(_TEXTS[self.kind].meaning)
 
     @property
     def loading(self) -> str:
-        """Load along or about an axis, or of the worst direction. "" for any other quantity."""
+        """Description of the load, such as "force along x" or "worst direction of force".
+
+        "" for quantities without a unit load.
+        """
         return self._text(_TEXTS[self.kind].loading)
 
     @property
     def unit(self) -> str:
-        """SI unit: per unit load for deflections of verdicts, under its load for measured ones."""
+        """SI unit of the quantity.
+
+        Deflections that verdicts compare are per unit load. Measured deflections are those under
+        the load that was applied.
+        """
         if self.kind is not _KIND.COMPLIANCE:
             return _TEXTS[self.kind].unit
         row, column = divmod(self.column, len(AXES))
@@ -153,7 +163,7 @@ class Quantity:
 
     @property
     def whole(self) -> bool:
-        """True for displacements compared as vectors: their errors are never negative."""
+        """True for displacements that are compared as vectors. Their errors have no sign."""
         return self.kind in _WHOLE
 
     @property
@@ -168,7 +178,7 @@ class Quantity:
 
     @property
     def modal(self) -> bool:
-        """True for frequencies and their order."""
+        """True for natural frequencies and for the sequence of modes."""
         return self.kind in _MODAL
 
     @property
@@ -178,18 +188,18 @@ class Quantity:
 
     @property
     def static_column(self) -> int:
-        """Column among all whole displacements: axes, any force, loads."""
+        """Index of the quantity among all displacement vectors: axes, any force, loads."""
         first = {_KIND.ANY_FORCE: len(AXES), _KIND.LOAD: len(AXES) + 1}
         return first.get(self.kind, 0) + self.column
 
     @property
     def mode(self) -> int | None:
-        """Number of the natural frequency, from 1. None for any other quantity."""
+        """Number of the natural frequency, counted from 1. None for other quantities."""
         return self.column + 1 if self.kind is _KIND.FREQUENCY else None
 
     @property
     def leg(self) -> str:
-        """Name of the leg that an entry of a 6×6 belongs to."""
+        """Name of the leg, for an entry of the 6×6 compliance of a leg."""
         return self.key.rpartition(".")[0]
 
     def _text(self, template: str) -> str:
@@ -204,7 +214,7 @@ class Quantity:
 
 
 ANY_FORCE, ORDER = Quantity(_KIND.ANY_FORCE), Quantity(_KIND.ORDER)
-# Whole displacements under unit loads, in the order of `static_column`.
+# Displacement vectors under unit loads, in the order of `static_column`.
 UNIT_LOADS = (
     *(
         Quantity(_KIND.ROTATION if axis in ROTATIONS else _KIND.DEFLECTION, axis, column)
@@ -222,12 +232,18 @@ _COMPONENTS = tuple(
 
 
 def load_quantities(names: Sequence[str]) -> tuple[Quantity, ...]:
-    """Displacements under the loads of a robot, by their names in its order."""
+    """Displacements under the loads of a robot.
+
+    `names` are the loads' names in the robot's order.
+    """
     return tuple(Quantity(_KIND.LOAD, name, column) for column, name in enumerate(names))
 
 
 def response_quantities(names: Sequence[str]) -> tuple[Quantity, ...]:
-    """Judged numbers of a robot's responses, by their names ("mill.frequency") in its order."""
+    """Numbers of harmonic responses that are judged, such as the peak and its frequency.
+
+    `names` are their names without the prefix "response:", such as "mill.frequency".
+    """
     parts = (name.partition(".") for name in names)
     return tuple(
         Quantity(_RESPONSE_KINDS[end], key, column) for column, (key, _, end) in enumerate(parts)
@@ -235,7 +251,7 @@ def response_quantities(names: Sequence[str]) -> tuple[Quantity, ...]:
 
 
 def size_at_mode(number: int) -> Quantity:
-    """Size of a measured response at the robot's mode of this number, from 1."""
+    """Magnitude of a measured response at the natural frequency of mode `number` (from 1)."""
     return Quantity(_KIND.TEST_SIZE, f"f{number}", number - 1)
 
 
@@ -245,7 +261,11 @@ SIZE_FAR_BELOW = Quantity(_KIND.LOW_SIZE)
 def quantities(
     loads: Sequence[str] = (), responses: Sequence[str] = (), modes: int = MOST_MODES
 ) -> tuple[Quantity, ...]:
-    """Quantities of verdicts in display order; `loads` and `responses` by their names."""
+    """Quantities that are judged for a robot, in display order.
+
+    `loads` and `responses` are the names of the loads and of the numbers of harmonic responses.
+    `modes` is the number of natural frequencies.
+    """
     return (
         *UNIT_LOADS,
         *load_quantities(loads),
@@ -256,9 +276,9 @@ def quantities(
 
 
 def measured_quantity(name: str, responses: Sequence[str] = ()) -> Quantity | None:
-    """Quantity of a measured value by its name. None if there is no such quantity.
+    """Measurable quantity with the name `name`. None if there is no such quantity.
 
-    `responses` as in `quantities`.
+    `responses` are the names of the numbers of harmonic responses that the robot file defines.
     """
     if entry := _LEG_ENTRY.fullmatch(name):
         column = 6 * (int(entry[2]) - 1) + int(entry[3]) - 1

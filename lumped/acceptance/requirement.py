@@ -1,7 +1,8 @@
-"""Limits of a robot file: accepted errors of models, and of the agreement of formulations.
+"""Limits from a robot file: accepted model errors, and accepted differences between formulations.
 
-Accepted errors (table [accept]) are set beforehand by the use (ASME V&V 10). Table [agree] limits
-differences between formulations of the same legs.
+The accepted errors (table [accept]) are chosen from the use of the robot before any computation
+(ASME V&V 10). The table [agree] limits the differences between formulations of the same legs, such
+as rigid segments, beam elements and solids.
 """
 
 from collections.abc import Mapping
@@ -11,7 +12,7 @@ from typing import Literal, TypeAlias, get_args
 from lumped.acceptance.quantities import Quantity, QuantityKind, quantities
 from lumped.legs import Ends
 
-# Smallest accepted relative error: no model of a robot is more accurate.
+# Smallest relative error that a file may require: no model of a robot is more accurate.
 SMALLEST_SHARE = 1e-6
 # Smallest measured value or uncertainty (SI): far below the resolution of any instrument.
 SMALLEST_MEASURED = 1e-30
@@ -35,14 +36,17 @@ MODEL_KINDS: tuple[ModelKind, ...] = get_args(ModelKind)
 
 @dataclass(frozen=True)
 class Requirement:
-    """Largest relative errors that are accepted, and the models that are relied on.
+    """Largest accepted errors of models, and the models that must satisfy them.
 
-    `deflection` applies to all static quantities, `frequency` to the first `modes` natural
-    frequencies and their order, `response` to the judged numbers of `responses` of the file, by
-    name. `limits` overrides them for single quantities by name. If `displacement` (m) is given, it
-    replaces `deflection` for the `loads` of the file, by name. `rely` are models whose inadequacy
-    makes a run fail. `accuracy` is the largest half-width of an error due to meshes of references.
-    If it is None, the half-width of an undecided error may be a fifth of its limit.
+    All errors are relative, unless a unit is given. `deflection` applies to static quantities,
+    `frequency` to the first `modes` natural frequencies and to the sequence of modes, `response` to
+    the numbers of harmonic responses named in `responses`. `limits` maps names of single quantities
+    to limits that replace these. `displacement` (m), if it is not None, replaces `deflection` for
+    the loads named in `loads`.
+
+    `rely` names the models whose inadequacy makes a run fail. `accuracy` is the largest accepted
+    half-width of the uncertainty that the meshes of the reference add to an error. If `accuracy` is
+    None, this half-width may be up to a fifth of the limit before meshes are refined.
     """
 
     deflection: float = 0.05
@@ -62,25 +66,27 @@ class Requirement:
         return quantities(self.loads, self.responses, self.modes)
 
     def limit(self, quantity: Quantity) -> float:
-        """Largest accepted relative error of a quantity."""
+        """Largest accepted relative error of `quantity`."""
         general = self.deflection if quantity.static else self.frequency
         if quantity.harmonic:
             general = self.response
         return self.limits.get(quantity.name, general)
 
     def absolute(self, quantity: Quantity) -> float | None:
-        """Largest accepted error (m) of a quantity. None if a relative limit applies."""
+        """Largest accepted error (m) of `quantity`. None if the limit is relative."""
         is_load = quantity.kind is QuantityKind.LOAD and quantity.name not in self.limits
         return self.displacement if is_load else None
 
 
 @dataclass(frozen=True)
 class AgreementLimits:
-    """Largest relative differences between formulations, and the models that are compared.
+    """Largest relative differences between formulations of the same legs.
 
-    `elements` per leg of segments and beams. `convergence`: error with that many elements.
-    `compliance` and `frequency`: difference from solids of the same legs after its allowances.
-    `ends` of these solids; "as given": those of each leg, or kept plane if the file has none.
+    `elements` is the number of segments or beam elements per leg. `convergence` limits the
+    discretisation error with that number. `compliance` and `frequency` limit the difference from
+    solids of the same legs that remains after the computed allowances. `ends` is the condition on
+    the end faces of the solids: "as given" is the condition in the robot file, or "rigid" for a leg
+    without one.
     """
 
     elements: int = 20
@@ -90,7 +96,7 @@ class AgreementLimits:
     ends: SolidEnds = "as given"
 
     def ends_of(self, leg_ends: Ends | None) -> Ends:
-        """End condition of the solid of a leg whose own is `leg_ends`."""
+        """End condition of the solid of a leg for which the robot file specifies `leg_ends`."""
         return (leg_ends or "rigid") if self.ends == "as given" else self.ends
 
 

@@ -1,4 +1,5 @@
-"""Dense solution of small systems: displacements, natural frequencies, and their round-off.
+"""Solution of small systems with dense matrices: displacements, natural frequencies, round-off.
 
-In: stiffness and mass matrices with loads. Out: flexibilities and modes with bounds on round-off.
+Input: stiffness and mass matrices, and loads. Output: flexibilities and modes with bounds on
+round-off.
 """

@@ -1,4 +1,4 @@
-"""Natural frequencies and modes of small undamped models, dense and exact."""
+"""Natural frequencies and mode shapes of small undamped models, by dense matrices."""
 
 from dataclasses import dataclass
 
@@ -12,7 +12,10 @@ from lumped.text import counted
 
 @dataclass(frozen=True)
 class Modes:
-    """Frequencies (Hz, ascending, m values) and mass-normalised shapes (n×m, columns)."""
+    """Natural frequencies (Hz, m values, ascending) and mode shapes (n×m, columns).
+
+    The shapes have unit modal mass.
+    """
 
     frequencies: Array
     shapes: Array
@@ -21,12 +24,12 @@ class Modes:
 def solve_modes(
     stiffness: SparseMatrix | Array, mass: SparseMatrix | Array, count: int, part: str
 ) -> Modes:
-    """The lowest `count` modes of det(K − ω²M) = 0, eq. (24).
+    """The lowest `count` natural modes: solutions of det(K − ω²M) = 0, eq. (24) of the paper.
 
-    Solved as M v = (1/ω²) K v, so that massless unknowns (M singular) are allowed and the lowest
-    frequencies are the most accurate. The largest entry of each shape is positive. Raises
-    ComputationError, naming `part`, if K is not positive definite or fewer than `count` modes have
-    mass.
+    The problem is solved as M v = (1/ω²) K v, so that M may be singular (massless unknowns) and the
+    lowest frequencies are the most accurate. The largest entry of each shape is positive. Raises
+    ComputationError, with `part` in its message, if K is not positive definite or if fewer than
+    `count` modes move mass.
     """
     k, m = dense(stiffness), dense(mass)
     n = k.shape[0]
@@ -49,9 +52,9 @@ def solve_modes(
 
 
 class FewerModesError(ComputationError):
-    """More modes were requested than have mass."""
+    """Error: more modes were requested than the mass matrix allows."""
 
 
 def too_few(part: str, count: int) -> FewerModesError:
-    """Error for a request of more modes than have mass."""
+    """Error for a request of `count` modes of `part` if fewer modes move mass."""
     return FewerModesError(f"{counted(count, 'mode')} asked for, but fewer have mass", part=part)

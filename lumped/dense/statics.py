@@ -1,9 +1,9 @@
-"""Displacements of small models under loads, and their round-off errors.
+"""Displacements of small models under loads, and the round-off errors of these displacements.
 
-A computed X = K⁻¹F has the error K⁻¹R, R = F − KX. The error of the flexibility FᵀX is
-FᵀK⁻¹R = XᵀR to first order: the work of the loads that the springs do not store. In a
-well-conditioned model it is a few roundings. If stiffnesses differ by the resolution of double
-precision, it is as large as the flexibility.
+A computed solution X of KX = F has the error K⁻¹R with the residual R = F − KX. The error of the
+flexibility FᵀX is FᵀK⁻¹R = XᵀR to first order: the part of the work of the loads that is not stored
+in the springs. In a well-conditioned model it is a few units in the last place. It is as large as
+the flexibility itself if the stiffnesses differ by the resolution of double precision.
 """
 
 import numpy as np
@@ -16,21 +16,22 @@ from lumped.errors import ComputationError
 # Smallest pivot of the stiffness with unit diagonal. A chain of n elements has pivots down to about
 # 1/8n³ (3e-8 for 160). Rounding of a singular matrix leaves about 1e-16 to 1e-15.
 _SMALLEST_PIVOT = 1e-13
-# Largest relative difference of work and stored energy. Results are printed with four digits. Long
-# thin solid legs have 1e-6 (200 times as long as high), walls of a fiftieth of the side with
-# ν = 0.4999 have 1e-7.
+# Largest relative difference between work and stored energy. Results are printed with four digits.
+# Observed: 1e-6 for solid legs 200 times as long as high, 1e-7 for hollow sections with walls of a
+# fiftieth of the side and ν = 0.4999.
 _UNBALANCED = 1e-4
-# Ratio of the round-off of an elimination, which rounds each entry repeatedly, to the error from
-# rounding the matrix. Observed over extreme cases: up to 3.8 for legs, and 3.4 between two
-# eliminations of robots with such legs.
+# Ratio of the round-off error of an elimination, which rounds each entry repeatedly, to the error
+# from rounding each entry of the matrix once. Largest ratios observed in extreme cases: 3.8 for
+# legs, and 3.4 between two eliminations of robots with such legs.
 ELIMINATION = 5.0
 
 
 def solve_statics(stiffness: SparseMatrix, loads: Array, part: str) -> Array:
-    """Displacements (n×m) under `loads` (n×m): Cholesky on unknowns scaled to a unit diagonal.
+    """Displacements (n×m) under `loads` (n×m, one load case per column).
 
-    For models of up to about 2000 unknowns. Raises ComputationError, naming `part`, if the
-    stiffness is singular or not positive definite.
+    Cholesky factorisation of the stiffness (n×n) scaled to a unit diagonal, for models of up to
+    about 2000 unknowns. Raises ComputationError, with `part` in its message, if the stiffness is
+    singular or not positive definite.
     """
     k = dense(stiffness)
     try:
@@ -49,16 +50,17 @@ def solve_statics(stiffness: SparseMatrix, loads: Array, part: str) -> Array:
 
 
 def balanced_flexibility(loads: Array, displacements: Array, forces: Array, part: str) -> Array:
-    """Symmetric flexibility FᵀX (…×m×m) of `loads` F, `displacements` X, `forces` KX (…×n×m each).
+    """Symmetric flexibility FᵀX (…×m×m) from loads F, displacements X and elastic forces KX.
 
-    Raises ComputationError, naming `part`, if the work of the loads and the energy of the springs
-    differ in the fourth digit, if one is negative, or if a number is not finite.
+    `loads`, `displacements` and `forces` have shape …×n×m. Raises ComputationError, with `part` in
+    its message, if the work of the loads and the energy of the springs differ in the fourth digit,
+    if one of them is negative, or if a number is not finite.
     """
     flexibility = np.swapaxes(loads, -1, -2) @ displacements
     unbalanced_energy = np.swapaxes(displacements, -1, -2) @ (loads - forces)
     sizes = np.sqrt(np.maximum(np.diagonal(flexibility, axis1=-2, axis2=-1), 0.0))
     scale = sizes[..., :, None] * sizes[..., None, :]
-    # Unit loads against which the model is rigid do no work and store no energy.
+    # A unit load under which the model does not move does no work and stores no energy.
     share = np.where(
         scale > 0.0,
         np.abs(unbalanced_energy) / np.where(scale > 0.0, scale, 1.0),
@@ -77,18 +79,23 @@ def balanced_flexibility(loads: Array, displacements: Array, forces: Array, part
 def rounding_of_flexibility(
     stiffness: SparseMatrix | Array, displacements: Array, rotated: int = 0
 ) -> Array:
-    """Half-width (m×m, 95 %) of the round-off error of FᵀX, X = K⁻¹F.
+    """Half-width (m×m, 95 %) of the round-off error of the flexibility FᵀX with X = K⁻¹F.
+
+    `stiffness` is K (n×n), `displacements` is X (n×m). The first `rotated` unknowns are vectors of
+    three components in axes that differ from the axes of the elements.
 
     A change δK changes FᵀX by −XᵀδK X to first order. Each term of an entry of K = Σ TᵀK_e T is
-    rounded a dozen times by ±ε/2 (K_e, twice T, two products, three sums), together a standard
-    deviation of √12 ε/2√3 = ε times its magnitude. The first `rotated` unknowns are vectors of
-    three in axes that differ from the elements' axes. Their magnitude is the norm of the entry's
-    block, because the rotation mixes stiff into soft components, and the angle itself is rounded.
-    Blocks of adjacent parts do not cancel, since the parts are positive. δK is symmetric because
-    only one triangle is used, so its entries act in pairs: δ = 2ε √2 √Σ (|x_I| |K_IJ| |y_J|)² over
-    blocks.
+    rounded a dozen times by ±ε/2 (K_e, twice T, two products, three sums), which adds up to a
+    standard deviation of √12 ε/2√3 = ε times the magnitude of the term. For rotated unknowns this
+    magnitude is the norm of the 3×3 block, because the rotation mixes stiff with soft components
+    and the angle itself is rounded. Blocks of adjacent parts do not cancel, because each part is
+    positive semidefinite. δK is symmetric because only one triangle is used, so that its entries
+    act in pairs:
 
-    Large motions with little strain make it large: long thin legs, stiff parts next to soft ones.
+        δ = 2ε √2 √Σ (|x_I| |K_IJ| |y_J|)²   with the sum over blocks I, J.
+
+    The bound is large for large motions with little strain: long thin legs, stiff parts next to
+    soft ones.
     """
     size = len(displacements)
     block_of_unknown = np.concatenate(

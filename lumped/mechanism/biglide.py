@@ -1,9 +1,10 @@
 """The PRRRP biglide as a mechanism (paper §2.1, Figs 1 and 2).
 
-A slides along y on the line x = 0, C along y on the line x = a; leg 1 = AB, leg 2 = CB, both on
-the same side; B = (x, y). Nothing depends on y, so B is the origin of y. The feet are the
-compliances of the revolute joints between slides and legs. Leg 2 is hinged to leg 1 at B, and leg 1
-carries the platform. A pose is the position x of B alone.
+Slide A moves along y on the line x = 0, slide C along y on the line x = a. Leg 1 = AB and leg 2 =
+CB lie on the same side and meet at B = (x, y). Nothing depends on y, so that B is used as the
+origin of y and a pose consists of the coordinate x of B alone. The compliances of the feet are
+those of the revolute joints between slides and legs. Leg 2 is hinged to leg 1 at B, and leg 1
+carries the platform.
 """
 
 from dataclasses import dataclass, replace
@@ -21,7 +22,7 @@ from lumped.mechanism.mechanism import GROUND, Mechanism, Tool
 from lumped.mechanism.placing import place_leg, place_rigid_body
 from lumped.screws import rotation_z
 
-# Relative tolerance for a posture at the end of the stroke, where x − end is round-off.
+# Tolerance, relative to a, for a position x at the end of the stroke.
 _ROUNDING = 1e-12
 _POSES = 9
 _, _Y, _Z = np.eye(3)
@@ -29,9 +30,10 @@ _, _Y, _Z = np.eye(3)
 
 @dataclass(frozen=True)
 class Stroke:
-    """Geometry of the legs: distance `a` (m) of the slides, `length1` and `length2` (m).
+    """Stroke of the biglide, from the distance `a` (m) of the slides and both leg lengths (m).
 
-    B moves from x = a − L2 (leg 2 horizontal) to L1 (leg 1 horizontal), both type 1 singularities.
+    B moves from x = a − L2, where leg 2 is horizontal, to x = L1, where leg 1 is horizontal. Both
+    are type 1 singularities.
     """
 
     a: float
@@ -40,21 +42,24 @@ class Stroke:
 
     @property
     def ends(self) -> tuple[float, float]:
-        """First and last x of B (m)."""
+        """Smallest and largest x of B (m)."""
         return self.a - self.length2, self.length1
 
     @property
     def centre(self) -> float:
-        """Middle of the stroke (m)."""
+        """Coordinate x (m) of B in the middle of the stroke."""
         return 0.5 * sum(self.ends)
 
     @property
     def length(self) -> float:
-        """Length d = L1 + L2 − a (m)."""
+        """Length d = L1 + L2 − a (m) of the stroke."""
         return self.length1 + self.length2 - self.a
 
     def legs_at(self, x: float) -> tuple[Frame, Frame]:
-        """Frames of leg 1 at A and leg 2 at C with B at `x` (m). InputError outside the stroke."""
+        """Frames (base axes) of leg 1 at A and of leg 2 at C, with B at `x` (m).
+
+        Raises InputError if `x` is outside the stroke.
+        """
         first, last = self.ends
         slack = _ROUNDING * self.a
         if not first - slack <= x <= last + slack:
@@ -69,7 +74,7 @@ class Stroke:
         )
 
     def faults(self) -> list[str]:
-        """Reasons why the legs cannot meet or reach their singular postures, if there are any."""
+        """Reasons why the legs cannot meet, or why one of them never becomes horizontal."""
         l1, l2, a = self.length1, self.length2, self.a
         faults = []
         if not a > 0.0:
@@ -88,11 +93,11 @@ class Stroke:
 
 
 def _height(length: float, base: tuple[float, ...]) -> float:
-    """Extent √(L² − b²) (m) along y of a leg of `length` L over a base of the sum b (m) of `base`.
+    """Height √(L² − b²) (m) along y of a leg of `length` L over the base b (m), the sum of `base`.
 
-    Computed as √((L − b)(L + b)) with both sums rounded once, because the difference of squares
+    It is computed as √((L − b)(L + b)), both sums rounded once, because a difference of squares
     would lose half of the digits near the end of the stroke. The height is zero if b equals L
-    within the rounding of its terms.
+    within round-off.
     """
     short = fsum((length, *(-term for term in base)))
     if short <= np.spacing(max(length, *map(abs, base))):
@@ -102,9 +107,9 @@ def _height(length: float, base: tuple[float, ...]) -> float:
 
 @dataclass(frozen=True)
 class _InverseKinematics:
-    """Frames of all bodies with B at x in closed form.
+    """Frames of all bodies with B at x, in closed form.
 
-    General loop closure would lose half of the digits at both ends of the stroke.
+    Iterative loop closure would lose half of the digits at both ends of the stroke.
     """
 
     stroke: Stroke
@@ -139,13 +144,14 @@ def biglide(
     foot_compliance: Array | None = None,
     tool_compliance: Array | None = None,
 ) -> Mechanism:
-    """A biglide of two legs on slides `a` (m) apart, described with B in the middle of its stroke.
+    """Biglide with two legs on slides `a` (m) apart.
 
-    `tool_offset` (3, m, base axes) is the vector from B to the loaded point P, at which the
-    platform's mass (kg) is located. `foot_compliance` (6×6, SI, base axes) acts at both revolute
-    joints of the feet, `tool_compliance` in series at P; None if rigid. The drives are rigid except
-    in the simplified model, in which `drive_stiffness` (N/m) represents all compliance. Raises
-    InputError if the legs cannot meet.
+    Its reference posture is the middle of the stroke. `tool_offset` (3, m, base axes) is the vector
+    from B to the loaded point P, at which `platform_mass` (kg) is located. `foot_compliance` (6×6,
+    SI, base axes) acts in both revolute joints of the feet, `tool_compliance` (6×6, SI, base axes)
+    in series at P. None stands for rigid. The drives are rigid except in the simplified model, in
+    which `drive_stiffness` (N/m) represents all compliance. Raises InputError if the legs cannot
+    meet.
     """
     stroke = Stroke(a, leg1.length, leg2.length)
     if faults := stroke.faults():
@@ -162,14 +168,14 @@ def biglide(
         place_leg("leg2", leg2, ("C", "B"), points),
         place_rigid_body("platform", ("B", "P"), points),
     ]
-    # A platform with an offset or a spring keeps its axes in all poses, because the paper gives
-    # both in the robot's axes.
+    # The paper gives tool offset and tool compliance in the robot's axes. A platform with one of
+    # them therefore keeps its orientation in all poses.
     platform_turns = tool_compliance is None and not offset[:2].any()
     datum = (float(offset[0]), float(offset[1]), float(offset[2]))
     drive = Drive(simplified=drive_stiffness)
     seat = _joint("seat", "fixed", ("leg1", "platform"), "B")
     if not platform_turns:
-        # A rigid drive turns the platform back as leg 1 turns.
+        # A rigid drive at B compensates the rotation of leg 1, so that the platform does not turn.
         seat = _joint("seat", "revolute", ("leg1", "platform"), "B", _Z, drive=Drive())
     joints = [
         _joint("drive1", "prismatic", (GROUND, "slide1"), "A", _Y, drive=drive),
@@ -199,9 +205,10 @@ def biglide(
 
 
 def family_member(a: float, leg1: Leg, leg2: Leg, alpha: float) -> tuple[float, Leg, Leg]:
-    """Member `alpha` of the family of eqs (10), (11): legs α times as long, with the stroke d kept.
+    """Distance a (m) and legs of the robot with legs `alpha` times as long and the same stroke.
 
-    The legs keep their (equivalent) constant section; a = α (L10 + L20) − d (m).
+    Eqs (10) and (11) of the paper: a = α (L10 + L20) − d. Legs known by a 6×6 are replaced by their
+    equivalent legs of constant section. The sections remain unchanged.
     """
     stroke = Stroke(a, leg1.length, leg2.length)
     first, second = equivalent_leg(leg1), equivalent_leg(leg2)

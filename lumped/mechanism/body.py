@@ -1,6 +1,6 @@
 """Bodies of a mechanism: shapes, frames and interfaces.
 
-A part is a body given by a CAD file or a mesh, with interfaces on selected faces.
+A part is a body whose geometry is a CAD file or a mesh, with interfaces on selected faces.
 """
 
 from collections.abc import Mapping
@@ -22,24 +22,25 @@ METRES: dict[str, float] = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "inch": 0.0254}
 
 @dataclass(frozen=True)
 class ByFaces:
-    """Faces by their numbers, as `flexproof faces` prints them."""
+    """Selection of faces by their numbers, as printed by `flexproof faces`."""
 
     faces: tuple[int, ...]
 
 
 @dataclass(frozen=True)
 class ByName:
-    """Faces by their name in the file: a physical group, or a label of the CAD system."""
+    """Selection of faces by a name in the file: a physical group, or a label of the CAD system."""
 
     name: str
 
 
 @dataclass(frozen=True)
 class ByCylinder:
-    """Faces on one cylinder of `radius` (m), a bore or a boss. Lengths in m, axes of the file.
+    """Selection of the faces on one cylinder, a bore or a boss.
 
-    Its axis has the direction `axis` (any direction if None) through `point` (the interface's own
-    point if None), within `tolerance` (a fraction of the radius if None).
+    Lengths are in m, directions in the axes of the file. The cylinder has the given `radius`. Its
+    axis is parallel to `axis` (None: any direction) and passes through `point` (None: the point of
+    the interface), within `tolerance` (None: a fraction of the radius).
     """
 
     radius: float
@@ -50,7 +51,11 @@ class ByCylinder:
 
 @dataclass(frozen=True)
 class ByPlane:
-    """Faces in one plane with the outward `normal`. `point`, `tolerance`: see `ByCylinder`."""
+    """Selection of the faces in one plane with the outward normal `normal` (axes of the file).
+
+    The plane contains `point` (m; None: the point of the interface) within `tolerance` (m; None: a
+    default).
+    """
 
     normal: Triple
     point: Triple | None = None
@@ -62,11 +67,12 @@ Selection: TypeAlias = ByFaces | ByName | ByCylinder | ByPlane
 
 @dataclass(frozen=True)
 class PartInterface:
-    """Faces of a part to which a joint is attached, and their coupling to its six motions.
+    """Faces of a part to which a joint is attached, and their coupling to the interface's motions.
 
-    `coupling`: "rigid" (the faces move as one rigid body), "average" (area-weighted mean motion of
-    the faces, which may deform), "pin" (bores: radially constrained, free to slide along and about
-    the axis). None if the robot file does not specify it.
+    The interface has six motions. With `coupling` "rigid" the faces follow them as a rigid body.
+    With "average" the area-weighted mean motion of the faces follows them and the faces may deform.
+    With "pin" only the radial motion of a bore follows, and the bore can slide along and about its
+    axis. None if the robot file does not specify the coupling.
     """
 
     selection: Selection
@@ -75,10 +81,11 @@ class PartInterface:
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """A solid from a STEP, BREP or mesh `file`. Body axes are the file's, in metres.
+    """A solid body from a STEP, BREP or mesh `file`. Body axes are the axes of the file, in metres.
 
-    `material` is isotropic. `interfaces` by the name of their point. `unit` is the length unit if
-    the file has none. `unknowns` of the finest mesh; None for the default number.
+    `material` is isotropic. `interfaces` are keyed by the name of their point. `unit` is the length
+    unit for a file without one. `unknowns` is the number of unknowns of the finest mesh; None
+    stands for the default.
     """
 
     file: Path
@@ -90,27 +97,29 @@ class Part:
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """Position (3, m) of an origin and rotation (3×3) with the axes as columns.
+    """Position (3, m) of an origin, and rotation (3×3) with the axes as columns.
 
-    Both are expressed in the parent frame: base axes for a body, axes of its body for an
-    interface.
+    Both are expressed in the parent frame: the base for a body, the body for an interface.
     """
 
     position: Array = field(default_factory=lambda: np.zeros(3))
     rotation: Array = field(default_factory=lambda: np.eye(3))
 
     def __matmul__(self, inner: "Frame") -> "Frame":
-        """Compose two frames: `inner`, given in this frame, expressed in this frame's parent."""
+        """Compose two frames: express `inner`, given in this frame, in the parent of this frame."""
         return Frame(self.position + self.rotation @ inner.position, self.rotation @ inner.rotation)
 
     def inverse(self) -> "Frame":
-        """Parent frame, expressed in this frame."""
+        """Frame of the parent expressed in this frame."""
         return Frame(-self.rotation.T @ self.position, self.rotation.T)
 
 
 @dataclass(frozen=True, eq=False)
 class Rigid:
-    """Rigid body of `mass` (kg), `centre` (3, m) and `inertia` (3×3, kg m²) about it, body axes."""
+    """Rigid body: `mass` (kg), mass centre `centre` (3, m), `inertia` (3×3, kg m²). Body axes.
+
+    The inertia is about the mass centre.
+    """
 
     mass: float = 0.0
     centre: Array = field(default_factory=lambda: np.zeros(3))
@@ -122,10 +131,10 @@ Shape: TypeAlias = Leg | Part | Rigid
 
 @dataclass(frozen=True, eq=False)
 class Body:
-    """A body: its shape, and its interfaces by the name of their point, in body axes.
+    """A body of a mechanism: its shape, and its interfaces (body axes) by the name of their point.
 
-    A leg has two interfaces, the first at the origin of the body's axes, the second at `length`
-    along x. A part and a rigid body have any number. `loss` is the loss factor of its stiffness.
+    A leg has two interfaces: the root at the origin of the body axes and the tip at x = `length`. A
+    part or a rigid body has any number. `loss` is the loss factor of the body's stiffness.
     """
 
     name: str

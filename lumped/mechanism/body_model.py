@@ -1,6 +1,6 @@
-"""Matrices of one free body, the common interface of all body models to the assembly.
+"""Matrices of one free body: the common form in which all body models enter the assembly.
 
-A leg is a body with a root, a tip and a centreline, whose sections are drawn in figures.
+A leg is a body with a root, a tip and a centreline, along which figures draw its sections.
 """
 
 from collections.abc import Callable, Mapping
@@ -17,16 +17,16 @@ ENDS = ("root", "tip")
 
 @dataclass(frozen=True, eq=False)
 class BodyModel:
-    """Stiffness and mass of one free body on (6 per interface, then inner) unknowns, SI.
+    """Stiffness and mass matrices of one unsupported body, SI units.
 
-    Unknowns 6i to 6i+5 are the twist of interface i in body axes, in the order of the body's
-    interfaces (`interfaces` are their names in the model). The other unknowns are internal to the
-    model. `stiffness` and `mass` are n×n, symmetric, dense or sparse. The body is not supported,
-    so the stiffness has six rigid-body motions.
+    `stiffness` and `mass` are n×n, symmetric, dense or sparse. Unknowns 6i to 6i+5 are the twist of
+    interface i in body axes; the names of the interfaces are in `interfaces`. The remaining
+    unknowns are internal to the model, named `model`. The body is not supported, so that the
+    stiffness has six rigid-body motions.
 
-    `displacements(points)` gives the 3m×n matrix from unknowns to the displacements, in body axes,
-    at `points` (m×3, body axes). `parts` splits the stiffness by kind of deformation, if the model
-    can; the parts sum to `stiffness`.
+    `displacements(points)` is the 3m×n matrix from the unknowns to the displacements (body axes) of
+    `points` (m×3, m, body axes). `parts` splits the stiffness by type of deformation: its matrices
+    add up to `stiffness`. It is empty if the model does not provide them.
     """
 
     model: str
@@ -38,19 +38,20 @@ class BodyModel:
 
     @property
     def size(self) -> int:
-        """Number of unknowns n."""
+        """Number n of unknowns."""
         return int(self.stiffness.shape[0])
 
 
 @dataclass(frozen=True, eq=False)
 class LegMatrices(BodyModel):
-    """Stiffness and mass of one free leg on (root 6, tip 6, internal) unknowns, leg axes, SI.
+    """Stiffness and mass matrices of one unsupported leg, leg axes, SI units.
 
-    `length` (m) from root to tip. `centreline(stations)` gives the sparse 6m × n matrix from
-    unknowns to the section's twist at `stations` (m from the root, m values). Sections remain
-    plane. `parts` are "tension", "torsion", "bending y" and "bending z" with their shear; bending
-    y is deflection along z (EIy), bending z along y (EIz). Both are one part, "bending", if the
-    section couples them.
+    The unknowns are the twist of the root (6), the twist of the tip (6) and internal ones. `length`
+    is in m. `centreline(stations)` is the sparse 6m × n matrix from the unknowns to the twists of
+    the sections at m `stations` (m from the root). Sections remain plane. `parts` splits the
+    stiffness into "tension", "torsion", "bending y" (deflection along z, EIy) and "bending z"
+    (deflection along y, EIz), each with its shear. If the section couples both bendings, they are
+    one part "bending".
     """
 
     interfaces: tuple[str, ...] = field(init=False, default=ENDS)
@@ -66,7 +67,11 @@ class LegMatrices(BodyModel):
 def _section_displacements(
     centreline: Callable[[Array], SparseMatrix], points: Array
 ) -> SparseMatrix:
-    """3m × n matrix of u + φ × r of the section at each of the points (m×3, leg axes)."""
+    """3m × n matrix from the unknowns to the displacements of `points` (m×3, m, leg axes).
+
+    The displacement of a point is u + φ × r with the translation u and the rotation φ of its
+    section, and the arm r from the section's centroid.
+    """
     count = len(points)
     arm = np.zeros((count, 3, 6))
     arm[:, :, :3] = np.eye(3)

@@ -1,14 +1,15 @@
-"""Free relative twists of a joint, its constraints, and its coordinates when closed.
+"""Free relative twists of a joint, its constraints, and its coordinates if it is closed.
 
-A joint compares its second interface with its first. Vectors fixed to a body are given in base
-axes of the reference posture; the body's *turn* (3×3) rotates them to the current posture. With
-turns R₁, R₂ and interfaces at P₁, P₂ the second lies at p = R₁ᵀ(P₂ − P₁), rotated by
-R = R₁ᵀR₂. Each constraint has one of two forms,
+A joint compares its second interface with its first. Vectors fixed to a body are given in base axes
+of the reference posture; the *turn* (3×3) of the body rotates them to the current posture. With
+turns R₁, R₂ and interfaces at P₁, P₂ the second interface lies at p = R₁ᵀ(P₂ − P₁) and is rotated
+by R = R₁ᵀR₂, seen from the first body. Each constraint has one of two forms,
 
     n·p = 0            n fixed in the first body,
-    b·R c = b·c        b fixed in the first body, c in the second,
+    b·R c = b·c        b fixed in the first body, c in the second.
 
-which hold if the joint is closed, for any rotation, and whose derivatives are screws.
+They are satisfied if the joint is closed, for rotations of any size, and their derivatives are
+screws.
 """
 
 from typing import assert_never
@@ -23,22 +24,22 @@ from lumped.screws import rotation_about, rotation_vector, skew
 
 
 def interface_position(posture: Posture, side: Side) -> Array:
-    """Position (3, m, base axes) of the interface of one side of a joint."""
+    """Position (3, m, base axes) of the interface on one side of a joint."""
     frame = posture.frames[side.body]
     interface = posture.mechanism.bodies[side.body].interfaces[side.point]
     return frame.position + frame.rotation @ interface.position
 
 
 def rotation_since_reference(posture: Posture, body: str) -> Array:
-    """Rotation (3×3) of `body` from the reference posture, base axes."""
+    """Rotation (3×3, base axes) of `body` from the reference posture to `posture`."""
     rotation: Array = posture.frames[body].rotation @ posture.mechanism.reference[body].rotation.T
     return rotation
 
 
 def free_twists(posture: Posture, joint: Joint) -> Array:
-    """Free twists of the second side relative to the first (6×k), at the first side's interface.
+    """Free twists (6×k, base axes) of the second interface of a joint relative to the first.
 
-    Base axes, in the order of `joint_twists`.
+    The twists are taken at the first interface, in the order given in `joint_twists`.
     """
     first, second = (
         rotation_since_reference(posture, side.body) for side in (joint.first, joint.second)
@@ -47,13 +48,13 @@ def free_twists(posture: Posture, joint: Joint) -> Array:
 
 
 def joint_twists(joint: Joint, first: Array, second: Array) -> Array:
-    """Free twists (…×6×k) with both bodies rotated by `first` and `second` (…×3×3).
+    """Free twists (…×6×k, base axes) of a joint whose bodies have turned by `first` and `second`.
 
-    Rotations are counted from the reference posture. Base axes, unit rates of the joint's
-    coordinates (m, rad), in their order: prismatic (a; 0), revolute (0; a), cylindrical both,
-    universal (0; a₁) and (0; a₂) with a₁ fixed in the first body and a₂ in the second, spherical
-    all rotations about the base axes, planar two translations across the normal and the rotation
-    about it.
+    `first` and `second` (…×3×3) are rotations from the reference posture. Each twist is that of a
+    unit rate of a coordinate of the joint (m or rad), as (translation; rotation): prismatic (a; 0),
+    revolute (0; a), cylindrical both, universal (0; a₁) and (0; a₂) with a₁ fixed in the first body
+    and a₂ in the second, spherical the rotations about the three base axes, planar two translations
+    perpendicular to the normal and the rotation about the normal.
     """
     slides, turns = free_axes(joint)
     twists = np.zeros((*first.shape[:-2], 6, FREEDOMS[joint.kind]))
@@ -67,7 +68,10 @@ def joint_twists(joint: Joint, first: Array, second: Array) -> Array:
 
 
 def free_axes(joint: Joint) -> tuple[Array, Array]:
-    """Axes (n×3, base axes of the reference posture) of free translations and free rotations."""
+    """Axes of the free translations and of the free rotations of a joint.
+
+    Both are n×3, in base axes of the reference posture.
+    """
     none = np.zeros((0, 3))
     match joint.kind:
         case "fixed":
@@ -87,16 +91,16 @@ def free_axes(joint: Joint) -> tuple[Array, Array]:
 
 
 def across_axis(normal: Array) -> Array:
-    """Two orthogonal unit vectors (2×3) across `normal`, right-handed with it."""
+    """Two perpendicular unit vectors (2×3) that form a right-handed system with `normal`."""
     first = np.cross(normal, np.eye(3)[np.argmin(np.abs(normal))])
     first /= np.linalg.norm(first)
     return np.array([first, np.cross(normal, first)])
 
 
 def constraints(joint: Joint) -> tuple[Array, Array, Array]:
-    """The 6 − f constraints of a joint with f free twists: n (t×3), and b and c (r×3 each).
+    """The 6 − f constraints of a joint with f free twists: vectors n (t×3), pairs b, c (r×3 each).
 
-    All rows are unit vectors.
+    All rows are unit vectors. The forms of the constraints are given at the top of this module.
     """
     slides, turns = free_axes(joint)
     all_axes = np.eye(3)
@@ -107,16 +111,17 @@ def constraints(joint: Joint) -> tuple[Array, Array, Array]:
         return normals, all_axes, np.roll(all_axes, -1, axis=0)
     if len(turns) == 1:
         return normals, across_axis(turns[0]), np.vstack([turns, turns])
-    # Two axes remain across each other; three leave no constraint.
+    # Two axes of rotation must remain perpendicular. Three impose no constraint on the rotation.
     rotation_pairs = turns if len(turns) == 2 else turns[:0]
     return normals, rotation_pairs[:1], rotation_pairs[1:]
 
 
 def coordinates(joint: Joint, p: Array, R: Array) -> Array:
-    """Coordinates (f, m and rad) of a closed joint; angles within half a turn.
+    """Coordinates (f values, m and rad) of a closed joint, with angles between −π and π.
 
-    A spherical joint's are the rotation vector, a universal joint's the angles about its first
-    and then its second axis.
+    `p` (3, m) and `R` (3×3) are position and rotation of the second interface seen from the first.
+    The coordinates of a spherical joint are its rotation vector. Those of a universal joint are the
+    angles about its first and about its second axis.
     """
     translations, rotations = free_axes(joint)
     match joint.kind:
@@ -137,16 +142,19 @@ def coordinates(joint: Joint, p: Array, R: Array) -> Array:
 
 
 def whole_turn_flags(joint: Joint) -> Array:
-    """1.0 for each coordinate that counts whole turns, 0.0 for lengths and rotation vectors."""
+    """1.0 for each joint coordinate that is an angle about an axis and can exceed a turn, else 0.0.
+
+    Lengths and components of rotation vectors have 0.0.
+    """
     translations, rotations = free_axes(joint)
     flag = 0.0 if joint.kind == "spherical" else 1.0
     return np.repeat([0.0, flag], [len(translations), len(rotations)])
 
 
 def axes_of_drive(joint: Joint) -> tuple[Array, Array]:
-    """Unit vectors (3 each, one of them zero) along and about which the drive of a joint acts.
+    """Unit vectors (3 each) along which and about which the drive of a joint acts.
 
-    Raises InputError for a joint with more or less than one free twist.
+    One of them is zero. Raises InputError if the joint does not have exactly one free twist.
     """
     if FREEDOMS[joint.kind] != 1:
         raise InputError(f"joint {joint.name}: a {joint.kind} joint has no single motion to drive")
@@ -155,6 +163,6 @@ def axes_of_drive(joint: Joint) -> tuple[Array, Array]:
 
 
 def _angle(axis: Array, start: Array, end: Array) -> float:
-    """Angle (rad) about the unit vector `axis` that turns `start` into `end`."""
+    """Angle (rad) of the rotation about the unit vector `axis` from `start` to `end` (3 each)."""
     across = skew(axis) @ start
     return float(np.arctan2(across @ end, (start - (axis @ start) * axis) @ end))

@@ -8,11 +8,11 @@ import numpy as np
 from lumped.arrays import Array
 from lumped.errors import InputError
 
-# A new kind must be added to every `match` on this type; the type checker lists omissions.
+# A new kind must be added to every `match` on this type; the type checker finds omissions.
 JointKind: TypeAlias = Literal[
     "fixed", "revolute", "prismatic", "cylindrical", "universal", "spherical", "planar"
 ]
-# Number of axes of each kind.
+# Number of axes that define a joint of each kind.
 AXES: dict[JointKind, int] = {
     "fixed": 0,
     "revolute": 1,
@@ -22,7 +22,7 @@ AXES: dict[JointKind, int] = {
     "spherical": 0,
     "planar": 1,
 }
-# Units of the coordinates of a kind, one for each of its free twists.
+# Units of the coordinates of a joint of each kind, one for each free twist.
 COORDINATES: dict[JointKind, tuple[str, ...]] = {
     "fixed": (),
     "revolute": ("rad",),
@@ -35,9 +35,9 @@ COORDINATES: dict[JointKind, tuple[str, ...]] = {
 FREEDOMS = {kind: len(units) for kind, units in COORDINATES.items()}
 
 
-# Sine of the angle below which two directions count as equal: the resolution of six digits.
+# Sine of the angle below which two directions count as parallel: vectors are typed with six digits.
 SMALLEST_SINE = 1e-5
-# Tolerance on the length of a unit vector, for round-off.
+# Tolerance for round-off on the length 1 of a unit vector.
 _UNIT = 1e-9
 
 
@@ -51,12 +51,12 @@ class Side:
 
 @dataclass(frozen=True)
 class Drive:
-    """Actuator of a joint: `stiffness` on its free twist (N/m or N m/rad), None if rigid.
+    """Actuator of a joint with `stiffness` along its free twist (N/m or N m/rad). None if rigid.
 
-    `simplified` is the stiffness that the model of rigid bodies on elastic drives uses instead, if
-    it represents more than the drive; otherwise None. `loss` is the loss factor of either.
-    `inertia` (kg or kg m²) is that of the rotor times its ratio squared. It moves with the elastic
-    deflection of the drive.
+    `simplified` is the stiffness in the simplified model (rigid bodies on elastic drives) if it
+    represents more than the drive; otherwise None. `loss` is the loss factor of both stiffnesses.
+    `inertia` (kg or kg m²) is the inertia of the rotor times the ratio squared. It moves with the
+    elastic deflection of the drive.
     """
 
     stiffness: float | None = None
@@ -69,12 +69,13 @@ class Drive:
 class Joint:
     """A joint between two interfaces.
 
-    `axes` (n×3, unit vectors, base axes of the reference posture): one for revolute, prismatic,
-    cylindrical and planar (its normal) joints, two for a universal joint (the first fixed in the
-    first body, the second in the second), none for fixed and spherical ones. Interfaces may be
-    apart along the axis of a prismatic or cylindrical joint. `compliance` (6×6, SI, base axes of
-    the reference posture, fixed to the first body) is the joint's own compliance, in series, and
-    `loss` its loss factor. Raises InputError for axes that violate these conditions.
+    `axes` (n×3) are unit vectors in base axes of the reference posture: one for revolute,
+    prismatic, cylindrical and planar joints (the latter its normal), two for a universal joint (the
+    first fixed in the first body, the second in the second), none for fixed and spherical joints.
+    The interfaces may be apart along the axis of a prismatic or cylindrical joint. `compliance`
+    (6×6, SI, base axes of the reference posture, fixed to the first body) acts in series with the
+    free twists and has the loss factor `loss`. None if rigid. Raises InputError if the axes violate
+    these conditions.
     """
 
     name: str
@@ -91,7 +92,7 @@ class Joint:
             raise InputError(f"joint {self.name}: {fault}" for fault in faults)
 
     def _faults(self) -> list[str]:
-        """Faults that change the joint: axes of wrong number, not of unit length, or parallel."""
+        """Faults of the axes: wrong number, not of unit length, or parallel."""
         count = AXES[self.kind]
         if np.shape(self.axes) != (count, 3):
             shape = "×".join(map(str, np.shape(self.axes)))

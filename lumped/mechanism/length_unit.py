@@ -1,11 +1,11 @@
-"""Units of length in robot files and in messages. All other quantities are in SI units."""
+"""Units of length in robot files and messages. All other units are SI."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-# Unit of a coordinate of a pose, which the tool's moves make a length or an angle.
+# Unit of a coordinate of a pose: a length or an angle, depending on the moves of the tool.
 COORDINATES = "m or rad"
-# Power of the length in each unit of a rule.
+# Power of the length in each unit that occurs in the rules of robot files.
 POWERS: Mapping[str, int] = {
     COORDINATES: 1,
     **{unit: power for power, unit in enumerate(("m", "m²", "m³", "m⁴", "m⁵", "m⁶"), start=1)},
@@ -16,17 +16,17 @@ _DIGITS = 12
 
 @dataclass(frozen=True)
 class UnitOfLength:
-    """A unit of length: its `name` and the number of units `per_metre`."""
+    """A unit of length with its `name` and the number of such units `per_metre`."""
 
     name: str
     per_metre: float
 
     def of(self, metres: float) -> float:
-        """A length (m) converted to this unit, as its author typed it."""
+        """Length in this unit of a length in metres, rounded so that a typed value is recovered."""
         return float(f"{metres * self.per_metre:.{_DIGITS}g}")
 
     def shown(self, metres: float, digits: int = 6) -> str:
-        """Text of a length (m) in this unit."""
+        """Text of a length, given in metres, in this unit and with its name."""
         return f"{metres * self.per_metre:.{digits}g} {self.name}"
 
 

@@ -1,4 +1,4 @@
-"""Loads of a robot file: wrenches at points, loads on distributed mass, and harmonic forces."""
+"""Loads of a robot file: wrenches at points, gravity and inertia of all bodies, harmonic forces."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -10,11 +10,12 @@ from lumped.arrays import Array
 
 @dataclass(frozen=True, eq=False)
 class Load:
-    """A load with its `name`; base axes, SI.
+    """A static load of a robot file, in base axes and SI units.
 
-    `wrench` (6) acts at the interface `point` of `body`; `path_wrenches` (p×6), one for each pose
-    of the path, replace it. On distributed mass act `gravity` (3), and the inertia of all bodies
-    if the tool's point moves with `speed` (3, m/s) and `acceleration` (3, m/s²).
+    `wrench` (6) acts at the interface `point` of `body`. If `path_wrenches` (p×6, one for each pose
+    of the path) is not None, it replaces `wrench`. `gravity` (3, m/s²) acts on the mass of all
+    bodies. If the tool's point moves with `speed` (3, m/s) and `acceleration` (3, m/s²), so do
+    inertia forces.
     """
 
     name: str
@@ -28,18 +29,18 @@ class Load:
 
     @property
     def acts_on_mass(self) -> bool:
-        """True if gravity or inertia acts on the mass of the bodies."""
+        """True if the load includes gravity or inertia forces on the mass of the bodies."""
         return bool(self.gravity.any()) or self.moves_tool
 
     @property
     def moves_tool(self) -> bool:
-        """True if the load includes the inertia of a moving tool."""
+        """True if the load includes the inertia forces of a moving tool."""
         return bool(self.acceleration.any() or self.speed.any())
 
 
 @dataclass(frozen=True, eq=False)
 class AppliedWrench:
-    """A `wrench` (6, SI) at `position` (3, m), both in base axes, on an interface of a body."""
+    """A `wrench` (6, SI, base axes) at `position` (3, m, base axes) on an interface of a body."""
 
     body: str
     point: str
@@ -49,11 +50,11 @@ class AppliedWrench:
 
 @dataclass(frozen=True, eq=False)
 class Loading:
-    """Wrenches of a load in a posture.
+    """Wrenches of a load in one posture.
 
-    `point_wrenches` act at points, `body_wrenches` are the loads on distributed mass, reduced to
-    the interfaces of the bodies. `rotor_forces`: forces (N or N m) on the rotors of drives along
-    their joints' coordinates, by the joints' names.
+    `point_wrenches` act at points. `body_wrenches` are gravity and inertia forces, reduced to the
+    interfaces of the bodies. `rotor_forces` are forces (N) or moments (N m) on the rotors of drives
+    along the coordinates of their joints, by joint name.
     """
 
     point_wrenches: Sequence[AppliedWrench]
@@ -62,17 +63,17 @@ class Loading:
 
     @property
     def wrenches(self) -> list[AppliedWrench]:
-        """All wrenches on interfaces."""
+        """All wrenches on interfaces of bodies."""
         return [*self.point_wrenches, *self.body_wrenches]
 
 
 @dataclass(frozen=True, eq=False)
 class Excitation:
-    """A harmonic force at the loaded point with its `name`, for which the response is computed.
+    """A harmonic force at the loaded point, for which the response is computed.
 
-    It acts along `direction` (3, a unit vector, base axes) with `count` frequencies (Hz) from
-    `first` to `last`, in equal steps of their logarithm. Judged are the peak of the response and
-    its magnitude at the frequency `at` (Hz); None to judge the peak alone.
+    It acts along `direction` (3, a unit vector, base axes) at `count` frequencies (Hz) from `first`
+    to `last`, equally spaced on a logarithmic scale. The peak of the response is judged, and its
+    magnitude at the frequency `at` (Hz) unless that is None.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""A robot as data, from which each model is built."""
+"""The records of a robot, its tool and its postures, from which each model is built."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ from lumped.mechanism.load import Excitation, Load
 GROUND = "ground"
 # Coordinates of the loaded point that a pose may prescribe, in the order of a twist.
 MOVES = ("x", "y", "z", "phi_x", "phi_y", "phi_z")
-# Difference (m or rad) below which two poses are equal: the digits of a typed pose.
+# Difference (m or rad) below which two poses count as equal: the precision of a typed pose.
 _SAME_POSE = 1e-6
 UNITS_OF_MOVES = dict(zip(MOVES, ("m", "m", "m", "rad", "rad", "rad"), strict=True))
 # Moves that are lengths.
@@ -23,11 +23,11 @@ LENGTHS = MOVES[:3]
 
 @dataclass(frozen=True)
 class Tool:
-    """The loaded point: an interface of a body, its prescribed coordinates, and a mass (kg) there.
+    """The loaded point: an interface of a body, with its prescribed coordinates and a `mass` (kg).
 
-    `moves` are components of the point's pose in base axes: x, y, z (m) its coordinates, phi_x,
-    phi_y, phi_z (rad) the rotation vector from the reference posture. `constant_moves` are
-    components with the same value in all poses. Coordinates are measured from `datum` (m).
+    `moves` names the components of the tool's pose in base axes: x, y, z (m) are coordinates of the
+    point, measured from `datum` (m); phi_x, phi_y, phi_z (rad) are components of the rotation
+    vector from the reference posture. `constant_moves` are components with one value in all poses.
     """
 
     body: str
@@ -42,14 +42,14 @@ class Tool:
 class Mechanism:
     """Bodies, the joints between them, the tool, and the poses in which the robot is evaluated.
 
-    `reference` holds the frame of every body in base axes in the reference posture. Ground is the
-    body of that name; its frame is the base and its interfaces are the points of its joints.
-    `poses` (p×len(moves)) are in the order of the tool's `moves`. `loads` are those of the robot
-    file. `damping` is the damping ratio of every mode, in addition to the loss factors of bodies,
-    joints and drives. `excitations` are the requested harmonic responses. `grid` has the values
-    along each move if the poses form a grid. `inverse_kinematics` gives the frames of all bodies in
-    a pose in closed form. If it is None, loops are closed by iteration.
-    `lengths` is the unit of lengths in its file and in messages.
+    `reference` contains the frame of every body in base axes in the reference posture. The body
+    "ground" is the base: its frame is the base frame, its interfaces are the points of its joints.
+    `poses` (p × number of moves, m and rad) are in the order of the tool's `moves`. `loads` are the
+    static loads of the robot file, `excitations` its harmonic forces. `damping` is a damping ratio
+    of every mode in addition to the loss factors of bodies, joints and drives. If the poses form a
+    grid, `grid` contains the values along each move. `inverse_kinematics` computes the frames of
+    all bodies for a pose in closed form. If it is None, loops are closed by iteration. `lengths` is
+    the unit of length in the robot file and in messages.
     """
 
     name: str
@@ -76,14 +76,14 @@ class Mechanism:
         ]
 
     def in_metres(self, pose: Array) -> Array:
-        """Pose in m and rad from a `pose` in the file's unit of length."""
+        """Pose in m and rad from a `pose` whose lengths are in the unit of the robot file."""
         per_metre = self.lengths.per_metre
         divisors = [per_metre if move in LENGTHS else 1.0 for move in self.tool.moves]
         metres: Array = pose / np.array(divisors)
         return metres
 
     def pose_number(self, pose: Array) -> int | None:
-        """Number of a pose on the path from 0, the first of equal ones. None if it is not on it."""
+        """Index from 0 of the first pose of the path that equals `pose`. None if there is none."""
         near = np.abs(self.poses - pose).max(axis=1, initial=0.0) <= _SAME_POSE
         return int(np.argmax(near)) if near.any() else None
 
@@ -96,7 +96,7 @@ class Mechanism:
 
     @property
     def judged_responses(self) -> tuple[str, ...]:
-        """Names of the judged numbers of all responses, in the robot's order."""
+        """Names of the judged numbers of all harmonic responses, in the robot's order."""
         return tuple(name for excitation in self.excitations for name in excitation.judged)
 
     @property
@@ -106,7 +106,7 @@ class Mechanism:
 
     @property
     def size(self) -> float:
-        """Length (m) by which angles are weighted: half the largest extent of all interfaces."""
+        """Length (m) with which angles are weighted: half the largest extent of all interfaces."""
         positions = np.array(
             [
                 (self.reference[name] @ interface).position
@@ -119,10 +119,11 @@ class Mechanism:
 
 @dataclass(frozen=True, eq=False)
 class Posture:
-    """Positions of all bodies in one pose with closed loops.
+    """Positions of all bodies of a mechanism in one pose, with closed loops.
 
-    `pose` in the order of the tool's moves, `frames` of all bodies in base axes, `coordinates` of
-    every joint, one for each of its free twists (m, rad; zero in the reference posture).
+    `pose` is in the order of the tool's moves. `frames` contains the frame of each body in base
+    axes. `coordinates` contains the coordinates (m, rad) of each joint, one for each free twist.
+    They are zero in the reference posture.
     """
 
     mechanism: Mechanism

@@ -16,10 +16,10 @@ _PARALLEL = 1e-6
 
 
 def leg_frame(start: Array, end: Array, up: Array | None = None) -> Frame:
-    """Frame at `start` (3, m) with x towards `end` and z as close to `up` (3) as possible.
+    """Frame at `start` (3, m) with x towards `end` and z as near to `up` (3) as possible.
 
-    The default of `up` is the base's z axis, or its x axis for a leg along z. Raises InputError if
-    the two points coincide or `up` lies along the leg.
+    By default `up` is the z axis of the base, or its x axis for a leg along z. Raises InputError if
+    the two points coincide or `up` is parallel to the leg.
     """
     length = float(np.linalg.norm(end - start))
     if length == 0.0:
@@ -36,15 +36,15 @@ def leg_frame(start: Array, end: Array, up: Array | None = None) -> Frame:
 
 
 def default_up(x: Array) -> Array:
-    """Direction of `up` (unit vector) of a leg along the unit vector `x` that has none."""
+    """Unit vector to which the z axis of a leg along the unit vector `x` is turned by default."""
     up: Array = _Z if np.linalg.norm(np.cross(x, _Z)) > _PARALLEL else _X
     return up
 
 
 def axes_along(x: Sequence[float], y: Sequence[float]) -> Array:
-    """Axes (3×3, as columns) with the first along `x` and the second as close to `y` as possible.
+    """Axes (3×3, columns) whose first is along `x` and whose second is as near to `y` as possible.
 
-    `x` and `y` need not be unit vectors and must not be parallel.
+    `x` and `y` (3 each) need not be unit vectors and must not be parallel.
     """
     first = np.asarray(x) / np.linalg.norm(x)
     third = np.cross(first, y)
@@ -59,10 +59,10 @@ def place_leg(
     points: Mapping[str, Array],
     up: Array | None = None,
 ) -> tuple[Body, Frame]:
-    """A leg from one of the `points` (3, m, base axes) to another, and its frame.
+    """Body of a leg between two named `points` (3, m, base axes), and its frame in base axes.
 
-    Its length is the leg's own, which must equal the distance of the points within rounding. Raises
-    InputError under the conditions of `leg_frame`.
+    `ends` are the names of root and tip. The distance of the points must equal the length of the
+    leg within round-off. Raises InputError as `leg_frame` does.
     """
     first, second = ends
     tip = Frame(np.array([leg.length, 0.0, 0.0]))
@@ -77,10 +77,10 @@ def place_rigid_body(
     shape: Rigid | None = None,
     origin: Array | None = None,
 ) -> tuple[Body, Frame]:
-    """A rigid body with interfaces at some of the `points` (3, m, base axes), and its frame.
+    """Rigid body with interfaces at named `points` (3, m, base axes), and its frame in base axes.
 
-    The frame has base axes. Its default `origin` (3, m) is the first point. The default `shape` is
-    massless; its centre is given in the frame.
+    The axes of the body are parallel to the base axes. The origin is `origin` (3, m), by default
+    the first interface. `shape` is given in the frame of the body and is massless by default.
     """
     names = tuple(interfaces)
     frame_origin = points[names[0]] if origin is None else origin
