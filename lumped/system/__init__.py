@@ -1,4 +1,5 @@
 """Stiffness and mass of any mechanism in one posture, assembled from models of its bodies.
 
-In: a posture and a model of each deformable body. Out: compliance, modes and energies.
+Input: a posture and a model of each deformable body. Output: compliance of the tool, natural modes,
+responses to harmonic forces, buckling factors and strain energies.
 """

@@ -1,9 +1,9 @@
-"""Assembly of any mechanism from any models of its bodies: dense, sparse or reduced.
+"""Assembly of the stiffness and mass matrices of a mechanism from models of its bodies.
 
-Unknowns of a system: those of its nodes under the constraints of the joints
-(`lumped.system.motions`), then the internal unknowns of the bodies in body axes. The matrices of
-the internal unknowns are assembled once. For each posture the interfaces' rows and columns of every
-body are rotated, for many postures together.
+The models are dense, sparse or reduced. The first unknowns of a system are those of its nodes under
+the constraints of the joints (`lumped.system.motions`). The others are the internal unknowns of the
+bodies in body axes, whose matrices are assembled once. For each posture only the rows and columns
+of the interfaces are rotated, for many postures together.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -27,11 +27,12 @@ from lumped.system.motions import Frames, Motions, Structure, frames_of, motions
 
 @dataclass(frozen=True, eq=False)
 class System:
-    """Stiffness and mass (n×n, SI, dense or sparse) of a mechanism in one posture.
+    """Stiffness and mass matrices (n×n, SI, dense or sparse) of a mechanism in one posture.
 
-    The first unknowns are those of `motions`, the others those inside the bodies. `tool` (6×n)
-    gives the twist of the loaded point in base axes, `ends` the twists of a body's interfaces in
-    body axes from the first unknowns, `inside` the slice of the body's internal unknowns.
+    The first unknowns are the unknowns of the nodes (`motions`), the others are internal to the
+    bodies. `tool` (6×n) is the matrix from the unknowns to the twist of the loaded point in base
+    axes. By body, `ends` contains the matrix from the unknowns of the nodes to the twists of the
+    body's interfaces in body axes, and `inside` the slice of the body's internal unknowns.
     """
 
     name: str
@@ -46,23 +47,23 @@ class System:
 
     @property
     def size(self) -> int:
-        """Number of unknowns n."""
+        """Number n of unknowns."""
         return int(self.stiffness.shape[0])
 
     @property
     def outer(self) -> int:
-        """Number of unknowns of the nodes, which come first."""
+        """Number of unknowns of the nodes. They precede the internal unknowns of the bodies."""
         return int(self.motions.twists.shape[2])
 
     def body_unknowns(self, body: str, unknowns: Array) -> Array:
-        """Unknowns of the model of `body` (body axes) from those of the system (n or n×m)."""
+        """Unknowns of the model of `body` (body axes) for `unknowns` of the system (n or n×m)."""
         ends = self.ends[body] @ unknowns[: self.outer]
         return np.concatenate([ends, unknowns[self.inside[body]]])
 
     def wrenches(self, joint: Joint, unknowns: Array) -> Array:
-        """Wrenches (6×m) in an elastic joint, from unknowns of the system (n×m).
+        """Wrenches (6×m) transmitted by an elastic joint, for `unknowns` of the system (n×m).
 
-        At its first interface, in the axes of its compliance.
+        They are taken at the first interface of the joint, in the axes of the joint's compliance.
         """
         frames = frames_of([self.posture])
         position = frames.interface(joint.first.body, joint.first.point)[0]
@@ -77,10 +78,10 @@ class System:
 
 @dataclass(frozen=True, eq=False)
 class NodeMatrices:
-    """Matrices on the nodes' n unknowns in P postures: all that depends on the posture.
+    """Matrices on the n unknowns of the nodes in P postures: all that depends on the posture.
 
-    `stiffness`, `mass` (P×n×n) of the nodes alone, `ends` (P×6m×n) and `tool` (P×6×n) as in
-    `System`.
+    `stiffness` and `mass` are P×n×n. `ends` (P×6m×n, by body) and `tool` (P×6×n) are those of
+    `System` without the internal unknowns of bodies.
     """
 
     motions: Motions
@@ -92,10 +93,10 @@ class NodeMatrices:
 
 @dataclass(frozen=True, eq=False)
 class Assembly:
-    """A mechanism with models of its bodies, for assembly in any posture.
+    """A mechanism with models of its bodies, from which its system in any posture is assembled.
 
-    Bodies without a model are rigid. They have the mass of a `Rigid` shape, and no mass if their
-    shape is another one.
+    Bodies without a model are rigid. They are massless unless their shape is `Rigid`, which has a
+    mass.
     """
 
     mechanism: Mechanism
@@ -108,7 +109,7 @@ class Assembly:
 
     @cached_property
     def _inner(self) -> tuple[Array | SparseMatrix, Array | SparseMatrix]:
-        """Stiffness and mass of the internal unknowns, body by body."""
+        """Block-diagonal stiffness and mass matrices of the internal unknowns of all bodies."""
         blocks = [
             [_split(model, matrix)[2] for model in self.models.values()]
             for matrix in ("stiffness", "mass")
@@ -121,14 +122,17 @@ class Assembly:
 
     @cached_property
     def _split_models(self) -> Mapping[str, tuple[tuple[Array, Array | SparseMatrix], ...]]:
-        """Blocks of stiffness and mass by body: interfaces, and their coupling to the inside."""
+        """Blocks of stiffness and of mass, by body: interfaces, and coupling to the inside."""
         return {
             name: (_split(model, "stiffness")[:2], _split(model, "mass")[:2])
             for name, model in self.models.items()
         }
 
     def node_matrices(self, postures: Sequence[Posture]) -> NodeMatrices:
-        """Matrices of P postures. Raises UnevenError if their numbers of unknowns differ."""
+        """Matrices on the unknowns of the nodes in P postures.
+
+        Raises UnevenError if the postures differ in the number of unknowns.
+        """
         frames = frames_of(postures)
         node_motions = motions(self.structure, frames)
         ends = {name: _ends(node_motions, frames, name) for name in self.models}
@@ -139,12 +143,12 @@ class Assembly:
         return NodeMatrices(node_motions, stiffness, mass, ends, tool_twists)
 
     def at(self, posture: Posture) -> System:
-        """System in one posture."""
+        """System of the mechanism in one posture."""
         (system,) = self.along([posture])
         return system
 
     def along(self, postures: Sequence[Posture]) -> Iterator[System]:
-        """Yield the system in each posture."""
+        """Yield the system of the mechanism in each posture."""
         try:
             nodes = self.node_matrices(postures)
         except UnevenError:
@@ -178,7 +182,10 @@ class Assembly:
     def _stiffness_and_mass(
         self, node_motions: Motions, frames: Frames, ends: Mapping[str, Array], tool: Array
     ) -> tuple[Array, Array]:
-        """Stiffness and mass (P×n×n) on the nodes' unknowns alone; `tool` as in `System`."""
+        """Stiffness and mass matrices (P×n×n) on the unknowns of the nodes.
+
+        `tool` is that of `System`.
+        """
         shape = (len(tool), tool.shape[2], tool.shape[2])
         stiffness, mass = np.zeros(shape), np.zeros(shape)
         for name, ((body_stiffness, _), (body_mass, _)) in self._split_models.items():
@@ -205,7 +212,10 @@ class Assembly:
         return stiffness, mass
 
     def _bordered(self, outer: Array, kind: int, ends: Mapping[str, Array]) -> Array | SparseMatrix:
-        """Matrix of the nodes bordered by coupling and inner blocks, `kind` 0 stiffness, 1 mass."""
+        """Full matrix of a system: the block `outer` of the nodes, coupling and internal blocks.
+
+        `kind` is 0 for the stiffness, 1 for the mass.
+        """
         couplings = [(ends[name].T, blocks[kind][1]) for name, blocks in self._split_models.items()]
         inner = self._inner[kind]
         if not self._sparse:
@@ -216,12 +226,12 @@ class Assembly:
 
 
 def assembly(mechanism: Mechanism, models: Mapping[str, BodyModel]) -> Assembly:
-    """Assembly of a mechanism; `models` by name of the body."""
+    """Assembly of a mechanism with `models` of its deformable bodies, by body name."""
     return Assembly(mechanism, models, structure_of(mechanism, frozenset(models)))
 
 
 def assemble(posture: Posture, models: Mapping[str, BodyModel]) -> System:
-    """System of a mechanism in one posture; `models` by name of the body, the others are rigid."""
+    """System of a mechanism in one posture. Bodies without an entry in `models` are rigid."""
     return assembly(posture.mechanism, models).at(posture)
 
 
@@ -231,9 +241,9 @@ def _name(posture: Posture) -> str:
 
 
 def _add(total: Array, rows: Array, matrix: Array | None) -> None:
-    """Add the symmetric RᵀMR (M the identity if None) to `total` (P×n×n) for rows R (P×k×n).
+    """Add RᵀMR to `total` (P×n×n), with the `rows` R (P×k×n) and a symmetric M.
 
-    Most bodies depend on few unknowns, so columns of zeros are omitted.
+    None is the identity. Most bodies depend on few unknowns, so that zero columns of R are omitted.
     """
     used = np.flatnonzero(np.any(rows, axis=(0, 1)))
     used_rows = rows[..., used]
@@ -242,7 +252,7 @@ def _add(total: Array, rows: Array, matrix: Array | None) -> None:
 
 
 def _split(model: BodyModel, matrix: str) -> tuple[Array, Array | SparseMatrix, SparseMatrix]:
-    """Blocks of the stiffness or mass: interfaces, their coupling to the inside, the inside."""
+    """Blocks of the stiffness or mass matrix of a body: interfaces, coupling, inside."""
     full = getattr(model, matrix)
     count = 6 * len(model.interfaces)
     if not issparse(full):
@@ -252,7 +262,10 @@ def _split(model: BodyModel, matrix: str) -> tuple[Array, Array | SparseMatrix, 
 
 
 def _ends(node_motions: Motions, frames: Frames, body: str) -> Array:
-    """Twists (P×6m×n) of the interfaces of a deformable body, in body axes."""
+    """Matrix (P×6m×n) from the unknowns of the nodes to the twists of the m interfaces of a body.
+
+    The twists are in body axes, in P postures.
+    """
     interfaces = frames.mechanism.bodies[body].interfaces
     first = node_motions.structure.node(body, next(iter(interfaces)))
     twists = node_motions.twists[:, first : first + len(interfaces)]
@@ -263,7 +276,7 @@ def _ends(node_motions: Motions, frames: Frames, body: str) -> Array:
 
 
 def rigid_mass(shape: Rigid) -> Array:
-    """6×6 mass at the origin of the body's axes."""
+    """6×6 mass matrix (SI, body axes) of a rigid body at the origin of its axes."""
     to_centre = shift(shape.centre)
     at_centre = np.zeros((6, 6))
     at_centre[:3, :3] = shape.mass * np.eye(3)

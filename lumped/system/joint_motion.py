@@ -1,9 +1,9 @@
 """Relative motion of the two sides of a joint: free twists, and springs in series with them.
 
-The wrench λ in a joint does no work on its passive free twists F, Fᵀλ = 0, and the relative twist
-of the sides is δ = F η + C λ. A drive is a spring on its free twist f: it adds f fᵀ/k to the
-joint's own compliance C. So δ lies in the span of F and of C λ, and static condensation of η is
-exact.
+The wrench λ in a joint does no work on the passive free twists F of the joint: Fᵀλ = 0. The
+relative twist of the sides is δ = F η + C λ with the compliance C. A drive is a spring of stiffness
+k on its free twist f, which adds f fᵀ/k to C. So δ lies in the span of F and of C λ, and the static
+condensation of η is exact.
 """
 
 from collections.abc import Mapping
@@ -17,16 +17,16 @@ from lumped.mechanism.free_twists import joint_twists
 from lumped.mechanism.joint import Joint
 from lumped.screws import turn, turn_matrix
 
-# Dimensionless compliance below which a direction of a joint is rigid; rounding leaves 1e-16.
+# Dimensionless compliance below which a joint is rigid in a direction. Round-off is about 1e-16.
 _RIGID = 1e-14
 
 
 @dataclass(frozen=True)
 class Portion:
-    """Carrier of a share of strain energy: the body or joint `of`, and its kind of deformation.
+    """A part of a mechanism that stores strain energy: body or joint, and kind of deformation.
 
-    `kind` of a body is "tension", "bending z", … or "" if its model does not split the energy;
-    of a joint "drive" or "compliance".
+    `of` is the name of the body or joint. `kind` is "tension", "bending z", … for a body ("" if its
+    model does not split the energy), and "drive" or "compliance" for a joint.
     """
 
     of: str
@@ -42,12 +42,12 @@ class UnevenError(ValueError):
 
 @dataclass(frozen=True, eq=False)
 class JointMotion:
-    """Relative twists of the second side at the first's interface, base axes: δ = `basis` w.
+    """Possible relative twists δ = B w of the second side of a joint, with coefficients w.
 
-    `basis` is …×6×r, of one posture or of many. A unit of w moves about as far as the mechanism is
-    long. `springs` gives, for every elastic part of the joint, the matrix D (…×k×r) of its energy
-    ½|D w|² (J). Only the last `elastic` components of w strain the springs; the others have no
-    energy.
+    `basis` is B (…×6×r, base axes, at the first interface) in one posture or in many. A unit of w
+    moves the joint about as far as the mechanism is long. `springs` contains, for each elastic part
+    of the joint, the matrix D (…×k×r) of its strain energy ½|D w|² (J). Only the last `elastic`
+    components of w strain the springs.
     """
 
     basis: Array
@@ -55,16 +55,16 @@ class JointMotion:
     elastic: int
 
     def rotated(self, rotation: Array) -> "JointMotion":
-        """Motion of the joint after a common `rotation` (…×3×3) of both sides."""
+        """Joint motion after a common `rotation` (…×3×3) of both sides."""
         return replace(self, basis=turn(rotation) @ self.basis)
 
 
 def joint_motion(joint: Joint, first: Array, second: Array, length: float) -> JointMotion:
-    """Motion of `joint` after rotations `first` and `second` (…×3×3) of its bodies.
+    """Motion of `joint` after the rotations `first` and `second` (…×3×3) of its bodies.
 
-    `length` (m) makes translations and rotations comparable. A drive acts on the first free twist.
-    A drive without stiffness locks it. Raises UnevenError if the number of elastic directions
-    depends on the posture.
+    The rotations are counted from the reference posture. `length` (m) makes translations and
+    rotations comparable. A drive acts on the first free twist; a drive without stiffness locks it.
+    Raises UnevenError if the number of elastic directions depends on the posture.
     """
     unit = np.array([1.0 / length] * 3 + [1.0] * 3)[:, None]
     free = unit * joint_twists(joint, first, second)
@@ -84,7 +84,7 @@ def joint_motion(joint: Joint, first: Array, second: Array, length: float) -> Jo
     wrenches, deflections = _condensed(passive, np.concatenate(list(roots.values()), axis=-1))
     all_wrenches = np.concatenate([np.zeros_like(independent), wrenches], axis=-1)
     count = all_wrenches.shape[-1]
-    # Normalised to unit energy, like the twists of the other springs.
+    # The deflection of the rotor is scaled to unit energy, like those of the other springs.
     springs = {
         part: np.broadcast_to(
             np.eye(count)[passive.shape[-1]], (*all_wrenches.shape[:-2], 1, count)
@@ -100,10 +100,10 @@ def joint_motion(joint: Joint, first: Array, second: Array, length: float) -> Jo
 
 
 def rotor_moves_alone(joint: Joint) -> bool:
-    """True if a drive's rotor has inertia and springs on both sides.
+    """True if the rotor of a drive has inertia and springs on both sides.
 
-    The sides of the joint do not determine its motion then. It is a further unknown of the joint,
-    in addition to those of the joint's compliance.
+    The motion of the rotor is then not determined by the sides of the joint, but an unknown of its
+    own.
     """
     drive = joint.drive
     sprung = drive is not None and drive.stiffness is not None and bool(drive.inertia)
@@ -113,8 +113,9 @@ def rotor_moves_alone(joint: Joint) -> bool:
 def elastic_wrenches(joint: Joint, first: Array, second: Array, relative: Array) -> Array:
     """Wrenches (6×m) in an elastic joint from `relative` twists of its sides (6×m, base axes).
 
-    In the axes of the joint's compliance, at the first interface; `first` and `second` (3×3) as in
-    `joint_motion`. The wrenches λ do no work on the passive free twists F; `relative` is F η + C λ.
+    The wrenches are at the first interface, in the axes of the joint's compliance. `first` and
+    `second` (3×3) are the rotations of its bodies from the reference posture. The wrenches λ do no
+    work on the passive free twists F, and `relative` = F η + C λ.
     """
     free = joint_twists(joint, first, second)
     compliance = turn_matrix(np.asarray(joint.compliance), first)
@@ -129,9 +130,9 @@ def elastic_wrenches(joint: Joint, first: Array, second: Array, relative: Array)
 
 
 def _condensed(passive: Array, root: Array) -> tuple[Array, Array]:
-    """Wrenches (…×6×r) of unit energy that do no work on `passive`, and the twists that they cause.
+    """Wrenches (…×6×r) that do no work on `passive` twists, and the twists that they cause.
 
-    `root` G (…×6×g) is a root of the compliance G Gᵀ.
+    The wrenches have unit energy. `root` is a matrix G (…×6×g) with G Gᵀ equal to the compliance.
     """
     across = np.linalg.qr(passive, mode="complete")[0][..., passive.shape[-1] :]
     root_across = np.swapaxes(root, -1, -2) @ across
@@ -146,7 +147,7 @@ def _condensed(passive: Array, root: Array) -> tuple[Array, Array]:
 
 
 def same_rank(above: Array) -> int:
-    """Number of true values in each row of `above` (…×n). Raises UnevenError if rows differ."""
+    """Number of true values in each row of `above` (…×n). Raises UnevenError if the rows differ."""
     ranks = np.unique(np.sum(above, axis=-1))
     if len(ranks) != 1:
         raise UnevenError
@@ -154,7 +155,7 @@ def same_rank(above: Array) -> int:
 
 
 def _sized(basis: Array, springs: dict[Portion, Array], elastic: int, unit: Array) -> JointMotion:
-    """Joint motion in SI units from a dimensionless basis."""
+    """Joint motion in SI units from a dimensionless basis, scaled by the factors `unit` (6×1)."""
     size = 1.0 / np.linalg.norm(basis, axis=-2, keepdims=True)
     return JointMotion(
         basis * size / unit, {part: rows * size for part, rows in springs.items()}, elastic
@@ -162,14 +163,14 @@ def _sized(basis: Array, springs: dict[Portion, Array], elastic: int, unit: Arra
 
 
 def _root(compliance: Array) -> Array:
-    """G (…×6×6) with G Gᵀ = `compliance`, which may be singular."""
+    """Matrix G (…×6×6) with G Gᵀ = `compliance`, which may be singular."""
     values, vectors = np.linalg.eigh(0.5 * (compliance + np.swapaxes(compliance, -1, -2)))
     root: Array = vectors * np.sqrt(np.maximum(values, 0.0))[..., None, :]
     return root
 
 
 def printed_release(stiffness: Array) -> Array:
-    """Released stiffness K_R = I₅ K_S I₅ of eq. (25): row and column of φz zeroed (6×6)."""
+    """Stiffness (6×6) with zero row and column φz: the release K_R = I₅ K_S I₅ of eq. (25)."""
     mask = np.array([1.0, 1.0, 1.0, 1.0, 1.0, 0.0])
     released: Array = stiffness * mask[:, None] * mask
     return released

@@ -1,12 +1,14 @@
-"""Loads on a mechanism: wrenches at the interfaces of its bodies, and displacements of the tool.
+"""Loads on a mechanism: wrenches at the interfaces of bodies, and displacements of the tool.
 
-A load on a body's mass acts on its interfaces as M a: M is the mass matrix on their twists (the
-inside condensed, Guyan 1965), a their accelerations. Since condensation reproduces rigid motions,
-this is the consistent load of gravity and of a rigid motion of the body. The tool's displacement
-under it is exact (Maxwell and Betti: the tool's own unit loads leave the inside of all bodies
-unloaded). The centripetal acceleration of a turning body is no rigid motion: the resultant wrench
-follows from Newton and Euler, distributed in proportion to the interfaces' own accelerations. This
-is exact along a slender leg.
+Gravity and inertia forces on a body are represented by forces M a on its interfaces: M is the mass
+matrix condensed to the interfaces (Guyan 1965), a contains the accelerations of the interfaces.
+Condensation reproduces rigid motions, so that these forces are consistent for gravity and for any
+acceleration that is the same as that of a rigid displacement. The displacement of the tool under
+them is exact, because unit loads at the tool do not load the inside of bodies (Maxwell–Betti).
+
+The centripetal acceleration of a turning body is not the acceleration of a rigid displacement. Its
+resultant wrench follows from Newton and Euler and is distributed in proportion to the accelerations
+of the interfaces, which is exact along a slender leg.
 """
 
 from collections.abc import Mapping, Sequence
@@ -29,11 +31,11 @@ from lumped.system.solution import Solved, with_idle
 
 
 def loading(posture: Posture, load: Load, masses: Mapping[str, Array]) -> Loading:
-    """Wrenches of a load in a posture.
+    """Wrenches of a load in one posture.
 
-    `masses`: mass matrices (6m×6m, SI, body axes) of the bodies on the twists of their interfaces.
-    Rigid bodies do not need one. Raises ComputationError if the tool cannot perform the motion of
-    the load, or if the load has no wrench for this pose.
+    `masses` contains the mass matrices (6m×6m, SI, body axes) of deformable bodies on the twists of
+    their m interfaces. Raises ComputationError if the tool cannot perform the motion of the load,
+    or if the load has no wrench for this pose.
     """
     mechanism = posture.mechanism
     load_position = interface_position(posture, Side(load.body, load.point))
@@ -82,7 +84,7 @@ def loading(posture: Posture, load: Load, masses: Mapping[str, Array]) -> Loadin
 
 
 def _acceleration(posture: Posture, joint: Joint, motions: Mapping[str, Motion]) -> float:
-    """Acceleration of the coordinate (m/s² or rad/s²) of a joint with one free twist."""
+    """Acceleration (m/s² or rad/s²) of the coordinate of a joint with one free twist."""
     along, about = np.split(free_twists(posture, joint)[:, 0], 2)
     first, second = (motions[side.body] for side in (joint.first, joint.second))
     if about.any():
@@ -95,7 +97,7 @@ def _acceleration(posture: Posture, joint: Joint, motions: Mapping[str, Motion])
             (first, second), positions, (joint.first, joint.second), strict=True
         )
     ]
-    # The axis turns with the first body, at some distance along it from the second.
+    # The axis turns with the first body, at some distance along the axis from the second body.
     axis_rate = np.cross(first.angular_velocity, along)
     return float(
         along @ (interface_accelerations[1] - interface_accelerations[0])
@@ -104,7 +106,10 @@ def _acceleration(posture: Posture, joint: Joint, motions: Mapping[str, Motion])
 
 
 def _wrench(posture: Posture, load: Load) -> Array:
-    """Wrench (6) of a load in a posture. Raises ComputationError if it has none for this pose."""
+    """Wrench (6, SI, base axes) of a load in one posture.
+
+    Raises ComputationError if the load has no wrench for this pose.
+    """
     if load.path_wrenches is None:
         return load.wrench
     mechanism = posture.mechanism
@@ -116,7 +121,10 @@ def _wrench(posture: Posture, load: Load) -> Array:
 
 
 def _in_axes(rotation: Array, motion: Motion, gravity: Array) -> Motion:
-    """The motion in body axes, with gravity as an acceleration of the opposite sign."""
+    """Motion in body axes, from which the acceleration of gravity is subtracted.
+
+    `rotation` (3×3) has the body axes as columns.
+    """
     return Motion(
         rotation.T @ (motion.linear_acceleration - gravity),
         rotation.T @ motion.angular_acceleration,
@@ -125,13 +133,17 @@ def _in_axes(rotation: Array, motion: Motion, gravity: Array) -> Motion:
 
 
 def _inertia(mass: Array, points: Array, motion: Motion) -> Array:
-    """Inertia loads (6m) of a body on its interfaces at `points` (m×3), body axes."""
+    """Inertia forces (6m, body axes) of a body on its interfaces at `points` (m×3, m).
+
+    `mass` (6m×6m) is its mass matrix on the twists of the interfaces.
+    """
     rigid = np.vstack([shift(point) for point in points])
     twist = np.concatenate([motion.linear_acceleration, motion.angular_acceleration])
     loads = -mass @ (rigid @ twist)
     if not motion.angular_velocity.any():
         return np.asarray(loads)
-    # Across a leg, centripetal accelerations vary like those of a rigid rotation, with its slope.
+    # Across a leg, centripetal accelerations vary linearly, like those of an angular acceleration
+    # (`slope`), which is fitted by least squares.
     centripetal = skew(motion.angular_velocity) @ skew(motion.angular_velocity)
     arms = -skew(points).reshape(-1, 3)
     slope = np.linalg.lstsq(arms, (points @ centripetal).ravel(), rcond=None)[0]
@@ -145,7 +157,7 @@ def _inertia(mass: Array, points: Array, motion: Motion) -> Array:
 
 
 def work_on(system: System, load: Loading) -> Array:
-    """Generalised forces (n): work of a load on a unit of each unknown of a system."""
+    """Generalised forces (n) of a load: its work on a unit of each unknown of the system."""
     work = np.zeros(system.size)
     outer = work[: system.outer]
     for applied in load.wrenches:
@@ -154,18 +166,18 @@ def work_on(system: System, load: Loading) -> Array:
     for joint in system.motions.structure.mechanism.joints:
         force = load.rotor_forces.get(joint.name, 0.0)
         if force and joint.drive is not None and joint.drive.stiffness is not None:
-            # The energy of the drive is ½|D y|², so its deflection is D y/√k.
+            # The drive has the energy ½|D y|² and hence the deflection D y/√k.
             (rows,) = system.motions.springs[Portion(joint.name, "drive")]
             outer += force / np.sqrt(joint.drive.stiffness) * rows
     return work
 
 
 def tool_displacements(solution: Solved, loads: Sequence[Loading]) -> Array:
-    """Displacements (l×6, m and rad, base axes) of the loaded point under each of the loads.
+    """Displacements (l×6, m and rad, base axes) of the loaded point under each of l loads.
 
-    If a load drives an idle motion, that motion follows freely.
+    If a load acts on an idle motion, that motion follows freely.
     """
     system = solution.system
-    # A rigid mechanism has no unknowns: the number of rows does not follow from the entries.
+    # The shape is given because a rigid mechanism has no unknowns and hence empty rows.
     work = np.reshape([work_on(system, load) for load in loads], (len(loads), system.size))
     return np.asarray(work @ with_idle(solution, solution.displacements(system.tool.T)))

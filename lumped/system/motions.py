@@ -1,15 +1,17 @@
-"""Motions that the joints allow to the nodes of a mechanism, exactly and without penalties.
+"""Motions of the nodes of a mechanism that satisfy the constraints of its joints exactly.
 
-A node is a rigid body or one interface of a deformable one. Joints are eliminated one by one, from
-nodes with unknowns to those without: the node behind a joint has the motion of the node before it
-plus the motion of the joint, except that its motion along free directions is its own. A joint
-between two nodes with unknowns closes a loop of rigid bodies; its constraints are eliminated by
-their null space. If the bodies between the joints are deformable, such loops do not occur, whatever
-the topology of the mechanism.
+A node is a rigid body, or one interface of a deformable body. No penalties are used: the unknowns
+that a joint constrains are eliminated, joint by joint, starting from nodes whose motion is already
+expressed by unknowns. The node on the other side of a joint has the motion of the first node plus
+the relative motion of the joint. Along passive free twists it has its own unknowns instead.
 
-All postures are evaluated together along the first axis of every array. The motion of a joint
-rotates with its bodies and is computed once, except for universal joints, for which it depends on
-their angle.
+A joint between two nodes whose motions are already expressed closes a loop of rigid bodies. Its
+constraints are eliminated by their null space. Such loops do not occur if the bodies between the
+joints are deformable.
+
+All postures are evaluated together along the first axis of every array. The relative motion of a
+joint rotates with its bodies and is computed once, except for universal joints, in which it depends
+on the angle.
 """
 
 from collections.abc import Collection, Mapping, Sequence
@@ -30,23 +32,23 @@ from lumped.system.joint_motion import (
     same_rank,
 )
 
-# Relative singular value below which loop constraints are dependent. Loops are closed to 1e-12 of
-# the mechanism's size, by which dependent constraints differ; independent ones differ by the sine
-# of an angle that is visible in a design.
+# Relative singular value below which loop constraints count as dependent. Dependent constraints
+# differ by the accuracy of loop closure, 1e-12 of the mechanism's size. Independent constraints
+# differ by the sine of an angle that is visible in a drawing.
 _DEPENDENT = 1e-9
-# Node number of the ground.
+# Index of the ground in place of a node.
 _FIXED = -1
 
 
 @dataclass(frozen=True, eq=False)
 class Structure:
-    """Topology of the nodes and order of elimination, independent of the posture.
+    """Nodes of a mechanism and the order in which its joints are eliminated, for all postures.
 
-    `nodes` are (body, interface), with interface "" for a rigid body. `tree` lists the joints (by
-    number) in the order of elimination, each with the number of the node whose motion it defines,
-    or None and a node that moves freely. `closing` are the joints that close loops of rigid bodies.
-    `reference_motions` are the motions of all joints in the reference posture, base axes. `length`
-    (m) is the size of the mechanism.
+    `nodes` are pairs (body, interface), with "" for the interface of a rigid body. `tree` contains,
+    in the order of elimination, pairs of the index of a joint and the index of the node whose
+    motion the joint determines. The first entry is None for a node that moves freely. `closing` are
+    the indices of joints that close loops of rigid bodies. `reference_motions` are the motions of
+    all joints in the reference posture, base axes. `length` (m) is the size of the mechanism.
     """
 
     mechanism: Mechanism
@@ -57,7 +59,7 @@ class Structure:
     length: float
 
     def node(self, body: str, point: str) -> int:
-        """Number of the node of an interface; −1 for the ground."""
+        """Index of the node to which an interface of `body` belongs. −1 for the ground."""
         if body == GROUND:
             return _FIXED
         rigid = (body, "")
@@ -66,12 +68,13 @@ class Structure:
 
 @dataclass(frozen=True, eq=False)
 class Motions:
-    """Motions of the nodes: twists of all nodes = `twists` y, n unknowns y.
+    """Twists of the nodes, as linear functions of n unknowns y.
 
-    `twists` is …×N×6×n, base axes, at `places` (…×N×3, m), of one posture or of many. A unit of y
-    moves about as far as the mechanism is long. `springs`: D (…×k×n) of every elastic part of a
-    joint with energy ½|D y|² (J). `locks` (…×l×n): dimensionless deflections of all springs, whose
-    zeros are the motions with locked springs.
+    The twists of the N nodes are `twists` y (…×N×6×n, base axes) at `places` (…×N×3, m), in one
+    posture or in many. A unit of y moves the mechanism about as far as it is long. `springs`
+    contains, for each elastic part of a joint, the matrix D (…×k×n) of its strain energy ½|D y|²
+    (J). `locks` y (…×l×n) are dimensionless deflections of all springs: the motions for which they
+    are zero are those with locked springs.
     """
 
     structure: Structure
@@ -81,7 +84,10 @@ class Motions:
     locks: Array
 
     def at(self, body: str, point: str, position: Array) -> Array:
-        """Twist (…×6×n) at `position` (…×3, m, base axes) of the node of an interface."""
+        """Matrix (…×6×n) from the unknowns to the twist of an interface's node at `position`.
+
+        `position` (…×3, m) and the twist are in base axes.
+        """
         node = self.structure.node(body, point)
         if node == _FIXED:
             return np.zeros_like(self.twists[..., 0, :, :])
@@ -89,7 +95,7 @@ class Motions:
         return twists
 
     def of_posture(self, number: int) -> "Motions":
-        """Motions of one posture of many."""
+        """Motions in the posture with index `number`, from those in many postures."""
         return replace(
             self,
             twists=self.twists[number],
@@ -108,17 +114,17 @@ class Frames:
     rotations: Mapping[str, Array]
 
     def interface(self, body: str, point: str) -> Array:
-        """Positions (P×3, m, base axes) of an interface."""
+        """Positions (P×3, m, base axes) of an interface of a body."""
         position_in_body = self.mechanism.bodies[body].interfaces[point].position
         return np.asarray(self.positions[body] + self.rotations[body] @ position_in_body)
 
     def since_reference(self, body: str) -> Array:
-        """Rotations (P×3×3) of a body from the reference posture, base axes."""
+        """Rotations (P×3×3, base axes) of a body from the reference posture."""
         return np.asarray(self.rotations[body] @ self.mechanism.reference[body].rotation.T)
 
 
 def frames_of(postures: Sequence[Posture]) -> Frames:
-    """Frames of postures of one mechanism, by body."""
+    """Frames of all bodies in several postures of one mechanism."""
     mechanism = postures[0].mechanism
     frames = {name: [posture.frames[name] for posture in postures] for name in mechanism.bodies}
     return Frames(
@@ -129,7 +135,10 @@ def frames_of(postures: Sequence[Posture]) -> Frames:
 
 
 def structure_of(mechanism: Mechanism, deformable: Collection[str]) -> Structure:
-    """Order of elimination for a mechanism whose bodies are rigid except for `deformable`."""
+    """Nodes and order of elimination for a mechanism with the given `deformable` bodies.
+
+    All other bodies are rigid.
+    """
     nodes = [
         (name, point)
         for name, body in mechanism.bodies.items()
@@ -147,7 +156,7 @@ def structure_of(mechanism: Mechanism, deformable: Collection[str]) -> Structure
     tree: list[tuple[int | None, int]] = []
     moving = {_FIXED}
     remaining = list(range(len(sides)))
-    # Nodes not connected to the ground start at rigid bodies, in which many joints meet.
+    # A group of nodes without connection to the ground starts at a rigid body, where joints meet.
     starts = sorted(range(len(nodes)), key=lambda i: nodes[i][1] != "")
     while True:
         joint = next((j for j in remaining if len(moving & set(sides[j])) == 1), None)
@@ -161,7 +170,7 @@ def structure_of(mechanism: Mechanism, deformable: Collection[str]) -> Structure
         else:
             break
         moving.add(node)
-    # A joint from a node to itself closes a loop: its sides have equal motions.
+    # A joint from a node to itself closes a loop, because both sides have the same motion.
     size = mechanism.size
     reference_motions = tuple(
         joint_motion(joint, np.eye(3), np.eye(3), size) for joint in mechanism.joints
@@ -172,9 +181,9 @@ def structure_of(mechanism: Mechanism, deformable: Collection[str]) -> Structure
 
 
 def motions(structure: Structure, frames: Frames) -> Motions:
-    """Motions that all joints allow in P postures.
+    """Motions of the nodes in P postures that satisfy the constraints of all joints.
 
-    Raises UnevenError if their numbers differ between postures.
+    Raises UnevenError if the number of unknowns depends on the posture.
     """
     joints = structure.mechanism.joints
     joint_motions = [_joint_motion(structure, frames, j) for j in range(len(joints))]
@@ -199,14 +208,14 @@ def motions(structure: Structure, frames: Frames) -> Motions:
         driving_side = joint.first if forward else joint.second
         driving_node = structure.node(driving_side.body, driving_side.point)
         if driving_node != _FIXED:
-            # It moves with the unknowns assigned so far.
+            # The node moves with the unknowns assigned so far.
             arm = shift(places[:, node] - places[:, driving_node])
             twists[:, node, :, :assigned] = arm @ twists[:, driving_node, :, :assigned]
         arm = shift(places[:, node] - frames.interface(joint.first.body, joint.first.point))
         relative = arm @ (motion.basis if forward else -motion.basis)
         twists[:, node, :, columns] = relative
-        # Along passive directions the node has its own unknowns. A sum with the other node's motion
-        # would lose soft directions next to stiff ones in the difference.
+        # Along passive free twists the node has its own unknowns. If the motion of the other node
+        # were added, small differences of large motions would lose the soft directions.
         passive = relative[..., : relative.shape[-1] - motion.elastic]
         twists[:, node, :, :assigned] -= _projector(passive, unit) @ twists[:, node, :, :assigned]
         assigned = columns.stop
@@ -221,12 +230,15 @@ def motions(structure: Structure, frames: Frames) -> Motions:
 
 
 def _projector(free: Array, unit: Array) -> Array:
-    """Projector (…×6×6) of twists on the `free` ones (…×6×k), dimensionless by `unit` (6)."""
+    """Matrix (…×6×6) that projects twists on the `free` ones (…×6×k), least squares.
+
+    The components are made dimensionless by the factors `unit` (6).
+    """
     return np.asarray(free @ np.linalg.pinv(unit[:, None] * free) * unit)
 
 
 def _joint_motion(structure: Structure, frames: Frames, number: int) -> JointMotion:
-    """Motion of a joint in P postures, base axes."""
+    """Relative motion (base axes) of the joint with index `number` in P postures."""
     joint = structure.mechanism.joints[number]
     first = frames.since_reference(joint.first.body)
     if AXES[joint.kind] < 2:

@@ -1,18 +1,23 @@
 """Geometric stiffness of a loaded mechanism.
 
-Forces and moments do work on displacements of second order in the unknowns, so the stiffness is
-K + λ G under λ times the load. Rotations are rotation vectors θ. The point of application of a
-force f at an arm r from its node has the additional displacement ½ θ × (θ × r). The second side of
-a joint with relative displacement d and rotation ψ has, relative to the first, the additional
-displacement θ₁ × d and rotation ½ θ₁ × ψ. Bodies contribute the geometric stiffness of their
-inside. These terms cancel in a common rotation of bodies and forces, so that only the loads and the
-ground affect the rotation of the whole robot.
+Forces and moments do work on displacements of second order in the unknowns, so that the stiffness
+under λ times the load is K + λ G. Rotations are rotation vectors θ. These second-order terms occur:
 
-The load keeps its direction and its point of application, the mechanism its posture. An idle motion
-costs no energy, so its rest position would depend on the load alone, and any amount of it could be
-added to a deformation. It is locked, as by friction: the geometric stiffness is that of motions
-without an idle part, equal in all base axes. The inertia of the bodies balances the load along idle
-motions, and joints carry the difference.
+- The point of application of a force, at an arm r from its node, has the additional displacement
+  ½ θ × (θ × r).
+- The second side of a joint with relative displacement d and relative rotation ψ has the additional
+  displacement θ₁ × d and rotation ½ θ₁ × ψ relative to the first side.
+- Bodies contribute the geometric stiffness of their inside.
+
+The terms cancel in a common rotation of bodies and forces, so that a rotation of the whole robot is
+affected only by the loads and the ground. The load keeps its direction and its point of
+application, and the mechanism keeps its posture.
+
+Idle motions are locked, as by friction. They have no strain energy, so that the load alone would
+determine their rest position, and any amount of an idle motion could be added to a deformation. The
+geometric stiffness is therefore that of motions without an idle part, which does not depend on the
+choice of base axes. The inertia of the bodies balances the load along idle motions, and the joints
+transmit the difference.
 """
 
 from collections.abc import Mapping
@@ -38,18 +43,19 @@ from lumped.system.solution import Solved, idle_accelerations, without_idle
 
 
 class Prestressed(Protocol):
-    """Geometric stiffness of a body on its own unknowns."""
+    """Function for the geometric stiffness of a body on the body's own unknowns."""
 
     def __call__(self, ends: Array, distributed: Array, *, spins: bool) -> Array:
-        """Stiffness (r×r, SI) from the forces on the interfaces that the body's stiffness balances.
+        """Geometric stiffness (r×r, SI) of a body with elastic forces `ends` on its interfaces.
 
-        `distributed` is the part of them that acts on its length (6m each, body axes). `spins`: the
-        body spins idly about its x axis.
+        `ends` (6m, body axes) are balanced by the elastic stiffness of the body. `distributed` is
+        the part of them that acts along the length. `spins` is True if the body can spin idly about
+        its x axis.
         """
         ...
 
 
-# Relative singular value below which conditions are dependent; loops are closed to 1e-12.
+# Relative singular value below which conditions count as dependent. Loops are closed to 1e-12.
 _DEPENDENT = 1e-9
 
 
@@ -58,8 +64,9 @@ def geometric_stiffness(
 ) -> Array:
     """Geometric stiffness (n×n) of a system under a load.
 
-    `bodies`: geometric stiffness of deformable bodies by name. Others rotate by the mean rotation
-    of their interfaces. Idle motions have no geometric stiffness.
+    `bodies` contains functions for the geometric stiffness of deformable bodies, by name. Other
+    deformable bodies rotate by the mean rotation of their interfaces. Idle motions have no
+    geometric stiffness.
     """
     system = solution.system
     work = work_on(system, load)[:, None]
@@ -67,7 +74,7 @@ def geometric_stiffness(
     idle_acceleration = idle_accelerations(solution, work)[:, 0]
     total = np.zeros((system.size, system.size))
     outer = total[: system.outer, : system.outer]
-    # Wrenches of joints on the nodes: those on the bodies minus the load.
+    # Wrenches of the joints on the nodes: elastic and inertia forces of the bodies minus the load.
     node_wrenches = np.zeros((len(system.motions.places), 6))
     for name, model in system.models.items():
         body_displacements, inside, ends = (
@@ -113,14 +120,20 @@ def geometric_stiffness(
 
 
 def _spins(idle: Array) -> bool:
-    """True if idle motions (12×k, twists of a leg's ends) contain a spin about the leg's axis."""
+    """True if idle motions include a spin of a leg about its axis.
+
+    `idle` (12×k) contains the twists of both ends of the leg in k idle motions.
+    """
     spin = np.zeros(12)
     spin[[3, 9]] = 1.0
     return bool(np.linalg.norm(spin - idle @ np.linalg.lstsq(idle, spin)[0]) < _DEPENDENT)
 
 
 def _without_idle_parts(solution: Solved, geometric: Array) -> Array:
-    """PᵀGP, P removes the idle part of a motion, by least squares on the twists of all nodes."""
+    """Geometric stiffness PᵀGP. The matrix P removes the idle part of a motion.
+
+    The idle part is fitted by least squares to the twists of all nodes.
+    """
     if not solution.idle:
         return geometric
     motions, outer = solution.system.motions, solution.system.outer
@@ -134,7 +147,7 @@ def _without_idle_parts(solution: Solved, geometric: Array) -> Array:
 
 
 def _distributed_load(system: System, body: str, load: Loading) -> Array:
-    """Load on the distributed mass of a body, at its interfaces (6m, body axes)."""
+    """Gravity and inertia forces on a body, at its interfaces (6m, body axes)."""
     points = list(system.posture.mechanism.bodies[body].interfaces)
     wrenches = np.zeros((len(points), 6))
     for applied in load.body_wrenches:
@@ -144,7 +157,10 @@ def _distributed_load(system: System, body: str, load: Loading) -> Array:
 
 
 def _arm_hessian(force: Array, arm: Array) -> Array:
-    """Hessian (3×3) in θ of the energy −½ f·(θ × (θ × r))."""
+    """Hessian (3×3) of the energy −½ f·(θ × (θ × r)) with respect to the rotation θ.
+
+    f is `force` (3, N), r is `arm` (3, m).
+    """
     product = np.outer(force, arm)
     return np.asarray(float(force @ arm) * np.eye(3) - 0.5 * (product + product.T))
 
@@ -156,10 +172,11 @@ def _at_arm(system: System, node: int, position: Array, wrench: Array) -> Array:
 
 
 def _rotating_body(ends: Array, positions: Array, forces: Array) -> Array:
-    """Geometric stiffness of a body with `forces` (6m) on interfaces at `positions` (m×3).
+    """Geometric stiffness of a body under `forces` (6m) on interfaces at `positions` (m×3, m).
 
-    Body axes, `ends` as in `System`. Relative to axes that rotate with the body by θ, its
-    interfaces have the second-order displacements −θ × u + ½ θ × (θ × r) and rotations −½ θ × θᵢ.
+    All in body axes. `ends` is the matrix from the unknowns to the twists of the interfaces.
+    Relative to axes that rotate with the body by θ, the interfaces have the second-order
+    displacements −θ × u + ½ θ × (θ × r) and the rotations −½ θ × θᵢ.
     """
     arms = positions - positions.mean(axis=0)
     size = float(np.abs(arms).max(initial=0.0)) or 1.0
@@ -185,11 +202,12 @@ def _rotating_body(ends: Array, positions: Array, forces: Array) -> Array:
 def _joint_wrenches(
     system: System, node_wrenches: Array, displacements: Array, load: Loading
 ) -> list[tuple[Joint, Array]]:
-    """Wrenches (6, base axes) of joints on their second bodies, at their first interfaces.
+    """Wrenches (6, base axes) of all joints on their second bodies, at their first interfaces.
 
-    They sum to `node_wrenches` (N×6) on the nodes and do no work on passive free twists. In loops
-    of rigid bodies this is not unique. Then the wrenches of elastic joints follow from their strain
-    under the unknowns `displacements`, and those of rigid joints are the smallest possible ones.
+    They add up to `node_wrenches` (N×6) on the nodes and do no work on passive free twists. In
+    loops of rigid bodies they are not unique. There the wrenches of elastic joints follow from
+    their strain under `displacements` (n unknowns), and those of rigid joints are the smallest
+    possible ones.
     """
     motions = system.motions
     joints = motions.structure.mechanism.joints
@@ -224,7 +242,10 @@ def _joint_wrenches(
 def _spring_wrenches(
     system: System, displacements: Array, load: Loading, unit: Array
 ) -> tuple[Array, Array]:
-    """Rows (e×6j) that select joint wrenches, times `unit` (6), of springs; their values (e)."""
+    """Equations for the wrenches of elastic joints: matrix (e×6j) and right-hand side (e).
+
+    The matrix selects components of the wrenches of all j joints, multiplied by `unit` (6).
+    """
     joints = system.motions.structure.mechanism.joints
     rows, values = [np.zeros((0, len(joints), 6))], [np.zeros(0)]
     for number, joint in enumerate(joints):
@@ -246,7 +267,10 @@ def _spring_wrenches(
 
 
 def _joint_stiffness(system: System, joint: Joint, wrench: Array) -> Array:
-    """Geometric stiffness (outer×outer) of a joint with a `wrench` (6) on its second body."""
+    """Geometric stiffness of a joint with a `wrench` (6) on its second body.
+
+    The matrix is on the unknowns of the nodes.
+    """
     motions, position = system.motions, interface_position(system.posture, joint.first)
     first, second = (
         motions.at(side.body, side.point, position) for side in (joint.first, joint.second)

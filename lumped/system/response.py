@@ -1,16 +1,18 @@
 """Harmonic response of the tool of a damped mechanism.
 
-A part of loss factor η has the stiffness (1 + iη) K under forces with exp(iωt): it dissipates 2πη
-of its stored energy in every cycle (hysteretic damping). With K* = Σ (1 + iη) K of bodies, joints
-and drives, the receptance of the tool is H = T (K* − ω²M)⁻¹ Tᵀ. It is computed in a basis V of the
-real modes up to some frequency and the residual static responses to unit wrenches at the tool and
-to the dissipative forces. With A = T V, S = VᵀK*V and C = VᵀMV,
+A part with the loss factor η has the stiffness (1 + iη) K under forces with exp(iωt): it dissipates
+2πη times its stored energy in every cycle (hysteretic damping). With K* = Σ (1 + iη) K of bodies,
+joints and drives, the receptance of the tool is H = T (K* − ω²M)⁻¹ Tᵀ, where T is the matrix from
+the unknowns to the twist of the tool. It is computed in a basis V of the real modes up to a cut-off
+frequency, and of the residual static responses to unit wrenches at the tool and to the dissipative
+forces. With A = T V, S = VᵀK*V and C = VᵀMV,
 
     H = A (S − ω²C)⁻¹ Aᵀ = Σ g / (1 − ω²μ),    S⁻¹C = P diag(μ) P⁻¹
 
-with the complex modes 1/μ = ω_r² (1 + iη_r). A modal damping ratio ζ adds 2iζωω_r to 1/μ − ω²: the
-denominator is 1 − ω²μ + 2iζωω_rμ. For one mass on a spring that is k(1 + iη) − mω² + 2iζω√(km).
-The loss of a drive in series with the joint's own compliance is exact to first order.
+with the complex modes 1/μ = ω_r² (1 + iη_r). A modal damping ratio ζ adds 2iζωω_r to 1/μ − ω², so
+that the denominator is 1 − ω²μ + 2iζωω_rμ. For one mass on a spring this is k(1 + iη) − mω² +
+2iζω√(km). The loss factor of a drive in series with the compliance of its joint is exact to first
+order.
 """
 
 from dataclasses import dataclass, replace
@@ -26,14 +28,15 @@ from lumped.system.assembly import System
 from lumped.system.joint_motion import Portion
 from lumped.system.solution import Solved, modes_with_mass, with_idle, without_idle
 
-# Ratio of the cut-off frequency of the real modes to the highest requested frequency. Higher modes
-# respond statically there, except for a few thousandths of their small share.
+# Ratio of the cut-off frequency of the real modes to the highest requested frequency. Modes above
+# the cut-off respond almost statically: the error is a few thousandths of their small contribution.
 _CUT_OFF_RATIO = 2.0
-# Number of modes of the first attempt.
+# Number of modes that are computed at first. It is doubled until the cut-off frequency is passed.
 _FIRST_MODE_COUNT = 16
-# Shares of the compliance, and of the largest 1/ω², below which there is only round-off.
+# Values below this fraction of the compliance, or of the largest 1/ω², are round-off.
 _ROUNDING = 1e-12
-# Share of the energy of a static response below which it depends on the other motions.
+# A static response is linearly dependent on the other motions of the basis if the energy of its
+# independent part is below this fraction.
 _DEPENDENT = 1e-10
 # Loss factor below which a mode counts as undamped.
 _SMALLEST_LOSS = 1e-9
@@ -43,11 +46,11 @@ _PEAK_SAMPLES = 100
 
 @dataclass(frozen=True, eq=False)
 class DampedModes:
-    """Complex modes of a mechanism, r of them, with their shares of the tool's compliance.
+    """The r complex modes of a mechanism, with their contributions to the compliance of the tool.
 
-    `inverses` (r) are μ (s²), `residues` (r×…) the shares g in the static compliance of the tool
-    (6×6, SI, base axes, or one direction of it). `ratio` is the damping ratio of all modes or of
-    each.
+    `inverses` (r) are μ (s²), the inverse squares of the complex natural frequencies. `residues`
+    (r×…) are the contributions g of the modes to the static compliance (6×6, SI, base axes, or its
+    component in one direction). `ratio` is the damping ratio, one for all modes or one for each.
     """
 
     inverses: ComplexArray
@@ -56,7 +59,7 @@ class DampedModes:
 
     @cached_property
     def frequencies(self) -> Array:
-        """Natural frequencies (Hz, r); infinite for motions without mass."""
+        """Natural frequencies (Hz, r values). Infinite for motions without mass."""
         massive = np.abs(self.inverses) > _ROUNDING * np.abs(self.inverses).max(initial=0.0)
         squares = np.divide(
             1.0, self.inverses, out=np.full_like(self.inverses, np.inf), where=massive
@@ -65,7 +68,7 @@ class DampedModes:
 
     @cached_property
     def losses(self) -> Array:
-        """Loss factors (r): those of the parts plus twice the damping ratio."""
+        """Loss factors (r values) of the modes: those of the parts plus twice the damping ratio."""
         finite = np.isfinite(self.frequencies)
         of_parts = np.divide(
             -self.inverses.imag, self.inverses.real, out=np.zeros(len(finite)), where=finite
@@ -76,12 +79,12 @@ class DampedModes:
         """Modes for displacement and force along `direction` (3, a unit vector, base axes)."""
         blocks = self.residues[:, :3, :3]
         residues = np.einsum("i,rij,j->r", direction, blocks, direction)
-        # If the tool is rigid, there is only round-off.
+        # If the tool does not deflect along the direction, the residues are round-off.
         is_elastic = np.abs(residues).sum() > _ROUNDING * np.abs(blocks).sum()
         return replace(self, residues=residues * is_elastic)
 
     def receptance(self, frequencies: Array) -> ComplexArray:
-        """Receptance, displacement per force (n×…, SI), at frequencies (n, Hz)."""
+        """Receptance (displacement per force, n×…, SI) at n `frequencies` (Hz)."""
         speeds = 2.0 * np.pi * np.asarray(frequencies, dtype=float)[:, None]
         natural = 2.0 * np.pi * np.where(np.isfinite(self.frequencies), self.frequencies, 0.0)
         denominator = 1.0 - speeds**2 * self.inverses
@@ -89,13 +92,15 @@ class DampedModes:
         return np.asarray(np.tensordot(1.0 / denominator, self.residues, axes=1))
 
     def size(self, frequency: float) -> float:
-        """Magnitude (m/N) of the receptance along a direction at a frequency (Hz)."""
+        """Magnitude (m/N) of the receptance along a direction at `frequency` (Hz)."""
         return float(np.abs(self.receptance(np.array([frequency]))[0]))
 
     def peak(self, first: float, last: float) -> tuple[float, float]:
-        """Largest receptance (m/N) along a direction in a range, and its frequency (Hz).
+        """Largest magnitude (m/N) of the receptance in a frequency range, and its frequency (Hz).
 
-        Infinite if a contributing mode is undamped, 0 and NaN if the tool is rigid.
+        The range is from `first` to `last` (Hz). The residues must be those along one direction.
+        The magnitude is infinite if a contributing mode is undamped. The result is (0, NaN) if the
+        tool is rigid.
         """
         sizes = np.abs(self.residues)
         if not sizes.any():
@@ -122,10 +127,11 @@ class DampedModes:
 
 @dataclass(frozen=True, eq=False)
 class ToolResponse:
-    """Response of the tool to an excitation, along the excitation's force.
+    """Response of the tool to a harmonic force, measured along the force.
 
-    `receptance` (n, complex, m/N) at the excitation's frequencies. `judged` are the numbers of
-    `Excitation.judged`: height (m/N) and frequency (Hz) of the peak, magnitude (m/N) at `at`.
+    `receptance` (n, complex, m/N) is given at the frequencies of the `excitation`. `judged` are the
+    numbers named by `Excitation.judged`: height (m/N) and frequency (Hz) of the peak, magnitude
+    (m/N) at the frequency `at`.
     """
 
     excitation: Excitation
@@ -134,7 +140,7 @@ class ToolResponse:
 
 
 def tool_responses(solution: Solved) -> tuple[ToolResponse, ...]:
-    """Responses to all excitations of a mechanism in one posture."""
+    """Responses of the tool to all harmonic forces of a mechanism in one posture."""
     excitations = solution.system.motions.structure.mechanism.excitations
     if not excitations:
         return ()
@@ -151,7 +157,10 @@ def _response(modes: DampedModes, excitation: Excitation) -> ToolResponse:
 
 
 def modal_losses(solution: Solved, modes: Modes) -> Array:
-    """Loss factors (m) of real modes to first order: from strain energies and modal damping."""
+    """Loss factors (m values) of real modes to first order, from their strain energies.
+
+    They include twice the modal damping ratio.
+    """
     system = solution.system
     dissipation = np.sum(modes.shapes * _dissipative_forces(system, modes.shapes), axis=0)
     ratio = system.motions.structure.mechanism.damping
@@ -159,9 +168,10 @@ def modal_losses(solution: Solved, modes: Modes) -> Array:
 
 
 def damped_modes(solution: Solved, highest: float, outputs: Array | None = None) -> DampedModes:
-    """Complex modes of a mechanism in one posture, accurate up to `highest` (Hz).
+    """Complex modes of a mechanism in one posture, accurate up to the frequency `highest` (Hz).
 
-    Residues are those of `outputs` (k×n, motions by unknowns), by default the twist of the tool.
+    The residues are those of the motions `outputs` (k×n, one row of factors on the unknowns for
+    each motion). By default these are the twist of the tool.
     """
     system = solution.system
     outputs = system.tool if outputs is None else outputs
@@ -179,10 +189,11 @@ def damped_modes(solution: Solved, highest: float, outputs: Array | None = None)
 
 
 def _response_basis(solution: Solved, highest: float, loads: Array) -> Array:
-    """Basis (n×r) for responses to loads (n×m): real modes up to `highest` (Hz) and residuals.
+    """Basis (n×r) for responses to `loads` (n×m) up to the frequency `highest` (Hz).
 
-    Residual static responses to the loads, then to the dissipative forces in all of these motions,
-    which makes the error of second order in the losses.
+    The basis contains the real modes up to that frequency, the residual static responses to the
+    loads, and those to the dissipative forces in all these motions. The latter make the error of
+    second order in the loss factors.
     """
     real_modes = _modes_up_to(solution, highest)
     motions = real_modes.shapes / (2.0 * np.pi * real_modes.frequencies)
@@ -192,7 +203,7 @@ def _response_basis(solution: Solved, highest: float, loads: Array) -> Array:
 
 
 def _with_residual_responses(solution: Solved, motions: Array, loads: Array) -> Array:
-    """Motions (n×r) and the residual static responses to loads (n×m), of unit energy."""
+    """Extend `motions` (n×r) by the residual static responses to `loads` (n×m), of unit energy."""
     stiffness = solution.system.stiffness
     static = with_idle(solution, solution.displacements(loads))
     energies = np.sum(static * (stiffness @ static), axis=0)
@@ -216,7 +227,7 @@ def _modes_up_to(solution: Solved, highest: float) -> Modes:
 
 
 def _dissipative_forces(system: System, motions: Array) -> Array:
-    """Dissipative forces Σ η K V (n×r) of all parts in motions V (n×r)."""
+    """Dissipative forces Σ η K V (n×r), summed over all parts, for the motions V (n×r)."""
     mechanism, outer = system.motions.structure.mechanism, motions[: system.outer]
     losses = {Portion(joint.name, "compliance"): joint.loss for joint in mechanism.joints}
     losses |= {Portion(j.name, "drive"): j.drive.loss for j in mechanism.joints if j.drive}

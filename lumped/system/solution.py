@@ -1,13 +1,14 @@
-"""Compliance, modes and energies of a system, dense: for up to some thousand unknowns.
+"""Compliance, natural modes and energies of a system, by dense matrices.
 
-One Cholesky factor K = L Lᵀ is used for statics and modes. Idle motions N make K singular. They
-are locked by constraining as many unknowns. This does not affect the compliance of the tool. The
-modes are those of the stiffness of the retained unknowns with the mass M − M N (NᵀMN)⁺ NᵀM, in
-which the idle motions follow freely.
+The number of unknowns is up to some thousand. One Cholesky factorisation K = L Lᵀ of the stiffness
+is used for statics and modes. Motions without strain energy are free motions of the tool, which are
+refused, and idle motions, which do not move the tool. A rod between two ball joints can spin, for
+example: this is harmless in statics, and a zero frequency in dynamics. Both follow from kinematics
+alone, with rigid bodies and locked springs.
 
-Motions without strain energy are idle ones, which do not move the tool, and free motions of the
-tool. A rod between two ball joints spins: harmless in statics, a zero frequency in dynamics. Such
-motions follow from kinematics alone: bodies rigid, springs locked.
+Idle motions N make K singular. They are locked by fixing as many unknowns, which does not affect
+the compliance of the tool. The modes are those of the stiffness of the retained unknowns with the
+mass M − M N (NᵀMN)⁺ NᵀM, in which the idle motions follow freely.
 """
 
 from dataclasses import dataclass
@@ -24,23 +25,25 @@ from lumped.screws import name_twists, shift
 from lumped.system.assembly import System
 from lumped.system.joint_motion import Portion
 
-# Smallest pivot of the stiffness with unit diagonal. A chain of 160 elements has 3e-8. Rounding of
-# a singular matrix leaves 1e-16 times the ratio of its stiffest entries to those of the motion.
+# Smallest accepted pivot of the stiffness scaled to a unit diagonal. A chain of 160 elements has
+# 3e-8. A singular matrix has pivots of about 1e-16 times the ratio of its stiffest entries to those
+# of the free motion, due to round-off.
 _SMALLEST_PIVOT = 1e-13
 # Pivot or diagonal ratio below which the stiffness may be singular and is examined further.
 DOUBTFUL = 1e-8
 # Relative mass below which an idle motion counts as massless.
 _MASSLESS = 1e-13
-# Dimensionless strain below which a motion is free. Rounding is about 1e-14; loops are closed to
+# Dimensionless strain below which a motion is free. Round-off is about 1e-14, loops are closed to
 # 1e-12.
 _FREE = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
 class Solved:
-    """A system with factorised stiffness: `lower` is L of the `retained` unknowns times `scale`.
+    """A system with the Cholesky factor of its stiffness.
 
-    `motions` (n×idle) are the idle motions.
+    `lower` is the factor L of the stiffness of the `retained` unknowns, scaled by `scale` to a unit
+    diagonal. The columns of `motions` (n × number of idle motions) are the idle motions.
     """
 
     system: System
@@ -51,11 +54,11 @@ class Solved:
 
     @property
     def idle(self) -> int:
-        """Number of mobilities that do not move the tool."""
+        """Number of idle motions: independent motions that move neither the tool nor a drive."""
         return int(self.motions.shape[1])
 
     def displacements(self, loads: Array) -> Array:
-        """Unknowns (n×m) under loads (n×m) without work on idle motions, which are locked."""
+        """Unknowns (n×m) under `loads` (n×m) that do no work on idle motions, which are locked."""
         unknowns = np.zeros_like(loads)
         scaled = self.scale[:, None] * loads[self.retained]
         unknowns[self.retained] = self.scale[:, None] * cho_solve((self.lower, True), scaled)
@@ -65,8 +68,8 @@ class Solved:
 def solved(system: System) -> Solved:
     """Factorise the stiffness of `system`.
 
-    Raises ComputationError if the tool is free to move, naming the motion, or if a stiffness is
-    negative.
+    Raises ComputationError if the tool is free to move (the message describes the motion), or if a
+    stiffness is negative.
     """
     stiffness = dense(system.stiffness)
     retained = np.arange(system.size)
@@ -88,9 +91,9 @@ def solved(system: System) -> Solved:
 
 
 def compliance(solution: Solved) -> Array:
-    """6×6 compliance (SI, base axes) at the loaded point.
+    """6×6 compliance (SI, base axes) of the loaded point.
 
-    Raises ComputationError if it is dominated by round-off.
+    Raises ComputationError if round-off dominates.
     """
     loads = solution.system.tool.T
     displacements = solution.displacements(loads)
@@ -99,14 +102,14 @@ def compliance(solution: Solved) -> Array:
 
 
 def rounding(system: System, displacements: Array) -> Array:
-    """Half-width (m×m, SI, 95 %) of the error of XᵀKX from rounding of K, X = `displacements`.
+    """Half-width (m×m, SI, 95 %) of the error of XᵀKX due to round-off of K, X = `displacements`.
 
-    This is the error of toolᵀX if X are the displacements under the tool's loads. The error is
-    summed over bodies with rotated interfaces, and over joints, in which the strain of a spring is
-    the sum of one term for each unknown that moves it. The error of a body's stiffness is
-    proportional to the magnitudes of all unknowns that move it, even if they cancel; for a rotated
-    one to all components that the rotation mixes, since the angle is rounded, too
-    (`rounding_of_flexibility`).
+    If X are the displacements under unit loads at the tool, XᵀKX is the compliance of the tool. The
+    error is summed over bodies, whose interfaces are rotated, and over joints, in which the strain
+    of a spring is a sum with one term for each unknown that moves it. The error of the stiffness of
+    a body is proportional to the magnitudes of all unknowns that move it, even if they cancel. For
+    a rotated body it is proportional to all components that the rotation mixes, because the angle
+    is rounded, too (`rounding_of_flexibility`).
     """
     squares = np.zeros((displacements.shape[1],) * 2)
     node_displacements = np.abs(displacements[: system.outer])
@@ -125,9 +128,9 @@ def rounding(system: System, displacements: Array) -> Array:
 
 
 def modes(solution: Solved, count: int) -> Modes:
-    """The lowest `count` modes (Hz; shapes n×count, mass-normalised) without idle motions.
+    """The lowest `count` natural modes (frequencies in Hz, shapes n×count), without idle motions.
 
-    Raises ComputationError if fewer modes have mass.
+    The shapes have unit modal mass. Raises ComputationError if fewer modes move mass.
     """
     result = modes_with_mass(solution, count)
     if not 0 < count == len(result.frequencies):
@@ -154,7 +157,10 @@ def modes_with_mass(solution: Solved, count: int) -> Modes:
 
 
 def _inverse_squares(solution: Solved) -> tuple[Array, Array]:
-    """Matrix with eigenvalues 1/ω², and idle motions (idle×retained) that follow the unknowns."""
+    """Matrix with the eigenvalues 1/ω², and the idle motions that accompany each retained unknown.
+
+    The latter are coefficients (number of idle motions × retained unknowns).
+    """
     retained, scale = solution.retained, solution.scale
     full_mass = dense(solution.system.mass)
     mass, idle_following = (
@@ -170,7 +176,7 @@ def _inverse_squares(solution: Solved) -> tuple[Array, Array]:
 
 
 def with_idle(solution: Solved, displacements: Array) -> Array:
-    """Displacements (n×m) plus the idle motions that follow them freely, without momentum."""
+    """Displacements (n×m) plus the idle motions that follow them freely, with zero momentum."""
     if not solution.idle:
         return displacements
     momenta, inverse_inertia = _idle_momenta(solution, dense(solution.system.mass))
@@ -180,7 +186,7 @@ def with_idle(solution: Solved, displacements: Array) -> Array:
 
 
 def without_idle(solution: Solved, loads: Array) -> Array:
-    """Loads (n×m) minus the inertia forces of the idle motions that they accelerate."""
+    """Loads (n×m) minus the inertia forces of the idle motions that these loads accelerate."""
     if not solution.idle:
         return loads
     momenta, inverse_inertia = _idle_momenta(solution, dense(solution.system.mass))
@@ -188,7 +194,7 @@ def without_idle(solution: Solved, loads: Array) -> Array:
 
 
 def idle_accelerations(solution: Solved, loads: Array) -> Array:
-    """Accelerations (n×m, SI) of idle motions under loads (n×m)."""
+    """Accelerations (n×m, SI) of the unknowns in idle motions under `loads` (n×m)."""
     if not solution.idle:
         return np.zeros_like(loads)
     _, inverse_inertia = _idle_momenta(solution, dense(solution.system.mass))
@@ -196,17 +202,17 @@ def idle_accelerations(solution: Solved, loads: Array) -> Array:
 
 
 def _idle_momenta(solution: Solved, mass: Array) -> tuple[Array, Array]:
-    """Momenta M N (n×k) of the idle motions, and (NᵀMN)⁺."""
+    """Momenta M N (n×k) of the idle motions N, and the pseudo-inverse (NᵀMN)⁺."""
     momenta = mass @ solution.motions
     heaviest = float(np.diag(mass)[: solution.system.outer].max())
     return momenta, _pseudo_inverse(solution.motions.T @ momenta, heaviest)
 
 
 def strain_shares(system: System, shapes: Array) -> dict[Portion, Array]:
-    """Share of the strain energy of each of the `shapes` (n×m) in bodies, drives and joints.
+    """Fractions of the strain energy of each of the `shapes` (n×m) in bodies, drives and joints.
 
-    Bodies by kind of deformation if their model splits the energy, joints by their elastic parts.
-    The shares sum to 1.
+    The energy of a body is split by kind of deformation if its model supports this, that of a joint
+    by its elastic parts. The fractions of a shape add up to 1.
     """
     outer = shapes[: system.outer]
     energies = {
@@ -221,14 +227,17 @@ def strain_shares(system: System, shapes: Array) -> dict[Portion, Array]:
 
 
 def is_well_scaled(stiffness: Array) -> bool:
-    """True if no diagonal entry of the nodes' stiffness (…×n×n) is negligible to the largest."""
+    """True if no diagonal entry of the stiffness of the nodes (…×n×n) is negligible."""
     diagonal = np.diagonal(stiffness, axis1=-2, axis2=-1)
     largest = diagonal.max(axis=-1, keepdims=True, initial=0.0)
     return bool((diagonal > DOUBTFUL * largest).all())
 
 
 def factorised(stiffness: Array) -> tuple[Array, Array] | None:
-    """Cholesky factor of a matrix scaled to a unit diagonal, and the scale. None if it fails."""
+    """Cholesky factor of a matrix scaled to a unit diagonal, and the scale factors (n).
+
+    None if the matrix is not positive definite.
+    """
     try:
         scale = unit_diagonal(stiffness)
         lower, _ = cho_factor(
@@ -244,7 +253,7 @@ def _smallest_pivot(factor: tuple[Array, Array]) -> float:
 
 
 def _inner_motions(stiffness: Array, outer: int, motions: Array) -> Array:
-    """Motions of the inside of the bodies for `motions` (outer×k) of their interfaces."""
+    """Motions of internal unknowns that follow `motions` (outer×k) of the interfaces statically."""
     forces = stiffness[outer:, :outer] @ motions
     if not forces.any():
         return np.zeros_like(forces)
@@ -253,7 +262,7 @@ def _inner_motions(stiffness: Array, outer: int, motions: Array) -> Array:
 
 
 def _pseudo_inverse(mass: Array, size: float) -> Array:
-    """Pseudo-inverse (NᵀMN)⁺. A mass below the rounding of `size` counts as zero."""
+    """Pseudo-inverse (NᵀMN)⁺ of the `mass` NᵀMN. Masses below the round-off of `size` are zero."""
     values, vectors = np.linalg.eigh(0.5 * (mass + mass.T))
     heavy = values > _MASSLESS * size
     inverse: Array = (vectors[:, heavy] / values[heavy]) @ vectors[:, heavy].T
@@ -262,9 +271,10 @@ def _pseudo_inverse(mass: Array, size: float) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class IdleMotions:
-    """Idle motions of a system, k of them: `motions` (outer × k) on its nodes' unknowns.
+    """The k idle motions of a system, as columns of `motions` (unknowns of the nodes × k).
 
-    Constraining the `pinned` unknowns (k) locks them and nothing else.
+    If the k unknowns with the indices `pinned` are fixed, the idle motions are locked and no other
+    motion is constrained.
     """
 
     motions: Array
@@ -272,9 +282,9 @@ class IdleMotions:
 
 
 def idle_motions(system: System) -> IdleMotions:
-    """Idle motions of `system` with locked or elastic drives.
+    """Idle motions of `system` with its drives locked or elastic.
 
-    Raises ComputationError, naming the motion, if the tool is free to move.
+    Raises ComputationError if the tool is free to move. Its message describes the motion.
     """
     strains = [_relative(system, body) for body in system.ends]
     count = system.outer
@@ -295,7 +305,10 @@ def idle_motions(system: System) -> IdleMotions:
 
 
 def _relative(system: System, body: str) -> Array:
-    """Dimensionless twists (6(m−1)×outer) of a body's other interfaces relative to its first."""
+    """Dimensionless twists of all interfaces of a body but the first, relative to the first.
+
+    The result (6(m−1) × unknowns of the nodes) is zero for rigid motions of the body.
+    """
     length = system.motions.structure.length
     unit = np.array([1.0 / length] * 3 + [1.0] * 3)[:, None]
     first, *others = system.posture.mechanism.bodies[body].interfaces.values()

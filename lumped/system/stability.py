@@ -1,8 +1,8 @@
 """Stability of a mechanism under a load: buckling factors and remaining stiffness.
 
-Under λ times the load its stiffness is K + λ G (`lumped.system.prestress`), singular where 1/λ is
-minus an eigenvalue of L⁻¹ G L⁻ᵀ, K = L Lᵀ. The dense solution yields all of them, so no factor is
-missed.
+Under λ times the load the stiffness is K + λ G with the geometric stiffness G
+(`lumped.system.prestress`). With K = L Lᵀ it is singular if −1/λ is an eigenvalue of L⁻¹ G L⁻ᵀ. All
+eigenvalues are computed, so that no buckling factor is missed.
 """
 
 from collections import defaultdict
@@ -28,15 +28,16 @@ _LARGEST_FACTOR = 1e6
 
 @dataclass(frozen=True, eq=False)
 class Stability:
-    """A mechanism under one of its loads, linear about its posture.
+    """Behaviour of a mechanism under one of its loads, linearised about its posture.
 
-    It buckles at `factor` times the load, and at `reversed` times the load in the opposite
-    direction (negative). Both are None if there is no factor below a million. `shares` are those of
-    strain energy in the buckling mode, by body or joint, the largest first. `stiffness_losses`:
-    relative reduction of the tool's stiffness (6, along and about each axis alone) by the load,
-    negative if it increases. `extra_displacement`: relative increase of the tool's displacement
-    over the linear model, negative if it decreases. `frequencies` (Hz) under the load. The last
-    three are NaN or empty if the mechanism has buckled.
+    It buckles at `factor` times the load, and at `reversed` times the load (a negative number, for
+    a load in the opposite direction). These are None if their magnitude exceeds a million. `shares`
+    are fractions of the strain energy of the buckling mode by body or joint, the largest first.
+    `stiffness_losses` (6) are relative reductions of the tool's stiffness along and about each base
+    axis due to the load, negative if the stiffness increases. `extra_displacement` is the relative
+    increase of the tool's displacement over that without geometric stiffness, negative if it
+    decreases. `frequencies` (Hz) are natural frequencies under the load. The last three are NaN or
+    empty if the mechanism buckles below the load.
     """
 
     factor: float | None
@@ -48,9 +49,9 @@ class Stability:
 
 
 def stability(solution: Solved, geometric: Array, load: Loading, count: int = 0) -> Stability:
-    """Stability under a load with the `geometric` stiffness (n×n), and `count` frequencies.
+    """Stability under a load, given its `geometric` stiffness (n×n), and `count` frequencies.
 
-    Raises ComputationError under the conditions of `compliance`.
+    Raises ComputationError if round-off dominates the compliance.
     """
     factors, shape = _buckling(solution, geometric)
     shares: dict[str, float] = defaultdict(float)
@@ -76,9 +77,9 @@ def stability(solution: Solved, geometric: Array, load: Loading, count: int = 0)
 def _buckling(
     solution: Solved, geometric: Array
 ) -> tuple[tuple[float | None, float | None], Array]:
-    """Smallest positive and largest negative buckling factor, and the shape (n) of the former.
+    """Smallest positive and largest negative buckling factor, and the mode shape (n) of the first.
 
-    A rigid mechanism has no factors.
+    A mechanism without elastic parts has no factors (None).
     """
     if not len(solution.retained):
         return (None, None), np.zeros(solution.system.size)
@@ -103,7 +104,7 @@ def _factor(inverse: float) -> float | None:
 
 
 def _under_load(solution: Solved, geometric: Array) -> Solved | None:
-    """Solution of the system with the load's geometric stiffness. None if it has buckled."""
+    """Factorised system with the geometric stiffness of the load. None if it has buckled."""
     system = solution.system
     stiffness = dense(system.stiffness) + geometric
     factor = factorised(stiffness[np.ix_(solution.retained, solution.retained)])

@@ -1,15 +1,16 @@
-"""Statics and modes of one mechanism in many postures, together if its bodies are reduced.
+"""Statics and natural frequencies of one mechanism in many postures.
 
-Craig–Bampton reduction decouples the interfaces and the inside of a body: K = diag(K_e, Λ). The
-stiffness of the mechanism therefore consists of that of the nodes, which is factorised for each
-posture, and Λ. With K_e = L Lᵀ the inverse squares 1/ω² are the eigenvalues of
+Craig–Bampton reduction decouples the stiffness of the interfaces and of the inside of a body: K =
+diag(K_e, Λ). The stiffness of the mechanism thus consists of that of the nodes, which is factorised
+for each posture, and of Λ. With the stiffness of the nodes K_e = L Lᵀ the inverse squares 1/ω² are
+the eigenvalues of
 
     [ L⁻¹ M_ee L⁻ᵀ        L⁻¹ M_ei Λ^(−½)  ]
     [ sym.           Λ^(−½) M_ii Λ^(−½) ]
 
-whose last block does not depend on the posture. A posture is solved individually
-(`lumped.system.solution`) if a body is not reduced, if there is an idle motion, or if a stiffness
-may be singular.
+whose last block does not depend on the posture. All postures are solved together. A posture is
+solved individually (`lumped.system.solution`) if a body is not reduced, if there is an idle motion,
+or if the stiffness may be singular.
 """
 
 from collections.abc import Iterator, Sequence
@@ -27,16 +28,16 @@ from lumped.system.assembly import Assembly, NodeMatrices, System
 from lumped.system.joint_motion import UnevenError
 from lumped.system.solution import DOUBTFUL, compliance, is_well_scaled, modes, solved
 
-# Number of matrix entries of the postures that are evaluated together, to fit into the CPU's cache.
+# Number of matrix entries that are evaluated together, so that they fit into the processor's cache.
 _LARGEST_BATCH = 2_000_000
 
 
 @dataclass(frozen=True, eq=False)
 class Swept:
-    """Results in P postures.
+    """Compliances and natural frequencies in P postures.
 
-    `compliances` (P×6×6, SI, base axes) at the loaded point, `frequencies` (P×k, Hz). `idle` (P) is
-    the number of mobilities that do not move the tool.
+    `compliances` (P×6×6, SI, base axes) are those of the loaded point, `frequencies` (P×k) are in
+    Hz. `idle` (P) is the number of idle motions, which move neither the tool nor a drive.
     """
 
     compliances: Array
@@ -45,10 +46,10 @@ class Swept:
 
 
 def swept(prepared: Assembly, postures: Sequence[Posture], count: int) -> Swept:
-    """Compliance and the lowest `count` frequencies (Hz) in each of the postures.
+    """Compliance and the lowest `count` natural frequencies (Hz) in each of the postures.
 
-    Raises ComputationError, naming the posture, under the conditions of `solved`, `compliance` and
-    `modes`.
+    Raises ComputationError, with the posture in its message, under the conditions of `solved`,
+    `compliance` and `modes`.
     """
     inside = _inner_matrices(prepared)
     results: list[Swept] = []
@@ -67,14 +68,17 @@ def swept(prepared: Assembly, postures: Sequence[Posture], count: int) -> Swept:
 
 @dataclass(frozen=True, eq=False)
 class _InnerMatrices:
-    """Mass of the internal unknowns in units of Λ^(−½), and its `borders` (6m×i) by body."""
+    """Mass matrix of the internal unknowns scaled by Λ^(−½), and its coupling to the interfaces.
+
+    `borders` contains the coupling (6m×i) of each body, by name.
+    """
 
     mass: Array
     borders: dict[str, Array]
 
 
 def _inner_matrices(prepared: Assembly) -> _InnerMatrices | None:
-    """Matrices of the internal unknowns. None if a body is not reduced."""
+    """Matrices of the internal unknowns of all bodies. None if a body is not reduced."""
     masses, borders = [np.zeros((0, 0))], {}
     for name, model in prepared.models.items():
         stiffness, mass, ends = model.stiffness, model.mass, 6 * len(model.interfaces)
@@ -107,7 +111,7 @@ def _individually(system: System, count: int) -> Swept:
 def _together(
     prepared: Assembly, inside: _InnerMatrices, postures: Sequence[Posture], count: int
 ) -> Swept | None:
-    """Results of a batch. None if one of the postures must be solved individually."""
+    """Results of a batch of postures. None if one of them must be solved individually."""
     try:
         nodes = prepared.node_matrices(postures)
         if not is_well_scaled(nodes.stiffness):
@@ -118,7 +122,7 @@ def _together(
         return None
     if np.diagonal(lower, axis1=1, axis2=2).min(initial=1.0) ** 2 < DOUBTFUL:
         return None
-    # L⁻¹ with the scale: K⁻¹ = Lᵢᵀ Lᵢ.
+    # `inverse` contains the scale, so that K⁻¹ = inverseᵀ · inverse.
     inverse = np.linalg.inv(lower) * scale[:, None]
     loads = np.swapaxes(nodes.tool, 1, 2)
     displacements = np.swapaxes(inverse, 1, 2) @ (inverse @ loads)
@@ -138,7 +142,7 @@ def _together(
 def _frequencies(
     nodes: NodeMatrices, inside: _InnerMatrices, inverse: Array, count: int
 ) -> Array | None:
-    """Frequencies (P×count, Hz). None if a posture has fewer modes with mass."""
+    """Natural frequencies (P×count, Hz). None if fewer modes move mass in one of the postures."""
     postures, size = inverse.shape[:2]
     if not count:
         return np.zeros((postures, 0))
