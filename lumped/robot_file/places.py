@@ -48,9 +48,13 @@ def numbers_of(value: Any, key: str = "") -> Iterator[tuple[str, float]]:
 
 
 def keys_named(tables: Mapping[str, Any], names: Collection[str]) -> list[str]:
-    """Keys of the numbers and matrices in the tables whose last part is one of `names`."""
+    """Keys of the numbers and matrices in the tables whose last part is one of `names`.
+
+    For a table of that name inside an entry, the keys of all its numbers (`joints.a.stiffness`).
+    """
     keys = dict.fromkeys(key.partition("[")[0] for key, _ in numbers_of(tables))
-    return [key for key in keys if key.rpartition(".")[2] in names]
+    parts = {key: key.split(".") for key in keys}
+    return [key for key in keys if not {parts[key][-1], *parts[key][2:]}.isdisjoint(names)]
 
 
 def unit_of(tables: Mapping[str, Any], key: str) -> str:
@@ -69,7 +73,7 @@ def unit_of(tables: Mapping[str, Any], key: str) -> str:
         return length_unit_of(tables).name if move in LENGTHS else "rad"
     if names[0] == "joints":
         first, _, second = unit.partition(" or ")
-        return second if tables["joints"][names[1]]["type"] == "revolute" else first
+        return second if second and tables["joints"][names[1]]["type"] == "revolute" else first
     return unit
 
 

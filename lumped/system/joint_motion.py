@@ -110,12 +110,11 @@ def rotor_moves_alone(joint: Joint) -> bool:
     return sprung and joint.compliance is not None
 
 
-def elastic_wrenches(joint: Joint, first: Array, second: Array, relative: Array) -> Array:
-    """Wrenches (6×m) in an elastic joint from `relative` twists of its sides (6×m, base axes).
+def elastic_directions(joint: Joint, first: Array, second: Array) -> tuple[Array, Array]:
+    """Wrenches (6×e, base axes) that an elastic joint resists elastically, and compliances (e).
 
-    The wrenches are at the first interface, in the axes of the joint's compliance. `first` and
-    `second` (3×3) are the rotations of its bodies from the reference posture. The wrenches λ do no
-    work on the passive free twists F, and `relative` = F η + C λ.
+    They do no work on the passive free twists. Under the wrenches across them the joint is rigid.
+    `first` and `second` (3×3) are the rotations of its bodies from the reference posture.
     """
     free = joint_twists(joint, first, second)
     compliance = turn_matrix(np.asarray(joint.compliance), first)
@@ -125,8 +124,22 @@ def elastic_wrenches(joint: Joint, first: Array, second: Array, relative: Array)
         if joint.drive.stiffness is not None:
             compliance = compliance + free[:, :1] @ free[:, :1].T / joint.drive.stiffness
     across = null_space(passive.T)
-    stiffness = np.linalg.pinv(across.T @ compliance @ across, hermitian=True)
-    return np.asarray(turn(first).T @ across @ stiffness @ across.T @ relative)
+    values, vectors = np.linalg.eigh(across.T @ compliance @ across)
+    elastic = values > _RIGID * values[-1]
+    return across @ vectors[:, elastic], values[elastic]
+
+
+def elastic_wrenches(joint: Joint, first: Array, second: Array, relative: Array) -> Array:
+    """Wrenches (6×m) in an elastic joint from `relative` twists of its sides (6×m, base axes).
+
+    The wrenches are at the first interface, in the axes of the joint's compliance, without those
+    under which the joint is rigid. `first` and `second` (3×3) are the rotations of its bodies from
+    the reference posture. The wrenches λ do no work on the passive free twists F, and `relative` =
+    F η + C λ.
+    """
+    directions, compliances = elastic_directions(joint, first, second)
+    wrenches = directions @ (directions.T @ relative / compliances[:, None])
+    return np.asarray(turn(first).T @ wrenches)
 
 
 def _condensed(passive: Array, root: Array) -> tuple[Array, Array]:

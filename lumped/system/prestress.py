@@ -37,7 +37,7 @@ from lumped.mechanism.load import Loading
 from lumped.mechanism.mechanism import GROUND
 from lumped.screws import shift, skew, turn
 from lumped.system.assembly import System
-from lumped.system.joint_motion import Portion
+from lumped.system.joint_motion import Portion, elastic_directions
 from lumped.system.loads import work_on
 from lumped.system.solution import Solved, idle_accelerations, without_idle
 
@@ -245,15 +245,21 @@ def _spring_wrenches(
     """Equations for the wrenches of elastic joints: matrix (e×6j) and right-hand side (e).
 
     The matrix selects components of the wrenches of all j joints, multiplied by `unit` (6).
+    Wrenches under which a joint is rigid do not follow from its strain.
     """
     joints = system.motions.structure.mechanism.joints
     rows, values = [np.zeros((0, len(joints), 6))], [np.zeros(0)]
     for number, joint in enumerate(joints):
         directions, rotor = np.zeros((0, 6)), load.rotor_forces.get(joint.name, 0.0)
         if joint.compliance is not None and not rotor:
-            axes = turn(rotation_since_reference(system.posture, joint.first.body))
-            directions = np.eye(6)
-            values.append(-unit * (axes @ system.wrenches(joint, displacements[:, None])[:, 0]))
+            first, second = (
+                rotation_since_reference(system.posture, side.body)
+                for side in (joint.first, joint.second)
+            )
+            wrenches = turn(first) @ system.wrenches(joint, displacements[:, None])[:, 0]
+            elastic = elastic_directions(joint, first, second)[0].T
+            values.append(-elastic @ wrenches)
+            directions = elastic / unit
         elif joint.compliance is None and joint.drive is not None and joint.drive.stiffness:
             directions = free_twists(system.posture, joint)[:, :1].T / unit
             strain = (

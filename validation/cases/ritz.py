@@ -29,6 +29,8 @@ STATIC_DEGREE = 3
 DEGREE = 8
 # Eigenvalues of stiffness below this share of the largest are idle motions.
 _IDLE = 1e-15
+# Share of a joint's largest compliance below which it is rigid; rounding leaves 1e-16.
+_RIGID = 1e-14
 # Shares of the largest inertia over stiffness below which a motion has no mass.
 _MASSLESS = 1e-14
 # Largest gap of a closed joint, relative to the size of the mechanism or in rad. Kinematics closes
@@ -353,7 +355,7 @@ class _Joint:
             compliances, along = np.linalg.eigh(joint.compliance)
             twists = block_diag(rotation, rotation) @ along
             for value, twist in zip(compliances, twists.T, strict=True):
-                if value > 0.0:
+                if value > _RIGID * compliances[-1]:
                     motions.append(twist)
                     springs.append(1.0 / value)
                     inertias.append(0.0)

@@ -24,6 +24,7 @@ from lumped.mechanism.body import (
     Rigid,
     Selection,
 )
+from lumped.mechanism.catalogue.directions import joint_axes, joint_matrix
 from lumped.mechanism.joint import Drive, Joint, Side
 from lumped.mechanism.mechanism import GROUND, Mechanism, Tool
 from lumped.mechanism.placing import axes_along, place_leg, place_rigid_body
@@ -113,8 +114,19 @@ def _joint(description: Draft, name: str) -> Joint:
         inertia = (drive["inertia"] or 0.0) * (drive["ratio"] or 1.0) ** 2
         drive = Drive(stiffness, drive["simplified"], drive["loss"], inertia)
     unit = axes / np.linalg.norm(axes, axis=1)[:, None]
-    elasticity = table["compliance"], table["loss"]
-    return Joint(name, table["type"], first, second, unit, drive, *elasticity)
+    compliance = table["compliance"] if table["stiffness"] is None else _compliance(table, unit)
+    return Joint(name, table["type"], first, second, unit, drive, compliance, table["loss"])
+
+
+def _compliance(table: Entry, axes: Array) -> Array | None:
+    """Compliance (6×6) of stiffnesses along a joint's directions. None if all are rigid."""
+    up = None if table["up"] is None else np.array(table["up"])
+    compliances = {
+        name: 0.0 if stiffness == "rigid" else 1.0 / stiffness
+        for name, stiffness in table["stiffness"].items()
+        if stiffness is not None
+    }
+    return joint_matrix(table["type"], joint_axes(table["type"], axes, up), compliances)
 
 
 def _poses(path: Entry) -> Array:

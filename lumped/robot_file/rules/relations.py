@@ -10,6 +10,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
+from lumped.mechanism.catalogue.directions import DIRECTIONS, NEED_UP
 from lumped.mechanism.joint import FREEDOMS, SMALLEST_SINE
 from lumped.mechanism.length_unit import METRE, UnitOfLength
 from lumped.mechanism.mechanism import GROUND
@@ -193,8 +194,12 @@ def joint_faults(joint: Entry) -> Iterator[str]:
             f"{key}.drive: a {kind} joint has {FREEDOMS[kind] or 'no'} free motions; "
             "must be a revolute or a prismatic one"
         )
-    if joint["loss"] and joint["compliance"] is None:
-        yield f"{key}.loss: must be left out without {key}.compliance, to which it belongs"
+    if joint["loss"] and joint["compliance"] is None and joint["stiffness"] is None:
+        yield (
+            f"{key}.loss: must be left out without {key}.compliance or {key}.stiffness, to which "
+            "it belongs"
+        )
+    yield from _direction_faults(joint)
     yield from _rotor_faults(joint["drive"] or {}, f"{key}.drive")
     if joint["repeated_point"]:
         yield f"{key}.at = {list(points)}: must be two different points, or one name"
@@ -227,6 +232,48 @@ def joint_faults(joint: Entry) -> Iterator[str]:
             f"{key}.axis = {list(directions[0])}: must point from {points[0]} to {points[1]} or "
             f"back, which are {apart} apart; or be left out"
         )
+
+
+def _direction_faults(joint: Entry) -> Iterator[str]:
+    """Faults of stiffnesses along directions of a joint, and of `up`, on which they depend."""
+    key, kind, up = joint["key"], joint["type"], joint["up"]
+    stiffness = joint["stiffness"]
+    if stiffness is not None:
+        if joint["compliance"] is not None:
+            yield f"{key}.stiffness: must be left out beside {key}.compliance, which replaces it"
+        held = [name for name, direction in DIRECTIONS[kind].items() if not direction.free]
+        for name in _present_keys(stiffness, *stiffness):
+            if name not in held:
+                yield (
+                    f"{key}.stiffness.{name}: does not belong to a {kind} joint; its directions "
+                    f"are {', '.join(held)}"
+                )
+        for name in held:
+            if stiffness[name] is None:
+                unit = "N m/rad" if DIRECTIONS[kind][name].turns else "N/m"
+                yield f'{key}.stiffness.{name}: missing; must be a number in {unit}, or "rigid"'
+    unequal = [
+        pair
+        for pair in NEED_UP.get(kind, ())
+        if stiffness is not None and stiffness[pair[0]] != stiffness[pair[1]]
+    ]
+    if up is None:
+        for first, second in unequal[:1]:
+            yield (
+                f"{key}.up: missing; must be the direction of the "
+                f"{'normal' if kind == 'prismatic' else 'axis'}, because {first} and {second} "
+                "differ"
+            )
+        return
+    axis = joint["vector"] if joint["vector"] is not None else [*joint["directions"], None][0]
+    if kind not in NEED_UP:
+        yield f"{key}.up: does not belong to a {kind} joint, which is equal all around its axis"
+    elif stiffness is None:
+        yield f"{key}.up: must be left out without {key}.stiffness, whose directions it gives"
+    elif np.linalg.norm(up) < NO_DIRECTION:
+        yield f"{key}.up = {list(up)}: must not be zero, it is a direction"
+    elif kind == "prismatic" and axis is not None and _parallel(up, axis, _ALONG_LEG):
+        yield f"{key}.up = {list(up)}: must be a direction that does not lie along the slide"
 
 
 def _rotor_faults(drive: Entry, key: str) -> Iterator[str]:

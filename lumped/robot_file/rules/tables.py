@@ -20,6 +20,7 @@ from lumped.acceptance.requirement import (
 )
 from lumped.legs import Ends
 from lumped.mechanism.body import Coupling, LengthUnit
+from lumped.mechanism.catalogue.directions import DIRECTIONS, Direction
 from lumped.mechanism.joint import JointKind
 from lumped.mechanism.length_unit import COORDINATES, LENGTH_UNITS, METRE, UnitOfLength
 from lumped.mechanism.mechanism import MOVES
@@ -278,6 +279,37 @@ _DRIVE = TableRule(
     Key("inertia", _ROTOR, "inertia of the rotor; a linear motor has kg"),
     Key("ratio", _RATIO, "gear ratio: rotor turns per joint turn, or rad per m; default 1"),
 )
+_STIFF = 'more than any joint has; "rigid" holds it'
+
+
+def _direction_keys() -> Iterator[tuple[str, Direction, str]]:
+    """Name of each direction of a joint, the direction, and the kinds of joints that have it."""
+    names = dict.fromkeys(name for named in DIRECTIONS.values() for name in named)
+    for name in names:
+        kinds = [kind for kind, named in DIRECTIONS.items() if name in named]
+        yield name, DIRECTIONS[kinds[0]][name], ", ".join(kinds)
+
+
+def _along_directions(rules: tuple[Rule, Rule], *, free: bool) -> TableRule:
+    """Table of numbers along directions of joints: `rules` for translations and rotations."""
+    return TableRule(
+        *(
+            Key(name, rules[direction.turns], kinds)
+            for name, direction, kinds in _direction_keys()
+            if free or not direction.free
+        )
+    )
+
+
+_JOINT_STIFFNESS = _along_directions(
+    (
+        Either(Number("N/m", above=0.0, most=1e15, high=_STIFF, slip=1e-12), OneOf(("rigid",))),
+        Either(Number("N m/rad", above=0.0, most=1e15, high=_STIFF, slip=1e-12), OneOf(("rigid",))),
+    ),
+    free=False,
+)
+_CATALOGUE = "instead of `compliance`: stiffness along directions of the joint, each required"
+_JOINT_UP = "direction of a slide's normal; of the axis of a fixed or spherical joint"
 JOINT = TableRule(
     needed("type", OneOf(get_args(JointKind)), "kind of joint"),
     needed("between", Several(_BODY_NAME, 2), 'two bodies; "ground" is one'),
@@ -290,7 +322,9 @@ JOINT = TableRule(
     ),
     Key("drive", _DRIVE, "drive of a revolute or prismatic joint; default: passive"),
     Key("compliance", _COMPLIANCE, _SERIES),
-    Key("loss", _LOSS, "loss factor of the compliance", default=0.0),
+    Key("stiffness", _JOINT_STIFFNESS, _CATALOGUE),
+    Key("up", _DIRECTION, _JOINT_UP),
+    Key("loss", _LOSS, "loss factor of the compliance or stiffness", default=0.0),
     _COPIES,
 )
 TOOL = TableRule(

@@ -1,0 +1,109 @@
+"""Directions of joints by name, and the matrices of numbers along them.
+
+The x axis of a joint is the axis of its kind; of a universal joint, the normal of its two axes in
+the reference posture; of a spherical or fixed one, the direction `up`. The z axis of a prismatic
+joint is as close to `up` as possible: x is along the slide, y lateral, z normal, and roll, pitch
+and yaw turn about them. The other kinds have equal numbers along y and z.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from lumped.arrays import Array
+from lumped.mechanism.joint import JointKind
+from lumped.screws import turn_matrix
+
+
+@dataclass(frozen=True)
+class Direction:
+    """Components (0 to 5) of a twist in joint axes. `free`: the joint moves along them."""
+
+    components: tuple[int, ...]
+    free: bool = False
+
+    @property
+    def turns(self) -> bool:
+        """True for rotations."""
+        return self.components[0] >= 3
+
+
+_AXIAL, _RADIAL, _TILTING = Direction((0,)), Direction((1, 2)), Direction((4, 5))
+_TURNING, _TORSION = Direction((3,), free=True), Direction((3,))
+DIRECTIONS: dict[JointKind, dict[str, Direction]] = {
+    "fixed": {"axial": _AXIAL, "radial": _RADIAL, "torsion": _TORSION, "tilting": _TILTING},
+    "revolute": {"axial": _AXIAL, "radial": _RADIAL, "tilting": _TILTING, "turning": _TURNING},
+    "prismatic": {
+        "normal": Direction((2,)),
+        "lateral": Direction((1,)),
+        "roll": _TORSION,
+        "pitch": Direction((4,)),
+        "yaw": Direction((5,)),
+        "along": Direction((0,), free=True),
+    },
+    "cylindrical": {
+        "radial": _RADIAL,
+        "tilting": _TILTING,
+        "along": Direction((0,), free=True),
+        "turning": _TURNING,
+    },
+    # The moment of a universal joint is along x. It has the same compliance about all axes, since
+    # x turns with the second body.
+    "universal": {
+        "axial": _AXIAL,
+        "radial": _RADIAL,
+        "torsion": Direction((3, 4, 5)),
+        "turning": Direction((3, 4, 5), free=True),
+    },
+    "spherical": {
+        "axial": _AXIAL,
+        "radial": _RADIAL,
+        "turning": Direction((3, 4, 5), free=True),
+    },
+    "planar": {
+        "axial": _AXIAL,
+        "tilting": _TILTING,
+        "sliding": Direction((1, 2), free=True),
+        "turning": _TURNING,
+    },
+}
+# Pairs of directions, by kind, whose numbers need the direction `up` if they differ.
+NEED_UP: dict[JointKind, tuple[tuple[str, str], ...]] = {
+    "fixed": (("axial", "radial"), ("torsion", "tilting")),
+    "prismatic": (("normal", "lateral"), ("pitch", "yaw")),
+    "spherical": (("axial", "radial"),),
+}
+
+
+def joint_axes(kind: JointKind, axes: Array, up: Array | None) -> Array:
+    """Axes (3×3, as columns) of a joint in base axes of the reference posture.
+
+    `axes` (n×3, unit vectors) are those of its kind. Without `up` (3), directions that depend on it
+    are arbitrary.
+    """
+    if kind in {"spherical", "fixed"}:
+        x = np.eye(3)[0] if up is None else up / np.linalg.norm(up)
+    elif kind == "universal":
+        x = np.cross(*axes)
+        x /= np.linalg.norm(x)
+    else:
+        x = axes[0]
+    z = up if up is not None and kind == "prismatic" else np.eye(3)[np.argmin(np.abs(x))]
+    y = np.cross(z, x)
+    y /= np.linalg.norm(y)
+    return np.column_stack([x, y, np.cross(x, y)])
+
+
+def joint_matrix(kind: JointKind, axes: Array, values: Mapping[str, float]) -> Array | None:
+    """Symmetric 6×6 matrix in base axes with `values` along directions in joint `axes` (3×3).
+
+    Zero along all other directions. None if all values are zero.
+    """
+    diagonal = np.zeros(6)
+    for name, value in values.items():
+        diagonal[list(DIRECTIONS[kind][name].components)] = value
+    if not diagonal.any():
+        return None
+    matrix = turn_matrix(np.diag(diagonal), axes)
+    return np.asarray(0.5 * (matrix + matrix.T))
