@@ -1,22 +1,21 @@
 """Twists and wrenches: transformations between points and frames, and descriptions in words.
 
-A twist (or small displacement) is [x y z φx φy φz] (m, rad), a wrench [Fx Fy Fz Mx My Mz]
-(N, N m). Moving the reference point or turning the axes keeps the work wrench · twist.
-
-Both are a line vector u (rotation or force) with a moment w (translation or moment) about the
-reference point. The line runs through r = u × w / |u|². The pitch is u·w / |u|².
+A twist (or small displacement) is [x y z φx φy φz] (m, rad), a wrench [Fx Fy Fz Mx My Mz] (N, N m).
+The work wrench · twist does not depend on the reference point or the axes. Both consist of a line
+vector u (rotation or force) and its moment w (translation or moment) about the reference point. The
+line passes through r = u × w / |u|². The pitch is u·w / |u|².
 """
 
 import numpy as np
 
 from lumped.arrays import Array
 
-# Component of a unit vector, or fraction of the length scale, below which it is written as zero.
+# Components of a unit vector, and fractions of the length scale, are written as zero below this.
 _ZERO = 1e-6
 
 
 def skew(vector: Array) -> Array:
-    """…×3×3 matrices S with S u = vector × u, of vectors …×3."""
+    """Matrices S (…×3×3) with S u = vector × u, for vectors …×3."""
     v = np.asarray(vector, dtype=float)
     matrix = np.zeros((*v.shape, 3))
     matrix[..., 2, 1], matrix[..., 0, 2], matrix[..., 1, 0] = v[..., 0], v[..., 1], v[..., 2]
@@ -24,10 +23,10 @@ def skew(vector: Array) -> Array:
 
 
 def shift(offset: Array) -> Array:
-    """…×6×6 X with twist_B = X twist_A for two points of one rigid body.
+    """Matrix X (…×6×6) with twist_B = X twist_A for two points A and B of one rigid body.
 
-    `offset` (…×3) is B − A (m), in the axes of the twists. Wrenches transform by the transpose,
-    wrench_A = Xᵀ wrench_B, which preserves the work.
+    `offset` (…×3) is B − A (m), in the axes of the twists. Wrenches are transformed by the
+    transpose, wrench_A = Xᵀ wrench_B, so that the work is the same.
     """
     arm = skew(offset)
     matrix = np.zeros((*arm.shape[:-2], 6, 6))
@@ -37,9 +36,9 @@ def shift(offset: Array) -> Array:
 
 
 def turn(rotation: Array) -> Array:
-    """…×6×6 D = diag(R, R) of eq. (14): twist in base axes = D · twist in local axes.
+    """Matrix D = diag(R, R) (…×6×6) of eq. (14): twist in base axes = D · twist in local axes.
 
-    `rotation` (…×3×3) is the matrix whose columns are the local axes in base axes.
+    The columns of `rotation` R (…×3×3) are the local axes in base axes.
     """
     matrix = np.zeros((*np.shape(rotation)[:-2], 6, 6))
     matrix[..., :3, :3] = rotation
@@ -48,13 +47,13 @@ def turn(rotation: Array) -> Array:
 
 
 def rotation_z(angle: float) -> Array:
-    """3×3 rotation about z by `angle` (rad), right-handed."""
+    """3×3 matrix of a right-handed rotation about z by `angle` (rad)."""
     c, s = np.cos(angle), np.sin(angle)
     return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
 
 
 def rotation_about(vector: Array) -> Array:
-    """…×3×3 rotations of rotation vectors (…×3, rad), by Rodrigues' formula."""
+    """Rotation matrices (…×3×3) of rotation vectors (…×3, rad), by Rodrigues' formula."""
     angle = np.linalg.norm(vector, axis=-1)[..., None, None] / np.pi
     cross = skew(vector)
     matrix: Array = np.sinc(angle) * cross + 0.5 * np.sinc(0.5 * angle) ** 2 * cross @ cross
@@ -62,10 +61,11 @@ def rotation_about(vector: Array) -> Array:
 
 
 def rotation_vector(rotation: Array) -> Array:
-    """Rotation vectors (…×3, rad) of …×3×3 rotations, at most half a turn long.
+    """Rotation vectors (…×3, rad, of length up to π) of rotation matrices (…×3×3).
 
-    Computed from the quaternion q = (w, x, y, z), which is the normalised row of 4 q qᵀ with q's
-    largest entry. 4 q qᵀ is linear in the rotation (S. W. Shepperd, J. Guid. Control 1 (1978) 223).
+    They are computed from the quaternion q = (w, x, y, z), a normalised row of the matrix 4 q qᵀ,
+    which is linear in the rotation matrix. The row with the largest entry of q is used (S. W.
+    Shepperd, J. Guid. Control 1 (1978) 223).
     """
     r = np.asarray(rotation, dtype=float)
     trace = np.trace(r, axis1=-2, axis2=-1)
@@ -86,35 +86,39 @@ def rotation_vector(rotation: Array) -> Array:
 
 
 def move_compliance(compliance: Array, offset: Array) -> Array:
-    """6×6 compliance at B from the `compliance` at A of the same body. `offset` = B − A (m)."""
+    """6×6 compliance at B from the 6×6 compliance at A of the same body. `offset` = B − A (m)."""
     adjoint = shift(offset)
     return adjoint @ compliance @ adjoint.T
 
 
 def turn_matrix(matrix: Array, rotation: Array) -> Array:
-    """…×6×6 compliance or stiffness in base axes from the one in local axes: D C Dᵀ."""
+    """Compliance or stiffness (…×6×6) in base axes, D C Dᵀ, from `matrix` C in local axes."""
     block = turn(rotation)
     return block @ matrix @ np.swapaxes(block, -1, -2)
 
 
 def name_twists(twists: Array, length: float) -> str:
-    """Description of the motions spanned by `twists` (n×6, base axes); `length` (m) is the scale.
+    """Description in words of the motions spanned by `twists` (n×6, base axes).
 
-    The text names the basis with the fewest components: "translate along x and turn about z
-    through (0, 0.5, 0) m from the loaded point".
+    The basis with the fewest components is described, for example "translate along x and turn about
+    z through (0, 0.5, 0) m from the loaded point". `length` (m) is the size of the mechanism.
     """
     screws = np.hstack([twists[:, 3:], twists[:, :3] / length])
     return _described(screws, length, "turn about", "translate along")
 
 
 def name_wrenches(wrenches: Array, length: float) -> str:
-    """Description of the loads spanned by `wrenches` (n×6, base axes), as in `name_twists`."""
+    """Description in words of the loads spanned by `wrenches` (n×6, base axes).
+
+    `length` (m) is the size of the mechanism. Examples: "a force along x through the loaded point",
+    "a moment about z".
+    """
     screws = np.hstack([wrenches[:, :3], wrenches[:, 3:] / length])
     return _described(screws, length, "a force along", "a moment about")
 
 
 def _described(screws: Array, length: float, line: str, moment: str) -> str:
-    """Description of screws (n×6: u, w in units of `length`) with words for line and moment."""
+    """Description of screws (n×6: u and w in units of `length`), with words for line and moment."""
     return " and ".join(
         f"{line} {_direction(u)} through {_point(u, w, length)}{_pitch(u, w, length)}"
         if np.any(u)
@@ -124,7 +128,7 @@ def _described(screws: Array, length: float, line: str, moment: str) -> str:
 
 
 def _sparsest(screws: Array) -> list[tuple[Array, Array]]:
-    """Reduced row echelon form: rows (u, w) with as few components as the space allows."""
+    """Rows (u, w) of the reduced row echelon form, which have as few components as possible."""
     rows = screws / np.linalg.norm(screws, axis=1)[:, None]
     rank = 0
     for column in range(6):

@@ -1,7 +1,7 @@
-"""Request for the library that factorises large sparse systems.
+"""Choice of the library that factorises large sparse systems.
 
-It is the value of variables of the environment, which the options `--solver` and `--ranks` set and
-processes inherit.
+The choice is stored in environment variables, which the options `--solver` and `--ranks` set and
+which child processes inherit.
 """
 
 import os
@@ -10,14 +10,17 @@ from enum import StrEnum
 from lumped.errors import InputError
 
 VARIABLE, RANKS_VARIABLE = "FLEXPROOF_SOLVER", "FLEXPROOF_RANKS"
-# Path of a Python that has petsc4py, and the path if it is not set.
+# Variable for the path of a Python with petsc4py, and the path if the variable is not set.
 PYTHON_VARIABLE, SYSTEM_PYTHON = "FLEXPROOF_PETSC_PYTHON", "/usr/bin/python3"
-# Largest number of ranks on a machine with few cores; with more cores, their number.
+# Largest number of MPI ranks, or the number of cores if that is larger.
 _LARGEST_RANKS = 4
 
 
 class Solver(StrEnum):
-    """A library by its name, or the one that suits the size of a system and the machine."""
+    """Library for sparse factorisation.
+
+    AUTO selects it by the size of the system and the machine.
+    """
 
     AUTO = "auto"
     RSLAB = "rslab"
@@ -26,7 +29,7 @@ class Solver(StrEnum):
 
 
 def requested_solver() -> Solver:
-    """Request of the environment. Raises InputError for an unknown name."""
+    """Library requested by the environment variable. Raises InputError for an unknown name."""
     name = os.environ.get(VARIABLE, "").strip() or Solver.AUTO
     try:
         return Solver(name)
@@ -35,12 +38,12 @@ def requested_solver() -> Solver:
 
 
 def requested_ranks() -> int:
-    """Ranks of MPI for the solver petsc: one unless requested. Raises InputError."""
+    """Number of MPI ranks for petsc: 1 unless requested. Raises InputError for a wrong number."""
     return rank_count(os.environ.get(RANKS_VARIABLE, "").strip() or "1", RANKS_VARIABLE)
 
 
 def rank_count(text: str, source: str) -> int:
-    """Number of ranks in a text. Raises InputError, naming the text's source."""
+    """Number of MPI ranks from a text. Raises InputError, with `source` in its message."""
     largest = max(_LARGEST_RANKS, os.cpu_count() or 1)
     if not text.isdecimal() or not 1 <= int(text) <= largest:
         raise InputError(
@@ -51,12 +54,15 @@ def rank_count(text: str, source: str) -> int:
 
 
 def petsc_python() -> str:
-    """Path of the Python that has petsc4py."""
+    """Path of the Python interpreter that has petsc4py."""
     return os.environ.get(PYTHON_VARIABLE, "").strip() or SYSTEM_PYTHON
 
 
 def requested_library() -> str:
-    """The request, with ranks and Python of petsc: results differ by rounding between them."""
+    """Text that identifies the requested library. For petsc it includes ranks and interpreter.
+
+    Results of different libraries differ by round-off, so that the text is part of cache keys.
+    """
     request = requested_solver()
     if request is not Solver.PETSC:
         return request.value
@@ -64,5 +70,5 @@ def requested_library() -> str:
 
 
 def request_variables() -> dict[str, str]:
-    """Variables of the environment that repeat this process's request elsewhere."""
+    """Environment variables with which another process requests the same library."""
     return {VARIABLE: requested_solver().value, RANKS_VARIABLE: str(requested_ranks())}

@@ -1,4 +1,4 @@
-"""Display of foreign text: shortened, and without characters that control a terminal."""
+"""Display of texts from files: shortened, and without characters that control a terminal."""
 
 import json
 import unicodedata
@@ -6,21 +6,21 @@ from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
 
 # Unicode categories that are escaped: control characters, marks that reorder adjacent text or have
-# no width, and surrogates (from a file name that is not UTF-8).
+# no width, and surrogates (from file names that are not UTF-8).
 _ESCAPED_CATEGORIES = frozenset({"Cc", "Cf", "Cs", "Co", "Cn", "Zl", "Zp"})
 
 _LONGEST_VALUE = 60
 _LONGEST_LINE = 500
-# Longest name for which similar known names are searched; all known names are shorter.
+# Longest name for which similar known names are searched. All known names are shorter.
 _LONGEST_NAME = 100
 
 
 def shown(value: object) -> str:
-    """A value of a file approximately as its author typed it, cut to one short line."""
+    """A value from a file approximately as it was typed, cut to one short line."""
     try:
         text = repr(value) if isinstance(value, float) else _as_json(value)
     except ValueError:
-        # Python refuses to write integers of more than some thousand digits.
+        # Python refuses to print integers of more than a few thousand digits.
         return "a number of thousands of digits"
     except RecursionError:
         return "tables in tables"
@@ -28,12 +28,12 @@ def shown(value: object) -> str:
 
 
 def cut(text: str, longest: int) -> str:
-    """The text, or if it is longer than `longest` characters its beginning and …."""
+    """`text`, or its beginning and "…" if it is longer than `longest` characters."""
     return text if len(text) <= longest else text[: longest - 1] + "…"
 
 
 def shortened(line: str) -> str:
-    """The line, or if it is too long its beginning, … and its end."""
+    """`line`, or its beginning, "…" and its end if it is longer than 500 characters."""
     if len(line) <= _LONGEST_LINE:
         return line
     # A message begins with the location and ends with the reason.
@@ -42,12 +42,12 @@ def shortened(line: str) -> str:
 
 
 def counted(count: int, singular: str, plural: str = "") -> str:
-    """Number and noun: "1 body", "2 bodies". `plural` is needed if it is irregular."""
+    """Number and noun, such as "1 body" or "2 bodies". `plural` is needed if it is irregular."""
     return f"{count} {singular if count == 1 else plural or f'{singular}s'}"
 
 
 def aligned(headings: Sequence[str], rows: Sequence[Sequence[str]], indent: str = "  ") -> str:
-    """A table as plain text with two blanks between columns; numbers align to the right."""
+    """A table as plain text with two blanks between columns. Numbers are aligned to the right."""
     lines = [list(headings), *[list(row) for row in rows]]
     widths = [max(len(line[k]) for line in lines) for k in range(len(headings))]
     numeric = [all(_is_number(row[k]) for row in rows) for k in range(len(headings))]
@@ -70,7 +70,7 @@ def _is_number(text: str) -> bool:
 
 
 def did_you_mean(name: str, known: Iterable[str], otherwise: str = "", cutoff: float = 0.6) -> str:
-    """Suggestion of the most similar known name, to end a message; else `otherwise`."""
+    """Suggestion of the known name most similar to `name`, to end a message. Else `otherwise`."""
     by_lower_case = {known_name.lower(): known_name for known_name in known}
     if len(name) <= _LONGEST_NAME and (
         close := get_close_matches(name.lower(), by_lower_case, n=1, cutoff=cutoff)
@@ -87,7 +87,7 @@ def _as_json(value: object) -> str:
 
 
 def visible(text: str, keep: str = "") -> str:
-    r"""The text with control and format characters escaped, as \x1b or \u202e.
+    r"""`text` with control and format characters escaped, such as \x1b or \u202e.
 
     Characters in `keep` (for example line ends) remain unchanged.
     """

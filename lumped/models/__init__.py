@@ -1,4 +1,5 @@
-"""Lumped models of the bodies of any mechanism, and chains of them.
+"""Lumped models of the bodies of any mechanism, and the virtual joint method on serial chains.
 
-In: a mechanism. Out: models of its bodies for the assembly, or the robot's compliance by chains.
+Input: a mechanism. Output: stiffness and mass of its bodies for the assembly, or the compliance of
+the robot from its chains.
 """

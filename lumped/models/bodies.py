@@ -1,10 +1,12 @@
-"""Legs of a mechanism as springs and as links, and statics and modes of a single clamped leg.
+"""Legs as springs and as links of matrix structural analysis; statics and modes of one clamped leg.
 
-Links are matrix structural analysis: each leg by its stiffness between its two interfaces. The
-12×12 stiffness of a prism, or of a leg known by its 6×6, follows from its tip compliance with
-clamped root by equilibrium. Links are static, because they do not define the motion of a body's
-mass. Tip compliance and modes of a single leg with clamped root follow from any model with
-matrices.
+A link is a leg represented by its stiffness between its two interfaces. The 12×12 stiffness of a
+prism, or of a leg known by its 6×6, follows from the tip compliance with clamped root by
+equilibrium. Links are used in statics only, because they do not define how the mass inside a body
+moves.
+
+Tip compliance and natural modes of a single leg with its root clamped are computed from any model
+that consists of stiffness and mass matrices.
 """
 
 from collections.abc import Mapping
@@ -26,10 +28,10 @@ from lumped.screws import shift
 
 LegSprings: TypeAlias = Literal["given", "equivalent"]
 _ROOT = 6
-# Motions of a body that nothing holds.
+# Number of rigid-body motions of an unsupported body.
 RIGID_MOTIONS = 6
-# Of a shifted eigenvalue problem, relative to the shift: rounding of zero eigenvalues, 1e-12 for
-# 200 elements, and far below any elastic mode.
+# Eigenvalues ω² below this fraction of the shift are zero. Round-off is 1e-12 for 200 elements, and
+# elastic modes lie far above.
 _NO_FREQUENCY = 1e-6
 
 
@@ -41,7 +43,7 @@ def leg_of(body: Body) -> Leg:
 
 
 def legs_of(mechanism: Mechanism) -> dict[str, Leg]:
-    """Legs of a mechanism by the name of their body."""
+    """Legs of a mechanism, by the name of their body."""
     return {
         name: body.shape
         for name, body in mechanism.bodies.items()
@@ -50,7 +52,7 @@ def legs_of(mechanism: Mechanism) -> dict[str, Leg]:
 
 
 def on_equivalent_legs(mechanism: Mechanism) -> Mechanism:
-    """Mechanism with equivalent constant-section legs in place of those known by their 6×6."""
+    """Mechanism in which equivalent prismatic legs replace the legs known by their 6×6."""
     bodies = {
         name: replace(body, shape=replace(equivalent_leg(body.shape), name=name))
         if isinstance(body.shape, GivenLeg)
@@ -66,11 +68,11 @@ def tip_compliances(
     theory: Theory = "timoshenko",
     by: EquivalentBy = "stiffness",
 ) -> dict[str, Array]:
-    """6×6 compliance (SI, body axes) of every leg at its second interface, the first clamped.
+    """6×6 compliance (SI, body axes) of each leg at its tip with its root clamped.
 
-    A leg known by its 6×6 has this compliance, or with `springs` "equivalent" that of its
-    equivalent constant-section leg, matched `by` stiffness or compliance. The compliance of a prism
-    follows from `theory`.
+    For a leg known by its 6×6, this is the 6×6 from the robot file if `springs` is "given". If it
+    is "equivalent", it is that of the equivalent prismatic leg, matched `by` stiffness or
+    compliance. The compliance of a prism is computed by the beam theory `theory`.
     """
     compliances = {}
     for name, leg in legs_of(mechanism).items():
@@ -83,7 +85,7 @@ def tip_compliances(
 
 
 def links(mechanism: Mechanism, legs: Mapping[str, Array]) -> dict[str, LegMatrices]:
-    """Links of all legs by name, from their tip compliances `legs` (6×6, SI, body axes)."""
+    """Links of all legs by name, from the tip compliances `legs` (6×6, SI, body axes)."""
     lengths = {
         name: float(np.linalg.norm(tip.position - root.position))
         for name in legs
@@ -93,9 +95,10 @@ def links(mechanism: Mechanism, legs: Mapping[str, Array]) -> dict[str, LegMatri
 
 
 def link(length: float, compliance: Array) -> LegMatrices:
-    """Massless leg with a tip `compliance` (6×6, SI, leg axes, root clamped).
+    """Stiffness between root and tip of a massless leg with the given tip compliance.
 
-    Its centreline is a straight line between the ends.
+    `compliance` is 6×6 (SI, leg axes, root clamped). In pictures the leg is a straight line between
+    its ends.
     """
     relative = np.hstack([-shift(np.array([length, 0.0, 0.0])), np.eye(6)])
     stiffness: Array = relative.T @ np.linalg.inv(compliance) @ relative
@@ -114,7 +117,7 @@ def link(length: float, compliance: Array) -> LegMatrices:
 
 
 def tip_compliance_of(leg: LegMatrices) -> Array:
-    """6×6 tip compliance (SI, leg axes) of the leg with its root clamped.
+    """6×6 compliance (SI, leg axes) of a leg model at its tip with its root clamped.
 
     Raises ComputationError if the stiffness of the clamped leg is singular.
     """
@@ -125,11 +128,11 @@ def tip_compliance_of(leg: LegMatrices) -> Array:
 
 
 def clamped_modes(leg: LegMatrices, count: int) -> Modes:
-    """The lowest `count` modes of the leg with its root clamped.
+    """The lowest `count` natural modes of a leg model with its root clamped.
 
-    Shapes are on all unknowns of the leg (n×count, zero at the root), so that
-    `leg.centreline(stations) @ shapes` are the displacements. Raises ComputationError under the
-    conditions of `solve_modes`.
+    The shapes contain all unknowns of the leg (n×count, zero at the root), so that
+    `leg.centreline(stations) @ shapes` are twists of the sections. Raises ComputationError under
+    the conditions of `solve_modes`.
     """
     free = solve_modes(
         dense(leg.stiffness)[_ROOT:, _ROOT:], dense(leg.mass)[_ROOT:, _ROOT:], count, leg.model
@@ -139,11 +142,11 @@ def clamped_modes(leg: LegMatrices, count: int) -> Modes:
 
 
 def free_frequencies(leg: LegMatrices, count: int) -> Array:
-    """The lowest `count` frequencies (Hz) of the leg with nothing held, rigid motions left out.
+    """The lowest `count` natural frequencies (Hz) of an unsupported leg, except rigid motions.
 
-    K + σM is positive definite and has the same shapes, σ being ω² of the lowest mode of the
-    clamped leg. Raises ComputationError unless exactly six eigenvalues of K are zero, and under
-    the conditions of `solve_modes`.
+    The shifted matrix K + σM is positive definite and has the same mode shapes. The shift σ is ω²
+    of the lowest mode of the clamped leg. Raises ComputationError unless exactly six eigenvalues of
+    K are zero, and under the conditions of `solve_modes`.
     """
     stiffness, mass = dense(leg.stiffness), dense(leg.mass)
     shift_by = float(2.0 * np.pi * clamped_modes(leg, 1).frequencies[0]) ** 2

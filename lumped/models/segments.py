@@ -1,13 +1,13 @@
-"""Rigid segments joined by 6-DOF springs, eqs (13)–(23), as one free leg.
+"""A free leg as a chain of rigid segments joined by 6-DOF springs, eqs (13)–(23) of the paper.
 
-A spring between two rigid elements represents the beam piece between their centres. Referred to the
-middle of that piece its compliance is diagonal if the section has two axes of symmetry. Two layouts
-of n equal elements:
+A spring between two rigid elements represents the piece of the beam between their centres. Referred
+to the middle of that piece its compliance is diagonal if the section has two axes of symmetry. Two
+layouts of n equal elements:
 
-half     full springs (length L/n) between elements and springs of length L/2n at both ends:
-         second order in 1/n in the frequencies, exact in statics for every n;
-literal  text of §3.2: springs between elements only, the end elements rigid with the ends, so
-         that a length L/n of the leg is rigid: first order in 1/n.
+  half     Springs of length L/n between elements, and springs of length L/2n at both ends.
+           Frequencies converge with second order in 1/n, statics are exact for every n.
+  literal  The text of §3.2: springs between elements only. The end elements are rigidly connected
+           to the ends, so that a length L/n of the leg is rigid. First order in 1/n.
 """
 
 from collections.abc import Sequence
@@ -25,20 +25,20 @@ from lumped.screws import shift
 from lumped.system.joint_motion import printed_release
 
 Layout: TypeAlias = Literal["half", "literal"]
-# Release of the robot's revolute joints: by condensation, or by eq. (25) as printed.
+# Release of rotation in the robot's revolute joints: by condensation, or by eq. (25) as printed.
 Release: TypeAlias = Literal["condensed", "printed"]
 
-# Twist components that each kind of deformation uses in a spring referred to its piece's middle.
+# Twist components of each kind of deformation, for a spring referred to the middle of its piece.
 KINDS = {"tension": (0,), "torsion": (3,), "bending y": (2, 4), "bending z": (1, 5)}
 
 
 @dataclass(frozen=True, eq=False)
 class SegmentChain:
-    """Bodies from root to tip, rigid elements or massless ends, and springs between neighbours.
+    """Rigid elements and massless ends of a leg from root to tip, and springs between neighbours.
 
-    `places` (b) of the bodies' reference points and `springs_at` (b−1) are in m from the root,
-    `masses` (b×6×6, at these points) and `stiffnesses` (b−1×6×6, on the relative twist at the
-    spring) in leg axes, SI.
+    `places` (b values, m from the root) are the reference points of the b bodies, `springs_at`
+    (b−1, m from the root) those of the springs. `masses` (b×6×6) are mass matrices at the reference
+    points, `stiffnesses` (b−1×6×6) act on the relative twists at the springs. Leg axes, SI.
     """
 
     length: float
@@ -53,7 +53,7 @@ def segment_chain(
 ) -> SegmentChain:
     """Chain of `elements` equal rigid elements for a leg of `length` (m).
 
-    Raises InputError for fewer elements than the layout needs (half 1, literal 2).
+    Raises InputError if the layout needs more elements ("half" 1, "literal" 2).
     """
     least = 1 if layout == "half" else 2
     if elements < least:
@@ -69,7 +69,7 @@ def segment_chain(
         pieces = np.array([piece / 2.0, *pieces, piece / 2.0])
         middles = np.array([piece / 4.0, *middles, length - piece / 4.0])
     else:
-        # The end elements are referred to the leg's ends, to which the robot's joints are attached.
+        # The end elements are referred to the ends of the leg, to which joints are attached.
         places = np.array([0.0, *centres[1:-1], length])
         levers = _shift_along_leg(centres - places)
         masses = levers.swapaxes(1, 2) @ masses @ levers
@@ -78,7 +78,7 @@ def segment_chain(
 
 
 def _spring(properties: BeamProperties, piece: float) -> Array:
-    """6×6 stiffness of the spring that stands for a piece, referred to its middle."""
+    """6×6 stiffness of a spring for a piece of length `piece` (m), referred to the middle."""
     compliance = properties.piece_compliance(piece)
     if properties.couples_bending or properties.couples_torsion:
         stiffness = np.linalg.inv(compliance)
@@ -87,7 +87,7 @@ def _spring(properties: BeamProperties, piece: float) -> Array:
 
 
 def _element_mass(properties: BeamProperties, piece: float) -> Array:
-    """6×6 mass of a rigid element about its centre: a prism with the section's rotary inertia."""
+    """6×6 mass matrix of a rigid prismatic element of length `piece` (m) at its centre."""
     mass = properties.mu * piece
     slender = mass * piece**2 / 12.0
     inertia = np.diag(
@@ -105,15 +105,15 @@ def _element_mass(properties: BeamProperties, piece: float) -> Array:
 
 
 def _shift_along_leg(offsets: Array | float) -> Array:
-    """…×6×6 transformation of twists to points `offsets` (…, m) further along the leg."""
+    """Matrix (…×6×6) that moves twists to points `offsets` (…, m) further along the leg."""
     return shift(np.asarray(offsets)[..., None] * np.eye(3)[0])
 
 
 def with_printed_tip_joint(chain: SegmentChain) -> SegmentChain:
-    """Chain with a revolute joint about z at its tip according to eq. (25) as printed.
+    """Chain with a revolute joint about z at the tip, released by eq. (25) as printed.
 
-    Row and column of φz of the last spring, referred to the tip, are set to zero. This is not a
-    joint if φz is coupled to y: the spring becomes too stiff along y (errata).
+    Row and column φz of the last spring, referred to the tip, are set to zero. This is not a joint
+    if φz is coupled to y: the spring becomes too stiff along y (errata).
     """
     printed = printed_release(_last_at_tip(chain))
     return replace(
@@ -124,22 +124,25 @@ def with_printed_tip_joint(chain: SegmentChain) -> SegmentChain:
 
 
 def _last_at_tip(chain: SegmentChain) -> Array:
-    """Stiffness (6×6) of the last spring, referred to the tip."""
+    """6×6 stiffness of the last spring of a chain, referred to the tip."""
     lever = _shift_along_leg(chain.springs_at[-1] - chain.length)
     at_tip: Array = lever.T @ chain.stiffnesses[-1] @ lever
     return at_tip
 
 
 def segment_leg(chain: SegmentChain) -> LegMatrices:
-    """Stiffness and mass of the chain, eqs (13)–(23), unknowns (root 6, tip 6, inner bodies)."""
+    """Stiffness and mass of a leg as a chain, eqs (13)–(23).
+
+    Unknowns: root 6, tip 6, inner bodies.
+    """
     count = len(chain.places)
-    # Chain order root, inner, tip becomes root, tip, inner.
+    # The order root, inner bodies, tip of the chain becomes root, tip, inner bodies.
     block = np.array([0, *range(2, count), 1])
     mass = _scatter(block[:, None], chain.masses, 6 * count)
     full = _spring_matrix(chain, block, tuple(range(6)))
     parts = {kind: _spring_matrix(chain, block, rows) for kind, rows in KINDS.items()}
-    # A printed joint or a section without two axes of symmetry couples the kinds, so that the
-    # springs do not split into parts.
+    # A joint released by eq. (25) as printed couples the kinds of deformation, as does a section
+    # without two axes of symmetry. The stiffness is then not split.
     splits = not (chain.stiffnesses * (1.0 - np.eye(6))).any()
 
     def centreline(stations: Array) -> SparseMatrix:
@@ -156,18 +159,18 @@ def segment_leg(chain: SegmentChain) -> LegMatrices:
 
 
 def static_leg(chain: SegmentChain) -> LegMatrices:
-    """The chain condensed to its two ends, unknowns (root 6, tip 6), without mass.
+    """Massless leg that has the stiffness of the chain between its ends. Unknowns: root 6, tip 6.
 
-    Springs in series: compliances add at the tip, C = Σ X Cₖ Xᵀ. The assembled matrix of
-    `segment_leg` gives the same result with a round-off of n³ · 1e-15, since the springs of a fine
-    chain are n³ times stiffer than the leg. The error of this form is below 1e-11 up to thousands
-    of elements.
+    The springs are in series, so that their compliances at the tip add up: C = Σ X Cₖ Xᵀ. The error
+    of this sum is below 1e-11 up to thousands of elements. The assembled matrix of `segment_leg`
+    gives the same result with a round-off error of n³ · 1e-15, because the springs of a chain of n
+    elements are n³ times as stiff as the leg.
     """
     levers = _shift_along_leg(chain.length - chain.springs_at[:-1])
     other_compliance = np.sum(
         levers @ np.linalg.inv(chain.stiffnesses[:-1]) @ levers.swapaxes(1, 2), axis=0
     )
-    # The last spring may be released (singular stiffness), so it is joined as a stiffness.
+    # The last spring may be released and then has no compliance, so its stiffness is used.
     at_tip = _last_at_tip(chain)
     tip = np.linalg.solve(np.eye(6) + at_tip @ other_compliance, at_tip)
     deflection = np.hstack([-_shift_along_leg(chain.length), np.eye(6)])
@@ -182,7 +185,7 @@ def static_leg(chain: SegmentChain) -> LegMatrices:
 
 
 def _spring_matrix(chain: SegmentChain, block: IntArray, rows: Sequence[int]) -> SparseMatrix:
-    """Stiffness Σ [C₂ C₁]ᵀ K [C₂ C₁] of eq. (21) from the components `rows` of the deflections."""
+    """Stiffness Σ [C₂ C₁]ᵀ K [C₂ C₁] of eq. (21), from the components `rows` of the deflections."""
     components, count = list(rows), len(chain.springs_at)
     neighbours = np.column_stack([np.arange(count), np.arange(count) + 1])
     levers = _shift_along_leg(chain.springs_at[:, None] - chain.places[neighbours])
@@ -193,7 +196,10 @@ def _spring_matrix(chain: SegmentChain, block: IntArray, rows: Sequence[int]) ->
 
 
 def _scatter(blocks: IntArray, matrices: Array, size: int) -> SparseMatrix:
-    """Sum of dense matrices (s×6b×6b) placed at their 6×6 `blocks` (s×b), as CSR."""
+    """Sparse sum of dense matrices (s×6b×6b), each placed at its b blocks of six unknowns.
+
+    `blocks` (s×b) contains the indices of the blocks. `size` is the number of all unknowns.
+    """
     unknowns = (6 * blocks[:, :, None] + np.arange(6)).reshape(len(blocks), -1)
     width = unknowns.shape[1]
     rows = np.repeat(unknowns, width, axis=1).ravel()
@@ -202,7 +208,10 @@ def _scatter(blocks: IntArray, matrices: Array, size: int) -> SparseMatrix:
 
 
 def _interpolate(positions: Array, block: IntArray, stations: Array) -> SparseMatrix:
-    """6m × n matrix of twists at `stations`, linear between the bodies' reference points."""
+    """6m × n matrix from the unknowns to the twists at m `stations` (m from the root).
+
+    The twists are linear between the reference points of the bodies.
+    """
     previous = np.clip(
         np.searchsorted(positions, stations, side="right") - 1, 0, len(positions) - 2
     )

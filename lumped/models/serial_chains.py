@@ -1,9 +1,9 @@
-"""The virtual joint method on any mechanism whose legs are serial chains (eqs 3 to 9).
+"""The virtual joint method on mechanisms whose legs are serial chains (eqs 3 to 9 of the paper).
 
 A chain from the ground to the platform consists of the free twists of its joints, one after the
-other, and 6-DOF springs at the tips of the legs, in the joints and in the drives. Springs between
-the platform and the tool lie in series with all chains. Chains are evaluated by
-`lumped.models.vjm`, an independent formulation, which shares no assembly with the other models.
+other, and of springs of six degrees of freedom at the tips of the legs, in joints and in drives.
+Springs between the platform and the tool are in series with all chains. Chains are evaluated by
+`lumped.models.vjm`, a formulation that has no code in common with the assembly of the other models.
 """
 
 from collections import defaultdict
@@ -23,21 +23,21 @@ from lumped.mechanism.mechanism import GROUND, Mechanism, Posture
 from lumped.models import vjm
 from lumped.screws import shift, turn_matrix
 
-# A rigid body ("" for the interface) or one interface of a leg.
+# A body and an interface. The interface is "" for a rigid body, which is a single node.
 _Node: TypeAlias = tuple[str, str]
 _BASE: _Node = (GROUND, "")
 
 
 @dataclass(frozen=True)
 class _Step:
-    """A joint, or a leg (by name) from one of its interfaces to the other, between two nodes."""
+    """A joint, or a leg by name, that connects two nodes of a chain."""
 
     nodes: frozenset[_Node]
     across: Joint | str
 
 
 class NoChainError(InputError):
-    """A leg of the robot is no serial chain, with the `reason`."""
+    """Error: a leg of the robot is not a serial chain. `reason` explains why."""
 
     def __init__(self, robot: str, reason: str) -> None:
         super().__init__(f"{robot}: {reason}; take --model links")
@@ -45,11 +45,11 @@ class NoChainError(InputError):
 
 
 def compliance(posture: Posture, legs: Mapping[str, Array]) -> Array:
-    """6×6 compliance (SI, base axes) at the loaded point.
+    """6×6 compliance (SI, base axes) of the loaded point by the virtual joint method.
 
-    `legs`: 6×6 compliance of every leg (SI, body axes) at its second interface, the first clamped.
-    Bodies without one are rigid. Raises NoChainError if a leg of the robot is no serial chain,
-    ComputationError if a chain is rigid or the tool is free to move.
+    `legs` contains the 6×6 compliance (SI, body axes) of each elastic leg at its tip with its root
+    clamped. Other bodies are rigid. Raises NoChainError if a leg of the robot is not a serial
+    chain, ComputationError if a chain is rigid or the tool is free to move.
     """
     pose = shown_pose(posture.mechanism, posture.pose)
     name = f"{posture.mechanism.name}, virtual joints" + (f", {pose}" if pose else "")
@@ -61,9 +61,10 @@ def compliance(posture: Posture, legs: Mapping[str, Array]) -> Array:
 def serial_chains(
     posture: Posture, legs: Mapping[str, Array]
 ) -> tuple[tuple[vjm.Chain, ...], vjm.Chain]:
-    """All chains from the ground to the platform, and the chain from the platform to the tool.
+    """Chains from the ground to the platform, and the chain from the platform to the tool.
 
-    All are referred to the loaded point. The former are in the order of the joints at their end.
+    All chains are referred to the loaded point. Those from the ground are in the order of the
+    joints at their end.
     """
     paths, series = _paths(posture.mechanism, legs)
     return (
@@ -75,10 +76,10 @@ def serial_chains(
 def tool_displacements(
     posture: Posture, legs: Mapping[str, Array], loads: Sequence[Loading]
 ) -> Array:
-    """Displacements (l×6, m and rad, base axes) of the loaded point; `legs` as in `compliance`.
+    """Displacements (l×6, m and rad, base axes) of the loaded point under each of l loads.
 
-    Loads on bodies beside the chains act at the node that carries them. Raises errors under the
-    conditions of `compliance`.
+    `legs` contains tip compliances as in `compliance`. A load on a body that is not part of a chain
+    acts on the node of the chains to which the body is attached. Raises the errors of `compliance`.
     """
     mechanism, tool = posture.mechanism, posture.mechanism.tool
     paths, series = _paths(mechanism, legs)
@@ -118,7 +119,7 @@ def tool_displacements(
 
 
 def _drive_deflection(posture: Posture, step: _Step, load: Loading, end: Array) -> Array:
-    """Twist (6) at `end` from the deflection of a drive under the force on its rotor."""
+    """Twist (6) at `end` (3, m) due to the deflection of a drive under the force on its rotor."""
     joint = step.across
     if isinstance(joint, str) or joint.drive is None or joint.drive.stiffness is None:
         return np.zeros(6)
@@ -130,7 +131,7 @@ def _drive_deflection(posture: Posture, step: _Step, load: Loading, end: Array) 
 def _carriers(
     mechanism: Mechanism, legs: Mapping[str, Array], chain_steps: Sequence[_Step]
 ) -> dict[_Node, _Node]:
-    """Node of the chains by which each node is carried: itself, or the one that it hangs on."""
+    """Node of the chains that supports each node: itself, or that to which it is attached."""
     group = _groups(mechanism, legs)
     carrier = {node: node for step in chain_steps for node in step.nodes}
     remaining = [step for step in _steps(mechanism, legs, group) if step not in chain_steps]
@@ -145,7 +146,7 @@ def _carriers(
 def _paths(
     mechanism: Mechanism, legs: Mapping[str, Array]
 ) -> tuple[list[list[_Step]], list[_Step]]:
-    """Steps of each chain from the ground to the platform, and those from it to the tool.
+    """Steps of each chain from the ground to the platform, and the steps from there to the tool.
 
     Raises NoChainError if a chain branches, ComputationError if the tool is part of the ground.
     """
@@ -182,7 +183,7 @@ def _paths(
 def _series(steps: list[_Step], end: _Node, base: _Node) -> list[_Step]:
     """Steps from the tool back to the platform, at which the robot branches.
 
-    Empty if a single chain carries the tool.
+    Empty if a single chain supports the tool.
     """
     series: list[_Step] = []
     while end != base:
@@ -201,7 +202,7 @@ def _is_passive(across: Joint | str) -> bool:
 
 
 def _groups(mechanism: Mechanism, legs: Mapping[str, Array]) -> dict[_Node, _Node]:
-    """Representative of each node among all nodes that rigid joints connect to it.
+    """Representative of each node among all nodes to which it is rigidly connected by joints.
 
     The representative of nodes connected to the ground is the ground.
     """
@@ -226,7 +227,7 @@ def _groups(mechanism: Mechanism, legs: Mapping[str, Array]) -> dict[_Node, _Nod
 def _steps(
     mechanism: Mechanism, legs: Mapping[str, Array], group: Mapping[_Node, _Node]
 ) -> list[_Step]:
-    """All joints and legs between different groups of nodes."""
+    """All joints and legs that connect different groups of rigidly connected nodes."""
     steps = [
         _Step(
             frozenset(
@@ -244,7 +245,7 @@ def _steps(
 
 
 def _without_dead_ends(steps: list[_Step], ends: set[_Node]) -> list[_Step]:
-    """Steps without those to bodies that hang on the robot and carry nothing."""
+    """Steps without those that lead to bodies attached at one node only, which transmit no load."""
     while True:
         nodes = [node for step in steps for node in step.nodes]
         hanging = {node for node in nodes if nodes.count(node) == 1} - ends
@@ -289,7 +290,7 @@ def _chain(posture: Posture, legs: Mapping[str, Array], path: list[_Step]) -> vj
 def _joint(posture: Posture, joint: Joint) -> tuple[list[Array], list[Array]]:
     """Passive twists (6 each) and compliances (6×6 each) of a joint, base axes.
 
-    A drive replaces the first free twist.
+    The first free twist of a driven joint is not passive.
     """
     passive, compliances = list(free_twists(posture, joint).T), []
     if joint.drive is not None:

@@ -1,7 +1,7 @@
-"""The virtual joint method on parallel robots (eqs 3 to 9).
+"""The virtual joint method for parallel robots (eqs 3 to 9 of the paper).
 
 The bordered system of each chain is solved directly, so that overconstrained robots and singular
-postures need no special treatment. The chains' stiffness matrices are summed at the platform.
+postures need no special treatment. The stiffness matrices of the chains are added at the platform.
 """
 
 from collections.abc import Iterable, Sequence
@@ -15,23 +15,24 @@ from lumped.dense.statics import rounding_of_flexibility
 from lumped.errors import ComputationError
 from lumped.screws import move_compliance, name_twists, name_wrenches, shift
 
-# All thresholds act on dimensionless matrices. Rounding of a 6×6 problem is about 1e-15. A ratio of
-# 1e12 between the stiffest and the softest direction exceeds double precision anyway.
+# Thresholds for dimensionless matrices. The round-off of a 6×6 problem is about 1e-15. A ratio of
+# 1e12 between the stiffest and the softest direction cannot be resolved in double precision.
 _DEPENDENT = 1e-12
 _RIGID = 1e-13
 _FREE = 1e-12
 
 
 class RigidChainError(ComputationError):
-    """A chain that is rigid against some load, so that its stiffness is infinite."""
+    """Error: a chain is rigid in some direction, so that its stiffness is infinite."""
 
 
 @dataclass(frozen=True, eq=False)
 class Chain:
-    """Passive twists and spring compliance of a serial chain, at its end in base axes (SI).
+    """Passive twists and spring compliance of a serial chain at its end, base axes, SI.
 
-    `passive` Jq (6×q) holds the twists of the passive joints, `compliance` Sθ = Jθ Kθ⁻¹ Jθᵀ (6×6)
-    of eq. (3) is that of all springs. `reach` (m) is the largest distance of either from the end.
+    `passive` Jq (6×q) contains the twists of the passive joints, `compliance` Sθ = Jθ Kθ⁻¹ Jθᵀ
+    (6×6) of eq. (3) is that of all springs. `reach` (m) is the largest distance of a joint or
+    spring from the end.
     """
 
     passive: Array
@@ -42,10 +43,11 @@ class Chain:
 def serial_chain(
     end: Array, joints: Sequence[tuple[Array, Array]], springs: Sequence[tuple[Array, Array]]
 ) -> Chain:
-    """Chain that ends at `end` (3, m) in the current posture, all in base axes (SI).
+    """Chain with its end at `end` (3, m) in the current posture. All data in base axes, SI.
 
-    `joints`: position (3, m) and twist of a unit rate (6) of every passive one-freedom joint.
-    `springs`: position and compliance (6×6, positive, may be singular) of every virtual spring.
+    `joints` contains the position (3, m) and the twist (6) for a unit rate of each passive joint
+    with one degree of freedom, `springs` the position and the compliance (6×6, positive
+    semidefinite) of each virtual spring.
     """
     screws = [shift(end - position) @ twist for position, twist in joints]
     compliance = np.zeros((6, 6))
@@ -56,23 +58,24 @@ def serial_chain(
 
 
 def chain_stiffness(chain: Chain, name: str = "chain") -> Array:
-    """6×6 stiffness (SI, base axes) of one chain at its end point, eqs (3) and (8).
+    """6×6 stiffness (SI, base axes) of one chain at its end, eqs (3) and (8) of the paper.
 
-    K is the block of the bordered matrix's inverse that belongs to Sθ. It is symmetric, has no
-    negative eigenvalue, and K·Jq = 0. If columns of Jq are dependent (singular posture), δq is not
-    unique but K is: Jq is replaced by an orthonormal basis of its columns. Raises ComputationError,
-    naming the direction, if neither a spring nor a passive joint yields in it.
+    K is the block of the inverse of the bordered matrix that corresponds to Sθ. It is symmetric and
+    positive semidefinite, and K·Jq = 0. If columns of Jq are dependent (singular posture), the
+    joint rates δq are not unique but K is: Jq is replaced by an orthonormal basis of its column
+    space. Raises ComputationError, with the direction in its message, if neither a spring nor a
+    passive joint yields in some direction.
     """
     return _bordered_solution(chain, name).stiffness
 
 
 @dataclass(frozen=True, eq=False)
 class _Bordered:
-    """Stiffness K (6×6, SI) of a chain, and the solution X for its round-off δK = −Xᵀ δB X.
+    """Stiffness K (6×6, SI) of a chain, with the data to bound its round-off δK = −Xᵀ δB X.
 
     `matrix` B is the dimensionless bordered matrix (6+q square), `solution` X ((6+q)×6) its
-    solution for twists of the end in SI units. Twists are made dimensionless by the factors
-    `unit` (6), compliances by division by `largest`.
+    solution for twists of the end in SI units. Twists are made dimensionless by the factors `unit`
+    (6), compliances by division by `largest`.
     """
 
     stiffness: Array
@@ -85,7 +88,7 @@ class _Bordered:
 def _bordered_solution(chain: Chain, name: str) -> _Bordered:
     S = chain.compliance
     length = _characteristic_length(chain.reach, S)
-    # Lengths relative to the chain's, compliances to the largest: the system is dimensionless.
+    # Lengths divided by that of the chain and compliances divided by the largest are dimensionless.
     unit = np.array([1.0 / length] * 3 + [1.0] * 3)
     S = S * unit[:, None] * unit
     largest = float(np.abs(S).max()) or 1.0
@@ -111,14 +114,14 @@ def _bordered_solution(chain: Chain, name: str) -> _Bordered:
 
 
 def clamped_end_wrench(chain: Chain, slip: Array, work: Array, name: str = "chain") -> Array:
-    """Wrench (6, SI, base axes) on the clamped end of a chain from loads along the chain.
+    """Wrench (6, SI, base axes) on the clamped end of a chain under loads along the chain.
 
-    `slip` (6) is the displacement of the free end by the loads through the springs, `work` (q) the
-    work of the loads on a unit rate of each passive joint.
+    `slip` (6) is the displacement of the free end due to the loads and the springs. `work` (q) is
+    the work of the loads on a unit rate of each passive joint.
     """
     bordered = _bordered_solution(chain, name)
     free = bordered.matrix[:6, 6:]
-    # If passive joints are dependent, the loads do no work on their redundant combinations.
+    # If twists of passive joints are dependent, loads do no work on their redundant combinations.
     rates = free.T @ (chain.passive * bordered.unit[:, None])
     forces = bordered.largest * np.linalg.lstsq(rates.T, work, rcond=_DEPENDENT)[0]
     loads = np.concatenate([slip * bordered.unit, forces])
@@ -126,7 +129,7 @@ def clamped_end_wrench(chain: Chain, slip: Array, work: Array, name: str = "chai
 
 
 def robot_stiffness(chains: Iterable[Chain]) -> Array:
-    """Sum of the chains' stiffness (6×6, SI, base axes) at their common end point, eq. (9)."""
+    """Sum of the stiffnesses (6×6, SI, base axes) of chains at their common end, eq. (9)."""
     total = np.zeros((6, 6))
     for number, chain in enumerate(chains, start=1):
         total += chain_stiffness(chain, f"chain {number}")
@@ -134,10 +137,10 @@ def robot_stiffness(chains: Iterable[Chain]) -> Array:
 
 
 def platform_compliance(stiffness: Array, name: str = "platform") -> Array:
-    """6×6 compliance (SI) of a platform from its `stiffness`, at the same point and axes.
+    """6×6 compliance (SI) of a platform from its 6×6 stiffness, at the same point and axes.
 
-    Raises ComputationError naming every motion in which the platform is free or its stiffness is
-    negative. The decision does not depend on units.
+    Raises ComputationError if the platform is free to move or has a negative stiffness. Its message
+    contains each such motion. The decision does not depend on units.
     """
     K = 0.5 * (stiffness + stiffness.T)
     translation, rotation = np.trace(K[:3, :3]), np.trace(K[3:, 3:])
@@ -150,18 +153,18 @@ def platform_compliance(stiffness: Array, name: str = "platform") -> Array:
             f"{name} is free to {motions}: its stiffness there is zero, negative or below "
             f"{_FREE:g} of the largest"
         )
-    # Cholesky preserves the accuracy of a graded matrix, unlike an eigenvalue decomposition.
+    # Unlike an eigenvalue decomposition, Cholesky's method keeps the accuracy of a graded matrix.
     inverse: Array = cho_solve(cho_factor(K * unit[:, None] * unit), np.eye(6))
     flexibility: Array = 0.5 * (inverse + inverse.T) * unit[:, None] * unit
     return flexibility
 
 
 def rounding(chains: Iterable[Chain]) -> Array:
-    """Half-width (6×6, SI, 95 %) of the round-off error of the compliance C of all chains together.
+    """Half-width (6×6, SI, 95 %) of the round-off error of the compliance C of parallel chains.
 
-    A chain's bordered matrix B is rounded like a rotated stiffness (`rounding_of_flexibility`):
-    digits of L/EA are lost next to L³/3EI. The error of C is (XC)ᵀ δB (XC), plus the rounding of
-    the chains' sum.
+    The bordered matrix B of a chain has the round-off of a rotated stiffness
+    (`rounding_of_flexibility`): digits of L/EA are lost next to L³/3EI. The error of C is (XC)ᵀ δB
+    (XC), plus the round-off of the sum of the chains.
     """
     solved = [_bordered_solution(chain, "chain") for chain in chains]
     flexibility = platform_compliance(
@@ -176,14 +179,14 @@ def rounding(chains: Iterable[Chain]) -> Array:
 
 
 def _column_space(matrix: Array) -> Array:
-    """Orthonormal basis (6×r) of the columns, each normalised."""
+    """Orthonormal basis (6×r) of the space of the normalised columns of `matrix`."""
     sizes = np.linalg.norm(matrix, axis=0)
     left_vectors, values, _ = np.linalg.svd(matrix / sizes, full_matrices=False)
     return left_vectors[:, values > _DEPENDENT]
 
 
 def _characteristic_length(reach: float, S: Array) -> float:
-    """Length (m) to compare rotations with translations: that of the chain or of its springs."""
+    """Length (m) that makes rotations comparable to translations: that of chain or springs."""
     translation, rotation = np.trace(S[:3, :3]), np.trace(S[3:, 3:])
     spring_length = np.sqrt(translation / rotation) if translation > 0.0 and rotation > 0.0 else 0.0
     return max(reach, float(spring_length)) or 1.0

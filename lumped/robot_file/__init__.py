@@ -1,6 +1,6 @@
 """Robot files: TOML in SI units, read into a robot or refused with a list of all faults.
 
-In: a path or the name of a built-in robot. Out: the robot, its tables, and its corrections.
+Input: a path or the name of a built-in robot. Output: the robot, its tables, and its corrections.
 """
 
 from lumped.robot_file.load import (

@@ -1,4 +1,4 @@
-"""Robot files of schema 1: the biglide as a mechanism of bodies and joints."""
+"""Robot files of schema 1, which describe the biglide, as a mechanism of bodies and joints."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -18,7 +18,7 @@ _LEGS = ("leg1", "leg2")
 
 
 def biglide_faults(tables: Mapping[str, Any]) -> list[str]:
-    """Every fault of a robot file's tables, one line each, starting with its key."""
+    """Faults of the tables of a robot file of schema 1, one line each, beginning with the key."""
     rules = rules_of(tables)
     faults = rules.faults_within(tables)
     for name in _LEGS:
@@ -30,7 +30,7 @@ def biglide_faults(tables: Mapping[str, Any]) -> list[str]:
 
 
 def biglide_of(read: Mapping[str, Any]) -> Mechanism:
-    """Biglide of tables without faults, with legs `alpha` times as long.
+    """Biglide described by tables without faults. Legs are `alpha` times as long as in the file.
 
     Raises InputError if the legs cannot meet.
     """

@@ -1,4 +1,4 @@
-"""Tables of a robot file on requirements, measured values, uncertain inputs and misprints."""
+"""Tables of a robot file for accepted errors, measured values, uncertain inputs and misprints."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -19,14 +19,14 @@ from lumped.robot_file.rules.rule import is_finite_number
 from lumped.robot_file.rules.tables import ACCEPT, MEASURED, MEASURED_VALUES
 from lumped.text import shown
 
-# Tables that are no property of the robot, so that their numbers cannot be uncertain inputs.
+# Tables that do not describe the robot. Their numbers cannot be uncertain inputs.
 OF_NO_ROBOT = {"schema", "accept", "agree", "path", "hammer"}
 _COLUMNS = ("quantity", "pose", "value", "uncertainty", "source")
 
 
 @dataclass(frozen=True)
 class Correction:
-    """A misprint at `key`: `printed` in the source, `used` in the file, with the `reason`."""
+    """A misprint at `key`: value `printed` in the source, value `used` in the file, `reason`."""
 
     key: str
     printed: float
@@ -40,11 +40,12 @@ def read_measured(
     unit: UnitOfLength = METRE,
     moves: Sequence[str] = (),
 ) -> tuple[Measured, ...]:
-    """Measured values of a CSV file with quantity, pose, value, uncertainty, source (and load).
+    """Measured values from a CSV file.
 
-    Spaces separate the coordinates of a pose, along such `moves` of the tool and with lengths in
-    `unit`. `responses` as in `measured_value`. Raises InputError
-    with one line per fault.
+    Its columns are quantity, pose, value, uncertainty, source and, if needed, load. In the column
+    pose, spaces separate the coordinates along the `moves` of the tool. Lengths are in `unit`.
+    `responses` are the names of the numbers of harmonic responses. Raises InputError with one line
+    per fault.
     """
     rows = table_rows(path, "a CSV file of measured values", _COLUMNS, MEASURED_VALUES.most)
     rules, values, faults = MEASURED.in_unit(unit, moves), [], []
@@ -65,7 +66,7 @@ def read_measured(
 
 
 def _value(name: str, text: str) -> Any:
-    """Value of a CSV cell as in a robot file: a number, or a text if it is none."""
+    """Value of a CSV cell as it would be in a robot file: a number if possible, else a text."""
     if name == "pose":
         return [_value("", part) for part in text.split()]
     if name in {"quantity", "source"}:
@@ -74,7 +75,7 @@ def _value(name: str, text: str) -> Any:
 
 
 def requirement_of(accept: Mapping[str, Any] | None, robot: Mechanism) -> Requirement:
-    """Requirement of the table [accept] on the models of a robot, or the defaults without it."""
+    """Limits of the table [accept] for the models of a robot. Defaults if `accept` is None."""
     requirement = Requirement(
         loads=tuple(load.name for load in robot.loads),
         responses=robot.judged_responses,
@@ -93,10 +94,11 @@ def with_options(
     rely: Sequence[str],
     unit: UnitOfLength = METRE,
 ) -> Requirement:
-    """The requirement with changes by `--accept NAME=NUMBER` and `--rely MODEL`.
+    """Limits changed by the command line options `--accept NAME=NUMBER` and `--rely MODEL`.
 
-    NAME is deflection, displacement (in `unit`), frequency, response, modes or a quantity; named
-    models take the place of the file's. Raises InputError with one line per fault.
+    NAME is deflection, displacement (in `unit`), frequency, response, modes or a quantity. The
+    models in `rely`, if any, replace those of the robot file. Raises InputError with one line per
+    fault.
     """
     faults = [
         f"--rely {model}: no such model; must be one of {', '.join(MODEL_KINDS)}"
@@ -125,7 +127,7 @@ def with_options(
 
 
 def times(value: Any, factor: float) -> Any:
-    """A number, or every number of a matrix, multiplied by `factor`."""
+    """A number, or all numbers of a matrix, multiplied by `factor`."""
     return [times(entry, factor) for entry in value] if isinstance(value, list) else factor * value
 
 

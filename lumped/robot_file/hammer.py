@@ -1,4 +1,4 @@
-"""Geometry of a modal test, table [hammer]: nodes of a universal file as points of bodies."""
+"""Geometry of a modal test (table [hammer]): nodes of a universal file as points of bodies."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, NamedTuple
@@ -16,11 +16,12 @@ from lumped.text import shown
 
 
 class Hammer(NamedTuple):
-    """A test in a `pose`, and its nodes by number.
+    """A modal test in a pose, and its nodes by number.
 
-    Relative standard uncertainties: `uncertainty` of frequencies, `calibration` of responses. The
-    coherence of responses refers to `averages` averages. A node is a body and a frame: position in
-    the body's axes, and axes of the node in base axes during the test.
+    `uncertainty` and `calibration` are relative standard uncertainties of frequencies and of
+    responses. The coherence of responses refers to `averages` averages. Each node consists of the
+    name of a body, and a frame: the position (m) in body axes, and the axes of the node in base
+    axes during the test.
     """
 
     pose: tuple[float, ...]
@@ -30,7 +31,10 @@ class Hammer(NamedTuple):
     nodes: Mapping[int, tuple[str, Frame]]
 
     def freedoms(self, ends: Iterable[Iterable[int]]) -> Freedoms:
-        """Motions of nodes, by number, along their axes (0 to 2)."""
+        """Motions of nodes.
+
+        `ends` contains pairs of a node's number and one of its axes (0 to 2).
+        """
         motions = [(*self.nodes[number], axis) for number, axis in ends]
         return Freedoms(
             tuple(body for body, _, _ in motions),
@@ -40,7 +44,7 @@ class Hammer(NamedTuple):
 
 
 def hammer_of(read: Mapping[str, Any], robot: Mechanism) -> Hammer:
-    """Modal test of a table [hammer] without faults."""
+    """Modal test described by a table [hammer] without faults."""
     nodes = {
         int(number): (node["body"], Frame(_position(node, robot), axes_along(node["x"], node["y"])))
         for number, node in read["nodes"].items()
@@ -50,7 +54,7 @@ def hammer_of(read: Mapping[str, Any], robot: Mechanism) -> Hammer:
 
 
 def hammer_faults(read: Mapping[str, Any], robot: Mechanism) -> Iterator[str]:
-    """Faults of a table [hammer] with valid keys, one line each."""
+    """Faults of a table [hammer] whose keys have been checked, one line each."""
     yield from place_faults(robot, _pose(read, robot), "hammer")
     legs, bodies = legs_of(robot), dict(robot.bodies)
     bodies.pop(GROUND, None)

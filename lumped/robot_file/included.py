@@ -1,6 +1,7 @@
-"""Abaqus and CalculiX decks over several files: *INCLUDE inserts the lines of another file.
+"""Abaqus and CalculiX decks of several files: *INCLUDE inserts the lines of another file.
 
-File names count from the folder of the deck itself, in included files, too, as in both programs.
+File names, also those in included files, are relative to the folder of the deck, as in both
+programs.
 """
 
 from collections.abc import Iterator
@@ -12,9 +13,9 @@ from lumped.files import read_ordinary
 from lumped.text import shown
 
 DECK = ".inp"
-# Deepest chain of included files: Abaqus allows five.
+# Largest depth of nested *INCLUDE. Abaqus allows five.
 _DEEPEST = 10
-# Largest size (bytes) of a deck with all included files, each counted as often as it is included.
+# Largest size (bytes) of a deck with its included files, each counted as often as it is included.
 LARGEST_DECK = 500_000_000
 
 
@@ -26,14 +27,14 @@ class DeckLine(NamedTuple):
     text: str
 
     def fault(self, reason: str) -> InputError:
-        """Error of this line with its `reason`."""
+        """Error to raise for this line, with the `reason`."""
         return InputError(f"{self.file}: line {self.number}: {reason}")
 
 
 def part_content(path: Path) -> bytes:
-    """Content of a part's file; the content of a deck with all included files.
+    """Content of the file of a part. For a deck this includes the content of all included files.
 
-    Raises OSError if it cannot be read, InputError if an included file cannot.
+    Raises OSError if the file cannot be read, InputError if an included file cannot be read.
     """
     content = path.read_bytes()
     if path.suffix.lower() != DECK or b"INCLUDE" not in content.upper():
@@ -42,22 +43,25 @@ def part_content(path: Path) -> bytes:
 
 
 def deck_lines(path: Path) -> Iterator[DeckLine]:
-    """Lines of a deck, with the lines of included files instead of each *INCLUDE.
+    """Lines of a deck, in which each *INCLUDE is replaced by the lines of the included file.
 
-    Raises InputError with file and line of an *INCLUDE without a file in the folder of the deck or
-    below it, of one that includes itself, and of too many or too large ones.
+    Raises InputError, with file and line, if the included file does not exist, is outside the
+    folder of the deck, includes itself, or is too large, or if includes are nested too deeply.
     """
     return _Includer(path.parent.resolve()).lines(path, path.read_bytes(), (path.resolve(),))
 
 
 class _Includer:
-    """Expands the files of one deck, all within its `folder`, and counts their bytes."""
+    """Expands the included files of one deck, all within its `folder`, and adds up their bytes."""
 
     def __init__(self, folder: Path) -> None:
         self.folder, self.size = folder, 0
 
     def lines(self, file: Path, content: bytes, chain: tuple[Path, ...]) -> Iterator[DeckLine]:
-        """Lines of a file. `chain`: the files that include it, from the deck to the file itself."""
+        """Lines of a file.
+
+        `chain` contains the files from the deck to this file that include each other.
+        """
         text = content.decode("utf-8-sig", "replace").replace("\r\n", "\n").replace("\r", "\n")
         numbered = iter(enumerate(text.split("\n"), start=1))
         for number, text_line in numbered:
@@ -113,7 +117,10 @@ class _Includer:
 
 
 def _include_fields(text: str) -> list[str] | None:
-    """Options of an *INCLUDE, the last one empty if it continues. None for any other line."""
+    """Options of an *INCLUDE line. The last one is empty if the line continues.
+
+    None for other lines.
+    """
     stripped = text.strip()
     if not stripped.startswith("*") or stripped.startswith("**"):
         return None

@@ -48,24 +48,26 @@ from lumped.robots import FIRST_TYPE, RobotType
 from lumped.text import did_you_mean, visible
 
 _SUFFIX = ".toml"
-# Keys of data that designers take from tables, data sheets and experience.
+# Keys whose values designers usually take from tables, data sheets and experience.
 _RARELY_KNOWN = ("E", "length", "stiffness", "compliance")
-# Largest size (bytes): ten thousand poses, or the matrices of a thousand legs. tomllib takes half a
+# Largest size (bytes) of a robot file: ten thousand poses, or the matrices of a thousand legs,
+# which take about a second to parse.
 _LARGEST = 1_000_000
-# Source, in messages, of a robot without a file.
+# Source of a robot without a file, for messages.
 DICTIONARY = "dictionary"
 
 
 @dataclass(frozen=True)
 class RobotFile:
-    """A robot and its file.
+    """A robot with the content of its robot file.
 
-    `source` is the path as typed or, if `built_in`, the robot's name. `text` is the file's text and
-    `sha256` the digest (hexadecimal) of its bytes and those of files that it names. `corrections`
-    are misprints in the file's source. `requirement` applies to the robot's models, `measured` are
-    measured values of the robot, `agreement` limits the differences between formulations.
-    `supposed`: relative standard uncertainty of moduli, lengths and stiffnesses if the file states
-    none for any number. `changes`: numbers or matrices that replace those of the text, by key.
+    `source` is the path as typed or, if `built_in`, the name of the robot. `text` is the text of
+    the file and `sha256` the hexadecimal digest of the file and of the files to which it refers.
+    `corrections` are misprints in the source of the data. `requirement` limits the errors of the
+    robot's models, `measured` are measured values, `agreement` limits the differences between
+    formulations. `supposed` is a relative standard uncertainty of all moduli, lengths and
+    stiffnesses, which is used if the file does not specify any uncertainty. `changes` are numbers
+    or matrices that replace those of the text, by key.
     """
 
     mechanism: Mechanism
@@ -82,12 +84,12 @@ class RobotFile:
 
     @property
     def schema(self) -> int:
-        """Schema of the file: 2 names bodies and joints, 1 has legs by number."""
+        """Format of the file: 2 with named bodies and joints, 1 for the biglide."""
         return int(self.tables.get("schema", 2))
 
     @property
     def name(self) -> str:
-        """The robot's name."""
+        """Name of the robot."""
         return self.mechanism.name
 
     @property
@@ -99,7 +101,7 @@ class RobotFile:
 
     @property
     def uncertain_inputs(self) -> dict[str, float]:
-        """Relative standard uncertainties of data of the file, by key."""
+        """Relative standard uncertainties of numbers and matrices in the file, by key."""
         tables = self.tables
         read = rules_of(tables).read(tables)
         stated = {entry["key"]: entry["relative"] for entry in read["input_uncertainty"]}
@@ -109,9 +111,10 @@ class RobotFile:
         return dict.fromkeys(keys_named(robot_tables, _RARELY_KNOWN), self.supposed)
 
     def with_factors(self, relative_changes: Mapping[str, float]) -> Mechanism:
-        """The robot with numbers or matrices at keys changed by `relative_changes`.
+        """Robot in which numbers or matrices of the file are multiplied by 1 + relative change.
 
-        Raises InputError if such a robot is impossible.
+        `relative_changes` contains the changes by key. Raises InputError if such a robot is
+        impossible.
         """
         try:
             tables = _changed(self.tables, self.changes)
@@ -128,7 +131,7 @@ class RobotFile:
             raise InputError(f"{location}: {fault}" for fault in error.faults) from error
 
     def with_values(self, values: Mapping[str, Any]) -> "RobotFile":
-        """The robot with other numbers or matrices at keys of its file.
+        """Robot file in which other numbers or matrices replace those at the given keys.
 
         Raises InputError if such a robot is impossible, LookupError if a key does not exist.
         """
@@ -143,32 +146,35 @@ class RobotFile:
 
     @property
     def printed_compliances(self) -> tuple[Printed, ...]:
-        """Every 6×6 compliance of the robot with half a unit of its printed digits."""
+        """6×6 compliances of the robot, each with half a unit of the last digit of its entries."""
         return tuple(printed_compliances(_changed(decimal_tables(self.text), self.changes)))
 
     @property
     def folder(self) -> Path:
-        """Folder of the files that the robot file names."""
+        """Folder to which paths in the robot file are relative."""
         return Path() if self.built_in else Path(self.source).parent
 
     @property
     def tables(self) -> Mapping[str, Any]:
-        """The file's tables as written, with the data that only the audit reads; not to be changed.
+        """Tables of the file as typed, including data used only by the audit.
 
-        The text is parsed once per process.
+        They must not be changed. The text is parsed once per process.
         """
         return tables_of(self.text)
 
 
 def _changed(tables: Mapping[str, Any], changes: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Tables with other values at keys; raises LookupError if there is no such key."""
+    """Tables in which other values replace those at the given keys.
+
+    Raises LookupError if a key does not exist.
+    """
     for key, value in changes.items():
         tables = with_value(tables, key, value)
     return tables
 
 
 def _digest(content: bytes, files: Iterable[Path]) -> str:
-    """Digest of the text and of the files that it names, as far as they can be read."""
+    """Hexadecimal digest of a text and of the files to which it refers, if they can be read."""
     digest = hashlib.sha256(content)
     for file in files:
         with suppress(OSError, InputError):
@@ -184,10 +190,10 @@ def built_in_robots() -> tuple[str, ...]:
 
 
 def load_robot(name_or_path: str | Path) -> RobotFile:
-    """Robot of a built-in name or of a robot file.
+    """Robot file of a built-in robot, by its name, or from a path.
 
-    Raises InputError with one line per fault, all faults at once, each with file, key, value,
-    unit and what is allowed.
+    Raises InputError with one line per fault, for all faults together. Each line has file, key,
+    value, unit and allowed values.
     """
     source = str(name_or_path)
     is_built_in = source in built_in_robots()
@@ -195,7 +201,7 @@ def load_robot(name_or_path: str | Path) -> RobotFile:
 
 
 def robot_of(tables: Mapping[str, Any]) -> RobotFile:
-    """Robot of a dictionary with the keys of a robot file.
+    """Robot file from a dictionary with the keys of a robot file.
 
     Paths of files are relative to the working folder. Raises InputError like `load_robot`.
     """
@@ -240,7 +246,7 @@ def _described(source: str, content: bytes, *, built_in: bool = False) -> RobotF
 
 
 def as_printed(robot_file: RobotFile) -> Mapping[str, Any]:
-    """Tables of the file with all corrections undone: the data as printed in their source."""
+    """Tables of the file without its corrections: the data as printed in their source."""
     tables = robot_file.tables
     for correction in robot_file.corrections:
         tables = with_value(tables, correction.key, correction.printed)
@@ -248,10 +254,10 @@ def as_printed(robot_file: RobotFile) -> Mapping[str, Any]:
 
 
 def write_template(path: str | Path, kind: RobotType = FIRST_TYPE) -> None:
-    """Write a commented template: the built-in robot of that name, followed by a list of all keys.
+    """Write a commented robot file to start from: the built-in robot of type `kind`.
 
-    Raises InputError if `path` exists already or cannot be written, ComputationError if the disk
-    is full. An incomplete file is removed.
+    A list of all keys follows at the end of the file. Raises InputError if `path` exists already or
+    cannot be written, ComputationError if the disk is full. An incomplete file is removed.
     """
     target = Path(path)
     text = decoded(_built_in(kind), kind)
@@ -272,14 +278,14 @@ def write_template(path: str | Path, kind: RobotType = FIRST_TYPE) -> None:
 
 
 def described_by(tables: Mapping[str, Any], folder: Path) -> tuple[Mechanism, dict[str, Any]]:
-    """Mechanism of the tables of either schema, and the tables with a value for every key.
+    """Mechanism described by tables of schema 1 or 2, and the tables with a value for every key.
 
     Paths of files are relative to `folder`. Raises InputError with one line per fault.
     """
     written, rules = tables, rules_of(tables)
     any_robot = is_mechanism(tables)
     if any_robot and has_patterns(tables):
-        # Copies are made of sound entries.
+        # Copies can only be made of entries without faults.
         if faults := rules.faults_within(tables) or pattern_faults(tables):
             raise InputError(faults)
         written = written_out(tables)
@@ -301,7 +307,7 @@ def described_by(tables: Mapping[str, Any], folder: Path) -> tuple[Mechanism, di
     if not faults:
         loads = loads_of(read["loads"], complete, folder)
         complete = replace(complete, loads=loads, excitations=excitations_of(read["responses"]))
-    # Of the complete robot, because the postures computed here are memoised for it.
+    # The complete robot is checked, because its postures are memoised for later computations.
     if faults := (motion_faults(complete) if any_robot else []) or faults:
         raise InputError(faults)
     if faults := evidence_faults(tables, read, complete):
@@ -329,7 +335,7 @@ def _read(source: str) -> bytes:
 
 
 def with_measured(robot_file: RobotFile, path: Path) -> RobotFile:
-    """Robot file with the measured values of a CSV file after its own.
+    """Robot file with additional measured values from a CSV file.
 
     Raises InputError with one line per fault, also for poses that the robot cannot reach.
     """

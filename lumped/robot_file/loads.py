@@ -1,6 +1,6 @@
-"""Loads and responses of a robot file, tables [[loads]] and [[responses]], and their faults.
+"""Loads and harmonic responses of a robot file: tables [[loads]] and [[responses]].
 
-A CSV file contains wrenches over the path, one for each pose.
+A CSV file can contain a wrench for each pose of the path.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -22,7 +22,7 @@ from lumped.robot_file.rules.rule import Number
 from lumped.robot_file.rules.tables import COORDINATE, FORCE, MOST_POSES
 from lumped.text import did_you_mean, shown
 
-# Smallest speed (m/s) and acceleration (m/s²); squares of smaller numbers are round-off.
+# Smallest speed (m/s) and acceleration (m/s²). Squares of smaller numbers are round-off.
 _SMALLEST = 1e-12
 _LOAD_KEYS = ("wrench", "gravity", "acceleration", "speed")
 _COMPONENTS = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
@@ -30,7 +30,7 @@ _NUMBER = "pose"
 
 
 def loads_of(read: Sequence[Mapping[str, Any]], robot: Mechanism, folder: Path) -> tuple[Load, ...]:
-    """Loads of tables without faults; their files lie in `folder`."""
+    """Loads described by tables without faults. Paths of files are relative to `folder`."""
     return tuple(
         Load(
             table["name"],
@@ -44,7 +44,7 @@ def loads_of(read: Sequence[Mapping[str, Any]], robot: Mechanism, folder: Path) 
 
 
 def load_faults(read: Sequence[Mapping[str, Any]], robot: Mechanism, folder: Path) -> Iterator[str]:
-    """Faults of loads with valid keys, one line each."""
+    """Faults of tables [[loads]] whose keys have been checked, one line each."""
     yield from _names_twice(read, "loads")
     for number, table in enumerate(read, start=1):
         key = f"loads[{number}]"
@@ -83,9 +83,10 @@ def load_faults(read: Sequence[Mapping[str, Any]], robot: Mechanism, folder: Pat
 
 
 def _body_of(table: Mapping[str, Any], robot: Mechanism) -> str | None:
-    """Name of the body at whose point a load acts. None if no body has such a point.
+    """Name of the body with the point at which a load acts. None if no body has such a point.
 
-    The named body, otherwise the tool's, otherwise the first one in the file with that point.
+    It is the body named in the table, otherwise that of the tool, otherwise the first one in the
+    file.
     """
     first = (robot.tool.body, *(name for name in robot.bodies if name != GROUND))
     names = first if table["body"] is None else (table["body"],)
@@ -95,7 +96,7 @@ def _body_of(table: Mapping[str, Any], robot: Mechanism) -> str | None:
 
 
 def excitations_of(read: Sequence[Mapping[str, Any]]) -> tuple[Excitation, ...]:
-    """Excitations of tables without faults."""
+    """Harmonic forces described by tables [[responses]] without faults."""
     return tuple(
         Excitation(
             table["name"],
@@ -107,7 +108,7 @@ def excitations_of(read: Sequence[Mapping[str, Any]]) -> tuple[Excitation, ...]:
 
 
 def response_faults(read: Sequence[Mapping[str, Any]], robot: Mechanism) -> Iterator[str]:
-    """Faults of responses with valid keys, one line each."""
+    """Faults of tables [[responses]] whose keys have been checked, one line each."""
     yield from _names_twice(read, "responses")
     for number, table in enumerate(read, start=1):
         key = f"responses[{number}]"
@@ -132,11 +133,11 @@ def _names_twice(read: Sequence[Mapping[str, Any]], array_name: str) -> Iterator
 
 
 def _wrenches_over(path: Path, robot: Mechanism) -> Array:
-    """A wrench (p×6, N and N m, base axes) for every pose of the robot's path.
+    """Wrenches (p×6, N and N m, base axes) for all p poses of the robot's path, from a CSV file.
 
-    Columns Fx Fy Fz Mx My Mz; `pose`, its number along the path from 1, or its coordinates under
-    the names of the tool's moves. Other columns are ignored. Raises InputError with one line per
-    fault.
+    Its columns are Fx Fy Fz Mx My Mz, and either `pose` (number of the pose along the path, from 1)
+    or the coordinates of the pose under the names of the tool's moves. Other columns are ignored.
+    Raises InputError with one line per fault.
     """
     rows = table_rows(path, "a CSV file of wrenches", _COMPONENTS, MOST_POSES)
     headings = rows[0].cells
@@ -164,7 +165,7 @@ def _wrenches_over(path: Path, robot: Mechanism) -> Array:
 def _store_wrench(
     wrenches: dict[int, Array], robot: Mechanism, pose_columns: Mapping[str, Number], row: TableRow
 ) -> None:
-    """Store the wrench of a row under its pose. Raises InputError if the pose has another one."""
+    """Store the wrench of a CSV row under its pose. Raises InputError if another one is stored."""
     rules = {**pose_columns, **dict.fromkeys(_COMPONENTS, FORCE)}
     values = {name: number_or_text(row.cells[name]) for name in rules}
     if faults := [

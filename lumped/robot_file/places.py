@@ -1,4 +1,7 @@
-"""Values of a robot file by their keys, like "leg1.length" or "foot.compliance[6,6]" (from 1)."""
+"""Values of a robot file by key, such as "leg1.length" or "foot.compliance[6,6]".
+
+Indices are counted from 1.
+"""
 
 import re
 from collections.abc import Collection, Iterator, Mapping
@@ -17,13 +20,13 @@ _UNITS_OF_COMPLIANCE = ("m/N", "rad/N", "rad/(N m)")
 
 
 def value_at(tables: Mapping[str, Any], key: str) -> Any:
-    """Value at a key. Raises LookupError if there is none."""
+    """Value at a key. Raises LookupError if the key does not exist."""
     holder, last = _holder(tables, key)
     return holder[last]
 
 
 def with_value(tables: Mapping[str, Any], key: str, value: Any) -> dict[str, Any]:
-    """Tables with another value at a key. Raises LookupError if the key does not exist."""
+    """Copy of the tables with another value at a key. Raises LookupError if it does not exist."""
     changed = deepcopy(dict(tables))
     holder, last = _holder(changed, key)
     holder[last] = value
@@ -31,7 +34,7 @@ def with_value(tables: Mapping[str, Any], key: str, value: Any) -> dict[str, Any
 
 
 def numbers_of(value: Any, key: str = "") -> Iterator[tuple[str, float]]:
-    """Every number of the tables by its key."""
+    """Each number in the tables, with its key."""
     if isinstance(value, Mapping):
         for name, inner in value.items():
             yield from numbers_of(inner, f"{key}.{name}" if key else name)
@@ -48,9 +51,10 @@ def numbers_of(value: Any, key: str = "") -> Iterator[tuple[str, float]]:
 
 
 def keys_named(tables: Mapping[str, Any], names: Collection[str]) -> list[str]:
-    """Keys of the numbers and matrices in the tables whose last part is one of `names`.
+    """Keys of numbers and matrices in the tables whose last part is one of `names`.
 
-    For a table of that name inside an entry, the keys of all its numbers (`joints.a.stiffness`).
+    If a table within an entry has such a name, the keys of all its numbers, such as those of
+    `joints.a.stiffness`.
     """
     keys = dict.fromkeys(key.partition("[")[0] for key, _ in numbers_of(tables))
     parts = {key: key.split(".") for key in keys}
@@ -58,7 +62,7 @@ def keys_named(tables: Mapping[str, Any], names: Collection[str]) -> list[str]:
 
 
 def unit_of(tables: Mapping[str, Any], key: str) -> str:
-    """Unit of the number at a key of valid tables. "" if it has none."""
+    """Unit of the number at a key of tables without faults. "" if it has no unit."""
     names, indices = _steps(key)
     rules = {rule_key: rule for rule_key, rule, _ in rules_of(tables).within(tables, "")}
     rule = rules.get(".".join(names))
@@ -68,7 +72,7 @@ def unit_of(tables: Mapping[str, Any], key: str) -> str:
         return _UNITS_OF_COMPLIANCE[sum(index >= 3 for index in indices)]
     unit = rule.unit if isinstance(rule, Number | SquareMatrix) else ""
     if names[0] == "path" and indices:
-        # A list of poses has the coordinate second.
+        # In a list of poses the second index is that of the coordinate.
         move: str = tables["tool"]["moves"][indices[-1]]
         return length_unit_of(tables).name if move in LENGTHS else "rad"
     if names[0] == "joints":
@@ -78,7 +82,7 @@ def unit_of(tables: Mapping[str, Any], key: str) -> str:
 
 
 def _steps(key: str) -> tuple[list[str], list[int]]:
-    """Names of the tables that lead to a key, and indices (from 0) behind them."""
+    """Names in a key, from the outermost table inwards, and the indices (from 0) after them."""
     match = _KEY.fullmatch(key.strip())
     if match is None:
         raise LookupError(key)
@@ -87,7 +91,7 @@ def _steps(key: str) -> tuple[list[str], list[int]]:
 
 
 def _holder(tables: Mapping[str, Any], key: str) -> tuple[Any, Any]:
-    """The table or row that holds the value at `key`, and its key or index therein."""
+    """Table or row that contains the value at `key`, and the value's key or index in it."""
     names, indices = _steps(key)
     steps: list[str | int] = [*names, *indices]
     *path, last = steps

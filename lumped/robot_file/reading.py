@@ -1,9 +1,8 @@
-"""Reading of TOML and CSV files into tables, with early refusal of other content.
+"""Reading of TOML and CSV files into tables. Files with other content are refused early.
 
-For compliances also the uncertainty of printed digits, half a unit of the last one: 1.67e-10 lies
-between 1.665e-10 and 1.675e-10. Zeros, whole numbers and varied numbers count as exact. So does a
-6×6 with fewer than three digits in all entries: a round figure chosen by a designer, like a drive's
-stiffness.
+The uncertainty of a printed compliance is half a unit of its last digit: 1.67e-10 lies between
+1.665e-10 and 1.675e-10. Zeros, integers and numbers changed by `--vary` count as exact. So does a
+6×6 whose entries have less than three digits: its numbers are round figures chosen by a designer.
 """
 
 import csv
@@ -26,16 +25,16 @@ from lumped.robot_file.rules.matrices import symmetric
 from lumped.robot_file.rules.rule import too_many
 from lumped.text import cut, shown
 
-# Largest number of parts of a key "a.b.c"; the time of tomllib grows with its square.
+# Largest number of parts of a key "a.b.c". The time to parse a key grows with the square of it.
 _MOST_PARTS = 100
 _FEWEST_DIGITS = 3
 _BETWEEN_KEYS = re.compile(r"[=,\[\]{}\n]")
 
 
 class Printed(NamedTuple):
-    """A 6×6 compliance of a robot file (SI), symmetric, and `half` units of its last digits (6×6).
+    """A symmetric 6×6 compliance (SI) of a robot file, and the precision of its printed digits.
 
-    An entry and its mirror image have the same rounding.
+    `half` (6×6) is half a unit of the last digit of each entry.
     """
 
     compliance: Array
@@ -43,16 +42,16 @@ class Printed(NamedTuple):
 
 
 class TableRow(NamedTuple):
-    """A row of a CSV file: its location `place` in messages, and its `cells` by heading."""
+    """A row of a CSV file: its location `place` for messages, and its `cells` by column heading."""
 
     place: str
     cells: Mapping[str, str]
 
 
 def table_rows(path: Path, kind: str, columns: Sequence[str], most: int) -> list[TableRow]:
-    """Rows (at least one) of a CSV file with the required `columns`. Messages require `kind`.
+    """Rows of a CSV file, which must have the given `columns` and at least one row.
 
-    Raises InputError with one line per fault.
+    `kind` is the expected kind of file, for messages. Raises InputError with one line per fault.
     """
     try:
         text = read_ordinary(path, kind).decode("utf-8-sig")
@@ -78,7 +77,7 @@ def table_rows(path: Path, kind: str, columns: Sequence[str], most: int) -> list
 
 
 def number_or_text(cell: str) -> int | float | str:
-    """Number in a cell of a CSV file, or its text if it is no number."""
+    """Number in a CSV cell, or the text of the cell if it is not a number."""
     for kind in (int, float):
         try:
             return kind(cell)
@@ -88,7 +87,7 @@ def number_or_text(cell: str) -> int | float | str:
 
 
 def decoded(content: bytes, source: str) -> str:
-    """Text of a file in UTF-8, with or without a byte order mark. Raises InputError."""
+    """Text of a file in UTF-8, with or without a byte order mark. Raises InputError for others."""
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -98,7 +97,7 @@ def decoded(content: bytes, source: str) -> str:
 
 
 def parsed(text: str, source: str) -> Mapping[str, Any]:
-    """Tables of a TOML text. Raises InputError."""
+    """Tables of a TOML text. Raises InputError if it is not TOML."""
     keys = _BETWEEN_KEYS.split(re.sub("#.*", "", text))
     if max(key.count(".") for key in keys) > _MOST_PARTS:
         raise InputError(f"{source}: a key of more than {_MOST_PARTS} parts; not a robot file")
@@ -112,18 +111,21 @@ def parsed(text: str, source: str) -> Mapping[str, Any]:
 
 @memo(16)
 def tables_of(text: str) -> Mapping[str, Any]:
-    """Tables of a valid TOML text, parsed once per process. They must not be changed."""
+    """Tables of a TOML text without faults. They must not be changed.
+
+    The text is parsed once per process.
+    """
     return tomllib.loads(text)
 
 
 @memo(16)
 def decimal_tables(text: str) -> Mapping[str, Any]:
-    """The tables of a sound TOML text with numbers as printed: nobody may change them."""
+    """Tables of a TOML text without faults, with numbers as printed. They must not be changed."""
     return tomllib.loads(text, parse_float=Decimal)
 
 
 def printed_compliances(tables: Mapping[str, Any]) -> Iterator[Printed]:
-    """Each 6×6 `compliance` of a valid robot file, of either schema, with its printed digits."""
+    """Each 6×6 `compliance` in the tables of a robot file, with the precision of its digits."""
     for name, inner in tables.items():
         if isinstance(inner, Mapping):
             yield from printed_compliances(inner)

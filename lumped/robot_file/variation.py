@@ -1,7 +1,7 @@
-"""Robots that differ from that of a file in one or several numbers, named by their keys.
+"""Robots that differ from that of a robot file in one or several numbers, given by their keys.
 
-A variation is typed as KEY=FROM:TO:COUNT: "bodies.rod1.section.diameter=0.02:0.06:9". A * in the
-key matches any part of a name. All numbers with matching keys have the same value.
+A variation is typed as KEY=FROM:TO:COUNT, for example "bodies.rod1.section.diameter=0.02:0.06:9". A
+* in the key matches any part of a name. All numbers with matching keys have the same value.
 """
 
 from collections.abc import Mapping, Sequence
@@ -24,7 +24,7 @@ _ALLOWED = "must be KEY=FROM:TO:COUNT, bodies.rod1.section.diameter=0.02:0.06:9 
 
 @dataclass(frozen=True)
 class Variation:
-    """Common values of the numbers at `keys`; `key` as typed."""
+    """The numbers at `keys` with their successive common `values`. `key` is the key as typed."""
 
     key: str
     keys: tuple[str, ...]
@@ -32,7 +32,10 @@ class Variation:
 
 
 def variations_of(robot_file: RobotFile, typed: Sequence[str]) -> tuple[Variation, ...]:
-    """Variations of a robot file from typed texts. Raises InputError with one line per fault."""
+    """Variations of a robot file from command line texts.
+
+    Raises InputError with one line per fault.
+    """
     numbers = dict(numbers_of(robot_file.tables))
     variations, faults = collect_faults(lambda text: _variation(text, numbers, robot_file), typed)
     keys = [key for variation in variations for key in variation.keys]
@@ -56,9 +59,9 @@ def variations_of(robot_file: RobotFile, typed: Sequence[str]) -> tuple[Variatio
 def varied(
     robot_file: RobotFile, variations: Sequence[Variation]
 ) -> list[tuple[tuple[float, ...], RobotFile]]:
-    """All combinations of the values, each with the robot file that has them.
+    """All combinations of the values of `variations`, each with the robot file that has them.
 
-    Raises InputError, one line, for the first impossible robot, since others have the same cause.
+    Raises InputError for the first impossible robot only, because others have the same cause.
     """
     robots = []
     for values in product(*(variation.values for variation in variations)):
@@ -73,7 +76,7 @@ def varied(
 
 
 def assignments(variations: Sequence[Variation], values: Sequence[float]) -> str:
-    """The values with their keys: "bodies.rod1.section.diameter=0.02"."""
+    """Text of values with their keys, such as "bodies.rod1.section.diameter=0.02"."""
     pairs = zip(variations, values, strict=True)
     return ", ".join(f"{variation.key}={value:.6g}" for variation, value in pairs)
 

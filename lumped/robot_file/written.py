@@ -1,4 +1,4 @@
-"""TOML text of dictionaries with numbers, texts, lists and tables."""
+"""TOML text of dictionaries that contain numbers, texts, lists and tables."""
 
 import json
 import re
@@ -16,10 +16,10 @@ _BARE = re.compile(r"[A-Za-z0-9_-]+")
 
 
 def toml_of(tables: Mapping[str, Any]) -> str:
-    """TOML text of the tables, one line for each top-level entry.
+    """TOML text of a dictionary, one line for each top-level entry.
 
-    Arrays of numpy count as lists, paths as texts. Raises InputError with a line for each value
-    that TOML cannot hold, with its key.
+    Arrays of numpy are written as lists, paths as texts. Raises InputError with one line for each
+    value that TOML cannot represent.
     """
     faults: list[str] = []
     lines = [f"{_key(key)} = {_value(value, str(key), faults)}" for key, value in tables.items()]
@@ -42,7 +42,7 @@ def _key(key: object) -> str:
 
 
 def _text(text: str) -> str:
-    # Texts in TOML equal those in JSON, except for this one control character.
+    # Texts are written as in JSON, except for this one control character.
     return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 

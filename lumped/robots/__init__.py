@@ -1,11 +1,11 @@
-"""Robots that come with the program, one file each: the paper's, and one mechanism of each kind.
+"""Built-in robots, one robot file each: that of the paper, and one mechanism of each kind.
 
-In: nothing. Out: robot files, read by `lumped.robot_file`.
+Robot files are read by `lumped.robot_file`.
 """
 
 from typing import Literal, TypeAlias
 
-# Mechanisms of which there is a commented file to start from.
+# Types of robots for which there is a commented robot file to start from.
 RobotType: TypeAlias = Literal[
     "biglide",
     "five-bar",
@@ -20,5 +20,5 @@ RobotType: TypeAlias = Literal[
     "gantry",
     "stage",
 ]
-# What one starts from where nothing is said.
+# Default type of a new robot file.
 FIRST_TYPE: RobotType = "biglide"

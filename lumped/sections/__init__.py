@@ -1,6 +1,7 @@
 """Cross-sections of legs and their constants.
 
-In: sizes in m. Out: area, moments of area, torsion constant, shear centre and shear coefficients.
+Input: dimensions in m. Output: area, second moments of area, torsion constant, shear centre and
+shear coefficients.
 """
 
 from lumped.sections.constants import SectionProperties

@@ -1,7 +1,7 @@
-"""Sections given by their constants alone: a catalogue's profile, or a result of another program.
+"""Sections given by their constants only: a catalogue profile, or a result of another program.
 
-Beams and segments need no more. Nothing is known of the shape: solids cannot be meshed, and a
-rectangle of the same radii of gyration stands in pictures.
+Beams and segments need nothing else. The outline is not known, so that such a section cannot be
+meshed. Pictures show a rectangle with the same radii of gyration.
 """
 
 from dataclasses import dataclass
@@ -13,10 +13,11 @@ from lumped.sections.shapes import Section
 
 @dataclass(frozen=True)
 class SectionProperties(Section):
-    """Constants about the centroid, leg axes (SI); those left out are of two axes of symmetry.
+    """Section constants about the centroid, leg axes, SI units.
 
-    `A` (m²), `Iy` = ∫z² dA, `Iz` = ∫y² dA, `Iyz` = ∫yz dA and `J` (m⁴); shear areas `Ay`, `Az`
-    (κA, m²), None without shear deformation; the shear centre (`ys`, `zs`) from the centroid (m).
+    `A` (m²), `Iy` = ∫z² dA, `Iz` = ∫y² dA, `Iyz` = ∫yz dA and `J` (m⁴). Shear areas `Ay`, `Az` (κA,
+    m²) are None without shear deformation. (`ys`, `zs`) (m) is the position of the shear centre
+    relative to the centroid. The defaults are those of a section with two axes of symmetry.
     """
 
     A: float
@@ -64,7 +65,7 @@ class SectionProperties(Section):
 
     @property
     def extent(self) -> tuple[float, float]:
-        """Sides of the rectangle with the same radii of gyration."""
+        """Sides (m, along y and z) of the rectangle with the same radii of gyration."""
         return sqrt(12.0 * self.Iz / self.A), sqrt(12.0 * self.Iy / self.A)
 
     def shear_coefficients(self, nu: float) -> tuple[float, float]:  # noqa: ARG002

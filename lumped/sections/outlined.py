@@ -1,8 +1,9 @@
-"""Sections with corners: a polygon with holes, and the open profiles channel, angle and tee.
+"""Sections with straight edges: a polygon with holes, and the open profiles channel, angle and tee.
 
-The leg's axis goes through the centroid, wherever the outline has its origin. Area and moments of
-area are exact; torsion constant, shear centre and shear compliance are computed on the rim
-(`lumped.sections.saint_venant`), without thin-wall assumptions. Profiles have sharp corners.
+The leg axis passes through the centroid, regardless of the origin of the outline. Area and second
+moments of area are exact. Torsion constant, shear centre and shear compliance are computed by
+boundary elements (`lumped.sections.saint_venant`), without assuming thin walls. Profiles have sharp
+corners.
 """
 
 from abc import abstractmethod
@@ -25,22 +26,23 @@ from lumped.sections.shapes import Boxed, Section
 
 Points: TypeAlias = tuple[tuple[float, float], ...]
 
-# Share of the section's size: parts of its rim closer to each other than this touch.
+# Parts of the boundary that are closer than this fraction of the section's size touch.
 _TOUCHING = 1e-6
-# Share of Iy + Iz: a smaller product of inertia is round-off about an axis of symmetry.
+# A product moment below this fraction of Iy + Iz is round-off: there is an axis of symmetry.
 _SYMMETRIC = 1e-9
-# Share of the section's size: a shear centre nearer to the centroid is the boundary elements' error
-# about an axis of symmetry. The same share bounds a shear coupling against the shear coefficients.
+# A distance of shear centre and centroid below this fraction of the section's size is an error of
+# the boundary elements: there is an axis of symmetry. The same holds for a shear coupling below
+# this fraction of the sum of 1/κ.
 _OFF_CENTRE = 1e-7
 
 
 class OutlinedSection(Section):
-    """A section within closed lines of straight edges."""
+    """A section whose boundary consists of closed lines with straight edges."""
 
     @property
     @abstractmethod
     def loops(self) -> tuple[Loop, ...]:
-        """The outline (n×2, y and z, m) counter-clockwise, and holes clockwise."""
+        """Points (n×2, y and z, m) of the outline, counter-clockwise, and of holes, clockwise."""
 
     @property
     def is_doubly_symmetric(self) -> bool:
@@ -48,12 +50,12 @@ class OutlinedSection(Section):
 
     @property
     def largest_angle(self) -> float:
-        """Largest inner angle of a corner (rad), above π at a re-entrant corner."""
+        """Largest interior angle (rad) at a corner. Re-entrant corners have angles above π."""
         return max(float(inner_angles(loop).max()) for loop in self.loops)
 
     @property
     def centred_loops(self) -> tuple[Loop, ...]:
-        """The loops in coordinates from the centroid."""
+        """Boundary lines in coordinates (m) relative to the centroid."""
         _, centroid, _ = _moments(self)
         return tuple(loop - centroid for loop in self.loops)
 
@@ -92,7 +94,7 @@ class OutlinedSection(Section):
         return float(width), float(height)
 
     def shear_coefficients(self, nu: float) -> tuple[float, float]:
-        """κ for shear along y and along z by strain energy, ∫τ²/G dA = V²/κGA."""
+        """κ for shear along y and along z from the strain energy: ∫τ²/G dA = V²/κGA."""
         flexibility = self._shear_flexibility(nu)
         return 1.0 / float(flexibility[0, 0]), 1.0 / float(flexibility[1, 1])
 
@@ -102,7 +104,11 @@ class OutlinedSection(Section):
         return coupling if abs(coupling) > _OFF_CENTRE * np.trace(flexibility) else 0.0
 
     def _shear_flexibility(self, nu: float) -> Array:
-        """GA/V² times twice the strain energy per length (2×2), unit forces along y and z."""
+        """Dimensionless shear flexibility (2×2), with 1/κ for shear along y and z on the diagonal.
+
+        Its entries are GA/V² times twice the strain energy per length due to unit forces along y
+        and z.
+        """
         solution, _ = _solution(self)
         ratio = nu / (2.0 * (1.0 + nu))
         powers = np.array([1.0, ratio, ratio**2])
@@ -116,16 +122,16 @@ def _moments(section: OutlinedSection) -> tuple[float, Array, Array]:
 
 @memo(64)
 def _solution(section: OutlinedSection) -> tuple[RimSolution, float]:
-    """Torsion and flexure of the section in units of its size, and the size (m)."""
+    """Torsion and flexure of the section scaled to size 1, and the size (m)."""
     size = max(section.extent)
     return rim_solution([loop / size for loop in section.centred_loops]), size
 
 
 @dataclass(frozen=True)
 class _Profile(Boxed, OutlinedSection):
-    """An open profile in a box of `width` along y and `height` along z, of two wall thicknesses.
+    """An open profile in a box of `width` along y and `height` along z (m).
 
-    `flange`: thickness (m) of the walls along y, `web`: of the wall along z.
+    `flange` is the thickness (m) of the walls along y, `web` that of the wall along z.
     """
 
     flange: float
@@ -146,7 +152,7 @@ class _Profile(Boxed, OutlinedSection):
 
 @dataclass(frozen=True)
 class Channel(_Profile):
-    """Channel: a `web` along z at the smaller y, flanges from its ends towards +y."""
+    """Channel: a web along z at the smallest y, and flanges from its ends towards +y."""
 
     shape: ClassVar[str] = "channel"
 
@@ -162,7 +168,7 @@ class Channel(_Profile):
 
 @dataclass(frozen=True)
 class Angle(_Profile):
-    """Angle: a `flange` along y at the smaller z and a `web` along z at the smaller y."""
+    """Angle: a flange along y at the smallest z, and a web along z at the smallest y."""
 
     shape: ClassVar[str] = "angle"
 
@@ -177,7 +183,7 @@ class Angle(_Profile):
 
 @dataclass(frozen=True)
 class Tee(_Profile):
-    """Tee: a `flange` along y at the larger z and a `web` along z below its middle."""
+    """Tee: a flange along y at the largest z, and a web along z below the middle of the flange."""
 
     shape: ClassVar[str] = "tee"
 
@@ -193,9 +199,9 @@ class Tee(_Profile):
 
 @dataclass(frozen=True)
 class Polygon(OutlinedSection):
-    """A polygon: `outline` and `holes` as points (y, z) in m, in either direction.
+    """A polygon with holes. `outline` and `holes` are points (y, z) in m, in either direction.
 
-    The coordinates have any origin: the centroid lies on the leg's axis.
+    The coordinates may have any origin: the centroid lies on the leg axis.
     """
 
     outline: Points
@@ -224,7 +230,7 @@ class Polygon(OutlinedSection):
 
 
 def _oriented(loop: Loop, direction: float) -> Loop:
-    """The loop counter-clockwise for a positive direction, otherwise clockwise."""
+    """The closed line counter-clockwise for a positive `direction`, otherwise clockwise."""
     return loop if _signed_area(loop) * direction > 0.0 else loop[::-1]
 
 
@@ -234,7 +240,10 @@ def _signed_area(loop: Loop) -> float:
 
 
 def _loop_faults(name: str, loop: Loop, gap: float) -> list[str]:
-    """Faults of one closed line: its first crossing alone, since one wrong point makes many."""
+    """Faults of one closed line.
+
+    Only the first crossing is reported: one wrong point causes many.
+    """
     count = len(loop)
     lengths = np.linalg.norm(np.roll(loop, -1, axis=0) - loop, axis=1)
     for i in np.flatnonzero(lengths <= gap):
@@ -275,7 +284,7 @@ def _hole_faults(named_loops: list[tuple[str, Loop]], gap: float) -> list[str]:
 
 
 def _edge_distances(first: Loop, second: Loop) -> Array:
-    """Smallest distances (n×m, m) between the edges of two closed lines; 0 if they cross."""
+    """Smallest distances (n×m, m) between the edges of two closed lines. 0 if edges cross."""
     a, b = first[:, None], np.roll(first, -1, axis=0)[:, None]
     c, d = second[None], np.roll(second, -1, axis=0)[None]
     distances = np.minimum.reduce(
@@ -287,7 +296,10 @@ def _edge_distances(first: Loop, second: Loop) -> Array:
 
 
 def distances_to_edges(point: Array, loop: Loop) -> Array:
-    """Distance (n, m) of a point from each edge of a closed line, that from its corner i first."""
+    """Distance (n values, m) of a point from each edge of a closed line.
+
+    Edge i starts at corner i.
+    """
     return _to_edge(point, loop, np.roll(loop, -1, axis=0))
 
 
@@ -298,6 +310,6 @@ def _to_edge(point: Array, start: Array, end: Array) -> Array:
 
 
 def twice_area(a: Array, b: Array, c: Array) -> Array:
-    """Twice the area of triangles, positive counter-clockwise; corners …×2 (m)."""
+    """Twice the area of triangles with corners a, b, c (…×2, m), positive if counter-clockwise."""
     u, v = b - a, c - a
     return np.asarray(u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0])

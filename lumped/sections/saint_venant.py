@@ -1,21 +1,22 @@
-"""Saint-Venant's torsion and flexure of a polygon, by boundary elements on its rim.
+"""Saint-Venant's torsion and flexure of a polygonal section, by boundary elements.
 
 Coordinates s = (y, z) from the centroid, Σ = ∫ s sᵀ dA, c = Σ⁻¹F for a transverse force F. The
-stresses of unit twist Gθ′ = 1 and of F are
+shear stresses due to unit twist Gθ′ = 1 and due to F are
 
     torsion   τ = ∇ω + (−z, y)             ∂ω/∂n = z n_y − y n_z
     flexure   τ = ∇χ + P_0 + r P_1         ∂χ/∂n = −(P_0 + r P_1)·n,  r = νG/E
               P_0 = −½ (c₁y², c₂z²)        P_1 = ½ (y² + z²) c − yz (c₂, c₁)
 
-with harmonic ω and χ, so that div τ = −c·s in the section and τ·n = 0 on its rim (A. E. H. Love, A
-Treatise on the Mathematical Theory of Elasticity, ch. XV). All constants are integrals over the
-rim: by Green's formula, with ∇²g = c·s, g = (c₁y³ + c₂z³)/6,
+with harmonic functions ω and χ, so that div τ = −c·s in the section and τ·n = 0 on its boundary (A.
+E. H. Love, A Treatise on the Mathematical Theory of Elasticity, ch. XV). All constants are
+integrals over the boundary. By Green's formula, with ∇²g = c·s, g = (c₁y³ + c₂z³)/6,
 
     J = I_p − ∮ ω ∂ω/∂n ds,     ∫ ω c·s dA = ∮ (ω ∂g/∂n − g ∂ω/∂n) ds.
 
-The harmonic functions solve c(p) u(p) = ∮ (G ∂u/∂n − u ∂G/∂n) ds, G = −ln r/2π, on quadratic
-elements whose kernels are integrated in closed form. Elements shrink geometrically towards corners,
-where u has a term r^(π/α), α the inner angle. `fem.sections` computes the same by finite elements.
+A harmonic function u satisfies c(p) u(p) = ∮ (G ∂u/∂n − u ∂G/∂n) ds with G = −ln r/2π. This
+equation is solved on quadratic elements whose integrals are evaluated in closed form. Element
+lengths decrease geometrically towards corners, where u has a term r^(π/α) with the interior angle
+α. The same constants are computed by finite elements in `fem.sections`.
 """
 
 from collections.abc import Callable, Sequence
@@ -27,23 +28,26 @@ from numpy.polynomial import legendre
 
 from lumped.arrays import Array, IntArray
 
-# Points (n×2, y and z) of a closed line, the section on its left.
+# Points (n×2, y and z) of a closed boundary line. The section lies to the left of the line.
 Loop: TypeAlias = Array
-# Values (… × n) at n places y and z.
+# Function that returns values (… × n) at n points with coordinates y and z.
 _Integrand: TypeAlias = Callable[[Array, Array], Array]
 
-# Largest length of an element over its distance from the nearest corner: J of an angle whose walls
-# are a fiftieth of its sides is right to 3e-6.
+# Largest ratio of the length of an element to its distance from the nearest corner. J of an angle
+# whose walls are a fiftieth of its sides then has an error of 3e-6.
 _GRADING = 0.25
-# Error of the constants due to the smallest element, ε^(2π/α) of a corner's singular term.
+# Error of the constants due to elements of relative length ε at a corner: ε^(2π/α), from the
+# singular term.
 _LEFT = 1e-7
-# Below this change of direction (rad) a corner belongs to a curve approximated by a polygon.
+# Change of direction (rad) below which a corner is part of a curve approximated by a polygon.
 _WEAK = np.pi / 6.0
-# Smallest element there and share of each edge that an element may take: curves have many edges.
+# Length of the elements at such corners, as a fraction of the shorter edge, and longest element as
+# a fraction of any edge. Both are large because curves have many edges.
 _SMALLEST_WEAK, _SHARE = 0.3, 0.5
-# Gauss points: exact for all products of polynomials; kernels at a distance of so many lengths.
+# Number of Gauss points, which integrate all products of polynomials exactly. Kernels are
+# integrated numerically from a distance of _NEAR element lengths on, otherwise in closed form.
 _POINTS, _NEAR = 6, 3.0
-# Share of an element's length: a point closer to its line than this lies on it.
+# A point closer to the line of an element than this fraction of its length lies on the line.
 _ON_LINE = 1e-12
 # Number of rows of the matrix that are integrated at a time.
 _CHUNK = 256
@@ -51,7 +55,7 @@ _CHUNK = 256
 
 @dataclass(frozen=True, eq=False)
 class _Rim:
-    """Quadratic elements (E) on the rim, N nodes.
+    """Mesh of the boundary: E quadratic elements with N nodes.
 
     `nodes` (N×2), `cells` (E×3: start, middle, end), unit vectors `along` and `outward` (E×2),
     `lengths` (E).
@@ -64,22 +68,22 @@ class _Rim:
     lengths: Array
 
     def on(self, values: Array) -> Array:
-        """Nodal values (N×m) at the Gauss points of all elements (E×q×m)."""
+        """Values at the Gauss points of all elements (E×q×m) from nodal values (N×m)."""
         return np.asarray(np.einsum("qk,ekm->eqm", _shapes(_GAUSS), values[self.cells]))
 
     def integral(self, values: Array) -> Array:
-        """∮ of values at the Gauss points (E×q×…) ds."""
+        """Integral ∮ … ds over the boundary of `values` at the Gauss points (E×q×…)."""
         weighted = np.einsum("eq...,q->e...", values, _WEIGHTS)
         return np.asarray(np.einsum("e...,e->...", weighted, self.lengths))
 
     @property
     def points(self) -> Array:
-        """Gauss points (E×q×2)."""
+        """Coordinates of the Gauss points (E×q×2)."""
         return self.on(self.nodes)
 
 
 def _unit_gauss() -> tuple[Array, Array]:
-    """Gauss points and weights on an element from 0 to 1."""
+    """Gauss points and weights on the interval from 0 to 1."""
     points, weights = legendre.leggauss(_POINTS)
     return np.asarray(0.5 * (1.0 + points), float), np.asarray(0.5 * weights, float)
 
@@ -88,17 +92,17 @@ _GAUSS, _WEIGHTS = _unit_gauss()
 
 
 def _shapes(at: Array) -> Array:
-    """Quadratic shape functions (q×3) of start, middle and end at places 0 … 1 of an element."""
+    """Quadratic shape functions (q×3: start, middle, end) at q coordinates from 0 to 1."""
     return np.column_stack([(1 - at) * (1 - 2 * at), 4 * at * (1 - at), at * (2 * at - 1)])
 
 
 @dataclass(frozen=True, eq=False)
 class RimSolution:
-    """Torsion and flexure of a polygon with sides of the order of 1.
+    """Torsion and flexure of a polygon whose sides are of order 1.
 
-    `area`, `torsion_constant` J, `shear_centre` (2) from the centroid. `shear_energies` (3×2×2):
-    coefficients of 1, r, r² of ∫ τ_f·τ_g dA of the unit forces f, g through the shear centre, whose
-    work with the stress of twisting vanishes.
+    `area`, `torsion_constant` J, `shear_centre` (2) relative to the centroid. `shear_energies`
+    (3×2×2) are the coefficients of 1, r, r² in the integrals ∫ τ_f·τ_g dA of the stresses due to
+    unit forces f and g (along y, z) through the shear centre. These forces do no work on twist.
     """
 
     area: float
@@ -108,7 +112,10 @@ class RimSolution:
 
 
 def area_moments(loops: Sequence[Loop]) -> tuple[float, Array, Array]:
-    """Area, centroid (2) and Σ (2×2) about it of the polygon within `loops`."""
+    """Area, centroid (2) and matrix Σ = ∫ s sᵀ dA (2×2, about the centroid) of a polygon.
+
+    `loops` are its outline (counter-clockwise) and its holes (clockwise).
+    """
     area = float(_polygon_integral(loops, lambda y, _: np.ones((1, *y.shape)))[0])
     centroid = _polygon_integral(loops, lambda y, z: np.array([y, z])) / area
     centred = [loop - centroid for loop in loops]
@@ -117,7 +124,7 @@ def area_moments(loops: Sequence[Loop]) -> tuple[float, Array, Array]:
 
 
 def rim_solution(loops: Sequence[Loop]) -> RimSolution:
-    """Torsion and flexure of the polygon within `loops`: its outline, and its holes clockwise."""
+    """Torsion and flexure of a polygon: `loops` are its outline and its holes (clockwise)."""
     area, centroid, moments = area_moments(loops)
     centred = [loop - centroid for loop in loops]
     rim = _rim(centred)
@@ -125,7 +132,7 @@ def rim_solution(loops: Sequence[Loop]) -> RimSolution:
     y, z = rim.points.transpose(2, 0, 1)
     n_y, n_z = rim.outward.T[:, :, None]
     twist_flux = z * n_y - y * n_z
-    # Index order of fields: force, power of r, direction, then points.
+    # Axes of the arrays of fields: force, power of r, component, then points.
     fluxes = np.einsum("fpdeq,ed->eqfp", _polynomials(slopes, y, z), rim.outward)
     data = np.concatenate([twist_flux[:, :, None], -fluxes.reshape(*fluxes.shape[:2], 4)], axis=2)
     potentials = rim.on(_potentials(rim, data))
@@ -145,10 +152,10 @@ def rim_solution(loops: Sequence[Loop]) -> RimSolution:
         lambda y, z: np.einsum("fpdq,dq->fpq", _polynomials(slopes, y, z), np.array([-z, y])),
     )
     torques -= rim.integral(chi * twist_flux[:, :, None, None])
-    # Only the part without r has a divergence.
+    # Only the part of the stress that does not depend on r has a divergence.
     torques[:, 0] += warped
 
-    # X_fpg = ∫ χ_fp c_g·s dA, and its symmetric sum with ∮ χ P·n and ∫ P·P.
+    # ∫ χ_fp c_g·s dA is made symmetric in f and g. ∮ χ P·n ds and ∫ P·P dA are added to it.
     c_g = np.einsum("gd,deq->eqg", slopes, g)
     c_flux = np.einsum("gd,deq->eqg", slopes, g_flux)
     of_divergence = rim.integral(
@@ -177,7 +184,10 @@ def rim_solution(loops: Sequence[Loop]) -> RimSolution:
 
 
 def _polynomials(slopes: Array, y: Array, z: Array) -> Array:
-    """P_0 and P_1 (force × power of r × direction × …) of the unit forces along y and z."""
+    """Polynomials P_0 and P_1 for unit forces along y and z.
+
+    Axes of the array: force, power of r, component, points.
+    """
     fields = np.zeros((2, 2, 2, *y.shape))
     for force, (c1, c2) in enumerate(slopes):
         fields[force, 0] = -0.5 * c1 * y**2, -0.5 * c2 * z**2
@@ -187,7 +197,7 @@ def _polynomials(slopes: Array, y: Array, z: Array) -> Array:
 
 
 def _polygon_integral(loops: Sequence[Loop], of: _Integrand) -> Array:
-    """∫ of a polynomial up to the tenth degree over the polygon, by triangles from the origin."""
+    """Integral over a polygon of a polynomial of degree up to ten, by triangles from the origin."""
     total: Array | float = 0.0
     for loop in loops:
         ends = np.roll(loop, -1, axis=0)
@@ -201,7 +211,7 @@ def _polygon_integral(loops: Sequence[Loop], of: _Integrand) -> Array:
 
 
 def _rim(loops: Sequence[Loop]) -> _Rim:
-    """Elements on all edges, graded towards the corners of all loops."""
+    """Boundary elements on all edges, with lengths graded towards the corners of all lines."""
     corners = np.vstack(loops)
     smallest = np.concatenate([_smallest_elements(loop) for loop in loops])
     nodes, cells, along, lengths = [], [], [], []
@@ -232,14 +242,17 @@ def _rim(loops: Sequence[Loop]) -> _Rim:
 
 
 def inner_angles(loop: Loop) -> Array:
-    """Angle of the section (n, rad) at each corner of a closed line, the section on its left."""
+    """Interior angle (n, rad) at each corner of a closed line. The section lies to its left."""
     before, after = loop - np.roll(loop, 1, axis=0), np.roll(loop, -1, axis=0) - loop
     cross = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
     return np.asarray(np.pi - np.arctan2(cross, (before * after).sum(axis=1)))
 
 
 def is_inside(loops: Sequence[Loop], point: Array) -> bool:
-    """True if a point lies within closed lines: an odd number of crossings of a ray along +y."""
+    """True if a point lies within closed lines.
+
+    A ray from the point along +y then crosses the lines an odd number of times.
+    """
     crossings = 0
     for loop in loops:
         y, z = (loop - point).T
@@ -251,7 +264,7 @@ def is_inside(loops: Sequence[Loop], point: Array) -> bool:
 
 
 def _smallest_elements(loop: Loop) -> Array:
-    """Length (n) of the elements at each corner, required by its singular term r^(π/α)."""
+    """Length (n) of the elements at each corner, as required by the singular term r^(π/α)."""
     lengths = np.linalg.norm(np.roll(loop, -1, axis=0) - loop, axis=1)
     shorter = np.minimum(lengths, np.roll(lengths, 1))
     inner = inner_angles(loop)
@@ -261,7 +274,7 @@ def _smallest_elements(loop: Loop) -> Array:
 
 
 def _graded(start: Array, way: Array, corners: Array, smallest: Array) -> list[float]:
-    """Start points of the elements of an edge, as shares of it, ascending."""
+    """Start points of the elements of an edge, as ascending fractions of its length."""
     length = float(np.linalg.norm(way))
     along = (corners - start) @ way / length**2
     across = np.linalg.norm(corners - start - along[:, None] * way, axis=1)
@@ -279,15 +292,16 @@ def _graded(start: Array, way: Array, corners: Array, smallest: Array) -> list[f
 
 
 def _potentials(rim: _Rim, fluxes: Array) -> Array:
-    """Harmonic functions (N×m) of mean zero on the rim with `fluxes` ∂u/∂n (E×q×m, Gauss points).
+    """Harmonic functions (N×m, mean zero) on the boundary for given normal derivatives ∂u/∂n.
 
-    Fluxes are quadratic along each element.
+    `fluxes` (E×q×m) are the normal derivatives at the Gauss points. They are quadratic on each
+    element.
     """
     fit = np.linalg.pinv(_shapes(_GAUSS))
     nodal = np.einsum("kq,eqm->ekm", fit, fluxes).reshape(-1, fluxes.shape[-1])
     count, elements = len(rim.nodes), len(rim.cells)
     places = rim.cells.ravel()
-    # Double layer of unknown values: three columns of each element into those of its nodes.
+    # The integrals of ∂G/∂n over an element multiply the unknown values at its three nodes.
     matrix, load = np.zeros((count, count)), np.zeros((count, nodal.shape[1]))
     for first in range(0, count, _CHUNK):
         rows = slice(first, min(first + _CHUNK, count))
@@ -296,7 +310,7 @@ def _potentials(rim: _Rim, fluxes: Array) -> Array:
         columns = double.reshape(-1, 3 * elements)
         block = matrix[rows]
         np.add.at(block.T, places, columns.T)
-    # A constant has no flux: the diagonal is the negative sum of the other entries.
+    # A constant has no normal derivative, so the diagonal is minus the sum of the other entries.
     matrix[np.diag_indices(count)] -= matrix.sum(axis=1)
     weights = np.zeros(count)
     np.add.at(weights, rim.cells, np.outer(rim.lengths, [1.0, 4.0, 1.0]) / 6.0)
@@ -305,7 +319,7 @@ def _potentials(rim: _Rim, fluxes: Array) -> Array:
 
 
 def _layers(rim: _Rim, points: Array) -> tuple[Array, Array]:
-    """∫ N_k G ds and ∫ N_k ∂G/∂n ds (p×E×3) over all elements for `points` (p×2)."""
+    """Integrals ∫ N_k G ds and ∫ N_k ∂G/∂n ds (p×E×3) over all elements, for `points` (p×2)."""
     starts = rim.nodes[rim.cells[:, 0]]
     away = points[:, None] - starts
     foot = np.einsum("ped,ed->pe", away, rim.along)
@@ -327,9 +341,10 @@ def _layers(rim: _Rim, points: Array) -> tuple[Array, Array]:
 
 
 def _exact_layers(foot: Array, height: Array, length: Array) -> tuple[Array, Array]:
-    """∫ N_k ln r ds and ∫ N_k h/r² ds (m×3), points at `foot` along and `height` h off an element.
+    """Integrals ∫ N_k ln r ds and ∫ N_k h/r² ds (m×3) over straight elements in closed form.
 
-    With v = s − foot: ∫ vᵏ ln r and ∫ vᵏ h/r², k = 0, 1, 2, at both ends.
+    The points lie at `foot` along the element and at `height` h beside it. With v = s − foot, the
+    integrals ∫ vᵏ ln r dv and ∫ vᵏ h/r² dv for k = 0, 1, 2 are evaluated at both ends.
     """
     logs, angles = [], []
     for v in (length - foot, -foot):
@@ -345,7 +360,7 @@ def _exact_layers(foot: Array, height: Array, length: Array) -> tuple[Array, Arr
         )
         angles.append([angle, height * log, height * v - height**2 * angle])
     of_log, of_angle = (np.array(last) - np.array(first) for last, first in (logs, angles))
-    # N_k of v: places (v + foot)/length.
+    # Coefficients of the shape functions N_k as polynomials in v, at (v + foot)/length.
     a, b = foot / length, 1.0 / length
     powers = (
         (1.0 - 3.0 * a + 2.0 * a**2, (4.0 * a - 3.0) * b, 2.0 * b**2),

@@ -1,11 +1,11 @@
-"""Cross-sections of constant-section legs and their textbook constants.
+"""Doubly symmetric cross-sections of prismatic legs and their textbook constants.
 
-A section lies in the leg's y–z plane, width along y, height along z, centroid at the origin.
-Iy = ∫z² dA bends the leg in its x–z plane, Iz = ∫y² dA in its x–y plane.
-Shapes of this module are symmetric about y and z. Torsion constants and shear coefficients are
-closed forms: exact for rectangle (series), circle and tube; thin-wall formulas for hollow rectangle
-and I (`fem.sections.section_constants` computes those without that assumption). Shear coefficients:
-Cowper, J. Appl. Mech. 33 (1966) 335.
+A section lies in the leg's y–z plane, with the width along y, the height along z and the centroid
+at the origin. Iy = ∫z² dA is for bending in the x–z plane of the leg, Iz = ∫y² dA for bending in
+its x–y plane. Torsion constants and shear coefficients are closed forms: exact for rectangle
+(series), circle and tube, thin-wall formulas for hollow rectangle and I-section, whose constants
+`fem.sections.section_constants` computes without this assumption. Shear coefficients: Cowper, J.
+Appl. Mech. 33 (1966) 335.
 """
 
 from abc import ABC, abstractmethod
@@ -16,7 +16,7 @@ from typing import ClassVar
 
 @dataclass(frozen=True)
 class Section(ABC):
-    """Interface of all section shapes; lengths in m, all sizes are fields of the shape."""
+    """Base class of all section shapes. The fields of a shape are its dimensions (m)."""
 
     shape: ClassVar[str]
 
@@ -43,56 +43,63 @@ class Section(ABC):
     @property
     @abstractmethod
     def extent(self) -> tuple[float, float]:
-        """Size of the bounding box along y and along z (m)."""
+        """Size (m) of the bounding box along y and along z."""
 
     @abstractmethod
     def shear_coefficients(self, nu: float) -> tuple[float, float]:
-        """κ for shear along y and along z, Poisson's ratio `nu`; Cowper's in closed forms."""
+        """Shear coefficients κ for shear along y and along z at Poisson's ratio `nu`.
+
+        Closed forms are those of Cowper.
+        """
 
     @property
     def has_outline(self) -> bool:
-        """True if the shape is known, not only its constants."""
+        """True if the outline is known, False if only constants are known."""
         return True
 
     @property
     def is_doubly_symmetric(self) -> bool:
-        """True if the shape is symmetric about y and about z for all sizes."""
+        """True if the shape is symmetric about y and about z for all dimensions."""
         return True
 
     @property
     def product_moment(self) -> float:
-        """Iyz = ∫yz dA (m⁴) about the centroid; 0 if y or z is an axis of symmetry."""
+        """Iyz = ∫yz dA (m⁴) about the centroid. 0 if y or z is an axis of symmetry."""
         return 0.0
 
     @property
     def shear_centre(self) -> tuple[float, float]:
-        """Shear centre (y, z, m) from the centroid; zero in doubly symmetric shapes."""
+        """Position (y, z, m) of the shear centre relative to the centroid.
+
+        0 in doubly symmetric shapes.
+        """
         return 0.0, 0.0
 
     def shear_coupling(self, nu: float) -> float:  # noqa: ARG002
-        """GA times the shear strain along z by a unit force along y, Poisson's ratio `nu`.
+        """GA times the shear strain along z due to a unit force along y, at Poisson's ratio `nu`.
 
-        It is the off-diagonal term to 1/κ of both directions; 0 if y or z is an axis of symmetry.
+        It is the off-diagonal term of the matrix with the two 1/κ on its diagonal. 0 if y or z is
+        an axis of symmetry.
         """
         return 0.0
 
     def faults(self, unit: str = "m") -> list[str]:
-        """Faults that make the shape impossible, one line each; empty if it is valid.
+        """Reasons why such a shape is impossible, one line each. Empty if the shape is valid.
 
-        `unit` is the unit of its sizes.
+        `unit` is the unit of the dimensions, for messages.
         """
         sizes = {entry.name: getattr(self, entry.name) for entry in fields(self)}
         wrong = [f"{k} = {x!r}: must be above 0 {unit}" for k, x in sizes.items() if not x > 0]
         return wrong or self._own_faults(unit)
 
     def _own_faults(self, unit: str) -> list[str]:  # noqa: ARG002
-        """Faults of the combination of sizes that are each above zero."""
+        """Faults of the combination of dimensions that are each above zero."""
         return []
 
 
 @dataclass(frozen=True)
 class Boxed(Section):
-    """A shape in a rectangle of `width` along y and `height` along z (m)."""
+    """A shape with a bounding box of `width` along y and `height` along z (m)."""
 
     width: float
     height: float
@@ -104,13 +111,13 @@ class Boxed(Section):
 
 @dataclass(frozen=True)
 class _Round(Section):
-    """A shape of outer `diameter` (m) around a bore, axially symmetric."""
+    """An axially symmetric shape of outer `diameter` (m), with or without a bore."""
 
     diameter: float
 
     @property
     def inner_diameter(self) -> float:
-        """Diameter of the bore (m)."""
+        """Diameter (m) of the bore."""
         return 0.0
 
     @property
@@ -141,9 +148,10 @@ class _Round(Section):
 
 
 def rectangle_torsion_constant(width: float, height: float) -> float:
-    """Saint-Venant's J (m⁴) of a solid rectangle (Timoshenko & Goodier, Elasticity, §109).
+    """Saint-Venant's torsion constant J (m⁴) of a solid rectangle with sides in m.
 
-    J = a b³ [1/3 − (64/π⁵)(b/a) Σ_odd tanh(kπa/2b)/k⁵], b the smaller side.
+    J = a b³ [1/3 − (64/π⁵)(b/a) Σ_odd tanh(kπa/2b)/k⁵] with the smaller side b (Timoshenko &
+    Goodier, Elasticity, §109).
     """
     b, a = sorted((width, height))
     series = sum(tanh(k * pi * a / (2.0 * b)) / k**5 for k in range(1, 200, 2))
@@ -186,7 +194,7 @@ class HollowRectangle(Boxed):
 
     @property
     def inner(self) -> Rectangle:
-        """The hole."""
+        """The rectangular hole."""
         return Rectangle(self.width - 2.0 * self.thickness, self.height - 2.0 * self.thickness)
 
     @property
@@ -208,7 +216,10 @@ class HollowRectangle(Boxed):
 
     @property
     def torsion_constant(self) -> float:
-        """Bredt's closed thin wall, 4 A_m² t / perimeter, on the wall's middle line."""
+        """J (m⁴) by Bredt's formula for a closed thin wall, 4 A_m² t / perimeter.
+
+        A_m is the area within the middle line of the wall, whose perimeter is used.
+        """
         b, h = self.width - self.thickness, self.height - self.thickness
         return 2.0 * (b * h) ** 2 * self.thickness / (b + h)
 
@@ -227,13 +238,19 @@ class HollowRectangle(Boxed):
 
 
 def _box_shear(flange: float, web: float, nu: float) -> float:
-    """Cowper's thin-walled box of uniform wall, shear along the webs (n = flange/web, m = n)."""
+    """Cowper's κ of a thin-walled box of uniform wall for shear along the webs.
+
+    In Cowper's notation n = m = flange/web.
+    """
     n = m = flange / web
     return _thin_walled_shear(m, nu, 10.0 * n**2 * ((3.0 + nu) * m + 3.0 * m**2))
 
 
 def _thin_walled_shear(m: float, nu: float, flanges: float) -> float:
-    """Cowper's κ of two flanges of m times the webs' area, with the term of the flanges' width."""
+    """Cowper's κ of a thin-walled section whose flanges have m times the area of its webs.
+
+    `flanges` is the term of the denominator due to the width of the flanges.
+    """
     numerator = 10.0 * (1.0 + nu) * (1.0 + 3.0 * m) ** 2
     free_of_nu = 12.0 + 72.0 * m + 150.0 * m**2 + 90.0 * m**3
     with_nu = 11.0 + 66.0 * m + 135.0 * m**2 + 90.0 * m**3
@@ -269,7 +286,10 @@ class Tube(_Round):
 
 @dataclass(frozen=True)
 class ISection(Boxed):
-    """Doubly symmetric I: flanges `width` (y) by `flange`, a `web` thick, `height` along z (m)."""
+    """Doubly symmetric I-section: `height` along z, flanges of `width` along y (m).
+
+    `flange` and `web` are the wall thicknesses (m).
+    """
 
     flange: float
     web: float
@@ -294,14 +314,17 @@ class ISection(Boxed):
 
     @property
     def torsion_constant(self) -> float:
-        """Open thin wall, Σ b t³/3, the web on the flanges' middle lines."""
+        """J (m⁴) of an open thin wall, Σ b t³/3.
+
+        The web reaches to the middle lines of the flanges.
+        """
         return (2.0 * self.width * self.flange**3 + (self.height - self.flange) * self.web**3) / 3.0
 
     def shear_coefficients(self, nu: float) -> tuple[float, float]:
         return self._shear_along_flanges(nu), self._shear_along_web(nu)
 
     def _shear_along_web(self, nu: float) -> float:
-        """Cowper's thin-walled I."""
+        """Cowper's κ of a thin-walled I-section for shear along the web."""
         h = self.height - self.flange
         n = self.width / h
         m = 2.0 * self.width * self.flange / (h * self.web)
@@ -309,7 +332,7 @@ class ISection(Boxed):
         return _thin_walled_shear(m, nu, flanges)
 
     def _shear_along_flanges(self, nu: float) -> float:
-        """The two flanges as separate rectangles; the web carries no shear across its thickness."""
+        """κ for shear along the flanges, as two separate rectangles. The web carries no shear."""
         kappa = 10.0 * (1.0 + nu) / (12.0 + 11.0 * nu)
         return kappa * 2.0 * self.width * self.flange / self.area
 

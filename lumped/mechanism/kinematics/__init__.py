@@ -1,4 +1,4 @@
 """Kinematics of any mechanism: loop closure, mobility, idle motions and overconstraint.
 
-In: a mechanism and poses of its tool. Out: postures, which only this package creates.
+Input: a mechanism and poses of its tool. Output: postures with closed loops, and their mobility.
 """

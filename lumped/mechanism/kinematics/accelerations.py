@@ -1,7 +1,9 @@
 """Velocities and accelerations of all bodies of a mechanism for a given motion of its tool.
 
-With J the derivative of joint constraints and prescribed coordinates, J v = (0, ẋ) and
-J a = (0, ẍ) − J̇ v. Of all solutions the shortest is used, so idle motions remain at rest.
+J is the derivative of the joint constraints and of the prescribed coordinates with respect to the
+unknown displacements. The velocity v and the acceleration a of the unknowns satisfy J v = (0, ẋ)
+and J a = (0, ẍ) − J̇ v for a velocity ẋ and an acceleration ẍ of the tool. The solutions of least
+norm are used, in which idle motions are at rest.
 """
 
 from dataclasses import dataclass
@@ -15,19 +17,20 @@ from lumped.mechanism.kinematics.closure import Closure, Placement, closure_of
 from lumped.mechanism.kinematics.postures import shown_pose
 from lumped.mechanism.mechanism import GROUND, Posture
 
-# Largest singular value of a stretched leg, whose posture is a double root, accurate to half of the
-# digits; and largest relative residual of a motion that the mechanism can perform.
+# Relative singular value below which equations are dependent: that of a stretched leg, whose
+# posture is a double root and hence accurate to half of the digits. Largest relative residual of a
+# motion that the mechanism can perform.
 _DEPENDENT, _RESIDUAL = 1e-5, 1e-6
-# Step, as a fraction of the size, of the difference that gives J̇ v with relative error 1e-10.
+# Step of the central difference for J̇ v, as a fraction of the size: relative error about 1e-10.
 _STEP = 1e-5
 
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """Motion of a body, in base axes or in body axes.
+    """Velocity and acceleration of a body, in base axes or in body axes.
 
-    `linear_acceleration` (3, m/s²) is that of the origin of the body's axes. `angular_acceleration`
-    in rad/s² (3), `angular_velocity` in rad/s (3).
+    `linear_acceleration` (3, m/s²) is that of the origin of the body axes. `angular_acceleration`
+    (3) is in rad/s², `angular_velocity` (3) in rad/s.
     """
 
     linear_acceleration: Array
@@ -35,7 +38,7 @@ class Motion:
     angular_velocity: Array
 
     def acceleration_at(self, arm: Array) -> Array:
-        """Acceleration (3, m/s²) of the body's point at `arm` (3, m) from its origin."""
+        """Acceleration (3, m/s²) of the point of the body at `arm` (3, m) from its origin."""
         centripetal = np.cross(self.angular_velocity, np.cross(self.angular_velocity, arm))
         return np.asarray(
             self.linear_acceleration + np.cross(self.angular_acceleration, arm) + centripetal
@@ -46,10 +49,11 @@ REST = Motion(np.zeros(3), np.zeros(3), np.zeros(3))
 
 
 def accelerations(posture: Posture, speed: Array, acceleration: Array) -> dict[str, Motion]:
-    """Motions of all bodies while the loaded point has `speed` and `acceleration` (3 each, base).
+    """Motion of each body if the loaded point moves with `speed` and `acceleration`.
 
-    The tool is at rest in all other coordinates that its pose prescribes. Raises ComputationError
-    if the mechanism cannot perform the motion.
+    `speed` (3, m/s) and `acceleration` (3, m/s²) are in base axes. All other coordinates that the
+    pose of the tool prescribes are constant. Raises ComputationError if the mechanism cannot
+    perform the motion.
     """
     closure = closure_of(posture.mechanism)
     placement = closure.placement(posture)
@@ -83,7 +87,7 @@ def _shortest(posture: Posture, jacobian: Array, right_side: Array) -> Array:
 
 
 def _bias(closure: Closure, placement: Placement, velocity: Array) -> Array:
-    """Velocity term J̇ v (rows of J)."""
+    """Velocity-dependent term J̇ v of the acceleration equations (one value per row of J)."""
     fastest = float(np.abs(velocity).max(initial=0.0))
     if not fastest:
         return np.zeros(len(closure.joint_of) + len(closure.moves))

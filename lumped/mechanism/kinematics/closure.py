@@ -1,9 +1,9 @@
-"""Loop closure: residuals of the joints of a mechanism, and their derivative by screws.
+"""Loop closure: residuals of the joints of a mechanism, and the derivatives of these residuals.
 
-All joints are evaluated together, as arrays. Residuals are lengths (m): angles are weighted with
-the size of the mechanism. The unknowns are the small displacements of the movable bodies, six for
-each in the order of the mechanism, in base axes at the origin of the body. Rotations are weighted
-with the size, too.
+All joints are evaluated together, as arrays. Residuals are lengths (m): angles are multiplied by
+the size of the mechanism. The unknowns are small displacements of the movable bodies, six for each
+body in the order of the mechanism, in base axes at the origin of the body. Their rotations are
+multiplied by the size of the mechanism, too. The derivatives are screws.
 """
 
 from collections.abc import Iterator
@@ -24,20 +24,23 @@ from lumped.mechanism.mechanism import GROUND, MOVES, Mechanism, Posture
 from lumped.memo import memo
 from lumped.screws import rotation_about, rotation_vector, skew
 
-# Angle (rad) below which the next term θ²/720 of the series is less than round-off.
+# Angle (rad) below which the second term θ²/720 of a power series is less than round-off.
 _SMALL = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
 class Placement:
-    """Placement of bodies: `origins` (n×3, m, base axes), `turns` (n×3×3) from the reference."""
+    """Positions of all n bodies: `origins` (n×3, m, base axes), and rotations `turns` (n×3×3).
+
+    The rotations are counted from the reference posture.
+    """
 
     origins: Array
     turns: Array
 
 
 class Closure:
-    """The constraints of a mechanism's joints and the pose of its tool, ready to be evaluated."""
+    """Constraints of all joints of a mechanism and of the pose of its tool, as arrays."""
 
     def __init__(self, mechanism: Mechanism) -> None:
         self.mechanism = mechanism
@@ -50,17 +53,17 @@ class Closure:
         self._second = np.array([self._number[j.second.body] for j in joints], dtype=int)
         self._arm_first = np.array([self._arm(j.first.body, j.first.point) for j in joints])
         self._arm_second = np.array([self._arm(j.second.body, j.second.point) for j in joints])
-        # Constraints n·p = 0 and b·R c = b·c of `free_twists`; n, b in the first body, c in the
-        # second.
+        # Constraints n·p = 0 and b·R c = b·c of `lumped.mechanism.free_twists`, with n and b fixed
+        # in the first body, c in the second.
         normals, b_vectors, c_vectors = zip(*map(constraints, joints), strict=True)
         self._normal, self._b, self._c = map(np.vstack, (normals, b_vectors, c_vectors))
         self._target = np.sum(self._b * self._c, axis=1)
         self._sliding = np.repeat(np.arange(len(joints)), list(map(len, normals)))
         self._turning = np.repeat(np.arange(len(joints)), list(map(len, b_vectors)))
         self._reference_gaps = self._gaps(self.reference)[2]
-        # Joint of each constraint, in the order of the rows.
+        # Index of the joint to which each constraint belongs, in the order of the residuals.
         self.joint_of = np.concatenate([self._sliding, self._turning])
-        # Constraints on translations, in the order of the rows; the others are on rotations.
+        # True for constraints on translations, False for constraints on rotations.
         self.is_sliding = np.arange(len(self.joint_of)) < len(self._sliding)
         self._driven = np.array([i for i, j in enumerate(joints) if j.drive is not None], dtype=int)
         driven = [axes_of_drive(joint) for joint in joints if joint.drive is not None]
@@ -69,33 +72,36 @@ class Closure:
         self._tool_body = self._number[tool.body]
         self._tool_arm = self._arm(tool.body, tool.point)
         constant_moves = dict(tool.constant_moves)
-        # Prescribed coordinates: those of a pose, then those that are constant in all poses.
+        # Prescribed coordinates: those of a pose, followed by those that are constant in all poses.
         self.moves = [MOVES.index(move) for move in (*tool.moves, *constant_moves)]
         self._constants = np.array(list(constant_moves.values()))
         self._datum = np.array(tool.datum)
         self._weights = np.array([1.0] * 3 + [self.size] * 3)[self.moves]
 
     def _arm(self, body: str, point: str) -> Array:
-        """Vector (3, m) from a body's origin to an interface, base axes, reference posture."""
+        """Vector (3, m) from a body's origin to an interface.
+
+        Base axes of the reference posture.
+        """
         interface = self.mechanism.bodies[body].interfaces[point]
         arm: Array = self.mechanism.reference[body].rotation @ interface.position
         return arm
 
     @cached_property
     def reference(self) -> Placement:
-        """Placement of the bodies in the reference posture."""
+        """Positions of all bodies in the reference posture."""
         origins = [self.mechanism.reference[name].position for name in self.names]
         return Placement(np.array(origins), np.tile(np.eye(3), (len(self.names), 1, 1)))
 
     def placement(self, posture: Posture) -> Placement:
-        """Placement of the bodies in `posture`."""
+        """Positions of all bodies in `posture`."""
         return Placement(
             np.array([posture.frames[name].position for name in self.names]),
             np.array([rotation_since_reference(posture, name) for name in self.names]),
         )
 
     def frames(self, placement: Placement) -> dict[str, Frame]:
-        """The bodies' frames in base axes."""
+        """Frames of all bodies in base axes, by name."""
         reference = self.mechanism.reference
         return {
             name: Frame(origin, turn @ reference[name].rotation)
@@ -105,15 +111,18 @@ class Closure:
         }
 
     def coordinates(self, placement: Placement) -> Iterator[Array]:
-        """Coordinates of every joint, in their order, angles within half a turn."""
+        """Coordinates (m, rad) of each joint, in order. Angles are between −π and π."""
         first = placement.turns[self._first]
-        # Interfaces may be apart in the reference posture, where the coordinates are zero.
+        # Coordinates are zero in the reference posture, even if the interfaces are apart there.
         p = np.einsum("jki,jk->ji", first, self._gaps(placement)[2]) - self._reference_gaps
         R = np.einsum("jki,jkl->jil", first, placement.turns[self._second])
         return (coordinates(*each) for each in zip(self.mechanism.joints, p, R, strict=True))
 
     def _gaps(self, placement: Placement) -> tuple[Array, Array, Array]:
-        """Arms of first and second interfaces and the gap between them (j×3 each, base axes)."""
+        """Arms of first and second interfaces, and vectors from first to second interfaces.
+
+        The arms run from the origin of the body to the interface. Each array is j×3 (m, base axes).
+        """
         first = np.einsum("jkl,jl->jk", placement.turns[self._first], self._arm_first)
         second = np.einsum("jkl,jl->jk", placement.turns[self._second], self._arm_second)
         origins = placement.origins
@@ -121,7 +130,7 @@ class Closure:
         return first, second, gap
 
     def residual(self, placement: Placement) -> Array:
-        """Residual (m) of each constraint."""
+        """Residual (m) of each constraint of the joints."""
         turns = placement.turns
         gap = self._gaps(placement)[2][self._sliding]
         normal = np.einsum("tkl,tl->tk", turns[self._first[self._sliding]], self._normal)
@@ -131,7 +140,7 @@ class Closure:
         return np.concatenate([slides, self.size * (swings - self._target)])
 
     def jacobian(self, placement: Placement) -> Array:
-        """Derivative (constraints × unknowns, no unit) of the residual."""
+        """Derivative (constraints × unknowns, dimensionless) of `residual`."""
         turns = placement.turns
         j = self._sliding
         first, second, gap = (each[j] for each in self._gaps(placement))
@@ -148,7 +157,11 @@ class Closure:
         return self._unknowns(np.concatenate([sliding, turning]))
 
     def _rows(self, joints: IntArray, *blocks: Array) -> Array:
-        """Rows × bodies × 6 from blocks (rows × 3): translation, rotation of first, second body."""
+        """Derivatives (rows × bodies × 6) of one constraint per entry of `joints`.
+
+        `blocks` (rows×3 each) are the derivatives with respect to translation and rotation of the
+        first body, then of the second body.
+        """
         rows = np.zeros((len(joints), len(self.names), 6))
         each = np.arange(len(joints))
         along1, about1, along2, about2 = blocks
@@ -164,7 +177,7 @@ class Closure:
         return movable_rows.reshape(len(rows), 6 * int(self._moving.sum()))
 
     def drives(self, placement: Placement) -> Array:
-        """Rates (drives × unknowns, rotations weighted with the size) of the driven joints."""
+        """Rates (drives × unknowns) of the driven joints. Rotations are multiplied by the size."""
         first = self._gaps(placement)[0][self._driven]
         body1, body2 = self._first[self._driven], self._second[self._driven]
         along, about = (
@@ -182,9 +195,10 @@ class Closure:
         return self._unknowns(rows)
 
     def relative_motion(self, placement: Placement, number: int, *, slides: bool) -> Array:
-        """Rates (3 × unknowns, base axes) of the second body of a joint relative to the first.
+        """Rates (3 × unknowns, base axes) of the second body relative to the first at one joint.
 
-        Translations of the interfaces if `slides`, rotations (weighted with the size) otherwise.
+        They are translations of the interfaces if `slides` is True, otherwise rotations multiplied
+        by the size. `number` is the index of the joint.
         """
         joints = np.full(3, number)
         first, second, gap = (each[joints] for each in self._gaps(placement))
@@ -197,7 +211,10 @@ class Closure:
         return self._unknowns(self._rows(joints, *blocks))
 
     def tool_twists(self, placement: Placement) -> Array:
-        """Twist (6 × unknowns, base axes, rotations weighted with the size) of the loaded point."""
+        """Twist (6 × unknowns, base axes) of the loaded point.
+
+        Rotations are multiplied by the size.
+        """
         rows = np.zeros((6, len(self.names), 6))
         rows[:, self._tool_body] = np.eye(6)
         rows[:3, self._tool_body, 3:] = -skew(self._tool_arm_in(placement))
@@ -205,40 +222,43 @@ class Closure:
         return self._unknowns(rows)
 
     def pose(self, placement: Placement) -> Array:
-        """Pose of the tool (m, rad) in the order of its moves, then of its constant moves."""
+        """Pose of the tool (m, rad), in the order of its moves followed by its constant moves."""
         arm = self._tool_arm_in(placement) - self._datum
         position = placement.origins[self._tool_body] + arm
         values: Array = np.concatenate([position, self._tool_rotation(placement)])[self.moves]
         return values
 
     def pose_jacobian(self, placement: Placement) -> Array:
-        """Derivative (rows of `pose` × unknowns, rotations weighted with the size) of the pose."""
+        """Derivative of `pose` with respect to the unknowns.
+
+        Rotations are multiplied by the size.
+        """
         rates = np.eye(6)
         rates[3:, 3:] = _rotation_vector_rates(self._tool_rotation(placement))
         derivative: Array = rates[self.moves] @ self.tool_twists(placement)
         return derivative
 
     def residual_at(self, placement: Placement, pose: Array) -> Array:
-        """Residual (m) of all constraints, then deviation of the tool from `pose`."""
+        """Residuals (m) of all constraints, then the deviation (m) of the tool from `pose`."""
         deviation = self._weights * (self.pose(placement) - np.append(pose, self._constants))
         return np.concatenate([self.residual(placement), deviation])
 
     def jacobian_at(self, placement: Placement) -> Array:
-        """Derivative (no unit) of `residual_at`."""
+        """Derivative (dimensionless) of `residual_at` with respect to the unknowns."""
         return np.concatenate([self.jacobian(placement), self.pose_jacobian(placement)])
 
     def displaced(self, placement: Placement, step: Array) -> Placement:
-        """Placement after small displacements `step` (unknowns)."""
+        """Positions of all bodies after the small displacements `step` (one value per unknown)."""
         along, about = step.reshape(-1, 2, 3).swapaxes(0, 1)
         origins, turns = placement.origins.copy(), placement.turns.copy()
         origins[self._moving] += along
         rotated = rotation_about(about / self.size) @ turns[self._moving]
-        # One Newton step towards the nearest rotation prevents rounding from accumulating.
+        # One Newton step towards the nearest rotation matrix prevents round-off from accumulating.
         turns[self._moving] = 1.5 * rotated - 0.5 * rotated @ rotated.swapaxes(1, 2) @ rotated
         return Placement(origins, turns)
 
     def _tool_rotation(self, placement: Placement) -> Array:
-        """Rotation vector (3, rad) of the tool; zeros if no rotation is prescribed."""
+        """Rotation vector (3, rad) of the tool. Zero if no rotation is prescribed."""
         if max(self.moves, default=0) < 3:
             return np.zeros(3)
         return rotation_vector(placement.turns[self._tool_body])
@@ -250,12 +270,12 @@ class Closure:
 
 @memo(16)
 def closure_of(mechanism: Mechanism) -> Closure:
-    """Closure of a mechanism, memoised."""
+    """Closure of a mechanism. The last 16 are kept."""
     return Closure(mechanism)
 
 
 def _cross(first: Array, second: Array) -> Array:
-    """Cross products of rows (n×3); numpy.cross takes five times as long for so few."""
+    """Cross products of rows (n×3). For few rows, numpy.cross takes five times as long."""
     successor, predecessor = [1, 2, 0], [2, 0, 1]
     product: Array = (
         first[:, successor] * second[:, predecessor] - first[:, predecessor] * second[:, successor]
@@ -266,7 +286,8 @@ def _cross(first: Array, second: Array) -> Array:
 def _rotation_vector_rates(vector: Array) -> Array:
     """3×3 matrix from the angular velocity (base axes) to the rate of the rotation vector.
 
-    The inverse of the left Jacobian of SO(3): I − [v]/2 + (1/θ² − (1 + cos θ)/(2θ sin θ)) [v]².
+    It is the inverse of the left Jacobian of SO(3): I − [v]/2 + (1/θ² − (1 + cos θ)/(2θ sin θ))
+    [v]².
     """
     angle, cross = float(np.linalg.norm(vector)), skew(vector)
     if angle < _SMALL:

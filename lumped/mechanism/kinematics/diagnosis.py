@@ -1,9 +1,10 @@
-"""Causes of a mechanism that does not move: a joint's axis that is off, legs in one line.
+"""Likely causes of a mechanism that cannot move: a joint axis of wrong direction, legs in one line.
 
-Of a joint with a wrong axis, the rows of the constraints that depend on the axis are left out (a
-revolute joint becomes a spherical one, a slide moves along all axes). If the tool can then move as
-prescribed, the relative motion at the joint has the direction that its axis should have. The joint
-is named only if the mechanism with this axis moves in the reference posture and near it.
+To test a joint, the constraints that depend on its axis are omitted: a revolute joint becomes a
+spherical joint, a prismatic joint can slide in all directions. If the tool can then move as
+prescribed, the direction of the relative motion at the joint is the axis that the joint should
+have. The joint is reported only if the mechanism with this axis can move in the reference posture
+and near it.
 """
 
 from dataclasses import replace
@@ -24,20 +25,20 @@ from lumped.mechanism.kinematics.mobility import (
 from lumped.mechanism.kinematics.postures import reference_posture
 from lumped.mechanism.mechanism import Mechanism
 
-# Share of a direction that counts as none: axes typed with four digits.
+# Components of unit vectors below this count as zero: axes are typed with four digits.
 _NOTHING = 1e-4
-# Angle (rad) below which an axis is not off: digits of a direction.
+# Angle (rad) below which an axis counts as right: typed directions have five digits.
 _SMALLEST_ANGLE = 1e-5
-# Candidates within this factor of the smallest angle are all named.
+# All joints whose angle is within this factor of the smallest angle are reported.
 _COMPARABLE = 1.5
 # Sine of the angle below which two legs lie in one line.
 _IN_LINE = 1e-3
 
 
 class OffAxis(NamedTuple):
-    """A joint whose axis prevents the tool's moves, the `axis` with which it would not.
+    """A joint of wrong direction, and the `axis` with which the tool could move as prescribed.
 
-    `angle` (rad) lies between the two.
+    `angle` (rad) is the angle between the two directions.
     """
 
     joint: Joint
@@ -46,9 +47,9 @@ class OffAxis(NamedTuple):
 
 
 def off_axes(mechanism: Mechanism) -> list[OffAxis]:
-    """Joints, each of which alone could be the cause, with the smallest change of their axes.
+    """Joints whose wrong axis could each be the only cause, with the smallest changes of axis.
 
-    First those whose needed axis is that of most other joints.
+    The first ones are those whose required axis is parallel to the axes of most other joints.
     """
     closure = closure_of(mechanism)
     jacobian = closure.jacobian(closure.reference)
@@ -64,7 +65,10 @@ def off_axes(mechanism: Mechanism) -> list[OffAxis]:
 
 
 def _candidate(closure: Closure, jacobian: Array, number: int) -> OffAxis | None:
-    """The axis that a joint would need. None if no axis of this joint alone is enough."""
+    """Axis that the joint with the index `number` would need.
+
+    None if no axis would be sufficient.
+    """
     joint = closure.mechanism.joints[number]
     slides = joint.kind == "prismatic"
     joint_rows = (closure.joint_of == number) & (closure.is_sliding == slides)
@@ -73,7 +77,7 @@ def _candidate(closure: Closure, jacobian: Array, number: int) -> OffAxis | None
     if len(row_space(moves)) < len(moves):
         return None
     relative = closure.relative_motion(closure.reference, number, slides=slides) @ free
-    # Motions that leave the tool alone turn the joint as well.
+    # Motions that do not move the tool may also turn the joint. They are removed.
     idle = row_space((relative @ null_space(moves)).T)
     across = relative - idle.T @ (idle @ relative)
     axis = joint.axes[0]
@@ -91,13 +95,13 @@ def _candidate(closure: Closure, jacobian: Array, number: int) -> OffAxis | None
 
 
 def _parallel_axes(mechanism: Mechanism, cause: OffAxis) -> int:
-    """Number of axes of other joints along the axis that a joint would need."""
+    """Number of axes of other joints that are parallel to the axis that a joint would need."""
     axes = np.vstack([joint.axes for joint in mechanism.joints if joint is not cause.joint])
     return int(np.count_nonzero(np.linalg.norm(np.cross(axes, cause.axis), axis=1) < _NOTHING))
 
 
 def _moves_with(mechanism: Mechanism, cause: OffAxis) -> bool:
-    """True if the tool can move as prescribed with the other axis of a joint, also nearby."""
+    """True if the tool can move as prescribed, also in nearby postures, with the corrected axis."""
     joints = tuple(
         replace(joint, axes=cause.axis[None]) if joint is cause.joint else joint
         for joint in mechanism.joints
@@ -111,9 +115,10 @@ def _moves(result: Mobility) -> bool:
 
 
 def legs_in_line(mechanism: Mechanism) -> list[tuple[str, str, bool]]:
-    """Pairs of bodies of two points that lie in one line at a joint which turns them.
+    """Pairs of bodies that lie in one line at a joint about which they can turn.
 
-    The third entry is True if they are stretched and False if they are folded.
+    Only bodies with two points are considered. The third entry is True if they are stretched and
+    False if they are folded.
     """
     pairs = []
     for joint in mechanism.joints:

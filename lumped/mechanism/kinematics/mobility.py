@@ -1,8 +1,8 @@
-"""Mobility and idle motions of a posture from the null space of its constraints.
+"""Mobility and idle motions of a posture, from the null space of its constraints.
 
 J is the derivative of the constraints, N a basis of its null space, D the rates of the drives, T
-the twist and M the pose of the tool. A motion in N with D zero is possible with locked drives. It
-is idle if T is zero, too. Otherwise the drives do not control the tool.
+the twist and M the pose of the tool. A motion in N for which D is zero is possible with locked
+drives. It is idle if T is zero, too. Otherwise the drives do not determine the motion of the tool.
 """
 
 from collections.abc import Iterable
@@ -17,30 +17,32 @@ from lumped.mechanism.mechanism import MOVES, Mechanism, Posture
 from lumped.memo import memo
 from lumped.screws import name_twists
 
-# Singular value (matrices without units) below which it counts as zero. Geometry is typed with six
+# Singular values of dimensionless matrices below this count as zero. Geometry is typed with six
 # digits or more.
 _ZERO = 1e-6
-# Singular value below which a constraint repeats others except for directions typed with three
-# digits.
+# A singular value below this shows that a constraint repeats others, apart from the inaccuracy of
+# directions typed with three digits.
 _ALMOST = 3e-3
-# Distance of a neighbouring posture, as a fraction of the size, and Newton steps to close it.
+# Distance of a nearby posture, as a fraction of the size, and number of Newton steps to close it.
 _NEIGHBOUR_DISTANCE = 0.02
 _ITERATIONS = 8
 
 
 @dataclass(frozen=True, eq=False)
 class Mobility:
-    """Mobility of a posture.
+    """Mobility of a mechanism in one posture.
 
-    `mobility` is that of the whole mechanism. Of the `constraints`, `redundant` do not reduce the
-    mobility (the overconstraint), and `almost_redundant` would not except for a few digits. `idle`
-    is the number of motions that move neither the tool nor a drive; `moves` that of prescribed
+    `mobility` is the number of independent motions of the whole mechanism. `constraints` is the
+    number of joint constraints. Of these, `redundant` do not reduce the mobility (overconstraint),
+    and `almost_redundant` reduce it only because of the last digits of the geometry. `idle` is the
+    number of motions that move neither the tool nor a drive, `moves` the number of prescribed
     coordinates.
 
     Twists of the loaded point (base axes, m and rad): `uncontrolled_twists` (k×6) span the motions
     of the tool with locked drives, `unprescribed_twists` (k×6) its motions at constant pose.
-    `barred` names the moves that no motion of the joints provides, `stirring` the drives that can
-    move at constant pose. If legs are stretched or folded, both occur in equal number (`at_limit`).
+    `barred` are the moves of the tool that no motion of the joints produces, `stirring` the drives
+    that can move at constant pose. Both occur in equal number if legs are stretched or folded
+    (`at_limit`).
     """
 
     mobility: int
@@ -56,12 +58,12 @@ class Mobility:
 
     @property
     def excess_mobility(self) -> int:
-        """Number of motions that are neither idle nor prescribed by the tool's moves."""
+        """Number of motions that are neither idle nor prescribed by the moves of the tool."""
         return self.mobility - self.idle - self.moves
 
     @property
     def at_limit(self) -> bool:
-        """True at the edge of the workspace (a type 1 singularity)."""
+        """True at the boundary of the workspace (type 1 singularity)."""
         return self.excess_mobility == 0 and bool(self.stirring)
 
 
@@ -73,9 +75,9 @@ def mobility(posture: Posture) -> Mobility:
 
 
 def generic_mobility(mechanism: Mechanism) -> Mobility:
-    """Mobility of a posture near the reference posture, displaced along all of its motions.
+    """Mobility near the reference posture, from which all possible motions are carried out.
 
-    A singularity of the reference posture alone does not occur there.
+    A singularity that occurs in the reference posture only has no effect there.
     """
     closure = closure_of(mechanism)
     placement = closure.reference
@@ -88,7 +90,7 @@ def generic_mobility(mechanism: Mechanism) -> Mobility:
 
 
 def mobility_at(closure: Closure, placement: Placement) -> Mobility:
-    """Mobility of a closed placement of the bodies."""
+    """Mobility of a mechanism with closed joints and the given positions of its bodies."""
     jacobian = closure.jacobian(placement)
     _, values, right = svd(jacobian, check_finite=False)
     rank = int(np.count_nonzero(values > _ZERO))
@@ -117,7 +119,7 @@ def mobility_at(closure: Closure, placement: Placement) -> Mobility:
 
 
 def _touched(names: Iterable[str], shares: Array) -> tuple[str, ...]:
-    """Names with a nonzero row of `shares`."""
+    """Names of the rows of `shares` that are not zero."""
     largest = np.abs(shares).max(axis=1, initial=0.0)
     return tuple(
         name for name, row_maximum in zip(names, largest, strict=True) if row_maximum > _ZERO
@@ -125,9 +127,10 @@ def _touched(names: Iterable[str], shares: Array) -> tuple[str, ...]:
 
 
 def indeterminacy(result: Mobility, size: float, *, singular: bool = False) -> str:
-    """Description of motions left free by the drives or by the tool's moves. "" if there are none.
+    """Description of motions that neither the drives nor the moves of the tool determine.
 
-    `size` (m) is the scale of the mechanism. `singular`: motions of a posture `at_limit` count.
+    "" if there are none. `size` (m) is the size of the mechanism. If `singular` is True, a posture
+    at the boundary of the workspace counts as undetermined.
     """
     if len(result.uncontrolled_twists):
         motions = name_twists(result.uncontrolled_twists, size)
@@ -146,14 +149,14 @@ def indeterminacy(result: Mobility, size: float, *, singular: bool = False) -> s
 
 
 def null_space(matrix: Array) -> Array:
-    """Orthonormal basis (columns) of the null space."""
+    """Orthonormal basis (columns) of the null space of `matrix`."""
     _, values, right = svd(matrix, check_finite=False)
     basis: Array = right[np.count_nonzero(values > _ZERO) :].T
     return basis
 
 
 def row_space(matrix: Array) -> Array:
-    """Orthonormal basis (rows) of the row space."""
+    """Orthonormal basis (rows) of the row space of `matrix`."""
     _, values, right = svd(matrix, check_finite=False)
     basis: Array = right[: np.count_nonzero(values > _ZERO)]
     return basis

@@ -1,8 +1,9 @@
-"""Postures of poses by Gauss–Newton on all loops at once, continued from the reference posture.
+"""Posture of a mechanism for a pose of its tool, by iterative closure of all loops.
 
-Each step is the shortest one that closes the joints to first order. Idle motions therefore do not
-occur, and redundant constraints do no harm. The path to a pose is divided until each part
-converges with monotonically shorter steps, so that the assembly mode of the robot does not change.
+The Gauss–Newton method is used, starting from the reference posture. Each step is the shortest one
+that closes the joints to first order. Idle motions therefore do not occur, and redundant
+constraints do no harm. The path to the pose is divided until each part converges with steps of
+decreasing length, so that the robot keeps its assembly mode.
 """
 
 from collections.abc import Mapping
@@ -21,11 +22,11 @@ from lumped.mechanism.mechanism import LENGTHS, Mechanism, Posture
 from lumped.memo import memo
 from lumped.text import counted
 
-# Largest allowed coordinate (m or rad) of a pose; squares of much larger ones overflow.
+# Largest allowed coordinate (m or rad) of a pose. Squares of much larger ones overflow.
 _FARTHEST = 100.0
 # Residual of a closed posture, as a fraction of the size of the mechanism.
 CLOSED = 1e-12
-# Singular value below which it is round-off.
+# Singular values below this are round-off.
 _DEPENDENT = 1e-9
 # Largest displacement in the first iteration, as a fraction of the size of the mechanism or in rad.
 _LONGEST = 0.4
@@ -34,16 +35,17 @@ _LONGEST = 0.4
 _CONTRACTION = 0.6
 _ITERATIONS = 60
 _SMALLEST_PART = 2.0**-12
-# Last step, as a fraction of the size, after which quadratic convergence leaves only round-off.
+# Largest last step, as a fraction of the size, after which quadratic convergence leaves round-off.
 _CONVERGED = 1e-8
-# Weight of the tool's pose relative to the joints if both cannot be satisfied.
+# Weight of the deviation from the pose relative to open joints, if both cannot be zero.
 _INSISTENT = 1e3
-# Gap, as a fraction of the size, up to which rounded input is the likely cause, not the reach.
+# Largest gap of a joint, as a fraction of the size, whose likely cause is rounded input. Larger
+# gaps are due to limited reach.
 _INEXACT = 1e-6
 
 
 def reference_posture(mechanism: Mechanism) -> Posture:
-    """The posture in which the mechanism is described: every joint coordinate is zero."""
+    """Posture in which the robot file describes the mechanism. All joint coordinates are zero."""
     return Posture(
         mechanism,
         mechanism.reference_pose,
@@ -53,7 +55,7 @@ def reference_posture(mechanism: Mechanism) -> Posture:
 
 
 class PoseError(InputError):
-    """A `pose`, as text, that a robot cannot take, with the `reason`."""
+    """Error: a robot cannot take a pose. `pose` is its text, `reason` the cause."""
 
     def __init__(self, robot: str, pose: str, reason: str) -> None:
         super().__init__(f"{robot}, pose {pose}: {reason}")
@@ -61,12 +63,13 @@ class PoseError(InputError):
 
 
 def posture(mechanism: Mechanism, pose: Array, start: Posture | None = None) -> Posture:
-    """The posture of a `pose` (in the order of the tool's moves), continued from `start`.
+    """Posture of a mechanism for `pose` (m and rad, in the order of the tool's moves).
 
-    The default of `start` is the reference posture. Intermediate poses lie on the straight line
-    between the two. Raises InputError if the joints do not close in the reference posture. Raises
-    PoseError if the pose cannot be reached (with the open joint and the attained share of the
-    path), if the drives do not hold the tool, or if its moves do not determine the posture.
+    The pose is approached from `start`, by default the reference posture, along a straight line of
+    intermediate poses. Raises InputError if the joints do not close in the reference posture.
+    Raises PoseError if the pose cannot be reached (with the joint that opens and the part of the
+    path that is possible), if the drives do not fix the tool, or if the moves of the tool do not
+    determine the posture.
     """
     target = _checked(mechanism, pose)
     if start is None:
@@ -76,7 +79,10 @@ def posture(mechanism: Mechanism, pose: Array, start: Posture | None = None) -> 
 
 @memo(256)
 def _from_reference(mechanism: Mechanism, pose: tuple[float, ...]) -> Posture:
-    """Memoised, because reading a robot file already tests the poses of later computations."""
+    """Posture approached from the reference posture.
+
+    Memoised, because the poses of later computations are tested already when a robot file is read.
+    """
     return _posture_from(mechanism, reference_posture(mechanism), np.array(pose))
 
 
@@ -108,9 +114,9 @@ def _posture_from(mechanism: Mechanism, start: Posture, target: Array) -> Postur
 
 
 def _verified_placement(closure: Closure, frames: Mapping[str, Frame], pose: Array) -> Placement:
-    """Placement of bodies at `frames`. Raises ComputationError if joints are open there.
+    """Positions of bodies with the given frames. Raises ComputationError if joints are open there.
 
-    An error of the kinematics is common to all models, so no comparison of models would reveal it.
+    An error of the kinematics would affect all models, so that no comparison of models reveals it.
     """
     target_posture = Posture(closure.mechanism, pose, frames, {})
     placement = closure.placement(target_posture)
@@ -124,7 +130,7 @@ def _verified_placement(closure: Closure, frames: Mapping[str, Frame], pose: Arr
 
 
 def _continued(closure: Closure, begin: Posture, target: Array) -> tuple[Placement, list[Array]]:
-    """Placement and joint coordinates at a pose, continued on a straight line from `begin`.
+    """Positions of all bodies and joint coordinates for the pose `target`, approached from `begin`.
 
     Raises InputError under the conditions of `posture`.
     """
@@ -152,7 +158,7 @@ def _continued(closure: Closure, begin: Posture, target: Array) -> tuple[Placeme
 
 
 def shown_pose(mechanism: Mechanism, pose: Array) -> str:
-    """Text of a pose in the file's unit of length: "x = 0.2 m, phi_z = 0.1 rad"."""
+    """Text of a pose in the length unit of the robot file, such as "x = 0.2 m, phi_z = 0.1 rad"."""
     return ", ".join(
         f"{move} = {mechanism.lengths.shown(value) if move in LENGTHS else f'{value:.6g} rad'}"
         for move, value in zip(mechanism.tool.moves, pose, strict=True)
@@ -172,7 +178,10 @@ def _checked(mechanism: Mechanism, pose: Array) -> Array:
 
 
 def _closed(closure: Closure, placement: Placement, pose: Array) -> Placement | None:
-    """Placement with closed joints and the tool at `pose`. None if the steps do not contract."""
+    """Positions of all bodies with closed joints and the tool at `pose`.
+
+    None if the Gauss–Newton steps do not become shorter.
+    """
     previous_length = np.inf
     for _ in range(_ITERATIONS):
         residual = closure.residual_at(placement, pose)
@@ -195,7 +204,7 @@ def _closed(closure: Closure, placement: Placement, pose: Array) -> Placement | 
 def _unwrapped_coordinates(
     closure: Closure, placement: Placement, before: list[Array]
 ) -> list[Array]:
-    """Coordinates of all joints, with angles continued beyond half a turn from those `before`."""
+    """Coordinates of all joints. Angles beyond half a turn are continued from those in `before`."""
     unwrapped = []
     joints = closure.mechanism.joints
     for joint, values, previous in zip(joints, closure.coordinates(placement), before, strict=True):
@@ -215,7 +224,10 @@ def _refuse_open_reference(closure: Closure) -> None:
 
 
 def _out_of_reach(closure: Closure, placement: Placement, pose: Array, progress: float) -> str:
-    """Reason of an unreachable pose: the open joint, its gap, the attained share of the path."""
+    """Reason why a pose cannot be reached: the open joint, its gap, the part of the path covered.
+
+    `progress` is that part, from 0 to 1.
+    """
     widths = _widths(closure, _nearest(closure, placement, pose))
     reached = closure.pose(placement)[: len(pose)]
     joint = closure.mechanism.joints[int(np.argmax(widths))]
@@ -239,13 +251,13 @@ def _out_of_reach(closure: Closure, placement: Placement, pose: Array, progress:
 
 
 def _widths(closure: Closure, placement: Placement) -> Array:
-    """Gap (m) of each joint."""
+    """Gap (m) of each joint, with rotations multiplied by the size of the mechanism."""
     squares = closure.residual(placement) ** 2
     return np.sqrt(np.bincount(closure.joint_of, squares, len(closure.mechanism.joints)))
 
 
 def _nearest(closure: Closure, placement: Placement, pose: Array) -> Placement:
-    """Placement with the tool at the pose and the smallest gaps of the joints."""
+    """Positions of all bodies with the tool at `pose` and the smallest gaps of the joints."""
     weights = np.ones(len(closure.joint_of) + len(closure.moves))
     weights[len(closure.joint_of) :] = _INSISTENT
     residual = weights * closure.residual_at(placement, pose)

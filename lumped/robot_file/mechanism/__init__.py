@@ -1,4 +1,4 @@
-"""Robot files of schema 2: any mechanism in its reference posture.
+"""Robot files of schema 2: any mechanism, described in its reference posture.
 
-In: the file's tables. Out: a mechanism, or every fault of the description.
+Input: tables of the file. Output: a mechanism, or all faults of the description.
 """

@@ -1,6 +1,6 @@
-"""Legs (of either schema) and mechanisms from valid tables of a robot file.
+"""Legs (schema 1 and 2) and mechanisms (schema 2) from tables without faults.
 
-A table has a value for every key, None if the key is omitted.
+A table has a value for every key. The value is None if the key is omitted.
 """
 
 from dataclasses import replace
@@ -33,7 +33,7 @@ from lumped.robot_file.rules.relations import Entry
 
 
 def mechanism_of(description: Draft, name: str, folder: Path) -> Mechanism:
-    """Mechanism of a draft without faults; files of parts lie in `folder`."""
+    """Mechanism of a draft without faults. Paths of files are relative to `folder`."""
     tool: Entry = description.tool or {}
     joints = tuple(_joint(description, name) for name in description.joints)
     sides = [side for joint in joints for side in (joint.first, joint.second)]
@@ -70,7 +70,7 @@ def _body(description: Draft, name: str, folder: Path) -> tuple[Body, Frame]:
 
 
 def _point(description: Draft, place: Any) -> Array:
-    """A point (3, m) by its name or its coordinates."""
+    """Position (3, m) of a point given by its name or its coordinates."""
     return description.points[place] if isinstance(place, str) else np.array(place)
 
 
@@ -105,7 +105,7 @@ def _rigid(description: Draft, name: str, table: Entry) -> tuple[Body, Frame]:
 def _joint(description: Draft, name: str) -> Joint:
     table = description.joints[name]
     first, second = map(Side, table["between"], table["points"])
-    # Two points define the direction more accurately than six typed digits.
+    # The direction between two points is more accurate than one typed with six digits.
     directions = table["directions"] if table["vector"] is None else table["vector"]
     axes = np.reshape(directions, (-1, 3))
     drive = table["drive"]
@@ -138,7 +138,7 @@ def _poses(path: Entry) -> Array:
 
 
 def _grid(path: Entry) -> tuple[Array, ...]:
-    """Values along each move. Empty if the poses are no grid."""
+    """Values along each move of the tool. Empty if the poses do not form a grid."""
     if path["counts"] is None:
         return ()
     steps = zip(path["from"], path["to"], path["counts"], strict=True)
@@ -146,7 +146,7 @@ def _grid(path: Entry) -> tuple[Array, ...]:
 
 
 def leg_of(table: Entry, name: str) -> Leg:
-    """Leg of a table."""
+    """Leg described by a table of schema 1 or 2."""
     length, section, material_table, mass = (
         table[key] for key in ("length", "section", "material", "mass")
     )
@@ -161,18 +161,18 @@ def leg_of(table: Entry, name: str) -> Leg:
 
 
 def loss_of(table: Entry) -> float:
-    """Loss factor of a leg or a part: that of its material, or its own next to a compliance."""
+    """Loss factor of a leg or part: that of its material, or the key `loss` beside a compliance."""
     loss = table["loss"] if table["material"] is None else table["material"]["loss"]
     return loss or 0.0
 
 
 def isotropic_of(material: Entry) -> Material:
-    """Isotropic material of a table."""
+    """Isotropic material described by a table."""
     return Material.isotropic(material["E"], material["nu"], material["rho"])
 
 
 def interface_of(table: Entry) -> PartInterface:
-    """Interface of a part from a table."""
+    """Interface of a part described by a table."""
     selection: Selection
     if table["faces"] is not None:
         selection = ByFaces(table["faces"])

@@ -1,6 +1,6 @@
-"""Draft of a mechanism: the valid entries of its description with derived values.
+"""Draft of a mechanism: entries of its description without faults, with derived values.
 
-Each entry is read individually, so that faults in one do not hide those of the others.
+Each entry is read separately, so that a fault in one entry does not hide those of others.
 """
 
 from collections.abc import Mapping
@@ -21,17 +21,19 @@ _KIND_OF_KEY = {"from": "leg", "to": "leg", "points": "rigid body", "step": "par
 
 @dataclass(frozen=True, eq=False)
 class Draft:
-    """Valid entries of a robot file's tables, by name; `names` of all entries, valid or not.
+    """Entries of a robot file without faults, by name. `names` contains those of all entries.
 
-    An entry has its keys, its own `key`, and derived values:
-    a body its `kind` (None if it is none or several), its material as a table if that is valid, the
-    key of a named material (`material_key`), its `interface_points` (None if they have faults), and
-    for a leg the `vector` (3, m) from its first point to its second and its `length` (m);
-    bodies and joints the unit of `lengths` in messages;
-    a joint the `points` of its bodies, `repeated_point` if two equal names are given, the
-    `axis_key` required by its kind, the `directions` there, and the `vector` between points that
-    are apart;
-    the path the tool's `moves`.
+    An entry contains its keys, the location `key` for messages, and derived values:
+
+    - bodies: `kind` ("leg", "rigid body" or "part"; None if the keys fit none or several), the
+      material as a table, the key of a named material (`material_key`), `interface_points` (None if
+      they have faults). For legs also the `vector` (3, m) from first to second point and its
+      `length` (m);
+    - bodies and joints: `lengths`, the unit of length in messages;
+    - joints: `points` on both bodies, `repeated_point` (True if two equal names are given),
+      `axis_key` (the key for axes required by the kind of joint), the `directions` under that key,
+      and the `vector` between points that are apart;
+    - path: the `moves` of the tool.
     """
 
     points: Mapping[str, Array]
@@ -44,7 +46,7 @@ class Draft:
 
 
 def draft(tables: Mapping[str, Any]) -> Draft:
-    """Draft of the valid entries in the tables of a robot file of schema 2."""
+    """Draft of a mechanism from the tables of a robot file of schema 2."""
     names = {key: tuple(_group(tables, key)) for key in MECHANISM.keys}
     unit = length_unit_of(tables)
     coordinates, materials, bodies, joints, tool, path = (
@@ -78,7 +80,10 @@ def _group(tables: Mapping[str, Any], key: str) -> Mapping[str, Any]:
 
 
 def _valid_entries(tables: Mapping[str, Any], key: str) -> dict[str, Any]:
-    """Valid entries of a table of named entries. Tables [tool] and [path] are valid or empty."""
+    """Entries without faults in a table of named entries.
+
+    The tables [tool] and [path] count as one.
+    """
     group, rule = _group(tables, key), rules_of(tables).keys[key].kind
     if isinstance(rule, Named):
         kind = rule.kind

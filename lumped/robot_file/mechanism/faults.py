@@ -1,6 +1,6 @@
-"""Faults of a robot file of schema 2: those of the description, then those of the mobility.
+"""Faults of a robot file of schema 2: first those of the description, then those of the mobility.
 
-Loop closure reveals drives that do not hold the tool, and poses out of reach.
+Closing the loops of the mechanism shows drives that do not fix the tool, and poses out of reach.
 """
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
@@ -24,16 +24,16 @@ from lumped.robot_file.rules.rule import Text
 from lumped.robot_file.rules.tables import MECHANISM, rules_of
 from lumped.text import counted, did_you_mean, shown
 
-# Number of poses of a path that are checked beforehand; the others are checked when needed.
+# Number of poses of a path that are checked when a file is read. Others are checked when needed.
 _CHECKED_POSES = 32
-# Joints of a mechanism whose axes are tried one by one: a second.
+# Largest number of joints whose axes are tested one by one, which takes about a second.
 _DIAGNOSED = 60
-# Component of a unit vector that is rounding.
+# Components of a unit vector below this are round-off.
 _NO_SHARE = 1e-9
 
 
 def description_faults(tables: Mapping[str, Any], description: Draft) -> list[str]:
-    """Faults of keys, of relations between keys, and of names. If there are none, of the topology.
+    """Faults of keys, of relations between keys, and of names. If there are none: of the topology.
 
     `description` is the draft of the tables.
     """
@@ -58,7 +58,7 @@ def description_faults(tables: Mapping[str, Any], description: Draft) -> list[st
 
 
 def _unknown_names(description: Draft) -> Iterator[str]:
-    """Faults of names that refer to no entry of the required table."""
+    """Faults of names that refer to an entry which does not exist."""
     entries_of = {
         "bodies": description.bodies,
         "joints": description.joints,
@@ -71,21 +71,21 @@ def _unknown_names(description: Draft) -> Iterator[str]:
 
 
 def _references(table: str, entries: Mapping[str, Any]) -> Iterator[tuple[str, str, str]]:
-    """Key, name and table of each name of another entry in the entries of a table."""
+    """Location, name and table of each reference to another entry in the entries of a table."""
     for key, rule, value in MECHANISM.keys[table].kind.within(entries, table):
         if isinstance(rule, Text) and rule.among:
             yield key, value, rule.among
 
 
 def _wrong_name(key: str, name: str, known: tuple[str, ...], allowed: str) -> Iterator[str]:
-    """Fault of a name that is not among the known ones, with the most similar one."""
+    """Fault of a name that is not among the known ones, with the most similar known name."""
     if name not in known:
         advice = did_you_mean(name, known, otherwise=f": {', '.join(known) or 'none'}")
         yield f"{key} = {shown(name)}: must be {allowed}{advice}"
 
 
 def _missing_interfaces(description: Draft) -> Iterator[str]:
-    """Faults of points of joints and the tool that their bodies do not have."""
+    """Faults of joints and of the tool at a point that their body does not have."""
     references = [
         (f"{joint['key']}.at" + (f"[{i}]" if joint["at"] == joint["points"] else ""), body, point)
         for joint in description.joints.values()
@@ -105,7 +105,7 @@ def _missing_interfaces(description: Draft) -> Iterator[str]:
 
 
 def _unconnected_bodies(description: Draft) -> Iterator[str]:
-    """Faults of bodies without a chain of joints to ground."""
+    """Faults of bodies that are not connected to ground by joints."""
     pairs = [joint["between"] for joint in description.joints.values()]
     connected: set[str] = set()
     new = {GROUND}
@@ -147,12 +147,15 @@ def _idle_points(description: Draft, loaded: Collection[str | None]) -> Iterator
 
 
 def motion_faults(mechanism: Mechanism) -> list[str]:
-    """Faults of the mobility in the reference posture, else of the poses of the path."""
+    """Faults of the mobility in the reference posture.
+
+    If there are none: of the poses of the path.
+    """
     result = mobility(reference_posture(mechanism))
     if faults := list(_mobility_faults(mechanism, result)):
         return faults
     if faults := list(_path_faults(mechanism)):
-        # An axis may let the tool move in the reference posture alone.
+        # With a wrong axis, the tool may be able to move in the reference posture only.
         barred = generic_mobility(mechanism).barred
         return [*_axis_faults(mechanism, barred), *faults] if barred else faults
     return []
@@ -176,7 +179,7 @@ def _mobility_faults(mechanism: Mechanism, result: Mobility) -> Iterator[str]:
 
 
 def _singular(mechanism: Mechanism, result: Mobility, free_motions: str) -> str:
-    """Fault of a posture that is singular, with the legs that lie in one line."""
+    """Fault of a singular reference posture, with the legs that lie in one line."""
     reasons = [
         f"{first} and {second} are {'stretched out in' if stretched else 'folded into'} one line"
         for first, second, stretched in legs_in_line(mechanism)
@@ -208,7 +211,10 @@ def _barred(moves: str, result: Mobility) -> str:
 
 
 def _axis_faults(mechanism: Mechanism, barred: Sequence[str]) -> list[str]:
-    """The joint whose axis prevents the moves, with others that could be it. Empty if none is."""
+    """Fault of the joint whose axis prevents the tool from moving. Empty if there is none.
+
+    The message also contains other joints that could be the cause.
+    """
     if len(mechanism.joints) > _DIAGNOSED:
         return []
     first, *alternatives = off_axes(mechanism) or (None,)
@@ -235,6 +241,6 @@ def _path_faults(mechanism: Mechanism) -> Iterator[str]:
             faults[i] = [f"path, pose {i + 1}, {error.pose}: {error.reason}"]
         except InputError as error:
             faults[i] = [f"path, pose {i + 1}, {fault}" for fault in error.faults]
-    # Poses of a grid out of reach are omitted, unless all are.
+    # Poses of a grid that are out of reach are omitted, unless all of them are.
     if len(faults) == len(checked) or not mechanism.grid:
         yield from (fault for pose_faults in faults.values() for fault in pose_faults)

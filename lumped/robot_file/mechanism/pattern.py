@@ -1,7 +1,8 @@
-"""Copies about an axis: entries with a `pattern`, written out as entries of their own.
+"""Copies of points, bodies and joints about an axis: entries of a robot file with a `pattern`.
 
-Copy k of n stands for the entry turned by (k − 1)·360°/n about the axis. Its name ends in k, and so
-do the names of entries with the same pattern in it. All other names stay.
+Copy k of n is the entry rotated by (k − 1)·360°/n about the axis. The number k is appended to the
+name of the entry, and to names in it that refer to entries with the same pattern. All other names
+remain unchanged.
 """
 
 from collections.abc import Iterator, Mapping
@@ -25,11 +26,11 @@ Tables: TypeAlias = Mapping[str, Any]
 Key: TypeAlias = tuple[str, str]
 _PATTERN = "pattern"
 _COPIED = ("points", "bodies", "joints")
-# Distance of a point on an axis, in the file's unit and of its size: typed digits.
+# Largest distance of a point on an axis, relative to the point's coordinates: precision of typing.
 _ON_AXIS = 1e-6
-# Place of a part whose file is in base axes.
+# Position of a part whose file is in base axes.
 _FILE_AXES = {"at": [0.0, 0.0, 0.0], "x": [1.0, 0.0, 0.0], "y": [0.0, 1.0, 0.0]}
-# Keys of an entry that name entries of another table.
+# Keys of an entry that refer to entries of another table.
 _NAMES = {
     "bodies": dict.fromkeys(("from", "to", "points", "centre"), "points"),
     "joints": {"between": "bodies", "at": "points"},
@@ -38,31 +39,34 @@ _NAMES = {
 
 @dataclass(frozen=True)
 class _Pattern:
-    """A symmetry: axis `about` (unit vector) `through` a point, in the file's unit, and copies."""
+    """Rotational symmetry with `count` copies about an axis.
+
+    `about` is the unit vector of the axis, `through` a point on it in the length unit of the file.
+    """
 
     about: tuple[float, ...]
     through: tuple[float, ...]
     count: int
 
     def turn(self, number: int) -> Array:
-        """Rotation (3×3) of a copy, from 1 for the entry itself."""
+        """Rotation (3×3) of copy `number`. Copy 1 is the entry itself."""
         angle = 2.0 * np.pi * (number - 1) / self.count
         rotation: Array = rotation_about(angle * np.array(self.about))
         return rotation
 
     def place(self, point: Any, number: int) -> list[float]:
-        """A point turned as a copy is."""
+        """Position of a point in copy `number`."""
         origin = np.array(self.through)
         turned: list[float] = (origin + self.turn(number) @ (np.array(point) - origin)).tolist()
         return turned
 
     def direction(self, direction: Any, number: int) -> list[float]:
-        """A direction turned as a copy is."""
+        """Direction vector in copy `number`."""
         turned: list[float] = (self.turn(number) @ np.array(direction, dtype=float)).tolist()
         return turned
 
     def misses(self, tables: Tables, point: str) -> bool:
-        """True if a known point lies off the axis."""
+        """True if a point with known coordinates does not lie on the axis."""
         position = tables["points"].get(point)
         if not isinstance(position, list):
             return False
@@ -72,12 +76,12 @@ class _Pattern:
 
 
 def has_patterns(tables: Tables) -> bool:
-    """True if an entry of the tables has a pattern."""
+    """True if any entry of the tables has a pattern."""
     return bool(_repeated(tables))
 
 
 def pattern_faults(tables: Tables) -> list[str]:
-    """Faults of patterns in tables whose keys are sound by themselves, one line each."""
+    """Faults of patterns in tables whose keys have been checked, one line each."""
     found, faults = collect_faults(partial(_pattern, tables), _repeated(tables))
     patterns = dict(found)
     for (table, name), pattern in patterns.items():
@@ -103,7 +107,7 @@ def pattern_faults(tables: Tables) -> list[str]:
 
 
 def written_out(tables: Tables) -> Tables:
-    """The tables of a file with sound patterns, each copy as an entry of its own."""
+    """Tables in which each copy of an entry with a pattern is an entry of its own."""
     if not has_patterns(tables):
         return tables
     patterns = dict(_pattern(tables, entry) for entry in _repeated(tables))
@@ -122,7 +126,7 @@ def written_out(tables: Tables) -> Tables:
 
 
 def _repeated(tables: Tables) -> list[Key]:
-    """Points, bodies and joints with a pattern."""
+    """Table and name of each point, body and joint with a pattern."""
     groups = {table: tables.get(table) for table in _COPIED}
     return [
         (table, name)
@@ -133,7 +137,7 @@ def _repeated(tables: Tables) -> list[Key]:
 
 
 def _pattern(tables: Tables, of: Key) -> tuple[Key, _Pattern]:
-    """An entry with its pattern; raises InputError with what is wrong with it."""
+    """Entry and its pattern. Raises InputError if the pattern has a fault."""
     (table, name), named = of, tables.get("patterns", {})
     key, given = f"{table}.{name}.{_PATTERN}", tables[table][name][_PATTERN]
     if isinstance(given, str):
@@ -157,7 +161,7 @@ def _pattern(tables: Tables, of: Key) -> tuple[Key, _Pattern]:
 
 
 def _references(tables: Tables, table: str, name: str) -> Iterator[tuple[str, str, str]]:
-    """Key, table and name of each entry that an entry refers to."""
+    """Location, table and name of each reference to another entry in one entry."""
     rule = rules_of(tables).keys[table].kind
     own = {name: tables[table][name]}
     for key, kind, value in rule.within(own, table):
@@ -168,7 +172,7 @@ def _references(tables: Tables, table: str, name: str) -> Iterator[tuple[str, st
 def _copied(
     tables: Tables, patterns: Mapping[Key, _Pattern], of: Key, number: int
 ) -> dict[str, Any] | list[float]:
-    """Copy `number` of an entry."""
+    """Copy `number` of an entry with a pattern."""
     (table, name), pattern = of, patterns[of]
     entry = {key: value for key, value in tables[table][name].items() if key != _PATTERN}
     if table == "points":
@@ -197,7 +201,7 @@ def _copied(
 
 
 def _default_up(tables: Tables, leg: Tables) -> list[float]:
-    """Direction of `up` of the leg as written; unsound ends are refused later."""
+    """Default direction of `up` of a leg. Legs whose points have faults are refused later."""
     ends = [tables["points"].get(leg.get(end)) for end in ("from", "to")]
     start, tip = (np.array(one["at"] if isinstance(one, dict) else one or 0.0) for one in ends)
     way = tip - start
@@ -206,7 +210,7 @@ def _default_up(tables: Tables, leg: Tables) -> list[float]:
 
 
 def _turned(entry: Tables, pattern: _Pattern, number: int) -> dict[str, Any]:
-    """Places, directions and matrices in base axes of a body or joint, turned as a copy is."""
+    """Positions, directions and matrices of a body or joint in copy `number`, base axes."""
     turned: dict[str, Any] = {}
     rotation = pattern.turn(number)
     if isinstance(entry.get("centre"), list):

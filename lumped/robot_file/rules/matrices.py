@@ -1,6 +1,6 @@
-"""Faults of compliance and inertia matrices, with entries and numbers.
+"""Faults of compliance and inertia matrices: symmetry, positive definiteness, unit.
 
-The loader of robot files and the audit use the same checks.
+Both the reader of robot files and the audit use these checks.
 """
 
 from dataclasses import dataclass
@@ -12,14 +12,14 @@ from lumped.arrays import Array
 from lumped.robot_file.rules.rule import Number, Rule, Several, is_finite_number
 from lumped.text import shown
 
-# Largest asymmetry relative to √(k_ii k_jj). Finite element programs print seven digits, so
-# symmetric entries may differ in the last. A lost sign or exponent differs by far more.
+# Largest asymmetry relative to √(k_ii k_jj). Finite element programs print seven digits, so that
+# symmetric entries may differ in the last one. A wrong sign or exponent makes a larger difference.
 SYMMETRY_TOLERANCE = 1e-6
-# Smallest eigenvalue of the matrix scaled to unit diagonal; below it, rounding decides the sign.
+# Smallest eigenvalue of a matrix scaled to a unit diagonal. Below it, round-off decides the sign.
 DEFINITENESS_TOLERANCE = 1e-12
-# Stiffer than any part. An "infinite" stiffness would only increase round-off.
+# Smallest compliance (m/N), below that of any part. An "infinite" stiffness increases round-off.
 SMALLEST_COMPLIANCE = 1e-15
-# Displacement of 1 m or 1 rad under 1 N or 1 N m. A larger entry is a stiffness (1e5 and more).
+# Largest compliance: 1 m or 1 rad under 1 N or 1 N m. A larger entry is a stiffness (1e5 and more).
 LARGEST_COMPLIANCE = 1.0
 _DIAGONAL = tuple(
     Number(
@@ -34,13 +34,17 @@ _DIAGONAL = tuple(
 )
 # From a grain of 1e-9 kg to 1e5 kg at 100 m, the largest mass and length of a body.
 _INERTIA = Number("kg m²", above=0.0, slip=1e-20, most=1e9, high="is this in kg mm²?")
-# Number of entries above it that indicate a stiffness matrix; a single one is a typing error.
+# Number of entries above LARGEST_COMPLIANCE that indicate a stiffness matrix. A single one is a
+# typing error.
 _ENTRIES_OF_A_STIFFNESS = 2
 
 
 @dataclass(frozen=True)
 class Asymmetry:
-    """Entries (row, column), row > column, counted from 1, and their two values."""
+    """Two entries of a matrix that should be equal, `lower` (row > column) and `upper`.
+
+    `row` and `column` are counted from 1.
+    """
 
     row: int
     column: int
@@ -49,7 +53,7 @@ class Asymmetry:
 
 
 def asymmetries(matrix: Array) -> tuple[Asymmetry, ...]:
-    """Entries of a square matrix that differ from their mirror image beyond rounding."""
+    """Entries of a square matrix that differ from their mirror image by more than round-off."""
     size = np.sqrt(np.abs(np.diag(matrix)))
     scale = np.maximum(np.outer(size, size), np.maximum(np.abs(matrix), np.abs(matrix.T)))
     wrong = np.tril(np.abs(matrix - matrix.T) > SYMMETRY_TOLERANCE * scale)
@@ -60,12 +64,12 @@ def asymmetries(matrix: Array) -> tuple[Asymmetry, ...]:
 
 
 def smallest_eigenvalue(matrix: Array) -> float:
-    """Smallest eigenvalue of the symmetric part of a square matrix, in its own (mixed) units."""
+    """Smallest eigenvalue of the symmetric part of a square matrix, in its (mixed) units."""
     return float(np.linalg.eigvalsh(0.5 * (matrix + matrix.T))[0])
 
 
 def is_positive_definite(matrix: Array) -> bool:
-    """True if the symmetric part is positive definite, for any units of its rows."""
+    """True if the symmetric part of a matrix is positive definite, regardless of units."""
     diagonal = np.diag(matrix)
     if np.any(diagonal <= 0.0):
         return False
@@ -74,7 +78,7 @@ def is_positive_definite(matrix: Array) -> bool:
 
 
 def symmetric(rows: Any) -> Array:
-    """Symmetric part of a matrix, without asymmetry from rounding."""
+    """Symmetric part of a matrix."""
     matrix: Array = np.array(rows, dtype=float)
     mean: Array = 0.5 * (matrix + matrix.T)
     return mean
@@ -82,7 +86,7 @@ def symmetric(rows: Any) -> Array:
 
 @dataclass(frozen=True)
 class SquareMatrix(Rule):
-    """A symmetric, positive definite matrix of `size` rows in `unit`: a compliance, or inertia."""
+    """Rule for a symmetric, positive definite matrix with `size` rows: compliance or inertia."""
 
     written = (list,)
     size: int
@@ -105,7 +109,7 @@ class SquareMatrix(Rule):
 
 
 def _matrix_faults(value: object, kind: SquareMatrix) -> list[str]:
-    """Faults of a matrix as read from a file, each to follow its key: "[1,2] = …"."""
+    """Faults of a matrix from a file, each to be appended to its key: "[1,2] = …"."""
     faults = _shape_faults(value, kind)
     if faults:
         return faults
@@ -151,7 +155,10 @@ def _diagonal_faults(matrix: Array, kind: SquareMatrix) -> list[str]:
 
 
 def _stiffness_fault(matrix: Array) -> str:
-    """Single fault, instead of many, for a stiffness matrix typed as a compliance."""
+    """Fault of a stiffness matrix given as a compliance. "" for other matrices.
+
+    It replaces the faults of all its entries.
+    """
     diagonal = np.diag(matrix)
     above = np.flatnonzero(diagonal > LARGEST_COMPLIANCE)
     if len(above) < _ENTRIES_OF_A_STIFFNESS:

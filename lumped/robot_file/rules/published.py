@@ -1,4 +1,4 @@
-"""JSON schema, list of keys and comments of a new file, made from the table of rules."""
+"""JSON schema, list of keys and comments of a new robot file, made from the table of rules."""
 
 import json
 from collections.abc import Iterator, Mapping
@@ -33,13 +33,13 @@ def _of_both_schemas(unit: UnitOfLength) -> dict[str, Any]:
 
 
 def key_table() -> str:
-    """All keys of schema 2 as a table of Markdown."""
+    """Table of all keys of schema 2 in Markdown."""
     rows = (f"| `{name}` | {allowed} | {meaning} |" for name, allowed, meaning in _lines(MECHANISM))
     return "\n".join(("| key | must be | meaning |", "|---|---|---|", *rows))
 
 
 def key_comments(tables: Mapping[str, Any]) -> str:
-    """All keys of a file of the schema of `tables`, as comments for its end."""
+    """List of all keys as TOML comments, for the end of a file with these `tables`."""
     rules = rules_of(tables)
     lines = ["# All keys, permitted values and meaning:"]
     for name, allowed, meaning in _lines(rules):
@@ -50,7 +50,7 @@ def key_comments(tables: Mapping[str, Any]) -> str:
 
 
 def _lines(rule: Rule, path: str = "") -> Iterator[tuple[str, str, str]]:
-    """Full name, permitted values and meaning of each key of a table and of its sub-tables."""
+    """Full name, allowed values and meaning of each key of a table and of its sub-tables."""
     match rule:
         case TableRule():
             for name, key in rule.keys.items():

@@ -1,7 +1,7 @@
-"""Relations between the keys of one entry of a robot file.
+"""Rules for the relations between the keys of one entry of a robot file.
 
-An entry has its keys and the derived values of `Draft`. Each fault is a line that starts with its
-key.
+An entry contains its keys and the derived values listed in `Draft`. Each fault is a line that
+begins with the key.
 """
 
 from collections.abc import Iterator, Sequence
@@ -19,7 +19,7 @@ from lumped.robot_file.rules.tables import BODY, MOST_POSES
 from lumped.sections import Polygon
 from lumped.text import counted, shown
 
-# A valid table with a value for every key, None if the key is omitted.
+# A table without faults, with a value for every key. The value is None if the key is omitted.
 Entry: TypeAlias = dict[str, Any]
 
 # Distance (m) below which two points of a leg coincide.
@@ -30,14 +30,14 @@ _ALONG_LEG = 1e-6
 # rotation c66 under 1 N m, to its actual deflection. Metres typed as millimetres reduce the ratio
 # by 1e-6. No leg shears, or yields at its root, a thousand times more than it bends.
 _SMALLEST_BENDING_SHARE = 1e-3
-# Kinds of joints whose two points may lie apart, along the axis.
+# Kinds of joints whose two points may be apart along the axis.
 _EXTENDED = ("prismatic", "cylindrical")
 # Length of a direction vector below which it counts as zero: its square would be round-off.
 NO_DIRECTION = 1e-9
 
 
 def leg_faults(leg: Entry) -> Iterator[str]:
-    """Faults of a leg of either schema."""
+    """Faults of a leg of schema 1 or 2."""
     key, mass, material = leg["key"], leg["mass"], leg["material"]
     compliance, length = leg["compliance"], leg["length"]
     unit: UnitOfLength = leg["lengths"]
@@ -81,12 +81,12 @@ def leg_faults(leg: Entry) -> Iterator[str]:
 
 
 def _doubt(unit: UnitOfLength) -> str:
-    """Question after the unit of a length that is too large."""
+    """Question that follows a length which is too large."""
     return "is this in mm?" if unit == METRE else "is this in µm?"
 
 
 def _size_faults(section: Any, length: float, key: str, unit: UnitOfLength) -> Iterator[str]:
-    """Faults of a section, if any, that is larger than its leg of `length` (m)."""
+    """Faults of a section that is larger than the leg of `length` (m) to which it belongs."""
     if isinstance(section, Polygon) and (largest := max(section.extent)) >= length:
         yield (
             f"{key}.section.outline: {unit.shown(largest)} from side to side; must be below the "
@@ -101,7 +101,7 @@ def _size_faults(section: Any, length: float, key: str, unit: UnitOfLength) -> I
 
 
 def body_faults(body: Entry) -> Iterator[str]:
-    """Faults of a leg on its points, a rigid body or a part."""
+    """Faults of a body of schema 2: a leg, a rigid body or a part."""
     key, kind = body["key"], body["kind"]
     if key == f"bodies.{GROUND}":
         yield f"{key}: ground is the name of the base; must have another name"
@@ -167,7 +167,7 @@ def _part(part: Entry, key: str) -> Iterator[str]:
 
 
 def material_faults(material: Entry, path: str) -> Iterator[str]:
-    """Faults of a material for a part; `path` precedes each key."""
+    """Faults of the material of a part. `path` precedes each key."""
     if material["rho"] is None:
         yield f"{path}rho: missing; a part's mass follows from its density"
     if material["G"] is not None:
@@ -175,7 +175,7 @@ def material_faults(material: Entry, path: str) -> Iterator[str]:
 
 
 def interface_faults(interface: Entry, key: str) -> Iterator[str]:
-    """Fault of an interface with no selection of faces or several."""
+    """Fault of an interface that selects its faces in no way or in several ways."""
     choices = ("faces", "name", "cylinder", "plane")
     present_keys = _present_keys(interface, *choices)
     if len(present_keys) != 1:
@@ -184,7 +184,7 @@ def interface_faults(interface: Entry, key: str) -> Iterator[str]:
 
 
 def joint_faults(joint: Entry) -> Iterator[str]:
-    """Faults of a joint."""
+    """Faults of a joint of schema 2."""
     key, kind, points = joint["key"], joint["type"], joint["at"]
     first, second = joint["between"]
     if first == second:
@@ -277,7 +277,7 @@ def _direction_faults(joint: Entry) -> Iterator[str]:
 
 
 def _rotor_faults(drive: Entry, key: str) -> Iterator[str]:
-    """Faults of keys of a rotor without effect."""
+    """Faults of keys of a rotor that have no effect."""
     if drive.get("ratio") is not None and drive["inertia"] is None:
         yield f"{key}.ratio: must be left out without `inertia`, which it multiplies"
     rigid = drive.get("stiffness") == "rigid" and drive["simplified"] is None
@@ -289,14 +289,14 @@ def _rotor_faults(drive: Entry, key: str) -> Iterator[str]:
 
 
 def tool_faults(tool: Entry) -> Iterator[str]:
-    """Faults of the tool."""
+    """Faults of the table [tool]."""
     if tool["body"] == GROUND:
         yield f'tool.body = "{GROUND}": must be a body that moves'
     yield from named_twice(tool["moves"], "tool.moves[{}]")
 
 
 def path_faults(path: Entry) -> Iterator[str]:
-    """Faults of the path for the tool's `moves`."""
+    """Faults of the table [path] for the `moves` of the tool."""
     moves, present_keys = path["moves"], _present_keys(path, "from", "to", "count", "counts")
     if path["poses"] is not None:
         yield from (f"path.{name}: must not be given beside path.poses" for name in present_keys)
@@ -330,13 +330,13 @@ def _present_keys(entry: Entry, *names: str) -> list[str]:
 
 
 def named_twice(names: Sequence[str], key: str) -> Iterator[str]:
-    """Faults of repeated names; {} in `key` stands for the number of the name."""
+    """Faults of repeated names. {} in `key` stands for the number of the name."""
     for i, name in enumerate(names):
         if name in names[:i]:
             yield f"{key.format(i + 1)} = {shown(name)}: named twice"
 
 
 def _parallel(first: object, second: object, sine: float) -> bool:
-    """True if two directions are parallel within the sine of an angle, or one is zero."""
+    """True if two directions are parallel, or one is zero. `sine` is that of the largest angle."""
     a, b = np.array(first, dtype=float), np.array(second, dtype=float)
     return bool(np.linalg.norm(np.cross(a, b)) <= sine * np.linalg.norm(a) * np.linalg.norm(b))

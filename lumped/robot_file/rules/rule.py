@@ -1,4 +1,4 @@
-"""Rules for the values of a robot file: allowed values, faults, reading, and JSON schema."""
+"""Rules for the values of a robot file: allowed values, faults, conversion, and JSON schema."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
@@ -12,13 +12,13 @@ from lumped.mechanism.length_unit import COORDINATES, METRE, POWERS, UnitOfLengt
 from lumped.mechanism.mechanism import LENGTHS
 from lumped.text import cut, did_you_mean, shown
 
-# Number of unknown keys of a table with a suggestion, whose search takes time.
+# Number of unknown keys in a table for which a similar key is suggested. The search takes time.
 _LARGEST_SUGGESTION_COUNT = 50
 _LONGEST_KEY = 40
 
 
 def is_finite_number(entry: object) -> TypeGuard[float]:
-    """True for a number of a TOML file that a float can hold. Booleans are no numbers."""
+    """True for a finite number of a TOML file in the range of a float. Booleans are not numbers."""
     if isinstance(entry, bool) or not isinstance(entry, int | float):
         return False
     try:
@@ -28,12 +28,12 @@ def is_finite_number(entry: object) -> TypeGuard[float]:
 
 
 def too_many(key: str, count: int, most: int) -> str:
-    """Fault of a list or table that is longer than that of any robot."""
+    """Fault of a list or table with `count` entries, more than the allowed `most`."""
     return f"{key}: {count} entries; must be at most {most}"
 
 
 class Rule(ABC):
-    """Rule for a value. `written`: Python types of such a value as read from TOML."""
+    """Rule for a value. `written` are the Python types of allowed values as read from TOML."""
 
     written: ClassVar[tuple[type, ...]] = ()
 
@@ -53,21 +53,21 @@ class Rule(ABC):
         """JSON schema of the rule."""
 
     def faults(self, value: object, key: str) -> list[str]:
-        """Faults of a value, each line starting with its key. Empty if it is valid."""
+        """Faults of a value, each line beginning with the key. Empty if the value is allowed."""
         return [] if isinstance(value, self.written) else [self.refused(value, key)]
 
     def read(self, value: Any) -> Any:
-        """Conversion of a valid value for computations."""
+        """Value converted to the form that computations need."""
         return value
 
     def within(self, value: Any, key: str) -> Iterator[tuple[str, "Rule", Any]]:
-        """Yield key, rule and value of a valid or converted value and of all values in it."""
+        """Yield key, rule and value of a value without faults, and of all values within it."""
         yield key, self, value
 
     def in_unit(self, unit: UnitOfLength, moves: Sequence[str]) -> Self:  # noqa: ARG002
-        """The rule for a file with lengths in `unit` whose poses are of such `moves`.
+        """Rule for a file with lengths in `unit` and with poses along the given `moves`.
 
-        Values are read in metres.
+        Values are converted to metres when they are read.
         """
         return self
 
@@ -78,11 +78,11 @@ class Rule(ABC):
 
 @dataclass(frozen=True)
 class Number(Rule):
-    """A number in `unit`: `above` or at `least`, `below` or at `most`.
+    """Rule for a number in `unit`, with limits `above` or `least`, and `below` or `most`.
 
-    `low` and `high` are questions for a number out of bounds. A number above 0 but below `slip` has
-    a mistyped exponent. `example` follows the unit in messages. Reading divides a value by
-    `divisor`.
+    `low` and `high` are questions to the user that follow the fault of a number out of bounds. A
+    number above 0 but below `slip` is refused as mistyped. `example` follows the unit in messages.
+    Values are divided by `divisor` when they are read.
     """
 
     written = (int, float)
@@ -135,7 +135,7 @@ class Number(Rule):
         factor = unit.per_metre ** POWERS[self.unit]
         limits = {name: getattr(self, name) for name in ("above", "least", "below", "most", "slip")}
         scaled = {name: limit and limit * factor for name, limit in limits.items()}
-        # Questions after a millimetre are for files in metres.
+        # The questions suspect millimetres in a file in metres, so they do not apply here.
         own = replace(self, unit=self.unit.replace("m", unit.name), low="", high="", **scaled)
         return own if self.unit == COORDINATES else replace(own, divisor=factor)
 
@@ -149,7 +149,7 @@ class Number(Rule):
             return must_be
         if isinstance(value, float) and not isfinite(value):
             return f"not finite; {must_be}"
-        # The sign of a modulus is not a matter of units.
+        # A wrong sign is not due to a wrong unit, so the question about the unit is omitted.
         positive = value > 0.0
         low = self.low if self.least is not None and positive == (self.least > 0.0) else ""
         bounds = (
@@ -168,9 +168,9 @@ class Number(Rule):
 
 @dataclass(frozen=True)
 class Text(Rule):
-    """A text that matches `pattern`; `allowed` describes it.
+    """Rule for a text that matches `pattern`, described by `allowed`.
 
-    `among`: the table of the file with the allowed names.
+    If `among` is not "", the text is the name of an entry in that table of the file.
     """
 
     written = (str,)
@@ -190,7 +190,7 @@ class Text(Rule):
 
 @dataclass(frozen=True)
 class OneOf(Rule):
-    """One of several texts, or of several numbers."""
+    """Rule for one of several texts or integers."""
 
     written = (str,)
     values: Sequence[str | int]
@@ -208,7 +208,7 @@ class OneOf(Rule):
         return {"enum": list(self.values)}
 
     def faults(self, value: object, key: str) -> list[str]:
-        # Python treats True as 1.
+        # Types are compared, because True == 1 in Python.
         matches = (
             type(allowed_value) is type(value) and allowed_value == value
             for allowed_value in self.values
@@ -218,7 +218,7 @@ class OneOf(Rule):
 
 @dataclass(frozen=True)
 class Several(Rule):
-    """A list of values of one kind: exactly `count`, or `least` to `most`."""
+    """Rule for a list of values of one kind: exactly `count`, or from `least` to `most`."""
 
     written = (list, tuple)
     kind: Rule
@@ -269,7 +269,7 @@ class Several(Rule):
 
 @dataclass(frozen=True)
 class Pose(Several):
-    """Coordinates of a pose, converted to m and rad: each is divided by its entry of `divisors`."""
+    """Rule for the coordinates of a pose, which are divided by `divisors` to obtain m and rad."""
 
     divisors: tuple[float, ...] = ()
 
@@ -289,7 +289,7 @@ class Pose(Several):
 
 @dataclass(frozen=True)
 class Either(Rule):
-    """A value of one of two kinds with different TOML types, such as a text or a list."""
+    """Rule for a value of one of two kinds with different TOML types, such as a text or a list."""
 
     first: Rule
     second: Rule
@@ -326,7 +326,7 @@ class Either(Rule):
 
 @dataclass(frozen=True)
 class Named(Rule):
-    """A table of entries of one kind, `most` at most, with names chosen by the author."""
+    """Rule for a table of at most `most` entries of one kind, whose names the author chooses."""
 
     written = (dict,)
     allowed = "a table of named entries"
@@ -369,9 +369,10 @@ class Named(Rule):
 
 @dataclass(frozen=True)
 class Key:
-    """A key of a table: rule of its values, `meaning`, and `default` value if it is omitted.
+    """A key of a table, with the rule for its value.
 
-    `owners`: kinds of entries that have the key; empty if all have it.
+    `default` is the value if the key is omitted. `owners` are the kinds of entries that have the
+    key; empty if all have it.
     """
 
     name: str
@@ -388,7 +389,7 @@ def needed(name: str, kind: Rule, meaning: str) -> Key:
 
 
 class TableRule(Rule):
-    """A table with its allowed keys."""
+    """Rule for a table with given keys."""
 
     written = (dict,)
     allowed = "a table"
@@ -419,7 +420,7 @@ class TableRule(Rule):
         return self.faults_within(value, f"{key}.")
 
     def faults_within(self, table: Mapping[str, object], path: str = "") -> list[str]:
-        """Faults of the entries of a table; `path` ("leg1.") precedes each key."""
+        """Faults of the entries of a table. `path` (such as "leg1.") precedes each key."""
         unknown = [name for name in table if name not in self.keys]
         faults = []
         for i, name in enumerate(unknown):

@@ -1,7 +1,7 @@
-"""Rules of robot files: every key with its permitted values and its meaning.
+"""Rules of robot files: all keys with their allowed values and meanings.
 
-Bounds that only detect wrong units are wide: nothing that has been built lies outside, and the
-usual mistake (millimetres, gigapascals, a stiffness for a compliance) does.
+Limits that only detect wrong units are wide: nothing that has been built lies outside, but the
+usual mistakes do (millimetres, gigapascals, a stiffness in place of a compliance).
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -44,48 +44,48 @@ from lumped.text import did_you_mean, shown
 
 _MM, _GPA, _DIAMOND = "is this in mm?", "is this in GPa or MPa?", "above diamond"
 _PERCENT = "is this in percent?"
-# 100 m: beyond any parallel robot with rigid legs, below a leg of 10 cm written in millimetres.
-# 0.1 mm: shorter than the legs of flexure stages.
+# 100 m is longer than any robot with rigid legs, and less than a leg of 10 cm typed in millimetres
+# would be (100 "m"). 0.1 mm is shorter than the legs of flexure stages.
 _LENGTH = Number("m", above=0.0, most=100.0, high=_MM, slip=1e-4)
-# 10 m: a tool of 1 cm in millimetres is caught, no tool is as long.
+# 10 m is longer than any tool, and a tool of 1 cm typed in millimetres exceeds it.
 _OFFSET = Number("m", least=-10.0, most=10.0, low=_MM, high=_MM)
 _POINT = Several(Number("m", least=-100.0, most=100.0, low=_MM, high=_MM), 3)
-# Metres and radians alike; what is out of reach is found by closing the loops.
+# One limit for metres and radians. Poses out of reach are found when the loops are closed.
 COORDINATE = Number(COORDINATES, least=-100.0, most=100.0, low=_MM, high=_MM)
 _POSE = Pose(COORDINATE)
-# Any length: directions are normalised.
+# Directions may have any length, because they are normalised.
 _DIRECTION = Several(Number(least=-1e6, most=1e6), 3)
-# 1e5 kg: a hundred tonnes in one leg or platform. 1 µg: less than the smallest silicon part.
+# 1e5 kg is a hundred tonnes in one leg or platform. 1 µg is less than the smallest silicon part.
 _MASS = Number("kg", above=0.0, most=1e5, high="is this in g?", slip=1e-9)
 _MASS_OR_NONE = Number("kg", least=0.0, most=1e5, high="is this in g?")
-# 1 MPa: soft rubber; 2e12 Pa: above diamond (1.2e12). Moduli in GPa or MPa fall below.
+# 1 MPa is that of soft rubber, 2e12 Pa is above diamond (1.2e12). Moduli in GPa or MPa are below.
 _YOUNGS_MODULUS = Number("Pa", least=1e6, most=2e12, low=_GPA, high=_DIAMOND)
-# G = E/2(1+ν) of the softest material above, rounded down; half of E's upper bound.
+# Lower limit: G = E/2(1+ν) of the softest material, rounded down. Upper limit: half that of E.
 _SHEAR_MODULUS = Number("Pa", least=3e5, most=1e12, low=_GPA, high=_DIAMOND)
-# The limits of isotropic elasticity; both open.
+# Limits of isotropic elasticity, both excluded.
 _POISSONS_RATIO = Number(above=-1.0, below=0.5)
-# 25 kg/m³: structural foam; 25000 kg/m³: above osmium (22600).
+# 25 kg/m³ is that of structural foam, 25000 kg/m³ is above osmium (22600).
 _DENSITY = Number("kg/m³", least=25.0, most=25e3, low="is this in g/cm³?", high="above osmium")
-# 1e15: stiffer than any drive; a larger number would only cost digits.
+# 1e15 is stiffer than any drive. A larger number would only increase round-off.
 _STIFFEST = 'more than any drive has; "rigid" holds it'
-# 1e-12 N m/rad: a thousandth of the softest hinges of silicon.
+# 1e-12 N m/rad is a thousandth of the softest silicon hinges.
 _STIFFNESS = Number("N/m or N m/rad", above=0.0, most=1e15, high=_STIFFEST, slip=1e-12)
-# 1e4 kg m²: a flywheel of two metres; 1e-18: a cube of silicon of 30 µm. 1e6 rad/m: a screw of 6 µm
-# pitch; 1e-6: the other way round.
+# 1e4 kg m² is a flywheel of two metres, 1e-18 kg m² a silicon cube of 30 µm. 1e6 rad/m is a screw
+# of 6 µm pitch, 1e-6 is the reciprocal.
 _ROTOR = Number("kg m²", above=0.0, most=1e4, high="is this in g cm²?", slip=1e-18)
 _RATIO = Number("rad/rad or rad/m", above=0.0, most=1e6, slip=1e-6)
 _COMPLIANCE = SquareMatrix(6, "m/N, rad/N and rad/(N m)", compliance=True)
 _INERTIA = SquareMatrix(3, "kg m²", compliance=False)
-# 1: an error of 100 %.
+# 1 is an error of 100 %.
 _SHARE = Number(least=SMALLEST_SHARE, most=1.0, high=_PERCENT, example="(0.05 is 5 %)")
-# 1: rubber loses as much.
+# 1 is the loss factor of highly damped rubber.
 _LOSS = Number(least=0.0, most=1.0, high=_PERCENT)
-# A hundred bodies and two hundred joints are closed in a second; no robot has as many.
+# The loops of a hundred bodies and two hundred joints are closed in a second. No robot has as many.
 _MOST_BODIES, _MOST_JOINTS, MOST_POSES = 100, 200, 10_000
 _COUNT = Number(least=1, most=MOST_POSES, whole=True)
 _MODES = Number(least=1, most=MOST_MODES, whole=True)
 _NUMBER, _TEXT = Number(), Text()
-# Control characters (C0, C1), ends of lines and marks that turn the direction of reading.
+# Control characters (C0, C1), line ends and marks that change the direction of text.
 _UNPRINTED = r"\x00-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069"
 _TITLE = Text(rf"[^{_UNPRINTED}]{{1,100}}", "a text of 1 to 100 characters on one line")
 _FILE = Text(rf"[^{_UNPRINTED}]{{1,1000}}", "the name of a file, 1 to 1000 characters")
@@ -94,13 +94,13 @@ _BODY_NAME, _MATERIAL_NAME, _POINT_NAME = (
     replace(_NAME, among=table) for table in ("bodies", "materials", "points")
 )
 
-# 1 µm: thinner than any wall that carries a load.
+# 1 µm is thinner than any wall that carries a load.
 _SIZE = Number("m", least=1e-6)
 
 
 @dataclass(frozen=True)
 class SectionRule(Rule):
-    """A shape of lumped.sections with its sizes (m); the shape checks its own sizes."""
+    """Rule for a shape of `lumped.sections` with its dimensions (m). The shape checks them."""
 
     written = (dict,)
     unit: UnitOfLength = METRE
@@ -123,7 +123,7 @@ class SectionRule(Rule):
             advice = did_you_mean(str(shape), SHAPES)
             return [f"{key}.shape = {shown(shape)}: {shapes}{advice}"]
         faults = _shape_table(shape, self.unit).faults(value, key)
-        # Sizes as typed, since the faults of a shape do not depend on the unit.
+        # The dimensions are used as typed, because the faults of a shape do not depend on the unit.
         typed = faults or SectionRule().read(value).faults(self.unit.name)
         return faults or [f"{key}.{fault}" for fault in typed]
 
@@ -139,16 +139,16 @@ class SectionRule(Rule):
         return replace(self, unit=unit)
 
 
-# 100 m as of points; a section in mm is far beyond its leg's length, and refused for that.
+# 100 m as for points. A section typed in mm is refused because it is longer than its leg.
 _CORNER = Several(Number("m", least=-100.0, most=100.0, low=_MM, high=_MM), 2)
-# Corners of a polygon: a curve of 200 is computed in seconds.
+# A curve approximated by 200 corners is computed in seconds.
 _CORNERS = Several(_CORNER, most=200, least=3)
-# 1e-12 m² and 1e-24 m⁴: of a square of 1 µm. 100 m² and 1e4 m⁴: of one of 10 m.
+# 1e-12 m² and 1e-24 m⁴ are those of a square of 1 µm, 100 m² and 1e4 m⁴ of a square of 10 m.
 _AREA = Number("m²", least=1e-12, most=100.0, high=_MM)
 _MOMENT = Number("m⁴", least=1e-24, most=1e4, high=_MM)
 _PRODUCT = Number("m⁴", least=-1e4, most=1e4, low=_MM, high=_MM)
 _OF_CENTRE = Number("m", least=-10.0, most=10.0, low=_MM, high=_MM)
-# Rules of the shapes whose keys are not all sizes.
+# Rules of the shapes whose keys are not all outer dimensions or wall thicknesses.
 _OWN_KEYS: dict[str, tuple[Key, ...]] = {
     "properties": (
         needed("A", _AREA, "area"),
@@ -169,7 +169,7 @@ _OWN_KEYS: dict[str, tuple[Key, ...]] = {
 
 
 def _shape_table(shape: str, unit: UnitOfLength) -> TableRule:
-    """Rules of a shape with its sizes in a unit, in their usual order."""
+    """Rule for the table of a shape with its dimensions in `unit`, in their usual order."""
     kind: Any = SHAPES[shape]
     sizes = (
         needed(field.name, _SIZE, "outer dimension or wall thickness") for field in fields(kind)
@@ -264,7 +264,7 @@ BODY = TableRule(
 
 
 class _Axes(Several):
-    """Axes of a universal joint. A joint of another kind has one `axis`."""
+    """Rule for the axes of a universal joint. Joints of another kind have one `axis`."""
 
     def refused(self, value: object, key: str) -> str:
         return f"{super().refused(value, key)}; a joint of one axis has axis = [x, y, z]"
@@ -344,7 +344,7 @@ PATH = TableRule(
 )
 
 FORCE = Number("N or N m", least=-1e9, most=1e9)
-# 1e5 m/s²: ten thousand g; km/s: no tool.
+# 1e5 m/s² is ten thousand times gravity. No tool moves at 1 km/s.
 _PER_SECOND_SQUARED = Several(Number("m/s²", least=-1e5, most=1e5), 3)
 _SPEED = Several(Number("m/s", least=-1e3, most=1e3, low=_MM, high=_MM), 3)
 _THERE = "point of a body where the wrench acts; default: the tool"
@@ -360,8 +360,8 @@ LOAD = TableRule(
     Key("speed", _SPEED, "speed of the tool; inertia forces with its square"),
 )
 DAMPING = TableRule(needed("ratio", _LOSS, "damping ratio of every mode"))
-# 3 kHz: tenfold the first frequencies of stiff machines. What bodies need to be good for it takes a
-# Delta half a minute; for 10 kHz it takes it more than three.
+# 3 kHz is ten times the first natural frequency of stiff machines. Bodies of a Delta robot that are
+# accurate up to 3 kHz are computed in half a minute, up to 10 kHz in more than three minutes.
 _FREQUENCY = Number("Hz", above=0.0, most=3e3, high="is this in 1/min?")
 RESPONSE = TableRule(
     needed("name", _NAME, "name; judged as response:NAME"),
@@ -373,7 +373,7 @@ RESPONSE = TableRule(
     ),
     Key("at", _FREQUENCY, "frequency at which the response is judged, besides its peak"),
 )
-# 10 cm: errors of tools are given in micrometres.
+# 10 cm, because accepted tool errors are of the order of micrometres.
 _DISPLACEMENT = Number("m", above=0.0, most=0.1, high="is this in µm?")
 ACCEPT = TableRule(
     Key(
@@ -410,8 +410,8 @@ AGREE = TableRule(
     Key("frequency", _SHARE, f"{_UNEXPLAINED}: f1 to f4", default=AgreementLimits.frequency),
     Key("ends", OneOf(get_args(SolidEnds)), _SOLID_ENDS, default=AgreementLimits.ends),
 )
-# From below the resolution of instruments to above the compliance of structures; never zero, since
-# errors are relative to it.
+# From below the resolution of instruments to above the compliance of structures. Zero is refused
+# elsewhere, because errors are relative to the value.
 _MEASURED = Number(least=-1e15, most=1e15)
 _SPREAD = Number(above=0.0, most=1e15, slip=SMALLEST_MEASURED)
 _TEST_LOAD = Number("N or N m", above=0.0, most=1e9, slip=1e-12)
@@ -435,7 +435,7 @@ _SENSOR = TableRule(
     Key("x", _DIRECTION, "direction of the sensor's x axis", default=(1.0, 0.0, 0.0)),
     Key("y", _DIRECTION, "direction of its y axis, made normal to x", default=(0.0, 1.0, 0.0)),
 )
-# 0.2 %: typical change if robot and sensors are mounted again.
+# 0.2 % is a typical change of frequencies if robot and sensors are mounted again.
 HAMMER = TableRule(
     needed("nodes", Named(_NODE, _SENSOR), "nodes by their numbers in the universal file"),
     Key("pose", _POSE, "pose of the test; default: the reference posture"),
@@ -492,10 +492,10 @@ MECHANISM = TableRule(
 
 # Coordinates of a pose of the biglide.
 _BIGLIDE_MOVES = ("x",)
-# Schema 1, the biglide: the contents of schema 2 under other names, and three more numbers.
-# Ten times as long: beyond any family of one design.
+# Schema 1, the biglide: contents of schema 2 under other names, and three more numbers. Legs ten
+# times as long are outside any family of one design.
 _RATIO = Number(above=0.0, most=10.0, high=_PERCENT)
-# 1e4 N/m: a drive that gives way 0.1 m under the paper's 1000 N is not a drive.
+# With 1e4 N/m the paper's force of 1000 N displaces the drive by 0.1 m, too much for any drive.
 _ACTUATOR_STIFFNESS = Number(
     "N/m",
     least=1e4,
@@ -558,30 +558,30 @@ BIGLIDE = TableRule(
 
 
 def rules_of(tables: Mapping[str, Any]) -> TableRule:
-    """Rules for a file's tables: those of its schema, in its unit of length."""
+    """Rules for the tables of a file: those of its schema, in its unit of length."""
     unit = length_unit_of(tables)
     rules = MECHANISM if is_mechanism(tables) else BIGLIDE
     return rules if unit == METRE else _in_unit(rules, unit, _moves_of(tables))
 
 
 def is_mechanism(tables: Mapping[str, Any]) -> bool:
-    """True if a file's tables are those of schema 2."""
+    """True if the tables of a file are those of schema 2."""
     schema = tables.get("schema")
-    # Python treats True as 1, but it is no number in the file.
+    # True equals 1 in Python, but is not a number in the file.
     schema = None if isinstance(schema, bool) else schema
-    # With a mistyped number, the tables show which of the two is meant.
+    # If the number is mistyped, the other tables show which schema is meant.
     any_robot = not tables.keys().isdisjoint(("points", "bodies", "joints"))
     return schema == 2 or (schema != 1 and any_robot)
 
 
 def length_unit_of(tables: Mapping[str, Any]) -> UnitOfLength:
-    """Unit of lengths in a file's tables. Metres if it has none or a wrong one."""
+    """Unit of length of a file. Metre if none or a wrong one is given."""
     name = tables.get("units")
     return LENGTH_UNITS.get(name, METRE) if isinstance(name, str) else METRE
 
 
 def _moves_of(tables: Mapping[str, Any]) -> tuple[str, ...]:
-    """Moves of the tool; for schema 1 those of the biglide. Empty if they are invalid."""
+    """Moves of the tool. Empty if they have faults."""
     if not is_mechanism(tables):
         return _BIGLIDE_MOVES
     tool = tables.get("tool")
