@@ -6,13 +6,15 @@ K_ab = C_ijkl D_ab,jl. Only pairs (a, b) with a ≤ b are summed; the other half
 a matrix of symmetric element matrices comes out symmetric to the last bit.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import bsr_array, csr_array, eye_array, kron
 
+from fem.machine import threads
 from lumped.arrays import Array, IntArray, SparseMatrix
 from lumped.errors import ComputationError
 from lumped.legs import Material
@@ -122,9 +124,18 @@ def _cubature(element: ElementName, degree: int) -> _Cubature:
     return _Cubature(values(element, points), gradients(element, points), weights)
 
 
-def _chunks(count: int, floats_per_element: int) -> Iterator[slice]:
+def _for_each_chunk(
+    integrate: Callable[[slice], None], count: int, floats_per_element: int
+) -> None:
+    """Integrate over chunks of `count` elements, several at a time; errors are the first chunk's.
+
+    Each chunk fills entries of its own, so that bits do not depend on the number of threads.
+    """
     size = max(1, _CHUNK_BYTES // (8 * floats_per_element))
-    return (slice(start, min(start + size, count)) for start in range(0, count, size))
+    chunks = [slice(start, min(start + size, count)) for start in range(0, count, size)]
+    with ThreadPoolExecutor(min(threads(), max(1, len(chunks)))) as executor:
+        for _ in executor.map(integrate, chunks):
+            pass
 
 
 def _jacobians(mesh: VolumeMesh, chunk: slice, reference_gradients: Array) -> tuple[Array, Array]:
@@ -161,7 +172,8 @@ def _gradient_products(mesh: VolumeMesh, pairs: NodePairs) -> Array:
     reference = cubature.gradients.transpose(2, 0, 1)
     count, per_element = len(mesh.cells), k * (k + 1) // 2
     products = np.empty((count * per_element, 3, 3))
-    for chunk in _chunks(count, 2 * (3 * k) ** 2 + 2 * points * 3 * k):
+
+    def integrate(chunk: slice) -> None:
         jacobian, determinant = _jacobians(mesh, chunk, cubature.gradients)
         gradient = reference @ _inverse(jacobian, determinant)
         gradient *= np.sqrt(cubature.weights * determinant)[:, :, None, None]
@@ -170,6 +182,8 @@ def _gradient_products(mesh: VolumeMesh, pairs: NodePairs) -> Array:
         product = product.reshape(-1, k, 3, k, 3).transpose(0, 1, 3, 2, 4)
         rows = slice(chunk.start * per_element, chunk.stop * per_element)
         products[rows] = product[pairs.upper[chunk]]
+
+    _for_each_chunk(integrate, count, 2 * (3 * k) ** 2 + 2 * points * 3 * k)
     summed: Array = (pairs.summation @ products.reshape(-1, 9)).reshape(-1, 3, 3)
     diagonal = pairs.diagonal
     summed[diagonal] = (summed[diagonal] + summed[diagonal].transpose(0, 2, 1)) / 2.0
@@ -220,11 +234,14 @@ def _scalar_mass(mesh: VolumeMesh, rho: float, pairs: NodePairs) -> SparseMatrix
     table = np.einsum("aq,bq,q->qab", cubature.shapes, cubature.shapes, rho * cubature.weights)
     count, per_element = len(mesh.cells), k * (k + 1) // 2
     entries = np.empty(count * per_element)
-    for chunk in _chunks(count, k * k + 16 * points):
+
+    def integrate(chunk: slice) -> None:
         _, determinant = _jacobians(mesh, chunk, cubature.gradients)
         element_masses = (determinant @ table.reshape(points, k * k)).reshape(-1, k, k)
         rows = slice(chunk.start * per_element, chunk.stop * per_element)
         entries[rows] = element_masses[pairs.upper[chunk]]
+
+    _for_each_chunk(integrate, count, k * k + 16 * points)
     return symmetric_matrix(pairs, (pairs.summation @ entries).reshape(-1, 1, 1))
 
 

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import csc_array, csr_array, diags_array, hstack, vstack
+from scipy.sparse import csc_array, csr_array, diags_array, hstack
 
 from fem.couplings.grips import OWN, Grip, area_weights, rigid_motions, unknowns
 from lumped.arrays import Array, IntArray, SparseMatrix
@@ -65,6 +65,32 @@ def coupled_solid(
 
 def _mean_diagonal(matrix: SparseMatrix) -> float:
     return float(matrix.diagonal().mean())
+
+
+def _bordered(own: SparseMatrix, coupling: SparseMatrix, block: SparseMatrix) -> SparseMatrix:
+    """Symmetric matrix [own couplingᵀ; coupling block] (csr) of parts with sorted columns.
+
+    The large block is copied once, where `hstack` and `vstack` copy it twice.
+    """
+    first = hstack([own, csr_array(coupling.T)], format="csr")
+    added = np.concatenate(
+        [
+            np.zeros(first.nnz, dtype=block.indptr.dtype),
+            np.repeat(block.indptr[:-1], np.diff(coupling.indptr)),
+        ]
+    )
+    shift, size = own.shape[0], own.shape[0] + block.shape[0]
+    columns = np.concatenate([first.indices, coupling.indices])
+    data = np.concatenate([first.data, coupling.data])
+    pointers = np.concatenate([first.indptr, first.nnz + coupling.indptr[1:] + block.indptr[1:]])
+    return csr_array(
+        (
+            np.insert(block.data, added, data),
+            np.insert(block.indices + block.indices.dtype.type(shift), added, columns),
+            pointers.astype(block.indptr.dtype),
+        ),
+        shape=(size, size),
+    )
 
 
 class _Numbering:
@@ -136,19 +162,36 @@ class _Numbering:
             matrix = csr_array(self.turned.T @ matrix @ self.turned)
         if not self.own:
             return matrix
+        if not matrix.has_sorted_indices:
+            matrix = matrix.sorted_indices()
         product = csr_array(matrix @ self.dependent)
         own = csr_array(self.dependent.T @ product)
-        coupling, block = product[self.inner], matrix[self.inner][:, self.inner]
+        coupling, block = product[self.inner], self._block_of_nodes(matrix)
         free = self.is_free[self.inner].astype(float)
         if not free.all():
             mask = diags_array(free, format="csr")
             coupling = csr_array(mask @ coupling)
             block = csr_array(mask @ block @ mask + diags_array(held * (1.0 - free), format="csr"))
             block = csr_array((block + block.T) / 2.0)
+        own = csr_array((own + own.T) / 2.0)
+        own.sort_indices()
         coupling.sort_indices()
-        upper = hstack([csr_array((own + own.T) / 2.0), csr_array(coupling.T)], format="csr")
-        lower = hstack([coupling, block], format="csr")
-        return csr_array(vstack([upper, lower], format="csr"))
+        return _bordered(own, coupling, block)
+
+    def _block_of_nodes(self, matrix: SparseMatrix) -> SparseMatrix:
+        """Rows and columns of the kept nodes' unknowns (csr, sorted columns).
+
+        Equal to `matrix[inner][:, inner]`. Few columns leave, and these are removed in one pass.
+        """
+        rows = matrix[self.inner]
+        place = np.full(matrix.shape[1], -1, dtype=rows.indices.dtype)
+        place[self.inner] = np.arange(len(self.inner))
+        columns, data, pointers = place[rows.indices], rows.data, rows.indptr
+        left_out = np.flatnonzero(columns < 0)
+        if left_out.size:
+            columns, data = np.delete(columns, left_out), np.delete(data, left_out)
+            pointers = pointers - np.searchsorted(left_out, pointers).astype(pointers.dtype)
+        return csr_array((data, columns, pointers), shape=(len(self.inner),) * 2)
 
     def transformation(self) -> SparseMatrix:
         """T (csr 3N×n)."""

@@ -11,7 +11,7 @@ condition (Gould, Math. Prog. 32 (1985) 90).
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import csr_array, diags_array
+from scipy.sparse import csr_array
 
 from fem.solvers.factor import Inertia, RenewableFactor, Symbolic, analyse, upper_triangle
 from lumped.arrays import Array, SparseMatrix
@@ -46,8 +46,9 @@ def pencil(K: SparseMatrix, M: SparseMatrix, springs: Array | None = None) -> Pe
     added = np.zeros(K.shape[0]) if springs is None else springs
     # A sum of real matrices drops entries that cancel. The sum of a real and an imaginary matrix
     # has the entries of both.
-    combined = upper_triangle(K) + 1j * upper_triangle(csr_array(M))
-    combined = csr_array(combined + diags_array(added, format="csr"))
+    combined = csr_array(upper_triangle(K) + 1j * upper_triangle(csr_array(M)))
+    for unknown in np.flatnonzero(added):
+        combined[unknown, unknown] += added[unknown]
     stiffness = csr_array(
         (combined.data.real.copy(), combined.indices, combined.indptr), shape=combined.shape
     )
