@@ -1,5 +1,6 @@
-"""Adequacy of lumped models for a robot: each model by each quantity against the best reference.
+"""Verdicts on the models of a robot: adequate, inadequate or undecided for each quantity.
 
-In: responses of models and of references over poses, by name. Out: a matrix of errors with
-uncertainty, verdict, causes and a computed remedy.
+Input: statics and modes of all judged models and of the reference, in all poses. Output: a matrix
+of models by quantities; each entry has the error, its interval, the verdict, the causes of the
+error and a remedy whose effect is computed.
 """

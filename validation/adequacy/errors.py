@@ -1,4 +1,11 @@
-"""Total relative errors of a model against each interpretation of the reference, by pose."""
+"""Relative errors of a model against the reference, for each quantity, pose and interpretation.
+
+Input: statics and modes of the model and of the reference under each interpretation of the robot
+file. Output: `Errors`, arrays of R interpretations by P poses, with the half-width due to each
+source of uncertainty and the interval that contains the true error. Rule: the error of a frequency
+is that of the mode of the same shape, signed; the error of a displacement is the length of the
+difference vector over that of the reference, never negative.
+"""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
@@ -18,20 +25,20 @@ from validation.responses.mode_partners import Partners, partners, shape_ranges
 from validation.responses.statics_and_modes import PathModes, Statics
 
 H = TypeVar("H")
-# Relative difference up to which errors of two poses or interpretations tie, far above rounding.
+# Relative difference up to which errors of two poses or interpretations count as equal, far above
+# round-off.
 _TIE = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
 class DisplacementErrors:
-    """Displacements behind errors of deflections: R interpretations of the reference by P poses.
+    """Displacement vectors from which displacement errors follow (R interpretations, P poses).
 
-    `wrench` (R×P×6) is the unit wrench. For any force it is the worst one, and for loads of the
-    robot file it is zero. `along` (R×P) is the signed error of the displacement along the wrench.
-    `difference` (R×P×3) is the difference of the displacements of model and reference, relative to
-    `length` (R×P, m/N or rad/(N m)), the length of the reference's displacement. `between` (R×P,
-    one number per pose) is the error against the reading nearest to the model that lies between two
-    interpretations. It is infinite if there is one interpretation.
+    `wrench` (R×P×6): unit wrench; for any force the worst one, for loads of the robot file zero.
+    `along` (R×P): signed error of the displacement along the wrench. `difference` (R×P×3):
+    displacement of the model minus that of the reference, over `length` (R×P, m/N or rad/(N m)),
+    the length of the reference's displacement. `between` (R×P, equal for all R): smallest error
+    against any displacement between two interpretations. Infinite if there is one interpretation.
     """
 
     wrench: Array
@@ -43,16 +50,16 @@ class DisplacementErrors:
 
 @dataclass(frozen=True, eq=False)
 class ModePairing:
-    """Pairing by shape behind errors of frequencies: R interpretations of the reference by P poses.
+    """Mode partners from which frequency errors follow (arrays of R interpretations by P poses).
 
-    `below` and `above`: distances from the error to the lowest and the highest error of other
-    partners that shapes leave possible. For the order of modes, of other positions instead of other
-    partners. `undecided`: shapes do not decide whether the model has the mode. `local`: the mode is
-    local to a leg's section. `rigid_share`: share of its kinetic energy in whole-body motion of
-    sections and bodies. `likeness`: MAC with the partner, or the largest MAC with any mode of the
-    model if there is no partner. `exchange_below` and `exchange_above`: further distances, beyond
-    the interval of the error, to errors of modes that take this number if the stiffness inside the
-    legs lies between those of the interpretations.
+    `below`, `above`: distances from the error to the lowest and highest error with other partners
+    that mixed shapes allow; for the order of modes, with other positions. `undecided`: true if
+    shapes do not show whether the model has the mode. `local`: true if the mode is local to a leg's
+    section. `rigid_share`: share of the mode's kinetic energy in cross-sections and bodies that
+    move as wholes. `likeness`: MAC with the partner; without a partner, the largest MAC with any
+    mode of the model. `exchange_below`, `exchange_above`: further distances, to errors of modes
+    that take this mode's number if the stiffness inside the legs lies between those of two
+    interpretations.
     """
 
     below: Array
@@ -67,16 +74,16 @@ class ModePairing:
 
 @dataclass(frozen=True, eq=False)
 class Errors:
-    """Errors of one quantity: R interpretations of the reference, by their `names`, by P poses.
+    """Errors of one quantity of a model: R interpretations of the reference by P poses (R×P).
 
-    Frequencies: `value` and `expected` in Hz, `error` = value/expected − 1. Sizes of responses:
-    the same, in m/N. Deflections: `value` and `expected` along the load, and `error` of the whole
-    displacement, never negative, with its details in `displacement`. NaN if model and reference
-    have no number to compare. `unknown`: the reference has fewer modes than are judged, or none
-    that is damped, or shapes do not decide whether the model has the mode. `budget` (R×P each):
-    half-widths of the error by source, always with that of meshes. `pairing` belongs to modes.
-    `numbers` (R×P×m, for the order alone): number, from 0, of the model's mode with the shape of
-    each mode of the reference. −1 if no mode has this shape.
+    Frequencies (Hz) and peaks of responses (m/N): `error` = `value`/`expected` − 1. Displacements:
+    `value` and `expected` along the load, `error` of the whole vector, never negative, with details
+    in `displacement`. NaN if model and reference have no number to compare. `names`: of the
+    interpretations. `unknown`: true if the reference has fewer modes than are judged or no damped
+    one, or if shapes do not show whether the model has the mode. `budget`: half-width of the error
+    by source of uncertainty, that of meshes included in any case. `pairing`: for modes only.
+    `numbers` (R×P×m), for the order of modes only: index from 0 of the model's mode with the shape
+    of each mode of the reference, −1 if there is none.
     """
 
     names: tuple[str, ...]
@@ -90,7 +97,7 @@ class Errors:
     numbers: IntArray | None = None
 
     def rows(self, rows: Sequence[int]) -> "Errors":
-        """Errors against some of the interpretations."""
+        """Errors against some of the interpretations, given by their indices."""
 
         def selected(record: Any) -> dict[str, Any]:
             return {name: values[rows] for name, values in _arrays(record).items()}
@@ -106,17 +113,17 @@ class Errors:
 
     @property
     def missing(self) -> NDArray[np.bool_]:
-        """True for each error without a number to compare (R×P)."""
+        """True (R×P) for errors that do not exist because there is no number to compare."""
         return np.isnan(self.error)
 
     @property
     def spread(self) -> Array:
-        """Half-width of each error (R×P): the linear sum over its sources."""
+        """Half-width of each error (R×P): the sum over all sources of uncertainty."""
         return np.asarray(sum(self.budget.values()))
 
     @property
     def farthest(self) -> Array:
-        """Distance of the farther bound from each error (R×P)."""
+        """Distance (R×P) from each error to the farther end of its interval."""
         if self.pairing is None:
             return self.spread
         low, high = self.bounds
@@ -124,7 +131,10 @@ class Errors:
 
     @property
     def bounds(self) -> tuple[Array, Array]:
-        """Bounds of the errors (R×P each): half-widths, and errors of other possible partners."""
+        """Lower and upper end of each error's interval (R×P each).
+
+        The interval contains the half-widths and the errors with other possible partners.
+        """
         low, high = self.error - self.spread, self.error + self.spread
         if self.pairing is None:
             return low, high
@@ -136,11 +146,12 @@ class Errors:
 
     @property
     def interval(self) -> tuple[Array, Array]:
-        """Lowest and highest error (P each) of all interpretations with their half-widths.
+        """Lowest and highest error (P each) over all interpretations, with their half-widths.
 
-        The error of a whole displacement is never below zero, and zero if the model lies between
-        two interpretations. For the order, the interval is that of the interpretation with the
-        largest error: between a mode in its position and one in another there is no continuum.
+        The error of a displacement vector is never below zero, and its lower end is zero if the
+        model lies between two interpretations. For the order of modes, the interval is that of the
+        interpretation with the largest error, since there is nothing between a mode in its place
+        and a mode in another.
         """
         low, high = self.bounds
         if self.numbers is not None:
@@ -161,22 +172,25 @@ class Errors:
 
     @property
     def worst(self) -> Array:
-        """Error (P) of largest magnitude of all interpretations. NaN if one of them has none."""
+        """Error (P) of largest magnitude over all interpretations. NaN if an error is missing."""
         worst = self.error[self.largest, np.arange(self.error.shape[1])]
         return np.where(self.missing.any(axis=0), np.nan, worst)
 
     @property
     def largest(self) -> IntArray:
-        """Interpretation (P) of the error of largest magnitude, of those that have an error."""
+        """Index (P) of the interpretation with the error of largest magnitude.
+
+        Missing errors are skipped.
+        """
         return first_largest(np.where(self.missing, -1.0, np.abs(self.error)))
 
 
 @dataclass(frozen=True, eq=False)
 class ModelErrors:
-    """Errors of any model of a subject against its references. Pairings of modes are stored.
+    """Errors of all models of a subject against its references. Mode partners are stored.
 
-    `modes` is the number of frequencies that are judged. `factors`: relative changes of uncertain
-    inputs with which models and references are solved.
+    `modes`: number of judged frequencies. `factors`: relative changes of uncertain inputs under
+    which models and references are solved.
     """
 
     subject: Subject
@@ -188,7 +202,10 @@ class ModelErrors:
     )
 
     def errors(self, model: Model, quantity: Quantity) -> Errors | None:
-        """Errors of a quantity. None if model or reference is not solved under some reading."""
+        """Errors of a quantity of a model.
+
+        None if the model or the reference is unsolved under some interpretation.
+        """
         interpretations = self.subject.reference(quantity).interpretations
         errors_of = self._deflection if quantity.static else self._peak
         if quantity.modal:
@@ -222,7 +239,7 @@ class ModelErrors:
     def statics_of(
         self, model: Model, interpretation: Interpretation
     ) -> tuple[Statics, Statics] | None:
-        """Statics of the reference and of a model. None if one of them has none."""
+        """Statics of the reference and of a model. None if one of them is unsolved or undefined."""
         return self._both(
             self.subject.statics, model, interpretation, self.subject.responses.known_statics
         )
@@ -230,7 +247,7 @@ class ModelErrors:
     def modes_of(
         self, model: Model, interpretation: Interpretation
     ) -> tuple[PathModes, PathModes] | None:
-        """Modes of the reference and of a model. None if one of them has none."""
+        """Modes of the reference and of a model. None if one of them is unsolved or undefined."""
         return self._both(
             self.subject.dynamics, model, interpretation, self.subject.responses.known_modes
         )
@@ -242,16 +259,19 @@ class ModelErrors:
         interpretation: Interpretation,
         known: Callable[[Model, Reading], H | None],
     ) -> tuple[H, H] | None:
-        """Halves of the responses of a reference and of a model. None if one of them has none."""
+        """Statics or modes of the reference and of a model, by the function `known`.
+
+        None if one of them is unsolved or undefined.
+        """
         reading = replace(interpretation.reading, factors=self.factors)
         of_reference = known(reference.model, reading) if reference.model else None
         of_model = known(model, reading)
         return (of_reference, of_model) if of_reference and of_model else None
 
     def _between(self, wrenches: Array, model: Model, quantity: Quantity) -> Array:
-        """Relative size (P) of the difference from the nearest reading between two interpretations.
+        """Smallest relative error (P) against any displacement between two interpretations.
 
-        `wrenches` (R×P×6) by interpretation. Under any force the largest one counts.
+        `wrenches` (R×P×6): one load for each interpretation, of which the largest error counts.
         """
         statics_pairs = self.statics(model)
         nearest = []
@@ -266,11 +286,12 @@ class ModelErrors:
         return np.asarray(np.max(nearest, axis=0))
 
     def _with_exchanges(self, errors: Errors, model: Model, number: int) -> Errors:
-        """Extend errors by those of modes with this `number` for other stiffnesses inside the legs.
+        """Errors extended to every stiffness inside the legs between those of two interpretations.
 
-        Interpretations that differ in that stiffness alone are ends of a range. Within the range a
-        mode has a frequency between those of its shape at the ends, and the mode with this number
-        has one between those with this number, whatever its shape: modes pass each other there.
+        Interpretations that differ only in that stiffness are the ends of a range. Within the
+        range, a mode has a frequency between those of its shape at the ends. The mode with this
+        `number` has a frequency between those with this number, whatever its shape, since modes
+        pass each other.
         """
         (low, high), spread, pairing = errors.bounds, errors.spread, errors.pairing
         poses = np.arange(low.shape[1])
@@ -287,9 +308,10 @@ class ModelErrors:
         return replace(errors, pairing=widened)
 
     def _exchanged(self, model: Model, rows: Sequence[int], number: int) -> tuple[Array, Array]:
-        """Lowest and highest error (P each) of modes with this `number` between interpretations.
+        """Lowest and highest error (P each) of the modes that can take this `number`.
 
-        Infinite if none of them has a partner among the modes of the model.
+        `rows` are the interpretations at the ends of a range of stiffness inside the legs. Infinite
+        if the model has no partner of such a mode.
         """
         interpretations = self.subject.dynamics.interpretations
         solved = [
@@ -309,7 +331,7 @@ class ModelErrors:
         ):
             pairs = self._partners(model, interpretation, reference, modes)
             mode_spaces = np.array([one_frequency(row) for row in reference.frequencies])
-            # Repeated modes are one space, in which none passes another.
+            # Modes of equal frequency do not pass each other.
             possible = (mode_spaces != mode_spaces[:, [number]]) | (
                 np.arange(low.shape[1]) == number
             )
@@ -335,10 +357,9 @@ class ModelErrors:
     def _frequency(
         self, interpretation: Interpretation, model: Model, quantity: Quantity
     ) -> Errors | None:
-        """Errors of a frequency, or of the order, against one interpretation.
+        """Errors of a frequency, or of the order of modes, against one interpretation.
 
-        Errors of the order belong to the mode with the largest error, of all modes whose number
-        differs.
+        For the order, the error of that misplaced mode whose error is largest.
         """
         if (both_modes := self.modes_of(model, interpretation)) is None:
             return None
@@ -389,7 +410,7 @@ class ModelErrors:
     def _peak(
         self, interpretation: Interpretation, model: Model, quantity: Quantity
     ) -> Errors | None:
-        """Errors of a judged number of a response against one interpretation."""
+        """Errors of a peak of a harmonic response against one interpretation."""
         if (both_modes := self.modes_of(model, interpretation)) is None:
             return None
         expected, value = (
@@ -441,8 +462,9 @@ class ModelErrors:
             out=np.zeros_like(reference_displacements),
             where=elastic[:, None],
         )
-        # A change of the reference by a fraction of its length changes the error by at most that
-        # fraction of the model's displacement, under any force by at most that of 1 + error.
+        # If the reference changes by a fraction of its length, the error changes by at most this
+        # fraction of the model's displacement. Under any force, that is at most the fraction of 1 +
+        # error.
         reach = 1.0 + size
         if quantity != ANY_FORCE:
             along = reference_displacements / np.where(elastic, length, np.inf)[:, None]
@@ -471,14 +493,14 @@ class ModelErrors:
 
 
 def first_largest(sizes: Array) -> IntArray:
-    """Index along the first axis of the largest size, the first of those that tie."""
+    """Index of the largest number along the first axis. Of nearly equal ones, the first."""
     largest = sizes.max(axis=0)
-    least = np.where(largest > 0.0, (1.0 - _TIE) * largest, largest)
-    return np.asarray(np.argmax(sizes >= least, axis=0))
+    threshold = np.where(largest > 0.0, (1.0 - _TIE) * largest, largest)
+    return np.asarray(np.argmax(sizes >= threshold, axis=0))
 
 
 def stack_errors(errors: Sequence[Errors]) -> Errors:
-    """Stack errors against each interpretation (P…) to errors against all of them (R×P…)."""
+    """Errors against all R interpretations (R×P…), from those against each one (P…)."""
     first = errors[0]
 
     def columns(records: Sequence[Any]) -> dict[str, Any]:
@@ -503,18 +525,18 @@ def stack_errors(errors: Sequence[Errors]) -> Errors:
 
 
 def _arrays(record: Any) -> dict[str, Any]:
-    """Fields of a record that are arrays."""
+    """Fields of a record whose values are arrays, by name."""
     values = {field_.name: getattr(record, field_.name) for field_ in fields(record)}
     return {name: value for name, value in values.items() if isinstance(value, np.ndarray)}
 
 
 class _MisplacedModes(NamedTuple):
-    """Modes whose numbers differ from those of the reference, at P poses.
+    """Modes of a model whose numbers differ from those of the reference, in P poses.
 
-    `numbers` (P×K) of the model's modes. `mode` (P): number of the reference's mode whose
-    misplacement causes the largest error. `frequency` (P, Hz): the model's frequency with this
-    number. `below` and `above` (P, Hz): distances to the frequencies of the largest error if modes
-    take the other numbers that shapes leave possible.
+    `numbers` (P×K): index of the model's mode for each mode of the reference. `mode` (P): index of
+    the reference's mode whose misplacement causes the largest error. `frequency` (P, Hz): the
+    model's frequency with this index. `below`, `above` (P, Hz): distances to the frequencies that
+    decide if modes take other places that mixed shapes allow.
     """
 
     numbers: IntArray
@@ -528,7 +550,7 @@ def _misplaced_modes(pairs: Partners, frequencies: Array) -> _MisplacedModes:
     """Misplaced modes of a model, for `frequencies` (P×K, Hz) of the reference."""
     poses, modes = np.arange(len(frequencies)), np.arange(frequencies.shape[1])
     solved = np.isfinite(frequencies) & ~pairs.undecided
-    # A mode with its own number causes no error, nor does one whose frequency is unknown.
+    # A mode in its place causes no error, nor does one of unknown frequency.
     numbers = np.where(solved, pairs.ordered, modes)
     misplaced = numbers != modes
     errors = np.where(solved, pairs.by_number / frequencies - 1.0, 0.0)
@@ -547,7 +569,7 @@ def _misplaced_modes(pairs: Partners, frequencies: Array) -> _MisplacedModes:
 
 
 def _largest_error(errors: Array) -> tuple[Array, IntArray]:
-    """Error of largest magnitude (P) of errors (P×K) at each pose, and its column.
+    """Error of largest magnitude (P) among errors (P×K), and its column (P).
 
     A missing frequency (NaN) counts as larger than any error.
     """

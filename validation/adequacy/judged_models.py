@@ -1,4 +1,9 @@
-"""Judged models, by their names in the matrix of verdicts."""
+"""Table of the lumped and beam models that are judged, by their names in the matrix of verdicts.
+
+Input: a mechanism. Output: for each model its formulation, options and title, and a `Model` that
+can be solved. Rule: a model that cannot represent the mechanism stays in the table, with the reason
+and without functions to solve it.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -15,7 +20,7 @@ from validation.references.robot_on_path import RobotOnPath, why_not_serial
 
 
 class JudgedModel(NamedTuple):
-    """Kind and options of a judged model, with its title."""
+    """Formulation, title and options of a judged model."""
 
     kind: ModelName
     title: str
@@ -44,7 +49,7 @@ JUDGED: Mapping[str, JudgedModel] = {
         "beam", "20 beam elements per leg, Euler–Bernoulli", _EULER
     ),
 }
-# Models with rigid legs or with the robot's own legs; all others use equivalent legs.
+# Models with rigid legs or with the legs of the robot file. All others use equivalent prisms.
 LEGS_AS_GIVEN = ("simplified", "vjm", "links")
 _STATIC = "a static model: without masses it has no frequencies"
 _RIGID = "its bodies and joints are rigid, and no drive lets the tool move this way"
@@ -53,8 +58,8 @@ _RIGID = "its bodies and joints are rigid, and no drive lets the tool move this 
 def judged_models(mechanism: Mechanism) -> dict[str, JudgedModel]:
     """Judged models by name, in the order of the matrix.
 
-    Both kinds of virtual joints coincide, and one is left out, if no leg is known by its 6×6 and no
-    part is replaced by a leg.
+    "vjm-equivalent" is omitted if it equals "vjm": if no leg is known by its 6×6 and no CAD part is
+    replaced by a leg.
     """
     parts = mechanism.parts.values()
     left_out = set() if parts else {"segments-stepped", "segments-condensed"}
@@ -65,7 +70,7 @@ def judged_models(mechanism: Mechanism) -> dict[str, JudgedModel]:
 
 
 def why_unable(postures: Sequence[Posture], model: JudgedModel) -> str:
-    """Reason why a model cannot represent the mechanism of these postures. "" if it can."""
+    """Reason why a model cannot represent the mechanism. "" if it can."""
     if model.options.parts == "stepped":
         return why_not_stepped(postures[0].mechanism)
     return why_not_serial(postures) if model.kind == "vjm" else ""
@@ -74,15 +79,15 @@ def why_unable(postures: Sequence[Posture], model: JudgedModel) -> str:
 def judged_models_of(
     robot: RobotOnPath, recipes: Mapping[str, JudgedModel] | None = None
 ) -> dict[str, Model]:
-    """Models of a robot by name: those of the `recipes`, or all judged ones if it is None."""
+    """Solvable models of a robot by name: those of `recipes`. All judged models if it is None."""
     recipes_by_name = judged_models(robot.mechanism) if recipes is None else recipes
     return {name: judged_model(robot, name, recipe) for name, recipe in recipes_by_name.items()}
 
 
 def judged_model(robot: RobotOnPath, name: str, recipe: JudgedModel) -> Model:
-    """Model by its name in the matrix.
+    """Solvable model with its name in the matrix, from its formulation and options.
 
-    Its statics and modes are None if it cannot represent the robot.
+    Statics and modes are None if the model cannot represent the robot.
     """
     unable = why_unable(robot.postures, recipe)
     static = recipe.kind in STATIC

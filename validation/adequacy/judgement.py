@@ -1,7 +1,13 @@
-"""Verdicts from errors: deciding pose, parts of the half-width, causes and computed remedies.
+"""Verdict on each model for each quantity, with its causes and a remedy.
 
-Each step of a model's ladder removes one named cause by a computation that does not use the
-reference. The part of an error that no step removes is shown as the rest.
+Input: `Errors` of a model (intervals by pose) and the limits of `[accept]`. Output: an `Entry` of
+the matrix. Rule: in each pose, the model is adequate if all errors of the interval are within the
+limit, inadequate if all are beyond it on one side, and otherwise undecided. The worst verdict over
+the poses stands; the deciding pose is the one with the largest error over its limit.
+
+Causes: each step from the model to the reference removes one cause by a computation that does not
+use the reference. The error that no step removes is listed as the rest. Remedy: the fewest steps
+after which the error meets the limit in all poses.
 """
 
 from collections.abc import Mapping, Sequence
@@ -29,19 +35,21 @@ _DECIDED_BY: Mapping[str, str] = {
     Source.PAIRING: "shapes of close modes mix and do not decide which mode of the model is which",
 }
 _UNDECIDED_SHAPES = "several modes of the reference have the shape of one mode"
-# Smallest named share of an error; smallest effect of a remedy's step, as a share of the limit.
+# First number: smallest share of an error that is listed as a cause. Second number: a step counts
+# as a remedy if it changes the error by this fraction of the limit.
 _NAMED_SHARE, _STEP_SHARE = 0.005, 0.1
-# Share of the widest part of a half-width from which on a part's remedy may stand for the widest's.
+# If the largest source of uncertainty has no remedy, that of a source at least this fraction as
+# large is given.
 _NEAR_SHARE = 0.5
-# Row of the interpretation and index of the pose that an entry's numbers belong to.
+# Indices of the interpretation and of the pose to which an entry's numbers belong.
 Position: TypeAlias = tuple[int, int]
 
 
 def verdict_matrix(subject: Subject, requirement: Requirement) -> Matrix:
-    """Matrix of verdicts of a robot: each model by each quantity that it defines.
+    """Matrix of verdicts of a robot: each model for each quantity that it defines.
 
-    Includes the matrices of its legs alone, and that of models on legs of constant section. If
-    inputs of the robot are uncertain, a verdict less than 95 % probable becomes undecided.
+    It contains the matrices of the legs alone and that of models on legs of constant section. If
+    inputs of the robot are uncertain, a verdict with a probability below 95 % becomes undecided.
     """
     model_errors = ModelErrors(subject, requirement.modes)
     inputs = UncertainInputs(model_errors, subject.inputs) if subject.inputs else None
@@ -78,7 +86,7 @@ def verdict_matrix(subject: Subject, requirement: Requirement) -> Matrix:
 
 
 def _undefined_reason(subject: Subject, model: Model) -> str:
-    """Reason why a model does not define a half. "" if there is none."""
+    """Reason why a model does not define statics or modes. "" if it defines both."""
     massless = model.modes is not None and subject.responses.modes(model, NOMINAL) is None
     return model.silent or (_NO_MASS if massless else "")
 
@@ -149,7 +157,8 @@ def _entry(
         spreads=spread,
         lows=low,
         highs=high,
-        # Of another force, or another mode, at every pose numbers make no series.
+        # Empty if the force, or the mode, differs from pose to pose, since such numbers are not a
+        # curve.
         values=() if quantity in (ANY_FORCE, ORDER) else _optional(errors.value[0]),
         alongs=alongs,
         computed_by=(*model.computed_by, *reference.computed_by),
@@ -162,7 +171,10 @@ def _entry(
 
 
 def _pose_limits(errors: Errors, quantity: Quantity, requirement: Requirement) -> Array:
-    """Largest accepted relative errors (P) of a quantity."""
+    """Largest accepted relative error (P) of a quantity in each pose.
+
+    An absolute limit is divided by the length of the reference's displacement.
+    """
     absolute = requirement.absolute(quantity)
     if absolute is None or errors.displacement is None:
         return np.full(errors.error.shape[1], requirement.limit(quantity))
@@ -178,7 +190,7 @@ def _input_half_width(chances: Probability | None) -> dict[str, float]:
 def _unsolved_entry(
     subject: Subject, model: Model, quantity: Quantity, limit: float
 ) -> Entry | None:
-    """Entry for a quantity without a reference or a solution.
+    """Entry for a quantity whose reference or model is unsolved, with the reason.
 
     None if the model does not define the quantity.
     """
@@ -199,10 +211,10 @@ def _unsolved_entry(
 
 
 def verdicts_of(errors: Errors, limits: Array) -> list[Adequacy]:
-    """Verdict at each pose, by its limit (P).
+    """Verdict in each pose from the interval of errors and the limit (P).
 
-    Adequate if no possible error exceeds the limit, inadequate if all exceed it on one side. The
-    order of modes is judged by each interpretation alone: undecided if they disagree.
+    The order of modes is judged for each interpretation on its own, and undecided if these
+    disagree.
     """
     poses = range(errors.error.shape[1])
     if errors.numbers is None:
@@ -237,9 +249,10 @@ def _verdict(
 
 
 def _deciding_pose(verdicts: Sequence[Adequacy], verdict: Adequacy, shares: Array) -> int:
-    """Pose with the overall `verdict` and the largest possible error as a share of its limit.
+    """Index of the pose with the overall `verdict` and the largest error over its limit.
 
-    The first of poses that tie up to rounding, as in a symmetric robot.
+    `shares` (P) are errors over limits. Of equal ones, up to round-off, the first, as in a
+    symmetric robot.
     """
     deciding = np.array([pose_verdict == verdict for pose_verdict in verdicts])
     size = np.where(np.isnan(shares), -0.5, np.abs(shares))
@@ -284,7 +297,7 @@ def _reason(
     remedy_by_source[Source.MASSES] = reference.masses or reference.decides
     widest = max(parts.values())
     ranked = sorted(parts, key=lambda name: -parts[name])
-    # If the widest part has no remedy, that of a part nearly as wide is named.
+    # If the largest source has no remedy, that of a nearly as large one is given.
     remedies = [
         remedy_by_source[name]
         for name in ranked
@@ -294,7 +307,7 @@ def _reason(
 
 
 def _reason_without_number(errors: Errors, quantity: Quantity, pose: int) -> str:
-    """Reason, after the model's name, why the model has no number to compare."""
+    """Text, to follow the model's name, on why the model has no number to compare."""
     if quantity.static:
         return "is elastic where the reference is rigid"
     if quantity.harmonic:
@@ -316,7 +329,10 @@ def _reason_without_number(errors: Errors, quantity: Quantity, pose: int) -> str
 
 
 def _deciding_information(errors: Errors, reference: Reference, pose: int, limits: Array) -> str:
-    """Information that decides between interpretations: the interior if no other is enough."""
+    """Instruction that supplies the information on which the verdict depends.
+
+    The stiffness inside legs, if the verdict is undecided whatever the other interpretations.
+    """
     if not reference.interior:
         return reference.decides
     verdicts = [verdicts_of(errors.rows(rows), limits)[pose] for rows in reference.by_interior]
@@ -324,7 +340,7 @@ def _deciding_information(errors: Errors, reference: Reference, pose: int, limit
 
 
 def _misplaced_modes(errors: Errors, reference: Reference, pose: int) -> list[str]:
-    """Misplaced modes by interpretation, as texts. [] if all interpretations agree."""
+    """Texts on misplaced modes under each interpretation. [] if all interpretations agree."""
     if errors.numbers is None:
         return []
     names_by_text: dict[str, list[str]] = {}
@@ -348,19 +364,20 @@ def _misplaced_modes(errors: Errors, reference: Reference, pose: int) -> list[st
 
 
 def _interpretation_rows(errors: Errors, pose: int) -> IntArray:
-    """Interpretation (P) of an entry's numbers: that of the largest error at `pose`.
+    """Index (P) of the interpretation whose numbers an entry shows: that of the largest error.
 
-    Other poses use the same one, so that a curve over the poses is of one interpretation. The
-    order, which jumps anyway, uses the interpretation of the largest error at each pose.
+    All poses use the one of the deciding `pose`, so that a curve over the poses has one meaning.
+    The order of modes, which jumps in any case, uses the largest error in each pose.
     """
     largest = errors.largest
     return largest if errors.numbers is not None else np.full_like(largest, largest[pose])
 
 
 def _readings(errors: Errors, pose: int) -> dict[str, float]:
-    """Error by each interpretation at a pose. {} for one interpretation or a missing error.
+    """Error against each interpretation in a pose, by name.
 
-    Interpretations that compare modes of different numbers are no readings of one error.
+    {} if there is one interpretation, an error is missing, or the quantity is the order of modes,
+    whose errors belong to different modes.
     """
     if len(errors.names) == 1 or errors.numbers is not None or errors.missing[:, pose].any():
         return {}
@@ -368,9 +385,9 @@ def _readings(errors: Errors, pose: int) -> dict[str, float]:
 
 
 def _expected_range(errors: Errors, pose: int) -> tuple[float, float]:
-    """Lowest and highest value of the reference by all interpretations, with half-widths."""
+    """Lowest and highest value of the reference over all interpretations, half-widths included."""
     expected, spread = errors.expected[:, pose], errors.spread[:, pose]
-    # Factor from half-widths of the reference to those of the error.
+    # Ratio of the error's half-width to that of the reference.
     reach = np.ones_like(expected)
     reach = np.abs(np.divide(errors.value[:, pose], expected, out=reach, where=expected != 0.0))
     half = np.divide(spread, reach, out=spread.copy(), where=reach > 0.0)
@@ -378,7 +395,7 @@ def _expected_range(errors: Errors, pose: int) -> tuple[float, float]:
 
 
 def _errors_along_load(errors: Errors, rows: IntArray) -> tuple[float | None, ...]:
-    """Signed errors along the load at each pose. () for frequencies."""
+    """Signed errors along the load in each pose. () for frequencies."""
     if errors.displacement is None:
         return ()
     along = errors.displacement.along[rows, np.arange(len(rows))]
@@ -386,14 +403,14 @@ def _errors_along_load(errors: Errors, rows: IntArray) -> tuple[float | None, ..
 
 
 def _worst_force(errors: Errors, quantity: Quantity, position: Position) -> tuple[float, ...]:
-    """Direction of the worst force. () for any other quantity."""
+    """Direction (3) of the worst force. () for any other quantity."""
     if errors.displacement is None or quantity != ANY_FORCE:
         return ()
     return tuple(float(number) for number in errors.displacement.wrench[position][:3])
 
 
 def _half_width_parts(errors: Errors, reference: Reference, position: Position) -> dict[str, float]:
-    """Parts of the half-width, and half of the distance between the interpretations."""
+    """Half-width by source, and half of the distance between interpretations as further sources."""
     parts: dict[str, float] = {
         source: float(half_widths[position])
         for source, half_widths in errors.budget.items()
@@ -427,11 +444,11 @@ def _optional(numbers: Array) -> tuple[float | None, ...]:
 def causes_of_error(
     model_errors: ModelErrors, model: Model, quantity: Quantity, errors: Errors, position: Position
 ) -> tuple[Cause, ...]:
-    """Causes of the error of an interpretation and pose, the largest first.
+    """Causes of the error in one interpretation and pose, the largest first.
 
-    Shares sum to one before causes below 0.5 % are left out. The error of a deflection is the
-    length of a vector. The amount of a step is its change of displacement along that vector, under
-    the load of the error.
+    The shares sum to one; those below 0.5 % are then omitted. The error of a displacement is the
+    length of a vector: the amount of a step is the component of its change along that vector, under
+    the same load.
     """
     if errors.missing[:, position[1]].any():
         return ()
@@ -468,7 +485,10 @@ def _removed_error(
     models: tuple[Model, Model],
     position: Position,
 ) -> float | None:
-    """Amount of an error removed by the step between two models. None if one is not solved."""
+    """Change of an error by the step from the first to the second model.
+
+    None if one is unsolved.
+    """
     row, pose = position
     displacement = errors.displacement
     if displacement is None:
@@ -495,12 +515,12 @@ def shortest_remedy(
     limit: float,
     pose: int,
 ) -> tuple[str, float | None]:
-    """Remedy with the fewest steps of the ladder that meets the limit, and the remaining error.
+    """Remedy with the fewest steps after which the error meets the limit, and the remaining error.
 
-    If the model remains inadequate by all steps, the remedy is a model equivalent to the reference;
-    without such a model, the steps that come nearest to the limit. The remaining error is the
-    largest over all poses and interpretations. A step is named if it changes the error by at least
-    a tenth of the limit. ("", None) if no step helps.
+    If the model stays inadequate after all steps, the remedy is a model equal to the reference;
+    without one, the steps that come closest to the limit. The remaining error is the largest over
+    all poses and interpretations. A step is listed if it changes the error by at least a tenth of
+    the limit. ("", None) if no step reduces the error.
     """
     subject = model_errors.subject
     tried: list[tuple[float, float, str, bool]] = []
@@ -512,14 +532,15 @@ def shortest_remedy(
             break
         errors_after = after.worst
         if step.remedy and not abs(errors_after[pose] - before) < _STEP_SHARE * limit:
-            # Another model replaces all earlier remedies, an option its own earlier value.
+            # Another model makes all earlier remedies void; an option replaces its own earlier
+            # value.
             remedies = {} if step.remedy.model else remedies
             remedies[step.remedy.option or step.remedy.text] = step.remedy.text
         if step.remedy and remedies and np.isfinite(errors_after).all():
             worst = float(errors_after[np.argmax(np.abs(errors_after))])
             beyond = "inadequate" in verdicts_of(after, np.full(len(errors_after), limit))
             tried.append((abs(worst), worst, ", ".join(remedies.values()), beyond))
-        # A step without a remedy counts together with the next one.
+        # The effect of a step without a remedy is added to that of the next step.
         before = float(errors_after[pose]) if step.remedy else before
     sufficient = [attempt for attempt in tried if attempt[0] <= limit]
     replacement = subject.reference(quantity).remedy

@@ -1,4 +1,9 @@
-"""Results of all models of a mechanism in some postures, and their differences from its solids."""
+"""Compliances and frequencies of all models in some postures, with their differences from solids.
+
+Input: a robot in postures. Output: `Compared`, values and relative differences by name of the
+model, for tables and curves. Rule: differences are relative to the reference under its first
+interpretation; frequencies are compared between modes of the same shape.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -18,7 +23,7 @@ from validation.references.static_reference import static_reference
 from validation.responses.mode_partners import frequency_changes, partners
 from validation.responses.statics_and_modes import PathModes, Statics
 
-# Models in drawing order, from the bottom of a stack of curves to its top.
+# Models in display order, from the bottom of a stack of curves to its top.
 _DYNAMIC = ("segments", "segments-stepped", "segments-condensed", "beam", "beam-euler-bernoulli")
 _STATIC_STACK = ("simplified", "vjm", "links", *_DYNAMIC)
 _DYNAMIC_STACK = ("simplified", *_DYNAMIC)
@@ -26,13 +31,13 @@ _DYNAMIC_STACK = ("simplified", *_DYNAMIC)
 
 @dataclass(frozen=True, eq=False)
 class Compared:
-    """One or several quantities in P postures by all models and, last, by the interpretations.
+    """Values of k quantities in P postures, by name of model and, last, of interpretation.
 
-    `values` (P×k) by name of model or interpretation. `against`: name of the first interpretation.
-    `differences` (P×k): relative differences of all others from it, NaN if there is no number to
-    compare. `uncertainties` (P×k or more, relative): half-widths of the interpretations. For
-    frequencies with legs known by their 6×6 they cover each plausible mass distribution and
-    stiffness inside the legs.
+    `values` (P×k) in SI units. `against`: name of the first interpretation of the reference.
+    `differences` (P×k): relative difference of each other column from it, NaN if there is no number
+    to compare. `uncertainties` (P×k or more columns, relative): half-widths of the interpretations.
+    For frequencies of robots with legs known by their 6×6, they cover every plausible mass
+    distribution and stiffness inside the legs.
     """
 
     values: Mapping[str, Array]
@@ -51,10 +56,10 @@ def compared_models(mechanism: Mechanism) -> tuple[tuple[str, ...], tuple[str, .
 
 
 def compared_statics(robot: RobotOnPath) -> tuple[dict[str, Statics], dict[str, Array]]:
-    """Statics by name of model or, last, interpretation, and half-widths of the interpretations.
+    """Statics by name of model and, last, of interpretation; half-widths of the interpretations.
 
-    Half-widths (P×7, relative) are the sum of those of meshes and of the robot file's digits.
-    Raises InputError or ComputationError if there is no reference.
+    Half-widths (P×7, relative) are those of meshes plus those of the robot file's digits. Raises
+    InputError or ComputationError if there is no reference.
     """
     responses = Responses(robot)
     statics = {
@@ -79,7 +84,7 @@ def compared_statics(robot: RobotOnPath) -> tuple[dict[str, Statics], dict[str, 
 def compared_compliances(
     statics: Mapping[str, Statics], uncertainties: Mapping[str, Array]
 ) -> Compared:
-    """Compliance (P×6, SI) along and about each axis, under a force and moment about that axis.
+    """Compliance (P×6, SI) along and about each base axis, under a force or moment about that axis.
 
     The arguments are the results of `compared_statics`.
     """
@@ -97,7 +102,7 @@ def compared_compliances(
 
 
 def _grouped_by_ends(reference: Reference) -> dict[str, list[Interpretation]]:
-    """Group interpretations that differ inside the legs alone, by the first one's name."""
+    """Groups of interpretations that differ only inside the legs, by the name of the first."""
     groups: dict[Reading, list[Interpretation]] = {}
     for interpretation in reference.interpretations:
         groups.setdefault(interpretation.reading.restricted(("ends",)), []).append(interpretation)
@@ -108,7 +113,7 @@ def _grouped_by_ends(reference: Reference) -> dict[str, list[Interpretation]]:
 
 
 def compared_frequencies(robot: RobotOnPath) -> Compared:
-    """First frequencies (P×k, Hz), ascending, with differences of modes of the same shape.
+    """First natural frequencies (P×k, Hz), ascending, with differences of modes of the same shape.
 
     Raises InputError or ComputationError if there is no reference.
     """
@@ -149,7 +154,10 @@ def compared_frequencies(robot: RobotOnPath) -> Compared:
 
 
 def solved_modes(responses: Responses) -> dict[str, PathModes]:
-    """Modes of all models that define modes. Raises ComputationError if one is not solved."""
+    """Modes of all models that define modes, by name.
+
+    Raises ComputationError if one is unsolved.
+    """
     models = _models_of_stack(responses.robot, _DYNAMIC_STACK)
     return {
         name: responses.required_modes(model, NOMINAL)

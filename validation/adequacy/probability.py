@@ -1,21 +1,26 @@
-"""Probability of a verdict under uncertain inputs of the robot, and the inputs that decide it.
+"""Probability of a verdict if inputs of the robot are uncertain, and the inputs that decide it.
 
-An input x with relative standard uncertainty v is x₀ (1 + v ξ), ξ normal, all independent. Robots
-with a single input one standard uncertainty below and above give the change of the components of an
-error with each ξ alone, as g ξ/(1 + c ξ) or g ξ + h ξ²/2. The component of a frequency is its error
-with sign. Those of displacements are the vectors u and u*, from which the error is |u − u*|/|u*|:
-this has no derivative at zero, while the vectors have one, and vectors of parts in series add. For
-any force, the longest error under several fixed forces counts, the worst ones of all these robots.
-The deviation from some robots with all inputs perturbed at once (`misfit`, root mean square) is
-added to the interval. A robot without such an error (its modes are other ones) counts against both
-verdicts.
+Input: errors of a model for the robot of the file, for robots with one input one standard
+uncertainty lower and higher, and for some robots with all inputs changed. Output: the probability
+that the error is within the limit and that it is beyond it, the half-width of the error due to
+inputs, and the share of each input. Rule: a verdict less probable than 95 % becomes undecided.
 
-The probability of one input is exact: the normal distribution between the ξ at which the verdict
-changes, found by bisection between neighbours of 4096 points. Of several inputs it is the share of
-4096 Sobol' points (scipy.stats.qmc): within 0.004 of two to six inputs, 0.008 of ten. The variance
-of a sum of terms in one input each is the sum of theirs, whose shares are the first-order indices
-of Sobol' (Math. Comput. Simulat. 55 (2001) 271), of vectors summed over components (Gamboa et al.,
-Electron. J. Stat. 8 (2014) 575).
+An input x with relative standard uncertainty v is x₀ (1 + v ξ), with independent normal numbers ξ.
+The change of an error with each ξ alone is g ξ/(1 + c ξ) or g ξ + h ξ²/2, fitted to the two robots
+with that input changed; changes by different inputs are added. This is done for frequencies with
+the signed error, and for displacements with the vectors u of the model and u* of the reference,
+from which the error |u − u*|/|u*| follows. The error itself has no derivative at zero, while the
+vectors have one. For any force, the largest error under several fixed forces counts: the worst ones
+of all these robots. The root mean square deviation from the robots with all inputs changed
+(`misfit`) widens the interval. A robot without such an error, because it has other modes, counts
+against both verdicts.
+
+With one uncertain input the probability is exact: the limits of ξ between which the verdict holds
+are found by bisection between 4096 points. With several inputs it is the share of 4096 Sobol'
+points (scipy.stats.qmc), accurate to 0.004 for two to six inputs and 0.008 for ten. The variance of
+a sum of terms of one input each is the sum of their variances, whose shares are the first-order
+indices of Sobol' (Math. Comput. Simulat. 55 (2001) 271), for vectors summed over components (Gamboa
+et al., Electron. J. Stat. 8 (2014) 575).
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -37,35 +42,36 @@ from validation.responses.statics_and_modes import Statics
 from validation.uncertainty.combiners import Combiner, combined
 from validation.verdicts import Adequacy
 
-# Of a normal distribution, two-sided 95 %.
+# Half-width of the two-sided 95 % interval of a normal distribution, in standard deviations.
 COVERAGE = 1.959964
-# Smallest probability of a verdict; a less probable one becomes undecided.
+# Smallest probability with which a verdict stands. Below it the verdict becomes undecided.
 CONFIDENCE = 0.95
-# 2¹² = 4096 points of Sobol': probabilities of several seeds differ by 0.002.
+# Binary logarithm of the number of Sobol' points: with 4096, probabilities of several seeds differ
+# by 0.002.
 _POWER = 12
-# Smallest share of the variance from which on an input is named.
+# Smallest share of the variance for which an input is listed.
 _NAMED_SHARE = 0.01
-# Standard uncertainties from which on an error that is missing at one counts as missing. At zero it
-# exists; between, the point at which it is lost is unknown, so half is assumed.
+# If an error exists at ξ = 0 and is missing at |ξ| = 1, it counts as missing beyond this |ξ|: the
+# point at which it is lost is unknown, so half is assumed.
 _LOST_FROM = 0.5
 _SIDES = ("below", "above")
-# Largest |c| of g ξ/(1 + c ξ): its pole is at least five standard uncertainties away.
+# Largest |c| of g ξ/(1 + c ξ): the pole is then at least five standard uncertainties away.
 _LARGEST_BEND = 0.2
-# Fixed directions of force under which errors of any force are evaluated for all robots.
+# Number of fixed directions of force in which errors of any force are evaluated for all robots.
 _FORCES = 8
-# Halvings of an interval between two of 4096 points, down to rounding.
+# Bisections of an interval between two of 4096 points, down to round-off.
 _HALVINGS = 50
-# Most numbers of an array in memory.
+# Largest number of elements of an array in memory.
 _MOST_NUMBERS = 4_000_000
 
 
 @dataclass(frozen=True, eq=False)
 class Slope:
-    """Errors of a quantity with one input a standard uncertainty below and above.
+    """Errors of a quantity with one input changed by one standard uncertainty, down and up.
 
-    `key` of the input in the robot file, `relative` its standard uncertainty. `below` and `above`
-    have the shape of `ErrorOfInputs.nominal`, and NaN if the error is missing. `values` (2×P) are
-    the model's value of the quantity below and above.
+    `key`: the input in the robot file. `relative`: its relative standard uncertainty. `below`,
+    `above`: components of the errors, in the shape of `ErrorOfInputs.nominal`, NaN if the error is
+    missing. `values` (2×P): the model's value of the quantity, down and up.
     """
 
     key: str
@@ -77,14 +83,14 @@ class Slope:
 
 @dataclass(frozen=True, eq=False)
 class ErrorOfInputs:
-    """Errors with the inputs of the file, and their change with each input.
+    """Errors with the inputs of the file, and their dependence on each uncertain input.
 
-    `nominal` (R×P×f×k): components of errors, by R interpretations of the reference in P poses
-    under f forces. If `signed`, k is two: the error and its half-width. Otherwise k is eight:
-    displacements of the model (3) and of the reference (3), the smallest length to which the error
-    is relative, and its half-width. `misfit`: root mean square deviation from robots with all
-    inputs perturbed. `lost`: share of these robots without such an error although the slopes have
-    one.
+    `nominal` (R×P×f×k): components of the errors, for R interpretations of the reference in P poses
+    under f forces. If `signed`, k = 2: the error and its half-width. Otherwise k = 8: displacement
+    of the model (3) and of the reference (3), smallest length to which the error is relative, and
+    its half-width. `slopes`: the errors with each input changed. `misfit`: root mean square
+    deviation from robots with all inputs changed. `lost`: share of these robots in which the error
+    does not exist although the slopes contain it.
     """
 
     nominal: Array
@@ -94,7 +100,7 @@ class ErrorOfInputs:
     lost: float = 0.0
 
     def intervals(self, draws: Array) -> Array:
-        """Lowest and highest error (n×2×P) for draws (n×inputs) of ξ. NaN if there is none."""
+        """Lowest and highest error (n×2×P) for n samples of ξ (n×inputs). NaN if there is none."""
         rows = max(1, _MOST_NUMBERS // max(self.nominal.size, 1))
         pieces = np.split(draws, range(rows, len(draws), rows))
         return np.concatenate(
@@ -104,9 +110,9 @@ class ErrorOfInputs:
     def probabilities(
         self, limit: float | Array, reductions: Mapping[str, float] | None = None
     ) -> Array:
-        """Probability of errors within the limit in all poses, and of one beyond it in some pose.
+        """Probability of errors within the limit in all poses, and of one beyond it in a pose (2).
 
-        `reductions`: factors on the inputs' standard uncertainties of the file, by key.
+        `reductions`: factors on the standard uncertainties of inputs, by key.
         """
         factors = np.array([(reductions or {}).get(slope.key, 1.0) for slope in self.slopes])
 
@@ -123,9 +129,9 @@ class ErrorOfInputs:
         return np.asarray((1.0 - self.lost) * shares)
 
     def half_width(self, pose: int) -> float:
-        """Half-width (95 %) of a pose's error due to inputs, about the error of the file.
+        """Half-width (95 %) of the error in a pose due to inputs, about that of the robot file.
 
-        For a vector it is the radius that contains 95 % of its changes.
+        For a vector, the radius that contains 95 % of its changes.
         """
         nominal, below, above = self._largest_components(pose)
         components = _components_at(nominal, below, above, _draws(len(self.slopes)))
@@ -133,7 +139,7 @@ class ErrorOfInputs:
         return float(np.nanquantile(sizes, CONFIDENCE))
 
     def _interval(self, components: Array) -> Array:
-        """Lowest and highest error (n×2×P) from components (n×R×P×f×k)."""
+        """Lowest and highest error (n×2×P) from components (n×R×P×f×k) of n samples."""
         half_width, vectors = components[..., 0, -1], self._vectors(components)
         error = np.linalg.norm(vectors, axis=-1).max(axis=-1)
         error = vectors[..., 0, 0] if self.signed else error
@@ -149,7 +155,7 @@ class ErrorOfInputs:
         return np.stack([low - self.misfit, high + self.misfit], axis=1)
 
     def _vectors(self, components: Array) -> Array:
-        """Errors from components: vectors (…×3), or signed numbers (…×1) for frequencies."""
+        """Errors from their components: vectors (…×3), or signed numbers (…×1) for frequencies."""
         if self.signed:
             return components[..., :1]
         model, reference, least = components[..., :3], components[..., 3:6], components[..., 6]
@@ -161,18 +167,21 @@ class ErrorOfInputs:
 
     @cached_property
     def _ends(self) -> tuple[Array, Array]:
-        """Components of errors with each input below and above (m×R×P×f×k each)."""
+        """Components of errors with each of m inputs changed down and up (m×R×P×f×k each)."""
         below, above = ([getattr(slope, side) for slope in self.slopes] for side in _SIDES)
         return np.array(below), np.array(above)
 
     @property
     def losing_inputs(self) -> list[str]:
-        """Inputs whose perturbation alone can remove the error (its mode is lost)."""
+        """Keys of the inputs of which a change of one alone can remove the error (and its mode)."""
         sides = {slope.key: np.array([slope.below, slope.above]) for slope in self.slopes}
         return [key for key, ends in sides.items() if np.isnan(ends).any()]
 
     def shares(self, pose: int) -> dict[str, float]:
-        """First-order Sobol' indices of the error of a pose, the largest first."""
+        """Share of each input in the variance of the error of a pose, by key, the largest first.
+
+        These are first-order Sobol' indices.
+        """
         nominal, below, above = (
             self._vectors(components) for components in self._largest_components(pose)
         )
@@ -185,9 +194,9 @@ class ErrorOfInputs:
         return {key: share for share, key in ranked if share >= _NAMED_SHARE}
 
     def _largest_components(self, pose: int) -> tuple[Array, Array, Array]:
-        """Components (k) of a pose's largest error, and with each input below and above (m×k each).
+        """Components (k) of the largest error in a pose, and with each input changed (m×k each).
 
-        The largest error with the inputs of the file, of all interpretations and forces.
+        The largest with the inputs of the file, over all interpretations and forces.
         """
         sizes = np.linalg.norm(self._vectors(self.nominal[:, pose]), axis=-1)
         interpretation, force = np.unravel_index(np.argmax(sizes), sizes.shape)
@@ -197,9 +206,9 @@ class ErrorOfInputs:
 
 
 def _components_at(nominal: Array, below: Array, above: Array, draws: Array) -> Array:
-    """Components (n×…) for draws (n×m) of ξ, from `nominal` ones (…) with the inputs of the file.
+    """Components (n×…) for n samples of ξ (n×m), from the `nominal` ones (…).
 
-    `below` and `above` (m×…) have one input a standard uncertainty below and above.
+    `below` and `above` (m×…) are the components with one of m inputs changed down and up.
     """
     components = np.repeat(nominal[None], len(draws), axis=0)
     for low, high, draw in zip(below - nominal, above - nominal, draws.T, strict=True):
@@ -208,10 +217,10 @@ def _components_at(nominal: Array, below: Array, above: Array, draws: Array) -> 
 
 
 def _change(below: Array, above: Array, draw: Array) -> Array:
-    """Change at ξ = `draw` of a number that changes by `below` at ξ = −1 and by `above` at ξ = 1.
+    """Change of a number at ξ = `draw`, given its changes `below` at ξ = −1 and `above` at ξ = 1.
 
-    By g ξ/(1 + c ξ), the dependence of any linear response on one stiffness, or by g ξ + h ξ²/2 if
-    the pole is too near. NaN on the side of a NaN, from `_LOST_FROM` on.
+    By g ξ/(1 + c ξ), which is the dependence of any linear response on one stiffness; by g ξ + h
+    ξ²/2 if the pole is too near. NaN on the side of a NaN, from |ξ| = `_LOST_FROM` on.
     """
     linear, square = _derivatives(below, above)
     bend = np.divide(-0.5 * square, linear, out=np.full_like(linear, np.inf), where=linear != 0.0)
@@ -225,7 +234,7 @@ def _change(below: Array, above: Array, draw: Array) -> Array:
 
 
 def _derivatives(below: Array, above: Array) -> tuple[Array, Array]:
-    """First and second derivative in ξ of a number that changes by `below` at −1, `above` at 1.
+    """First and second derivative in ξ of a number that changes by `below` at −1 and `above` at 1.
 
     Linear if the change is known on one side only, constant if it is unknown on both.
     """
@@ -238,13 +247,13 @@ def _derivatives(below: Array, above: Array) -> tuple[Array, Array]:
 
 @dataclass(frozen=True)
 class Probability:
-    """Probability of a verdict under uncertain inputs.
+    """Probability of a verdict with uncertain inputs.
 
-    `within` and `beyond`: probability that the whole interval of the error is within, or beyond,
-    the limit. The rest to one stays open even with exact inputs. Half-widths (95 %): `half_width`
-    of the error, `value_half_width` of the model's own value (its unit), to first order. None if
-    the value is lost within a standard uncertainty. `shares` are the first-order indices of the
-    error's inputs. `decides` names the inputs to be known better.
+    `within`, `beyond`: probability that the whole interval of the error is within, or beyond, the
+    limit. The remainder to one is undecided even with exact inputs. `half_width` (95 %) of the
+    error, and `value_half_width` (95 %) of the model's own value in its unit, to first order; None
+    if the value is lost within one standard uncertainty. `shares`: share of each input in the
+    error's variance, by key. `decides`: text on the inputs that must be known better.
     """
 
     within: float
@@ -255,7 +264,7 @@ class Probability:
     decides: str = ""
 
     def settled(self, verdict: Adequacy) -> Adequacy:
-        """Return the `verdict` by the inputs of the file, or undecided if it is too improbable."""
+        """The `verdict` if it is probable enough, otherwise "undecided"."""
         probabilities = {"adequate": self.within, "inadequate": self.beyond}
         return verdict if probabilities.get(verdict, 1.0) >= CONFIDENCE else "undecided"
 
@@ -263,7 +272,10 @@ class Probability:
 def probability(
     error: ErrorOfInputs, verdict: Adequacy, limit: float | Array, pose: int
 ) -> Probability:
-    """Probability of a verdict by the inputs of the file. `pose`: index of its deciding pose."""
+    """Probability of a `verdict` that was made with the inputs of the file.
+
+    `pose` is the index of the deciding pose.
+    """
     within, beyond = map(float, error.probabilities(limit))
     shares = error.shares(pose)
     value_uncertainty = propagated(slope.values[:, pose] for slope in error.slopes)
@@ -282,10 +294,7 @@ def probability(
 
 @dataclass(frozen=True, eq=False)
 class UncertainInputs:
-    """Errors of a robot's models with inputs perturbed, by the rules of the nominal errors.
-
-    `nominal` compares the robot of the file.
-    """
+    """Errors of a robot's models with changed inputs. `nominal` are those of the robot file."""
 
     nominal: ModelErrors
     inputs: InputUncertainties
@@ -293,9 +302,9 @@ class UncertainInputs:
     def error(
         self, model: Model, quantity: Quantity, nominal_errors: Errors
     ) -> ErrorOfInputs | None:
-        """Change of a model's error of a quantity by inputs. None if there is no such error.
+        """Dependence of a model's error of a quantity on the inputs.
 
-        The order of modes has none: it jumps.
+        None if there is no such error. The order of modes has none, because it jumps.
         """
         if nominal_errors.numbers is not None or nominal_errors.missing.any():
             return None
@@ -348,7 +357,8 @@ class UncertainInputs:
 class _RobotErrors:
     """Errors of a model's quantity for one robot. `errors` is None if there are none.
 
-    `statics` of the reference and of the model, for each interpretation, are the errors' source.
+    `statics`: statics of the reference and of the model for each interpretation, from which the
+    errors follow.
     """
 
     quantity: Quantity
@@ -356,7 +366,10 @@ class _RobotErrors:
     statics: Sequence[tuple[Statics, Statics]] = ()
 
     def components(self, nominal: Errors, forces: Array | None) -> Array:
-        """Components as in `ErrorOfInputs.nominal`, under `forces` (P×f×6) if they are given."""
+        """Components as in `ErrorOfInputs.nominal`.
+
+        Under the wrenches `forces` (P×f×6) if given.
+        """
         errors, vectorial = self.errors, nominal.displacement is not None
         count = 1 if forces is None else forces.shape[1]
         shape = (*nominal.error.shape, count, 8 if vectorial else 2)
@@ -376,7 +389,7 @@ class _RobotErrors:
         return np.where(errors.missing[..., None, None], np.nan, components)
 
     def interval(self, nominal: Errors) -> Array:
-        """Lowest and highest error (2×P)."""
+        """Lowest and highest error in each pose (2×P)."""
         if self.errors is None:
             return np.full((2, nominal.error.shape[1]), np.nan)
         return np.stack(self.errors.interval)
@@ -394,10 +407,10 @@ def _robot_errors(model_errors: ModelErrors, model: Model, quantity: Quantity) -
 
 
 def _worst_forces(errors: Sequence[Errors | None]) -> Array:
-    """Worst forces (P×f×6) of several robots, at most `_FORCES` of them.
+    """At most `_FORCES` worst forces of several robots, as unit wrenches (P×f×6).
 
-    The first is that of the first robot's largest error. Each next one is the force least aligned
-    with those before it.
+    The first is that of the largest error of the first robot. Each further one is the force least
+    parallel to all before it.
     """
     first = errors[0]
     loads = [
@@ -420,9 +433,9 @@ def _worst_forces(errors: Sequence[Errors | None]) -> Array:
 def _deciding_inputs(
     error: ErrorOfInputs, verdict: Adequacy, limit: float | Array, keys: Sequence[str]
 ) -> str:
-    """Text on the inputs to be known better for a verdict: a single one, otherwise the first few.
+    """Text on the inputs that must be known better for a verdict: one of them, or the first few.
 
-    `keys` in the order of their shares. "" if all of them together do not decide it.
+    `keys` in descending order of their shares. "" if even all of them together do not decide.
     """
     relative = {slope.key: slope.relative for slope in error.slopes}
     column = 0 if verdict == "adequate" else 1
@@ -433,7 +446,7 @@ def _deciding_inputs(
     for key in keys:
         if lacking({key: 0.0}) > 0.0:
             continue
-        # A share of points is a step function: to 0.01 of the uncertainty, on the safe side.
+        # The probability is a step function: solved to 0.01 of the uncertainty, on the safe side.
         factor = scipy.optimize.brentq(
             lambda reduction, key=key: lacking({key: reduction}), 0.0, 1.0, xtol=0.005
         )
@@ -449,9 +462,10 @@ def _deciding_inputs(
 
 
 def _normal_shares(verdicts: Callable[[Array], NDArray[np.bool_]]) -> Array:
-    """Probabilities (m) that verdicts (m×n) hold for a normal number, with draws (n×1).
+    """Probabilities (m) that m conditions hold for a normal number.
 
-    If a verdict changes between two of the points, the number at which it changes is bisected.
+    `verdicts` returns the conditions (m×n) for n samples (n×1). The number at which a condition
+    changes between two of 4096 points is found by bisection.
     """
     count = 2**_POWER
     points = scipy.special.ndtri((np.arange(count) + 0.5) / count)
@@ -464,23 +478,23 @@ def _normal_shares(verdicts: Callable[[Array], NDArray[np.bool_]]) -> Array:
             equal_left = verdicts(middle[:, None])[row] == holds[changes]
             left, right = np.where(equal_left, middle, left), np.where(equal_left, right, middle)
         ends = np.concatenate([[0.0], scipy.special.ndtr(0.5 * (left + right)), [1.0]])
-        # Between the changes, the verdict holds and does not hold in turn.
+        # The condition holds in every other interval between the changes.
         probabilities.append(np.diff(ends)[0 if holds[0] else 1 :: 2].sum())
     return np.array(probabilities)
 
 
 @memo(8)
 def _draws(inputs: int) -> Array:
-    """Normally distributed points (n×inputs) from Sobol' points."""
+    """Normally distributed samples (n×inputs), from a Sobol' sequence."""
     points = scipy.stats.qmc.Sobol(inputs, seed=0).random_base2(_POWER)
-    # The first point of the unscrambled sequence is the corner; the scrambled one has none.
+    # The first point of an unscrambled sequence is a corner; the scrambled one has none.
     return np.asarray(scipy.special.ndtri(points), dtype=float)
 
 
 def propagated(changes: Iterable[Sequence[float] | Array]) -> float:
-    """Standard uncertainty from independent inputs, to first order (GUM, eq. (10)).
+    """Combined standard uncertainty of a value from independent inputs (GUM, eq. (10)).
 
-    `changes` are the model's values with one input at a time a standard uncertainty below and
+    `changes`: for each input, the model's value with the input one standard uncertainty below and
     above its value in the file.
     """
     slopes = np.array([0.5 * (above - below) for below, above in changes])

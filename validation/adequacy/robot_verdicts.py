@@ -1,7 +1,9 @@
-"""Adequacy of a robot's models, and of the models of each of its legs alone with its root clamped.
+"""Verdicts on the models of a run's robot, and of each of its legs alone.
 
-A leg alone shows errors that feet, joints and other legs hide, such as those of torsion of open
-sections.
+Input: the robot file, path and preset of a run. Output: a `Subject` (models, references and steps
+between them) and its matrix of verdicts. Rule: meshes are refined until half-widths are at most the
+requested accuracy, or a fifth of the limit of each undecided error. A leg alone, clamped at its
+root, reveals errors that feet, joints and other legs hide, such as torsion of open sections.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -53,26 +55,26 @@ from validation.uncertainty.refinement import refined
 from validation.verdicts import Matrix
 
 _ROOT, _TIP = "root", "tip"
-# Presets that refine meshes without --accuracy, by whether the robot has CAD parts: a quick run has
+# Presets that refine meshes without --accuracy, by whether the robot has CAD parts. A quick run has
 # one mesh of each kind, and finer meshes of parts take minutes.
 _REFINING: Mapping[bool, tuple[Preset, ...]] = {False: ("standard", "fine"), True: ("fine",)}
-# Number of robots with all inputs perturbed at once, as a check on single perturbations.
+# Number of robots with all inputs changed at once, which check the sum of single changes.
 _CHECKS: Mapping[Preset, int] = {"quick": 4, "standard": 8, "fine": 32}
-# Models left out for a leg alone: rigid legs have no compliance, links equal virtual joints there.
+# Models omitted for a leg alone: rigid legs have no compliance, and links equal virtual joints.
 _NOT_FOR_A_LEG = ("simplified", "links", "segments-stepped", "segments-condensed")
 
 
 def robot_adequacy(context: Context) -> Matrix:
-    """Matrix of the run's robot. Quantities without a reference are undecided."""
+    """Matrix of verdicts of the run's robot. Quantities without a reference are undecided."""
     return judged_robot(context)[1]
 
 
 def judged_robot(context: Context) -> tuple[Subject, Matrix]:
-    """Return the run's robot and its matrix, by references with sufficiently fine meshes.
+    """Subject and matrix of verdicts of the run's robot, with sufficiently fine meshes.
 
     Half-widths due to meshes are at most the requested accuracy. Without a request they are at most
-    a fifth of the limit of each undecided error, as far as `finer_context` refines.
-    Raises InputError as `robot_subject` does.
+    a fifth of the limit of each undecided error, as far as `finer_context` allows. Raises
+    InputError as `robot_subject` does.
     """
     requirement = context.robot_file.requirement
 
@@ -94,7 +96,7 @@ def judged_robot(context: Context) -> tuple[Subject, Matrix]:
 def _largest_mesh_half_width(matrix: Matrix, accuracy: float | None) -> float:
     """Largest half-width of an error due to meshes.
 
-    Without `accuracy`, relative to a fifth of the error's limit, and of undecided errors only.
+    Without `accuracy`: relative to a fifth of the error's limit, over undecided errors only.
     """
     shares = [
         entry.uncertainties["meshes"] / (1.0 if accuracy else entry.limit / 5.0)
@@ -105,10 +107,10 @@ def _largest_mesh_half_width(matrix: Matrix, accuracy: float | None) -> float:
 
 
 def finer_context(context: Context, factor: float) -> Context:
-    """Run with the next preset's meshes of prisms, and meshes of parts finer by `factor`.
+    """Run with finer meshes: prisms by the next preset, parts with half-widths over `factor`.
 
-    Raises InputError if neither exists. Without --accuracy, raises InputError also if the preset
-    does not refine or does not allow so many unknowns. Raises ComputationError for lack of memory.
+    Raises InputError if neither mesh can be refined, or, without --accuracy, if the preset does not
+    refine or does not allow so many unknowns. Raises ComputationError for lack of memory.
     """
     robot_file = context.robot_file
     requested = robot_file.requirement.accuracy is not None
@@ -132,7 +134,7 @@ def finer_context(context: Context, factor: float) -> Context:
 
 
 def _solid_unknowns(context: Context) -> float:
-    """Unknowns of the fine solids of all distinct legs and of all CAD parts together."""
+    """Total unknowns of the fine meshes of all distinct legs and CAD parts."""
     mechanism, mesh = context.robot_file.mechanism, solid_meshes(context.meshes).fine
     legs = {leg for leg in known_legs(mechanism).values() if isinstance(leg, ConstantLeg)}
     solids = sum(solid_unknowns(leg, mesh.divisions(leg)) for leg in legs)
@@ -140,9 +142,9 @@ def _solid_unknowns(context: Context) -> float:
 
 
 def robot_subject(context: Context) -> Subject:
-    """Subject of the run: the robot with its models and its references.
+    """Subject of the run: its robot with models and references.
 
-    Raises InputError if an uncertain input leads to no robot.
+    Raises InputError if a change of an uncertain input leads to an impossible robot.
     """
     robot = robot_on_path(context)
     models = judged_models_of(robot)
@@ -171,7 +173,7 @@ def robot_subject(context: Context) -> Subject:
 def _input_uncertainties(subject: Subject) -> InputUncertainties | None:
     """Uncertain inputs of a robot. None if its file has none or there is no reference.
 
-    Raises InputError if a perturbation leads to no robot.
+    Raises InputError if a change of an input leads to an impossible robot.
     """
     responses = subject.responses
     context = responses.robot.context
@@ -186,7 +188,7 @@ def _input_uncertainties(subject: Subject) -> InputUncertainties | None:
 
 
 def static_subject(robot: RobotOnPath, models: Iterable[Model]) -> Subject:
-    """Robot with models of its statics. Without a reference if its legs cannot be solids."""
+    """Subject of a robot with the static reference only. Without one if legs cannot be solids."""
     responses, steps = Responses(robot), Steps()
     try:
         reference, steps = static_reference(responses), static_steps(robot)
@@ -207,7 +209,7 @@ def static_subject(robot: RobotOnPath, models: Iterable[Model]) -> Subject:
 
 
 def _without_modes(models: Iterable[Model]) -> list[Model]:
-    """Return the models without modes, and without the reason of the models without modes."""
+    """Models reduced to their statics. The reason for missing modes is removed."""
     return [
         replace(model, modes=None, silent=model.silent if model.statics is None else "")
         for model in models
@@ -215,16 +217,16 @@ def _without_modes(models: Iterable[Model]) -> list[Model]:
 
 
 def _constant_section_subject(robot: RobotOnPath, models: Mapping[str, Model]) -> Subject | None:
-    """Statics of the models that use legs of constant section, against solids of the same legs.
+    """Subject on equivalent legs: models that use legs of constant section, against such solids.
 
-    None if no leg is known by its 6×6, or if the robot has parts, whose idealisation would be part
-    of the error.
+    None if no leg is known by its 6×6, or if the robot has CAD parts, whose idealisation would be
+    part of the error.
     """
     if not robot.given or robot.mechanism.parts:
         return None
     mechanism = on_equivalent_legs(robot.mechanism)
     postures = [replace(posture, mechanism=mechanism) for posture in robot.postures]
-    # Model and reference have the same legs, feet and tool, so no digit is uncertain.
+    # Model and reference share the same legs, feet and tool, so digits cause no uncertainty.
     on_solids = replace(robot_at(robot.context, postures), printed=())
     constant_section_models = [model for name, model in models.items() if name not in LEGS_AS_GIVEN]
     return replace(
@@ -233,7 +235,7 @@ def _constant_section_subject(robot: RobotOnPath, models: Mapping[str, Model]) -
 
 
 def leg_subject(context: Context, name: str, shape: Leg) -> Subject:
-    """Subject of one leg alone with its models, for statics only."""
+    """Subject of one leg alone, clamped at its root, with its models in statics."""
     leg = robot_at(context, [reference_posture(leg_alone(name, shape))])
     left_out = _NOT_FOR_A_LEG if leg.given else (*_NOT_FOR_A_LEG, "vjm-equivalent")
     recipes = {name: recipe for name, recipe in JUDGED.items() if name not in left_out}
@@ -245,7 +247,7 @@ def leg_subject(context: Context, name: str, shape: Leg) -> Subject:
 
 
 def leg_alone(name: str, shape: Leg) -> Mechanism:
-    """Leg in its own axes, its first interface fixed to the ground, the tool at its second."""
+    """Mechanism of one leg in leg axes: first interface fixed to the ground, tool at the second."""
     points = {_ROOT: np.zeros(3), _TIP: np.array([shape.length, 0.0, 0.0])}
     placed_bodies = [
         place_rigid_body(GROUND, [_ROOT], points, origin=np.zeros(3)),
@@ -263,7 +265,7 @@ def leg_alone(name: str, shape: Leg) -> Mechanism:
 
 
 def _notes(robot: RobotOnPath) -> list[str]:
-    """Notes on omitted poses, idle mobilities and the error of the reduction."""
+    """Notes on omitted poses, idle mobilities and the error of reduced CAD parts."""
     notes = []
     if len(robot.postures) < len(robot.mechanism.poses):
         all_poses = len(robot.mechanism.poses)
@@ -277,7 +279,7 @@ def _notes(robot: RobotOnPath) -> list[str]:
 
 
 def _stability_notes(robot: RobotOnPath) -> tuple[Sequence[str], tuple[str, ...]]:
-    """Notes on the stability under the robot's loads, and its name if it failed by a fault."""
+    """Notes on stability under the robot's loads. Also names of computations with a fault."""
     subject = "stability under loads"
     try:
         results = robot.context.get(stabilities, "links", robot.postures)
@@ -290,7 +292,7 @@ def _stability_notes(robot: RobotOnPath) -> tuple[Sequence[str], tuple[str, ...]
 
 
 def _assumption_notes(responses: Responses, dynamics: Reference) -> list[str]:
-    """Notes on the assumptions of probabilities and of verdicts on frequencies."""
+    """Notes on assumptions behind probabilities and behind verdicts on frequencies."""
     notes = []
     if assumed := responses.robot.context.robot_file.supposed:
         notes.append(

@@ -1,1 +1,5 @@
-"""Comparisons of the formulations with each other: element count, mesh, beam against solid."""
+"""Comparisons of formulations of the same legs: convergence, and beams against solids.
+
+Input: a robot file, and the limits of its table [agree]. Output: verdicts on each comparison, and
+convergence studies over element count or mesh.
+"""

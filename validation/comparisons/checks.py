@@ -1,8 +1,9 @@
-"""Agreement and convergence of a robot as checks, one for each formulation and quantity.
+"""Checks of agreement and convergence of a robot, as pytest and the Python interface run them.
 
-`agrees[beam-solid-f1]` is about the whole robot, `agrees[leg1-beam-solid-f1]` about one leg;
-`converged[segments-f1-20]` and `converged[leg1-segments-f1-20]` name the element count, too. Limits
-are those of table [agree] of the robot file.
+Input: a robot file. Output: a list of named checks, each with a function that returns its verdict
+and a text. Rule: the limits are those of table [agree] of the robot file. `agrees[beam-solid-f1]`
+compares beams and solids of the whole robot, `agrees[leg1-beam-solid-f1]` those of one leg;
+`converged[segments-f1-20]` and `converged[leg1-segments-f1-20]` contain the element count.
 """
 
 from collections.abc import Callable
@@ -28,7 +29,7 @@ from validation.run.outcome import Outcome, Verdict, judge
 
 @dataclass(frozen=True)
 class Checked:
-    """Verdict of a check and its numbers, a line each."""
+    """Verdict of a check, with a text of its numbers, one on each line."""
 
     verdict: Verdict
     text: str
@@ -36,7 +37,7 @@ class Checked:
 
 @dataclass(frozen=True)
 class Check:
-    """A check by name; `compute` raises Skip if there is no comparison, with the reason."""
+    """A named check. `compute` raises Skip, with the reason, if nothing can be compared."""
 
     name: str
     compute: Callable[[Context], Checked]
@@ -50,7 +51,7 @@ def agreement_cases(robot_file: RobotFile) -> tuple[Case, ...]:
 
 
 def checks(robot_file: RobotFile) -> tuple[Check, ...]:
-    """All checks of a robot: agreement with solids, then convergence with element count."""
+    """All checks of a robot: agreement with solids, then convergence with the element count."""
     limits = robot_file.agreement
     agreement = [
         Check(
@@ -81,7 +82,7 @@ def _agrees(case: Case, context: Context) -> Checked:
 
 
 def agreement_text(outcome: Outcome) -> str:
-    """A comparison that was made: values, difference, named causes, half-width and limit."""
+    """Text of a comparison: values, difference, named causes, half-width and limit."""
     case, measurement = outcome.case, outcome.measurement
     assert measurement is not None  # noqa: S101  judged, so measured
     scale, unit = abs(measurement.reference), f" {case.unit}"
@@ -110,7 +111,7 @@ def _converged(body: str, model: RefinedModel, quantity: str, context: Context) 
 def convergence_check(
     study: ConvergenceStudy, model: RefinedModel, quantity: str, limits: AgreementLimits
 ) -> Checked:
-    """The largest error with the element count of `limits` or more, against its limit.
+    """Check of the largest error with the element count of `limits` or more, against their limit.
 
     Raises Skip if that count was not computed, as for legs of pieces that it does not divide.
     """

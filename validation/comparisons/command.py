@@ -98,7 +98,7 @@ def converge(
 
 
 def _counts(option: str, typed: str | None) -> tuple[int, ...] | None:
-    """Whole numbers separated by commas; None if the option was left out."""
+    """Whole numbers from a text, separated by commas. None if the option is not given."""
     if typed is None:
         return None
     numbers = [number.strip() for number in typed.split(",")]
@@ -111,7 +111,7 @@ def _counts(option: str, typed: str | None) -> tuple[int, ...] | None:
 
 
 def _picture_kind(picture: Path | None) -> str:
-    """Ending of the picture's name; raises InputError for a kind that is not drawn."""
+    """Suffix of the picture's file name. Raises InputError for a kind that cannot be drawn."""
     kind = ".png" if picture is None else picture.suffix.lower()
     if kind not in {".png", ".svg"}:
         raise InputError(f"--picture {picture}: must end in .png or .svg")

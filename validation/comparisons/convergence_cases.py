@@ -1,8 +1,8 @@
-"""Cases and figure of the convergence with element count, of each leg and of the robot.
+"""Cases on the convergence with element count, for each distinct leg and for the robot.
 
-The paper divides each leg into 20 elements and states an error below 1 %. Here that, or what table
-[agree] of the robot file puts in its place, is a verdict of its own for each leg and for the robot,
-beside the order and the half-width of the refinement.
+Input: a robot file. Output: for each leg and formulation three verdicts: the observed order equals
+the formal one; the error with 20 elements is below 1 %, as the paper states, or below the limit
+that table [agree] sets; each half-width contains the limit.
 """
 
 from dataclasses import replace
@@ -28,17 +28,18 @@ from validation.studies_and_figures import CONVERGENCE
 
 GROUP = "convergence"
 FIGURE = "robot.element-convergence"
-# Formulations that the suite itself uses; the paper's literal layout is shown beside them.
+# Formulations used elsewhere in the suite. The paper's literal layout is plotted beside them
+# without a verdict.
 JUDGED: tuple[RefinedModel, ...] = ("segments", "beam")
-# Accepted deviation of an observed order: errors of fourth order reach the range between coarse
-# counts and round-off over few counts only.
+# Accepted deviation of an observed order. Errors of fourth order lie between coarse counts and
+# round-off for few counts only.
 ORDER_TOLERANCE = {"segments": 0.05, "beam": 0.1}
-# Element counts whose half-widths are judged: coarser ones are outside the asymptotic range.
+# Smallest element count whose half-width is judged. Lower ones are outside the asymptotic range.
 _FINE = 5
 
 
 def subjects(mechanism: Mechanism) -> tuple[str, ...]:
-    """Distinct legs by name, then "" for the whole robot; nothing for a robot without legs."""
+    """Names of the distinct legs, then "" for the whole robot. () for a robot without legs."""
     names = leg_names(mechanism)
     representatives = distinct_legs(mechanism)
     distinct = [name for name in names if name in representatives or name in mechanism.parts]
@@ -46,10 +47,10 @@ def subjects(mechanism: Mechanism) -> tuple[str, ...]:
 
 
 def study_of(context: Context, body: str) -> ConvergenceStudy:
-    """The convergence study of a leg, or of the whole robot for "".
+    """Convergence study of a leg, or of the whole robot if `body` is "".
 
-    Raises Skip, with the reason, if a leg has no beam theory or a CAD part no prismatic sections.
-    Any other error is a fault and stays one.
+    Raises Skip, with the reason, if beam theory does not apply to a leg or a CAD part has no
+    prismatic sections. Any other exception is an error of the program and is passed on.
     """
     robot_file = context.robot_file
     study = context.get(_study, robot_file.mechanism, body, robot_file.agreement)
@@ -59,9 +60,9 @@ def study_of(context: Context, body: str) -> ConvergenceStudy:
 
 
 def _study(mechanism: Mechanism, body: str, limits: AgreementLimits) -> ConvergenceStudy | str:
-    """The study, or the reason why beams do not apply.
+    """Convergence study, or the reason why beams do not apply.
 
-    By Timoshenko's theory; for prismatic legs by Euler's and Bernoulli's, too.
+    By Timoshenko's theory; for prismatic legs also by that of Euler and Bernoulli.
     """
     try:
         study = convergence(mechanism, body=body or None, limits=limits)
@@ -126,7 +127,10 @@ def _order(context: Context, body: str, model: RefinedModel) -> Measurement:
 
 
 def _order_uncertainty(series: ConvergenceSeries, column: int) -> float:
-    """Change of the order between the two finest steps that show one."""
+    """Change of the observed order between the two finest pairs of counts that have one.
+
+    Infinite if fewer than two pairs have one.
+    """
     orders = series.pairwise_orders(column)
     orders = orders[~np.isnan(orders)]
     return float(abs(orders[-1] - orders[-2])) if len(orders) > 1 else float("inf")
@@ -178,7 +182,7 @@ def _stated_error(
 )
 def _half_width(context: Context, body: str, model: RefinedModel) -> Measurement:
     series = study_of(context, body).of(model)
-    # The first count has no half-width.
+    # The first count has no coarser one and therefore no half-width.
     asymptotic_rows = [row for row, count in enumerate(series.counts) if row and count >= _FINE]
     shares = np.abs(series.errors[asymptotic_rows]) / series.half_widths[asymptotic_rows]
     worst = int(np.argmax(shares.max(axis=0)))

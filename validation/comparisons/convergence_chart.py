@@ -1,4 +1,8 @@
-"""Figure "Convergence with element count": |error| over elements per leg, log–log."""
+"""Chart of the relative error over the elements per leg, on logarithmic axes.
+
+Input: error curves of formulations, by quantity and subject. Output: a `Chart` with one panel for
+each quantity of a subject, and its data as a table.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,21 +15,21 @@ from lumped.arrays import Array
 from validation.drawing.chart import Chart, Column, Note, Panel, Series, refined
 from validation.drawing.text import number
 
-# Errors below are round-off and are not drawn (%).
+# Errors (%) below this are round-off and are not drawn.
 _LOWEST = 1e-7
-# Remarks of curves whose last errors differ by less than the factor _NEAR are stacked, _LINE (pt)
-# apart.
+# Remarks at the ends of curves are stacked, _LINE (pt) apart, if the last errors of the curves
+# differ by less than the factor _NEAR.
 _NEAR, _LINE = 3.0, 9.0
 _LABELLED = (1, 2, 5, 20, 80)
 
 
 @dataclass(frozen=True, eq=False)
 class ErrorCurve:
-    """Relative `errors` (n) of one formulation over `counts` (n); `remark` stands at its end.
+    """Relative `errors` (n) of one formulation over element counts (n).
 
-    `name` is that of the formulation, `label` its entry in the legend, `look` one of
-    `validation.drawing.style.LOOKS`. A curve that is not `drawn` is in the data alone;
-    the error at the stated count stands at it if it is `stated`.
+    `name`: the formulation. `label`: its entry in the legend. `remark`: text at the end of the
+    curve. `look`: key of `validation.drawing.style.LOOKS`. A curve with `drawn` false appears in
+    the data only. If `stated`, the error at the count of [agree] is written beside the curve.
     """
 
     name: str
@@ -40,7 +44,7 @@ class ErrorCurve:
 
 @dataclass(frozen=True, eq=False)
 class ErrorPanel:
-    """Curves of one quantity of one subject; `name` heads its columns in the data."""
+    """Curves of one quantity of one subject. `name` is the heading of its columns in the data."""
 
     name: str
     title: str
@@ -53,7 +57,7 @@ def convergence_chart(
     agreement: AgreementLimits = DEFAULT_LIMITS,
     columns: int = 2,
 ) -> Chart:
-    """Chart with one panel for each quantity of a subject, errors in percent.
+    """Chart with one panel for each quantity of a subject, errors in per cent.
 
     Lines mark the error limit and the element count of `agreement`.
     """
@@ -71,7 +75,7 @@ def convergence_chart(
 
 
 def _column(curve: ErrorCurve, counts: Array) -> Column:
-    """Errors in percent at all `counts`. None at a count without a value of the curve."""
+    """Errors in per cent at all `counts`. None at a count for which the curve has no value."""
     errors = dict(zip(curve.counts.tolist(), (100.0 * curve.errors).tolist(), strict=True))
     return [errors.get(count) for count in counts.tolist()]
 
@@ -113,7 +117,10 @@ def _panel(
 
 
 def _notes(texts: Sequence[tuple[float, float, str]], away: float, below: float) -> list[Note]:
-    """Texts at points (error, count). Texts of points close to each other are stacked."""
+    """Notes at points (error, count), `away` and `below` in points.
+
+    Notes of close points are stacked.
+    """
     notes: list[Note] = []
     height, last = below, 0.0
     for size, count, text in sorted(texts):
@@ -124,6 +131,9 @@ def _notes(texts: Sequence[tuple[float, float, str]], away: float, below: float)
 
 
 def _ticks(counts: Array) -> Array:
-    """Labelled counts: those of `_LABELLED` that were computed. All if fewer than two were."""
+    """Element counts with tick labels: the computed ones of `_LABELLED`.
+
+    All if these are fewer than two.
+    """
     labelled = counts[np.isin(counts, _LABELLED)]
     return labelled if len(labelled) > 1 else counts

@@ -1,4 +1,7 @@
-"""Figure "Convergence with element count" of a run: legs beside the whole robot."""
+"""Figure "Convergence with element count" of a run: legs beside the whole robot.
+
+Input: convergence studies of the robot and its legs. Output: a chart with caption and data.
+"""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -15,7 +18,7 @@ from validation.drawing.chart import Chart
 from validation.drawing.figures import FigureGroup
 from validation.studies_and_figures import CONVERGENCE
 
-# Legs drawn beside the robot. All legs are judged and are in the data of the figure.
+# Number of legs that are drawn beside the robot. All legs are judged and are in the data.
 _MOST_LEGS = 2
 _ROWS = ("f1", "f4", "z")
 
@@ -24,7 +27,7 @@ figures = FigureGroup(CONVERGENCE, GROUP)
 
 @figures.figure(FIGURE, "Convergence with element count", effort=1.5)
 def element_convergence(context: Context) -> Chart:
-    """A column for each of the first legs and for the robot, a row for each quantity."""
+    """Chart with a column for each of the first legs and for the robot, a row for each quantity."""
     bodies = subjects(context.robot_file.mechanism)
     if not bodies:
         raise Skip("the robot has no legs that could be divided into elements")
@@ -40,7 +43,7 @@ def element_convergence(context: Context) -> Chart:
 
 
 def _has_errors(study: ConvergenceStudy, quantity: str) -> bool:
-    """True unless all formulations are exact for every count."""
+    """True unless all formulations give the exact value for every element count."""
     column = study.column(quantity)
     return not all(series.exact[column] for series in study.series)
 

@@ -1,15 +1,18 @@
-"""Records of convergence with element count: values, errors, orders, half-widths, verdicts.
+"""Errors, orders and half-widths of one formulation over the element count.
 
-The error of count n is e(n) = f(n)/f∞ − 1. An order is fitted by least squares to log |e| over the
-three finest counts whose errors exceed a hundred times the round-off, and only if the errors of all
-counts from five on decrease without a change of sign and the two pairwise orders have settled.
+Input: values f(n) of q quantities for ascending element counts n, and their limits f∞. Output:
+errors e(n) = f(n)/f∞ − 1, an observed order and half-widths for each quantity.
 
-The half-width of count n follows from n and the count m before it, without the limit: F |f(n) −
-f(m)| / ((n/m)^p − 1), p the observed order but at most the formal one, F = 1.25 if the orders
-observed over the last four counts are both within a tenth of that, else 3 (ASME V&V 20). Errors
-that change sign give no order; their half-width is three times the largest error of n and of every
-finer count. An estimate from two counts cannot see modes that change places between them, as those
-of few elements do.
+Rule for the order: least squares to log |e| over the three finest counts whose errors exceed a
+hundred times the round-off, and only if the errors of all counts from five on decrease without
+change of sign and the orders of the two pairs of counts agree.
+
+Rule for the half-width of count n: it follows from n and the next lower count m, without the limit,
+as F |f(n) − f(m)| / ((n/m)^p − 1). p is the observed order, at most the formal one. F = 1.25 if the
+orders observed over the last four counts are both within a tenth of the formal one, otherwise 3
+(ASME V&V 20). Errors that change sign have no order; their half-width is three times the largest
+error of n and all higher counts. Two counts cannot reveal modes that change places between them, as
+those of few elements do.
 """
 
 from collections.abc import Mapping, Sequence
@@ -29,30 +32,29 @@ from validation.uncertainty.grid_convergence import (
 )
 from validation.uncertainty.mesh_half_widths import PROVEN, UNPROVEN, MeshPolicy, mesh_half_widths
 
-# Relative errors whose smallest element counts are reported.
+# Relative errors for which the smallest sufficient element count is reported.
 TARGETS = (0.01, 0.001, 0.0001)
-# Relative round-off of frequencies and compliances with 80 elements: ten times the largest that was
-# seen on five processor kernels. Without shear, bending stiffness alone joins the nodes, and
-# rounding grows with the fourth power of the count.
+# Relative round-off of frequencies and compliances with 80 elements: ten times the largest seen on
+# five processor kernels. Without shear, only bending stiffness connects the nodes, and round-off
+# grows with the fourth power of the count.
 ROUND_OFF: Mapping[Theory, float] = {"timoshenko": 1e-9, "euler-bernoulli": 2e-7}
-# Relative errors from which on an order is fitted: round-off of 1e-10 changes them by a hundredth.
+# Smallest relative error used to fit an order: round-off of 1e-10 changes it by a hundredth.
 _FITTED = 1e-8
-# An order needs errors this many times the half-width of their limit.
+# An order requires errors this many times the half-width of the limit.
 _ABOVE_LIMIT = 100.0
-# Share of the formal order that a half-width takes at least, and if three counts show none.
+# Smallest order in a half-width, over the formal order. Used also if three counts show no order.
 _LEAST_ORDER = 0.25
 
 
 @dataclass(frozen=True, eq=False)
 class ConvergenceSeries:
-    """Values of one formulation over the element count, or over the divisions of a solid's mesh.
+    """Values of q quantities by one formulation over n element counts, or n meshes of a solid.
 
-    `formal_order` is that of the frequencies in 1/n. `values` (n×q, units of the study) belong to
-    `counts` (n, ascending). `limits` (q) are
-    the values for infinitely many elements, `limit_half_widths` (q) their relative uncertainty,
-    `orders` (q) the observed ones in 1/n, NaN if there is none.
-    `needed` (targets×q) are the smallest counts from which on the error stays below each of
-    `TARGETS`; 0 if the finest count of the series misses it.
+    `formal_order`: order of the frequencies in 1/n. `values` (n×q, units of the study) belong to
+    `counts` (n, ascending). `limits` (q): values for infinitely many elements; `limit_half_widths`
+    (q): their relative uncertainty. `orders` (q): observed orders in 1/n, NaN if there is none.
+    `needed` (targets×q): smallest count from which on the error stays below each of `TARGETS`, 0 if
+    the highest count exceeds it.
     """
 
     discretisation: Discretisation
@@ -75,23 +77,24 @@ class ConvergenceSeries:
 
     @cached_property
     def exact(self) -> Array:
-        """Quantities (q, bool) whose values are exact, apart from round-off, for every count."""
+        """True (q) for quantities whose values are exact for every count, apart from round-off."""
         return np.asarray(
             np.abs(self.errors).max(axis=0) <= self._round_off + self.limit_half_widths
         )
 
     @cached_property
     def largest_errors(self) -> Array:
-        """Largest |error| of this and every finer count (n×q)."""
+        """Largest |error| over each count and all higher ones (n×q)."""
         sizes = np.abs(self.errors)
         return np.asarray(np.maximum.accumulate(sizes[::-1], axis=0)[::-1])
 
     @cached_property
     def half_widths(self) -> Array:
-        """Relative half-widths of the discretisation uncertainty (n×q), NaN for the first count.
+        """Relative half-widths of the discretisation uncertainty (n×q). NaN for the first count.
 
-        With an order from this and the coarser counts alone, so that they can be held against the
-        limit; without one, three times the largest error of this and every finer count.
+        If there is an order, a half-width follows from this and lower counts only, so that it can
+        be tested against the limit. Otherwise it is three times the largest error of this and all
+        higher counts.
         """
         columns = range(self.values.shape[1])
         return np.column_stack([self._half_widths(column) for column in columns])
@@ -104,7 +107,7 @@ class ConvergenceSeries:
             ratios = sizes[:-1] / sizes[1:]
             observed = np.concatenate([[np.nan], pairwise_orders(sizes, values)])
             close = np.abs(observed - self.formal_order) <= CLOSE_TO_FORMAL * self.formal_order
-            # One order alone may be near by accident, where modes of coarse legs change places.
+            # A single order may agree by accident, because modes of coarse legs change places.
             proven = close & np.concatenate([[False], close[:-1]])
             factors = np.where(proven, PROVEN, UNPROVEN)
             used = np.clip(
@@ -121,7 +124,10 @@ class ConvergenceSeries:
         return np.asarray(widths + self.limit_half_widths[column] + self._round_off)
 
     def pairwise_orders(self, column: int) -> Array:
-        """Order between each count and the one before (n); NaN for the first and near the limit."""
+        """Order between each count and the one before it (n).
+
+        NaN for the first and close to the limit.
+        """
         sizes = np.abs(self.errors[:, column])
         floor = _FITTED + _ABOVE_LIMIT * self.limit_half_widths[column]
         orders = np.full(len(sizes), np.nan)
@@ -132,7 +138,7 @@ class ConvergenceSeries:
         return orders
 
     def behaviour(self, column: int) -> str:
-        """Observed order, or the reason why there is none."""
+        """Text with the observed order, or with the reason why there is none."""
         if self.exact[column]:
             return "exact"
         order = self.orders[column]
@@ -149,19 +155,19 @@ class ConvergenceSeries:
 
 
 def relative_errors(values: Array, limits: Array) -> Array:
-    """Relative errors (n×q) of `values` (n×q) from their `limits` (q): v/f∞ − 1.
+    """Relative errors (n×q) of values v (n×q) against their limits f∞ (q): v/f∞ − 1.
 
-    Zero if value and limit are both zero, as of a direction in which a tool cannot move; infinite
-    if only the limit is.
+    Zero if value and limit are both zero, as in a direction in which a tool cannot move. Infinite
+    if only the limit is zero.
     """
     exact = np.where(values == 0.0, 0.0, np.inf)
     return np.divide(values, limits, out=exact + 1.0, where=limits != 0.0) - 1.0
 
 
 def fitted_orders(counts: Sequence[int], errors: Array, limit_half_widths: Array) -> Array:
-    """Orders in 1/n (q) of the relative `errors` (n×q) from known limits; NaN if there is none.
+    """Orders in 1/n (q) of relative errors (n×q) against known limits. NaN if there is none.
 
-    An order needs errors above round-off and a hundred times above the half-width of their limit.
+    An order requires errors above round-off and a hundred times above the half-width of the limit.
     """
     floors = np.maximum(_FITTED, _ABOVE_LIMIT * limit_half_widths)
     return orders_to_limits(counts, errors, floors)

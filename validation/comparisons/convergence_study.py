@@ -1,4 +1,8 @@
-"""The convergence study of a leg or of a robot: its series, assertions, tables and figure."""
+"""Convergence study of a leg or robot: all its series, with tables, texts, data and plots.
+
+Input: a `ConvergenceSeries` for each formulation. Output: errors, orders and half-widths by
+quantity as text, table, JSON, CSV or picture, and AssertionError if an error exceeds its limit.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -68,7 +72,7 @@ class ConvergenceStudy:
 
     @property
     def title(self) -> str:
-        """The subject and its boundary conditions."""
+        """Name of the leg and its end conditions, or the pose of the whole robot."""
         if self.subject:
             return f"{self.subject}, clamped–free"
         pose = ", ".join(
@@ -117,7 +121,10 @@ class ConvergenceStudy:
         raise InputError(f"{model}, {layout}, {theory}: was not computed; there are: {labels}")
 
     def column(self, quantity: str) -> int:
-        """Column of a quantity; raises InputError for one that the study does not have."""
+        """Column of a quantity.
+
+        Raises InputError for a quantity that the study does not contain.
+        """
         if quantity not in self.quantities:
             names = ", ".join(self.quantities)
             raise InputError(f'quantity "{quantity}": must be one of {names}')
@@ -167,16 +174,19 @@ class ConvergenceStudy:
         self._require_converged(series, quantity, count, allowed)
 
     def stated_count(self, series: ConvergenceSeries) -> int:
-        """The element count whose error is stated, or the divisions of the finest mesh."""
+        """Element count at which the error is judged.
+
+        For solids, the divisions of the finest mesh.
+        """
         return series.counts[-1] if self.refined == "divisions" else self.agreement.elements
 
     @property
     def _stated(self) -> int | None:
-        """The element count whose error texts state; None for meshes."""
+        """Element count at which texts give the error. None for meshes."""
         return self.agreement.elements if self.refined == "elements" else None
 
     def short_summary(self, series: ConvergenceSeries, column: int) -> str:
-        """Error with the stated count and the smallest counts: "+0.009 % (2, 6, 19)"."""
+        """Text with the error at the judged count and smallest counts, "+0.009 % (2, 6, 19)"."""
         return short_summary(series, column, self._stated)
 
     def _require_converged(
@@ -279,7 +289,7 @@ class ConvergenceStudy:
         return "\n".join(lines).replace("\N{NO-BREAK SPACE}", " ")
 
     def record(self) -> dict[str, Any]:
-        """The study as plain data. An order that does not exist is None, null in JSON."""
+        """The study as plain data. A missing order is None, null in JSON."""
         return {
             "schema": 1,
             "kind": "convergence",
@@ -295,7 +305,10 @@ class ConvergenceStudy:
         }
 
     def study_records(self) -> tuple[dict[str, Any], ...]:
-        """An entry of `studies` in results.json for each quantity; null at counts not computed."""
+        """Records for `studies` in results.json, one for each quantity.
+
+        None at counts not computed.
+        """
         counts = sorted({count for series in self.series for count in series.counts})
         return tuple(
             {
@@ -472,7 +485,7 @@ class ConvergenceStudy:
             return drawn_chart(self.chart(quantities))
 
     def picture(self, kind: str, dots: int) -> bytes:
-        """The errors of f1 to f4 as ".svg", or as ".png" with `dots` per inch."""
+        """Picture of the errors of f1 to f4, as ".svg", or as ".png" with `dots` per inch."""
         # Only a picture needs the library that draws it.
         from validation.drawing.plot import chart_png, chart_svg  # noqa: PLC0415
 
@@ -480,15 +493,17 @@ class ConvergenceStudy:
         return chart_svg(chart).encode() if kind == ".svg" else chart_png(chart, dots)
 
     def chart(self, quantities: Sequence[str]) -> Chart:
-        """Chart of `quantities`. Raises InputError for a quantity that the study does not have."""
+        """Chart of the errors of quantities.
+
+        Raises InputError for one that the study does not contain.
+        """
         panels = [self.panel(quantity) for quantity in quantities]
         return convergence_chart(panels, X_LABELS[self.refined], self.agreement)
 
     def panel(self, quantity: str) -> ErrorPanel:
         """Error curves of one quantity.
 
-        Curves by Euler–Bernoulli theory are drawn only if they differ visibly from those by
-        Timoshenko's theory.
+        Euler–Bernoulli curves are drawn only if they differ visibly from Timoshenko's.
         """
         column = self.column(quantity)
         limit = self.series[0].limits[column]

@@ -1,4 +1,7 @@
-"""Text and plain data of one series of a convergence study."""
+"""Text and plain data of one convergence series, for the terminal and for results.json.
+
+Input: a `ConvergenceSeries` and the column of a quantity. Output: lines of text or a dictionary.
+"""
 
 from collections.abc import Sequence
 from typing import Any
@@ -11,7 +14,7 @@ from validation.drawing.text import number, percent
 
 
 def series_rows(series: ConvergenceSeries, column: int, refined: str, unit: str) -> str:
-    """Values, errors, half-widths and orders of a quantity over the counts; the limit below."""
+    """Table of values, errors, half-widths and orders of a quantity by count, with its limit."""
     rows = [
         (
             str(count),
@@ -58,15 +61,15 @@ def series_cells(
 
 
 def short_summary(series: ConvergenceSeries, column: int, stated: int | None) -> str:
-    """Error with the stated count and the smallest counts: "+0.009 % (2, 6, 19)"."""
+    """Text with the error at the `stated` count and the smallest counts: "+0.009 % (2, 6, 19)"."""
     needed = [str(count or f"over {series.counts[-1]}") for count in series.needed[:, column]]
     return f"{_stated_error(series, column, stated)} ({', '.join(needed)})".strip()
 
 
 def summary(series: ConvergenceSeries, column: int, stated: int | None) -> str:
-    """Error with the stated count, and the smallest counts for 1 %, 0.1 % and 0.01 %.
+    """Text with the error at the `stated` count, and the smallest counts for 1 %, 0.1 % and 0.01 %.
 
-    No error is stated if `stated` is None or was not computed.
+    The error is omitted if `stated` is None or was not computed.
     """
     needed = [
         f"{100.0 * target:g} % needs {count or f'more than {series.counts[-1]}'}"
@@ -85,7 +88,7 @@ def _stated_error(series: ConvergenceSeries, column: int, stated: int | None) ->
 def series_record(
     series: ConvergenceSeries, quantities: Sequence[str], refined: str
 ) -> dict[str, Any]:
-    """The series as plain data by quantity. A missing order or half-width is None."""
+    """Plain data of the series by quantity. A missing order or half-width is None."""
     by_quantity = dict(enumerate(quantities))
     return {
         "model": series.discretisation.model,
@@ -115,12 +118,12 @@ def series_record(
 
 
 def size_text(error: float) -> str:
-    """A relative error in percent, without its sign."""
+    """Relative error in per cent, without sign."""
     return percent(error, signed=False)
 
 
 def _percent(error: float) -> str:
-    """A relative error in percent. An error below the round-off is given by its bound."""
+    """Relative error in per cent. Below the round-off, the bound "below …" instead."""
     if abs(error) < ROUND_OFF["timoshenko"]:
         return f"below {number(100.0 * ROUND_OFF['timoshenko'])}\N{NO-BREAK SPACE}%"
     return percent(error)

@@ -1,4 +1,8 @@
-"""Discretisations of the legs of a robot: model, element count or mesh, layout and theory."""
+"""Formulation of the legs with its element count or mesh, layout and theory.
+
+Input: the formulation's name and numbers. Output: a `Discretisation` with the model options, formal
+order of convergence and labels that follow from it.
+"""
 
 from dataclasses import dataclass, replace
 from typing import Literal, TypeAlias
@@ -19,11 +23,11 @@ RefinedModel: TypeAlias = Literal["segments", "beam", "solid"]
 
 @dataclass(frozen=True)
 class Discretisation:
-    """Discretisation and theory of the legs.
+    """Formulation of the legs with its element count or mesh, layout and theory.
 
-    `elements` per leg, for segments and beam. `layout`, for segments: "half" has springs of half
-    length at both ends, "literal" is the paper's text (§3.2). `theory`, for segments and beam.
-    `divisions` across the smaller side of the section and `ends`, for solids.
+    `elements` per leg (segments and beam). `layout` (segments): "half" has springs of half length
+    at both ends, "literal" follows the text of the paper (§3.2). `theory` (segments and beam).
+    `divisions` across the smaller side of the section, and `ends` (solids).
     """
 
     model: RefinedModel
@@ -35,7 +39,7 @@ class Discretisation:
 
     @property
     def options(self) -> ModelOptions:
-        """Options of a model; CAD parts become legs of ten prismatic pieces."""
+        """Model options. CAD parts are legs of ten prismatic pieces."""
         return replace(
             DEFAULT_OPTIONS,
             elements=self.elements,
@@ -47,26 +51,29 @@ class Discretisation:
         )
 
     def with_count(self, count: int) -> "Discretisation":
-        """The discretisation with another element count, or other divisions for a solid."""
+        """Copy with another element count, or with other divisions for a solid."""
         if self.model == "solid":
             return replace(self, divisions=count)
         return replace(self, elements=count)
 
     @property
     def element_order(self) -> float:
-        """Formal order in 1/n of the frequencies of segments and beams."""
+        """Formal order of convergence of the frequencies of segments and beams in 1/n."""
         if self.model == "beam":
             return BEAM_ORDER
         return SEGMENT_ORDER if self.layout == "half" else LITERAL_ORDER
 
     @property
     def fewest_elements(self) -> int:
-        """The smallest element count: the literal layout fuses an element with each end."""
+        """Smallest element count.
+
+        The literal layout joins an element rigidly to each end and needs two.
+        """
         return 2 if self.model == "segments" and self.layout == "literal" else 1
 
     @property
     def formulation(self) -> str:
-        """The formulation without its theory, as tables and legends name it."""
+        """Name of the formulation in tables and legends, without its theory."""
         if self.model == "solid":
             return f"solid, {self.ends} ends"
         if self.model == "beam":
@@ -76,7 +83,7 @@ class Discretisation:
 
     @property
     def label(self) -> str:
-        """The formulation, with its theory if that is not Timoshenko's."""
+        """Name of the formulation, with its theory unless that is Timoshenko's."""
         return f"{self.formulation}{self._theory}"
 
     @property
@@ -85,7 +92,7 @@ class Discretisation:
 
     @property
     def look(self) -> str:
-        """The entry of `validation.drawing.style.LOOKS` with its colour and marker."""
+        """Key of `validation.drawing.style.LOOKS` for colour and marker."""
         if self.model == "solid":
             return "solid" if self.ends == "rigid" else "solid, free"
         theory = "-euler-bernoulli" if self.theory == "euler-bernoulli" else ""

@@ -1,8 +1,10 @@
-"""Convergence with element count: legs and robots of rigid segments and of beam elements.
+"""Convergence studies of legs and robots over the element count, by segments and beam elements.
 
-A leg, root clamped, is compared with the exact cantilever of the same theory: Huang's frequencies
-(`fem.beams.beam_theory`) and the closed tip compliance. A robot has no closed solution: its limit
-is that of the beam elements, f = f80 + (f80 − f40)/15 for their fourth order in 1/n.
+Input: a leg or a posture of a robot, and element counts. Output: a `ConvergenceStudy` of four
+frequencies and three deflections. Rule: a prismatic leg, clamped at its root, is compared with the
+exact cantilever of the same theory: Huang's frequencies (`fem.beams.beam_theory`) and the closed
+tip compliance. A robot has no closed solution; its limit is that of the beam elements, f = f80 +
+(f80 − f40)/15 for fourth order in 1/n.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -35,17 +37,17 @@ from validation.models.robot_models import bodies_of, highest_frequency
 from validation.uncertainty.grid_convergence import richardson
 from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
 
-# Elements per leg: about equal steps on a logarithmic axis, with 2:1 pairs for the half-widths.
+# Elements per leg: nearly equal steps on a logarithmic axis, with ratios of 2:1 for half-widths.
 COUNTS = (1, 2, 3, 5, 8, 10, 15, 20, 30, 40, 80)
 MODES = 4
 DEFLECTIONS = ("x", "y", "z")
 QUANTITIES = (*(f"f{number}" for number in range(1, MODES + 1)), *DEFLECTIONS)
 UNITS = MODES * ("Hz",) + len(DEFLECTIONS) * ("m/N",)
-# Legs are reduced with their modes up to 16 times the highest frequency compared: 1e-11 of it.
+# Cut-off frequency of reduced legs over the highest compared frequency: the error is 1e-11.
 _CUTOFF = 16.0
-# Legs of so few elements are assembled whole: they have hardly more unknowns than reduced ones.
+# Largest element count without reduction: such legs have hardly more unknowns than reduced ones.
 _WHOLE = 8
-# Share of the largest deflection of the tool below which another one is round-off of zero.
+# Fraction of the largest deflection of the tool below which a deflection is round-off.
 _STILL = 1e-13
 # Counts from which the limit of a robot is extrapolated.
 _LIMIT_COUNTS = (40, 80)
@@ -60,7 +62,7 @@ def leg_convergence(
     discretisations: Sequence[Discretisation] = FORMULATIONS,
     counts: Sequence[int] = COUNTS,
 ) -> ConvergenceStudy:
-    """Convergence of one leg, root clamped, by formulation; raises as `_checked_counts` does.
+    """Convergence study of one leg with its root clamped. Raises as `_checked_counts` does.
 
     A leg of prismatic pieces has no closed solution; its limit is that of the beam elements.
     """
@@ -78,10 +80,10 @@ def robot_convergence(
     discretisations: Sequence[Discretisation] = FORMULATIONS,
     counts: Sequence[int] = COUNTS,
 ) -> ConvergenceStudy:
-    """Convergence of a robot in one posture, equal element counts in all legs.
+    """Convergence study of a robot in one posture, with equal element counts in all legs.
 
-    Raises InputError as `_checked_counts` does and for a robot without legs, ComputationError if
-    the tool is free to move or fewer than four modes have mass.
+    Raises InputError as `_checked_counts` does and for a robot without legs, and ComputationError
+    if the tool is free to move or fewer than four modes move mass.
     """
     mechanism = posture.mechanism
     if not (legs_of(mechanism) or mechanism.parts):
@@ -127,7 +129,10 @@ def _study(
 
 
 def _checked_counts(discretisation: Discretisation, counts: Sequence[int]) -> tuple[int, ...]:
-    """Counts that the formulation allows, ascending. Raises InputError if it allows none."""
+    """Element counts that the formulation allows, ascending.
+
+    Raises InputError if there are none.
+    """
     allowed_counts = tuple(
         sorted({count for count in counts if count >= discretisation.fewest_elements})
     )
@@ -171,10 +176,10 @@ def _series(
 def _smallest_count(
     counts: Sequence[int], errors: Callable[[int], Array], column: int, target: float
 ) -> int:
-    """Smallest count from which on |error| stays below `target`; 0 if the finest misses it.
+    """Smallest element count from which on |error| stays below `target`. 0 if there is none.
 
-    The error is taken as monotone between the last listed count that misses and the next one. The
-    count searched for lies where a power law through both meets the target, or near.
+    The error is assumed to be monotone between the last listed count that exceeds the target and
+    the next one. The search starts where a power law through both meets the target.
     """
     missed = [count for count in counts if errors(count)[column] > target]
     met = [count for count in counts if not missed or count > missed[-1]]
@@ -196,13 +201,13 @@ def _smallest_count(
 
 
 def leg_values(leg: ConstantLeg | SteppedLeg, discretisation: Discretisation) -> Array:
-    """Frequencies (Hz) and tip compliances (m/N) of one leg of elements, root clamped."""
+    """Frequencies (4, Hz) and tip compliances (3, m/N) of one leg with its root clamped."""
     matrices = leg_matrices(discretisation.model, leg, discretisation.options)
     return _values(clamped_modes(matrices, MODES).frequencies, tip_compliance_of(matrices))
 
 
 def _cantilever(leg: ConstantLeg, theory: Theory) -> tuple[Array, Array]:
-    """Exact values of the cantilever, and their half-widths, which are zero."""
+    """Exact frequencies and compliances of the cantilever, with half-widths of zero."""
     properties = leg.properties(theory)
     exact_modes = cantilever_frequencies(properties, leg.length, MODES)
     frequencies = np.array([mode.frequency for mode in exact_modes])
@@ -226,7 +231,7 @@ def _robot_values(posture: Posture, highest: float, discretisation: Discretisati
 
 
 def _beam_limit(evaluate: Evaluate, theory: Theory) -> tuple[Array, Array]:
-    """Richardson's limit of the beam elements, and half-widths of three times its last step."""
+    """Richardson's limit of the beam elements, and half-widths of three times the last error."""
     beams = Discretisation("beam", theory=theory)
     coarse, fine = (evaluate(beams.with_count(count)) for count in _LIMIT_COUNTS)
     limits = richardson(coarse, fine, _LIMIT_COUNTS[1] / _LIMIT_COUNTS[0], BEAM_ORDER)

@@ -1,12 +1,14 @@
-"""Leg by leg: VJM, links, rigid segments and beam elements against the solid of the same leg.
+"""Cases on one leg: VJM, links, segments and beam elements against the solid of the same leg.
 
-The leg is of constant section, its root clamped, its tip loaded or free. The end condition of the
-solid is that of [agree] in the robot file, else `ends` of the leg, else rigid (faces kept plane).
-Allowances are made for three named differences, each computed without the judged model: the end
-restraint by held end faces (fields that decay from the faces of a prism); section constants by
-formula in place of finite elements on the section, within the error of a correct formula
-(`validation.comparisons.section_formulas`); and distortion of the section in vibration (waves of
-3-D elasticity in a prism).
+Input: a leg of constant section with its root clamped. Output: a verdict for each model on six tip
+motions and four frequencies. Rule: the difference between model and solid, less the allowances
+below, must be within the tolerance of [agree]. The end condition of the solid is that of [agree],
+otherwise `ends` of the leg, otherwise rigid faces.
+
+Allowances are made for three named causes, each computed without the judged model: the end
+restraint of rigid faces, from fields that decay from the faces of a prism; section constants by
+formula, within the error of a correct formula (`validation.comparisons.section_formulas`);
+distortion of the section in vibration, from waves of 3-D elasticity in a prism.
 """
 
 from dataclasses import replace
@@ -58,15 +60,15 @@ HELD_SOURCE = (
     "solids with free and held ends, at most twice what fields that decay from held faces make "
     "(fem.couplings.end_effects)"
 )
-# Entry of the tip compliance that the modes of a kind strain most. _GROWTH: power of 2n − 1 with
-# which the share of strain energy at the ends grows at most with the order n, because waves become
-# shorter.
+# First table: entry of the tip compliance that a kind of mode strains most. Second table: power of
+# 2n − 1 with which the share of strain energy at the ends can grow with the order n, since waves
+# become shorter.
 _STRAINED = {"tension": (0, 0), "torsion": (3, 3), "bending y": (2, 2), "bending z": (1, 1)}
 _GROWTH = {"tension": 1, "torsion": 1, "bending y": 2, "bending z": 2}
 DISTORTION = "distortion of the section"
 FORMULA = "section constants by formula"
 FORMULA_SOURCE = "finite elements on the section, within the known error of the textbook's formulas"
-# Entries of the tip compliance by the motion that they give along their own load.
+# Diagonal entry of the tip compliance, and unit, of each motion under its own load.
 MOTIONS = {
     "x": (0, "m/N"),
     "y": (1, "m/N"),
@@ -75,14 +77,14 @@ MOTIONS = {
     "φy": (4, "rad/(N m)"),
     "φz": (5, "rad/(N m)"),
 }
-# Static formulations use the equivalent leg of a 6×6, as the solid does.
+# Static models use the equivalent prism of a 6×6, as the solid does.
 _OPTIONS = ModelOptions(legs="equivalent")
 STATIC_MODELS: tuple[ModelName, ...] = ("vjm", "links", "segments", "beam")
 DYNAMIC_MODELS: tuple[ModelName, ...] = ("segments", "beam")
 
-# Share of a leg's length within which a strip bends as a plate near an end.
+# Fraction of the length over which a strip bends as a plate near its ends.
 _SHORT = 0.1
-# Entry of the tip compliance that is torsion.
+# Index of torsion in the tip compliance.
 _TORSION = 3
 
 cases = CaseGroup(
@@ -132,8 +134,8 @@ def _motion(
     )
     diagonal = entry, entry
     theory = tip_compliance(leg.timoshenko, leg.length)[diagonal]
-    # The number of slices does not affect section constants: their uncertainty needs two meshes of
-    # the section.
+    # The number of slices along the leg does not affect section constants, so their uncertainty
+    # needs two section meshes.
     meshes = sections if sections[0] != sections[-1] else (sections[-1], SECTION_DIVISIONS)
     by_section = context.get(computed_compliances, leg, meshes)
     section_refinement = Refinement(meshes, by_section, formal_order(leg, "free"))
@@ -213,11 +215,11 @@ def _frequency(
 
 
 def _solid_statics(context: Context, body: str, ends: Ends) -> tuple[Refinement, tuple[int, ...]]:
-    """Tip compliances of the solid leg, and the divisions of the section in each of its meshes.
+    """Tip compliances of the solid leg on several meshes, and the section divisions of each mesh.
 
-    On the meshes by doubling that the preset allows. If these are fewer than two, on the two meshes
-    of the robot's solids, which may share their section and differ in slices along the leg. Raises
-    Skip if the preset takes none of them.
+    The meshes are those of the doubling method that the preset allows. If these are fewer than two,
+    the two meshes of the robot's solids, which may share the section mesh and differ in slices
+    along the leg. Raises Skip if the preset allows none of them.
     """
     leg = constant_leg_of(context, body)
     if shapeless := why_shapeless([leg]):
@@ -242,16 +244,16 @@ def _solid_statics(context: Context, body: str, ends: Ends) -> tuple[Refinement,
 
 
 def is_strip(leg: ConstantLeg) -> bool:
-    """True if the section is thin and wider than a tenth of the length."""
+    """True if a section is thin-walled or flat, and wider than a tenth of the leg's length."""
     smaller, larger = sorted(leg.section.extent)
     return larger > max(WALL_ASPECT * smaller, _SHORT * leg.length)
 
 
 def held_share(leg: ConstantLeg, divisions: int, kind: str) -> float:
-    """Relative change of a leg's stiffness by held end faces, under a load at its tip.
+    """Relative increase of a leg's stiffness due to rigid end faces, under a load at its tip.
 
     It is twice the relative change of a first frequency (Rayleigh), because the load strains both
-    ends.
+    ends. `kind` is the deformation, such as "torsion".
     """
     entry = _STRAINED[kind]
     restraint = face_restraints(leg, (divisions,))[0][entry]
@@ -259,13 +261,16 @@ def held_share(leg: ConstantLeg, divisions: int, kind: str) -> float:
 
 
 def compliance_band(leg: ConstantLeg, divisions: int) -> tuple[Array, Array]:
-    """Tip compliances (6×6) of the stiffest and the softest beam by correct textbook formulas."""
+    """Tip compliances (6×6, SI) of the stiffest and softest beam by correct textbook formulas."""
     soft, stiff = _band(leg, divisions)
     return tip_compliance(stiff, leg.length), tip_compliance(soft, leg.length)
 
 
 def frequency_band(leg: ConstantLeg, divisions: int, kinds: tuple[tuple[Kind, int], ...]) -> Array:
-    """Frequencies (2×k, Hz) by kind and order of the softest and stiffest beam by formula."""
+    """Frequencies (2×k, Hz) of the softest and the stiffest beam by formula.
+
+    `kinds` are the kind of deformation and the order of each of the k modes.
+    """
     band = _band(leg, divisions)
     return np.array(
         [[frequency_of_kind(beam, leg.length, *kind) for kind in kinds] for beam in band]
@@ -278,7 +283,7 @@ def _band(leg: ConstantLeg, divisions: int) -> tuple[BeamProperties, BeamPropert
 
 
 def limited(difference: float, band: tuple[float, float], uncertainty: float) -> float:
-    """Part of a difference within `band`, widened by `uncertainty` and containing zero."""
+    """Part of a difference within `band`, which is widened by `uncertainty` to contain zero."""
     low, high = min(0.0, *band) - uncertainty, max(0.0, *band) + uncertainty
     return min(max(difference, low), high)
 

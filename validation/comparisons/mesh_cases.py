@@ -1,8 +1,10 @@
-"""Cases and studies of the convergence with mesh: a leg as a solid, ends free and held.
+"""Cases and studies on the convergence of a solid leg with its mesh, for free and rigid ends.
 
-Tip compliances by doubling show orders, because coarse meshes are cheap. Frequencies have few
-meshes; a second family, unstructured tetrahedra, is compared with the hexahedra. CPU times are
-shown and do not affect verdicts.
+Input: a leg of constant section with its root clamped. Output: verdicts on observed orders, on
+half-widths, and on the agreement of hexahedra with tetrahedra. Rule: tip compliances by the
+doubling method have many cheap meshes and show orders. Frequencies have few meshes; their
+half-width must be at most 1 %, and tetrahedra must give the same f1 within the half-widths. CPU
+times are shown and affect no verdict.
 """
 
 from collections.abc import Sequence
@@ -35,7 +37,7 @@ from validation.studies_and_figures import MESHES, Study
 from validation.uncertainty.grid_convergence import Convergence, richardson
 
 END_NAMES: dict[Ends, str] = {"free": "free", "rigid": "held"}
-# Tetrahedra across the smaller side of a rectangle.
+# Numbers of tetrahedra across the smaller side of a rectangle.
 TETRAHEDRA = (1, 2)
 _CPU = "CPU time"
 
@@ -98,7 +100,8 @@ def _order(context: Context, body: str, name: str, ends: Ends) -> Measurement:
     )
     order = convergence.observed_order
     if order is None:
-        # The last one observed, by three meshes: undecided. NaN if the values do not converge.
+        # Order of the last three meshes, with infinite uncertainty: undecided. NaN if values do not
+        # converge.
         last = float(convergence.orders[-1])
         return Measurement(
             last, refinement.formal_order, value_uncertainty=inf, notes=notes, studies=(study,)
@@ -106,7 +109,7 @@ def _order(context: Context, body: str, name: str, ends: Ends) -> Measurement:
     return Measurement(
         order,
         refinement.formal_order,
-        # Change of the order by the finest mesh, and round-off of the last step.
+        # Change of the order due to the finest mesh, plus round-off of the last difference.
         value_uncertainty=float(
             abs(convergence.orders[-1] - convergence.orders[-2])
             + ROUND_OFF * abs(convergence.values[-1] / np.diff(convergence.values)[-1])
@@ -139,9 +142,9 @@ def _half_width(context: Context, body: str, ends: Ends) -> Measurement:
 
 
 def half_width_shares(refinement: Refinement) -> Array:
-    """Changes of the diagonal entries by the next finer mesh over their half-widths (m−2 × 6).
+    """Changes of the diagonal compliances to the next finer mesh, over half-widths (m−2 × 6).
 
-    The half-width of each mesh follows from this and the coarser ones.
+    The half-width of each of m meshes follows from this and the coarser ones.
     """
     rows = []
     for count in range(2, len(refinement.divisions)):
@@ -191,7 +194,8 @@ def _first_frequency(context: Context, body: str, ends: Ends, condition: str) ->
         _cost(body, f"hexahedra.{condition}", name, modes.unknowns, modes.seconds),
     )
     width = refinement.uncertainty(0) / float(values[-1])
-    # A mesh that is too coarse is no disagreement: the excess over the limit counts as uncertainty.
+    # A mesh that is too coarse is not a disagreement: the excess over the limit counts as
+    # uncertainty.
     return Measurement(
         width,
         0.01,
@@ -233,8 +237,8 @@ def _tetrahedra(context: Context, body: str, ends: Ends, condition: str) -> Meas
             meshes.unknowns,
             tetrahedral.values[:, 0],
             hexahedral.formal_order,
-            # Unstructured meshes are not similar, so that they have no limit of their own: errors
-            # are relative to the limit of the hexahedra.
+            # Unstructured meshes are not geometrically similar and have no extrapolated limit:
+            # errors are relative to the limit of the hexahedra.
             Convergence(tetrahedral.values[:, 0], np.array([]), None, limit, width),
         ),
         _cost(body, f"tetrahedra.{condition}", name, meshes.unknowns, meshes.seconds),
@@ -245,7 +249,7 @@ def _tetrahedra(context: Context, body: str, ends: Ends, condition: str) -> Meas
 
 
 def tetrahedral_modes(leg: ConstantLeg) -> dict[Ends, SolidModes]:
-    """First frequency of the leg by its ends on the meshes `TETRAHEDRA`; no MAC."""
+    """First frequency of the leg on the meshes `TETRAHEDRA`, by end condition. MAC is NaN."""
     rows_by_ends: dict[Ends, list[tuple[float, int, float]]] = {ends: [] for ends in END_NAMES}
     for number in TETRAHEDRA:
         start = process_time()
@@ -268,7 +272,10 @@ def _solid_modes(rows: Sequence[tuple[float, int, float]], order: float) -> Soli
 
 
 def _convergence(refinement: Refinement) -> Convergence:
-    """Convergence of the first value. With too few meshes its limit is by the formal order."""
+    """Convergence record of the first value.
+
+    With too few meshes the limit follows the formal order.
+    """
     if len(refinement.divisions) >= GRIDS_FOR_ORDER:
         return refinement.at(0)
     values = refinement.values[:, 0]
@@ -288,7 +295,7 @@ def _study(
     convergence: Convergence,
     notes: tuple[str, ...] = (),
 ) -> Study:
-    """Study of values over unknowns. `panel` has the title, the label of y, and the unit."""
+    """Study of values over unknowns. `panel` has the title, the label of y and the unit."""
     title, label, unit = panel
     observed = convergence.observed_order
     width, limit = convergence.uncertainty, convergence.extrapolated

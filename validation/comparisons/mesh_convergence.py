@@ -1,8 +1,10 @@
-"""Convergence with mesh: a leg of quadratic hexahedra over the divisions of its section.
+"""Convergence study of a solid leg of quadratic hexahedra over the divisions of its section.
 
-No closed solution of the solid exists: its limit is extrapolated (Richardson). From four meshes on
-the observed order decides (`validation.uncertainty.grid_convergence.analyse`), with two or three
-the formal one, f∞ = f_n + (f_n − f_m)/((n/m)^p − 1), and three times that step is its half-width.
+Input: a leg with its root clamped, and at least two divisions. Output: a `ConvergenceStudy`. Rule:
+the solid has no closed solution; its limit is extrapolated (Richardson). From four meshes on, the
+observed order is used (`validation.uncertainty.grid_convergence.analyse`). With two or three it is
+the formal one, f∞ = f_n + (f_n − f_m)/((n/m)^p − 1), and three times that correction is the
+half-width.
 """
 
 from collections.abc import Sequence
@@ -23,7 +25,7 @@ from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
 
 DIVISIONS = (1, 2, 3, 4)
 SOLIDS = (Discretisation("solid", ends="rigid"), Discretisation("solid", ends="free"))
-# Fewest meshes from which an order can be observed.
+# Smallest number of meshes that shows an order.
 _FEWEST_FOR_ORDER = 4
 
 
@@ -34,7 +36,7 @@ def leg_mesh_convergence(
     discretisations: Sequence[Discretisation] = SOLIDS,
     divisions: Sequence[int] = DIVISIONS,
 ) -> ConvergenceStudy:
-    """Convergence of one leg as a solid, root clamped.
+    """Convergence study of one leg as a solid with its root clamped.
 
     Raises InputError for fewer than two meshes or a section that cannot be meshed.
     """
@@ -90,7 +92,7 @@ def _values(leg: ConstantLeg, discretisation: Discretisation) -> Array:
 
 
 def _limits(counts: tuple[int, ...], values: Array, formal: float) -> tuple[Array, Array, Array]:
-    """Limits (q), their half-widths (q, units of the values) and observed orders (q)."""
+    """Limits (q), their half-widths (q, in the units of the values) and observed orders (q)."""
     ratio = counts[-1] / counts[-2]
     policy = MeshPolicy.of_order(ratio, formal)
     limits = richardson(values[-2], values[-1], ratio, formal)
@@ -108,7 +110,7 @@ def _limits(counts: tuple[int, ...], values: Array, formal: float) -> tuple[Arra
 
 
 def _smallest_listed_count(counts: tuple[int, ...], errors: Array, target: float) -> int:
-    """Smallest of `counts` from which on the error stays below `target`; 0 if none does."""
+    """Smallest of `counts` from which on the error stays below `target`. 0 if there is none."""
     missed = np.flatnonzero(errors > target)
     first = int(missed[-1]) + 1 if len(missed) else 0
     return counts[first] if first < len(counts) else 0

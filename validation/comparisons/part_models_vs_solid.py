@@ -1,13 +1,13 @@
-"""CAD parts of two interfaces: stepped segments and beams, and condensed parts, against solids.
+"""Case on a CAD part with two interfaces: stepped and condensed models against the solid.
 
-The first interface of the part is clamped; the second is loaded, or free. Ribs, lugs and fillets
-are in the solid and not in a stepped beam, and the condensed part has six modes: these differences
-are named, not bounded, so that no small tolerance applies to them. They are shown without a
-verdict; the matrix of models judges the robot for the user's [accept] limits.
+Input: a CAD part, its first interface clamped, its second loaded or free. Output: one verdict, and
+values of the models without a verdict. Rule for the verdict: stiffness and mass condensed to the
+interfaces (Guyan, AIAA J. 3 (1965) 380) restrain the part to static shapes, so by Rayleigh's
+principle no frequency can lie below that of the same number of the solid on the same mesh.
 
-The judged bound follows from Rayleigh's principle. Stiffness and mass condensed on the interfaces
-(Guyan, AIAA J. 3 (1965) 380) restrain the part to static shapes. No frequency can therefore be
-below the frequency of the same number of the solid on the same mesh.
+Ribs, lugs and fillets are in the solid and not in a stepped beam, and a condensed part has six
+modes only. These differences are named but not bounded, so no small tolerance applies. The matrix
+of models judges them by the limits of [accept].
 """
 
 from collections.abc import Iterator
@@ -42,9 +42,10 @@ UNITS = (*(unit for _, unit in MOTIONS.values()), *MODES * ("Hz",))
 
 @dataclass(frozen=True, eq=False)
 class PartValues:
-    """Tip compliances (6, SI, leg axes), then frequencies (Hz) in ascending order.
+    """Tip compliances (6, SI, leg axes), then frequencies (Hz, ascending) of a clamped part.
 
-    `half_widths` are those of the mesh, NaN for a given mesh or a model without one.
+    `half_widths` are those due to the mesh. NaN for a part given as a mesh, and for models without
+    one.
     """
 
     values: Array
@@ -52,23 +53,23 @@ class PartValues:
 
 
 def parts_as_legs(mechanism: Mechanism) -> tuple[str, ...]:
-    """Names of the CAD parts of two interfaces."""
+    """Names of the CAD parts with two interfaces."""
     return tuple(name for name, body in mechanism.parts.items() if is_leg(body))
 
 
 def solid_values(body: Body) -> PartValues:
-    """The identified part on its finest mesh, first interface clamped."""
+    """Values of a CAD part as a solid on its finest mesh, with the first interface clamped."""
     part, rotation = identified(body), leg_axes(body).rotation.T
     block = np.abs(turn(rotation))
     return PartValues(
         _values(turn_matrix(part.compliance, rotation), part.frequencies),
-        # Half-widths of the entries add up at most.
+        # The half-width of a sum is at most the sum of half-widths.
         _values(block @ part.compliance_refinement @ block.T, part.frequency_refinement),
     )
 
 
 def condensed_values(body: Body) -> Array:
-    """Tip compliances and frequencies of the condensed part, first interface clamped."""
+    """Tip compliances and frequencies of a condensed CAD part with the first interface clamped."""
     part, tip = identified(body), np.s_[6:, 6:]
     squared = eigh(part.stiffness[tip], part.mass[tip], eigvals_only=True)
     compliance = np.linalg.inv(part.stiffness[tip]).astype(float)
@@ -77,7 +78,10 @@ def condensed_values(body: Body) -> Array:
 
 
 def stepped_values(body: Body, discretisation: Discretisation) -> Array:
-    """Tip compliances and frequencies of the part as prismatic pieces. Raises as `stepped` does."""
+    """Tip compliances and frequencies of a CAD part as prismatic pieces.
+
+    Raises as `stepped` does.
+    """
     matrices = leg_matrices(discretisation.model, stepped(body), discretisation.options)
     return _values(tip_compliance_of(matrices), clamped_modes(matrices, MODES).frequencies)
 
@@ -114,7 +118,7 @@ def _bound(context: Context, body: str, limits: AgreementLimits) -> Measurement:
     pairs = zip(QUANTITIES[first:], condensed[first:], solid.values[first:], strict=True)
     (_, value, reference), *other_pairs = pairs
     notes = []
-    # Both are on one mesh, so that its half-widths do not affect the difference.
+    # Both models have the same mesh, whose half-widths do not affect the difference.
     unjudged_values = [
         *_unjudged_values("condensed", 0, condensed, replace(solid, half_widths=0.0 * solid.values))
     ]
@@ -133,7 +137,10 @@ def _bound(context: Context, body: str, limits: AgreementLimits) -> Measurement:
 
 
 def _stepped(body: Body, limits: AgreementLimits, solid: PartValues) -> Iterator[UnjudgedValue]:
-    """Values of the stepped forms; elements are those of [agree], a whole number in each piece."""
+    """Values of a CAD part as prismatic pieces.
+
+    The elements of [agree] are rounded to whole ones per piece.
+    """
     elements = PIECES * max(1, round(limits.elements / PIECES))
     for model in _STEPPED:
         values = stepped_values(body, Discretisation(model, elements=elements))

@@ -1,4 +1,8 @@
-"""Convergence study of a robot or of one of its legs."""
+"""Convergence study that a user requests by command or Python, of a robot or one of its legs.
+
+Input: a mechanism and the options of the request. Output: a `ConvergenceStudy`. Raises InputError
+with all faults of the options.
+"""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -29,11 +33,11 @@ def convergence(
     theory: Theory | None = None,
     limits: AgreementLimits = DEFAULT_LIMITS,
 ) -> ConvergenceStudy:
-    """Convergence of the robot in the middle of its path, or of the leg `body`.
+    """Convergence study of the robot in the middle of its path, or of the leg `body`.
 
     `model` None: segments in both layouts, and beam elements. `theory` None: Timoshenko's.
-    `elements` None: the usual counts and that of `limits`. Raises InputError with every fault of
-    the arguments.
+    `elements` None: the usual counts and that of `limits`. Raises InputError with all faults of the
+    arguments.
     """
     if faults := _faults(mechanism, model, body, elements, divisions, theory):
         raise InputError(faults)
@@ -49,7 +53,8 @@ def convergence(
     ]
     counts = tuple(elements or {*COUNTS, limits.elements})
     if body in mechanism.parts or (body is None and mechanism.parts):
-        # Each prismatic piece has whole elements; the literal layout is about one prism.
+        # Each prismatic piece has a whole number of elements. The literal layout is defined for one
+        # prism.
         discretisations = [
             discretisation
             for discretisation in discretisations
@@ -69,13 +74,16 @@ def convergence(
 
 
 def leg_names(mechanism: Mechanism) -> list[str]:
-    """Bodies that converge leg by leg: prisms, 6×6 legs and CAD parts of two interfaces."""
+    """Names of the bodies with a convergence study: prisms, 6×6 legs and some CAD parts.
+
+    CAD parts have one if they have two interfaces.
+    """
     parts = (name for name, part in mechanism.parts.items() if is_leg(part))
     return [*legs_of(mechanism), *parts]
 
 
 def middle_posture(mechanism: Mechanism) -> Posture:
-    """Posture in the middle of the path; the reference posture if the tool prescribes nothing."""
+    """Posture in the middle of the path. The reference posture if the robot has no path."""
     poses = mechanism.poses
     return (
         posture(mechanism, poses[len(poses) // 2]) if len(poses) else reference_posture(mechanism)

@@ -1,15 +1,15 @@
-"""The whole robot: VJM, links, segments and beam elements against the robot with solid legs.
+"""Cases on the whole robot: VJM, links, segments and beams against the robot with solid legs.
 
-All legs are of constant section; a leg known by its 6×6 is replaced by its equivalent leg. The
-robot is in the middle of its path. The end condition of the solids is that of [agree] in the robot
-file, else `ends` of each leg, else rigid (faces kept plane). Named differences are those of a
-single leg (`validation.comparisons.leg_beam_vs_solid`), carried through the robot: each is the
-difference of two robots, with legs that have it and legs that do not.
+Input: the robot in the middle of its path, with all legs of constant section; a leg known by its
+6×6 is replaced by its equivalent prism. Output: a verdict for each model on six tool motions and
+four frequencies. Rule: as for a single leg (`leg_beam_vs_solid`), the difference less the
+allowances must be within the tolerance of [agree]. Each allowance is the difference between two
+robots, whose legs have the cause or not. The end condition of the solids is that of [agree],
+otherwise `ends` of each leg, otherwise rigid faces.
 
 Statics: legs by their tip compliance, solids by doubling on two meshes. Dynamics: solids reduced to
 their ends; beams with section constants computed on the mesh of the solid, with and without the
-waves of 3-D elasticity (`validation.cases.leg_waves`). Modes are paired by shape with those of the
-reference.
+waves of 3-D elasticity (`validation.cases.leg_waves`). Modes are paired by shape.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -95,22 +95,22 @@ from validation.solids.solid_size import too_large, why_shapeless
 from validation.studies_and_figures import AGREEMENT
 from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
 
-# Remedies for a comparison that is undecided because of held faces, or of meshes.
+# Remedies for an undecided comparison, if the cause are rigid faces, or meshes.
 _FREE_ENDS = "held end faces change this mode by more than their theory; compare with free ends"
 _REFINE = "refine the models"
-# Largest decay length of warping over the length of a leg. The waves neglect warping, which is 3e-4
-# of f4 of the built-in robot, whose leg 2 has a share of 0.106.
+# Largest decay length of warping over the length of a leg for which waves are computed, since they
+# neglect warping. With a ratio of 0.106, as leg 2 of the built-in robot, this is 3e-4 of f4.
 _WARPING = 0.2
-# Share of the largest motion of its kind below which a motion is round-off of zero.
+# Fraction of the largest translation or rotation below which a motion is round-off.
 _STILL = 1e-9
-# Factor on the change of a frequency by Reissner's theory of held warping, which is within a fifth
+# Factor on the frequency change by Reissner's theory of restrained warping, which is within a fifth
 # of the change by solids.
 _REISSNER = 1.2
 HELD_SOURCE = (
     "solids with free and held ends, at most what beams with warping and, in bending and tension, "
     "fields that decay from held faces make"
 )
-# Meshes of `RobotStatics` and `RobotModes` by row.
+# Row indices of the meshes in `RobotStatics` and `RobotModes`.
 _COARSE, _FINE = 0, 1
 
 cases = CaseGroup(
@@ -123,19 +123,19 @@ cases = CaseGroup(
 )
 
 
-# Tip compliance (6×6, SI, leg axes) of a leg by its name, on a mesh.
+# Function that returns the tip compliance (6×6, SI, leg axes) of a named leg on a mesh.
 Spring: TypeAlias = Callable[[str, ConstantLeg, int], Array]
 
 
 @dataclass(frozen=True, eq=False)
 class RobotStatics:
-    """Motions (6, SI) of the tool along and about the axes under their unit loads.
+    """Motions (6, SI) of the tool along and about the base axes under their own unit loads.
 
-    On two meshes (2×6, coarse and fine), whose sizes differ by `ratio` at least: `solid` legs,
-    `computed` (beams with section constants computed on the mesh of the solid) and `restrained`
-    (the same beams with the end restraint of held faces). `other_mesh` are the `computed` values on
-    a section mesh other than the fine one. `textbook` are beams with textbook constants, `soft` and
-    `stiff` the bounds of textbook constants by correct formulas.
+    On a coarse and a fine mesh (2×6), whose sizes differ at least by `ratio`: `solid` legs;
+    `computed`, beams with section constants computed on the mesh of the solid; `restrained`, the
+    same beams with the end restraint of rigid faces. `other_mesh` (6): the computed beams on a
+    section mesh other than the fine one. `textbook` (6): beams with textbook constants; `soft` and
+    `stiff` (6): the limits of correct textbook formulas.
     """
 
     solid: Array
@@ -150,14 +150,14 @@ class RobotStatics:
 
 @dataclass(frozen=True, eq=False)
 class RobotModes:
-    """Frequencies (Hz) of the first modes (k) of solid legs, and of their partners by shape.
+    """Frequencies (Hz) of the first k modes with solid legs, and of their partners in beam models.
 
-    On the coarse and the fine mesh (2×k): solids with `specified_ends` and with `free_ends`; beams
-    with section constants `computed` on the mesh of the solid; and the relative change of those by
-    `distortion` of the section (waves in the legs). `held_end_changes` (k) are the relative changes
-    by held ends of beams with warping. `textbook`, `soft` and `stiff` (k) as in `RobotStatics`. NaN
-    for a mode without a partner. `reference` are the modes with `specified_ends` on the fine mesh,
-    with which models are paired.
+    On a coarse and a fine mesh (2×k): solids with `specified_ends` and with `free_ends`;
+    `computed`, beams with section constants computed on the mesh of the solid; `distortion`,
+    relative change of the latter by distortion of the section (waves in the legs).
+    `held_end_changes` (k): relative changes due to rigid ends, by beams with warping. `textbook`,
+    `soft` and `stiff` (k) as in `RobotStatics`. NaN for a mode without a partner. `reference`:
+    modes with `specified_ends` on the fine mesh, with which models are paired.
     """
 
     reference: PathModes
@@ -172,7 +172,7 @@ class RobotModes:
 
 
 def constant_posture(context: Context) -> Posture:
-    """The middle posture of the path, the robot on legs of constant section."""
+    """Posture in the middle of the path, with all legs replaced by prisms of constant section."""
     return context.get(_constant_posture, path_postures(context))
 
 
@@ -183,7 +183,7 @@ def _constant_posture(postures: tuple[Posture, ...]) -> Posture:
 
 
 def _require_prisms(mechanism: Mechanism) -> None:
-    """Raise Skip for a robot with CAD parts in place of legs of constant section."""
+    """Raise Skip if a robot has CAD parts instead of legs of constant section."""
     if parts := ", ".join(mechanism.parts):
         raise Skip(
             f"{parts}: CAD parts, not legs of constant section; the table of models below "
@@ -192,12 +192,12 @@ def _require_prisms(mechanism: Mechanism) -> None:
 
 
 def _ends(mechanism: Mechanism, limits: AgreementLimits) -> Holds:
-    """End conditions of the solids by leg."""
+    """End condition of the solid of each leg, by body name."""
     return {name: limits.ends_of(leg.ends) for name, leg in _prisms(mechanism).items()}
 
 
 def _prisms(mechanism: Mechanism) -> dict[str, ConstantLeg]:
-    """Legs of constant section by name. Equal legs are one object."""
+    """Legs of constant section by body name. Equal legs are one object."""
     return {
         name: leg for name, leg in known_legs(mechanism).items() if isinstance(leg, ConstantLeg)
     }
@@ -206,11 +206,12 @@ def _prisms(mechanism: Mechanism) -> dict[str, ConstantLeg]:
 def robot_statics(
     posture: Posture, preset: Preset, limits: AgreementLimits = DEFAULT_LIMITS
 ) -> RobotStatics:
-    """Statics with solid legs and with their beams, on the two finest meshes of a preset."""
+    """Tool motions with solid legs and with the corresponding beams, on two meshes of a preset."""
     mechanism = posture.mechanism
     legs, ends = _prisms(mechanism), _ends(mechanism, limits)
     meshes = {name: mesh_pair(leg, most_unknowns(preset, leg)) for name, leg in legs.items()}
-    # If both meshes share the section, a third section mesh gives the uncertainty of the constants.
+    # If both meshes share the section mesh, a third one gives the uncertainty of the section
+    # constants.
     other = {
         name: coarse if coarse != fine else SECTION_DIVISIONS
         for name, ((coarse, _), (fine, _)) in meshes.items()
@@ -255,13 +256,13 @@ def robot_statics(
 
 @memo(16)
 def _computed_tip(leg: ConstantLeg, divisions: int) -> Array:
-    """Tip compliance (6×6) of the beam with section constants computed on `divisions`."""
+    """Tip compliance (6×6, SI) of the beam with section constants computed on `divisions`."""
     return tip_compliance(own_properties(leg, divisions), leg.length)
 
 
 @memo(16)
 def _band(leg: ConstantLeg, divisions: int) -> tuple[BeamProperties, BeamProperties]:
-    """Softest and stiffest beam that correct textbook formulas can make of a leg."""
+    """Softest and stiffest beam that correct textbook formulas allow for a leg."""
     constants = leg_constants(leg, divisions)
     return formula_band(leg, constants, beam_properties(constants, leg.material))
 
@@ -335,7 +336,10 @@ def _step(change: float, ratio: float) -> float:
 def robot_modes(
     posture: Posture, meshes: SolidMeshes, count: int, limits: AgreementLimits = DEFAULT_LIMITS
 ) -> RobotModes:
-    """Modes with solid legs and with their beams, on two meshes, `count` of each computed."""
+    """Frequencies with solid legs and with the corresponding beams, on two meshes.
+
+    `count` modes are computed of each model.
+    """
     legs, ends = _prisms(posture.mechanism), _ends(posture.mechanism, limits)
     free: Holds = dict.fromkeys(legs, "free")
 
@@ -352,15 +356,15 @@ def robot_modes(
 
     faces = [{name: mesh.section_divisions(leg) for name, leg in legs.items()} for mesh in meshes]
     computed, distortion = [], []
-    for face in faces:
-        beams = {leg: own_beam(leg, face[name]) for name, leg in legs.items()}
+    for section_divisions in faces:
+        beams = {leg: own_beam(leg, section_divisions[name]) for name, leg in legs.items()}
         vibration, reduced = _beam_vibration(posture, beams, count)
         frequencies, numbers = partner(vibration)
         by_waves = wave_changes(
             (posture,),
             {name: reduced[leg] for name, leg in legs.items()},
             {name: beams[leg] for name, leg in legs.items()},
-            waves_of(legs, face),
+            waves_of(legs, section_divisions),
             elements=ELEMENTS,
             offered=count,
             count=int(numbers.max()) + 1,
@@ -392,7 +396,7 @@ def robot_modes(
 
 
 def _section_band(leg: ConstantLeg, divisions: int) -> tuple[BeamProperties, BeamProperties]:
-    """Softest and stiffest beam by correct formulas, on the section mesh of the solid."""
+    """Softest and stiffest beam by correct textbook formulas, on the section mesh of the solid."""
     material = leg.material
     constants = section_constants(
         section_mesh(leg.section, divisions), material.nu, material.G / material.E
@@ -403,7 +407,7 @@ def _section_band(leg: ConstantLeg, divisions: int) -> tuple[BeamProperties, Bea
 def _beam_vibration(
     posture: Posture, beams: Mapping[ConstantLeg, LegMatrices], count: int
 ) -> tuple[PathModes, dict[ConstantLeg, CraigBampton]]:
-    """Modes of the robot with `beams` as legs, and the reduced beams."""
+    """Modes of the robot with the beam models of its legs, and the reduced beams."""
     highest = highest_frequency((posture,), count)
     reduced = {
         leg: craig_bampton(held_leg(beam), highest, CUTOFF["beam"] * highest)
@@ -416,14 +420,17 @@ def _beam_vibration(
 
 
 def _mode_count(context: Context) -> int:
-    """Number of computed modes: that of the verdicts if these have the same solids, else fewer."""
+    """Number of modes to compute: that of the adequacy verdicts if the solids are the same.
+
+    Fewer otherwise.
+    """
     legs = known_legs(context.robot_file.mechanism).values()
     shared = all(isinstance(leg, ConstantLeg) for leg in legs)
     return offered(max(MODES, context.robot_file.requirement.modes)) if shared else offered(1)
 
 
 def _require_waves(context: Context, legs: Sequence[ConstantLeg], meshes: SolidMeshes) -> None:
-    """Raise Skip if a preset does not mesh the legs, or if beams with waves neglect a cause."""
+    """Raise Skip if a preset cannot mesh the legs, or if the wave theory neglects a cause."""
     numbers = [meshes.fine.divisions(leg) for leg in legs]
     if reason := too_large(legs, numbers, context.preset):
         raise Skip(reason)
@@ -466,7 +473,7 @@ def _frequency(
     posture = constant_posture(context)
     legs = list(_prisms(posture.mechanism).values())
     coarse, fine = solid_meshes(context.preset)
-    # At least four divisions, as in the reference of the verdicts: fewer are too stiff.
+    # Four divisions at least, as in the reference of the adequacy verdicts. Fewer are too stiff.
     meshes = SolidMeshes(coarse, fine._replace(least=COARSEST_WALLS))
     _require_waves(context, legs, meshes)
     count = _mode_count(context)
@@ -503,13 +510,13 @@ def _frequency(
     share = _REISSNER * float(modes.held_end_changes[index]) + max(shares, default=0.0)
     faces = limited(difference, (-share * reference, 0.0), half_width(*steps))
     # Static fields underestimate the end restraint in vibration, for short waves by less than a
-    # factor of two. Within this factor the comparison is undecided, beyond it the solid is wrong.
+    # factor of two. Within this factor the comparison is undecided; beyond it the solid is wrong.
     beyond = abs(difference - faces) if abs(difference) <= 2.0 * abs(faces) else 0.0
     return Measurement(
         value,
         reference,
         reference_uncertainty=half_width(steps[0]),
-        # Constants, waves and solids share the error of one section mesh, which cancels.
+        # Section constants, waves and solids share the error of one section mesh, which cancels.
         judged_uncertainty=half_width(float(residuals[_FINE] - residuals[_COARSE])) + beyond,
         allowances=(
             Allowance(HELD_FACES, faces, HELD_SOURCE),

@@ -34,7 +34,7 @@ from lumped.sections import HollowRectangle, ISection, OutlinedSection
 
 
 class Limits(NamedTuple):
-    """Smallest and largest ratio of a textbook constant to the exact one."""
+    """Smallest and largest ratio of a textbook section constant to the exact one."""
 
     low: float
     high: float
@@ -46,9 +46,9 @@ _EXACT = Limits(1.0, 1.0)
 def formula_band(
     leg: ConstantLeg, constants: SectionConstants, exact_beam: BeamProperties
 ) -> tuple[BeamProperties, BeamProperties]:
-    """Softest and stiffest beam that correct textbook formulas can make of the section.
+    """Softest and stiffest beam that correct textbook formulas allow for the section.
 
-    `exact_beam` has the `constants`, which are those of finite elements on the section.
+    `constants` are those by finite elements of the section, and `exact_beam` is the beam with them.
     """
     torsion = torsion_limits(leg)
     softer, stiffer = exact_beam, exact_beam
@@ -68,7 +68,7 @@ def formula_band(
 
 
 def torsion_limits(leg: ConstantLeg) -> Limits:
-    """Limits on J by formula over the exact one."""
+    """Limits of the torsion constant J by formula, over the exact one."""
     section = leg.section
     if isinstance(section, HollowRectangle):
         b, h = section.width - section.thickness, section.height - section.thickness
@@ -84,14 +84,14 @@ def torsion_limits(leg: ConstantLeg) -> Limits:
 
 
 class ShearLimits(NamedTuple):
-    """Limits on κ by formula over the exact one, by mean displacement or by strain energy."""
+    """Limits of κ by formula, over the exact κ by mean displacement or by strain energy."""
 
     limits: Limits
     of_mean_displacement: bool = True
 
 
 def shear_limits(leg: ConstantLeg, axis: int) -> ShearLimits:
-    """Limits on κ for shear along y (`axis` 0) or z (1)."""
+    """Limits of the shear coefficient κ along y (`axis` 0) or z (1), over the exact one."""
     section = leg.section
     if isinstance(section, HollowRectangle):
         web = section.extent[axis] - section.thickness

@@ -1,4 +1,4 @@
-"""Kinematics of a mechanism without any model: mobility, postures, and pictures of them.
+"""Kinematics of a mechanism without elasticity: mobility, postures and pictures of them.
 
-In: a robot file and poses. Out: text, JSON, a picture.
+Input: a robot file and poses. Output: text, JSON or a picture.
 """

@@ -1,4 +1,7 @@
-"""Mobility and joint coordinates as text for terminals and as JSON for programs."""
+"""Mobility and joint coordinates of a mechanism, as text and as JSON.
+
+Input: a mechanism and its postures. Output: lines for a terminal (degrees, mm) or JSON (rad, m).
+"""
 
 import json
 from collections import Counter
@@ -16,7 +19,7 @@ from lumped.text import counted
 
 
 def mobility_text(mechanism: Mechanism) -> str:
-    """Three lines with bodies and joints, mobility, and constraints in the reference posture."""
+    """Three lines on bodies and joints, mobility, and constraints in the reference posture."""
     motions = mobility(reference_posture(mechanism))
     kinds = Counter(joint.kind for joint in mechanism.joints)
     driven = sum(joint.drive is not None for joint in mechanism.joints)
@@ -36,9 +39,9 @@ def mobility_text(mechanism: Mechanism) -> str:
 
 
 def as_text(mechanism: Mechanism, postures: Sequence[Posture]) -> str:
-    """Mobility, then the coordinates of all joints in each posture, zero in the reference posture.
+    """Mobility, then the coordinates of all joints in each posture, in degrees and mm.
 
-    Angles in degrees, displacements in mm.
+    Coordinates are zero in the reference posture.
     """
     lines = [f"{mechanism.name}: {mobility_text(mechanism)}"]
     for number, posture in enumerate(postures, start=1):
@@ -60,10 +63,9 @@ def as_text(mechanism: Mechanism, postures: Sequence[Posture]) -> str:
 
 
 def as_json(mechanism: Mechanism, postures: Sequence[Posture]) -> str:
-    """Mobility and joint coordinates as JSON (schema 1).
+    """Mobility and joint coordinates as JSON (schema 1), in m and rad.
 
-    Coordinates in m and rad. The residual is the largest gap of the loops relative to the size of
-    the mechanism.
+    The residual is the largest gap of the closed loops relative to the size of the mechanism.
     """
     closure = Closure(mechanism)
     document = {

@@ -1,7 +1,8 @@
-"""Picture of a mechanism: one posture in full, the others as lines, bodies and joints with names.
+"""Scene of a mechanism: one posture with all surfaces, the others as lines, with names.
 
-The view of a mechanism whose joints lie in one plane is along the normal of the plane. Other
-mechanisms are seen obliquely from above. The projection is parallel.
+Input: a mechanism and its postures. Output: a `Scene` for `validation.drawing`. Rule: a mechanism
+whose joints lie in one plane is seen along the normal of that plane, any other obliquely from
+above. The projection is parallel.
 """
 
 from collections.abc import Sequence
@@ -33,10 +34,10 @@ _SECOND_LEG_COLOUR, _LINE_COLOUR = "#b5cbb7", "#b4c1cc"
 
 
 def scene(mechanism: Mechanism, postures: Sequence[Posture], *, named: bool = True) -> Scene:
-    """Scene with the middle one of the postures in full and the others as lines.
+    """Scene with the middle posture as surfaces and the others as lines.
 
-    A picture that is not `named` has no names of bodies and joints, and no pose in its title. It is
-    small and stands beside a text that gives the posture.
+    If not `named`, names of bodies and joints and the pose are omitted, for small pictures beside a
+    text that gives the posture.
     """
     full_posture = postures[len(postures) // 2]
     second_colour = _second_colour_legs(mechanism)
@@ -71,19 +72,19 @@ def scene(mechanism: Mechanism, postures: Sequence[Posture], *, named: bool = Tr
 
 
 def _second_colour_legs(mechanism: Mechanism) -> set[str]:
-    """Names of legs in the second colour, so that legs that meet in a joint differ in colour."""
+    """Names of legs to be drawn in the second colour, so that legs that meet in a joint differ."""
     second_colour: set[str] = set()
     legs = [name for name, body in mechanism.bodies.items() if is_leg(body)]
     pairs = [(joint.first.body, joint.second.body) for joint in mechanism.joints]
-    for number, name in enumerate(legs):
-        first_colour = set(legs[:number]) - second_colour
+    for index, name in enumerate(legs):
+        first_colour = set(legs[:index]) - second_colour
         if any(a == name and b in first_colour for pair in pairs for a, b in permutations(pair)):
             second_colour.add(name)
     return second_colour
 
 
 def _body_lines(postures: Sequence[Posture]) -> list[Wire]:
-    """Lines between the interfaces of each body in all postures."""
+    """Lines between the interfaces of each body, in all postures."""
     wires = []
     for posture in postures:
         for name, body in posture.mechanism.bodies.items():
@@ -100,7 +101,7 @@ def _body_lines(postures: Sequence[Posture]) -> list[Wire]:
 
 
 def _rails(postures: Sequence[Posture]) -> list[Wire]:
-    """Rails on ground over the positions of each sliding joint in all postures."""
+    """Rails on the ground, through the positions of each sliding joint in all postures."""
     return [
         _polyline(
             np.array([interface_position(posture, joint.second) for posture in postures]), DARK, 3.0
@@ -116,7 +117,7 @@ def _polyline(points: Array, colour: str, width: float) -> Wire:
 
 
 def _names(posture: Posture) -> list[Label]:
-    """Names of bodies (upright) and joints (slanted)."""
+    """Labels of bodies (upright) and joints (slanted)."""
     labels = []
     for name, body in posture.mechanism.bodies.items():
         if name != GROUND:

@@ -1,4 +1,8 @@
-"""Poses typed on the command line, and their postures."""
+"""Poses from the command line, and the postures of a mechanism for them.
+
+Input: texts such as "0.25,0.6", or poses. Output: postures with closed loops. Raises InputError
+with all poses that are malformed or out of reach.
+"""
 
 from collections.abc import Iterable, Sequence
 from functools import partial
@@ -12,13 +16,13 @@ from lumped.mechanism.kinematics.postures import posture
 from lumped.mechanism.mechanism import Mechanism, Posture
 from validation.console.streams import write_message
 
-# Number of poses from whose computation the time of the rest is estimated, and the largest
-# estimate (s) for which no message is written.
+# First number: poses after which the time for the remainder is estimated. Second number: largest
+# estimate (s) without a message.
 _TIMED_POSES, _SILENT_SECONDS = 10, 2.0
 
 
 def parsed_pose(mechanism: Mechanism, text: str) -> Array:
-    """Pose (SI) from typed numbers in the unit of length of the file, separated by commas.
+    """Pose (SI) from numbers separated by commas, in the unit of length of the robot file.
 
     Raises InputError for any other text.
     """
@@ -36,7 +40,7 @@ def parsed_pose(mechanism: Mechanism, text: str) -> Array:
 
 
 def parsed_poses(mechanism: Mechanism, texts: Iterable[str]) -> list[Array]:
-    """Poses from typed texts. Raises InputError with the faults of all texts."""
+    """Poses (SI) from texts. Raises InputError with the faults of all texts."""
     poses, faults = collect_faults(partial(parsed_pose, mechanism), texts)
     if faults:
         raise InputError(faults)
@@ -44,7 +48,7 @@ def parsed_poses(mechanism: Mechanism, texts: Iterable[str]) -> list[Array]:
 
 
 def postures_of(mechanism: Mechanism, poses: Sequence[Array] | Array) -> list[Posture]:
-    """Postures of all poses. An estimate of the time is written to stderr if it is long.
+    """Posture of each pose. A long computing time is announced on stderr.
 
     Raises InputError with the faults of all poses that have no posture.
     """
@@ -55,9 +59,10 @@ def postures_of(mechanism: Mechanism, poses: Sequence[Array] | Array) -> list[Po
 
 
 def postures_on_path(mechanism: Mechanism, poses: Sequence[Array] | Array) -> list[Posture]:
-    """Postures of poses on the path. Poses of a grid that are out of reach are left out.
+    """Posture of each pose on a path. Poses of a grid that are out of reach are omitted.
 
-    Raises InputError if a pose of another path, or every pose of a grid, is out of reach.
+    Raises InputError if a pose of a path that is not a grid, or every pose of a grid, is out of
+    reach.
     """
     postures, faults = _postures_and_faults(mechanism, poses)
     if faults and not (mechanism.grid and postures):
@@ -68,7 +73,7 @@ def postures_on_path(mechanism: Mechanism, poses: Sequence[Array] | Array) -> li
 def _postures_and_faults(
     mechanism: Mechanism, poses: Sequence[Array] | Array
 ) -> tuple[list[Posture], list[str]]:
-    """Postures of the poses that have one, and the reasons why the others have none."""
+    """Postures of the poses that can be reached, and the reasons why the others cannot."""
     find, start = partial(posture, mechanism), perf_counter()
     postures, faults = collect_faults(find, poses[:_TIMED_POSES])
     seconds = (perf_counter() - start) * (len(poses) / _TIMED_POSES - 1.0)

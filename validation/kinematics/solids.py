@@ -1,7 +1,7 @@
-"""Surfaces of bodies, and symbols of joints, in base axes.
+"""Surfaces of the bodies and symbols of the joints of a mechanism, for pictures.
 
-Prisms have their true sections. Legs known by a 6×6 have the sections of their equivalent legs.
-CAD parts have their surface.
+Input: a posture. Output: surfaces in base axes (m). Rule: prisms have their sections, legs known by
+a 6×6 the sections of their equivalent prisms, CAD parts their own surfaces.
 """
 
 from collections.abc import Iterator
@@ -50,22 +50,22 @@ COLOURS: dict[Matter, str] = {
     "joint": DARK,
     "drive": ORANGE,
 }
-# Cross-sections along a leg.
+# Number of cross-sections drawn along a leg.
 STATIONS = 15
 # Thickness of the bars of a rigid body, relative to the size of the mechanism.
 _BAR_THICKNESS = 0.012
 # Radius of a joint's symbol, relative to the size of the mechanism.
 SYMBOL = 0.035
-# Length of a drum relative to the thickness of the legs that it joins: above 1, so that its ends
+# Length of a drum relative to the thickness of the legs that it joins. Above 1, so that its ends
 # are visible.
 _DRUM_OVER_LEG = 1.12
 
 
 @dataclass(frozen=True, eq=False)
 class Solid:
-    """Surface of a body, or symbol of a joint, in base axes.
+    """Surface of a body or symbol of a joint, in base axes.
 
-    It moves rigidly with the interface `carrier`. None for a leg or part, which deforms.
+    It moves rigidly with the interface `carrier`. None for a leg or CAD part, which deforms.
     """
 
     name: str
@@ -85,7 +85,10 @@ def solids(posture: Posture) -> list[Solid]:
 def section_prism(
     section: Section, stations: Array, *, scale: float = 1.0, rims: bool = False
 ) -> Surface:
-    """Prism of a section enlarged by `scale`, divided at `stations` (m), with edges as `prism`."""
+    """Prism of a section enlarged by `scale`, divided at `stations` (m) along x.
+
+    `rims` selects the drawn edges as in `prism`.
+    """
     if isinstance(section, OutlinedSection):
         return walled([scale * loop for loop in section.centred_loops], stations, rims=rims)
     outline, bore = outlines(section)
@@ -93,7 +96,7 @@ def section_prism(
 
 
 def outlines(section: Section) -> tuple[Array, Array | None]:
-    """Outline (n×2, y and z, m) of a section, and outline of its bore. None without a bore."""
+    """Outline (n×2; y, z in m) of a section, and outline of its bore. None without a bore."""
     if isinstance(section, Circle | Tube):
         bore = circle(section.inner_diameter / 2.0) if isinstance(section, Tube) else None
         return circle(section.diameter / 2.0), bore
@@ -114,13 +117,13 @@ def symbol_side(joint: Joint) -> Side:
 
 
 def tool_position(posture: Posture) -> Array:
-    """Position of the loaded point (3, m)."""
+    """Position of the loaded point (3, m, base axes)."""
     tool = posture.mechanism.tool
     return interface_position(posture, Side(tool.body, tool.point))
 
 
 def in_one_plane(posture: Posture) -> bool:
-    """True if all bodies run in one plane z = constant."""
+    """True if all interfaces lie in one plane z = constant."""
     heights = [
         (posture.frames[name] @ interface).position[2]
         for name, body in posture.mechanism.bodies.items()
@@ -137,10 +140,10 @@ def is_leg(body: Body) -> bool:
 def _body(posture: Posture, name: str) -> Solid | None:
     """Prism of a leg, surface of a CAD part, or plate or bars between the points of a rigid body.
 
-    A part whose file cannot be read is drawn as a rigid body. None for a body with a single point.
+    A part whose file cannot be read is drawn as a rigid body. None for a body with one point.
     """
     body, frame = posture.mechanism.bodies[name], posture.frames[name]
-    # The models report a file that cannot be read.
+    # An unreadable file is reported by the models.
     with suppress(InputError):
         if isinstance(body.shape, ConstantLeg | GivenLeg):
             stations = np.linspace(0.0, body.shape.length, STATIONS)
@@ -158,7 +161,7 @@ def _body(posture: Posture, name: str) -> Solid | None:
 
 
 def _plate_or_bars(points: Array, thickness: float) -> Iterator[Surface]:
-    """Plate through the points (n×3, m) if there are three or more, and bars from their mean."""
+    """Bars from the mean of the points (n×3, m) to each, and a plate if they span an area."""
     middle = points.mean(axis=0)
     _, extents, axes = np.linalg.svd(points - middle, full_matrices=False)
     if len(points) > 2 and extents[1] > 0.1 * extents[0]:
@@ -207,7 +210,7 @@ def _symbol(posture: Posture, joint: Joint) -> Solid | None:
 
 
 def _bar(start: Array, end: Array, outline: Array) -> Surface:
-    """Prism from one point to another (3, m)."""
+    """Prism of an outline from one point to another (3, m)."""
     length = float(np.linalg.norm(end - start))
     axis = (end - start) / length
     rotation = np.column_stack([axis, *across_axis(axis)])
@@ -215,7 +218,7 @@ def _bar(start: Array, end: Array, outline: Array) -> Surface:
 
 
 def _leg_thickness(mechanism: Mechanism, joint: Joint) -> float:
-    """Largest extent (m) of the sections of the legs that meet in a joint. 0 without legs."""
+    """Largest section dimension (m) of the legs that meet in a joint. 0 without legs."""
     legs = legs_of(mechanism)
     names = [side.body for side in (joint.first, joint.second) if side.body in legs]
     return max((max(equivalent_leg(legs[name]).section.extent) for name in names), default=0.0)

@@ -1,4 +1,5 @@
-"""Maps over a workspace: values on the grid of a path, and worst postures between grid points.
+"""Maps of stiffness, frequency and model error over the workspace, with the worst posture of each.
 
-In: a robot whose path is a grid in two or three directions. Out: maps, each with its worst posture.
+Input: a robot whose path is a grid in two or three directions. Output: values at the grid points
+and the worst posture, which is also searched between them.
 """

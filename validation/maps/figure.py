@@ -1,6 +1,7 @@
-"""Maps over the workspace: contours of each quantity, in slices if the grid has three directions.
+"""Maps of each quantity over the workspace as contours, values and a table.
 
-The worst posture of each quantity is marked by a star.
+Input: the run's robot, whose path is a grid. Output: `WorkspaceMaps`; as a chart, with slices if
+the grid has three directions and a star at the worst posture of each quantity.
 """
 
 from collections.abc import Mapping, Sequence
@@ -44,9 +45,9 @@ if TYPE_CHECKING:
 _MAX_POSES: Mapping[Preset, int] = {"quick": 81, "standard": 400, "fine": 2500}
 # Largest number of slices; fewest postures of a map; height of a row of panels (inches).
 _SLICES, _FEWEST_POSTURES, _ROW_HEIGHT = 4, 4, 2.1
-# Number of characters that fit above one of three columns.
+# Characters that fit above one of three columns.
 _TITLE_WIDTH = 26
-# Quantity, its values over the grid, and its worst posture.
+# Quantity, its values at the grid points, and its worst posture.
 Map: TypeAlias = tuple[MappedQuantity, Array, WorstPosture]
 figures = FigureGroup(PATH, SHARED_SOLIDS)
 
@@ -174,7 +175,7 @@ def workspace_maps(context: Context) -> WorkspaceMaps:
 
 @figures.figure("mechanism.maps", "Maps over the workspace", effort=3.0)
 def maps(context: Context) -> Chart:
-    """Plot a column for each quantity and a row for each slice."""
+    """Chart of all maps with caption and data: a column for each quantity, a row for each slice."""
     robot_maps = workspace_maps(context)
     space = robot_maps.space
     studies = [_study(space, *one_map) for one_map in robot_maps.maps]
@@ -182,7 +183,7 @@ def maps(context: Context) -> Chart:
 
 
 def _panels(space: Workspace, names: Sequence[str], maps: Sequence[Map]) -> list[Panel]:
-    """Panels row by row: one row in two directions, or slices of the grid across the third."""
+    """Panels row by row: one row for two directions, otherwise one for each slice."""
     x, y, *third = space.axes
     slices: list[Indices] = [()]
     if third:
@@ -235,7 +236,7 @@ def _caption(space: Workspace, maps: Sequence[Map]) -> str:
 
 
 def _table(space: Workspace, names: Sequence[str], maps: Sequence[Map]) -> dict[str, Column]:
-    """Columns with all poses of the grid and their values, then the worst postures."""
+    """Columns with all poses of the grid and their values, followed by the worst postures."""
     poses = [space.pose(indices) for indices in np.ndindex(*space.shape)]
     poses += [worst.pose for *_, worst in maps]
     kinds = ["grid"] * (len(poses) - len(maps)) + [f"worst {mapped.title}" for mapped, *_ in maps]
@@ -252,7 +253,7 @@ def _table(space: Workspace, names: Sequence[str], maps: Sequence[Map]) -> dict[
 def _study(
     space: Workspace, mapped: MappedQuantity, values: Array, worst: WorstPosture
 ) -> dict[str, Any]:
-    """Entry of a map among the studies of results.json."""
+    """Record of a map for `studies` in results.json."""
     return {
         "id": mapped.id,
         "kind": "map",

@@ -1,4 +1,10 @@
-"""Quantities mapped over a workspace: lowest stiffness, first frequency, error of one model."""
+"""Quantities mapped over a workspace: lowest stiffness, first frequency and error of a model.
+
+Input: a mechanism without loads and the requirement of its robot file. Output: functions that
+compute each quantity in any postures. Rule for the mapped model: the first model on which the robot
+file relies; otherwise the simplest one with an error within the limit on the path; otherwise the
+one with the smallest error.
+"""
 
 from collections.abc import Sequence
 from contextlib import suppress
@@ -36,10 +42,10 @@ _MICRO, _PERCENT = 1e-6, 100.0
 
 @dataclass(frozen=True, eq=False)
 class MappedQuantity:
-    """Quantity over the workspace, with a `description` for the caption of its map.
+    """A quantity over the workspace, with a `description` for the caption of its map.
 
-    `model` names the model that computes it, `solve` is the computation. `largest` is true if the
-    worst value is the largest one, and false if it is the smallest.
+    `model`: name of the model that computes it. `solve`: computes it in postures. `largest`: true
+    if the worst value is the largest, false if it is the smallest.
     """
 
     id: str
@@ -54,9 +60,7 @@ class MappedQuantity:
 def mapped_quantities(context: Context, mechanism: Mechanism) -> list[MappedQuantity]:
     """Quantities of a mechanism that can be solved. The mechanism is the run's robot without loads.
 
-    The stiffness and the error are those of one model: the first model that the robot file relies
-    on. If it relies on none, it is the simplest model with an error within the limit on the path,
-    and if there is none either, the model with the smallest error.
+    Stiffness and error belong to one model, chosen as the module docstring describes.
     """
     postures = [replace(posture, mechanism=mechanism) for posture in path_postures(context)]
     robot = robot_at(context, postures)
@@ -106,7 +110,7 @@ def mapped_quantities(context: Context, mechanism: Mechanism) -> list[MappedQuan
 def _mapped_model(
     robot: RobotOnPath, references: Sequence[Assembly], requirement: Requirement
 ) -> tuple[str, JudgedModel]:
-    """Name and model by the rule of `mapped_quantities`. Beams if no model has an error."""
+    """Name and options of the model to be mapped. Beams if no model has an error."""
     models = {
         name: model
         for name, model in judged_models(robot.mechanism).items()
@@ -126,7 +130,7 @@ def _mapped_model(
 
 
 def _references(robot: RobotOnPath) -> list[Assembly]:
-    """Reference for statics under each pair of end conditions that the robot file allows."""
+    """Static reference under each set of end conditions that the robot file allows."""
     references = []
     for ends in robot.holding.alternatives.values():
         tips = {name: solid_tip(robot.context, leg, ends[name]) for name, leg in robot.legs.items()}
@@ -136,7 +140,7 @@ def _references(robot: RobotOnPath) -> list[Assembly]:
 
 
 def _finite_elements(robot: RobotOnPath) -> Assembly:
-    """Assembly of reduced beams, with parts as solids."""
+    """Assembly of reduced beams, with CAD parts as solids."""
     mechanism, options = robot.mechanism, ModelOptions(parts="condensed")
     parts = solid_parts(robot.postures, robot.offered, robot.holding.first)
 
@@ -165,7 +169,7 @@ def _first_frequency(assembled: Assembly, postures: Sequence[Posture]) -> Array:
 def _error(
     model: JudgedModel, references: Sequence[Assembly], postures: Sequence[Posture]
 ) -> Array:
-    """Error (%) of the displacement under any force, the largest from all references."""
+    """Error (%) of the displacement under any force, the largest against all references."""
     statics = model_statics(postures, model.kind, model.options)
     no_loads = np.zeros_like(statics.load_displacements)
     reference_statics = [

@@ -1,7 +1,9 @@
-"""Workspace: postures on the grid of a path, values in them, and the search for the worst posture.
+"""Postures on the grid of a path, values in them, and a search for the worst posture.
 
-The search takes any function of postures. It computes every value in a posture with closed loops
-and interpolates none.
+Input: a mechanism whose path is a grid, and a function from postures to a number each. Output:
+values at the grid points, and the pose with the worst value. Rule: the search (Nelder and Mead)
+starts at the worst local extrema of the grid; each value is computed in a posture with closed
+loops, none is interpolated.
 """
 
 from collections.abc import Callable, Sequence
@@ -18,17 +20,17 @@ from lumped.errors import ComputationError, InputError
 from lumped.mechanism.kinematics.postures import posture
 from lumped.mechanism.mechanism import Mechanism, Posture
 
-# Function that computes one number for each posture. It raises ComputationError if one of the
-# postures cannot be solved.
+# Function that returns one number for each posture. Raises ComputationError if a posture cannot be
+# solved.
 Solve: TypeAlias = Callable[[Sequence[Posture]], Array]
-# Indices of a grid point along each axis, or numbers of the tool's moves.
+# Indices of a grid point along each axis, or indices of the tool's moves.
 Indices: TypeAlias = tuple[int, ...]
 
-# Number of searches, which start at the worst local extrema of the grid; largest number of
-# postures that one search evaluates; length of its last steps in grid spacings.
+# Number of searches, each from one of the worst local extrema of the grid; largest number of
+# postures in one search; length of the last steps, in grid spacings.
 _STARTS, _EVALUATIONS, _SPACINGS_AT_END = 2, 40, 1e-2
-# First step of a search in grid spacings if the parabola through three grid points has no minimum,
-# and smallest first step otherwise.
+# First step of a search, in grid spacings, if the parabola through three grid points has no
+# minimum; smallest first step otherwise.
 _DEFAULT_STEP, _SMALLEST_STEP = 0.3, 0.1
 
 
@@ -36,8 +38,8 @@ _DEFAULT_STEP, _SMALLEST_STEP = 0.3, 0.1
 class Workspace:
     """Postures on a grid of poses.
 
-    `moves` are the numbers of the tool's moves that vary, `axes` their values (m or rad).
-    `postures` maps the indices of a grid point to its posture. It lacks poses out of reach.
+    `moves`: indices of the tool's moves that vary. `axes`: values of each (m or rad). `postures`:
+    posture by indices of its grid point; poses out of reach are missing.
     """
 
     mechanism: Mechanism
@@ -47,11 +49,14 @@ class Workspace:
 
     @property
     def shape(self) -> Indices:
-        """Number of values along each axis."""
+        """Number of grid values along each axis."""
         return tuple(map(len, self.axes))
 
     def pose(self, indices: Sequence[float] | Array) -> Array:
-        """Pose at the indices of a grid point. Fractional indices give a pose between points."""
+        """Pose at the indices of a grid point.
+
+        Fractional indices give a pose between grid points.
+        """
         pose = np.array([values[0] for values in self.mechanism.grid])
         for move, values, index in zip(self.moves, self.axes, indices, strict=True):
             pose[move] = np.interp(index, np.arange(len(values)), values)
@@ -59,20 +64,20 @@ class Workspace:
 
 
 class WorstPosture(NamedTuple):
-    """Pose of the worst posture that the search reached, and the value there."""
+    """Pose of the worst posture of a search, and the value there."""
 
     pose: Array
     value: float
 
 
 def directions(mechanism: Mechanism) -> Indices:
-    """Numbers of the tool's moves that vary on the grid of the path. () unless two or three."""
+    """Indices of the tool's moves that vary on the grid of the path. () unless two or three do."""
     varied = tuple(move for move, values in enumerate(mechanism.grid) if np.ptp(values) > 0.0)
     return varied if len(varied) in (2, 3) else ()
 
 
 def workspace(mechanism: Mechanism, max_poses: int) -> Workspace:
-    """Workspace of a mechanism whose path is a grid, thinned evenly to at most `max_poses`."""
+    """Workspace of a mechanism whose path is a grid, reduced to at most `max_poses` poses."""
     moves = directions(mechanism)
     axes = [mechanism.grid[move] for move in moves]
     share = min(1.0, (max_poses / prod(map(len, axes))) ** (1.0 / len(axes)))
@@ -85,13 +90,13 @@ def workspace(mechanism: Mechanism, max_poses: int) -> Workspace:
 
 
 def grid_values(space: Workspace, solve: Solve) -> Array:
-    """Values at all points of the grid. NaN for poses that are out of reach or cannot be solved."""
+    """Values at all points of the grid. NaN for poses out of reach or that cannot be solved."""
     values = np.full(space.shape, np.nan)
     postures = list(space.postures.values())
     try:
         solved = solve(postures)
     except ComputationError:
-        # One singular posture must not prevent the solution of the others.
+        # Solved one by one, so that one singular posture does not prevent the others.
         solved = np.array([_value(solve, posture) for posture in postures])
     for indices, value in zip(space.postures, solved, strict=True):
         values[indices] = value if np.isfinite(value) else np.nan
@@ -101,9 +106,9 @@ def grid_values(space: Workspace, solve: Solve) -> Array:
 def worst_posture(
     space: Workspace, values: Array, solve: Solve, *, largest: bool = False
 ) -> WorstPosture | None:
-    """Posture with the smallest value, or with the `largest`, on the grid or between its points.
+    """Posture with the smallest value, or the `largest`, on the grid or between its points.
 
-    `values` are those of `grid_values`. None if all of them are NaN.
+    `values` are the result of `grid_values`. None if all of them are NaN.
     """
     sign = -1.0 if largest else 1.0
     cost = np.where(np.isnan(values), np.inf, sign * values)
@@ -123,10 +128,9 @@ def worst_posture(
 def _minimum(
     space: Workspace, cost: Array, start: Indices, solve: Solve, sign: float
 ) -> tuple[float, Array]:
-    """Lowest cost near a grid point, and its pose.
+    """Lowest cost near a grid point, and its pose, by the simplex method of Nelder and Mead.
 
-    The search is the simplex method of Nelder and Mead. Its first simplex consists of the grid
-    point and of the minima of parabolas along the axes of the grid.
+    The first simplex consists of the grid point and of the minima of parabolas along the grid axes.
     """
     nearest = space.postures[start]
     first = np.array(start, dtype=float)
@@ -179,5 +183,5 @@ def _value(solve: Solve, posture: Posture) -> float:
 
 
 def evenly(count: int, largest_count: int) -> IntArray:
-    """At most `largest_count` evenly spaced numbers from 0 to `count` − 1, both included."""
+    """At most `largest_count` evenly spaced integers from 0 to `count` − 1, both included."""
     return np.unique(np.linspace(0, count - 1, min(count, largest_count)).round().astype(int))

@@ -1,5 +1,5 @@
-"""Comparison of models with measured values, in the terms of ASME V&V 20.
+"""Comparison of models with measured values, by the method of ASME V&V 20.
 
-In: measured values of a robot file or of a modal test. Out: comparison error, validation
-uncertainty from numerics, inputs and measurement, and the verdict.
+Input: measured values in a robot file, or a modal test. Output: for each model the comparison
+error, the validation uncertainty due to numerics, inputs and measurement, and a verdict.
 """

@@ -1,8 +1,10 @@
-"""Matrix of verdicts on the models of a robot by measured values.
+"""Verdicts on the models of a robot against measured values.
 
-A verdict follows from comparison error and validation uncertainty (ASME V&V 20-2009, sections 1-5
-and 6). The error δ of a model lies within E ± k u_val. E = S − D is the value of the model less the
-measured one, and u_val² = u_num² + u_input² + u_D² has three independent standard uncertainties.
+Input: measured values D with standard uncertainties, and values S of each model in the same poses.
+Output: a matrix of verdicts. Rule (ASME V&V 20-2009, sections 1-5 and 6): E = S − D, and u_val² =
+u_num² + u_input² + u_D² of three independent standard uncertainties. The error of the model lies
+within E ± k u_val. The model is adequate if that interval is within the limit, inadequate if it is
+beyond it on one side, otherwise undecided.
 """
 
 from collections.abc import Mapping, Sequence
@@ -39,21 +41,21 @@ from validation.references.robot_on_path import (
 from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
 from validation.verdicts import Adequacy, Entry, Matrix, ModelNote, worst_of
 
-# Models with elements. The others have no discretisation.
+# Models with elements. All others have no discretisation error.
 _ELEMENT_MODELS = ("segments", "beam")
-# Second order in the number of elements: the error of n elements is 4/3 of the change by 2n.
+# Second order in the element count n: the error of n elements is 4/3 of the change to 2n.
 _DOUBLING = MeshPolicy.of_order(0.5, 2.0, safety=1.0)
-# Ratio to the measured value from which a wrong unit (g, millimetres) is more likely than an error
-# of the model.
+# Ratio to the measured value beyond which a wrong unit (g, millimetres) is more likely than an
+# error of the model.
 _WRONG_UNIT_RATIO = 5.0
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """A model's value S and a measured one D with standard uncertainties, all in one unit.
+    """A model's value S and a measured value D, with standard uncertainties, all in one unit.
 
-    `numerical` is that of the model's discretisation, `inputs` that due to the uncertain inputs of
-    the robot, `measurement` that of D. Properties are relative to |D|.
+    `numerical`: due to the model's discretisation. `inputs`: due to uncertain inputs of the robot.
+    `measurement`: that of D. All properties are relative to |D|.
     """
 
     value: float
@@ -64,12 +66,12 @@ class Comparison:
 
     @property
     def error(self) -> float:
-        """E = S − D."""
+        """Comparison error E = S − D, relative to |D|."""
         return (self.value - self.measured) / abs(self.measured)
 
     @property
     def uncertainties(self) -> dict[str, float]:
-        """Half-widths of 95 % intervals by source of uncertainty."""
+        """Half-widths of 95 % intervals by source of uncertainty, relative to |D|."""
         parts = {
             "numerics": self.numerical,
             "inputs": self.inputs,
@@ -79,11 +81,11 @@ class Comparison:
 
     @property
     def uncertainty(self) -> float:
-        """Half-width k u_val: the model's error lies within E ± k u_val with 95 % confidence."""
+        """Half-width k u_val relative to |D|: the error lies within E ± k u_val (95 %)."""
         return hypot(*self.uncertainties.values())
 
     def verdict(self, limit: float) -> Adequacy:
-        """Verdict for the relative `limit`.
+        """Verdict for a relative `limit`.
 
         Adequate if the whole interval lies within ± the limit, inadequate if all of it lies beyond
         the limit on one side, otherwise undecided.
@@ -95,7 +97,7 @@ class Comparison:
 
 
 class _RobotInPose(NamedTuple):
-    """The robot in one pose, and its models by name."""
+    """Responses of the robot in one pose, and its models by name."""
 
     responses: Responses
     models: Mapping[str, Model]
@@ -103,10 +105,10 @@ class _RobotInPose(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Predictions:
-    """Values of a robot's models for its measured values.
+    """Values that a robot's models give for its measured values.
 
-    `judged_by_name` are the judged models. `inputs` are the relative standard uncertainties of the
-    uncertain inputs.
+    `judged_by_name`: the judged models. `inputs`: relative standard uncertainties of uncertain
+    inputs, by key.
     """
 
     context: Context
@@ -116,7 +118,10 @@ class Predictions:
 
     @classmethod
     def of(cls, context: Context) -> "Predictions":
-        """Predictions of all judged models. Raises InputError if an input makes no valid robot."""
+        """Predictions of all judged models.
+
+        Raises InputError if a changed input gives no valid robot.
+        """
         robot_file = context.robot_file
         inputs = robot_file.uncertain_inputs
         for key, share in inputs.items():
@@ -125,7 +130,7 @@ class Predictions:
         return cls(context, judged_models(robot_file.mechanism), inputs)
 
     def value(self, name: str, measured: Measured, reading: Reading = NOMINAL) -> float | None:
-        """Value of a model for a measured value, in its unit. None if the model has none.
+        """Value of a model for a measured value, in its unit. None if the model does not define it.
 
         Raises InputError or ComputationError if it cannot be computed.
         """
@@ -146,13 +151,16 @@ class Predictions:
 
     @property
     def faults(self) -> tuple[str, ...]:
-        """Names of the models with a response that ended with an error of the program."""
+        """Names of the models whose statics or modes ended with an error of the program."""
         return tuple(name for in_pose in self._robots.values() for name in in_pose.responses.faults)
 
     def _leg_or_test_value(
         self, judged_model: JudgedModel, measured: Measured, reading: Reading
     ) -> float | None:
-        """Value for an entry of a leg's 6×6, or for a modal test. None if the model has none."""
+        """Value for an entry of a leg's 6×6 or for a modal test.
+
+        None if the model does not define it.
+        """
         robot_file, options = self.context.robot_file, with_elements(judged_model.options, reading)
         robot = robot_file.mechanism
         if reading.factors:
@@ -165,7 +173,7 @@ class Predictions:
         return None if rigid else float(leg_compliance(judged_model.kind, leg, options)[entry])
 
     def _robot_in(self, pose: tuple[float, ...]) -> _RobotInPose:
-        """The robot in a pose. Raises InputError if it cannot reach the pose."""
+        """The robot in a pose. Raises InputError if the pose is out of reach."""
         if pose not in self._robots:
             postures = [posture(self.context.robot_file.mechanism, np.array(pose))]
             robot = robot_at(self.context, postures)
@@ -182,14 +190,14 @@ class Predictions:
 
 
 def _restricted(postures: Sequence[Posture], model: Model, judged_model: JudgedModel) -> Model:
-    """The model without statics or modes that it does not define."""
+    """Model without statics or modes if it does not define them for this robot."""
     if judged_model.kind == "vjm" and why_not_serial(postures):
         return replace(model, statics=None, modes=None)
     return replace(model, modes=None) if judged_model.kind in STATIC else model
 
 
 def measured_matrix(context: Context) -> Matrix:
-    """Verdicts on every model for every measured quantity. Poses are those of the measurements."""
+    """Verdicts on each model for each measured quantity, in the poses of the measurements."""
     robot_file, robot = context.robot_file, context.robot_file.mechanism
     predictions = Predictions.of(context)
     values = robot_file.measured
@@ -236,7 +244,7 @@ def measured_matrix(context: Context) -> Matrix:
 def _entry_without_values(
     model: str, quantity: Quantity, reasons: Mapping[Measured, str], requirement: Requirement
 ) -> Entry:
-    """Undecided entry, with the reason, of a quantity of which a model computes no value."""
+    """Undecided entry, with the reason, for a quantity that a model could not compute."""
     measured, reason = next(iter(reasons.items()))
     return Entry(
         model=model,
@@ -251,9 +259,9 @@ def _entry_without_values(
 
 
 def _with_missing_values(entry: Entry, reasons: Mapping[Measured, str]) -> Entry:
-    """The entry, changed to undecided if values cannot be computed and it is not inadequate.
+    """Entry changed to undecided if some measured values could not be computed.
 
-    `reasons` are those of the measured values that cannot be computed.
+    `reasons` by measured value. An inadequate entry stays inadequate.
     """
     if not reasons or entry.verdict == "inadequate":
         return entry
@@ -264,7 +272,7 @@ def _with_missing_values(entry: Entry, reasons: Mapping[Measured, str]) -> Entry
 def _test_value(
     model: ModelName, robot: Mechanism, measured: Measured, test: ModalTest, options: ModelOptions
 ) -> float | None:
-    """Frequency of a model for a mode of a test, or its response in phase with the measured one."""
+    """A model's frequency for a mode of a test, or its response in phase with the measured one."""
     prediction = modal_prediction(model, robot, test, options)
     frequency = measured.frequency
     if frequency is None and (partner := prediction.partners[measured.column]):
@@ -278,7 +286,7 @@ def _test_value(
 
 
 def _partner(predictions: Predictions, name: str, measured: Measured) -> Partner | None:
-    """Mode of the model that is the partner of a mode of a test. None if there is none."""
+    """Mode of the model that is the partner of a measured mode. None if there is none."""
     if measured.test is None or measured.frequency is not None:
         return None
     judged_model, robot = predictions.judged_by_name[name], predictions.context.robot_file.mechanism
@@ -304,15 +312,15 @@ def _comparison(predictions: Predictions, name: str, measured: Measured) -> Comp
     numerical = 0.0
     if (judged_model := predictions.judged_by_name[name]).kind in _ELEMENT_MODELS:
         finer = perturbed(f"{2 * judged_model.options.elements} elements", elements=2)
-        # The estimate is a half-width of 95 %.
+        # The estimate is the half-width of a 95 % interval.
         numerical = float(mesh_half_widths([np.abs(value - finer)], _DOUBLING)) / COVERAGE
     return Comparison(value, measured.value, numerical, propagated(changes), measured.uncertainty)
 
 
 def _required(value: float | None, changed: str) -> float:
-    """The value of a changed model. Raises ComputationError if it has none.
+    """Value of a changed model. Raises ComputationError if there is none.
 
-    A missing value would count as an uncertainty of zero, or of the whole value.
+    Otherwise a missing value would count as an uncertainty of zero, or of the whole value.
     """
     if value is None:
         raise ComputationError(f"its uncertainty is not known: it has no value with {changed}")
@@ -329,15 +337,19 @@ def _entry(
 ) -> Entry:
     limit = requirement.limit(quantity)
     verdict = worst_of([comparison.verdict(limit) for comparison in comparisons.values()])
-    # The largest error decides, among all values and among several in one pose.
-    ordered = sorted(comparisons.items(), key=lambda pair: abs(pair[1].error), reverse=True)
-    worst, deciding = next(pair for pair in ordered if pair[1].verdict(limit) == verdict)
+    # The largest error decides, over all values and over several values in one pose.
+    ordered = sorted(
+        comparisons.items(), key=lambda mode_partner: abs(mode_partner[1].error), reverse=True
+    )
+    worst, deciding = next(
+        mode_partner for mode_partner in ordered if mode_partner[1].verdict(limit) == verdict
+    )
     by_pose = [
         next((comparison for measured, comparison in ordered if measured.pose == pose), None)
         for pose in poses
     ]
-    pair = pairs[worst]
-    reason = pair.reason if pair else ""
+    mode_partner = pairs[worst]
+    reason = mode_partner.reason if mode_partner else ""
     ratio = deciding.value / worst.value
     if worst.response is not None and ratio < 0.0:
         reason = (
@@ -353,11 +365,11 @@ def _entry(
         reason=reason,
         expected=worst.value,
         measured=True,
-        mac=pair and pair.mac,
+        mac=mode_partner and mode_partner.mac,
         computed_by=("validation.measured.matrix.Predictions.value", "validation.measured.matrix"),
     )
     if reason:
-        # Modes without similar shapes, and values of opposite sign, cannot be compared.
+        # Modes of different shape and values of opposite sign cannot be compared.
         return entry
     if worst.response is not None and not 1.0 / _WRONG_UNIT_RATIO < ratio < _WRONG_UNIT_RATIO:
         reason = f"{ratio:.3g} times what was measured: is a unit wrong?"

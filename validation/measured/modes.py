@@ -1,7 +1,9 @@
-"""Modes of a test as measured values, and their partners among the modes of a model.
+"""Modes of a modal test as measured values, paired with the modes of a model.
 
-Shapes are compared at the measured points and along the measured axes (modal assurance criterion
-with equal weights). They are paired such that the sum of the likenesses is largest.
+Input: a robot file and a universal or CSV file of a test. Output: measured frequencies and
+responses, each with the number of the model's mode. Rule: shapes are compared at the measured
+points along the measured axes by MAC with equal weights, assigned so that the sum of MAC is
+largest; partners need a MAC of at least 0.8.
 """
 
 from collections.abc import Sequence
@@ -36,23 +38,26 @@ from validation.responses.mode_pairing import (
     space_likeness,
 )
 
-# Least MAC of partners. Partners usually have 0.9 and other modes 0.1; sensors a few centimetres
+# Smallest MAC of partners. Partners usually have 0.9 and other modes 0.1; sensors a few centimetres
 # from their stated position reduce it by a tenth.
 LEAST_MAC = 0.8
-# If one of several similar modes is within this ratio in frequency, the others are excluded:
-# bending rods of a Delta drag the platform along, so that they look like its modes far below.
+# If one of several modes with similar shape is within this frequency ratio, the others are
+# excluded. Bending rods of a Delta robot drag the platform along, so that their modes look like
+# platform modes far below.
 _NEAR_RATIO = 1.5
 # Modes of a model are computed up to _SEARCH_RATIO times the highest measured frequency: first
-# _FIRST_COUNT, at most _LARGEST_COUNT.
+# _FIRST_COUNT of them, at most _LARGEST_COUNT.
 _SEARCH_RATIO, _FIRST_COUNT, _LARGEST_COUNT = 1.5, 8, 64
-# Motion of all points, relative to the largest of any mode, below which it is round-off.
+# Motion of the measured points, relative to that of the mode with the largest, below which it is
+# round-off.
 _INVISIBLE = 1e-6
 
 
 class Partner(NamedTuple):
-    """Mode of a model that is the partner of a measured one: `number` (from 1), `frequency` (Hz).
+    """Mode of a model that is the partner of a measured mode.
 
-    `mac` is the likeness of the two. `reason` is why they are not compared, empty if they are.
+    `number` counts from 1; `frequency` in Hz; `mac` is that of the two shapes. `reason`: why they
+    cannot be compared, "" if they can.
     """
 
     number: int
@@ -62,10 +67,10 @@ class Partner(NamedTuple):
 
 
 def with_measured_file(robot_file: RobotFile, path: Path) -> RobotFile:
-    """The robot file with the measured values of a CSV or universal file after its own.
+    """Robot file extended by the measured values of a CSV or universal file.
 
-    Modes have the numbers of their partners in the beam model; modes without a partner are
-    omitted. Raises InputError with one line per fault.
+    Modes get the numbers of their partners in the beam model; modes without a partner are omitted.
+    Raises InputError with one line per fault.
     """
     if path.suffix.lower() not in SUFFIXES:
         return with_measured(robot_file, path)
@@ -107,7 +112,7 @@ def with_measured_file(robot_file: RobotFile, path: Path) -> RobotFile:
         values.append(
             Measured(FREQUENCIES[number - 1], value, spread, source, test.pose, 1.0, test, column)
         )
-    # Without damping ratios no response can be read at a mode.
+    # A response at a mode requires the damping ratio.
     if test.ratios.all():
         values += measured_responses(
             tested, test, dict(paired), hammer, robot_file.mechanism, path.name
@@ -118,8 +123,8 @@ def with_measured_file(robot_file: RobotFile, path: Path) -> RobotFile:
 class ModalPrediction(NamedTuple):
     """Results of a model for a test: `partners` of the test's modes, and its `responses`.
 
-    Responses are damped modes, each with the residues of one measured response. A static model has
-    neither.
+    `responses` contains, for each measured response, the damped modes with their residues. Both are
+    empty for a static model.
     """
 
     partners: list[Partner | None]
@@ -130,7 +135,7 @@ class ModalPrediction(NamedTuple):
 def modal_prediction(
     model: ModelName, robot: Mechanism, test: ModalTest, options: ModelOptions
 ) -> ModalPrediction:
-    """Results of a model for a test."""
+    """Partners of a test's modes in a model, and the model's responses for the test."""
     partners: list[Partner | None] = [None] * len(test.frequencies)
     if model in STATIC:
         return ModalPrediction(partners, [])
@@ -146,8 +151,8 @@ def modal_prediction(
     motions = _motions(solution.system, solution.modes.shapes, test.at)
     sizes = np.linalg.norm(motions, axis=0)
     visible = np.flatnonzero(sizes > _INVISIBLE * sizes.max(initial=0.0))
-    # Modes of one frequency are compared as a space. A measured mode that does not move the named
-    # points has no similar mode.
+    # Modes of equal frequency are compared as a space. A measured mode without motion at the known
+    # points has no partner.
     frequencies = solution.modes.frequencies[visible]
     measured = sampled_modes(test.frequencies, test.shapes)
     modelled = sampled_modes(frequencies, motions[:, visible])
@@ -182,9 +187,9 @@ def modal_prediction(
 
 
 def _without_verdicts_if_most_misfit(partners: Sequence[Partner | None]) -> list[Partner | None]:
-    """The partners, with a reason not to judge any if most modes of the test have no similar mode.
+    """Partners with a reason against comparing any, if most modes of the test have no similar mode.
 
-    If nodes are swapped, some pairs are similar by chance.
+    If nodes of the test are swapped, some pairs are similar by chance.
     """
     misfits = sum(partner is None or partner.mac < LEAST_MAC for partner in partners)
     if 2 * misfits <= len(partners):
@@ -202,12 +207,12 @@ def _without_verdicts_if_most_misfit(partners: Sequence[Partner | None]) -> list
 def _responses(
     robot: Mechanism, solution: PostureModes, test: ModalTest, partners: Sequence[Partner | None]
 ) -> list[DampedModes]:
-    """Damped modes with the residues of each response. Undamped robots have measured damping."""
+    """Damped modes with the residues of each response. Undamped robots get the measured damping."""
     unit = np.eye(solution.system.size)
     outputs = np.vstack(
         [_motions(solution.system, unit, response.ends) for response in test.responses]
     )
-    # A model that is too stiff has its partners far above the measured frequencies.
+    # Partners in a model that is too stiff lie far above the measured frequencies.
     highest = max([*test.frequencies, *(partner.frequency for partner in partners if partner)])
     damped = damped_modes(solution.solution, _SEARCH_RATIO * highest, outputs)
     if not robot.is_damped:
@@ -223,7 +228,7 @@ def _responses(
 def _modes(
     model: ModelName, postures: Sequence[Posture], count: int, options: ModelOptions
 ) -> PostureModes:
-    """The lowest `count` modes, or all modes of a robot of rigid bodies if it has fewer."""
+    """Lowest `count` modes, or all modes of a robot of rigid bodies that has fewer."""
     for existing in range(count, 1, -1):
         with suppress(FewerModesError):
             return mechanism_modes(model, postures, existing, options)[0]
@@ -231,7 +236,7 @@ def _modes(
 
 
 def _motions(system: System, shapes: Array, freedoms: Freedoms) -> Array:
-    """Motions (k×m) of shapes (n×m) at the measured points and along the measured axes (k)."""
+    """Motions (k×m) of m shapes (n×m) at k measured points along the measured axes."""
     rows = []
     for body, position, direction in zip(
         freedoms.bodies, freedoms.places, freedoms.directions, strict=True

@@ -1,7 +1,8 @@
-"""Frequency responses of a test as measured values: their sizes at modes and far below them.
+"""Frequency responses of a modal test as measured values: magnitudes at modes and far below them.
 
-The lines of a spectrum near a frequency are fitted by one damped mode and a straight line. The fit
-interpolates between the lines and gives their scatter.
+Input: frequency response functions of a test. Output: measured receptances with standard
+uncertainties. Rule: the lines of a spectrum near a frequency are fitted by one damped mode and a
+straight line; the fit interpolates between the lines and shows their scatter.
 """
 
 from collections.abc import Iterator, Mapping
@@ -21,13 +22,13 @@ from lumped.mechanism.mechanism import Mechanism
 from lumped.robot_file.hammer import Hammer
 from validation.measured.tested import TestedModes
 
-# Range of fitted lines around a frequency: at least so many lines on each side, and so many
-# half-widths of the peak.
+# Range of fitted lines around a frequency: at least this many lines, and this many half-widths of
+# the peak, on each side.
 _FEWEST_LINES, _FITTED_WIDTHS = 4.5, 2.0
-# Share of the lowest frequency at which the response far below the modes is read: it is an eighth
-# larger than at rest.
+# Fraction of the lowest frequency at which the response far below the modes is read. It is an
+# eighth larger there than at rest.
 _LOW_SHARE = 1.0 / 3.0
-# Largest difference of equal directions, and of equal positions (m).
+# Largest difference between equal directions, and between equal positions (m).
 _ROUND_OFF = 1e-6
 
 
@@ -39,10 +40,11 @@ def measured_responses(
     robot: Mechanism,
     source: str,
 ) -> Iterator[Measured]:
-    """Responses of a test. `numbers` are those of the robot's modes by column of the test.
+    """Measured values from the responses of a test.
 
-    At each mode, and far below all modes, the largest response is read. Values for [[responses]]
-    are read from the response of the tool to a force on it.
+    At each mode, and far below all modes, the largest response is used. Quantities of [[responses]]
+    come from the response of the tool to a force on it. `numbers`: number of the robot's mode for
+    each column of the test.
     """
     located = np.isin(tested.ends[:, :, 0], list(hammer.nodes)).all(axis=1)
     rows = [int(row) for row in np.flatnonzero(located)]
@@ -72,7 +74,7 @@ def measured_responses(
             f"{source}, {test_with_responses.responses[number].name} at {frequency:.4g} Hz"
         )
         if not below and not robot.is_damped:
-            # The peaks of the models have the uncertainty of the measured damping.
+            # Models get the measured damping ratio, so their peaks have its uncertainty.
             ratio = test.ratios[column]
             uncertainty = hypot(uncertainty, abs(value) * tested.scatter[1, column] / ratio)
             description += f", models damped as measured ({100.0 * ratio:.3g} %)"
@@ -87,9 +89,9 @@ def measured_responses(
 def _tool_quantities(
     tested: TestedModes, test: ModalTest, row: int, hammer: Hammer, robot: Mechanism, source: str
 ) -> Iterator[Measured]:
-    """Values for [[responses]] from a response of the tool to a force on it in their direction.
+    """Measured values of [[responses]], from a response of the tool to a force on it.
 
-    Nothing if the response is of another point or direction.
+    None are yielded if the response belongs to another point or direction.
     """
     ends, tool = hammer.freedoms(tested.ends[row]), robot.tool
     offsets = np.abs(ends.places - robot.bodies[tool.body].interfaces[tool.point].position)
@@ -128,26 +130,37 @@ def _tool_quantities(
 def _fitted_value(
     tested: TestedModes, test: ModalTest, row: int, column: int, frequency: float, hammer: Hammer
 ) -> tuple[complex, float]:
-    """A response (m/N) at a frequency (Hz) and its standard uncertainty, by the mode of a column.
+    """Receptance (m/N, complex) at a frequency (Hz), and its standard uncertainty, by a fit.
 
-    The uncertainty is the larger of two: the scatter about the fit, and that by the coherence γ² of
-    N averages, √((1 − γ²)/2γ²N) of a line (Bendat and Piersol, Random Data, 4th ed., table 9.6).
+    The uncertainty is the larger of two: the scatter about the fit, and √((1 − γ²)/2γ²N) of a line
+    due to the coherence γ² of N averages (Bendat and Piersol, Random Data, 4th ed., table 9.6).
     """
-    natural, ratio, x = test.frequencies[column], test.ratios[column], tested.frequencies
-    near = np.abs(x - frequency) <= max(
-        _FEWEST_LINES * (x[1] - x[0]), _FITTED_WIDTHS * ratio * frequency
+    natural, ratio, line_frequencies = (
+        test.frequencies[column],
+        test.ratios[column],
+        tested.frequencies,
     )
-    x, lines, coherence = x[near], tested.receptance[row, near], tested.coherence[row, near]
+    near = np.abs(line_frequencies - frequency) <= max(
+        _FEWEST_LINES * (line_frequencies[1] - line_frequencies[0]),
+        _FITTED_WIDTHS * ratio * frequency,
+    )
+    line_frequencies, spectral_lines, coherence = (
+        line_frequencies[near],
+        tested.receptance[row, near],
+        tested.coherence[row, near],
+    )
     modal = (natural**2 - frequency**2 + 2j * ratio * natural * frequency) / (
-        natural**2 - x**2 + 2j * ratio * natural * x
+        natural**2 - line_frequencies**2 + 2j * ratio * natural * line_frequencies
     )
-    columns = np.array([modal, np.ones(len(x)), (x - frequency) / frequency]).T
+    columns = np.array(
+        [modal, np.ones(len(line_frequencies)), (line_frequencies - frequency) / frequency]
+    ).T
     weights = np.array([1.0, 1.0, 0.0]) @ np.linalg.pinv(columns)
-    residuals = lines - columns @ (np.linalg.pinv(columns) @ lines)
-    scatter = 0.5 * np.sum(np.abs(residuals) ** 2) / max(len(x) - 3, 1)
-    incoherent = np.abs(lines) ** 2 * (1.0 / np.maximum(coherence, 1e-3) - 1.0)
+    residuals = spectral_lines - columns @ (np.linalg.pinv(columns) @ spectral_lines)
+    scatter = 0.5 * np.sum(np.abs(residuals) ** 2) / max(len(line_frequencies) - 3, 1)
+    incoherent = np.abs(spectral_lines) ** 2 * (1.0 / np.maximum(coherence, 1e-3) - 1.0)
     random = max(scatter, np.nan_to_num(np.mean(incoherent)) / (2.0 * hammer.averages))
-    value = complex(weights @ lines)
+    value = complex(weights @ spectral_lines)
     spread = sqrt(random * np.sum(np.abs(weights) ** 2))
     return value, hypot(spread, hammer.calibration * abs(value))
 

@@ -1,9 +1,10 @@
-"""Universal files (.uff, .unv) of modal tests, read in a separate process: modes with shapes.
+"""Modes and frequency responses from a universal file (.uff, .unv) of a modal test.
 
-Mode shapes (dataset 55) are used unchanged. From frequency response functions (dataset 58), poles
-follow by LSCF and mode constants by LSFD (sdypy-EMA). A pole counts if polynomials of most orders
-have it, as on a stabilisation chart (Verboven, thesis, VUB 2002, 5.3). Its scatter over the orders
-is its uncertainty.
+Input: the file, which is read in a separate process. Output: `TestedModes`. Rule: mode shapes
+(dataset 55) are used unchanged. From frequency response functions (dataset 58), poles are
+identified by LSCF and residues by LSFD (sdypy-EMA). A pole is accepted if polynomials of most
+orders have it, as on a stabilisation chart (Verboven, thesis, VUB 2002, 5.3); its scatter over the
+orders is its uncertainty.
 """
 
 import re
@@ -25,31 +26,30 @@ _FILE_KIND = "a universal file of a modal test"
 _LARGEST_SIZE = 100_000_000
 # Limit on computing time (s). Two hundred functions take ten seconds.
 _SECONDS = 300.0
-# Frequency response functions among functions; normal and complex modes among data at nodes.
+# Codes of the file format: frequency response function, coherence; normal and complex modes.
 _RESPONSE, _COHERENCE, _MODES = 4, 6, (2, 3, 7)
 _ENDS = ("rsp_node", "rsp_dir", "ref_node", "ref_dir")
-# Specific data types: of motions, with the number of time derivatives from a velocity; of force;
-# and unspecified ones.
+# Codes of data types: motions with the number of time derivatives of velocity; force; unspecified.
 _DERIVATIVES, _FORCE, _UNSPECIFIED = {8: -1, 11: 0, 12: 1}, 13, (0, 1)
 _GRAVITY = 9.80665
-# The line that begins and ends a data set.
+# Line that begins and ends a data set.
 _END_WITH_BLANKS = re.compile(rb"^(    -1)[ \t]+(?=\r?$)", re.MULTILINE)
-# Highest and fewest polynomial orders, fewest lines of a spectrum, and largest deviation of printed
-# frequencies from multiples of a step (in steps).
+# Highest polynomial order; smallest highest order; smallest number of lines of a spectrum; largest
+# deviation of printed frequencies from multiples of a step (in steps).
 _HIGHEST_ORDER, _FEWEST_ORDERS, _FEWEST_LINES, _STEP_TOLERANCE = 40, 4, 160, 1e-2
-# Largest relative distance of poles that are one; least share of the orders that have a pole;
+# Largest relative distance of equal poles; smallest share of the orders that must have a pole;
 # largest damping ratio of a robot's mode.
 _POLE_DISTANCE, _SHARE_OF_ORDERS, _LARGEST_RATIO = 0.003, 0.7, 0.3
 DataSet: TypeAlias = dict[str, Any]
 
 
 class TestedModes(NamedTuple):
-    """Modes of a test: `poles` (m, 1/s) and `shapes` (k×m, real).
+    """Modes and frequency responses of a modal test.
 
-    `scatter` (2×m) is the standard deviation of frequencies (Hz) and of damping ratios. `freedoms`
-    (k×2) are node and axis (0 to 2) of each row of the shapes. `receptance` (p×n, m/N) at
-    `frequencies` (n, Hz) belongs to pairs of `ends` (p×2×2): node and axis of the motion, then of
-    the force. `coherence` (p×n) is NaN if the file has none.
+    `poles` (m, 1/s) and `shapes` (k×m, real). `scatter` (2×m): standard deviations of frequencies
+    (Hz) and of damping ratios. `freedoms` (k×2): node and axis (0 to 2) of each row of the shapes.
+    `receptance` (p×n, m/N) at `frequencies` (n, Hz), for p pairs of `ends` (p×2×2): node and axis
+    of the motion, then of the force. `coherence` (p×n): NaN if the file has none.
     """
 
     poles: ComplexArray
@@ -113,7 +113,7 @@ def _modes_of_file(path: Path) -> TestedModes:
 
 
 def _data_sets(path: Path, uff: Any) -> DataSet | list[DataSet]:
-    """The data sets of a file. Blanks after -1, the end of a set, are removed for pyuff."""
+    """Data sets of a file. Blanks after -1, the end of a set, are removed for pyuff."""
     content = path.read_bytes()
     plain = _END_WITH_BLANKS.sub(rb"\1", content)
     if plain == content:
@@ -125,7 +125,10 @@ def _data_sets(path: Path, uff: Any) -> DataSet | list[DataSet]:
 
 
 def _given_modes(path: Path, modes: Sequence[DataSet]) -> TestedModes:
-    """Modes that another program identified. Freedoms with zero in all modes are not measured."""
+    """Modes that another program identified.
+
+    Freedoms with zero in all modes count as not measured.
+    """
     for number, mode in enumerate(modes, start=1):
         if not np.isfinite(_pole(mode)):
             raise InputError(f"{path}: mode {number} must have a finite frequency")
@@ -153,7 +156,7 @@ def _given_modes(path: Path, modes: Sequence[DataSet]) -> TestedModes:
 
 
 def _pole(mode: DataSet) -> complex:
-    """Pole (1/s) of a mode: that in the file, else by its frequency and viscous damping ratio."""
+    """Pole (1/s) of a mode: that of the file, otherwise from its frequency and damping ratio."""
     if "eig" in mode:
         return complex(mode["eig"])
     ratio = float(mode.get("modal_damp_vis", 0.0))
@@ -164,7 +167,8 @@ def _pole(mode: DataSet) -> complex:
 class _Functions(NamedTuple):
     """Frequency response functions: `mobility` (p×n, m/(s N)) at multiples of one step.
 
-    `before` is the number of lines from 0 Hz on below the first of the `frequencies` (n, Hz).
+    `frequencies` (n, Hz). `ends` (p×2×2) and `coherence` (p×n) as in `TestedModes`. `before`:
+    number of lines between 0 Hz and the first frequency.
     """
 
     frequencies: Array
@@ -179,9 +183,9 @@ class _Functions(NamedTuple):
 
 
 def _exact_frequencies(path: Path, printed: Array) -> tuple[Array, int]:
-    """Frequencies (Hz) as exact multiples of one step, and the number of the first.
+    """Frequencies (n, Hz) as exact multiples of one step, and the multiple of the first.
 
-    Printed frequencies are rounded: the first one can be 51.00006 steps.
+    Printed frequencies are rounded: the first can be 51.00006 steps.
     """
     steps = np.diff(printed)
     wrong = InputError(f"{path}: must have {_FEWEST_LINES} frequencies, multiples of one step")
@@ -198,9 +202,9 @@ def _exact_frequencies(path: Path, printed: Array) -> tuple[Array, int]:
 def _functions(
     path: Path, tested: Sequence[DataSet], coherent: Sequence[DataSet], length: float, force: float
 ) -> _Functions:
-    """The frequency response functions of one file, with their coherence from `coherent` sets.
+    """Frequency response functions of one file, with their coherence from `coherent` sets.
 
-    `length` and `force` are the numbers of the file's units in 1 m and 1 N.
+    `length` and `force`: numbers of the file's units in 1 m and 1 N.
     """
     frequencies, first = _exact_frequencies(path, np.asarray(tested[0]["x"], dtype=float))
     frequencies, rows = frequencies[(positive := frequencies > 0.0)], []
@@ -247,10 +251,10 @@ def _functions(
 
 
 def _identified_modes(path: Path, functions: _Functions) -> TestedModes:
-    """The modes of the functions of one file."""
+    """Modes identified from the frequency response functions of one file."""
     frequencies, rows, count = functions.frequencies, functions.mobility, len(functions.mobility)
     # The fixed end is the point of the force or, with a roving hammer, the sensor. If there are
-    # several, each mode is read from the one with its largest response.
+    # several, each mode is read from the one with the largest response.
     ends = [[(int(node), int(axis)) for node, axis in end] for end in functions.ends.swapaxes(0, 1)]
     fixed_ends, varied_ends = sorted(ends, key=lambda end: len(set(end)))
     row_of = {pair: row for row, pair in enumerate(zip(fixed_ends, varied_ends, strict=True))}
@@ -264,8 +268,8 @@ def _identified_modes(path: Path, functions: _Functions) -> TestedModes:
         raise InputError(f"{path}: two functions are of the same motion by the same force")
     if not freedoms:
         raise InputError(f"{path}: no motion was measured with every place that was struck")
-    # From 0 Hz on, with zeros for lines that were not measured: sdypy-EMA would add missing lines
-    # itself, but rounds their number up to one too many.
+    # Lines start at 0 Hz, with zeros where nothing was measured: sdypy-EMA would add missing lines
+    # itself, but can round their number up by one.
     lines = np.hstack([np.zeros((count, functions.before)), rows])
     all_frequencies = frequencies[0] / functions.before * np.arange(lines.shape[1])
     model, highest = _with_poles(path, lines, all_frequencies, (frequencies[0], frequencies[-1]))
@@ -273,7 +277,7 @@ def _identified_modes(path: Path, functions: _Functions) -> TestedModes:
     if not stable:
         raise InputError(f"{path}: no mode can be told from its functions")
     model.pole_ind = [[highest - 1, index] for index in stable]
-    # Without the last line, which sdypy-EMA drops.
+    # Excludes the last line, which sdypy-EMA drops.
     constants = model.get_constants(f_upper=model.freq[-1])[1]
     parts = np.array([constants[[row_of[end, freedom] for freedom in freedoms]] for end in fixed])
     strongest = np.linalg.norm(parts, axis=1).argmax(axis=0)
@@ -293,13 +297,13 @@ def _identified_modes(path: Path, functions: _Functions) -> TestedModes:
 def _with_poles(
     path: Path, functions: Array, frequencies: Array, band: tuple[float, float]
 ) -> tuple[Any, int]:
-    """Model with poles of all polynomial orders, and the highest order.
+    """Model with the poles of all polynomial orders, and the highest order.
 
-    Functions without noise leave no information for high orders, whose equations are then singular,
-    on some processors exactly. The highest order is the last one before that. Raises InputError if
-    it is below `_FEWEST_ORDERS`.
+    Functions without noise have no information for high orders, whose equations are then singular,
+    on some processors exactly. The highest order is the last regular one. Raises InputError if it
+    is below `_FEWEST_ORDERS`.
     """
-    # From the same extra. It loads matplotlib, which files without functions do not need.
+    # Imported here because it loads matplotlib, which files without functions do not need.
     from sdypy.EMA import Model  # noqa: PLC0415
 
     highest = _HIGHEST_ORDER
@@ -317,10 +321,10 @@ def _with_poles(
 
 
 def _stable_poles(poles: list[ComplexArray], band: Array) -> tuple[list[int], list[list[float]]]:
-    """Indices, among the poles of the highest polynomial order, of those that recur.
+    """Indices of stable poles among those of the highest order, and their scatter.
 
-    They do so at most of the high orders. Then, for each, the standard deviations of its frequency
-    (Hz) and damping ratio over these orders.
+    A pole is stable if it recurs at most of the high orders. Scatter: standard deviations of
+    frequency (Hz) and damping ratio over these orders.
     """
     upper_half = poles[len(poles) // 2 :]
     orders = [of_order[(of_order.imag > 0.0) & (of_order.real < 0.0)] for of_order in upper_half]
@@ -350,6 +354,6 @@ def _stable_poles(poles: list[ComplexArray], band: Array) -> tuple[list[int], li
 
 
 def _real_shapes(shapes: ComplexArray) -> Array:
-    """Real parts of shapes (k×m), each in the phase in which its real part is largest."""
+    """Real parts of shapes (k×m), each rotated to the phase in which its real part is largest."""
     turned = np.exp(-0.5j * np.angle(np.sum(np.square(shapes), axis=0)))
     return np.asarray((shapes * turned).real)

@@ -1,4 +1,6 @@
-"""The models of bodies and robots by name, with stored results.
+"""Lumped, beam and solid models of legs, CAD parts and whole mechanisms.
 
-In: a robot and the options of a model. Out: compliance, frequencies, matrices.
+Input: a mechanism and the options of a model. Output: its compliance, natural frequencies and
+displacements under loads, or stiffness and mass matrices of its bodies. Expensive results are
+stored.
 """

@@ -1,4 +1,9 @@
-"""The models of one leg, each built once for all legs of the same shape."""
+"""Matrices, tip compliance and natural frequencies of one leg by each model.
+
+Input: a leg (prism, stepped leg or 6×6) and the options of the model. Output: stiffness and mass
+matrices in leg axes, 6×6 tip compliance, or frequencies in Hz. Legs of equal shape share one stored
+result.
+"""
 
 from dataclasses import replace
 from functools import partial
@@ -39,18 +44,19 @@ from validation.models.options import DEFAULT_OPTIONS, STATIC, Ends, ModelName, 
 from validation.solids.solid_legs import held_solid
 
 Model = TypeVar("Model", bound=BodyModel)
-# Factor on the cut-off frequency if too few modes are below it.
+# Factor by which the cut-off frequency is raised if too few modes lie below it.
 _CUTOFF_STEP = 1.3
 
 
-# Enough for all models of the family of longer legs: each takes a hundred kilobytes.
+# Holds all models of the family of longer legs, a hundred kilobytes each.
 @memo(256)
 def leg_matrices(
     model: ModelName, leg: ConstantLeg | SteppedLeg, options: ModelOptions = DEFAULT_OPTIONS
 ) -> LegMatrices:
-    """Matrices of one free leg by `segments` or `beam`, `elements` in all pieces of a stepped one.
+    """Stiffness and mass of one unsupported leg by `segments` or `beam`.
 
-    Raises InputError for any other model.
+    A stepped leg has `options.elements` in all its pieces together. Raises InputError for any other
+    model.
     """
     if isinstance(leg, SteppedLeg):
         return stepped_leg(leg, partial(_piece, model, options, len(leg.pieces)))
@@ -72,13 +78,16 @@ def _piece(model: ModelName, options: ModelOptions, count: int, piece: Piece) ->
 
 
 def filled(model: Model) -> Model:
-    """The model with dense matrices, because reduced matrices are small and full."""
+    """Copy of a model with dense matrices, since reduced matrices are small and full."""
     parts = {kind: dense(part) for kind, part in model.parts.items()}
     return replace(model, stiffness=dense(model.stiffness), mass=dense(model.mass), parts=parts)
 
 
 def leg_chain(leg: ConstantLeg, options: ModelOptions) -> SegmentChain:
-    """The leg as rigid segments joined by springs; "printed": with the joint at its tip."""
+    """Chain of rigid segments joined by springs.
+
+    With release "printed", it includes the tip joint.
+    """
     properties = leg.properties(options.theory)
     chain = segment_chain(properties, leg.length, options.elements, options.layout)
     return with_printed_tip_joint(chain) if options.release == "printed" else chain
@@ -88,7 +97,10 @@ def leg_chain(leg: ConstantLeg, options: ModelOptions) -> SegmentChain:
 def condensed_leg(
     model: ModelName, leg: ConstantLeg | SteppedLeg, options: ModelOptions
 ) -> LegMatrices:
-    """A leg by `segments`, `beam` or `solid` on the twists of its ends alone, exact in statics."""
+    """Leg by `segments`, `beam` or `solid`, condensed to the twists of its ends.
+
+    Exact in statics.
+    """
     if model == "segments" and isinstance(leg, ConstantLeg):
         return static_leg(leg_chain(leg, options))
     return static_superelement(_held_leg(model, leg, options)).matrices
@@ -102,7 +114,10 @@ def reduced_leg(
     highest: float,
     cutoff: float,
 ) -> LegMatrices:
-    """A leg reduced for frequencies of the robot up to `highest` (Hz), its modes to `cutoff`."""
+    """Leg reduced to its ends and its modes below `cutoff` (Hz), with rigid or free end faces.
+
+    It is accurate for frequencies of the robot up to `highest` (Hz).
+    """
     return reduced_superelement(model, leg, options, highest, cutoff).matrices
 
 
@@ -113,11 +128,11 @@ def reduced_superelement(
     highest: float,
     cutoff: float,
 ) -> CraigBampton:
-    """A leg reduced as in `reduced_leg`, with the bounds on its error."""
+    """Leg reduced as by `reduced_leg`, with the bounds on the error of the reduction."""
     return craig_bampton(_held_leg(model, leg, options), highest, cutoff)
 
 
-# Factors of two solid legs fit into the memory of small machines.
+# Factorised matrices of two solid legs fit into the memory of small machines.
 @memo(2)
 def _held_leg(model: ModelName, leg: ConstantLeg | SteppedLeg, options: ModelOptions) -> HeldLeg:
     if model == "solid" and isinstance(leg, ConstantLeg):
@@ -127,12 +142,15 @@ def _held_leg(model: ModelName, leg: ConstantLeg | SteppedLeg, options: ModelOpt
 
 @memo(4)
 def clamped_solid(leg: ConstantLeg, divisions: int, ends: Ends) -> RootedBody:
-    """A leg as a solid, `divisions` across its section, factorised once for statics and modes."""
+    """Leg as a solid with its root clamped, factorised once for statics and modes.
+
+    `divisions` is the number of elements across the section.
+    """
     return solid.clamped_leg(solid.solid_leg(leg, solid.solid_mesh(leg, divisions)), ends)
 
 
 def leg_compliance(model: ModelName, leg: Leg, options: ModelOptions = DEFAULT_OPTIONS) -> Array:
-    """6×6 tip compliance (SI, leg axes) of one leg, root clamped.
+    """6×6 tip compliance (SI, leg axes) of one leg with its root clamped.
 
     Raises InputError for `simplified`, whose legs are rigid.
     """
@@ -151,7 +169,7 @@ def leg_compliance(model: ModelName, leg: Leg, options: ModelOptions = DEFAULT_O
 def leg_frequencies(
     model: ModelName, leg: Leg, count: int, options: ModelOptions = DEFAULT_OPTIONS
 ) -> Array:
-    """First natural frequencies (Hz, ascending) of one leg, root clamped.
+    """First natural frequencies (Hz, ascending) of one leg with its root clamped.
 
     Raises InputError for `simplified` (rigid legs), `vjm` and `links` (static).
     """
@@ -167,11 +185,10 @@ def leg_frequencies(
 def free_leg_frequencies(
     model: ModelName, leg: Leg, count: int, options: ModelOptions = DEFAULT_OPTIONS
 ) -> Array:
-    """First natural frequencies (Hz, ascending) of one leg with free ends.
+    """First natural frequencies (Hz, ascending) of one leg with free ends, rigid motions omitted.
 
-    The six rigid motions are counted and omitted. For solids, rigid motions and modes are counted
-    by inertia. Raises InputError as `leg_frequencies` does, ComputationError if the rigid motions
-    are not six.
+    For solids, the inertia of the shifted stiffness counts modes and rigid motions. Raises
+    InputError as `leg_frequencies` does, and ComputationError if there are not six rigid motions.
     """
     if model == "simplified" or model in STATIC:
         raise InputError(f"--modes: the {model} model of one leg has no frequencies")
@@ -180,7 +197,7 @@ def free_leg_frequencies(
         return free_frequencies(leg_matrices(model, constant, options), count)
     rooted = clamped_solid(constant, options.divisions, "free")
     body = free_body(rooted)
-    # Modes of beams give the first cut-off. Sections that distort have more modes.
+    # Beam modes give the first cut-off frequency. Sections that distort have more modes.
     beams = free_frequencies(leg_matrices("beam", constant, DEFAULT_OPTIONS), count)
     cutoff = _CUTOFF_STEP * float(beams[-1])
     while len(frequencies := counted_modes(body, cutoff).frequencies) < count:
@@ -195,5 +212,5 @@ def free_leg_frequencies(
 
 
 def constant_leg_of(context: Context, body: str) -> ConstantLeg:
-    """The equivalent constant-section leg of a body of the run's robot."""
+    """Prism with the same compliance as a leg of the run's robot, by body name."""
     return context.get(equivalent_leg, legs_of(context.robot_file.mechanism)[body])

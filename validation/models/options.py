@@ -1,4 +1,4 @@
-"""Names of the models, and their options."""
+"""Names of the models, and the options that the command line offers for them."""
 
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
@@ -16,14 +16,15 @@ ReductionBy: TypeAlias = Literal["fixed", "free"]
 
 @dataclass(frozen=True)
 class ModelOptions:
-    """Options of the models, as on the command line.
+    """Options of the models, as on the command line. In brackets the models that they affect.
 
-    `legs` (vjm, links): each leg's own 6×6 or that of its equivalent constant-section leg; `theory`
-    (segments, beam; vjm and links with equivalent legs); `elements` per leg (segments, beam);
-    `release`, `layout` (segments); `ends`, `divisions` (solid); `equivalent`: which diagonal is
-    matched; `parts` (segments, beam): CAD parts as equivalent legs, as legs stepped in prismatic
-    pieces, or condensed on their interfaces with their mass; `reduction` (solid): CAD parts by
-    their modes with all interfaces fixed (Craig and Bampton) or free (MacNeal, Rubin).
+    `legs` (vjm, links): the 6×6 of the robot file, or that of the equivalent prism. `theory`
+    (segments, beam; vjm and links with equivalent legs). `elements` (segments, beam): number per
+    leg. `release`, `layout` (segments). `ends`, `divisions` (solid). `equivalent`: whether the
+    prism matches the diagonal of the stiffness or of the compliance. `parts` (segments, beam): CAD
+    parts as equivalent legs, as legs stepped in prismatic pieces, or condensed to their interfaces
+    with mass. `reduction` (solid): CAD parts by modes with all interfaces fixed (Craig and Bampton)
+    or free (MacNeal, Rubin).
     """
 
     legs: LegSprings = "given"
@@ -39,8 +40,8 @@ class ModelOptions:
 
 
 DEFAULT_OPTIONS = ModelOptions()
-# Orders in 1/elements with which frequencies converge: segments with half springs at the ends, and
-# with springs between them alone; beams of cubic shapes.
+# Orders of convergence of frequencies in 1/elements: segments with half-length end springs,
+# segments with springs between them only, beams with cubic shape functions.
 SEGMENT_ORDER, LITERAL_ORDER, BEAM_ORDER = 2.0, 1.0, 4.0
-# Models that have no mass, so no frequencies.
+# Models without mass, and therefore without frequencies.
 STATIC: tuple[ModelName, ...] = ("vjm", "links")

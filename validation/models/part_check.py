@@ -1,4 +1,8 @@
-"""Text of `flexproof check` on the CAD parts of a robot: size, faces and their positions."""
+"""Text of `flexproof check` on CAD parts: their size, and the faces of each interface.
+
+Input: a mechanism. Output: lines of text. Rule: each interface is listed with its faces and their
+distance from the point of the joint.
+"""
 
 import numpy as np
 
@@ -12,11 +16,10 @@ from validation.models.reduced_parts import found_in
 
 
 def parts_text(mechanism: Mechanism) -> str:
-    """Lines on every part: its size, and the faces of each interface.
+    """Lines on each CAD part: its size, and the faces of each interface with their distance.
 
-    These have their distance from the point of the joint.
-
-    Empty if no body is a part. Raises InputError with the faults of all parts.
+    The distance is that from the point of the joint. "" if no body is a CAD part. Raises InputError
+    with the faults of all parts.
     """
     texts, faults = collect_faults(_part_text, mechanism.parts.values())
     if faults:
@@ -54,5 +57,5 @@ def _offset_text(file: PartFile, interface: Interface) -> str:
 
 def _millimetres(arm: Array) -> str:
     distance = 1e3 * float(np.linalg.norm(arm))
-    # Round-off of the digits of a file counts as zero.
+    # Round-off due to the digits of a file counts as zero.
     return f"{distance if distance > 1e-6 else 0.0:.3g} mm"

@@ -1,7 +1,9 @@
-"""Parts of two interfaces as legs in lumped and beam models.
+"""CAD parts with two interfaces as legs of lumped and beam models.
 
-The x axis of a leg is from the point of the first interface to that of the second. Its z axis is as
-near to the z axis of the file as possible.
+Input: a body that is a CAD part, and options. Output: its 6×6, its equivalent or stepped leg, or
+its condensed model, as the model of a body. The x axis of such a leg runs from the point of the
+first interface to that of the second; its z axis is as near as possible to the z axis of the part's
+file.
 """
 
 from collections.abc import Callable, Sequence
@@ -27,7 +29,7 @@ from validation.models.stepped_parts import stepped
 
 
 def given_leg(body: Body) -> GivenLeg:
-    """A part by its identified 6×6 and its mass, leg axes."""
+    """CAD part as a leg known by its identified 6×6 and mass, in leg axes."""
     start, end = (frame.position for frame in body.interfaces.values())
     part = identified(body)
     compliance = turn_matrix(part.compliance, leg_axes(body).rotation.T)
@@ -35,7 +37,7 @@ def given_leg(body: Body) -> GivenLeg:
 
 
 def require_legs(mechanism: Mechanism) -> None:
-    """Raise InputError for parts that are no legs: those of one interface, or of three and more."""
+    """Raise InputError if a CAD part does not have exactly two interfaces."""
     faults = [
         f"bodies.{name}: a part of {counted(len(body.interfaces), 'interface')} cannot be a link "
         "of a serial chain; use links"
@@ -47,7 +49,10 @@ def require_legs(mechanism: Mechanism) -> None:
 
 
 def part_springs(mechanism: Mechanism, options: ModelOptions) -> dict[str, Array]:
-    """Compliance (6×6, SI, body axes) of every part that is a leg, according to `options.legs`."""
+    """Tip compliance (6×6, SI, body axes) of each CAD part with two interfaces, by body name.
+
+    Its identified 6×6, or that of the equivalent prism, as `options.legs` specifies.
+    """
     springs = {}
     for name, body in mechanism.parts.items():
         if is_leg(body) and options.legs == "equivalent":
@@ -64,9 +69,9 @@ def part_models(
     options: ModelOptions,
     build: Callable[[ConstantLeg | SteppedLeg, ModelOptions], LegMatrices],
 ) -> dict[str, BodyModel]:
-    """Model of every part according to `options.parts`: a leg by `build`, or condensed.
+    """Model of each CAD part as `options.parts` specifies: a leg made by `build`, or condensed.
 
-    Parts of one interface, or of three and more, are condensed in any case.
+    A part that does not have two interfaces is condensed in any case.
     """
     models = {}
     for name, body in mechanism.parts.items():
@@ -83,10 +88,10 @@ def part_models(
 
 
 def placed_leg(leg: LegMatrices, frame: Frame, interfaces: Sequence[str]) -> BodyModel:
-    """The leg as the model of a body with two `interfaces`, the first at the leg's root.
+    """Leg as the model of a body with two `interfaces`, the first at the root of the leg.
 
-    `frame` has the leg axes in body axes. Only the twists of the ends are rotated among the
-    unknowns. Points before the root or behind the tip move with the section there.
+    `frame`: leg axes in body axes. Of the unknowns, only the twists of the ends are rotated. A
+    point before the root or beyond the tip moves with the end section.
     """
     to_leg = turn(frame.rotation).T
     size = leg.size - 6 * len(ENDS)
@@ -118,5 +123,5 @@ def placed_leg(leg: LegMatrices, frame: Frame, interfaces: Sequence[str]) -> Bod
 
 
 def _rotation_to_displacement(rotation: Array, arm: Array) -> Array:
-    """φ ↦ R (φ × r) for rotations in leg axes."""
+    """Matrix (3×3) of φ ↦ R (φ × r), for rotations φ in leg axes."""
     return np.asarray(rotation @ np.cross(np.eye(3), arm).T)

@@ -1,4 +1,8 @@
-"""Doubts about a robot whose data are sound in form: units, axes of bores, gaps of slides."""
+"""Warnings about a robot whose file is valid but unlikely: units, axes of bores, gaps of slides.
+
+Input: a mechanism. Output: `Finding` records with the value, the suspicion and its evidence. Rule:
+a finding is made if a number lies far outside the range of real machines.
+"""
 
 from collections.abc import Iterator
 
@@ -12,29 +16,30 @@ from lumped.mechanism.joint import Joint
 from lumped.mechanism.mechanism import GROUND, Mechanism
 from validation.models.reduced_parts import found_in
 
-# Length (m), mass (kg) and mass per length (kg/m) above which a leg is implausible: a solid steel
+# Length (m), mass (kg) and mass per length (kg/m) above which a leg is implausible. A solid steel
 # bar of 1.1 m × 1.1 m has 1e4 kg/m, the box boom of a large crane 3e3. If millimetres are read as
-# metres, 2.5 mm² of steel have 2e4 kg/m.
+# metres, a bar of 2.5 mm² of steel has 2e4 kg/m.
 _LONG, _HEAVY, _HEAVY_PER_LENGTH = 5.0, 1e4, 1e4
-# Span (m) of a body whose mass is given, and mass per length (kg/m) below which it is none: of a
-# carbon tube of that length 0.3 kg/m.
+# Span (m) above which, and mass per length (kg/m) below which, a body of given mass is implausible.
+# A carbon tube of that length has 0.3 kg/m.
 _WIDE, _LIGHT_PER_LENGTH = 10.0, 0.02
 # Gravity (m/s²) above which a wrong unit is likely: five times the earth's.
 _LARGEST_GRAVITY = 50.0
-# Cosine of the angle between a bore and the axis of its joint: 30°.
+# Smallest cosine between a bore and the axis of its joint: 30°.
 _ALONG = float(np.cos(np.pi / 6.0))
-# Largest gap of the bodies of a slide due to round-off, relative to the distance of its points.
+# Largest gap between the bodies of a slide that is round-off, relative to the distance of its
+# points.
 _TOUCHING = 1e-6
 
 
 def robot_findings(mechanism: Mechanism) -> tuple[Finding, ...]:
-    """All doubts about a mechanism. Raises InputError as `found_in` does for unreadable parts."""
+    """All findings about a mechanism. Raises InputError as `found_in` does for unreadable parts."""
     checks = (_size_and_mass, _gravity, _bores, _slides)
     return tuple(finding for check in checks for finding in check(mechanism))
 
 
 def _size_and_mass(mechanism: Mechanism) -> Iterator[Finding]:
-    """Millimetres written as metres: legs by density far too heavy, given masses far too light."""
+    """Findings of millimetres read as metres: legs far too heavy, or given masses far too light."""
     for body in mechanism.bodies.values():
         if body.name == GROUND:
             continue
@@ -55,15 +60,15 @@ def _size_and_mass(mechanism: Mechanism) -> Iterator[Finding]:
 
 
 def _span(body: Body) -> float:
-    """Largest distance (m) between two interfaces."""
-    places = np.array([frame.position for frame in body.interfaces.values()])
-    if not len(places):
+    """Largest distance (m) between two interfaces of a body."""
+    positions = np.array([frame.position for frame in body.interfaces.values()])
+    if not len(positions):
         return 0.0
-    return float(np.linalg.norm(places[:, None] - places, axis=2).max())
+    return float(np.linalg.norm(positions[:, None] - positions, axis=2).max())
 
 
 def _mass(body: Body) -> float:
-    """Mass (kg); zero of a part, whose file has a unit of its own."""
+    """Mass (kg) of a body. Zero for a CAD part, whose file has a unit of its own."""
     return 0.0 if isinstance(body.shape, Part) else body.shape.mass
 
 
@@ -83,7 +88,7 @@ def _gravity(mechanism: Mechanism) -> Iterator[Finding]:
 
 
 def _bores(mechanism: Mechanism) -> Iterator[Finding]:
-    """The bore or boss by which a part turns lies along the axis of its joint."""
+    """Findings of bores or bosses that do not lie along the axis of their revolute joint."""
     interfaces = {
         (body.name, interface.name): interface
         for body in mechanism.parts.values()
@@ -119,7 +124,7 @@ def _direction(axis: Array) -> str:
 
 
 def _slides(mechanism: Mechanism) -> Iterator[Finding]:
-    """Bodies that slide in each other overlap along the axis, or at least touch."""
+    """Findings of slides whose bodies neither overlap nor touch along the axis."""
     for joint in mechanism.joints:
         if joint.kind not in ("prismatic", "cylindrical"):
             continue
@@ -143,7 +148,7 @@ def _slides(mechanism: Mechanism) -> Iterator[Finding]:
 
 
 def _span_along(mechanism: Mechanism, joint: Joint, name: str) -> tuple[float, float]:
-    """First and last coordinate (m) of a body's interfaces along the axis of a joint."""
+    """Smallest and largest coordinate (m) of a body's interfaces along the axis of a joint."""
     frame = mechanism.reference[name]
     coordinates = [
         float(joint.axes[0] @ (frame @ interface).position)

@@ -1,7 +1,9 @@
-"""CAD parts as solids: condensed on their interfaces, or reduced with modes.
+"""CAD parts as solids: condensed to their interfaces, or reduced with modes.
 
-They are meshed, factorised and reduced once, and stored on disk and in memory
-(validation.run.cache).
+Input: a body that is a CAD part, the mesh level, end conditions and a cut-off frequency. Output:
+its model on the twists of its interfaces and modal coordinates. Rule: a part is meshed, factorised
+and reduced once; the result is stored on disk and in memory (`validation.run.cache`). Modes are
+counted by inertia, and a reduction that lacks a counted mode is an error.
 """
 
 from collections.abc import Callable, Mapping
@@ -35,14 +37,13 @@ from validation.parts.identify import Identified, more_unknowns
 from validation.parts.meshes import COARSE, FINEST, mesh_entries, part_file, part_key, part_mesh
 from validation.run.cache import Arrays, CacheEntry, require_shape
 
-# Unknowns of the finest of the three meshes on which a robot's part is identified and reduced, if
-# the robot file has no other number.
+# Unknowns of the finest of the three meshes of a part, if the robot file does not specify them.
 UNKNOWNS = 60_000
 _MODES = 6
-# Number of nodes from which a displacement between nodes is interpolated. A point nearer to a node
-# than this share of the part's size is at the node.
+# Number of nodes from which the displacement of a point is interpolated, and the distance, over the
+# size of the part, below which a point is at the node.
 _NEIGHBOURS, _AT_NODE = 16, 1e-9
-# Largest relative difference, due to round-off, between an eigenvalue of a reduction and that of
+# Largest relative difference, due to round-off, between the eigenvalue of a reduction and that of
 # its mode.
 _SAME_MODE = 1e-6
 
@@ -51,11 +52,12 @@ Hold: TypeAlias = Literal["rigid", "average"]
 
 @dataclass(frozen=True, eq=False)
 class ReducedPart(BodyModel):
-    """A part reduced for frequencies up to `highest` (Hz), by Craig and Bampton.
+    """CAD part reduced by Craig and Bampton, accurate for frequencies up to `highest` (Hz).
 
-    With fixed interfaces, `counted` modes are below `cutoff` (Hz), by inertia, and all are kept.
-    `truncated` W (6m×6m) bounds the error (fem.reduction.craig_bampton). By MacNeal and Rubin,
-    cut-off and count are those of the elastic modes of the free part, and `free` is the bound.
+    With fixed interfaces, `counted` is the number of modes below `cutoff` (Hz), counted by inertia;
+    all are kept. `truncated` W (6m×6m) bounds the error due to higher modes
+    (`fem.reduction.craig_bampton`). For a reduction by MacNeal and Rubin, cut-off and count belong
+    to the elastic modes of the free part, and `free` is the bound. None otherwise.
     """
 
     highest: float = field(kw_only=True)
@@ -66,7 +68,7 @@ class ReducedPart(BodyModel):
 
     @property
     def kept(self) -> int:
-        """Number of modes below the cut-off, with fixed or free interfaces, in its matrices."""
+        """Number of modes below the cut-off, with fixed or free interfaces, in the matrices."""
         if self.free is None:
             return _below(np.diag(self.stiffness)[len(self.truncated) :], self.cutoff)
         all_squares = eigh(dense(self.stiffness), dense(self.mass), eigvals_only=True)[6:]
@@ -75,7 +77,7 @@ class ReducedPart(BodyModel):
         return _below(squares[np.abs(squares / expected - 1.0) < _SAME_MODE], self.cutoff)
 
     def loosened(self, squared: float) -> tuple[Array, Array]:
-        """Changes of stiffness and mass that bound the error, for `Truncated`.
+        """Changes of stiffness and mass that bound the error at a squared angular frequency.
 
         See `fem.reduction.craig_bampton.Truncated`.
         """
@@ -104,30 +106,30 @@ def _written(path: Path) -> tuple[int, int] | None:
 
 
 def shape_of(body: Body) -> Part:
-    """Part of a body. Raises InputError for a body that is not a part."""
+    """CAD part of a body. Raises InputError for a body that is not one."""
     if not isinstance(body.shape, Part):
         raise InputError(f"bodies.{body.name}: is not a part from a file")
     return body.shape
 
 
 def is_held_as_said(body: Body) -> bool:
-    """True if the robot file specifies the end condition of every interface."""
+    """True if the robot file specifies the coupling of every interface of a CAD part."""
     return all(interface.coupling for interface in shape_of(body).interfaces.values())
 
 
 def is_leg(body: Body) -> bool:
-    """True if a part is a leg, that is, if it has two interfaces."""
+    """True if a CAD part has two interfaces, so that it can be modelled as a leg."""
     return len(body.interfaces) == 2
 
 
 def leg_axes(body: Body) -> Frame:
-    """Axes of a part of two interfaces as a leg, in those of the body."""
+    """Leg axes of a CAD part with two interfaces, in body axes."""
     start, end = (frame.position for frame in body.interfaces.values())
     return leg_frame(start, end)
 
 
 def found_in(body: Body) -> tuple[PartFile, tuple[Interface, ...]]:
-    """The file of a part and its interfaces at the points of the robot.
+    """File of a CAD part, and its interfaces at the points of the robot.
 
     Raises InputError if the file cannot be read or has no faces at the joints.
     """
@@ -141,12 +143,12 @@ def found_in(body: Body) -> tuple[PartFile, tuple[Interface, ...]]:
 
 
 def unknowns_of(body: Body) -> int:
-    """Unknowns of the finest of the three meshes of a part."""
+    """Unknowns of the finest of the three meshes of a CAD part."""
     return shape_of(body).unknowns or UNKNOWNS
 
 
 def with_unknowns(mechanism: Mechanism, unknowns: Mapping[str, int]) -> Mechanism:
-    """The mechanism with the given numbers of `unknowns` in the finest meshes of parts by name."""
+    """Mechanism with other numbers of unknowns in the finest meshes of CAD parts, by body name."""
     parts = mechanism.parts
     finer = {
         name: replace(parts[name], shape=replace(shape_of(parts[name]), unknowns=count))
@@ -156,10 +158,10 @@ def with_unknowns(mechanism: Mechanism, unknowns: Mapping[str, int]) -> Mechanis
 
 
 def with_finer_parts(mechanism: Mechanism, factor: float) -> Mechanism:
-    """The mechanism with meshes whose half-widths are smaller by `factor`.
+    """Mechanism with finer meshes of CAD parts, whose half-widths are smaller by `factor`.
 
-    Raises InputError if a part is a mesh, which has no finer one, and ComputationError if there is
-    not enough memory.
+    Raises InputError if a part is given as a mesh, which cannot be refined, and ComputationError if
+    there is not enough memory.
     """
     finer = {}
     for name, body in mechanism.parts.items():
@@ -171,14 +173,17 @@ def with_finer_parts(mechanism: Mechanism, factor: float) -> Mechanism:
 
 
 def identified(body: Body, unknowns: int | None = None, modes: int = _MODES) -> Identified:
-    """The part by its interfaces, in body axes, with its uncertainties."""
+    """Stiffness, compliance, mass and modes of a CAD part on its interfaces, with uncertainties.
+
+    In body axes. `unknowns` of the finest mesh; if None, those of the body.
+    """
     return identified_entry(body, unknowns, modes).value()
 
 
 def identified_entry(
     body: Body, unknowns: int | None = None, modes: int = _MODES
 ) -> CacheEntry[Identified]:
-    """Cache entry of what `identified` returns."""
+    """Cache entry for the result of `identified`."""
     file, interfaces = found_in(body)
     material = shape_of(body).material
     return identify.identified_entry(
@@ -187,13 +192,13 @@ def identified_entry(
 
 
 def coarsest_mesh(body: Body) -> PartMesh:
-    """The coarsest of the part's meshes, body axes, or the one that is given: enough to draw it."""
+    """Coarsest mesh of a CAD part, in body axes, which is sufficient for drawing."""
     file, interfaces = found_in(body)
     return part_mesh(file, interfaces, unknowns_of(body), COARSE)
 
 
 def condensed(body: Body) -> BodyModel:
-    """The part on the twists of its interfaces: exact in statics, with mass by Guyan (1965)."""
+    """CAD part on the twists of its interfaces, exact in statics, with Guyan's mass (1965)."""
     part = identified(body)
     displacements = interpolated(part.places, part.shapes)
     return BodyModel("condensed", tuple(body.interfaces), part.stiffness, part.mass, displacements)
@@ -207,9 +212,9 @@ def reduced(
     hold: Hold = "rigid",
     by: ReductionBy = "fixed",
 ) -> ReducedPart:
-    """One of the part's meshes, reduced for frequencies up to `highest` (Hz).
+    """CAD part on one of its meshes, reduced for frequencies up to `highest` (Hz).
 
-    `hold` is the end condition of interfaces without one in the robot file. `by` are modes with
+    `hold` is the coupling of interfaces without one in the robot file. `by` selects modes with
     fixed or free interfaces. Raises ComputationError if the reduction lacks a counted mode.
     """
     part = reduced_entry(body, highest, cutoff, level, hold, by).value()
@@ -229,11 +234,11 @@ def reduced_entry(
     hold: Hold = "rigid",
     by: ReductionBy = "fixed",
 ) -> CacheEntry[ReducedPart]:
-    """Cache entry of what `reduced` returns."""
+    """Cache entry for the result of `reduced`."""
     file, found_interfaces = found_in(body)
     shape, unknowns = shape_of(body), unknowns_of(body)
     if file.mesh is not None:
-        # A part that is a mesh has only one level.
+        # A part given as a mesh has only one level.
         level = FINEST
     interfaces = tuple(
         interface
@@ -292,10 +297,11 @@ def reduced_entry(
 
 
 def interpolated(nodes: Array, recovery: Array) -> Callable[[Array], SparseMatrix]:
-    """Displacements at any points, from the recovery (3N×n) of those at `nodes` (N×3).
+    """Function from points to displacements (3m×n) by those at `nodes` (N×3).
 
-    At a node it is the node's displacement. Elsewhere it is a mean of the nearest nodes, with
-    weights that reproduce linear fields exactly.
+    `recovery` (3N×n) maps n unknowns to the displacements of the nodes. At a node the result is the
+    node's displacement. Elsewhere it is a mean over the nearest nodes, with weights that reproduce
+    linear fields exactly.
     """
     fields = recovery.reshape(len(nodes), -1)
     size = float(np.ptp(nodes, axis=0).max())
@@ -307,7 +313,7 @@ def interpolated(nodes: Array, recovery: Array) -> Callable[[Array], SparseMatri
         between = distances[:, 0] > _AT_NODE * size
         arms = (nodes[nearest] - points[:, None])[between] / distances[between, -1][:, None, None]
         linear = np.concatenate([np.ones((*arms.shape[:2], 1)), arms], axis=2)
-        # Least Σ w²|arm|² with Σ w = 1 and Σ w·arm = 0.
+        # Minimise Σ w²|arm|² subject to Σ w = 1 and Σ w·arm = 0.
         scaled = linear / np.linalg.norm(arms, axis=2, keepdims=True)
         inverse = np.linalg.pinv(np.swapaxes(scaled, 1, 2), rcond=1e-6)
         weights[between] = inverse[..., 0] / np.linalg.norm(arms, axis=2)

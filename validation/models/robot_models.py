@@ -1,7 +1,9 @@
-"""Every model of any mechanism: models of its bodies, and its compliance and modes in postures.
+"""Compliance and modes of any mechanism by each model, in its postures.
 
-Equal bodies are modelled once for all postures. Static models are condensed to their interfaces,
-which is exact. Dynamic models are reduced with modes.
+Input: postures of one mechanism, name and options of a model. Output: 6×6 compliance at the loaded
+point, natural frequencies and modes. Rule: static models are condensed to the interfaces of their
+bodies, which is exact; dynamic models are reduced with all modes below a cut-off frequency, which
+is raised until it covers the requested modes. Equal bodies are modelled once for all postures.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -49,25 +51,27 @@ from validation.models.options import DEFAULT_OPTIONS, STATIC, ModelName, ModelO
 from validation.models.part_legs import part_models, part_springs, require_legs
 
 T = TypeVar("T")
-# Relative difference of lengths, due to twelve typed digits, up to which bodies are one body.
+# Relative difference of lengths, due to twelve typed digits, up to which legs are equal.
 _ALIKE = 1e-9
-# Frequencies that are compared one by one.
+# Number of frequencies that are compared one by one.
 JUDGED_MODES = 4
-# Beams and segments are cheap to reduce well: the error at the highest frequency falls with the
-# seventh power of the cut-off, 1e-5 at 2.5 times and below 1e-6 at four.
+# Cut-off frequency over the highest frequency of interest. Beams and segments are cheap to reduce
+# well: the error at the highest frequency falls with the seventh power of this factor, to 1e-5 at
+# 2.5 and below 1e-6 at four.
 CUTOFF = {"segments": 4.0, "beam": 4.0, "solid": CUTOFF_FACTOR}
-# Total number of unknowns up to which a solution is as fast as a reduction.
+# Total number of unknowns up to which a direct solution is as fast as a reduction.
 FEW = 600
-# Frequencies of few elements lie above the true ones (Rayleigh), those of solids by little more.
+# Coarse beams for estimates: their frequencies lie above the true ones (Rayleigh), and those of
+# solids hardly higher.
 _ESTIMATE = ModelOptions(elements=2)
 
 
 @dataclass(frozen=True, eq=False)
 class PostureAnswer:
-    """Results of a model for a mechanism in one posture.
+    """Compliance and frequencies of a mechanism by a model, in one posture.
 
-    `compliance` (6×6, SI, base axes) is at the loaded point. `frequencies` (Hz) are ascending,
-    without the zero frequencies of the `idle` mobilities, which do not move the tool.
+    `compliance` (6×6, SI, base axes) at the loaded point. `frequencies` (Hz, ascending) exclude the
+    zero frequencies of the `idle` mobilities, which do not move the tool.
     """
 
     posture: Posture
@@ -82,11 +86,11 @@ def answers(
     count: int,
     options: ModelOptions = DEFAULT_OPTIONS,
 ) -> list[PostureAnswer]:
-    """Compliance and the lowest `count` frequencies in each posture of one mechanism.
+    """Compliance and the lowest `count` frequencies of one mechanism in each posture.
 
-    `simplified` has as many frequencies as its rigid bodies and its tool have, at most `count`.
-    Raises InputError for frequencies of a static model and for a leg that is no serial chain
-    (vjm), ComputationError if the tool is free to move.
+    `simplified` has as many frequencies as its rigid bodies and its tool allow, at most `count`.
+    Raises InputError for frequencies of a static model and for a leg that is not a serial chain
+    (vjm), and ComputationError if the tool is free to move.
     """
     if not postures:
         return []
@@ -97,12 +101,12 @@ def answers(
         springs = springs_of(mechanism, options)
         return [
             PostureAnswer(
-                printed_mechanism,
-                serial_chains.compliance(printed_mechanism, springs),
+                released_mechanism,
+                serial_chains.compliance(released_mechanism, springs),
                 np.zeros(0),
-                mobility(printed_mechanism).idle,
+                mobility(released_mechanism).idle,
             )
-            for printed_mechanism in postures
+            for released_mechanism in postures
         ]
     if model == "simplified":
         if not count:
@@ -112,14 +116,14 @@ def answers(
             for result in modes_on_drives(postures, count)
         ]
     postures = released(postures, options)
-    printed_mechanism = postures[0].mechanism
+    released_mechanism = postures[0].mechanism
     if not count:
         return _swept(
-            assembly(printed_mechanism, static_bodies(model, mechanism, options)), postures, 0
+            assembly(released_mechanism, static_bodies(model, mechanism, options)), postures, 0
         )
     return with_enough_modes(
         lambda highest: _swept(
-            assembly(printed_mechanism, dynamic_bodies(model, mechanism, highest, options)),
+            assembly(released_mechanism, dynamic_bodies(model, mechanism, highest, options)),
             postures,
             count,
         ),
@@ -132,7 +136,7 @@ def answers(
 
 @dataclass(frozen=True, eq=False)
 class PostureModes:
-    """The lowest modes of a mechanism in one posture, idle motions left out."""
+    """Lowest modes of a mechanism in one posture. Idle motions are omitted."""
 
     posture: Posture
     solution: Solved
@@ -140,7 +144,7 @@ class PostureModes:
 
     @property
     def system(self) -> System:
-        """The assembled mechanism."""
+        """Assembled system of the mechanism."""
         return self.solution.system
 
     @property
@@ -150,26 +154,29 @@ class PostureModes:
 
     @cached_property
     def compliance(self) -> Array:
-        """6×6 (SI, base axes) at the loaded point. Raises as `lumped.system.solution` does."""
+        """6×6 compliance (SI, base axes) at the loaded point.
+
+        Raises as `lumped.system.solution` does.
+        """
         return compliance(self.solution)
 
     @cached_property
     def strain(self) -> Mapping[Portion, Array]:
-        """Share of each mode's strain energy in every drive, body and elastic part of a joint.
+        """Share of each mode's strain energy in each drive, body and elastic part of a joint.
 
-        Shares of a body are by kind of deformation if its model has kinds. Shares of a mode sum
-        to 1.
+        Shares of a body are given by kind of deformation if its model distinguishes kinds. The
+        shares of a mode sum to 1.
         """
         return strain_shares(self.system, self.modes.shapes)
 
     @cached_property
     def damped(self) -> DampedModes:
-        """Complex modes, accurate up to the highest frequency of the real ones."""
+        """Complex modes, accurate up to the highest frequency of the undamped ones."""
         return damped_modes(self.solution, float(self.modes.frequencies.max(initial=0.0)))
 
     @cached_property
     def responses(self) -> tuple[ToolResponse, ...]:
-        """Responses of the tool to the excitations of the mechanism."""
+        """Harmonic responses of the tool to each excitation of the mechanism."""
         return tool_responses(self.solution)
 
 
@@ -179,9 +186,9 @@ def mechanism_modes(
     count: int,
     options: ModelOptions = DEFAULT_OPTIONS,
 ) -> list[PostureModes]:
-    """The lowest `count` modes in each posture of one mechanism. `simplified` may have fewer.
+    """Lowest `count` modes of one mechanism in each posture. `simplified` may have fewer.
 
-    Raises InputError for a static model, ComputationError if the tool is free to move or if fewer
+    Raises InputError for a static model, and ComputationError if the tool is free to move or fewer
     modes have mass.
     """
     _require_dynamic_model(model)
@@ -209,7 +216,7 @@ def mechanism_modes(
 
 
 def modes_on_drives(postures: Sequence[Posture], count: int) -> Iterator[PostureModes]:
-    """The lowest `count` modes of rigid bodies on elastic drives, or all that have mass."""
+    """Lowest `count` modes of rigid bodies on elastic drives, or all that move mass."""
     rigid = on_drives_alone(postures[0].mechanism)
     return modes_along(assembly(rigid, {}), postures, count)
 
@@ -217,14 +224,14 @@ def modes_on_drives(postures: Sequence[Posture], count: int) -> Iterator[Posture
 def modes_along(
     prepared: Assembly, postures: Sequence[Posture], count: int
 ) -> Iterator[PostureModes]:
-    """The lowest `count` modes, or all that have mass, posture by posture."""
+    """Lowest `count` modes, or all that move mass, of an assembly in each posture."""
     for system in prepared.along(postures):
         solution = solved(system)
         yield PostureModes(system.posture, solution, modes_with_mass(solution, count))
 
 
 def springs_of(mechanism: Mechanism, options: ModelOptions) -> dict[str, Array]:
-    """Tip compliances (6×6, SI, body axes) of legs and parts for the virtual joint method.
+    """Tip compliance (6×6, SI, body axes) of each leg and CAD part for the virtual joint method.
 
     Raises InputError for a CAD part that does not have exactly two interfaces.
     """
@@ -240,23 +247,23 @@ def with_enough_modes(
     count: int,
     options: ModelOptions = DEFAULT_OPTIONS,
 ) -> T:
-    """Solution by `solve` with bodies reduced up to a sufficient frequency (Hz).
+    """Solution by `solve` with bodies reduced up to a frequency (Hz) that covers `count` modes.
 
-    The first estimate is by beams. End faces that hold warping in open sections can exceed it by
-    far, so that `solve` is repeated until the `frequencies` of the solution are below the limit of
-    the reduction. More modes only lower them (Rayleigh), so that the second reduction suffices,
-    apart from round-off.
+    The first estimate is by beams. Restrained warping of open sections can raise frequencies far
+    above it, so `solve` is repeated until the `frequencies` of the solution lie below the limit of
+    the reduction. More modes only lower them (Rayleigh), so the second reduction suffices, apart
+    from round-off.
     """
     highest = highest_frequency(postures, count, options)
-    while (top := float(np.max(frequencies(solution := solve(highest))))) > highest:
-        highest = _half_octave_above(top)
+    while (highest_solved := float(np.max(frequencies(solution := solve(highest))))) > highest:
+        highest = _half_octave_above(highest_solved)
     return solution
 
 
 def static_bodies(
     model: ModelName, mechanism: Mechanism, options: ModelOptions = DEFAULT_OPTIONS
 ) -> dict[str, BodyModel]:
-    """Models of the bodies on the twists of their interfaces alone, exact in statics."""
+    """Model of each body on the twists of its interfaces, exact in statics."""
     if model == "links":
         springs = tip_compliances(mechanism, options.legs, options.theory, options.equivalent)
         part_legs: PartLegs = "equivalent" if options.legs == "equivalent" else "condensed"
@@ -273,9 +280,9 @@ def dynamic_bodies(
     highest: float,
     options: ModelOptions = DEFAULT_OPTIONS,
 ) -> dict[str, BodyModel]:
-    """Models of the bodies, accurate for frequencies of the mechanism up to `highest` (Hz).
+    """Model of each body, accurate for frequencies of the mechanism up to `highest` (Hz).
 
-    They are reduced, unless beams or segments have so few unknowns that reduction does not pay.
+    Bodies are reduced, unless beams or segments have so few unknowns that reduction saves no time.
     """
     cutoff = CUTOFF[model] * highest
 
@@ -300,7 +307,7 @@ def bodies_of(
     options: ModelOptions,
     build: Callable[[ConstantLeg | SteppedLeg, ModelOptions], LegMatrices],
 ) -> dict[str, BodyModel]:
-    """Models by `build` of every leg, and of every part that is replaced by a leg."""
+    """Model of each leg, and of each CAD part that a leg replaces, made by `build`."""
     legs: dict[str, BodyModel] = {
         name: filled(build(leg, leg_options))
         for name, leg, leg_options in constant_legs(mechanism, options)
@@ -321,11 +328,11 @@ def highest_frequency(
 ) -> float:
     """Frequency (Hz) up to which bodies must be accurate for `count` modes, by coarse beams.
 
-    It is that of the middle posture and covers all excitations. It is rounded up in steps of half
-    an octave, so that other postures and counts share the bodies.
+    The estimate is made in the middle posture and covers all excitations. It is rounded up in steps
+    of half an octave, so that other postures and counts can use the same bodies.
     """
     middle = postures[len(postures) // 2]
-    # Half of the six modes that an element adds to a leg are near the true ones.
+    # An element adds six modes to a leg, half of which are close to the true ones.
     legs = max(1, len(legs_of(middle.mechanism)) + len(middle.mechanism.parts))
     coarse = replace(
         _ESTIMATE,
@@ -340,7 +347,7 @@ def highest_frequency(
 def _highest_by_beams(middle: Posture, count: int, coarse: ModelOptions) -> float:
     bodies = bodies_of(middle.mechanism, coarse, partial(leg_matrices, "beam"))
     solution = solved(assembly(middle.mechanism, bodies).at(middle))
-    # Rigid bodies, and parts condensed on their interfaces, have few modes.
+    # Rigid bodies and condensed CAD parts have few modes.
     only_legs = legs_of(middle.mechanism) and not middle.mechanism.parts
     frequencies = (modes if only_legs else modes_with_mass)(solution, count).frequencies
     if not len(frequencies):
@@ -359,7 +366,7 @@ def _require_dynamic_model(model: ModelName) -> None:
 
 
 def released(postures: Sequence[Posture], options: ModelOptions) -> Sequence[Posture]:
-    """The postures, with joints as printed in the paper if `options.release` is "printed"."""
+    """Postures with joints as printed in the paper, if `options.release` is "printed"."""
     if options.release != "printed":
         return postures
     printed = as_printed(postures[0].mechanism)
@@ -375,10 +382,10 @@ def _swept(prepared: Assembly, postures: Sequence[Posture], count: int) -> list[
 def constant_legs(
     mechanism: Mechanism, options: ModelOptions
 ) -> list[tuple[str, ConstantLeg, ModelOptions]]:
-    """Every leg with constant section and its options. Equal legs are one object.
+    """Name, prism and options of each leg of a mechanism. Equal prisms are one object.
 
-    With `release="printed"` the last spring of a leg carries the joint at its tip that `as_printed`
-    fixes in the `mechanism` given here as it is described.
+    With release "printed", the last spring of a leg contains the joint at its tip; `as_printed`
+    fixes that joint in the mechanism.
     """
     representatives: list[ConstantLeg] = []
     legs = []
@@ -396,12 +403,12 @@ def constant_legs(
 
 
 def as_printed(mechanism: Mechanism) -> Mechanism:
-    """The passive revolute joints of a mechanism as eq. (25) prints their release.
+    """Mechanism whose passive revolute joints are released as eq. (25) of the paper prints it.
 
-    Row and column of the rotation in the joint's stiffness are zeroed, as for a joint in series
-    with a compliance that is uncoupled from it. If a joint has no compliance and the tip of a leg
-    is its second side, the last spring of that leg's segments is released instead, and the joint
-    itself is fixed.
+    The row and column of the rotation are zeroed in the joint's stiffness, as for a joint in series
+    with a compliance without coupling to it. If a joint has no compliance and its second side is
+    the tip of a leg, the last spring of that leg's segments is released instead, and the joint is
+    fixed.
     """
     return replace(mechanism, joints=tuple(_printed(mechanism, j) for j in mechanism.joints))
 
@@ -420,9 +427,10 @@ def _printed(mechanism: Mechanism, joint: Joint) -> Joint:
 
 
 def _at_tip(mechanism: Mechanism, joint: Joint) -> str:
-    """Name of the leg whose last spring contains a joint as printed. Empty if there is none.
+    """Name of the leg whose last spring contains a joint as printed. "" if there is none.
 
-    The joint is passive and revolute, its second side is that leg's tip, and it has no compliance.
+    Such a joint is passive and revolute, its second side is the tip of the leg, and it has no
+    compliance.
     """
     if joint.kind != "revolute" or joint.drive is not None or joint.compliance is not None:
         return ""
@@ -440,7 +448,7 @@ def _are_equal(leg: ConstantLeg, other: ConstantLeg) -> bool:
 
 
 def on_drives_alone(mechanism: Mechanism) -> Mechanism:
-    """The mechanism with rigid joints, except for drives, which have their simplified stiffness."""
+    """Mechanism with elastic drives and rigid joints. Drives have their simplified stiffness."""
     return replace(mechanism, joints=tuple(_simplified(joint) for joint in mechanism.joints))
 
 

@@ -1,4 +1,9 @@
-"""Perturbations of a robot by half a unit of the last printed digit of each number of its 6×6."""
+"""Robots in which one printed digit of a 6×6 is changed by half a unit.
+
+Input: the printed 6×6 of a robot file and the postures of the robot. Output: for each number of a
+6×6, the postures with a small change of it and the factor to half a unit of its last digit. Numbers
+with nine digits or more are omitted.
+"""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
@@ -11,25 +16,24 @@ from lumped.legs import GivenLeg
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.robot_file.reading import Printed
 
-# Perturbation, relative to the largest possible size of an entry of a 6×6: compliances and
-# frequencies are linear in it.
+# Change of an entry of a 6×6, relative to its largest possible size. Compliances and frequencies
+# are linear in it.
 _STEP = 1e-6
-# Half a unit, relative to the same size, that is neglected: numbers of nine digits and more.
+# Half a unit, relative to the same size, below which a number is omitted: nine digits and more.
 _NEGLIGIBLE = 1e-9
 
 
 class Rounding(NamedTuple):
-    """Postures with one number of a 6×6 perturbed. Half a unit is `factor` times the change."""
+    """Postures with one number of a 6×6 changed. Half a unit is `factor` times the change."""
 
     postures: list[Posture]
     factor: float
 
 
 def roundings_of(compliances: Iterable[Printed], postures: Sequence[Posture]) -> list[Rounding]:
-    """A perturbation for each number of those `compliances` of a robot file that the robot uses.
+    """A small change of each number of those printed 6×6 that the robot uses.
 
-    Bodies and joints with equal printed 6×6 are perturbed together. Numbers of nine digits and more
-    are omitted.
+    Bodies and joints with equal 6×6 are changed together.
     """
     mechanism, roundings = postures[0].mechanism, []
     distinct = {printed.compliance.tobytes(): printed for printed in compliances}
@@ -49,7 +53,7 @@ def roundings_of(compliances: Iterable[Printed], postures: Sequence[Posture]) ->
 
 
 def _with_change(mechanism: Mechanism, compliance: Array, change: Array) -> Mechanism | None:
-    """The mechanism with a `change` of the `given` 6×6; None where nothing has that one."""
+    """Mechanism with a `change` of the 6×6 `compliance`. None if no body or joint has that 6×6."""
     bodies = {
         name: replace(body, shape=replace(body.shape, compliance=compliance + change))
         for name, body in mechanism.bodies.items()

@@ -1,4 +1,10 @@
-"""Parts as stepped legs: prismatic pieces with the sections of the part along its centre line."""
+"""CAD parts as stepped legs: prismatic pieces with the part's sections along its centre line.
+
+Input: a body that is a CAD part with two interfaces. Output: a `SteppedLeg` of ten pieces with beam
+properties, and the masses beyond the first and last piece. Rule: planes cut the mesh of the part;
+the constants of each section are computed by finite elements. A part whose sections are not those
+of prisms is refused with NotPrismaticError.
+"""
 
 from dataclasses import astuple
 from itertools import pairwise
@@ -24,20 +30,21 @@ from validation.parts.meshes import MIDDLE, mesh_entries, part_key, part_mesh
 from validation.run.cache import Arrays, CacheEntry, require_shape
 
 PIECES = 10
-# Each round cuts across the line through the centroids of the round before.
+# Iterations for the centre line: each cuts across the line through the centroids of the one before.
 _ROUNDS = 3
-# By Saint-Venant, a section acts as that of a prism if it extends over its own size at least. A
-# section that is smaller by this factor than others on both sides, nearer than half its size, makes
-# a tenth of the leg too soft by a quarter: 2.5 % of its compliance, half of the usual limit.
+# Largest ratio of neighbouring sections. By Saint-Venant, a section acts as that of a prism if it
+# extends over its own size at least. A section smaller by this factor than others on both sides,
+# closer than half its size, makes a tenth of the leg too soft by a quarter: 2.5 % of its
+# compliance, half of the usual limit.
 _LARGEST_RATIO = 1.25
-# Number of sections examined within the size of one.
+# Number of sections examined over a length of one section size.
 _CUTS_PER_SIZE = 8
 _MEASURES = ("area", "area inside the outline", "second moment of area", "second moment of area")
 
 
 @memo(16)
 def stepped(body: Body, pieces: int = PIECES) -> SteppedLeg:
-    """A part of two interfaces as a leg of prismatic `pieces`, leg axes.
+    """CAD part with two interfaces as a leg of prismatic `pieces`, in leg axes.
 
     Raises NotPrismaticError if the interfaces overlap along the leg, a plane misses the part, or a
     section is not that of a prism.
@@ -46,7 +53,7 @@ def stepped(body: Body, pieces: int = PIECES) -> SteppedLeg:
 
 
 def stepped_entry(body: Body, pieces: int = PIECES) -> CacheEntry[SteppedLeg]:
-    """Cache entry of the result of `stepped`."""
+    """Cache entry for the result of `stepped`."""
     file, interfaces = reduced_parts.found_in(body)
     material = reduced_parts.shape_of(body).material
     frame = reduced_parts.leg_axes(body)
@@ -69,7 +76,7 @@ def stepped_entry(body: Body, pieces: int = PIECES) -> CacheEntry[SteppedLeg]:
         try:
             return _pieces_and_masses(mesh, positions, (begin, end), pieces, material)
         except InputError as error:
-            # The class is preserved: NotPrismaticError is a fault neither of program nor of file.
+            # The class is kept: NotPrismaticError is a fault of neither the program nor the file.
             kind = type(error)
             raise kind(f"bodies.{body.name}: {fault}" for fault in error.faults) from error
 
@@ -96,7 +103,7 @@ def stepped_entry(body: Body, pieces: int = PIECES) -> CacheEntry[SteppedLeg]:
 
 
 def why_not_stepped(mechanism: Mechanism) -> str:
-    """Reason why some part that is a leg cannot be stepped. Empty if all can."""
+    """Reason why CAD parts cannot be modelled as stepped legs. "" if all of them can."""
     legs = [body for body in mechanism.parts.values() if reduced_parts.is_leg(body)]
     if not legs:
         return "no part has exactly two interfaces, as stepped legs need"
@@ -111,7 +118,10 @@ def why_not_stepped(mechanism: Mechanism) -> str:
 def _pieces_and_masses(
     mesh: PartMesh, positions: Array, span: tuple[float, float], count: int, material: Material
 ) -> dict[str, Any]:
-    """Line, axes and properties of the pieces, and masses of the rigid ends (about the root)."""
+    """Arrays of a stepped leg: line, axes and properties of its pieces, masses of its rigid ends.
+
+    Masses are 6×6 about the root, in leg axes.
+    """
     facets = boundary(mesh)
     line = np.zeros((count + 1, 3))
     line[:, 0] = np.linspace(*span, count + 1)
@@ -138,11 +148,11 @@ def _pieces_and_masses(
 
 
 def _require_prisms(positions: Array, facets: Facets, line: Array) -> None:
-    """Raise NotPrismaticError if a section is in pieces, or changes within its own size.
+    """Raise NotPrismaticError if a section is divided, or changes within its own size.
 
-    An opening divides a beam into two side by side. Bent apart, they are much softer than one
-    section and much stiffer than either alone. A rib matters only if a piece has its section from
-    it.
+    An opening divides a beam into two side by side. If these bend apart, they are much softer than
+    one section and much stiffer than either alone. A rib matters only if it lies at the middle of a
+    piece, whose section is taken there.
     """
     cuts, sizes, middles, measured = [], [], [], []
     lengths = np.linalg.norm(np.diff(line, axis=0), axis=1)
@@ -150,10 +160,10 @@ def _require_prisms(positions: Array, facets: Facets, line: Array) -> None:
     for k, (start, end) in enumerate(pairwise(line)):
         axes = _across(end - start)
         size = slices_of(positions, facets, 0.5 * (start + end), axes)[0].size
-        # Odd: the middle is one of them.
+        # An odd number, so that one cut lies in the middle.
         count = 2 * int(np.ceil(0.5 * _CUTS_PER_SIZE * lengths[k] / size)) + 1
         for share in (np.arange(count) + 0.5) / count:
-            # The edges of held faces lie beyond the outermost middles.
+            # Cuts beyond the outermost middles would meet the edges of the interfaces.
             if (k == 0 and share < 0.5) or (k == len(lengths) - 1 and share > 0.5):
                 continue
             middle = start + share * (end - start)
@@ -188,7 +198,7 @@ def _require_prisms(positions: Array, facets: Facets, line: Array) -> None:
 
 
 def _through_centroids(positions: Array, facets: Facets, line: Array) -> Array:
-    """Polygon whose pieces have the centroids of the sections in their middles."""
+    """Polygon (n+1×3) whose pieces have the centroids of the sections at their middles."""
     centroids = []
     for start, end in pairwise(line):
         axes, middle = _across(end - start), 0.5 * (start + end)
@@ -203,7 +213,7 @@ def _through_centroids(positions: Array, facets: Facets, line: Array) -> Array:
 
 
 def _across(direction: Array) -> Array:
-    """Axes (3×3, columns) with x along `direction` and z as near to z as possible."""
+    """Axes (3×3, columns) with x along `direction` and z as near as possible to the leg's z."""
     x = direction / np.linalg.norm(direction)
     y = np.cross([0.0, 0.0, 1.0], x)
     y /= np.linalg.norm(y)
@@ -211,13 +221,13 @@ def _across(direction: Array) -> Array:
 
 
 def _properties(mesh: SectionMesh, material: Material) -> BeamProperties:
-    """Beam of a section in the axes of its mesh."""
+    """Beam properties of a section, in the axes of its mesh."""
     constants = section_constants(mesh, material.nu, material.G / material.E)
     return beam_properties(constants, material)
 
 
 def _mass(masses: Array, positions: Array) -> Array:
-    """6×6 about the origin of points of `masses` (n) at `places` (n×3)."""
+    """Mass matrix (6×6, about the origin) of point masses (n) at `positions` (n×3)."""
     total, first = float(masses.sum()), masses @ positions
     second = (positions * masses[:, None]).T @ positions
     inertia = np.trace(second) * np.eye(3) - second
@@ -225,6 +235,6 @@ def _mass(masses: Array, positions: Array) -> Array:
 
 
 def _about_tip(mass: Array, length: float) -> Array:
-    """Mass matrix (6×6) about the tip, from that about the root, by transfer of the twists."""
+    """Mass matrix (6×6) about the tip of a leg, from that about its root."""
     back = shift(np.array([-length, 0.0, 0.0]))
     return np.asarray(back.T @ mass @ back)

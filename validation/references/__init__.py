@@ -1,4 +1,7 @@
-"""References of a robot over its path: its solids, their uncertainty by source, steps to models.
+"""Reference solutions of a robot along its path, with the uncertainty of each by source.
 
-In: a run's robot file and preset. Out: responses of models and references, half-widths, causes.
+Input: the robot file and the mesh preset of a run. Output: displacements and modes of the reference
+(3-D solids) and of all judged models, half-widths of the reference's numbers by source of
+uncertainty, and for each model a sequence of intermediate models that separates the causes of its
+error.
 """

@@ -1,7 +1,12 @@
-"""Uncertainty of references due to meshes: a row for each kind of mesh.
+"""Discretisation uncertainty of a reference, summed over three kinds of mesh.
 
-The effect of the element length is computed with solid legs, that of section meshes with beams of
-the sections' constants. CAD parts are solved on three meshes, in the first interpretation alone.
+Input: solved displacements or modes of the reference under one reading of the robot file. Output:
+relative half-widths for each pose and quantity. Rule: for each kind of mesh, the quantity is solved
+on two or three meshes, and `MeshPolicy` makes a half-width of the change from mesh to mesh.
+
+The element length along the legs is studied with solid legs, the mesh of their cross-sections with
+beams whose section constants are computed on that mesh. CAD parts are solved on three meshes, under
+the first reading of the robot file only.
 """
 
 from collections.abc import Callable, Sequence
@@ -32,24 +37,27 @@ from validation.uncertainty.mesh_half_widths import MeshPolicy, half_widths_on
 
 H = TypeVar("H")
 _TWO_LEVELS = (0, 1)
-# Solution of the legs' own 6×6 without any mesh.
+# Relative half-width of displacements if all legs are known by their 6×6: round-off alone, since no
+# mesh is involved.
 ROUNDING = 1e-9
-# Relative difference of the tool's motion by the weight of solid legs and of beams of equal mass:
-# 0.3 % for legs five times as long as high with held ends (ν = 0.3), a tenth of it with free ends.
+# Relative difference between the tool's displacements under the weight of solid legs and under that
+# of beams of equal mass: 0.3 % for legs five times as long as high with rigid end faces (ν = 0.3),
+# a tenth of it with free ends.
 _MASS_OF_BEAMS = 5e-3
 
 
 @dataclass(frozen=True)
 class MeshRow:
-    """Kind of mesh, the field of a reading that chooses it, and its levels from coarse to fine.
+    """One kind of mesh: the field of `Reading` that selects it, its levels and its mesh policy.
 
-    Half-widths are those of the finest level, on which references are. For section meshes they are
-    those of the coarse level, which is the mesh of the solids: the ratio of their policy is below
-    one.
+    `levels` are values of that field from the coarsest to the finest mesh. Half-widths belong to
+    the finest level, which the reference uses. Section meshes are the exception: the reference uses
+    their coarse level, and their policy has a ratio of element sizes below one for this reason.
 
-    `model` is solved on these meshes under a reading. `policy` returns the half-width of a robot
-    itself if it is known beforehand: 0 if its reference has no such mesh, 1 if the mesh cannot be
-    refined.
+    `policy` returns the rule that turns changes between meshes into half-widths. It returns a
+    number instead if the half-width is known beforehand: 0 if the robot has no mesh of this kind, 1
+    if its mesh cannot be refined. `model` returns the model to solve on these meshes under a
+    reading.
     """
 
     kind: MeshKind
@@ -64,7 +72,12 @@ class MeshRow:
         solve: Callable[[Model, Reading], H],
         change: Callable[[H, H, H], Array],
     ) -> Array:
-        """Half-widths by the `change` of a half of a response from mesh to mesh."""
+        """Half-widths of a quantity of the reference due to this kind of mesh.
+
+        `solve` returns the statics or modes of a model under a reading. `change` returns the
+        relative change of the quantity between two of them; its third argument is the solution on
+        the finest mesh.
+        """
         return half_widths_on(
             self.levels,
             self.policy(responses.robot),
@@ -81,7 +94,11 @@ def _static_leg_policy(robot: RobotOnPath) -> MeshPolicy | float:
 
 
 def _shared_section_policy(robot: RobotOnPath) -> MeshPolicy | float:
-    """Policy for a section mesh that both solids of a leg share, compared with a finer one."""
+    """Policy for section meshes in statics.
+
+    0 if no leg has the same section mesh in both its solids. If both solids of a leg share a
+    section mesh, their difference does not contain its error.
+    """
     shared = any(shares_section(robot.context, leg) for leg in robot.legs.values())
     return slowest(SECTION_RATIO) if shared else 0.0
 
@@ -98,9 +115,10 @@ def _modal_section_policy(robot: RobotOnPath) -> MeshPolicy | float:
 
 
 def _section_beams(reading: Reading) -> Model:
-    """Beams for the study of section meshes: without warping if ends are free, otherwise with it.
+    """Beam model for the study of section meshes: with warping only if all ends are rigid.
 
-    Beams free to warp depend less on Saint-Venant's constant than solids with free ends do.
+    If ends are free, the beams are free to warp. They then depend more on the section mesh than
+    solids with free ends do, so that the half-width errs on the safe side.
     """
     return OWN if "free" in reading.ends.values() else HELD
 
@@ -113,7 +131,10 @@ _MODAL_SECTIONS = MeshRow("section_mesh", _TWO_LEVELS, _modal_section_policy, _s
 
 
 def displacement_half_widths(responses: Responses, reading: Reading) -> Array:
-    """Relative half-widths of displacements (P×(7+L)) due to all meshes."""
+    """Relative half-widths of displacements due to all meshes (P×(7+L)).
+
+    P poses; the columns are the 7 unit loads and the L loads of the robot file.
+    """
     robot = responses.robot
     solve = responses.required_statics
 
@@ -133,10 +154,11 @@ def displacement_half_widths(responses: Responses, reading: Reading) -> Array:
 
 
 def frequency_half_widths(responses: Responses, reading: Reading) -> Array:
-    """Relative half-widths of the judged frequencies (P×K) due to all meshes. One if unknown.
+    """Relative half-widths of the judged natural frequencies (P×K) due to all meshes. 1 if unknown.
 
-    Half-widths of modes that a coarser solid, or the beams, do not have are unknown. The order
-    of convergence of parts is that of the first `MOST_MODES` frequencies, for any judged number.
+    The half-width is unknown for a mode that the coarser solid or the beams do not have. For CAD
+    parts, the order of convergence is always observed on the first `MOST_MODES` frequencies, so
+    that half-widths do not depend on the number of judged modes.
     """
     robot, solve = responses.robot, responses.required_modes
     fine = solve(SOLID, reading)
@@ -146,9 +168,9 @@ def frequency_half_widths(responses: Responses, reading: Reading) -> Array:
     half_widths = half_widths[:, : robot.judged]
     if robot.prisms:
         beams = solve(_section_beams(reading), reading)
-        of_beams = _MODAL_SECTIONS.half_widths(responses, reading, solve, _all_changes)
+        section_half_widths = _MODAL_SECTIONS.half_widths(responses, reading, solve, _all_changes)
         amounts = np.broadcast_to(
-            of_beams[:, None, :], (*fine.frequencies.shape, of_beams.shape[1])
+            section_half_widths[:, None, :], (*fine.frequencies.shape, section_half_widths.shape[1])
         )
         half_widths = half_widths + amounts_by_shape(fine, beams, amounts, robot.judged)
     return np.where(np.isnan(half_widths), UNKNOWN, half_widths)
@@ -163,7 +185,10 @@ def _all_changes(first: PathModes, second: PathModes, fine: PathModes) -> Array:
 
 
 def _frequency_changes(coarse: PathModes, middle: PathModes, fine: PathModes, count: int) -> Array:
-    """Differences (P×count) of the changes from two meshes to the finest one, by shape."""
+    """Relative changes of `count` frequencies (P×count) between two meshes, each paired by shape.
+
+    Both meshes are first compared with the finest one, then the changes are subtracted.
+    """
     first, second = (
         np.zeros(1) if modes is fine else frequency_changes(fine, modes, count)
         for modes in (coarse, middle)
@@ -174,7 +199,10 @@ def _frequency_changes(coarse: PathModes, middle: PathModes, fine: PathModes, co
 def response_half_widths(
     responses: Responses, reading: Reading, numbers: Callable[[PathModes], Array]
 ) -> Array:
-    """Relative half-widths of `numbers` of the responses due to meshes. One if unknown."""
+    """Relative half-widths of harmonic responses due to all meshes. 1 if unknown.
+
+    `numbers` selects the responses: it returns an array for modes, such as peak sizes (P×q).
+    """
     robot, solve = responses.robot, responses.required_modes
 
     def change(first: PathModes, second: PathModes, fine: PathModes) -> Array:

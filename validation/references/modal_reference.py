@@ -1,4 +1,11 @@
-"""Reference of the natural modes of a robot, and causes of the errors of models."""
+"""Reference for the natural frequencies of a robot, and the causes of models' frequency errors.
+
+Input: the robot along its path with its computed modes. Output: a `Reference` with one
+interpretation for each set of end conditions and each plausible mass distribution that the robot
+file allows, and for each judged model its sequence of intermediate models. Rule: prismatic legs are
+3-D solids reduced to their end faces, CAD parts are solids reduced to their interfaces, and legs
+known by their 6×6 have each plausible mass and stiffness between their ends in turn.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -41,7 +48,10 @@ _SUPPOSED = "for every plausible distribution of the legs' mass and stiffness"
 
 
 def dynamic_reference(responses: Responses) -> Reference:
-    """Solid legs reduced to their ends, legs known by their 6×6 with each plausible inside."""
+    """Modal reference of a robot: the solid model under each reading that the robot file allows.
+
+    Title "none" with a reason if the preset cannot mesh a leg.
+    """
     robot = responses.robot
     preset, holding, parts = robot.context.meshes, robot.holding, robot.mechanism.parts
     if reason := _reason_unmeshed(robot.prisms, preset):
@@ -75,7 +85,7 @@ def dynamic_reference(responses: Responses) -> Reference:
 
 
 def _reference_title(robot: RobotOnPath) -> str:
-    """Title of the reference."""
+    """Title of the modal reference in reports."""
     if robot.given:
         return "mechanism of the legs' own 6×6 and plausible insides"
     if robot.mechanism.parts:
@@ -85,21 +95,22 @@ def _reference_title(robot: RobotOnPath) -> str:
 
 
 def _reason_unmeshed(prisms: Sequence[ConstantLeg], preset: Preset) -> str:
-    """Reason why a preset does not mesh these legs. "" if it does."""
+    """Reason why the legs are too large to mesh with a preset. "" if they can be meshed."""
     divisions = [solid_meshes(preset).fine.divisions(leg) for leg in prisms]
     return too_large(prisms, divisions, preset)
 
 
 def _finer_preset(prisms: Sequence[ConstantLeg], preset: Preset) -> str:
-    """Instruction for finer meshes of these legs: a larger preset, if one meshes them."""
+    """Instruction naming the next larger preset that can mesh these legs, or that none can."""
     return finer_by(larger_preset(preset, lambda larger: not _reason_unmeshed(prisms, larger)))
 
 
 def mass_notes(responses: Responses, reference: Reference) -> tuple[str, ...]:
-    """Notes on the frequency ranges of plausible insides at mid-path, and on their upper bounds.
+    """Note on the range of frequencies in the middle pose over all plausible mass distributions.
 
-    Mass at any position lowers frequencies (Rayleigh), so massless legs bound them from above.
-    There is no lower bound, since the 6×6 has no information on the leg between its ends.
+    Mass anywhere on a leg lowers frequencies (Rayleigh), so massless legs give an upper bound,
+    which the note contains if no body is a solid. There is no lower bound, since the 6×6 of a leg
+    has no information on the leg between its ends. Empty if the legs' mass distribution is known.
     """
     if not reference.supposed or reference.model is None:
         return ()
@@ -121,18 +132,24 @@ def mass_notes(responses: Responses, reference: Reference) -> tuple[str, ...]:
         f"Plausible distributions of the legs' mass and stiffness give {', '.join(spans)} in the "
         "middle of the path"
     )
-    # Links bound neither solids, whose held ends are stiffer, nor parts.
+    # Massless links do not bound these: rigid end faces make solids stiffer than the links, and CAD
+    # parts are not links.
     if robot.has_solids:
         return (note,)
     middle = robot.postures[len(robot.postures) // 2]
     massless = links(robot.mechanism, tip_compliances(robot.mechanism))
-    (above,) = modes_along(assembly(robot.mechanism, massless), [middle], robot.judged)
-    bounds = [f"f{k + 1} {top:.4g} Hz" for k, top in enumerate(above.modes.frequencies)]
+    (upper_bound,) = modes_along(assembly(robot.mechanism, massless), [middle], robot.judged)
+    bounds = [
+        f"f{k + 1} {frequency:.4g} Hz" for k, frequency in enumerate(upper_bound.modes.frequencies)
+    ]
     return (f"{note}; no distribution gives more than massless legs: {', '.join(bounds)}",)
 
 
 def modal_steps(robot: RobotOnPath, judged: Mapping[str, Model]) -> Steps:
-    """Steps by name of the model, each ladder from the model upwards; `judged` are all models."""
+    """Intermediate models from each judged model to the modal reference, by the judged name.
+
+    `judged` are all judged models by name. Each intermediate model removes one cause of error.
+    """
     beam, parts = judged["beam"], robot.mechanism.parts
     models = {
         "drives": beam,
@@ -151,12 +168,12 @@ def modal_steps(robot: RobotOnPath, judged: Mapping[str, Model]) -> Steps:
 
 
 def _on_twice_as_many(robot: RobotOnPath, reading: Reading) -> PathModes | None:
-    """Modes by twice as many segments."""
+    """Modes by segments, with twice the element count of the judged model."""
     return formulation_modes("segments", ModelOptions(), robot, replace(reading, elements=2))
 
 
 def _on_middle_mesh(robot: RobotOnPath, _: Reading) -> PathModes:
-    """Modes of solids on a coarser mesh than the reference's, in its first interpretation."""
+    """Modes of solids on the second finest mesh of CAD parts, under the robot's first reading."""
     return modes_of_solids(robot, replace(robot.first_reading, part_mesh=MIDDLE))
 
 
@@ -175,12 +192,13 @@ DYNAMIC_STEPS: Mapping[str, StepTexts] = {
     ),
     "beams": StepTexts(_DISCRETE, "beam elements of the same constants", use("beam")),
     **PART_STEPS,
-    # From Guyan's mass.
+    # Step from condensed parts with Guyan's mass to parts with interior modes.
     "modes inside": StepTexts(
         "inertia inside the parts (Guyan's mass)",
         "parts reduced by Craig and Bampton, the middle one of their meshes",
     ),
-    # From textbook constants to the sections' own, and to warping by alternative.
+    # Steps from textbook section constants to computed ones, then to restrained warping if ends are
+    # rigid.
     "own": StepTexts(
         "textbook section constants",
         "fem.sections.section_constants, beam elements",

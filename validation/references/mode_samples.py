@@ -1,4 +1,10 @@
-"""Sampling points of a mechanism's mode shapes, and the mass that each sample represents."""
+"""Points of a mechanism at which mode shapes of different models are compared.
+
+Input: a mechanism, then shapes of a model in its own unknowns. Output: displacements at the same
+points for each model, the mass that each point represents, and the part of each mode's kinetic
+energy that these displacements account for. Points of a leg lie on twelve sections, four in each,
+placed so that they have the section's mass and rotary inertia.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -18,16 +24,18 @@ from validation.models.reduced_parts import identified
 from validation.responses.mode_pairing import centreline_samples
 
 _STATIONS = 12
-# Corners of a section, in radii of gyration.
+# Sample points of a section about its centroid, in radii of gyration.
 _CORNERS = np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])
 
 
 @dataclass(frozen=True, eq=False)
 class Samples:
-    """Samples of a shape (k numbers), with the mass `weights` (k) of each.
+    """Sample points of all bodies of a mechanism, and the mass of each sampled displacement.
 
-    `points` (m×3, body axes) of legs and parts. `turned`: principal axes of each rigid body.
-    `prisms`: masses (m, kg) at the points of the legs of constant section.
+    `weights` (k): mass (kg) of each sampled displacement, moment of inertia (kg m²) of each sampled
+    rotation. `points` (m×3, body axes) of each leg and CAD part. `turned`: principal axes of
+    inertia of each rigid body with mass (3×3, columns). `prisms`: mass (m, kg) of the points of
+    each leg of constant section.
     """
 
     mechanism: Mechanism
@@ -37,7 +45,7 @@ class Samples:
     weights: Array
 
     def of_models(self, models: Mapping[str, BodyModel]) -> dict[str, Array]:
-        """Matrices (3m×n) from the unknowns of each leg's model to displacements at its points."""
+        """Matrices (3m×n) from the n unknowns of each leg's model to displacements at m points."""
         matrices: dict[tuple[BodyModel, bytes], Array] = {}
         matrix_by_body = {}
         for name, model in models.items():
@@ -49,7 +57,10 @@ class Samples:
         return matrix_by_body
 
     def at(self, system: System, shapes: Array, of_models: Mapping[str, Array]) -> Array:
-        """Samples (k×m) of shapes (n×m) of a system; legs without a model are rigid."""
+        """Sampled displacements (k×m) of m mode shapes, columns of unknowns of a system (n×m).
+
+        `of_models` are the matrices of `Samples.of_models`. A body without a matrix moves rigidly.
+        """
         outer = shapes[: system.outer]
         rows = [(system.tool @ shapes)[:3]]
         for name, axes in self.turned.items():
@@ -70,10 +81,11 @@ class Samples:
         return np.vstack(rows)
 
     def seen(self, system: System, shapes: Array, of_models: Mapping[str, Array]) -> Array:
-        """Share (m) of the kinetic energy of mass-normalised shapes (n×m) covered by the samples.
+        """Share (m) of each mode's kinetic energy for which the sampled displacements account.
 
-        Samples of prisms move with whole cross-sections, like a beam. The rest of the energy is
-        motion inside the sections of solids. The energy of all other bodies counts as covered.
+        `shapes` (n×m) are mass-normalised. Samples of a prismatic leg move with whole
+        cross-sections, as a beam does; deformation of the sections themselves is the energy that
+        they miss. All energy of other bodies counts as sampled.
         """
         inside = np.zeros(shapes.shape[1])
         for name in self.prisms.keys() & of_models.keys():
@@ -85,7 +97,7 @@ class Samples:
 
 
 def samples_of(mechanism: Mechanism) -> Samples:
-    """Samples of a mechanism: its tool, its rigid bodies with mass, its legs and its parts."""
+    """Sample points of a mechanism: tool, rigid bodies with mass, legs and CAD parts."""
     weights = [np.full(3, mechanism.tool.mass)]
     turned = {}
     for name, body in mechanism.bodies.items():
@@ -106,7 +118,7 @@ def samples_of(mechanism: Mechanism) -> Samples:
 
 
 def _leg_points_and_masses(body: Body) -> tuple[Array, Array]:
-    """Points (m×3, body axes) of a leg and the mass (m, kg) of each."""
+    """Sample points (m×3, body axes) of a leg, and the mass (m, kg) that each represents."""
     leg = equivalent_leg(leg_of(body))
     properties = leg.timoshenko
     stations, lengths = centreline_samples(leg.length, _STATIONS)

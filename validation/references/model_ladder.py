@@ -1,7 +1,11 @@
-"""Models of the ladder: formulations, legs as springs with more and more effects, and solids.
+"""Intermediate models between a judged model and the reference, and the reference model itself.
 
-Statics of springs are solved by virtual joints if legs are serial chains, which share no code with
-the assembler of the reference, and by links otherwise.
+Input: a robot along its path and a reading of its file. Output: statics (compliances and
+displacements) or modes. Intermediate models replace each leg by the compliance of its tip, with one
+more effect in each model: measured couplings, computed section constants, restrained warping,
+restrained contraction. The compliances are summed along serial chains (virtual joint method) if the
+legs are such chains, which shares no code with the assembler of the reference; otherwise the legs
+are assembled as links.
 """
 
 from collections.abc import Callable, Sequence
@@ -47,18 +51,18 @@ from validation.references.robot_on_path import Reading, RobotOnPath, Springs
 from validation.responses.statics_and_modes import PathModes, Statics
 from validation.solids.solid_legs import COARSEST_WALLS
 
-# Compliance (6×6, SI, leg axes) of the tip of a leg of the robot with such ends.
+# Function that returns the 6×6 tip compliance (SI, leg axes) of a leg with the given end condition.
 Spring: TypeAlias = Callable[[RobotOnPath, Leg, Ends], Array]
 
 
 def model_statics(postures: Sequence[Posture], model: ModelName, options: ModelOptions) -> Statics:
-    """Statics of a model."""
+    """Statics (compliances and load displacements) of a lumped or beam model in each posture."""
     compliances = np.array([answer.compliance for answer in answers(model, postures, 0, options)])
     return Statics.of(compliances, displacements(model, postures, options))
 
 
 def formulation(name: str, kind: ModelName, options: ModelOptions) -> Model:
-    """Model of a kind with options."""
+    """Model of a formulation, such as segments or beams, with fixed options."""
     return Model(
         name,
         statics=partial(_formulation_statics, kind, options),
@@ -69,7 +73,7 @@ def formulation(name: str, kind: ModelName, options: ModelOptions) -> Model:
 
 
 def with_parts(parts: PartLegs) -> Model:
-    """Beams with CAD parts idealised in one of three ways."""
+    """Beam model with CAD parts idealised as `parts` specifies, such as stepped legs."""
     return formulation(f"beam, parts {parts}", "beam", ModelOptions(parts=parts))
 
 
@@ -82,17 +86,20 @@ def _formulation_statics(
 def formulation_modes(
     kind: ModelName, options: ModelOptions, robot: RobotOnPath, reading: Reading
 ) -> PathModes | None:
-    """Modes of a kind of model, whose element count is that of the options times the reading's."""
+    """Modes of a formulation, with the options' element count multiplied by the reading's factor.
+
+    None if nothing has mass.
+    """
     return modes_by_model(robot, kind, with_elements(options, reading))
 
 
 def with_elements(options: ModelOptions, reading: Reading) -> ModelOptions:
-    """Options with their element count times the factor of the reading."""
+    """Options with their element count multiplied by the factor of the reading."""
     return replace(options, elements=reading.elements * options.elements)
 
 
 def solid_statics(robot: RobotOnPath, reading: Reading) -> Statics:
-    """Statics with solid legs and parts, legs known by their 6×6 as they are."""
+    """Statics with solid prismatic legs and CAD parts. Legs known by their 6×6 keep it."""
     tips = {
         body: solid_tip(robot.context, leg, reading.ends[body], mesh=reading.mesh)
         for body, leg in robot.legs.items()
@@ -102,9 +109,10 @@ def solid_statics(robot: RobotOnPath, reading: Reading) -> Statics:
 
 
 def own_statics(robot: RobotOnPath, reading: Reading) -> Statics:
-    """Statics with legs of their sections' own constants.
+    """Statics with beams whose section constants are computed by finite elements of the section.
 
-    On the coarse section mesh, legs whose solids share one section mesh have its constants.
+    With the reading's coarse section mesh, a leg whose two solids share a section mesh gets
+    constants from that mesh. All others get constants from the fine one.
     """
 
     def divisions(leg: Leg) -> int:
@@ -118,8 +126,8 @@ def own_statics(robot: RobotOnPath, reading: Reading) -> Statics:
 
 
 def _spring_statics(spring: Spring, robot: RobotOnPath, reading: Reading) -> Statics:
-    """Statics with each leg as a spring at its tip."""
-    # Readings without ends belong to models whose springs do not depend on them.
+    """Statics with each leg replaced by the tip compliance that `spring` returns."""
+    # The reading has no ends if the model does not depend on them; any value serves then.
     ends = reading.ends or dict.fromkeys(robot.legs, "rigid")
     springs = {body: spring(robot, leg, ends[body]) for body, leg in robot.legs.items()}
     return _by_springs(robot, springs)
@@ -130,7 +138,7 @@ def _by_springs(robot: RobotOnPath, springs: Springs) -> Statics:
 
 
 def _summed(postures: Sequence[Posture], springs: Springs) -> Statics:
-    """Statics by virtual joints along serial chains, each leg by its tip's compliance."""
+    """Statics by the virtual joint method along serial chains, each leg by its tip compliance."""
     compliances = np.array([serial_chains.compliance(posture, springs) for posture in postures])
     masses = masses_of(postures[0].mechanism)
     return Statics.of(compliances, displacements_by(by_chains(springs), postures, masses))
@@ -165,14 +173,15 @@ def _held_modes(robot: RobotOnPath, reading: Reading) -> PathModes:
 
 
 def _section_mesh(robot: RobotOnPath, reading: Reading) -> LegMesh:
-    """Mesh of the sections: their own fine one, or that of the solids."""
+    """Mesh for the section constants: the fine one, or that of the reference's solids."""
     if reading.section_mesh:
         return OWN_SECTIONS
     fine = solid_meshes(robot.context.meshes).fine
     return fine._replace(walls=max(fine.walls, COARSEST_WALLS))
 
 
-# Legs of their sections' own constants, without and with warping held at the ends.
+# Beams with computed section constants: first free to warp at their ends, then with warping
+# restrained at rigid ends.
 OWN = Model(
     "own constants",
     statics=own_statics,
@@ -187,7 +196,8 @@ HELD = Model(
     static_fields=("ends",),
     modal_fields=("ends", "section_mesh"),
 )
-# The reference of both halves. Solids change as beams do if inputs are a few per cent off.
+# The reference model of statics and modes. Under uncertain inputs a few per cent off, it is not
+# solved anew: the changes of HELD are applied to it.
 SOLID = Model(
     "solid",
     statics=solid_statics,
@@ -196,11 +206,12 @@ SOLID = Model(
     modal_fields=("ends", "masses", "interior", "mesh", "part_mesh"),
     stand_in=HELD,
 )
-# Legs of own constants, less the compliance lost by rigid end faces.
+# Beams with computed section constants, stiffened by rigid end faces that hinder contraction.
 RESTRAINED = Model(
     "contraction held", statics=partial(_spring_statics, _restrained), static_fields=("ends",)
 )
-# Legs by the 6×6 of the file, by its entries that a straight leg has, and by their equivalent legs.
+# Three models with one tip compliance per leg: the 6×6 of the file, only those of its entries that
+# a straight prismatic leg has, and that of the equivalent prism.
 GIVEN = Model("legs as given", statics=partial(_spring_statics, _given))
 STRAIGHT = Model("straight legs", statics=partial(_spring_statics, _straight))
 EQUIVALENT = Model("equivalent legs", statics=partial(_spring_statics, _equivalent))

@@ -1,8 +1,10 @@
-"""Natural modes of a mechanism over its path: by models, by solids and by beams between them.
+"""Natural modes of a mechanism in each pose of its path, by lumped models, beams and solids.
 
-Shapes of all models are sampled alike: displacements of the tool, twists of rigid bodies about
-their centre, and four points in each of some sections of every leg, placed so that they have the
-section's mass and rotary inertia.
+Input: a robot in its postures, a reading of its file, meshes and the number of modes. Output:
+`PathModes`, with frequencies, sampled shapes and harmonic responses in each pose. All models are
+sampled at the same points (`mode_samples`), so that their shapes can be compared. Legs are reduced
+to their ends with all modes up to a cut-off frequency, which is raised until it covers the
+requested modes.
 """
 
 from collections.abc import Callable, Iterable
@@ -50,7 +52,7 @@ Build = Callable[[Leg, Ends, float], LegMatrices]
 
 
 def modes_by_model(robot: RobotOnPath, model: ModelName, options: ModelOptions) -> PathModes | None:
-    """Modes of a robot by a model. None if nothing has mass."""
+    """Modes of a robot by a judged model. None if nothing has mass."""
     if model == "simplified":
         drives = modes_on_drives(robot.postures, robot.offered)
         modes = vibration_of(robot.samples, drives, robot.offered)
@@ -59,9 +61,10 @@ def modes_by_model(robot: RobotOnPath, model: ModelName, options: ModelOptions) 
 
 
 class LegMesh(NamedTuple):
-    """Divisions of a prism's mesh: `across` rectangles, and across the `walls` of other sections.
+    """Element counts of a prism's mesh: `across` rectangles and the `walls` of other sections.
 
-    Sections with walls have at least `least` divisions, independent of the slices along the leg.
+    `least` is a lower limit for the section mesh of walls, whatever the element length along the
+    leg.
     """
 
     across: int
@@ -69,11 +72,11 @@ class LegMesh(NamedTuple):
     least: int = 0
 
     def divisions(self, leg: ConstantLeg) -> int:
-        """Divisions of a leg along its walls and axis."""
+        """Number of elements across the section, which also sets their length along the axis."""
         return divisions_across(leg, self.across, self.walls)
 
     def section_divisions(self, leg: ConstantLeg) -> int:
-        """Divisions of the section of a leg."""
+        """Number of elements across the section in the section's own mesh."""
         return divisions_across(leg, self.across, max(self.walls, self.least))
 
 
@@ -81,27 +84,29 @@ OWN_SECTIONS = LegMesh(SECTION_DIVISIONS, SECTION_DIVISIONS)
 
 
 class SolidMeshes(NamedTuple):
-    """Two meshes of the solid legs."""
+    """Coarse and fine mesh of the solid legs of a preset."""
 
     coarse: LegMesh
     fine: LegMesh
 
     def ratio(self, prisms: Iterable[ConstantLeg]) -> float:
-        """Smallest ratio of the element sizes of these legs, coarse to fine."""
+        """Smallest ratio of coarse to fine element size over these legs."""
         return min(self.fine.divisions(leg) / self.coarse.divisions(leg) for leg in prisms)
 
 
 def solid_meshes(preset: Preset) -> SolidMeshes:
-    """Coarse and fine mesh of a preset's solid legs."""
+    """Coarse and fine mesh of solid legs for a preset."""
     across, walls = DIVISIONS[preset], WALL_DIVISIONS[preset]
     return SolidMeshes(LegMesh(across - 1, walls // 2), LegMesh(across, walls))
 
 
 def modes_of_solids(robot: RobotOnPath, reading: Reading) -> PathModes:
-    """Modes with solid legs, legs known by their 6×6 with an inside, and CAD parts.
+    """Modes of the reference: solid prismatic legs, CAD parts, and legs known by their 6×6.
 
-    Sections of thin walls have the same mesh with one and with two divisions: shorter slices alone
-    would not show its excess stiffness against distortion. The fine mesh has at least four.
+    The latter have the mass distribution and interior stiffness of the reading. The section mesh of
+    thin walls is the same for one and for two divisions, so halving the length of the elements
+    alone would not reveal its excess stiffness against distortion. The fine mesh has four divisions
+    at least.
     """
     meshes = solid_meshes(robot.context.meshes)
     mesh = meshes.fine._replace(least=COARSEST_WALLS) if reading.mesh else meshes.coarse
@@ -111,15 +116,18 @@ def modes_of_solids(robot: RobotOnPath, reading: Reading) -> PathModes:
 def modes_of_own_beams(
     robot: RobotOnPath, ends: Holds | None, mesh: LegMesh = OWN_SECTIONS
 ) -> PathModes:
-    """Modes with beams of the sections' own constants, with warping if `ends` are given."""
+    """Modes by beams whose section constants are computed on `mesh`.
+
+    If `ends` are given, warping is restrained at rigid ends; otherwise it is free.
+    """
     return robot.context.get(own_vibration, robot.postures, mesh, ends, robot.offered)
 
 
 def vibration_of(samples: Samples, posture_modes: Iterable[PostureModes], count: int) -> PathModes:
-    """Frequencies and sampled shapes of `count` modes, and responses. NaN for missing modes.
+    """`PathModes` with `count` modes from the solved modes of each posture. NaN for missing modes.
 
-    A robot of few lumped masses has few modes, and one on its drives alone has fewer at the end of
-    a stroke.
+    Modes are missing if a robot has few lumped masses, or if it stands on its drives alone and
+    loses a mode at the end of a stroke.
     """
     frequencies, shapes, energy_shares, responses, displacements = [], [], [], [], None
     for posture in posture_modes:
@@ -157,7 +165,7 @@ def vibration_of(samples: Samples, posture_modes: Iterable[PostureModes], count:
 def model_vibration(
     postures: tuple[Posture, ...], model: ModelName, options: ModelOptions, count: int
 ) -> PathModes:
-    """Modes by segments or beam elements of textbook constants."""
+    """Modes in each posture by segments or beams with textbook section constants."""
     mechanism = postures[0].mechanism
     samples = samples_of(mechanism)
 
@@ -176,9 +184,10 @@ def built_vibration(
     ends: Holds,
     count: int,
 ) -> PathModes:
-    """Modes with each leg by `build`, a function of leg, ends and highest frequency (Hz).
+    """Modes in each posture, with a matrix model of each leg made by `build`.
 
-    `parts`: models of the CAD parts.
+    `build` takes a leg, its end condition and the highest frequency (Hz) to be covered. `parts` are
+    models of the CAD parts.
     """
     mechanism = postures[0].mechanism
     samples, legs = samples_of(mechanism), known_legs(mechanism)
@@ -204,7 +213,10 @@ def _solved_frequencies(modes: PathModes) -> Array:
 def solid_vibration(
     postures: tuple[Posture, ...], reading: Reading, mesh: LegMesh, count: int
 ) -> PathModes:
-    """Modes with prisms as solids on `mesh` reduced to their ends; other bodies by the reading."""
+    """Modes in each posture with prismatic legs as solids on `mesh`, reduced to their ends.
+
+    Legs known by their 6×6 and CAD parts follow the reading.
+    """
 
     def build(leg: Leg, ends: Ends, highest: float) -> LegMatrices:
         if isinstance(leg, GivenLeg):
@@ -216,18 +228,21 @@ def solid_vibration(
     return built_vibration(postures, build, parts, reading.ends, count)
 
 
-# Stored, since robots that differ in one number share most of their legs.
+# In memory, since robots that differ in one number have most legs in common.
 @memo(16)
 def _reduced_solid(
-    leg: ConstantLeg, number: int, face: int, ends: Ends, highest: float
+    leg: ConstantLeg, divisions: int, section_divisions: int, ends: Ends, highest: float
 ) -> LegMatrices:
-    return craig_bampton(held_solid(leg, number, ends, face), highest).matrices
+    return craig_bampton(held_solid(leg, divisions, ends, section_divisions), highest).matrices
 
 
 def own_vibration(
     postures: tuple[Posture, ...], mesh: LegMesh, ends: Holds | None, count: int
 ) -> PathModes:
-    """Modes by beams of the sections' own constants on `mesh`, with warping if `ends` are given."""
+    """Modes in each posture by beams whose section constants are computed on `mesh`.
+
+    If `ends` are given, warping is restrained at rigid ends; otherwise it is free.
+    """
     mechanism = postures[0].mechanism
     build = partial(_own_leg, mesh=mesh, warping=ends is not None)
     hold: Holds = ends or dict.fromkeys(known_legs(mechanism), "rigid")
@@ -235,6 +250,6 @@ def own_vibration(
 
 
 def _own_leg(leg: Leg, ends: Ends, highest: float, *, mesh: LegMesh, warping: bool) -> LegMatrices:
-    number = mesh.divisions(equivalent_leg(leg))
-    elements = own_elements(leg, ends if warping else None, ELEMENTS, number)
+    divisions = mesh.divisions(equivalent_leg(leg))
+    elements = own_elements(leg, ends if warping else None, ELEMENTS, divisions)
     return craig_bampton(held_leg(elements), highest, CUTOFF["beam"] * highest).matrices

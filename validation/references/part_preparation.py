@@ -1,8 +1,9 @@
-"""Preparation of a run's CAD parts before all else: meshing, identification and reduction.
+"""Meshing, identification and reduction of CAD parts ahead of all other work of a run.
 
-Parts, and the meshes of one part, are independent of each other: each is separate work for a core
-of this machine or a worker of a cluster. Results are stored in the cache of the comparisons
-(validation.run.cache), which do not compute them again.
+Input: the robot file and an executor for processes or a cluster. Output: entries in the cache
+(`validation.run.cache`), from which the comparisons of the run then read. The parts, and the meshes
+of one part, are independent of each other, so each is a separate piece of work. An entry that is
+already stored is not computed again.
 """
 
 import tempfile
@@ -26,15 +27,16 @@ from validation.references.robot_on_path import RobotOnPath, robot_on_path
 from validation.run.cache import Arrays, CacheEntry, find, keep
 from validation.run.executor import Executor
 
-# Function from a part to the cache entries that it needs.
+# Function that lists the cache entries to compute for a part.
 Question = Callable[[Body], Sequence[CacheEntry[Any]]]
 
 
 @dataclass(frozen=True)
 class PartWork:
-    """Cache entries to compute for a part, with the `content` of its file for other machines.
+    """Work on one CAD part, executed on this machine or sent to another: cache entries to compute.
 
-    `carried`: true on another machine, which returns the computed arrays.
+    `content` is the content of the part's file, for machines that cannot read it. `ask` lists the
+    entries. `carried` is true if another machine does the work and returns the computed arrays.
     """
 
     body: Body
@@ -43,9 +45,10 @@ class PartWork:
     carried: bool
 
     def __call__(self) -> dict[str, Arrays]:
-        """Compute the entries. If `carried`, return their arrays, and those they need, by key.
+        """Compute the entries. If `carried`, return their arrays and those of their inputs, by key.
 
-        An entry that cannot be computed is left to the comparison that needs it.
+        An entry whose computation fails is skipped; the comparison that needs it reports the
+        reason.
         """
         with self._local_body() as body:
             entries = _entries(self.ask, body)
@@ -58,7 +61,7 @@ class PartWork:
 
     @contextmanager
     def _local_body(self) -> Iterator[Body]:
-        """The body with its file on this machine."""
+        """The part as a body whose file exists on the machine that executes this."""
         shape = reduced_parts.shape_of(self.body)
         if not self.carried:
             yield self.body
@@ -70,7 +73,7 @@ class PartWork:
 
 
 def prepare_parts(context: Context, executor: Executor, *, carried: bool) -> None:
-    """Compute the entries of the mechanism's parts: first their identification, then their solids.
+    """Compute and store the cache entries of all CAD parts: identifications first, then reductions.
 
     Raises the executor's error if a process or the cluster is lost.
     """
@@ -96,13 +99,13 @@ def _reduction(body: Body, **options: Any) -> list[CacheEntry[Any]]:
 
 
 def _reductions(robot: RobotOnPath, bodies: Collection[Body]) -> Iterator[tuple[Body, Question]]:
-    """Reductions of the bodies, those of the finest meshes first, since they take longest."""
+    """Bodies with the reductions that a run needs, finest meshes first, since they take longest."""
     alternatives = tuple(robot.holding.alternatives.values())
     first = alternatives[:1]
     highest, cutoff = highest_of_parts(robot.postures, robot.offered)
     ask = partial(_reduction, highest=highest, cutoff=cutoff)
-    # Coarser meshes serve the uncertainty, and the coarsest also the check by the other reduction:
-    # under the first end conditions only.
+    # Coarser meshes serve the discretisation uncertainty, and the coarsest one also a check with
+    # modes of free interfaces. Both are needed under the first end conditions only.
     for question, several in (
         (partial(ask, level=FINEST), alternatives),
         (partial(ask, level=MIDDLE), first),
@@ -114,7 +117,7 @@ def _reductions(robot: RobotOnPath, bodies: Collection[Body]) -> Iterator[tuple[
 
 
 def _entries(ask: Question, body: Body) -> Sequence[CacheEntry[Any]]:
-    """Entries of a part. Empty if its file cannot be read or does not fit the robot."""
+    """Cache entries of a part. Empty if its file cannot be read or does not fit the robot."""
     try:
         return ask(body)
     except (InputError, ComputationError):
@@ -124,16 +127,16 @@ def _entries(ask: Question, body: Body) -> Sequence[CacheEntry[Any]]:
 def _compute_missing(
     requests: Sequence[tuple[Body, Question]], executor: Executor, *, carried: bool
 ) -> None:
-    """Compute and store the missing entries by the executor."""
-    work = [
+    """Compute those requested entries that are not in the cache, and store them."""
+    missing_work = [
         PartWork(
             body, part_content(reduced_parts.shape_of(body).file) if carried else b"", ask, carried
         )
         for body, ask in requests
         if not all(entry.is_stored for entry in _entries(ask, body))
     ]
-    if work:
-        for _, entries in executor(work):
+    if missing_work:
+        for _, entries in executor(missing_work):
             for key, arrays in entries.items():
                 if find(key) is None:
                     keep(key, arrays)

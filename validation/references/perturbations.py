@@ -1,8 +1,11 @@
-"""Robots with perturbed inputs or digits, and transfers of their changes to the reference.
+"""Robots with changed inputs or printed digits, and the effect of changed inputs on a reference.
 
-A reference of solids is not solved anew for uncertain inputs. Its distance from beams of the
-sections' own constants, held alike, stays the same if inputs are a few per cent off: a congruence
-C = T C_beams Tᵀ of compliances with T from both Cholesky factors, and a factor of each frequency.
+Input: a reading with relative changes of uncertain inputs. Output: the changed robot, or the
+reference's statics and modes under these changes. Rule: a reference of solids is not solved again.
+Beams with computed section constants and the same end conditions are solved with and without the
+changes, and the reference changes as they do: compliances by a congruence C = T C_beams Tᵀ, with T
+= L L_beams⁻¹ from the Cholesky factors of both, and each frequency by a ratio. This holds for
+inputs a few per cent off.
 """
 
 from dataclasses import replace
@@ -18,9 +21,9 @@ from validation.responses.statics_and_modes import PathModes, Statics
 
 
 def perturbed_robot(robot: RobotOnPath, reading: Reading) -> RobotOnPath:
-    """Robot with the perturbed inputs and the perturbed digit of a reading, in its poses.
+    """Robot with the input changes and the digit change of a reading, in the same poses.
 
-    Raises InputError if there is no such robot.
+    Raises InputError if no robot can be built with these values.
     """
     if reading.factors:
         mechanism = _with_factors(robot, reading.factors)
@@ -34,16 +37,17 @@ def perturbed_robot(robot: RobotOnPath, reading: Reading) -> RobotOnPath:
 
 
 def _with_factors(robot: RobotOnPath, factors: Factors) -> Mechanism:
-    """Mechanism with perturbed inputs, its CAD parts on meshes as fine as the robot's."""
+    """Mechanism with relative changes of its inputs. The mesh size of CAD parts stays as it is."""
     unknowns = {name: unknowns_of(body) for name, body in robot.mechanism.parts.items()}
     mechanism = robot.context.robot_file.with_factors(dict(factors))
     return with_unknowns(mechanism, unknowns)
 
 
 def congruent(reference: Statics, nominal: Statics, perturbed: Statics) -> Statics:
-    """Reference with the changes of a stand-in's statics from `nominal` to `perturbed`.
+    """Statics of a reference under perturbed inputs, by those of its stand-in.
 
-    Displacements under loads change by T times the change of the stand-in's.
+    `nominal` and `perturbed` are statics of the stand-in (a beam model) without and with the change
+    of inputs. Displacements under loads change by T (module docstring) times the stand-in's change.
     """
     change = perturbed - nominal
     try:
@@ -63,15 +67,17 @@ def congruent(reference: Statics, nominal: Statics, perturbed: Statics) -> Stati
 
 
 def scaled(reference: PathModes, nominal: PathModes, perturbed: PathModes) -> PathModes:
-    """Reference with the relative changes of a stand-in's frequencies, mode by mode of one shape.
+    """Modes of a reference under perturbed inputs, by the frequency ratios of its stand-in.
 
-    Peaks of responses change by the same ratios as the stand-in's.
+    `nominal` and `perturbed` are modes of the stand-in without and with the change of inputs. Each
+    mode has the ratio of the stand-in's mode of the same shape; peaks of harmonic responses have
+    the ratio of the stand-in's peaks.
     """
     count = min(modes.frequencies.shape[1] for modes in (reference, nominal, perturbed))
-    number = partners(reference, nominal, count).number
-    number = np.where(number >= 0, number, np.arange(count))
+    partner_indices = partners(reference, nominal, count).number
+    partner_indices = np.where(partner_indices >= 0, partner_indices, np.arange(count))
     changes = perturbed.frequencies[:, :count] / nominal.frequencies[:, :count]
-    ratio = np.take_along_axis(changes, number, 1)
+    ratio = np.take_along_axis(changes, partner_indices, 1)
     with np.errstate(invalid="ignore"):
         peaks = reference.peaks * (perturbed.peaks / nominal.peaks)
     return replace(

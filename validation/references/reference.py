@@ -1,4 +1,10 @@
-"""References of a robot with their uncertainty, and steps that lead from models to them."""
+"""Data records: a reference with its uncertainty by source, and the steps from a model to it.
+
+A `Reference` is the most accurate model of a robot, with one `Interpretation` for each meaning that
+the robot file leaves possible. Each interpretation has a `Budget`: half-widths by `Source`. A
+`Step` is an intermediate model that removes one cause of a judged model's error. A `Subject`
+combines all of this for one robot, which `validation.adequacy` then judges.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -13,17 +19,17 @@ from validation.references.responses import Model, Responses
 from validation.references.robot_on_path import Factors, Reading
 from validation.verdicts import Coordinate
 
-# Remedy against linear models and references.
+# Remedy if a load changes the stiffness noticeably: models and references are linear.
 SAY_LINEAR = "needs large displacements: the load changes the stiffness, all models are linear"
 
 
 class Source(StrEnum):
-    """Sources of uncertainty, by their names in results."""
+    """Sources of uncertainty of a reference. The values are the names in results and reports."""
 
     MESHES = "meshes"
     DIGITS = "digits of the file"
     PAIRING = "modes whose shapes mix"
-    # Mass and stiffness inside legs known by their 6×6.
+    # Distribution of mass and stiffness along legs that are known by their 6×6 only.
     MASSES = "where the legs' mass lies"
     INTERIOR = "how stiff the legs are between their ends"
     LINEARITY = "stiffness that the load takes or adds"
@@ -31,10 +37,11 @@ class Source(StrEnum):
 
 @dataclass(frozen=True)
 class Remedy:
-    """Change of the model, or of an option, that removes a cause of an error; `text` states it.
+    """Change of a model or of its options that removes a cause of error; `text` is the instruction.
 
-    `model`: the model to use instead, with which all remedies before are void. `option`: the option
-    of the command line, of which a later value replaces an earlier one. "" if there is none.
+    `model` is the model to use instead; remedies listed before it then do not apply. `option` is
+    the option of the command line to be changed; of two remedies with the same option the later
+    applies. Both are "" if there is no such model or option.
     """
 
     text: str
@@ -42,27 +49,30 @@ class Remedy:
     model: str = ""
 
     def formatted(self, **words: str) -> "Remedy":
-        """The remedy with `words` in place of their names in braces."""
+        """Remedy with the placeholders in braces replaced by `words`."""
         return Remedy(self.text.format(**words), self.option, self.model.format(**words))
 
 
 def use(model: str, how: str = "", option: str = "") -> Remedy:
-    """Remedy that replaces the model, with an `option` stated by `how`."""
+    """Remedy that replaces the judged model by `model`.
+
+    `how` is a text that describes the `option`.
+    """
     return Remedy(f"use {model}{how}", option, model)
 
 
-# The solid model of `solve` computes the same as a reference of solids.
+# The model "solid" of the command `solve` equals a reference made of solids.
 USE_SOLID = use("solid")
 TIMOSHENKO = Remedy("take Timoshenko's beams: --theory timoshenko", "--theory")
 
 
 @dataclass(frozen=True, eq=False)
 class HalfWidths:
-    """Half-widths (95 %) of a reference due to one source, relative to its numbers.
+    """Half-widths (95 %) of a reference's numbers due to one source, relative to these numbers.
 
-    `displacements` (P×(7+L)): of the displacement that each static quantity is of, columns as
-    `Quantity.static_column`. `frequencies` (P×K), `peaks` (P×q) and `receptances` (P×n each) of
-    the modes. None if the source does not change them.
+    `displacements` (P×(7+L)): of the displacement behind each static quantity, in the columns of
+    `Quantity.static_column`. `frequencies` (P×K), `peaks` (P×q) and `receptances` (one P×n for each
+    excitation) belong to the modes. None if the source does not affect them.
     """
 
     displacements: Array | None = None
@@ -71,7 +81,7 @@ class HalfWidths:
     receptances: Sequence[Array] = ()
 
     def of(self, quantity: Quantity) -> Array | None:
-        """Half-widths (P) of a quantity. None if the source does not change it."""
+        """Half-widths (P) of a quantity in all poses. None if the source does not affect it."""
         if quantity.static:
             values, column = self.displacements, quantity.static_column
         else:
@@ -80,20 +90,23 @@ class HalfWidths:
         return None if values is None else np.asarray(values[:, column])
 
 
-# Half-widths by their source; linear sums of them are the half-width of the whole.
+# Half-widths by source of uncertainty. Their sum is the half-width of the reference.
 Budget: TypeAlias = Mapping[Source, HalfWidths]
 
 
 @dataclass(frozen=True, eq=False)
 class Interpretation:
-    """Reading of the robot file that the reference is solved under, with its uncertainty."""
+    """One reading of the robot file under which the reference is solved, with its uncertainty."""
 
     name: str
     reading: Reading
     budget: Budget = field(default_factory=dict)
 
     def frequency_half_widths(self, count: int) -> Array | None:
-        """Half-widths (P×`count`) of the first frequencies by all sources. None without any."""
+        """Half-widths (P×`count`) of the first frequencies, summed over all sources.
+
+        None if no source affects frequencies.
+        """
         by_source = [
             half_widths.frequencies
             for half_widths in self.budget.values()
@@ -108,14 +121,15 @@ class Interpretation:
 
 @dataclass(frozen=True, eq=False)
 class Reference:
-    """Most accurate model of a robot, under all `interpretations` of what its file leaves open.
+    """Most accurate model of a robot, under each interpretation that the robot file allows.
 
-    `open`: name of the information missing in the file. Instructions: `decides` supplies this
-    information, `masses` that for loads on the legs' masses, `interior` that for the stiffness
-    inside legs, and `finer` makes the reference more certain. `remedy`
-    replaces a model by the reference's. None if there is none.
-    `supposed`: range that the interpretations are assumed to cover. "" if nothing is assumed.
-    Without a model there is no reference, and `decides` is the reason.
+    `open` names the information missing in the file; `decides` is the instruction that supplies it.
+    Further instructions: `masses` supplies the mass distribution that loads on the legs' masses
+    need, `interior` the stiffness inside legs, and `finer` reduces the uncertainty. `remedy`
+    replaces a judged model by that of the reference, None if no model of the program equals it.
+    `supposed` is the range that the interpretations are assumed to cover, "" if nothing is assumed.
+    `computed_by` are names of the functions that compute it. If `model` is None there is no
+    reference, and `decides` is the reason.
     """
 
     title: str
@@ -132,22 +146,22 @@ class Reference:
 
     @property
     def by_interior(self) -> list[list[int]]:
-        """Numbers of the interpretations that differ in the stiffness inside the legs alone."""
-        rows: dict[Reading, list[int]] = {}
-        for number, interpretation in enumerate(self.interpretations):
-            rows.setdefault(interpretation.reading.restricted(("ends", "masses")), []).append(
-                number
+        """Indices of interpretations, grouped if only the stiffness inside the legs differs."""
+        groups: dict[Reading, list[int]] = {}
+        for index, interpretation in enumerate(self.interpretations):
+            groups.setdefault(interpretation.reading.restricted(("ends", "masses")), []).append(
+                index
             )
-        return list(rows.values())
+        return list(groups.values())
 
 
 def no_reference(error: Exception | str) -> Reference:
-    """Reference of a robot without one, with the reason."""
+    """Record for a robot that has no reference, with the reason."""
     return Reference("none", decides=f"no reference: {error}")
 
 
 def finer_by(preset: str) -> str:
-    """Instruction that makes a reference finer, by "--preset fine" or "no preset"."""
+    """Instruction for a more accurate reference. `preset` is "--preset fine" or "no preset"."""
     return f"needs a finer reference: {preset} computes one"
 
 
@@ -156,10 +170,11 @@ NOT_FINER = finer_by("no preset")
 
 @dataclass(frozen=True, eq=False)
 class Step:
-    """Step from a model towards the reference that removes one cause and keeps the others.
+    """One step from a judged model towards the reference: a model without one `cause` of error.
 
-    `model` has neither this cause nor those of the steps before. `source`: computation that it
-    comes from. `remedy`: change that takes the step. None if no option or model does.
+    `model` is free of this cause and of those of all earlier steps. `source` names the computation
+    by which the effect is evaluated. `remedy` is the option or model that avoids the cause. None if
+    there is none.
     """
 
     cause: str
@@ -169,14 +184,14 @@ class Step:
 
 
 class StepTexts(NamedTuple):
-    """Cause, source and remedy of a step, with words in braces that depend on the robot."""
+    """Texts of a step. Placeholders in braces are replaced by words that depend on the robot."""
 
     cause: str
     source: str
     remedy: Remedy | None = None
 
 
-# By name of the judged model.
+# Steps of each judged model, by its name.
 Steps: TypeAlias = dict[str, Sequence[Step]]
 
 
@@ -186,9 +201,10 @@ def ladders(
     models: Mapping[str, Model],
     **words: str,
 ) -> Steps:
-    """Steps by name of the judged model: those of its order that have one of the `models`.
+    """Steps of each judged model by its name, in order from the model to the reference.
 
-    `texts` of each step contain `words` by their names.
+    `orders` lists the names of the steps for each judged model. A step without an entry in `models`
+    is omitted. `words` replace the placeholders in the `texts`.
     """
     steps = {
         name: Step(
@@ -208,13 +224,14 @@ def ladders(
 
 @dataclass(frozen=True, eq=False)
 class Subject:
-    """A robot with its judged `models`, references, and steps between them.
+    """Data for judging the models of one robot: models, references and the steps between them.
 
-    `poses` (P×n) in `coordinates`. `notes` as in `Matrix`. `parts`: each leg alone, root clamped.
-    `formulation`: models on legs other than the robot's, compared with solids of the same legs.
-    `inputs`: uncertain inputs. None if the file names none. `loads`: quantities of its loads.
-    `harmonics`: quantities of its responses to harmonic forces, in their order. `faults`: names of
-    computations, other than models, that failed by an error of the program.
+    `poses` (P×n) are values of the n `coordinates`. `notes` are remarks for the report. `parts`:
+    each leg as a subject of its own, clamped at its root. `formulation`: if the robot's legs cannot
+    be solids, a subject with other legs, on which the formulations are judged. `inputs`: uncertain
+    inputs, None if the file names none. `loads` and `harmonics`: quantities of the file's loads and
+    of its harmonic responses, in order. `faults`: names of computations, models excluded, that
+    failed by an error of the program.
     """
 
     robot: str
@@ -235,33 +252,33 @@ class Subject:
     faults: tuple[str, ...] = ()
 
     def steps(self, model: Model, quantity: Quantity) -> Sequence[Step]:
-        """Steps from a model to the reference of a quantity."""
+        """Steps from a judged model to the reference of a quantity."""
         steps = self.static_steps if quantity.static else self.modal_steps
         return steps.get(model.name, ())
 
     def reference(self, quantity: Quantity) -> Reference:
-        """Reference of a quantity."""
+        """Reference by which a quantity is judged: that of the statics or of the modes."""
         return self.statics if quantity.static else self.dynamics
 
 
 @dataclass(frozen=True, eq=False)
 class InputUncertainties:
-    """Uncertain inputs of a robot, and the perturbations of them under which it is solved.
+    """Uncertain inputs of a robot, and the combinations of changed inputs for which it is solved.
 
-    `relative`: standard uncertainties by the keys of the inputs. `draws` (c×k, in standard
-    uncertainties) perturb all inputs at once.
+    `relative`: relative standard uncertainty of each input by its key. `draws` (c×k): c random
+    samples of all k inputs together, in units of their standard uncertainties.
     """
 
     relative: Mapping[str, float]
     draws: Array
 
     def alone(self, direction: int) -> list[Factors]:
-        """Perturbations of one input each by a standard uncertainty, up (1) or down (−1)."""
+        """Relative changes of one input each by one standard uncertainty, up (1) or down (−1)."""
         return [((key, direction * share),) for key, share in self.relative.items()]
 
     @property
     def together(self) -> list[Factors]:
-        """Perturbations of all inputs at once, one for each draw."""
+        """Relative changes of all inputs at once, one set for each random sample."""
         return [
             tuple((key, share * draw) for (key, share), draw in zip(shares, row, strict=True))
             for shares in [self.relative.items()]

@@ -1,4 +1,9 @@
-"""Legs of a robot's reference, and springs of intermediate models that separate causes."""
+"""Solid legs of a robot's reference, and tip compliances of the models between beam and solid.
+
+Input: a leg and the preset of the run. Output: its 6×6 compliance at the tip with the root clamped
+(SI, leg axes): as a solid on two meshes; as a beam with computed section constants; with restrained
+warping added; with restrained contraction added. The preset limits the unknowns of a section mesh.
+"""
 
 from collections.abc import Iterable
 from typing import Literal
@@ -27,33 +32,35 @@ from validation.solids.solid_legs import (
 from validation.solids.solid_size import larger_preset, why_shapeless
 from validation.uncertainty.mesh_half_widths import MeshPolicy
 
-# Most unknowns of the section mesh of a solid leg. The second number applies if the first one does
-# not allow two meshes of its walls.
+# Largest number of unknowns in the section mesh of a solid leg. The second number applies if the
+# first does not allow two meshes of the section's walls.
 UNKNOWNS: dict[Preset, tuple[int, int]] = {
     "quick": (900, 2500),
     "standard": (900, 2500),
     "fine": (2000, 5000),
 }
-# Edges of held faces and inward corners of sections have singular stresses: no energy converges
-# more slowly than with this power of the mesh size (M. L. Williams, J. Appl. Mech. 19 (1952) 526).
+# Slowest possible convergence: stresses are singular at edges of rigid end faces and at inward
+# corners of sections. No energy converges more slowly than with this power of the element size (M.
+# L. Williams, J. Appl. Mech. 19 (1952) 526).
 SLOWEST_ORDER = 4.0 / 3.0
-# Divisions for the section constants of all computations other than mesh studies.
+# Elements across a wall or side for the section constants of all computations other than mesh
+# studies.
 SECTION_DIVISIONS = 8
-# Size of their elements over that of a mesh that solids have: below one, since the half-width is
-# that of the solids, which are on the coarser mesh.
+# Element size of the section constants over that of the solids' section mesh. Below one, since
+# half-widths are needed on the solids' mesh, which is the coarser one.
 SECTION_RATIO = COARSEST_WALLS / SECTION_DIVISIONS
 
 
 def slowest(ratio: float) -> MeshPolicy:
-    """Policy for two meshes of legs or sections, with the lowest possible order."""
+    """Mesh policy for two meshes with this ratio of element sizes, at the slowest convergence."""
     return MeshPolicy.of_order(ratio, SLOWEST_ORDER)
 
 
 def solid_leg(context: Context, leg: ConstantLeg) -> TwoMeshes:
-    """Tip compliances of a leg as a solid on two meshes, once per run and process.
+    """Tip compliances of a leg as a solid on two meshes, computed once per run and process.
 
-    Raises InputError if even one section mesh has too many unknowns, with the larger preset that
-    allows it, and for a section without a shape.
+    Raises InputError if the section has no shape, or if even one section mesh exceeds the limit of
+    unknowns; the message then names the larger preset that allows it.
     """
     if shapeless := why_shapeless([leg]):
         raise InputError(shapeless)
@@ -70,7 +77,7 @@ def solid_leg(context: Context, leg: ConstantLeg) -> TwoMeshes:
 
 
 def finer_statics(context: Context, legs: Iterable[Leg]) -> str:
-    """Instruction for finer solids of these legs: a larger preset, or none."""
+    """Instruction naming the larger preset that gives these legs finer solids, if any."""
     solids = [leg for leg in legs if isinstance(leg, ConstantLeg)]
 
     def finer(preset: Preset) -> bool:
@@ -81,20 +88,26 @@ def finer_statics(context: Context, legs: Iterable[Leg]) -> str:
 
 
 def shares_section(context: Context, leg: Leg) -> bool:
-    """True if both solids of a leg share one section mesh, the only affordable one."""
+    """True if both solids of a leg use one section mesh, since a second one is not affordable."""
     if not isinstance(leg, ConstantLeg):
         return False
     return not context.get(static_ladder, leg, most_unknowns(context.meshes, leg))
 
 
 def most_unknowns(preset: Preset, leg: ConstantLeg) -> int:
-    """Most unknowns of a section mesh: more if few do not allow two meshes."""
+    """Limit of unknowns in a leg's section mesh.
+
+    The second limit of the preset, if the first one allows only one mesh.
+    """
     first, second = UNKNOWNS[preset]
     return first if static_ladder(leg, first) else second
 
 
 def solid_tip(context: Context, leg: Leg, ends: Ends, *, mesh: Literal[0, 1] = 1) -> Array:
-    """6×6 tip compliance (SI, leg axes) of a solid leg on a mesh, or of a leg given by its 6×6."""
+    """6×6 tip compliance (SI, leg axes) of a solid leg on the coarse (0) or fine (1) mesh.
+
+    A leg given by its 6×6 returns that.
+    """
     if isinstance(leg, GivenLeg):
         return given_compliance(leg)
     meshes = solid_leg(context, leg)
@@ -102,7 +115,10 @@ def solid_tip(context: Context, leg: Leg, ends: Ends, *, mesh: Literal[0, 1] = 1
 
 
 def straight_spring(leg: Leg) -> Array:
-    """Tip compliance with only the entries that a straight leg of constant section has."""
+    """6×6 tip compliance (SI, leg axes) reduced to the entries that a straight prismatic leg has.
+
+    These are the diagonal and the couplings of deflection and rotation in both bending planes.
+    """
     tip = given_compliance(leg)
     mask = np.eye(6)
     mask[1, 5] = mask[5, 1] = mask[2, 4] = mask[4, 2] = 1.0
@@ -110,7 +126,10 @@ def straight_spring(leg: Leg) -> Array:
 
 
 def own_spring(context: Context, leg: Leg, divisions: int = SECTION_DIVISIONS) -> Array:
-    """Tip compliance of a leg with its section's own constants; a given leg's 6×6."""
+    """6×6 tip compliance (SI, leg axes) of a beam with computed section constants.
+
+    A leg given by its 6×6 returns that.
+    """
     if isinstance(leg, GivenLeg):
         return leg.compliance
     constants = context.get(own_constants, leg, divisions)
@@ -118,7 +137,11 @@ def own_spring(context: Context, leg: Leg, divisions: int = SECTION_DIVISIONS) -
 
 
 def held_spring(context: Context, leg: Leg, ends: Ends) -> Array:
-    """Spring of own section constants, with non-uniform torsion if the ends are held."""
+    """6×6 tip compliance (SI, leg axes) of a beam with computed section constants and end warping.
+
+    Torsion is non-uniform, with restrained warping, if the ends are rigid. If they are free, it is
+    Saint-Venant's.
+    """
     spring = own_spring(context, leg)
     if isinstance(leg, ConstantLeg) and ends == "rigid":
         constants = context.get(own_constants, leg)
@@ -131,7 +154,10 @@ def held_spring(context: Context, leg: Leg, ends: Ends) -> Array:
 
 
 def restrained_spring(context: Context, leg: Leg, ends: Ends) -> Array:
-    """Spring of own section constants, less the compliance lost by rigid faces of held ends."""
+    """6×6 tip compliance (SI, leg axes) of a beam, less the compliance lost by rigid end faces.
+
+    The loss is due to hindered contraction and shear warping at both ends. Zero if ends are free.
+    """
     spring = own_spring(context, leg)
     if isinstance(leg, ConstantLeg) and ends == "rigid":
         spring = spring + solid_leg(context, leg).restrained
@@ -141,7 +167,10 @@ def restrained_spring(context: Context, leg: Leg, ends: Ends) -> Array:
 def own_elements(
     leg: Leg, ends: Ends | None, elements: int, divisions: int = SECTION_DIVISIONS
 ) -> LegMatrices:
-    """Beam elements of a leg with its section's own constants, with warping if `ends` are given."""
+    """Matrices of a leg's beam elements with computed section constants.
+
+    With warping as an unknown if `ends` are given, otherwise free to warp.
+    """
     constant = equivalent_leg(leg)
     constants, material = own_constants(constant, divisions), constant.material
     if ends is None:
@@ -150,6 +179,9 @@ def own_elements(
 
 
 def own_constants(leg: ConstantLeg, divisions: int = SECTION_DIVISIONS) -> SectionConstants:
-    """Constants of a leg's section from finite elements, without thin-wall assumptions."""
+    """Section constants of a leg from finite elements of its section.
+
+    They contain no thin-wall assumptions.
+    """
     with naming(leg.name):
         return leg_constants(leg, divisions)

@@ -1,4 +1,10 @@
-"""Solids of the CAD parts of a mechanism, and their uncertainty due to meshes."""
+"""CAD parts of a mechanism as reduced solids, their mesh policy, and statics of assembled models.
+
+Input: postures, end conditions of the interfaces and the mesh level (0 coarse, 1, 2 fine). Output:
+models of the parts, reduced to their interfaces with all modes below a cut-off frequency, and
+rigorous bounds of the frequencies that the omitted modes can change. Rule for the cut-off: it lies
+above the highest judged frequency by the factor `CUTOFF["solid"]`.
+"""
 
 from collections.abc import Mapping, Sequence
 
@@ -31,9 +37,9 @@ Bodies = Mapping[str, BodyModel]
 _FEWEST = 8
 # Relative half-width of a number without an estimate of its uncertainty: all of it.
 UNKNOWN = 1.0
-# The meshes of parts are of one size in all presets.
+# Parts have the same mesh sizes in all presets.
 FINER_PARTS = "needs finer meshes of the parts, such as --accuracy 0.002 makes"
-# Steps above models with equivalent legs.
+# Steps that remove the errors of parts modelled as equivalent legs, in order.
 PART_STEPS: Mapping[str, StepTexts] = {
     "stepped": StepTexts(
         "one constant section instead of the part",
@@ -55,10 +61,10 @@ def solid_parts(
     level: int = FINEST,
     by: ReductionBy = "fixed",
 ) -> dict[str, ReducedPart]:
-    """Each part on one of its three meshes, reduced for `count` computed modes.
+    """Reduced model of each CAD part on the mesh `level`, accurate for `count` computed modes.
 
-    Statics are exact. `ends`: condition of interfaces that the robot file does not specify, rigid
-    or, if free, averaged. `by`: reduction with modes of fixed or free interfaces.
+    Statics are exact. `ends` is the condition of interfaces for which the robot file states none:
+    "rigid", or "free" for averaged ones. `by` selects modes with fixed or with free interfaces.
     """
     mechanism = postures[0].mechanism
     if not mechanism.parts:
@@ -71,14 +77,15 @@ def solid_parts(
 
 
 def hold_of(ends: Ends) -> Hold:
-    """Condition of interfaces that the robot file does not specify."""
+    """Coupling of an interface for an end condition: rigid, or averaged if the ends are free."""
     return "rigid" if ends == "rigid" else "average"
 
 
 def highest_of_parts(postures: Sequence[Posture], count: int) -> tuple[float, float]:
-    """Highest frequency (Hz) of accurate reductions for `count` computed modes, and cut-off.
+    """Highest frequency (Hz) at which reduced parts must be accurate, and cut-off frequency (Hz).
 
-    It covers the judged modes and as many again: the rest only serves to identify mode shapes.
+    It covers a third of the `count` computed modes: the judged modes and as many again. Higher
+    computed modes only help to identify mode shapes.
     """
     highest = highest_frequency(postures, max(_FEWEST, count // 3))
     return highest, CUTOFF["solid"] * highest
@@ -87,10 +94,10 @@ def highest_of_parts(postures: Sequence[Posture], count: int) -> tuple[float, fl
 def reduction_note(
     postures: Sequence[Posture], count: int, ends: Mapping[str, Ends], judged: int
 ) -> tuple[str, ...]:
-    """Note on the modes kept by the reduction of parts, and its largest error at mid-path.
+    """Note on the number of modes in each reduced part, and the largest error in the middle pose.
 
-    Empty if no body is a part. Arguments as in `solid_parts`. Raises ComputationError and
-    InputError if the robot has fewer modes than are `judged`.
+    Empty if there are no CAD parts. Arguments as in `solid_parts`; `judged` is the number of judged
+    frequencies. Raises ComputationError and InputError if the robot has fewer modes.
     """
     parts = solid_parts(postures, count, ends)
     if not parts:
@@ -114,9 +121,9 @@ def bounded_frequencies(
     level: int = FINEST,
     by: ReductionBy = "fixed",
 ) -> FrequencyBounds:
-    """The first `judged` frequencies in the middle posture, other bodies beams, and their bounds.
+    """First `judged` frequencies in the middle pose with their bounds due to omitted part modes.
 
-    Arguments as in `solid_parts`, errors as in `reduction_note`.
+    Other bodies are beams. Arguments as in `solid_parts`, errors as in `reduction_note`.
     """
     parts = solid_parts(postures, count, ends, level, by)
     middle = postures[len(postures) // 2]
@@ -125,7 +132,7 @@ def bounded_frequencies(
 
 
 def condensed_parts(mechanism: Mechanism) -> dict[str, BodyModel]:
-    """Each part condensed on its interfaces, with Guyan's mass."""
+    """Model of each CAD part condensed to its interfaces by its stiffness, with Guyan's mass."""
     return {name: condensed(body) for name, body in mechanism.parts.items()}
 
 
@@ -135,10 +142,10 @@ def assembled(
     parts: Bodies | None = None,
     masses: Masses = MASSES[0],
 ) -> Statics:
-    """Statics by the assembler, each leg by its tip's compliance (6×6).
+    """Statics of the assembled mechanism, with each leg replaced by its 6×6 tip compliance.
 
-    `parts`: models of the CAD parts, condensed on their interfaces if None. `masses`: mass
-    distribution of legs known by their 6×6, for loads on masses.
+    `parts` are models of the CAD parts; if None, they are condensed to their interfaces. `masses`
+    is the mass distribution of legs known by their 6×6, for loads that act on masses.
     """
     mechanism = postures[0].mechanism
     part_models = condensed_parts(mechanism) if parts is None else parts
@@ -155,9 +162,9 @@ def assembled(
 
 
 def part_kinds(mechanism: Mechanism) -> tuple[PartLegs, ...]:
-    """Idealisations of parts in the order of `PART_STEPS`. Empty without parts.
+    """Idealisations of CAD parts that lead to the solid one, in the order of `PART_STEPS`.
 
-    The last one removes all errors of stepped legs. It is the only one if parts cannot be stepped.
+    Empty without parts. Condensed alone if a part cannot be represented by prismatic pieces.
     """
     if not mechanism.parts:
         return ()
@@ -165,9 +172,9 @@ def part_kinds(mechanism: Mechanism) -> tuple[PartLegs, ...]:
 
 
 def part_policy(mechanism: Mechanism) -> MeshPolicy | float:
-    """Policy for the meshes of the parts. 0 without parts.
+    """Mesh policy of the CAD parts. 0 without parts.
 
-    A part given as a mesh cannot be refined: its half-width is unknown, and taken as one.
+    A part given as a mesh file cannot be refined: its relative half-width is taken as 1.
     """
     if not mechanism.parts:
         return 0.0

@@ -1,8 +1,11 @@
-"""Responses of models of one robot, under readings of its file, each solved once when needed.
+"""Store of solved models: statics and modes of each model under each reading, solved when needed.
 
-A response is a model under a reading, in all poses, in two halves: statics and modes. The halves
-are solved independently of each other, one may be unsolved while the other stands. Readings with
-perturbed inputs or digits are solved for the perturbed robot.
+Input: a `Model` (two functions, one for statics and one for modes) and a `Reading` of the robot
+file. Output: `Statics` or `PathModes` in all poses, or `Unsolved` with the reason. Rule: the key of
+a stored solution is the model and those fields of the reading on which it depends, so that readings
+which differ in other fields share the solution. Statics and modes are independent: one may fail
+while the other is solved. Readings with perturbed inputs or digits are solved for the perturbed
+robot.
 """
 
 from collections.abc import Callable
@@ -16,7 +19,7 @@ from validation.references.perturbations import congruent, perturbed_robot, scal
 from validation.references.robot_on_path import Reading, RobotOnPath
 from validation.responses.statics_and_modes import PathModes, Statics, Unsolved
 
-# Fields of a reading that change the robot, and with it all models.
+# Fields of a reading that change the robot itself, and therefore affect all models.
 PERTURBATIONS = ("factors", "rounding")
 # Errors that a robot may cause: walls too thin to mesh, a stiffness below round-off.
 UNSOLVED = (InputError, ComputationError)
@@ -27,13 +30,14 @@ Solve: TypeAlias = Callable[[RobotOnPath, Reading], H]
 
 @dataclass(frozen=True, eq=False)
 class Model:
-    """Model of a robot: functions that solve both halves of its response.
+    """Model of a robot: one function for its statics and one for its modes.
 
-    `statics` is None if the model does not define them; `modes` is None if it is static, and
-    returns None if nothing has mass. `static_fields` and `modal_fields` are the fields of a
-    reading that each half depends on. `silent`: reason why a half is not defined. `rigid`: reason
-    for zeros in the compliance. `stand_in`: model whose changes by uncertain inputs are applied to
-    this model if the robot has solids. None if it is always solved anew.
+    `statics` is None if the model does not define statics. `modes` is None if it does not define
+    modes; the function returns None if nothing has mass. `static_fields` and `modal_fields` are the
+    fields of a reading on which each function depends. `silent`: reason why statics or modes are
+    not defined. `rigid`: reason for zeros in the compliance. `computed_by`: names of the functions
+    that compute it. `stand_in`: a cheaper model whose changes by uncertain inputs are applied to
+    this one if the robot has solids. If it is None, this model is solved for each change of inputs.
     """
 
     name: str
@@ -50,10 +54,9 @@ class Model:
 
 @dataclass(frozen=True, eq=False)
 class Responses:
-    """Responses of models of a robot, by model and reading.
+    """Solutions of all models of one robot, stored by model and reading.
 
-    A half is kept by the model and those fields of the reading that it depends on. `perturb`
-    returns the robot with the perturbed inputs and digit of a reading.
+    `perturb` builds the robot with the changed inputs and the changed digit of a reading.
     """
 
     robot: RobotOnPath
@@ -67,7 +70,10 @@ class Responses:
     _robots: dict[Reading, RobotOnPath] = field(default_factory=dict, repr=False)
 
     def perturbed(self, reading: Reading) -> RobotOnPath:
-        """The robot under a reading. Raises InputError if there is no such robot."""
+        """Robot with the changed inputs and digit of a reading.
+
+        Raises InputError if there is none.
+        """
         key = reading.restricted(PERTURBATIONS)
         if not key.is_perturbed:
             return self.robot
@@ -76,7 +82,10 @@ class Responses:
         return self._robots[key]
 
     def statics(self, model: Model, reading: Reading) -> Statics | Unsolved | None:
-        """Statics of a model. None if it does not define them."""
+        """Statics of a model under a reading, or why they are unsolved.
+
+        None if it does not define them.
+        """
         if model.statics is None:
             return None
         key = model, reading.restricted((*model.static_fields, *PERTURBATIONS))
@@ -85,7 +94,10 @@ class Responses:
         return self._statics[key]
 
     def modes(self, model: Model, reading: Reading) -> PathModes | Unsolved | None:
-        """Modes of a model. None if it does not define them or nothing has mass."""
+        """Modes of a model under a reading, or why they are unsolved.
+
+        None if the model does not define modes or nothing has mass.
+        """
         if model.modes is None:
             return None
         key = model, reading.restricted((*model.modal_fields, *PERTURBATIONS))
@@ -96,29 +108,35 @@ class Responses:
     def half(
         self, model: Model, reading: Reading, quantity: Quantity
     ) -> Statics | PathModes | Unsolved | None:
-        """Half of a response that a quantity belongs to."""
+        """Statics or modes of a model, whichever the quantity is computed from."""
         return (self.statics if quantity.static else self.modes)(model, reading)
 
     def known_statics(self, model: Model, reading: Reading) -> Statics | None:
-        """Statics of a model. None if they are not defined or not solved."""
+        """Statics of a model. None if the model does not define them or they are unsolved."""
         half = self.statics(model, reading)
         return half if isinstance(half, Statics) else None
 
     def known_modes(self, model: Model, reading: Reading) -> PathModes | None:
-        """Modes of a model. None if they are not defined or not solved."""
+        """Modes of a model. None if the model does not define them or they are unsolved."""
         half = self.modes(model, reading)
         return half if isinstance(half, PathModes) else None
 
     def required_statics(self, model: Model, reading: Reading) -> Statics:
-        """Statics of a model. Raises ComputationError if there are none."""
+        """Statics of a model.
+
+        Raises ComputationError if it does not define them or they are unsolved.
+        """
         return _required(model, self.statics(model, reading))
 
     def required_modes(self, model: Model, reading: Reading) -> PathModes:
-        """Modes of a model. Raises ComputationError if there are none."""
+        """Modes of a model.
+
+        Raises ComputationError if it does not define them or they are unsolved.
+        """
         return _required(model, self.modes(model, reading))
 
     def unsolved(self, model: Model, reading: Reading, quantity: Quantity) -> str:
-        """Reason why a quantity of a model cannot be computed. "" if there is none."""
+        """Reason why a quantity of a model cannot be computed. "" if it can."""
         half = self.half(model, reading, quantity)
         return half.reason if isinstance(half, Unsolved) else ""
 
@@ -130,10 +148,11 @@ class Responses:
         model: Model,
         reading: Reading,
     ) -> H | Unsolved:
-        """Half of a response, or the reason why it cannot be computed.
+        """Statics or modes of a model under a reading, or the reason why they cannot be computed.
 
-        With perturbed inputs by the `transfer` of the changes of a stand-in, if the model has one.
-        Any exception is the failure of this half alone: other models are judged.
+        If inputs are perturbed and the model has a stand-in, `transfer` applies the stand-in's
+        changes to the unperturbed solution. Any exception is recorded as the failure of this
+        solution alone, so that other models are still judged.
         """
         nominal = replace(reading, factors=())
         stand_in = model.stand_in
@@ -150,7 +169,7 @@ class Responses:
 
     @property
     def faults(self) -> tuple[str, ...]:
-        """Names of the models with a half that ended with an error of the program."""
+        """Names of the models whose statics or modes ended with an error of the program."""
         halves = (*self._statics.items(), *self._modes.items())
         return tuple(
             dict.fromkeys(

@@ -1,4 +1,10 @@
-"""Mechanism in the postures in which it is judged, and readings of an incomplete robot file."""
+"""A robot in the postures in which it is judged, and the readings that its file allows.
+
+Input: the robot file and the preset of a run. Output: `RobotOnPath`, the mechanism in at most
+`MOST_POSES` postures of its path with its legs and end conditions, and `Reading`, one choice for
+everything that the file leaves open together with one mesh of each kind. Rule: if the file does not
+specify how end faces or interfaces are held, both the rigid and the free variant are computed.
+"""
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
@@ -27,15 +33,15 @@ from validation.parts.meshes import FINEST
 from validation.references.mode_samples import Samples, samples_of
 from validation.verdicts import Coordinate
 
-# End conditions, and tip compliances (6×6, SI, leg axes), by body.
+# End condition of each body, and 6×6 tip compliance (SI, leg axes) of each leg, by name.
 Holds: TypeAlias = Mapping[str, Ends]
 Springs: TypeAlias = Mapping[str, Array]
-# Relative changes of uncertain inputs by their keys in the robot file.
+# Relative change of each uncertain input, with its key in the robot file.
 Factors: TypeAlias = tuple[tuple[str, float], ...]
-# Fields of a reading that choose a mesh.
+# Fields of a reading that select a mesh.
 MeshKind: TypeAlias = Literal["mesh", "section_mesh", "part_mesh"]
 
-# Most poses of a path, such as a grid; of a longer path, poses in even steps are computed.
+# Largest number of computed poses. Of a longer path, evenly spaced poses are computed.
 MOST_POSES: Mapping[Preset, int] = {"quick": 9, "standard": 25, "fine": 81}
 HOLD: tuple[Ends, Ends] = ("rigid", "free")
 _SAY_PARTS = 'how faces are held: coupling = "rigid", "average" or "pin" in the interfaces of'
@@ -44,13 +50,13 @@ _SAY_ENDS = 'how end faces are held: ends = "rigid" (bolted flat) or ends = "fre
 
 @dataclass(frozen=True)
 class Reading:
-    """Reading of a robot file with open information filled in, and one mesh of each kind.
+    """One choice for everything that a robot file leaves open, and one mesh of each kind.
 
-    `ends` of each leg and part. `masses` and `interior` of the legs known by their 6×6. `mesh` of
-    solid legs, and `section_mesh` of the constants of their sections: 1 is the fine one, 0 the
-    coarse one. `part_mesh`: level of CAD parts. `elements`: factor on the element count of
-    formulations. The robot itself is perturbed by `factors` of its inputs and by `rounding`, the
-    number of a printed digit that is off (`roundings_of`); None if none is.
+    `ends`: end condition of each leg and CAD part. `masses`, `interior`: distribution of mass and
+    of stiffness in legs known by their 6×6. `mesh` of solid legs and `section_mesh` of the section
+    constants: 1 is the fine, 0 the coarse mesh. `part_mesh`: mesh level of CAD parts. `elements`:
+    factor on the element count of models. `factors`: relative changes of the robot's inputs.
+    `rounding`: index of the printed digit that is changed (`roundings_of`). None if no digit is.
     """
 
     ends: Holds
@@ -73,41 +79,41 @@ class Reading:
 
     @property
     def inside(self) -> Inside:
-        """Inside of the legs known by their 6×6."""
+        """Distribution of mass and stiffness inside the legs known by their 6×6."""
         return Inside(self.masses, self.interior)
 
     def on_mesh(self, kind: MeshKind, level: int) -> "Reading":
-        """Reading with another mesh of one kind."""
+        """Copy of the reading with another mesh level of one kind of mesh."""
         mesh: dict[str, Any] = {kind: level}
         return replace(self, **mesh)
 
     @property
     def is_perturbed(self) -> bool:
-        """True if the robot differs from that of its file."""
+        """True if inputs or a digit differ from those of the robot file."""
         return bool(self.factors) or self.rounding is not None
 
     @property
     def unperturbed(self) -> "Reading":
-        """Reading without perturbations: the robot as its file describes it."""
+        """Copy of the reading with the inputs and digits of the robot file."""
         return replace(self, factors=(), rounding=None)
 
     def restricted(self, names: Collection[str]) -> "Reading":
-        """Reading with the default in all fields except `names`."""
+        """Copy of the reading with default values in all fields except `names`."""
         return replace(NOMINAL, **{name: getattr(self, name) for name in names})
 
 
-# Reading of models that do not depend on information missing from a robot file.
+# Reading for models that do not depend on anything that a robot file leaves open.
 NOMINAL = Reading({})
 
 
 @dataclass(frozen=True)
 class Holding:
-    """End conditions of legs and of interfaces of parts.
+    """End conditions of legs and of CAD parts' interfaces that the robot file allows.
 
-    `alternatives`: ends of each leg and part by the alternative's name ("free" ones of parts are
-    averaged). There is one if the robot file specifies all. `unsaid`: text on the conditions that
-    the file does not specify. `decides`: instruction that specifies them. Both are "" if the file
-    specifies all.
+    `alternatives`: end condition of each leg and part, by name of the alternative. For parts,
+    "free" means averaged. There is one alternative if the file specifies all conditions, otherwise
+    a rigid and a free one. `unsaid` is a text on the conditions that the file does not specify;
+    `decides` is the instruction that specifies them. Both are "" if the file specifies all.
     """
 
     alternatives: Mapping[str, Holds]
@@ -116,16 +122,17 @@ class Holding:
 
     @property
     def first(self) -> Holds:
-        """The stiffest alternative."""
+        """End conditions of the stiffest alternative."""
         return next(iter(self.alternatives.values()))
 
 
 @dataclass(frozen=True, eq=False)
 class RobotOnPath:
-    """Mechanism in its postures, with the inputs of its references.
+    """A mechanism in its postures, with what references need: legs, end conditions, printed 6×6.
 
-    `legs` by body; equal prisms are the same object. `printed`: the 6×6 of its file with half a
-    unit of their last digits. Empty if digits are not a source of uncertainty.
+    `legs` by body name; legs with equal prisms share one object. `printed`: each 6×6 of the robot
+    file with half a unit of the last digit of its entries. Empty if digits are not a source of
+    uncertainty.
     """
 
     context: Context
@@ -136,72 +143,82 @@ class RobotOnPath:
 
     @property
     def mechanism(self) -> Mechanism:
-        """Mechanism, common to all postures."""
+        """The mechanism, which all postures have in common."""
         return self.postures[0].mechanism
 
     @property
     def prisms(self) -> list[ConstantLeg]:
-        """The legs that are solids in the reference."""
+        """Legs of constant section, which are solids in the reference."""
         return [leg for leg in self.legs.values() if isinstance(leg, ConstantLeg)]
 
     @property
     def given(self) -> dict[str, GivenLeg]:
-        """The legs that are known by their 6×6 alone."""
+        """Legs known by their 6×6 only, by body name."""
         return {name: leg for name, leg in self.legs.items() if isinstance(leg, GivenLeg)}
 
     @property
     def has_solids(self) -> bool:
-        """True if any body is a solid in the reference."""
+        """True if the reference contains a solid: a prismatic leg or a CAD part."""
         return bool(self.prisms or self.mechanism.parts)
 
     @property
     def say_masses(self) -> str:
-        """Instruction that settles the given legs' mass distribution. "" without such legs."""
+        """Instruction that specifies the mass distribution of legs known by their 6×6.
+
+        "" without any.
+        """
         return say_masses(self.given, self.context.robot_file.schema)
 
     @property
     def say_interior(self) -> str:
-        """Instruction that settles the stiffness inside the given legs. "" without such legs."""
+        """Instruction that specifies the stiffness inside legs known by their 6×6.
+
+        "" without any.
+        """
         return say_interior(self.given, self.context.robot_file.schema)
 
     @property
     def first_reading(self) -> Reading:
-        """Reading used for the mesh study of CAD parts."""
+        """Reading under which mesh studies of CAD parts are made: the stiffest end conditions."""
         return Reading(self.holding.first)
 
     @property
     def judged(self) -> int:
-        """Number of judged frequencies."""
+        """Number of natural frequencies that are judged in each pose."""
         return self.context.robot_file.requirement.modes
 
     @property
     def offered(self) -> int:
-        """Number of computed modes of each model."""
+        """Number of modes that each model computes, of which the first are judged."""
         return offered(self.judged)
 
     @cached_property
     def samples(self) -> Samples:
-        """Sampling points of the shapes of all models."""
+        """Points at which mode shapes of all models are compared."""
         return samples_of(self.mechanism)
 
     @cached_property
     def roundings(self) -> list[Rounding]:
-        """Robots with one printed digit of a 6×6 off each."""
+        """Robots in each of which one printed digit of a 6×6 is changed by half a unit."""
         return roundings_of(self.printed, self.postures)
 
     @cached_property
     def climbs(self) -> str:
-        """Model that computes causes in statics: vjm, or links if vjm cannot."""
+        """Name of the model by which causes of static errors are computed.
+
+        "vjm" (virtual joint method) if the legs are serial chains without CAD parts, otherwise
+        "links".
+        """
         return "links" if self.mechanism.parts or why_not_serial(self.postures) else "vjm"
 
 
 def robot_on_path(context: Context) -> RobotOnPath:
-    """The run's robot in the postures of its path."""
+    """The robot of a run in the postures of its path."""
     return robot_at(context, path_postures(context))
 
 
 def robot_at(context: Context, postures: Sequence[Posture]) -> RobotOnPath:
-    """Mechanism of the run's robot, or of a part of it, in these postures."""
+    """The robot of a run, or a mechanism made from it, in the given postures."""
     mechanism = postures[0].mechanism
     return RobotOnPath(
         context,
@@ -213,7 +230,7 @@ def robot_at(context: Context, postures: Sequence[Posture]) -> RobotOnPath:
 
 
 def path_postures(context: Context) -> tuple[Posture, ...]:
-    """The postures of the path, first and last among them, once per run and process."""
+    """Postures of the path, with its first and last pose, computed once per run and process."""
     return context.get(_postures, context.robot_file.mechanism, MOST_POSES[context.preset])
 
 
@@ -224,24 +241,24 @@ def _postures(mechanism: Mechanism, largest: int) -> tuple[Posture, ...]:
 
 
 def offered(judged: int) -> int:
-    """Number of modes of each model that are computed to judge `judged` ones.
+    """Number of modes to compute for each model if `judged` frequencies are judged.
 
-    Modes of equal legs come in clusters, which must not be cut.
+    It is larger, since equal legs have clusters of close modes that must not be cut.
     """
     return max(12, 6 * judged)
 
 
 def coordinates(mechanism: Mechanism) -> tuple[Coordinate, ...]:
-    """Coordinates that a pose prescribes."""
+    """Coordinates of the tool that a pose prescribes, with their units."""
     return tuple(Coordinate(move, UNITS_OF_MOVES[move]) for move in mechanism.tool.moves)
 
 
 def holding(mechanism: Mechanism, schema: int = 2) -> Holding:
-    """End conditions of legs and parts: as specified in the robot file, otherwise both variants.
+    """End conditions of legs and parts: those of the robot file, otherwise rigid and free ones.
 
-    `schema` of the robot file, for the table names in the instruction.
+    `schema` is that of the robot file and decides on the table names in the instruction.
     """
-    # The 6×6 of a given leg has its ends in it.
+    # A leg known by its 6×6 has no open end condition: it is part of the 6×6.
     legs = {
         name: leg.ends if isinstance(leg, ConstantLeg) else "rigid"
         for name, leg in legs_of(mechanism).items()
@@ -276,9 +293,9 @@ def holding(mechanism: Mechanism, schema: int = 2) -> Holding:
 
 
 def say_masses(legs: Mapping[str, GivenLeg], schema: int = 2) -> str:
-    """Instruction that settles the mass distribution of legs known by their 6×6: missing keys.
+    """Instruction that specifies the mass distribution of legs known by their 6×6: missing keys.
 
-    If no key is missing, the instruction is to give the legs' section or solid. "" without such
+    If no key is missing, the instruction is to replace the 6×6 by a section or solid. "" without
     legs.
     """
     lacking: dict[str, dict[str, None]] = {}
@@ -293,19 +310,19 @@ def say_masses(legs: Mapping[str, GivenLeg], schema: int = 2) -> str:
 
 
 def say_interior(legs: Iterable[str], schema: int = 2) -> str:
-    """Instruction that settles the inside of legs known by their 6×6. "" without such legs."""
+    """Instruction that specifies the inside of legs known by their 6×6. "" without legs."""
     tables = _tables(dict.fromkeys(legs), schema)
     return f"give the section or the solid in place of the 6×6 in {tables}" if tables else ""
 
 
 def _tables(ends_by_body: Mapping[str, Ends | None], schema: int) -> str:
-    """Table names in the robot file of the bodies with unspecified ends."""
+    """Table names in the robot file of the bodies whose end condition is None, as a list."""
     head = "" if schema == 1 else "bodies."
     return ", ".join(f"[{head}{name}]" for name, ends in ends_by_body.items() if ends is None)
 
 
 def known_legs(mechanism: Mechanism) -> dict[str, Leg]:
-    """Legs by name; equal prisms are the same object."""
+    """Legs by body name. Legs with equal prisms share one object."""
     prisms = {name: leg for name, leg, _ in constant_legs(mechanism, DEFAULT_OPTIONS)}
     return {
         name: leg if isinstance(leg, GivenLeg) else prisms[name]
@@ -314,7 +331,7 @@ def known_legs(mechanism: Mechanism) -> dict[str, Leg]:
 
 
 def distinct_legs(mechanism: Mechanism) -> tuple[str, ...]:
-    """Names of distinct legs: the first of each group of equal legs."""
+    """Body names of the distinct legs: the first of each group of equal legs."""
     first: dict[object, str] = {}
     for name, leg in known_legs(mechanism).items():
         first.setdefault(leg if isinstance(leg, ConstantLeg) else name, name)
@@ -322,7 +339,10 @@ def distinct_legs(mechanism: Mechanism) -> tuple[str, ...]:
 
 
 def why_not_serial(postures: Sequence[Posture]) -> str:
-    """Reason why virtual joints cannot be summed along each leg. "" if they can."""
+    """Reason why legs are not serial chains, which the virtual joint method needs.
+
+    "" if they are.
+    """
     mechanism = postures[0].mechanism
     try:
         require_legs(mechanism)

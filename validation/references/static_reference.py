@@ -1,7 +1,9 @@
-"""Statics of a robot over its path: the reference, its uncertainty, and causes of errors.
+"""Reference for the displacements of a robot, and the causes of models' displacement errors.
 
-The reference assembles the robot from its legs: solids if they are prisms, the 6×6 of the file if
-they are given.
+Input: the robot along its path with its computed statics. Output: a `Reference` with one
+interpretation for each set of end conditions that the robot file allows, and for each judged model
+its sequence of intermediate models. Rule: the robot is assembled from its legs, which are 3-D
+solids if they are prisms and the 6×6 of the file otherwise, and from its CAD parts as solids.
 """
 
 from collections.abc import Mapping, Sequence
@@ -36,10 +38,10 @@ _BY = {"vjm": "virtual joints with ", "links": "links with "}
 
 
 def static_reference(responses: Responses) -> Reference:
-    """Solid or given legs, assembled. Raises InputError if sections are too fine to mesh."""
+    """Static reference of a robot. Raises InputError if a section is too fine to mesh."""
     robot = responses.robot
     context, parts = robot.context, robot.mechanism.parts
-    # The reason for solids that cannot be meshed names a preset that takes them.
+    # Solved first, so that the error names a preset that can mesh the leg.
     for leg in robot.prisms:
         solid_leg(context, leg)
     interpretations = [
@@ -68,7 +70,7 @@ def static_reference(responses: Responses) -> Reference:
 
 
 def _reference_title(robot: RobotOnPath) -> str:
-    """Title of the reference."""
+    """Title of the static reference in reports."""
     names = ", ".join(robot.given)
     if robot.mechanism.parts:
         solid = " and solid legs" if robot.prisms else ""
@@ -83,7 +85,10 @@ def _reference_title(robot: RobotOnPath) -> str:
 
 
 def static_steps(robot: RobotOnPath) -> Steps:
-    """Steps by name of the model, each ladder from the model upwards, one cause each."""
+    """Intermediate models from each judged model to the static reference, by the judged name.
+
+    Each intermediate model removes one cause of error.
+    """
     parts = robot.mechanism.parts
     equivalent = with_parts("equivalent") if parts else EQUIVALENT
     models = {"drives": GIVEN, "shear": equivalent}
@@ -106,7 +111,8 @@ STATIC_STEPS: Mapping[str, StepTexts] = {
         "{by}Timoshenko's cantilever",
         TIMOSHENKO,
     ),
-    # From legs of constant section to the 6×6 that they were made of, then from parts as such legs,
+    # Steps from the equivalent prism to the 6×6 from which it was made, then the steps of CAD
+    # parts,
     "diagonal": StepTexts(
         "equivalent leg with another diagonal than the 6×6",
         "{by}the straight leg's entries of the 6×6",
@@ -117,7 +123,7 @@ STATIC_STEPS: Mapping[str, StepTexts] = {
         use("{climbs}", " with the 6×6 as given: --legs given", "--legs"),
     ),
     **PART_STEPS,
-    # and from textbook constants to solids with rigid end faces.
+    # and last those from textbook section constants to solids with rigid end faces.
     "own": StepTexts(
         "textbook section constants",
         "fem.sections.section_constants, tip of the cantilever",

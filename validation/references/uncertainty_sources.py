@@ -1,8 +1,12 @@
-"""Uncertainty of references by all sources but meshes: a row for each source.
+"""Table of the sources of uncertainty of a reference, with the half-widths due to each.
 
-The true 6×6 of a robot is known only within its printed digits, while each model uses the printed
-number. The error of a model is uncertain by the same amount, even if the reference is assembled
-from the same number.
+Input: the solved models of a robot under one reading. Output: a `Budget`, half-widths by source.
+Rule: a row of `STATIC_ROWS` or `MODAL_ROWS` is evaluated if it applies to the robot, and the total
+is the sum over the rows. Meshes are treated in `mesh_uncertainty`.
+
+Printed digits are a source although model and reference use the same printed 6×6: the true 6×6 is
+known only within its digits, so the error of a model against the real robot is uncertain by as
+much.
 """
 
 from collections.abc import Callable, Sequence
@@ -47,21 +51,22 @@ from validation.responses.mode_partners import amounts_by_shape
 from validation.responses.statics_and_modes import PathModes, Statics
 from validation.uncertainty.combiners import Combiner, combined
 
-# Elements for sensitivities to digits: an error of 1 % of a half-width does not matter.
+# Element count for sensitivities to printed digits: an error of 1 % of a half-width is negligible.
 _FEW_ELEMENTS = ModelOptions(elements=8)
-# Smallest relative change of a displacement by its load's softening that counts as nonlinear.
+# Smallest relative change of a displacement, by the load's effect on the stiffness, that counts as
+# nonlinear.
 _LINEAR = 1e-3
-# Lower bound of sizes (m/N) before their logarithm.
+# Lower bound of receptance (m/N), so that its logarithm is finite.
 _NO_SIZE = 1e-30
-# Perturbed readings, each with a factor on the change from the unperturbed reading.
+# Perturbed readings, each with a factor that multiplies the change that it causes.
 Perturbed = Sequence[tuple[float, Reading]]
 
 
 @dataclass(frozen=True)
 class SourceRow:
-    """Source of uncertainty of a reference, with half-widths by responses under a reading.
+    """One source of uncertainty of a reference, and the function that computes its half-widths.
 
-    `applies`: true for robots with this source. Other robots have no half-widths from it.
+    `applies` is true for robots that have this source.
     """
 
     source: Source
@@ -71,9 +76,10 @@ class SourceRow:
 
 @dataclass(frozen=True)
 class Perturbations:
-    """Half-widths of displacements by a model under perturbed readings.
+    """Half-widths of displacements, from solutions of a model under perturbed readings.
 
-    `readings`: perturbations of a robot's reading. `combiner`: rule that combines their changes.
+    `readings` returns the perturbations of a robot's reading. `combiner` is the rule by which their
+    changes make one half-width.
     """
 
     model: Model
@@ -92,13 +98,13 @@ class Perturbations:
 
 
 def budget(rows: Sequence[SourceRow], responses: Responses, reading: Reading) -> Budget:
-    """Half-widths of a reference under a reading by source."""
+    """Half-widths of a reference under a reading, by source of uncertainty."""
     robot = responses.robot
     return {row.source: row.half_widths(responses, reading) for row in rows if row.applies(robot)}
 
 
 def _flattened_statics(statics: Statics) -> Array:
-    """Compliances and load displacements of statics as one matrix (P×k)."""
+    """All compliances and load displacements of statics in one matrix (P poses × k numbers)."""
     poses = len(statics.compliances)
     return np.hstack(
         [
@@ -109,14 +115,14 @@ def _flattened_statics(statics: Statics) -> Array:
 
 
 def _sizes(unperturbed: Statics, changes: Array) -> Array:
-    """Sizes (n×P×(7+L)) of changes (n×P×k) relative to the unperturbed displacements.
+    """Magnitudes (n×P×(7+L)) of n changes (n×P×k) relative to the unperturbed displacements.
 
-    Zero if the robot is rigid, since no relative error exists there.
+    Zero if the robot is rigid under the load, since a relative error does not exist then.
     """
     count, poses, _ = changes.shape
     loads = unperturbed.load_displacements.shape[1]
     compliances, load_displacements = np.split(changes, [36], axis=2)
-    # All changes in all poses, as poses of one record.
+    # All n changes in all P poses are treated as n·P poses of one record.
     changed = Statics(
         compliances.reshape(count * poses, 6, 6),
         load_displacements.reshape(count * poses, loads, 6),
@@ -130,7 +136,10 @@ def _sizes(unperturbed: Statics, changes: Array) -> Array:
 
 
 def _rounded_readings(robot: RobotOnPath, reading: Reading) -> Perturbed:
-    """Readings with one printed digit of a 6×6 off by half a unit each. Empty without a 6×6."""
+    """Readings in each of which one printed digit of a 6×6 is off by half a unit.
+
+    Empty if the robot file contains no 6×6.
+    """
     return [
         (rounding.factor, replace(reading, rounding=number))
         for number, rounding in enumerate(robot.roundings)
@@ -145,7 +154,7 @@ def _plausible_mass_readings(robot: RobotOnPath, reading: Reading) -> Perturbed:
 
 
 def _links(robot: RobotOnPath, _: Reading) -> Statics:
-    """Statics with legs as given and parts condensed, once per run and process."""
+    """Statics with the legs' 6×6 and condensed CAD parts, computed once per run and process."""
     return robot.context.get(_linked, robot.postures)
 
 
@@ -153,18 +162,20 @@ def _linked(postures: tuple[Posture, ...]) -> Statics:
     return assembled(postures, tip_compliances(postures[0].mechanism))
 
 
-# Each number is off by up to half a unit of its last digit, independently of all others.
+# Each printed number is off by up to half a unit of its last digit, independently of the others.
 STATIC_DIGITS = Perturbations(
     Model("links", statics=_links), _rounded_readings, Combiner.PROBABILITY
 )
-# Displacements under a load on masses are linear in the positions of mass: the hull contains all.
+# Displacements under a load on masses are linear in the positions of mass, so the convex hull of
+# the plausible distributions contains all others.
 _MASSES = Perturbations(SOLID, _plausible_mass_readings, Combiner.HULL)
 
 
 def _linearity(responses: Responses, _: Reading) -> HalfWidths:
-    """Half-widths due to the change of stiffness by loads, zero if it is negligible.
+    """Half-widths due to the stiffness change under load (P×(7+L)). Zero if it is negligible.
 
-    One (all of the displacement) if the robot has buckled or its stability cannot be computed.
+    1, which is all of the displacement, if the robot has buckled or its stability cannot be
+    computed.
     """
     robot = responses.robot
     try:
@@ -190,9 +201,10 @@ def _linearity(responses: Responses, _: Reading) -> HalfWidths:
 def modes_by_digits(
     printed: Sequence[Printed], postures: tuple[Posture, ...], count: int, masses: Masses
 ) -> tuple[PathModes, Array]:
-    """Modes by beams and legs known by their 6×6, and relative half-widths (P×m) due to digits.
+    """Modes by beams and legs known by their 6×6, and half-widths due to digits (P×m, relative).
 
-    Half-widths combine the changes by all digits of the `printed` 6×6, to first order.
+    Half-widths combine the frequency changes by all digits of the `printed` 6×6, to first order.
+    `masses` is the mass distribution of these legs.
     """
     roundings = roundings_of(printed, postures)
     mechanism = postures[0].mechanism
@@ -254,7 +266,7 @@ def _displacement_meshes(responses: Responses, reading: Reading) -> HalfWidths:
 
 
 def _modal_meshes(responses: Responses, reading: Reading) -> HalfWidths:
-    """Half-widths of modes and of responses to harmonic forces due to meshes."""
+    """Half-widths of frequencies and harmonic responses due to meshes."""
     frequencies = frequency_half_widths(responses, reading)
     excitations = responses.robot.mechanism.excitations
     if not excitations:
@@ -270,7 +282,7 @@ def _modal_meshes(responses: Responses, reading: Reading) -> HalfWidths:
 
 
 def _modal_digits(responses: Responses, reading: Reading) -> HalfWidths:
-    """Half-widths of modes and of responses to harmonic forces due to printed digits."""
+    """Half-widths of frequencies and harmonic responses due to printed digits."""
     robot, fine = responses.robot, responses.required_modes(SOLID, reading)
     digits = _frequency_digit_half_widths(robot, fine, reading.masses)
     if not robot.mechanism.excitations:
@@ -290,7 +302,10 @@ def _receptance_sizes(excitation: int, modes: PathModes) -> Array:
 def _response_digit_half_widths(
     robot: RobotOnPath, fine: PathModes, digits: Array
 ) -> tuple[Array, list[Array]]:
-    """Half-widths of peaks (P×q) and receptances (P×n each) by `digits` of frequencies (P×K)."""
+    """Relative half-widths of peaks (P×q) and receptances (P×n for each excitation) due to digits.
+
+    `digits` are the relative half-widths (P×K) of the frequencies due to printed digits.
+    """
     peak_half_widths: list[Array] = []
     receptances = []
     for number, excitation in enumerate(robot.mechanism.excitations):
@@ -312,11 +327,12 @@ def _response_digit_half_widths(
 def _digit_half_widths(
     fine: PathModes, digits: Array, frequencies: Array, sizes: Array, peak: Array
 ) -> tuple[Array, Array]:
-    """Relative half-widths due to printed digits: of a peak's frequency (P) and of sizes (P×n).
+    """Relative half-widths due to digits: of a peak's frequency (P), and of receptances (P×n).
 
-    `sizes` at `frequencies` (n, Hz), `peak` (P×1, Hz). Assumes that all stiffness changes together
-    by the half-width s, from `digits`, of the nearest natural frequency: h(ω) becomes
-    h(ω(1 − s))/(1 + 2s).
+    `sizes` (P×n) are receptance magnitudes at `frequencies` (n, Hz); `peak` (P×1, Hz) is the
+    frequency of the peak. All stiffness is assumed to change together by the half-width s, taken
+    from `digits` for the nearest natural frequency. The receptance h(ω) then becomes h(ω(1 − s))/(1
+    + 2s).
     """
     modes = np.nan_to_num(fine.frequencies[:, : digits.shape[1]], nan=np.inf)
     evaluated = np.hstack([peak, np.broadcast_to(frequencies, sizes.shape)])
@@ -329,8 +345,8 @@ def _digit_half_widths(
 def _frequency_digit_half_widths(robot: RobotOnPath, fine: PathModes, masses: Masses) -> Array:
     """Relative half-widths (P×K) of the judged frequencies of `fine` due to printed digits.
 
-    Those of the beams' modes of the same shape. For a mode without such a beam mode, the largest of
-    all judged ones.
+    Each mode of the solid model has the half-width of the beam mode of the same shape. A mode
+    without such a partner has the largest half-width of all judged modes.
     """
     beams, share = robot.context.get(
         modes_by_digits, robot.printed, robot.postures, robot.offered, masses
@@ -342,12 +358,12 @@ def _frequency_digit_half_widths(robot: RobotOnPath, fine: PathModes, masses: Ma
 
 
 def _is_rounded(robot: RobotOnPath) -> bool:
-    """True if printed digits of the file's 6×6 change the robot."""
+    """True if the robot file contains a 6×6 whose printed digits matter."""
     return bool(robot.roundings)
 
 
 def _loads_given_masses(robot: RobotOnPath) -> bool:
-    """True if loads act on masses with unknown positions within the legs."""
+    """True if loads act on the masses of legs whose mass distribution is unknown."""
     return bool(robot.given) and any(load.acts_on_mass for load in robot.mechanism.loads)
 
 

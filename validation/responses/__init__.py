@@ -1,4 +1,5 @@
-"""Responses of models, statics and modes, and their comparison: displacements, modes by shape.
+"""Displacements and modes of a model in all poses, and their comparison with another model's.
 
-In: arrays of compliances, frequencies and sampled shapes. Out: errors, and pairs of modes.
+Input: arrays of compliances, frequencies and sampled mode shapes. Output: relative displacement
+errors, and pairs of modes with the same shape.
 """

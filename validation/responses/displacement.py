@@ -1,11 +1,14 @@
-"""Relative difference of two whole displacements of the loaded point, load by load.
+"""Relative difference between two displacement vectors of the loaded point, load by load.
 
-The displacement under a force is a translation, the one under a moment a rotation, three numbers
-each. The relative difference is the length of the difference over the length of the reference's
-displacement. The worst of all directions of force is found exactly: by Dines' theorem (Bull. Amer.
-Math. Soc. 47 (1941) 494; the lossless S-lemma) the largest |D f|²/max(a, b) over f, a and b
-quadratic forms, is the smallest over 0 <= w <= 1 of the largest generalised eigenvalue of (DᵀD, w A
-+ (1 − w) B).
+Input: compliances and load displacements of a model and of a reference, in base axes. Output: one
+relative difference for each pose and load. Rule: the length of the difference vector over the
+length of the reference's vector. A force is judged by the translation (3 numbers) that it causes, a
+moment by the rotation (3 numbers).
+
+The worst direction of force is found exactly, by Dines' theorem (Bull. Amer. Math. Soc. 47 (1941)
+494; the lossless S-lemma). The largest |D f|²/max(a, b) over all f, with quadratic forms a and b,
+is the smallest value over 0 <= w <= 1 of the largest generalised eigenvalue of (DᵀD, w A + (1 − w)
+B).
 """
 
 from itertools import combinations
@@ -17,32 +20,37 @@ from lumped.acceptance.quantities import AXES, UNIT_LOADS, Quantity, QuantityKin
 from lumped.arrays import Array
 from validation.responses.statics_and_modes import Statics
 
-# A very stiff direction does not decide: an error is relative to at least this part of the largest
-# displacement that a force of the same size causes.
+# Errors are relative to at least this fraction of the largest displacement that a force of the same
+# size causes, so that a very stiff direction does not decide.
 FLOOR = 1.0 / 20.0
-# Fraction of the largest displacement below which there is only round-off: the reference is rigid.
+# Fraction of the largest displacement below which a displacement is round-off. The reference counts
+# as rigid there.
 RIGID = 1e-12
-# Golden section of the weight: after 70 steps the interval is 2e-15 wide.
+# Golden-section search over the weight w: after 70 steps the interval is 2e-15 wide.
 _STEPS, _GOLDEN = 70, 0.5 * (5.0**0.5 - 1.0)
-# Relative gap of repeated eigenvalues: at a kink of the largest eigenvalue two of them meet.
+# Relative gap below which eigenvalues count as repeated: two meet at a kink of the largest one.
 _REPEATED = 1e-8
 
 
 class Worst(NamedTuple):
-    """The largest relative error (p) over all directions of force, and the direction (p×3)."""
+    """Largest relative error (p) over all directions of force, and the direction (p×3).
+
+    One row for each of p poses. Directions are unit vectors in base axes.
+    """
 
     error: Array
     force: Array
 
 
 class RelativeDisplacement(NamedTuple):
-    """Difference of two displacements in P poses, relative to the reference's.
+    """Difference of two displacements in P poses, relative to the reference's displacement.
 
-    `size` of the whole and `along` the load, signed (P each). `wrench` (P×6) is the unit wrench
-    that causes them: the worst one for any force, zero for loads of the file. `direction` (P×3) is
-    the wrench's, for loads of the file that of the reference's displacement. `length` (P, m/N or
-    rad/(N m), for such loads m) of the reference's displacement is 0 if the reference is rigid, and
-    `size` then 0 or infinite.
+    `size`: length of the difference vector (P). `along`: its component along the load, signed (P).
+    `wrench` (P×6): unit wrench that causes the displacements; for any force, the worst one; zero
+    for loads of the robot file. `direction` (P×3): direction of the wrench, or of the reference's
+    displacement for loads of the file. `length` (P): length of the reference's displacement in m/N
+    or rad/(N m), in m for loads of the file. It is 0 if the reference is rigid, and `size` is then
+    0 or infinite.
     """
 
     size: Array
@@ -53,9 +61,10 @@ class RelativeDisplacement(NamedTuple):
 
 
 def sizes(difference: Statics, reference: Statics) -> Array:
-    """Sizes of a difference relative to the reference's displacement (P×(7+L)).
+    """Lengths of displacement differences relative to the reference's displacements (P×(7+L)).
 
-    One column for each unit load, then for each load of the robot file.
+    The columns are the 7 unit loads (x, y, z, their rotations, any force) and the L loads of the
+    file.
     """
     loads = load_quantities([""] * reference.load_displacements.shape[1])
     columns = [relative(difference, reference, load).size for load in (*UNIT_LOADS, *loads)]
@@ -63,7 +72,7 @@ def sizes(difference: Statics, reference: Statics) -> Array:
 
 
 def relative(difference: Statics, reference: Statics, quantity: Quantity) -> RelativeDisplacement:
-    """Difference of displacements under the load of a quantity."""
+    """Relative difference of two models' displacements under the load of a quantity."""
     is_load = quantity.kind is QuantityKind.LOAD
     rows = slice(3, 6) if quantity.rotational else slice(0, 3)
     wrench = np.zeros((len(reference.compliances), len(AXES)))
@@ -109,9 +118,9 @@ def relative(difference: Statics, reference: Statics, quantity: Quantity) -> Rel
 def difference_under(
     model: Statics, reference: Statics, quantity: Quantity, wrench: Array
 ) -> tuple[Array, Array]:
-    """Difference (P×3) of displacements under wrenches (P×6), and its reference length (P).
+    """Difference (P×3) of two models' displacements under wrenches (P×6), and a length (P).
 
-    The reference length is defined as in `relative`.
+    The length is that of the reference's displacement, with the lower limit that `relative` uses.
     """
     expected, displacement = (
         statics.displacements(quantity, wrench) for statics in (reference, model)
@@ -124,11 +133,11 @@ def difference_under(
 
 
 def nearest_between(deviations: Array, length: Array) -> Array:
-    """Smallest relative distance (…) of a displacement from those between two references.
+    """Smallest relative distance (…) of a displacement from those that lie between two references.
 
-    `deviations` (a×…×3) are the differences of displacements from the references, `length` (a×…)
-    those of the references. Between two references displacement and length change linearly.
-    Infinite for one reference.
+    `deviations` (a×…×3): differences of the displacement from each of a references. `length` (a×…):
+    lengths of the references' displacements. Between two references, displacement and length are
+    interpolated linearly. Infinite if there is only one reference.
     """
     nearest = np.full(length.shape[1:], np.inf)
     for first, second in combinations(range(len(deviations)), 2):
@@ -147,10 +156,11 @@ def nearest_between(deviations: Array, length: Array) -> Array:
 
 
 def worst_force(difference: Array, reference: Array) -> Worst:
-    """Largest |D f| / max(|C f|, s/20) over all directions f, s the largest |C f|.
+    """Largest |D f| / max(|C f|, s/20) over all directions f of force, s the largest |C f|.
 
-    D and C are p×3×3 blocks, translation by force. If the reference is zero, the direction is
-    the one of the largest difference, and the error is infinite unless that is zero, too.
+    `difference` D and `reference` C (p×3×3) are blocks of compliance, translation by force. If C is
+    zero, the direction is that of the largest |D f|, and the error is infinite or, if D is zero
+    too, zero.
     """
     _, yields, axes = np.linalg.svd(reference)
     axes = np.swapaxes(axes, 1, 2)
@@ -167,7 +177,8 @@ def worst_force(difference: Array, reference: Array) -> Worst:
 
     low, high = np.zeros(len(forms)), np.ones(len(forms))
     for _ in range(_STEPS):
-        # The fraction is convex in the weight for each direction, and so is the largest one.
+        # The fraction is convex in the weight for each direction f, and therefore also its maximum
+        # over f.
         first, second = high - _GOLDEN * (high - low), low + _GOLDEN * (high - low)
         largest = np.linalg.eigvalsh(scaled(np.array([first, second]))[0])[..., -1]
         in_lower = largest[0] <= largest[1]
@@ -192,9 +203,10 @@ def worst_force(difference: Array, reference: Array) -> Worst:
 
 
 def _worst_direction(matrix: Array, root: Array, excess: Array) -> Array:
-    """Worst direction: of the largest eigenvalue, with both forms of the denominator equal.
+    """Worst direction (3): in the space of the largest eigenvalue, with both denominators equal.
 
-    `matrix` (3×3) in coordinates scaled by `root` (3), `excess` (3): first form less the second.
+    `matrix` (3×3): DᵀD in coordinates scaled by `root` (3). `excess` (3): diagonal of the first
+    quadratic form of the denominator minus that of the second.
     """
     values, vectors = np.linalg.eigh(matrix)
     space = vectors[:, values >= values[-1] - _REPEATED * abs(values[-1])] / root[:, None]

@@ -1,14 +1,18 @@
-"""Pairing of the modes of two models by their shapes.
+"""Pairs of modes of two models with the same shape.
 
-The likeness of two shapes is MAC = (aᵀWb)² / (aᵀWa · bᵀWb), W the mass at the samples (Allemang &
-Brown, IMAC 1982), times the smaller over the larger of the shares of kinetic energy that the
-samples see of the two modes. Against a mode that the samples see entirely, as those of beams, this
-is the squared overlap (aᵀMb)² in the mass M of the whole robot, since the other mode is zero in all
-that the samples do not see. A local mode of a section, of whose energy the samples see 5 %, has a
-likeness of at most 0.05 with each mode of beams.
+Input: frequencies and sampled shapes of two models in one pose. Output: for each mode of the first
+model its partner in the second, or none. Rule: modes are assigned so that the sum of their likeness
+is largest, and two modes are partners if their likeness is at least 0.5.
 
-Modes of one frequency are one space: any mixture of them is a mode, too. Spaces are compared by the
-squared cosines of their principal angles (Björck & Golub, Math. Comput. 27 (1973) 579).
+The likeness is MAC = (aᵀWb)² / (aᵀWa · bᵀWb), with the masses W at the sample points (Allemang &
+Brown, IMAC 1982), times the smaller over the larger of the two modes' sampled shares of kinetic
+energy. A beam mode is sampled entirely. Against it, the likeness is the squared overlap (aᵀMb)² in
+the mass matrix M of the whole robot. A local mode of a section, of whose energy the samples contain
+5 %, has a likeness of at most 0.05 with any beam mode.
+
+Modes of equal frequency span a space, and any combination of them is a mode, too. Such spaces are
+compared by the squared cosines of their principal angles (Björck & Golub, Math. Comput. 27 (1973)
+579).
 """
 
 from dataclasses import dataclass
@@ -20,23 +24,24 @@ from numpy.typing import NDArray
 from lumped.arrays import Array, IntArray
 from lumped.legs import BeamProperties
 
-# Two modes with less than half of their squared shapes in common are different modes. At most one
-# of several orthogonal shapes has more than half in common with a given shape.
+# Smallest likeness of partners. Of several orthogonal shapes, at most one can have more than half
+# of its square in common with a given shape.
 ALIKE = 0.5
-# Likeness of two pairs with their partners exchanged, relative to that of the pairs, from which on
-# shapes do not decide: modes turned into each other by 35 to 55 degrees. Likeness of a pair above
-# which shapes decide: other orthogonal shapes share at most the rest of one.
+# First number: two pairs are ambiguous if exchanging their partners keeps at least this fraction of
+# their likeness, as for modes rotated into each other by 35 to 55 degrees. Second number: a pair
+# above this likeness is certain, since other orthogonal shapes share at most the remainder.
 _UNDECIDED, _DECIDED = 0.5, 2.0 / 3.0
-# Relative gap beyond which frequencies distinguish modes of mixed shapes: modes so far apart are
-# turned by 35 degrees only if models differ by as much (Davis & Kahan, SIAM J. Numer. Anal. 7
-# (1970) 1).
+# Relative frequency gap beyond which modes of mixed shapes are distinct: modes so far apart are
+# rotated into each other by 35 degrees only if the models differ by as much (Davis & Kahan, SIAM J.
+# Numer. Anal. 7 (1970) 1).
 _FAR = 0.25
-# Relative gap of repeated frequencies: points with six digits split them by some millionths.
+# Relative gap up to which frequencies are repeated: coordinates with six digits split them by some
+# millionths.
 _REPEATED = 1e-5
-# Weight of the squared distance in the order, which decides if likeness is equal: below any
-# likeness.
+# Penalty on the squared difference of mode numbers. It decides only if likeness is equal, since it
+# is smaller than any likeness.
 _TIE = 1e-9
-# Directions of a space below this part of the largest one are rounding.
+# Singular values below this fraction of the largest one are round-off.
 _RANK = 1e-6
 
 BoolArray = NDArray[np.bool_]
@@ -44,10 +49,10 @@ BoolArray = NDArray[np.bool_]
 
 @dataclass(frozen=True, eq=False)
 class SampledModes:
-    """Modes of one model in one posture.
+    """Modes of one model in one posture, sampled at points common to all models.
 
-    `frequencies` (m, Hz, ascending), `shapes` (k×m, unit columns, samples weighed by the root of
-    their mass) and `seen` (m), the share of each mode's kinetic energy that the samples see.
+    `frequencies` (m, Hz, ascending). `shapes` (k×m): unit columns, each sample multiplied by the
+    root of its mass. `seen` (m): share of each mode's kinetic energy that the samples contain.
     """
 
     frequencies: Array
@@ -57,19 +62,18 @@ class SampledModes:
 
 @dataclass(frozen=True, eq=False)
 class Pairs:
-    """Partners of m modes among those of another model.
+    """Partners of m modes of one model among the modes of another.
 
-    `nearest` (m): index of the mode with which the sum of all likeness is largest, −1 if there are
-    fewer modes. `partner` (m): index of the partner, −1 if shapes of `nearest` are not alike. Modes
-    of one frequency have theirs in ascending order. `likeness` (m): squared cosine between a mode
-    and the space of its partner, or the largest likeness with any mode if there is no partner.
-    `exchange` (m×m): likeness of two
-    pairs with their partners exchanged, relative to that of the pairs. Zero within one space, and
-    for modes that their frequencies distinguish.
-    `mixed` (m×m): pairs of different frequencies whose shapes do not decide which is which.
-    `undecided` (m): modes without a partner since fewer modes of the other model have their shapes
-    than they are. `ordered` (m): partners in the most ascending order that modes closer than their
-    uncertainty and mixed ones allow.
+    `nearest` (m): index of the mode assigned by the largest sum of likeness, −1 if the other model
+    has fewer modes. `partner` (m): index of the partner, −1 if the shape of `nearest` differs.
+    Modes of equal frequency have partners in ascending order. `likeness` (m): squared cosine
+    between the mode and the space of its partner. Without a partner, the largest likeness with any
+    mode. `exchange` (m×m): likeness of two pairs after exchanging their partners, relative to
+    before. Zero for modes of equal frequency and for modes with well separated frequencies. `mixed`
+    (m×m): true for two pairs of different frequencies whose partners cannot be told apart by shape.
+    `undecided` (m): true for modes without a partner because m of them share the shapes of fewer
+    than m modes of the other model. `ordered` (m): partners rearranged in the most ascending order
+    that mixed modes, and modes closer than their uncertainty, allow.
     """
 
     nearest: IntArray
@@ -82,9 +86,9 @@ class Pairs:
 
 
 def sampled_modes(frequencies: Array, samples: Array, seen: Array | None = None) -> SampledModes:
-    """Modes from `samples` (k×m) of their shapes, each weighed by the root of its mass.
+    """Modes with unit shapes, from `samples` (k×m) already multiplied by the root of each mass.
 
-    If `seen` (m) is None, the samples see all of the energy.
+    `seen` (m): share of kinetic energy that the samples contain. If it is None, all of it.
     """
     sizes = np.linalg.norm(samples, axis=0)
     shapes = samples / np.where(sizes > 0.0, sizes, 1.0)
@@ -92,12 +96,12 @@ def sampled_modes(frequencies: Array, samples: Array, seen: Array | None = None)
 
 
 def likeness_matrix(own: SampledModes, other: SampledModes) -> Array:
-    """Likeness (m×n) of each mode with each mode of another model."""
+    """Likeness (m×n) of each mode of one model with each mode of another."""
     return np.square(_overlaps(own, other))
 
 
 def space_likeness(own: SampledModes, other: SampledModes) -> Array:
-    """Likeness (m×n) of each mode with each mode of another model, the mean over repeated ones."""
+    """Likeness (m×n) of the modes of two models, averaged over modes of equal frequency."""
     spaces = one_frequency(own.frequencies), one_frequency(other.frequencies)
     return _means(_overlaps(_in_spaces(own, spaces[0]), _in_spaces(other, spaces[1])), *spaces)
 
@@ -108,16 +112,16 @@ def pair_modes(
     unsure: Array | None = None,
     excluded: BoolArray | None = None,
 ) -> Pairs:
-    """Partners of the modes `own` among the modes `other`, the sum of their likeness the largest.
+    """Partners of the modes `own` of one model among the modes `other` of another model.
 
-    `unsure` (m): relative uncertainties of the own frequencies. `excluded` (m×n): pairs that cannot
-    be partners.
+    `unsure` (m): relative uncertainties of the first model's frequencies. `excluded` (m×n): pairs
+    that cannot be partners.
     """
     own_spaces, other_spaces = one_frequency(own.frequencies), one_frequency(other.frequencies)
     overlaps = _overlaps(_in_spaces(own, own_spaces), _in_spaces(other, other_spaces))
     if excluded is not None:
         overlaps[excluded] = 0.0
-    # Each mode needs a partner to be compared with: missing ones are zero shapes.
+    # The assignment needs at least as many columns as rows: missing modes are zero shapes.
     lacking = max(len(own_spaces) - len(other_spaces), 0)
     overlaps = np.pad(overlaps, ((0, 0), (0, lacking)))
     other_spaces = np.append(other_spaces, -1 - np.arange(lacking))
@@ -150,9 +154,9 @@ def pair_modes(
 
 
 def _assigned(likeness: Array) -> IntArray:
-    """Column (m) of every row of a matrix (m×n, m ≤ n) by its largest sum (Hungarian method).
+    """Column (m) assigned to each row of a matrix (m×n, m ≤ n), with the largest sum.
 
-    Rows and columns that are equal are assigned in ascending order.
+    By the Hungarian method. Equal rows and columns are assigned in ascending order.
     """
     distances = np.subtract.outer(*(np.arange(float(size)) for size in likeness.shape))
     penalised = likeness - _TIE * distances**2
@@ -161,26 +165,30 @@ def _assigned(likeness: Array) -> IntArray:
 
 
 def one_frequency(frequencies: Array, unsure: Array | None = None) -> IntArray:
-    """Number (m) of each mode's space, by ascending frequency.
+    """Index (m) of the group of equal frequencies to which each mode belongs, ascending.
 
-    A space spans no more than the smallest of its modes' relative uncertainties `unsure` (m), and
-    repeated frequencies if these are smaller: modes in a chain of small gaps are several spaces.
+    Frequencies are equal if they lie within the smallest relative uncertainty `unsure` (m) of the
+    group, and at least within the gap of repeated frequencies. A chain of small gaps is split into
+    several groups, so that no group is wider than this.
     """
     width = np.zeros(len(frequencies)) if unsure is None else unsure
     width = np.maximum(width, _REPEATED)
     spaces = np.zeros(len(frequencies), dtype=int)
-    number, lowest, narrowest = -1, -np.inf, 0.0
+    group, lowest, narrowest = -1, -np.inf, 0.0
     for mode in np.argsort(frequencies, kind="stable"):
         narrowest = min(narrowest, width[mode])
         if not frequencies[mode] <= lowest * (1.0 + narrowest):
-            number, lowest, narrowest = number + 1, frequencies[mode], width[mode]
-        spaces[mode] = number
+            group, lowest, narrowest = group + 1, frequencies[mode], width[mode]
+        spaces[mode] = group
     return spaces
 
 
 @dataclass(frozen=True, eq=False)
 class _Blocks:
-    """Overlaps (m×n) of modes in their spaces (m and n), and the first assignment (m)."""
+    """Overlaps (m×n) of two models' modes, with the group of equal frequencies of each mode (m, n).
+
+    `partner` (m): partners by the first assignment.
+    """
 
     overlaps: Array
     own_spaces: IntArray
@@ -188,9 +196,9 @@ class _Blocks:
     partner: IntArray
 
     def likeness(self) -> Array:
-        """Squared cosines (m) of the principal angles between the spaces of each pair.
+        """Squared cosines (m) of the principal angles between the spaces of each pair of modes.
 
-        The first of repeated modes have the smallest angles.
+        Among modes of equal frequency, the first have the smallest angles.
         """
         likeness = np.zeros(len(self.partner))
         pairs = np.column_stack([self.own_spaces, self.other_spaces[self.partner]])
@@ -200,7 +208,10 @@ class _Blocks:
         return likeness
 
     def exchange(self, means: Array, likeness: Array) -> Array:
-        """Likeness (m×m) of two pairs exchanged, relative to that of the pairs; 0 in one space."""
+        """Likeness (m×m) of two pairs after exchanging partners, relative to before.
+
+        Zero for modes of equal frequency.
+        """
         crossed = means[:, self.partner] + means[:, self.partner].T
         together = np.add.outer(likeness, likeness)
         partner_spaces = self.other_spaces[self.partner]
@@ -209,14 +220,15 @@ class _Blocks:
         return np.divide(crossed, together, out=np.zeros_like(crossed), where=separate)
 
     def mixture_likeness(self, linked: BoolArray, likeness: Array) -> tuple[Array, BoolArray]:
-        """Likeness (m), for linked pairs that with the space of all their partners.
+        """Likeness (m) of each mode; in a linked group, with the space of all partners of it.
 
-        The second array (m) marks modes that share the shapes of fewer partners than modes.
+        The second array (m) is true for modes of a group that shares the shapes of fewer partners
+        than it has modes.
         """
         group_likeness, undecided = likeness.copy(), np.zeros(len(likeness), dtype=bool)
         groups = _components(linked)
-        for number in np.flatnonzero(np.bincount(groups) > 1):
-            inside = np.flatnonzero(groups == number)
+        for group in np.flatnonzero(np.bincount(groups) > 1):
+            inside = np.flatnonzero(groups == group)
             rows, columns = self._spaces(inside)
             squares = np.square(self.overlaps[np.ix_(rows, columns)]).sum(axis=1)
             spanned = np.array(
@@ -229,7 +241,7 @@ class _Blocks:
         return group_likeness, undecided
 
     def _spaces(self, modes: IntArray) -> tuple[IntArray, IntArray]:
-        """All modes in the spaces of `modes`, and all in the spaces of their partners."""
+        """Indices of all modes with the frequencies of `modes`, and of all with their partners'."""
         partner_spaces = self.other_spaces[self.partner[modes]]
         return (
             np.flatnonzero(np.isin(self.own_spaces, self.own_spaces[modes])),
@@ -237,13 +249,13 @@ class _Blocks:
         )
 
     def _cosines(self, modes: IntArray) -> Array:
-        """Squared cosines of the principal angles between the spaces of `modes`, descending."""
+        """Squared cosines of principal angles between `modes` and their partners, descending."""
         cosines = np.linalg.svd(self.overlaps[np.ix_(*self._spaces(modes))], compute_uv=False)
         return np.pad(np.square(cosines), (0, max(len(modes) - len(cosines), 0)))
 
 
 def _overlaps(own: SampledModes, other: SampledModes) -> Array:
-    """Cosines (m×n) times the root of the ratio of the shares of energy that the samples see."""
+    """Cosines (m×n) between shapes, times the root of the ratio of the sampled energy shares."""
     smaller, larger = (ufunc.outer(own.seen, other.seen) for ufunc in (np.minimum, np.maximum))
     ratio = np.divide(smaller, larger, out=np.zeros_like(smaller), where=larger > 0.0)
     overlaps: Array = (own.shapes.T @ other.shapes) * np.sqrt(ratio)
@@ -251,10 +263,13 @@ def _overlaps(own: SampledModes, other: SampledModes) -> Array:
 
 
 def _in_spaces(modes: SampledModes, spaces: IntArray) -> SampledModes:
-    """Modes with an orthonormal basis of each space; dependent directions are zero."""
+    """Modes with orthonormal shapes within each group of equal frequencies.
+
+    Dependent shapes are zero.
+    """
     shapes, seen = modes.shapes.copy(), modes.seen.copy()
-    for number in np.flatnonzero(np.bincount(spaces) > 1):
-        inside = spaces == number
+    for space in np.flatnonzero(np.bincount(spaces) > 1):
+        inside = spaces == space
         basis, sizes, _ = np.linalg.svd(shapes[:, inside], full_matrices=False)
         count = basis.shape[1]
         shapes[:, inside] = 0.0
@@ -264,7 +279,7 @@ def _in_spaces(modes: SampledModes, spaces: IntArray) -> SampledModes:
 
 
 def _means(overlaps: Array, own_spaces: IntArray, other_spaces: IntArray) -> Array:
-    """Squared overlaps (m×n), the mean over the smaller of two spaces."""
+    """Squared overlaps (m×n) summed over two groups of equal frequencies, over the smaller size."""
     own_members, other_members = (
         (spaces[:, None] == np.unique(spaces)).astype(float)
         for spaces in (own_spaces, other_spaces)
@@ -276,28 +291,31 @@ def _means(overlaps: Array, own_spaces: IntArray, other_spaces: IntArray) -> Arr
 
 
 def _components(linked: BoolArray) -> IntArray:
-    """Number (m) of each mode's group of linked modes."""
+    """Index (m) of the connected group of linked modes to which each mode belongs."""
     numbers: IntArray = scipy.sparse.csgraph.connected_components(linked, directed=False)[1]
     return numbers
 
 
 def _ascending(partner: IntArray, linked: BoolArray) -> IntArray:
-    """Partners (m), in ascending order within each group of linked modes that have one."""
+    """Partners (m), sorted in ascending order within each group of linked modes."""
     sorted_partner, groups = partner.copy(), _components(linked)
-    for number in np.flatnonzero(np.bincount(groups) > 1):
-        inside = np.flatnonzero((groups == number) & (partner >= 0))
+    for group in np.flatnonzero(np.bincount(groups) > 1):
+        inside = np.flatnonzero((groups == group) & (partner >= 0))
         sorted_partner[inside] = np.sort(partner[inside])
     return sorted_partner
 
 
 def centreline_samples(length: float, count: int) -> tuple[Array, Array]:
-    """Gauss–Legendre stations (m) along a leg and the share of its length that each represents."""
+    """Gauss–Legendre stations (m) along a leg, and the length (m) that each represents."""
     points, weights = np.polynomial.legendre.leggauss(count)
     return 0.5 * length * (1.0 + points), 0.5 * length * weights
 
 
 def centreline_weights(properties: BeamProperties, lengths: Array) -> Array:
-    """Mass weights (6m) of twists sampled on a centreline: mass and rotary inertia per station."""
+    """Masses and rotary inertias (6m) of twists sampled at stations on a centreline.
+
+    `lengths` (m): length that each station represents.
+    """
     p = properties
     per_length = np.array([p.mu, p.mu, p.mu, p.rho_J, p.rho_Iy, p.rho_Iz])
     return np.outer(lengths, per_length).ravel()

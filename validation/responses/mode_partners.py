@@ -1,4 +1,10 @@
-"""Partners of the reference's modes among those of a model, pose by pose."""
+"""Partner of each mode of the reference among the modes of a model, in each pose.
+
+Input: `PathModes` of the reference and of a model. Output: `Partners`, with the partner's frequency
+and the range of frequencies that ambiguous shapes leave possible; and amounts, such as mesh errors,
+carried over from pair to pair. Rule: modes are partners if they have the same shape
+(`mode_pairing`).
+"""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields
@@ -15,26 +21,27 @@ from validation.responses.mode_pairing import (
 )
 from validation.responses.statics_and_modes import PathModes
 
-# Modes are local if the samples, cross-sections and bodies moving as wholes, have less than this
-# share of their kinetic energy.
+# A mode is local to a section if the samples, in which cross-sections and bodies move as wholes,
+# contain less than this share of its kinetic energy.
 _LOCAL = ALIKE
-# Likeness of exchanged partners, relative, from which on modes share their changes: shapes with
-# 0.9 and 0.1 in common.
+# Relative likeness of exchanged partners from which on modes count as mixed: shapes with 0.9 and
+# 0.1 in common.
 _SHARED = 0.1
 
 
 @dataclass(frozen=True, eq=False)
 class Partners:
-    """A model's partners of the reference's first K modes at p poses (p×K each).
+    """A model's partners of the first K modes of the reference, in p poses (all arrays p×K).
 
-    `frequency` (Hz) of the partner, NaN without one, and its `number` from 0, −1 without one.
-    `lowest` and `highest` (Hz) are the frequencies among which shapes that mix leave the partner
-    open, equal to `frequency` if they do not mix. `undecided`: shapes do not decide whether the
-    model has the mode. `likeness` is the squared cosine between the shape and the space of its
-    partner, without partner the largest with any mode; `seen` the share of the reference's kinetic
-    energy in cross-sections and bodies that move as wholes. `ordered` are the numbers in the most
-    ascending order that shapes and uncertainties allow, `loose` the modes whose place in the order
-    is open. `by_number` is the model's K-th frequency, NaN if it has fewer.
+    `frequency` (Hz) of the partner, NaN without one; `number`, its index from 0, −1 without one.
+    `lowest`, `highest` (Hz): range of frequencies among which mixed shapes leave the partner open;
+    both equal `frequency` if shapes do not mix. `undecided`: true if shapes do not show whether the
+    model has the mode. `likeness`: squared cosine between the shape and the space of its partner;
+    without a partner, the largest likeness with any mode. `seen`: share of the reference's kinetic
+    energy in cross-sections and bodies that move as wholes. `ordered`: partners' indices in the
+    most ascending order that shapes and uncertainties allow. `loose`: true for modes whose place in
+    that order is open. `by_number`: k-th frequency (Hz) of the model regardless of shape, NaN if it
+    has fewer.
     """
 
     frequency: Array
@@ -49,12 +56,12 @@ class Partners:
     by_number: Array
 
     def first(self, count: int) -> "Partners":
-        """Partners of the first `count` modes alone."""
+        """Partners of the first `count` modes only."""
         return Partners(**{item.name: getattr(self, item.name)[:, :count] for item in fields(self)})
 
     @property
     def local(self) -> BoolArray:
-        """Modes (p×K) that the model does not have since they are local to a leg's section."""
+        """True (p×K) for modes that the model lacks because they are local to a leg's section."""
         return (self.number < 0) & ~self.undecided & (self.seen < _LOCAL)
 
 
@@ -64,7 +71,7 @@ def partners(
     count: int,
     unsure: Array | None = None,
 ) -> Partners:
-    """Partners by shape of the reference's first `count` modes.
+    """Partners in a model of the first `count` modes of the reference, by shape, in each pose.
 
     `unsure` (p×K): relative uncertainties of the reference's frequencies.
     """
@@ -79,11 +86,12 @@ def partners(
 
 
 def amounts_by_shape(reference: PathModes, other: PathModes, amounts: Array, count: int) -> Array:
-    """`amounts` (p×m×n, ≥ 0) of the reference's first `count` modes and their partners (p×count).
+    """Amount (p×count) of each of the reference's first modes with its partner.
 
-    A mode with the shape of its partner alone has the amount of the pair. Modes that mix have the
-    sum over all of them: a perturbation fixes the sum of the squares of their changes, whichever is
-    the partner of which, but not each change. NaN if there is no partner.
+    NaN without a partner. `amounts` (p×m×n, ≥ 0): a number, such as a change of frequency, for each
+    pair of modes of both models. A mode whose partner is certain has the amount of that pair. Modes
+    that mix have the sum over all of them: a perturbation determines the sum of the squares of
+    their changes, but not each change.
     """
     partner_amounts = np.full((len(amounts), count), np.nan)
     poses = zip(
@@ -109,9 +117,9 @@ def amounts_by_shape(reference: PathModes, other: PathModes, amounts: Array, cou
 
 
 def shape_ranges(readings: Sequence[PathModes]) -> list[tuple[Array, Array]]:
-    """Lowest and highest frequency (p×m each, Hz) of the modes of each reading, by their shapes.
+    """Lowest and highest frequency (p×m each, Hz) of each reading's modes over all readings.
 
-    The range covers all readings of one robot that have a mode of that shape.
+    Frequencies of different readings belong together if their modes have the same shape.
     """
     ranges = []
     for reading in readings:
@@ -127,16 +135,16 @@ def shape_ranges(readings: Sequence[PathModes]) -> list[tuple[Array, Array]]:
 
 
 def frequency_changes(fine: PathModes, coarse: PathModes, count: int) -> Array:
-    """Changes of the first modes' frequencies from one mesh to a finer one (p×count).
+    """Relative changes of the first frequencies from a coarse mesh to a fine one (p×count).
 
-    Relative to the finer mesh, paired by shape. NaN for a mode that the coarser mesh does not have.
+    Modes are paired by shape. NaN for a mode that the coarse mesh does not have.
     """
     changes = np.abs(coarse.frequencies[:, None, :] / fine.frequencies[:, :, None] - 1.0)
     return amounts_by_shape(fine, coarse, changes, count)
 
 
 def _sampled(reference: PathModes, model: PathModes) -> Iterator[tuple[SampledModes, SampledModes]]:
-    """Modes of reference and model at each pose."""
+    """Pairs of the modes of reference and model, pose by pose."""
     for pose in range(len(reference.frequencies)):
         yield reference.at(pose), model.at(pose)
 
@@ -144,7 +152,7 @@ def _sampled(reference: PathModes, model: PathModes) -> Iterator[tuple[SampledMo
 def _at_pose(
     own: SampledModes, other: SampledModes, count: int, unsure: Array | None
 ) -> dict[str, Array | IntArray | BoolArray]:
-    """Fields of `Partners` at one pose."""
+    """Fields of `Partners` in one pose, by name."""
     uncertainties = np.zeros(len(own.frequencies))
     if unsure is not None:
         judged = min(len(uncertainties), len(unsure))
@@ -173,7 +181,7 @@ def _at_pose(
 
 
 def _frequencies(pairs: Pairs, model_frequencies: Array) -> tuple[Array, Array, Array]:
-    """Frequencies (m, Hz) of the partners, and the lowest and highest that shapes leave open."""
+    """Partners' frequencies (m, Hz), and the lowest and highest that mixed shapes allow."""
     frequency = np.full(len(pairs.partner), np.nan)
     paired = pairs.partner >= 0
     frequency[paired] = model_frequencies[pairs.partner[paired]]

@@ -1,4 +1,8 @@
-"""Responses of one model of a robot in P poses: statics, and modes with harmonic responses."""
+"""Data records of one model in P poses: displacements, and modes with harmonic responses.
+
+`Statics` contains the displacements, `PathModes` the modes, `Unsolved` the reason if one of them
+could not be computed.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -12,9 +16,9 @@ from validation.responses.mode_pairing import SampledModes, sampled_modes
 
 @dataclass(frozen=True, eq=False)
 class Unsolved:
-    """A half of a response that a model defines but that cannot be computed, with the `reason`.
+    """Reason why statics or modes that a model defines could not be computed.
 
-    `fault`: True if the reason is an error of the program, not of the robot.
+    `fault` is true if the reason is an error of the program, not of the robot.
     """
 
     reason: str
@@ -23,10 +27,10 @@ class Unsolved:
 
 @dataclass(frozen=True, eq=False)
 class Statics:
-    """Displacements of the loaded point, base axes.
+    """Compliance of the loaded point and its displacements under the file's loads, in base axes.
 
-    `compliances` (P×6×6, SI) at that point; zeros mean rigid. `load_displacements` (P×L×6, m and
-    rad) belong to the loads of the robot file, in its order.
+    `compliances` (P×6×6, SI): twist by wrench at that point; zeros mean rigid. `load_displacements`
+    (P×L×6, m and rad): twists under the L loads of the robot file, in its order.
     """
 
     compliances: Array
@@ -34,7 +38,7 @@ class Statics:
 
     @classmethod
     def of(cls, compliances: Array, load_displacements: Array) -> "Statics":
-        """Statics with zeros for loads (NaN) that the mechanism cannot follow."""
+        """Statics with a displacement of zero for loads that the mechanism cannot follow (NaN)."""
         return cls(compliances, np.nan_to_num(load_displacements))
 
     def __sub__(self, other: "Statics") -> "Statics":
@@ -47,10 +51,10 @@ class Statics:
         return Statics(factor * self.compliances, factor * self.load_displacements)
 
     def displacements(self, quantity: Quantity, wrenches: Array) -> Array:
-        """Translations, or rotations if the quantity is one (P×…×3), under wrenches (P×…×6).
+        """Displacements (P×…×3, m or rad) under wrenches (P×…×6, N and N m).
 
-        If the quantity belongs to a load of the robot file, displacements under that load; the
-        wrenches then give the shape of the result alone.
+        Translations, or rotations if the quantity is one. For a quantity of a load of the robot
+        file, displacements under that load; the wrenches then only give the result its shape.
         """
         if quantity.kind is QuantityKind.LOAD:
             poses, *inner_shape, _ = wrenches.shape
@@ -65,13 +69,13 @@ class Statics:
 
 @dataclass(frozen=True, eq=False)
 class PathModes:
-    """Natural modes: `frequencies` (P×m, Hz), `samples` (P×k×m) of shapes, `weights` (k, kg).
+    """Natural modes and harmonic responses of one model in P poses.
 
-    All models of a robot are sampled at the same points of its bodies, so that shapes can be
-    compared. NaN stands for a mode that a model does not have in a pose. `seen` (P×m) is the share
-    of each mode's kinetic energy that the samples see. `peaks` (P×q) are the judged numbers of the
-    tool's responses, infinite without damping; `receptances` (P×n each, m/N) the responses to each
-    of the excitations.
+    `frequencies` (P×m, Hz): NaN for a mode that the model does not have in a pose. `samples`
+    (P×k×m): mode shapes at the sample points, the same for all models of a robot. `weights` (k,
+    kg): mass of each sample. `seen` (P×m): share of each mode's kinetic energy that the samples
+    contain. `peaks` (P×q): judged numbers of the tool's harmonic responses, infinite without
+    damping. `receptances` (one P×n for each excitation, m/N).
     """
 
     frequencies: Array
@@ -82,7 +86,7 @@ class PathModes:
     receptances: Sequence[ComplexArray] = ()
 
     def at(self, pose: int) -> SampledModes:
-        """Existing modes in a pose (its index)."""
+        """Modes that exist in a pose, given by its index."""
         exists = np.isfinite(self.frequencies[pose])
         shapes = self.samples[pose][:, exists] * np.sqrt(self.weights)[:, None]
         return sampled_modes(self.frequencies[pose, exists], shapes, self.seen[pose, exists])

@@ -1,4 +1,5 @@
-"""Half-widths of numbers: from their mesh, from refinement series, from combined perturbations.
+"""Numerical uncertainty of a number, from several meshes, element counts or perturbations.
 
-In: values on successive meshes, or changes by perturbations. Out: orders, limits, half-widths.
+Input: values on successive meshes, or changes due to perturbations. Output: observed order,
+extrapolated limit and half-width of the 95 % interval.
 """

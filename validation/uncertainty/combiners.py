@@ -1,4 +1,7 @@
-"""Rules that combine the changes of a number by several perturbations into one half-width."""
+"""Four rules that combine the changes of a number by several perturbations into one half-width.
+
+Input: changes, one for each perturbation, and a `Combiner`. Output: one half-width.
+"""
 
 from collections.abc import Callable
 from enum import Enum
@@ -9,17 +12,18 @@ import scipy
 from lumped.arrays import Array
 from lumped.memo import memo
 
-# Binary logarithm of the number of Sobol' points, 512: half-widths of two seeds differ by 1 to 2 %.
+# Binary logarithm of the number of Sobol' points: with 512, half-widths of two seeds differ by 1 to
+# 2 %.
 _POWER = 9
 _CONFIDENCE = 0.95
 
 
 class Combiner(Enum):
-    """Rule for perturbations of one source.
+    """Rule that combines the changes by several perturbations of one source.
 
-    HULL: the largest change, of perturbations that exclude each other. LINEAR_SUM: sum of the
-    sizes of all changes, an upper bound. ROOT_OF_SQUARES: independent standard uncertainties.
-    PROBABILITY: 95 % quantile of the sums of changes, each times an independent number
+    HULL: the largest change, for perturbations that exclude each other. LINEAR_SUM: the sum of all
+    magnitudes, an upper bound. ROOT_OF_SQUARES: for independent standard uncertainties.
+    PROBABILITY: 95 % quantile of the sum of changes, each multiplied by an independent number
     uniformly distributed between −1 and 1.
     """
 
@@ -30,9 +34,9 @@ class Combiner(Enum):
 
 
 def combined(changes: Array, size: Callable[[Array], Array], combiner: Combiner) -> Array:
-    """Half-width from `changes` (R×…), one for each perturbation.
+    """Half-width from `changes` (R×…), one for each of R perturbations.
 
-    `size` maps n changes (n×…) to their sizes (n×…, of another shape if changes are vectors).
+    `size` maps n changes (n×…) to their magnitudes (n×…, of another shape if changes are vectors).
     """
     if combiner is Combiner.PROBABILITY:
         sums = np.tensordot(_uniform(len(changes)), changes, axes=1)
@@ -46,13 +50,13 @@ def combined(changes: Array, size: Callable[[Array], Array], combiner: Combiner)
 
 
 def relative_sizes(changes: Array, values: Array) -> Array:
-    """Sizes of changes (…×n) relative to the values (n). 0 if a value is zero."""
+    """Magnitudes of changes (…×n) relative to the values (n). 0 if a value is zero."""
     shares = np.zeros_like(changes)
     return np.divide(np.abs(changes), np.abs(values), out=shares, where=values != 0.0)
 
 
 @memo(8)
 def _uniform(count: int) -> Array:
-    """Draws (n×count) between −1 and 1."""
+    """Samples (n×count) uniformly distributed between −1 and 1, from a Sobol' sequence."""
     points = scipy.stats.qmc.Sobol(count, seed=0).random_base2(_POWER)
     return np.asarray(2.0 * points - 1.0)

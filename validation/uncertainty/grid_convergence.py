@@ -1,12 +1,14 @@
-"""Observed order, extrapolation and numerical uncertainty of a result under refinement.
+"""Observed order, extrapolated limit and numerical uncertainty of a refinement series.
 
-Values f belong to mesh sizes h, coarse to fine; f = f∞ + C hᵖ in the asymptotic range.
-Roache, J. Fluids Eng. 116 (1994) 405 (grid convergence index, GCI); Celik et al., J. Fluids Eng.
-130 (2008) 078001 (order on grids of unequal ratio); ASME V&V 20-2009 §2 (safety factors).
-One policy for all numbers: an observed order above the formal one is an accident of coarse grids
-and is capped to it; an observed order below is used. If there are too few grids to observe an
-order, the formal one is used, with the safety factor of three for unproven convergence.
-Differences are d_k = f_{k+1} − f_k, ratios r_k = h_k / h_{k+1} > 1.
+Input: values f on meshes of size h, from coarse to fine. Output: `Convergence`, with order, limit
+and uncertainty, or the reason why none can be stated. Rule: f = f∞ + C hᵖ in the asymptotic range.
+An observed order above the formal one is an accident of coarse meshes and is limited to it; an
+observed order below it is used. If there are too few meshes to observe an order, the formal one is
+used with a safety factor of three.
+
+Sources: Roache, J. Fluids Eng. 116 (1994) 405 (grid convergence index, GCI); Celik et al., J.
+Fluids Eng. 130 (2008) 078001 (order on grids of unequal ratio); ASME V&V 20-2009 §2 (safety
+factors). Differences are d_k = f_{k+1} − f_k, ratios r_k = h_k / h_{k+1} > 1.
 """
 
 from collections.abc import Sequence
@@ -23,26 +25,27 @@ from validation.uncertainty.mesh_half_widths import PROVEN, UNPROVEN, MeshPolicy
 F = TypeVar("F", float, Array)
 Behaviour: TypeAlias = Literal["monotone", "oscillating", "diverging", "round-off plateau"]
 
-# Largest order that is searched: except p-elements, no method in use has a higher one.
+# Upper limit of fitted orders: except for p-elements, no method in use has a higher one.
 LARGEST_ORDER = 12.0
-# Pairwise orders closer than this fraction of the finest one count as settled: GCI is then right
-# within its own safety factor (Roache 1994 requires "constant p" without a number).
+# Orders of successive triples that differ by less than this fraction count as settled. GCI is then
+# right within its own safety factor (Roache 1994 requires "constant p" without a number).
 SETTLED = 0.25
-# ASME V&V 20: the smaller safety factor if the observed order is within 10 % of the formal one.
+# The smaller safety factor of ASME V&V 20 applies if the observed order is this close to the formal
+# one.
 CLOSE_TO_FORMAL = 0.10
-# Fewest elements from which on a series is expected to be asymptotic.
+# Element count from which on a series is expected to be asymptotic.
 COARSE_COUNT = 5
 
 
 @dataclass(frozen=True)
 class Convergence:
-    """Result of a refinement study of `values`, coarse to fine.
+    """Result of a refinement study of `values`, from coarse to fine.
 
-    `orders` are the pairwise observed orders (one per three neighbouring grids, NaN if the
-    differences do not shrink monotonically), `observed_order` is fitted over the asymptotic tail.
-    `observed_order`, `extrapolated` (Richardson) and `uncertainty` (GCI times |f|, in the unit of
-    f) are None outside the asymptotic range, and `refusal` is the reason. On a round-off plateau
-    the uncertainty is the round-off level itself.
+    `orders`: observed order of each three neighbouring meshes, NaN if the differences do not
+    decrease monotonically. `observed_order`: order fitted to the asymptotic tail. `extrapolated`:
+    Richardson's limit. `uncertainty`: GCI times |f|, in the unit of f. The last three are None
+    outside the asymptotic range, and `refusal` is the reason. On a round-off plateau the
+    uncertainty is the round-off level.
     """
 
     values: Array
@@ -56,10 +59,10 @@ class Convergence:
 def three_grid_order(
     coarse: float, middle: float, fine: float, ratio_coarse: float, ratio_fine: float
 ) -> float:
-    """Observed order p from three grids; `ratio_coarse` = h1/h2, `ratio_fine` = h2/h3.
+    """Observed order p from three meshes, with `ratio_coarse` = h1/h2 and `ratio_fine` = h2/h3.
 
-    Solves (f2 − f1)/(f3 − f2) = r2ᵖ (r1ᵖ − 1)/(r2ᵖ − 1) (Celik et al. 2008); NaN if the
-    differences change sign, vanish, or no order between 0 and 12 fits.
+    Solves (f2 − f1)/(f3 − f2) = r2ᵖ (r1ᵖ − 1)/(r2ᵖ − 1) (Celik et al. 2008). NaN if the differences
+    change sign, vanish, or no order between 0 and 12 fits.
     """
     first, second = middle - coarse, fine - middle
     if first * second <= 0.0 or not isfinite(first * second):
@@ -75,12 +78,12 @@ def three_grid_order(
 
 
 def richardson(middle: F, fine: F, ratio: float, order: float) -> F:
-    """Value at h → 0 from the two finest grids, `ratio` = h_middle/h_fine."""
+    """Value at h → 0 extrapolated from the two finest meshes, with `ratio` = h_middle/h_fine."""
     return fine + (fine - middle) / float(ratio**order - 1.0)
 
 
 def pairwise_orders(sizes: Array, values: Array) -> Array:
-    """Observed order of every three neighbouring grids (n − 2 values, NaN where there is none)."""
+    """Observed order of each three neighbouring meshes (n − 2). NaN if there is none."""
     ratios = sizes[:-1] / sizes[1:]
     return np.array(
         [
@@ -91,9 +94,9 @@ def pairwise_orders(sizes: Array, values: Array) -> Array:
 
 
 def fit_order(sizes: Array, values: Array) -> float:
-    """Order p in (0, 12] of f = f∞ + C hᵖ over all given grids (at least three).
+    """Order p in (0, 12] of f = f∞ + C hᵖ, fitted to at least three meshes.
 
-    The order with the smallest residual of the least-squares fit, weighted as in `_fitted`.
+    The order with the smallest residual of the least-squares fit with the weights of `_fitted`.
     """
 
     def residual(order: float) -> float:
@@ -122,11 +125,11 @@ def _residuals(sizes: Array, values: Array, orders: Array) -> Array:
 
 
 def orders_to_limits(counts: Sequence[int], errors: Array, floors: Array) -> Array:
-    """Orders in 1/n (q) of relative `errors` (n×q) from known limits, `counts` n ascending.
+    """Orders in 1/n (q) of the relative errors (n×q) of q quantities against known limits.
 
-    Fitted by least squares to log |e| over the three finest counts above the `floors` (q). NaN if
-    the errors of all such counts from five on change sign or grow, if the two pairwise orders have
-    not settled, or for fewer than three counts.
+    `counts` n ascend. Fitted by least squares to log |e| over the three finest counts with errors
+    above the `floors` (q). NaN if errors from five elements on change sign or grow, if the two
+    orders of neighbouring counts have not settled, or for fewer than three counts.
     """
     return np.array(
         [
@@ -140,7 +143,7 @@ def _order_to_limit(counts: Sequence[int], errors: Array, floor: float) -> float
     usable = [index for index, error in enumerate(errors) if abs(error) > floor]
     asymptotic = [index for index in usable if counts[index] >= COARSE_COUNT]
     usable = asymptotic if len(asymptotic) >= 3 else usable
-    # Errors must decrease over all of these counts, not only over the three that are fitted.
+    # Errors must decrease over all these counts, not only over the three that are fitted.
     sizes, signs = np.abs(errors[usable]), np.sign(errors[usable])
     if len(usable) < 3 or len(set(signs)) > 1 or np.any(np.diff(sizes) >= 0.0):
         return float("nan")
@@ -152,10 +155,10 @@ def _order_to_limit(counts: Sequence[int], errors: Array, floor: float) -> float
 
 
 def _fitted(sizes: Array, values: Array, orders: tuple[float, ...]) -> tuple[Array, Array]:
-    """f∞ and Cᵢ of f = f∞ + Σ Cᵢ h^pᵢ, h in units of the finest, and the deviations of the fit.
+    """f∞ and Cᵢ of f = f∞ + Σ Cᵢ h^pᵢ, and the deviations of the fit. h over the finest size.
 
-    Least squares, weights 1/h as in Eça and Hoekstra, J. Comput. Phys. 262 (2014) 104: the fine
-    grids count more.
+    Least squares with weights 1/h (Eça and Hoekstra, J. Comput. Phys. 262 (2014) 104), so that fine
+    meshes count more.
     """
     shape = sizes / sizes[-1]
     root = 1.0 / np.sqrt(shape)
@@ -165,10 +168,10 @@ def _fitted(sizes: Array, values: Array, orders: tuple[float, ...]) -> tuple[Arr
 
 
 def classify(sizes: Array, values: Array, round_off: float) -> Behaviour:
-    """Behaviour of the four finest values.
+    """Behaviour of the four finest values: monotone, oscillating, diverging or on a plateau.
 
-    `round_off` is the relative round-off error of the values. Diverging: the finest difference is
-    not smaller, per logarithm of h, than the one before.
+    `round_off` is the relative round-off error of the values. Diverging: the last difference, per
+    logarithm of h, is not smaller than the one before.
     """
     differences = np.diff(values[-4:])
     if abs(differences[-1]) <= round_off * abs(values[-1]):
@@ -177,16 +180,16 @@ def classify(sizes: Array, values: Array, round_off: float) -> Behaviour:
         shrinking = abs(differences[-1]) < abs(differences[0])
         return "oscillating" if shrinking else "diverging"
     per_octave = np.abs(differences) / np.log(sizes[-4:-1] / sizes[-3:])
-    # Steps that are equal within round-off are those of a logarithm: order zero.
+    # Differences equal within round-off belong to a logarithm, which has order zero.
     return "monotone" if per_octave[-1] < (1.0 - 1e-9) * per_octave[-2] else "diverging"
 
 
 def analyse(
     sizes: Array, values: Array, formal_order: float, round_off: float = 1e-12
 ) -> Convergence:
-    """Judge a study of at least four refinements, sizes strictly decreasing.
+    """Order, limit and uncertainty of a series of at least four values on decreasing mesh sizes.
 
-    Raises ValueError for fewer grids, sizes that do not decrease, or values that are not finite.
+    Raises ValueError for fewer values, sizes that do not decrease, or values that are not finite.
     """
     sizes, values = np.asarray(sizes, dtype=float), np.asarray(values, dtype=float)
     if len(sizes) != len(values) or len(sizes) < 4:
@@ -213,11 +216,10 @@ def analyse(
 def richardson_limits(
     sizes: Array, values: Array, formal_order: float, round_off: float = 1e-12
 ) -> tuple[Array, Array]:
-    """Richardson's limits (n) of `values` (m×n), with the uncertainties (n) of the finest values.
+    """Richardson's limits (n) of n quantities, and uncertainties (n) of their finest values.
 
-    Intervals of this half-width about the limits contain the finest values too. NaN if no order is
-    observed.
-    Arguments and errors as of `analyse`.
+    `values` is m×n, for m mesh sizes. Intervals of this half-width about the limits contain the
+    finest values too. NaN if no order is observed. Arguments and errors as for `analyse`.
     """
     studies = [analyse(sizes, column, formal_order, round_off) for column in values.T]
     limits, uncertainties = (
@@ -230,7 +232,7 @@ def richardson_limits(
 def uncertainty_of(convergence: Convergence) -> float:
     """Numerical uncertainty of the finest value, in its unit.
 
-    GCI if the study is asymptotic; otherwise three times the spread of the last three grids, with
+    GCI if the series is asymptotic. Otherwise three times the range of the last three values, with
     the safety factor of unproven convergence.
     """
     if convergence.uncertainty is not None:
@@ -240,11 +242,11 @@ def uncertainty_of(convergence: Convergence) -> float:
 
 
 def uncertainty_of_known_orders(sizes: Array, values: Array, orders: tuple[float, ...]) -> float:
-    """Numerical uncertainty of the finest value from known orders, in its unit.
+    """Numerical uncertainty of the finest value from known orders of convergence, in its unit.
 
-    f = f∞ + Σ Cᵢ h^pᵢ by least squares, weights 1/h, on at least one grid more than
-    unknowns. The result is 1.25 (ASME's factor of proven convergence) times the error of the finest
-    value, plus the largest deviation from the fit. Raises ValueError for fewer grids.
+    f = f∞ + Σ Cᵢ h^pᵢ by least squares with weights 1/h, on at least one mesh more than unknowns.
+    The result is 1.25 (ASME's factor for proven convergence) times the error of the finest value,
+    plus the largest deviation from the fit. Raises ValueError for fewer meshes.
     """
     if len(values) < len(orders) + 2:
         raise ValueError(f"{len(orders)} orders need {len(orders) + 2} grids, not {len(values)}")
@@ -280,7 +282,7 @@ def _refusal(behaviour: Behaviour, orders: Array) -> str:
 
 
 def _asymptotic_tail(orders: Array) -> int:
-    """Index of the coarsest grid from which all pairwise orders are settled."""
+    """Index of the coarsest mesh from which on all orders of neighbouring meshes are settled."""
     tail = len(orders) - 2
     while tail > 0 and abs(orders[tail - 1] - orders[-1]) <= SETTLED * orders[-1]:
         tail -= 1

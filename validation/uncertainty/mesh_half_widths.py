@@ -1,9 +1,10 @@
-"""Half-widths of numbers due to their mesh, from changes between successive meshes.
+"""Discretisation half-width of a number from its changes between successive meshes.
 
-One formula for all meshes and element counts, s max(Δ, Δ₋₁/rᵖ)/|rᵖ − 1|: the error of the finest
-mesh if errors fall by rᵖ from mesh to mesh, times a safety factor s. Δ is the last change. It
-is taken as at least Δ₋₁/rᵖ, the share of the change before, Δ₋₁, that remains with the order p. A
-`MeshPolicy` states r, s and which orders are assumed (Roache, J. Fluids Eng. 116 (1994) 405).
+Input: magnitudes of the changes between two or three meshes, and a `MeshPolicy` with the ratio r of
+element sizes, the possible orders p and a safety factor s. Output: the half-width on the finest
+mesh. Rule: s max(Δ, Δ₋₁/rᵖ)/|rᵖ − 1|, which is the error of the finest mesh if errors fall by rᵖ
+from mesh to mesh, times s. Δ is the last change; it is taken as at least Δ₋₁/rᵖ, to which the
+change before, Δ₋₁, decreases with order p (Roache, J. Fluids Eng. 116 (1994) 405).
 """
 
 from collections.abc import Callable, Sequence
@@ -22,13 +23,13 @@ PROVEN, UNPROVEN = 1.25, 3.0
 
 @dataclass(frozen=True)
 class MeshPolicy:
-    """Rule for half-widths from changes between similar meshes.
+    """Rule that makes a half-width of the changes between geometrically similar meshes.
 
-    `ratio`: size of the elements of a mesh over that of the next one; below one if the other mesh
-    is the finer one, 0 if its elements are infinitely fine. `orders`: lowest and highest order of
-    convergence. With two meshes the lowest order is used; with three the order is that of the
-    sums of all changes, limited to both. `safety`: factor over the estimated error. `round_off`:
-    least relative half-width.
+    `ratio`: element size of a mesh over that of the next; below one if the half-width is needed on
+    the coarser mesh, 0 if the next mesh is infinitely fine. `orders`: lowest and highest order of
+    convergence. With two meshes the lowest is used. With three, the order is observed from the sums
+    of all changes and limited to this range. `safety`: factor on the estimated error. `round_off`:
+    smallest relative half-width.
     """
 
     ratio: float
@@ -38,16 +39,16 @@ class MeshPolicy:
 
     @classmethod
     def of_order(cls, ratio: float, order: float, safety: float = UNPROVEN) -> "MeshPolicy":
-        """Policy for two meshes and a known order."""
+        """Policy for two meshes with a known order of convergence."""
         return cls(ratio, (order, order), safety)
 
     @classmethod
     def to_limit(cls, safety: float = UNPROVEN) -> "MeshPolicy":
-        """Policy for changes from the limit of infinitely fine elements, which equal the error."""
+        """Policy for changes that are differences from the exact limit, and so equal the error."""
         return cls(0.0, (1.0, 1.0), safety)
 
     def order(self, before: float, after: float) -> float:
-        """Order of convergence by the sums of two successive changes."""
+        """Order of convergence observed from the sums of two successive changes."""
         lowest, highest = self.orders
         if before > after > 0.0:
             return float(np.clip(np.log(before / after) / np.log(self.ratio), lowest, highest))
@@ -55,9 +56,10 @@ class MeshPolicy:
 
 
 def mesh_half_widths(changes: Sequence[Array], policy: MeshPolicy) -> Array:
-    """Half-widths on the finest mesh from sizes of `changes` (any shape each, coarse to fine).
+    """Half-widths on the finest mesh from the magnitudes of `changes`, coarse to fine.
 
-    In the unit of the changes. NaN stays NaN.
+    Each change has the same, arbitrary shape. The result has the unit of the changes. NaN stays
+    NaN.
     """
     *earlier, last = changes
     order = policy.orders[0]
@@ -75,13 +77,13 @@ def half_widths_on(
     solve: Callable[[int], A],
     change: Callable[[A, A, A], Array],
 ) -> Array:
-    """Half-widths of answers that `solve` returns on meshes by their level, coarse to fine.
+    """Half-widths on the finest of several meshes, which `solve` solves by their level.
 
-    `change` is the size of the difference of two answers, relative to the finest one. A number as
-    `policy` is the half-width itself, known without solving anything.
+    `change` returns the magnitude of the difference of two solutions, relative to the finest one.
+    If `policy` is a number, it is the half-width itself, and nothing is solved.
     """
     if not isinstance(policy, MeshPolicy):
         return np.asarray(policy)
-    answers = [solve(level) for level in levels]
-    changes = [change(coarse, fine, answers[-1]) for coarse, fine in pairwise(answers)]
+    solutions = [solve(level) for level in levels]
+    changes = [change(coarse, fine, solutions[-1]) for coarse, fine in pairwise(solutions)]
     return mesh_half_widths(changes, policy)

@@ -1,8 +1,10 @@
-"""Refinement on demand: finer meshes until the half-widths of all numbers are small enough.
+"""Refinement of meshes until the half-widths of all numbers reach a requested accuracy.
 
-The result states the accuracy that was reached. If a finer mesh is too large, the requested
-accuracy is reported as missed, with the reason. The size of the meshes decides, never the
-computing time: results do not depend on the load of the machine.
+Input: a mesh, functions that solve and refine it, and the requested relative half-width. Output:
+the last solution with the accuracy that was reached. Rule: refinement ends when the accuracy is
+reached or a finer mesh is too large; in the latter case the request is reported as missed, with the
+reason. The size of meshes decides, never the computing time, so results do not depend on the load
+of the machine.
 """
 
 from collections.abc import Callable
@@ -11,7 +13,7 @@ from typing import TypeVar
 
 from lumped.errors import ComputationError, InputError
 
-# Finest and coarsest accuracy that can be requested: round-off, and no accuracy at all.
+# Range of accuracies that can be requested: from round-off to no accuracy at all.
 _FINEST, _COARSEST = 1e-6, 0.5
 
 M = TypeVar("M")
@@ -20,9 +22,9 @@ A = TypeVar("A")
 
 @dataclass(frozen=True)
 class Accuracy:
-    """Requested and reached accuracy, relative half-widths of 95 % intervals.
+    """Requested and reached accuracy, as relative half-widths of 95 % intervals.
 
-    `missed`: the reason why no finer mesh was computed. "" if the request is met.
+    `missed`: reason why no finer mesh was computed. "" if the request is met.
     """
 
     asked: float
@@ -31,7 +33,7 @@ class Accuracy:
 
     @property
     def text(self) -> str:
-        """One line for the user."""
+        """Line on the accuracy for the report."""
         summary = f"accuracy ±{100.0 * self.reached:.2g} %, asked for ±{100.0 * self.asked:.2g} %"
         return f"{summary}; {self.missed}" if self.missed else summary
 
@@ -43,24 +45,25 @@ def refined(
     finer: Callable[[M, float], M],
     requested: float,
 ) -> tuple[A, Accuracy]:
-    """Answer on the first mesh whose largest half-width is at most `requested`.
+    """Solution on the first mesh whose largest half-width is at most `requested`.
 
-    `largest_half_width` returns the largest relative half-width in an answer, `finer` the next mesh
-    if that half-width is a given multiple of `requested`. If `finer` or `compute` raises InputError
-    or ComputationError, because there is no finer mesh or it is too large, the last answer stands.
+    `largest_half_width` returns the largest relative half-width of a solution. `finer` returns the
+    next mesh, given the ratio of that half-width to `requested`. If `finer` or `compute` raises
+    InputError or ComputationError, because no finer mesh exists or it is too large, the last
+    solution stands.
     """
-    answer = compute(mesh)
-    while (reached := largest_half_width(answer)) > requested:
+    solution = compute(mesh)
+    while (reached := largest_half_width(solution)) > requested:
         try:
             mesh = finer(mesh, reached / requested)
-            answer = compute(mesh)
+            solution = compute(mesh)
         except (ComputationError, InputError) as error:
-            return answer, Accuracy(requested, reached, str(error))
-    return answer, Accuracy(requested, reached)
+            return solution, Accuracy(requested, reached, str(error))
+    return solution, Accuracy(requested, reached)
 
 
 def accuracy_faults(requested: float) -> list[str]:
-    """Fault of a requested accuracy as one line. Empty if it is valid."""
+    """Fault of a requested accuracy as one line. [] if it is valid."""
     if _FINEST <= requested <= _COARSEST:
         return []
     return [

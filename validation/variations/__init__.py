@@ -1,5 +1,5 @@
-"""Parameter variations: all models over the values of one number of the robot file.
+"""Variations of one number of the robot file, for all models: curves and design decisions.
 
-In: a robot file and ranges of its numbers. Out: curves and decisions, computed on this machine or
-on a cluster.
+Input: a robot file and values of one of its numbers. Output: curves of deflection and frequency
+over the number, and the design that each model would choose. Computed on this machine or a cluster.
 """

@@ -1,7 +1,9 @@
-"""Cases of a run: decisions by models over a number of the robot file, compared with the reference.
+"""Cases on design decisions by models, for values of one number of the robot file.
 
-A model decides well if the design that it chooses is good by the reference, and if it ranks the
-designs as the reference does.
+Input: curves of all models and of the reference over a varied number. Output: two verdicts for each
+model. Rule: a model decides well if the value that it chooses is within 1 % of the best by the
+reference, and if its ranking of the values has a rank correlation of nearly 1 with that of the
+reference.
 """
 
 from collections.abc import Mapping, Sequence
@@ -18,7 +20,7 @@ from validation.studies_and_figures import PARAMETERS
 from validation.variations.curves import VariedCurves, variation_study
 from validation.variations.decision import MEANING, OBJECTIVES, UNITS, Decision, Objective
 
-# Fewest designs for a choice, and for a rank correlation.
+# Smallest number of designs for a choice, and for a rank correlation.
 _FEWEST_TO_CHOOSE, _FEWEST_TO_RANK = 2, 3
 _OVER_CHOICES: Over = {
     "objective": OBJECTIVES,
@@ -41,7 +43,7 @@ _cases = CaseGroup(
 
 
 def cases_over(robot_file: RobotFile, variations: Sequence[Variation]) -> tuple[Case, ...]:
-    """Cases for each varied number and each model that the robot file relies on.
+    """Cases for each varied number and each model on which the robot file relies.
 
     If it relies on none, the cases are for all models except the simplified one, which does not
     depend on the legs.
@@ -59,7 +61,7 @@ def cases_over(robot_file: RobotFile, variations: Sequence[Variation]) -> tuple[
 
 
 def varied_curves(context: Context, variation: Variation) -> Mapping[Objective, VariedCurves]:
-    """All models over the values of a variation, computed once for all cases and figures.
+    """Curves of all models over a variation, computed once for all cases and figures.
 
     Raises Skip if one of the robots has no reference.
     """

@@ -1,6 +1,8 @@
-"""All models over a number of the robot file. Each of its values is a robot and a unit of work.
+"""Curves of all models over the values of one number of the robot file.
 
-Results of finished units are stored in the cache and not computed again.
+Input: a robot file and a `Variation`. Output: `VariedCurves` of deflections and of frequencies.
+Rule: each value is a robot of its own and a separate unit of work. Finished units are stored in the
+cache and not computed again.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -38,13 +40,13 @@ _MICROMETRES = 1e9
 
 @dataclass(frozen=True, eq=False)
 class VariedModels:
-    """Results of all models for one robot, as plain arrays for the cache.
+    """Results of all models for one robot of a variation, as plain arrays for the cache.
 
-    There are c curves with `names`. Curves from number `first_reference` on are the reference under
-    each reading that the robot file allows. Those before it are models, which have no uncertainty.
-    `values` (c×k, SI) and their relative `differences` (c×k) from the first reference hold in the
-    `pose` in the middle of the path. `extremes` over the path (c) are the largest deflection (µm)
-    or the smallest first frequency (Hz), and `uncertainties` (c) their relative half-widths.
+    There are c curves with `names`. From index `first_reference` on, they belong to the reference
+    under each reading that the robot file allows; those before are models. `values` (c×k, SI) and
+    `differences` (c×k, relative to the first reference) belong to `pose` in the middle of the path.
+    `extremes` (c): largest deflection (µm) or smallest first frequency (Hz) over the path;
+    `uncertainties` (c): their relative half-widths, zero for models.
     """
 
     pose: Array
@@ -58,9 +60,9 @@ class VariedModels:
 
 @dataclass(frozen=True)
 class VariedRobot:
-    """One robot of a variation as a unit of work: its deflections or frequencies on its path.
+    """One robot of a variation as a unit of work: its deflections or frequencies along its path.
 
-    `value` is the varied number with its key, for messages.
+    `value` is a text with the varied number and its key, for messages.
     """
 
     robot_file: RobotFile
@@ -69,14 +71,15 @@ class VariedRobot:
     objective: Objective
 
     def postures(self) -> tuple[Posture, ...]:
-        """Postures on the path. Raises InputError, with the value, if one cannot be reached."""
+        """Postures of the path. Raises InputError, with the value, if a pose is out of reach."""
         with naming(f"--vary {self.value}"):
             return path_postures(self._context())
 
     def compute(self) -> VariedModels:
-        """Results of all models.
+        """Results of all models for this robot.
 
-        Raises InputError if there is no reference, and ComputationError, both with the value.
+        Raises InputError if there is no reference, and ComputationError; both messages contain the
+        value.
         """
         postures = self.postures()
         with naming(f"--vary {self.value}"):
@@ -95,7 +98,7 @@ class VariedRobot:
         )
 
     def _over_path(self, robot: RobotOnPath) -> tuple[Compared, tuple[Array, Array]]:
-        """Results of the models in all poses, and their extremes with uncertainties."""
+        """Results of the models in all poses, and their extremes (c) with uncertainties (c)."""
         if self.objective == "frequency":
             compared = compared_frequencies(robot)
             first = {name: values[:, :1] for name, values in compared.values.items()}
@@ -115,7 +118,7 @@ class VariedRobot:
 def checked_variations(
     robot_file: RobotFile, typed: Sequence[str], preset: Preset
 ) -> tuple[Variation, ...]:
-    """Variations from typed texts, each checked for itself.
+    """Variations from texts of the command line.
 
     Raises InputError, with the values, if a robot is impossible or cannot follow its path.
     """
@@ -129,7 +132,7 @@ def checked_variations(
 def varied_robots(
     robot_file: RobotFile, variation: Variation, preset: Preset
 ) -> tuple[VariedRobot, ...]:
-    """Units of work for all values: first those of deflections, then those of frequencies."""
+    """Units of work for all values: first those for deflections, then those for frequencies."""
     robots = varied(robot_file, (variation,))
     return tuple(
         VariedRobot(robot, preset, assignments((variation,), values), objective)
@@ -140,7 +143,7 @@ def varied_robots(
 
 @memo(3)
 def _shared(preset: Preset) -> Context:
-    """Context whose memo all robots of a process share, because most of their bodies are equal."""
+    """Context whose stored results all robots of a process share, since most bodies are equal."""
     return Context(load_robot(BUILT_IN), preset)
 
 
@@ -151,16 +154,16 @@ def _extremes(
 ) -> tuple[Array, Array]:
     """Largest or smallest of the values (p×k) of each of c curves (c), and its uncertainty (c).
 
-    `extreme` computes it: np.min or np.max. The uncertainty is the largest change, relative, if
-    all values of the curve change by their relative `uncertainties` in one direction.
+    `extreme` is np.min or np.max. The uncertainty is the largest relative change if all values of
+    the curve change by their relative `uncertainties` in one direction.
     """
     extremes = np.array([extreme(values) for values in curves.values()])
     half_widths = np.zeros(len(curves))
-    for number, (name, values) in enumerate(curves.items()):
-        if name in uncertainties and extremes[number] != 0.0:
+    for row, (name, values) in enumerate(curves.items()):
+        if name in uncertainties and extremes[row] != 0.0:
             relative = uncertainties[name][:, : values.shape[1]]
             changed = np.array([extreme(values * np.exp(sign * relative)) for sign in (-1.0, 1.0)])
-            half_widths[number] = np.abs(np.log(changed / extremes[number])).max()
+            half_widths[row] = np.abs(np.log(changed / extremes[row])).max()
     return extremes, half_widths
 
 
@@ -174,12 +177,12 @@ class Unit(Protocol[Result_co]):
 def computed(
     units: Sequence[Unit[T]], kind: Callable[..., T], executor: Executor, task: str
 ) -> list[T]:
-    """Results of the units in their order, each a `kind` (a dataclass of numbers and arrays).
+    """Results of the units in their order, each of class `kind`, a dataclass of arrays.
 
-    Each result is stored in the cache before the next one is processed, so that an interrupted
+    Each result is stored in the cache before the next is processed, so that an interrupted
     computation continues after the last one. Equal units are computed once. `task` is the text of
-    the progress bar on stderr, which appears if stderr is a terminal. Raises the exception of the
-    first unit that fails.
+    the progress bar, which appears if stderr is a terminal. Raises the exception of the first unit
+    that fails.
     """
     keys = [key_of(program(), unit) for unit in units]
     work = dict(zip(keys, units, strict=True))
@@ -210,8 +213,8 @@ def computed(
 class VariedCurves:
     """Deflections or frequencies by all models over the n values of a variation.
 
-    `compared` are the compliances (SI) or frequencies (Hz) in the middle of the path, in `poses`
-    (n×m). The `decision` is over the whole path.
+    `compared`: compliances (SI) or frequencies (Hz) in the middle of the path, in `poses` (n×m).
+    `decision`: choice of the best value over the whole path.
     """
 
     poses: Array
@@ -229,30 +232,27 @@ def variation_study(
     units = varied_robots(robot_file, variation, preset)
     results = computed(units, VariedModels, executor, f"varying {variation.key}")
     curves: dict[Objective, VariedCurves] = {}
-    for number, objective in enumerate(OBJECTIVES):
-        robots = results[number * len(variation.values) :][: len(variation.values)]
+    for index, objective in enumerate(OBJECTIVES):
+        robots = results[index * len(variation.values) :][: len(variation.values)]
         poses = np.array([robot.pose for robot in robots])
         curves[objective] = VariedCurves(poses, _stacked(robots), decision_of(objective, robots))
     return curves
 
 
 def _stacked(robots: Sequence[VariedModels]) -> Compared:
-    """Curves over the robots, of the quantities that all robots have.
-
-    NaN for robots that lack a curve.
-    """
+    """Curves over the robots, of the quantities that all robots have. NaN for missing values."""
     common = min(robot.values.shape[1] for robot in robots)
 
     def stacked(column: str) -> dict[str, Array]:
         curves: dict[str, Array] = {}
-        for number, robot in enumerate(robots):
+        for row, robot in enumerate(robots):
             for name, values in zip(robot.names.tolist(), getattr(robot, column), strict=True):
                 curve = curves.setdefault(name, np.full((len(robots), common), np.nan))
-                curve[number] = values[:common]
+                curve[row] = values[:common]
         return curves
 
-    # The first reference differs between robots if a varied number gives a leg known by its 6×6 a
-    # section, and thereby a solid.
+    # The first reference differs between robots if a varied number gives a section, and thereby a
+    # solid, to a leg known by its 6×6.
     references = list(dict.fromkeys(str(robot.names[robot.first_reference]) for robot in robots))
     differences = {
         name: curve for name, curve in stacked("differences").items() if name not in references
@@ -261,7 +261,7 @@ def _stacked(robots: Sequence[VariedModels]) -> Compared:
 
 
 def decision_of(objective: Objective, robots: Sequence[VariedModels]) -> Decision:
-    """Decision over the robots by all models that each robot has, and by all readings."""
+    """Decision between the robots by all models that each robot has, and by all readings."""
     common_models = [
         str(name)
         for name in robots[0].names[: robots[0].first_reference]
@@ -274,7 +274,7 @@ def decision_of(objective: Objective, robots: Sequence[VariedModels]) -> Decisio
 
     references, uncertainties = {}, {}
     for reading in range(max(len(robot.names) - robot.first_reference for robot in robots)):
-        # If a robot has fewer readings than others, its last one also stands for the missing ones.
+        # If a robot has fewer readings than others, its last one replaces the missing ones.
         curves = [min(robot.first_reference + reading, len(robot.names) - 1) for robot in robots]
         names = set(column("names", curves).tolist())
         name = names.pop() if len(names) == 1 else f"reference, reading {reading + 1}"

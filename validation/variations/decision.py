@@ -1,7 +1,9 @@
-"""Decisions by a model among n designs, and their loss by a better model, the reference.
+"""Choice of the best of n designs by a model, and its loss by the reference.
 
-For a design decision the absolute values of a model matter little. Its ranking of the designs must
-be right, and its best design must be good. All values are arrays (n) over the designs.
+Input: values of an objective (deflection or frequency) for n designs, by each model and by the
+reference. Output: the design that a model chooses, its relative loss, and the rank correlation of
+the model's ranking. For a design decision, absolute values matter little: the ranking must be
+right, and the chosen design must be good. All arrays have n entries.
 """
 
 from collections.abc import Callable, Mapping
@@ -20,17 +22,17 @@ MEANING: Mapping[Objective, str] = {
     "deflection": "largest deflection over the path under 1000 N along x, y or z",
     "frequency": "smallest first frequency over the path",
 }
-# Relative difference from the best value below which designs are equally good. Rounding and the
-# error of a reduction to the ends are smaller.
+# Relative difference from the best value below which designs are equally good. Round-off and the
+# error of reduced models are smaller.
 INDIFFERENT = 1e-6
 
 
 @dataclass(frozen=True)
 class Choice:
-    """Number of the `design` that a model chooses, and its relative `loss` by the reference.
+    """Index of the `design` that a model chooses, and its relative `loss` by the reference.
 
-    Among the designs that are `equally_good` by the model (ascending numbers) it is the best by the
-    reference.
+    `equally_good`: ascending indices of designs that are equally good by the model; the chosen one
+    is the best of them by the reference.
     """
 
     design: int
@@ -40,10 +42,10 @@ class Choice:
 
 @dataclass(frozen=True, eq=False)
 class Decision:
-    """Values (n) of an objective for n designs, by `models` and by the reference.
+    """Values (n) of an objective for n designs, by each of the `models` and by the reference.
 
-    `references` contains the values under each reading that the robot file allows, by name. The
-    first is the one that decides. `uncertainties` are their relative half-widths (n).
+    `references`: values under each reading that the robot file allows, by name; the first decides.
+    `uncertainties`: their relative half-widths (n).
     """
 
     objective: Objective
@@ -53,33 +55,33 @@ class Decision:
 
     @property
     def reference(self) -> Array:
-        """Values (n) under the first reading."""
+        """Values (n) of the reference under its first reading."""
         return next(iter(self.references.values()))
 
     @property
     def best(self) -> int:
-        """Number of the best design by the reference."""
+        """Index of the best design by the reference."""
         return choice(self.reference, self.reference, self.objective).design
 
     def choice(self, model: str) -> Choice:
-        """Design that a model chooses, with its loss."""
+        """Design that a model chooses, with its loss by the reference."""
         return choice(self.models[model], self.reference, self.objective)
 
     def loss_uncertainty(self, design: int) -> float:
-        """Half-width of the loss at a design.
+        """Half-width of the loss of a design.
 
-        The reference changes by its half-width: the design in one direction, all others in the
-        opposite one. Other readings count as well.
+        The reference changes by its half-width: for the design in one direction, for all others in
+        the opposite one. Other readings are covered as well.
         """
         signs = np.full(len(self.reference), -1.0)
         signs[design] = 1.0
         return self._half_width(lambda values: losses(values, self.objective)[design], signs)
 
     def correlation(self, model: str) -> tuple[float, float]:
-        """Spearman's ρ of the rankings by a model and by the reference, and its half-width.
+        """Spearman's ρ between the rankings by a model and by the reference, and its half-width.
 
-        The reference changes by its half-width in proportion to the rank of each design: towards
-        the model's ranking, and away from it. Other readings count as well.
+        The reference changes by its half-width in proportion to the rank of each design, towards
+        the model's ranking and away from it. Other readings are covered as well.
         """
         model_values = self.models[model]
         ranks = _ranks(model_values)
@@ -89,7 +91,7 @@ class Decision:
         return correlation, half_width
 
     def _half_width(self, number: Callable[[Array], float], directions: Array) -> float:
-        """Largest change of a number if the reference varies along `directions` (n, −1 to 1)."""
+        """Largest change of a number if the reference changes along `directions` (n, −1 to 1)."""
         nominal = number(self.reference)
         return max(
             abs(number(values * np.exp(sign * directions * self.uncertainties[name])) - nominal)
@@ -99,14 +101,14 @@ class Decision:
 
 
 def choice(values: Array, reference: Array, objective: Objective) -> Choice:
-    """Design that a model chooses by its `values`, with its loss by the `reference` values."""
+    """Design that a model chooses by its `values` (n), and its loss by those of the `reference`."""
     candidates, relative_losses = equally_good(values, objective), losses(reference, objective)
     design = int(candidates[np.argmin(relative_losses[candidates])])
     return Choice(design, tuple(candidates.tolist()), float(relative_losses[design]))
 
 
 def equally_good(values: Array, objective: Objective) -> NDArray[np.intp]:
-    """Numbers of the best designs, ascending: those within `INDIFFERENT` of the best value."""
+    """Ascending indices of the best designs: those within `INDIFFERENT` of the best value."""
     costs = values if objective == "deflection" else -values
     lowest = costs.min()
     return np.flatnonzero(costs <= lowest + INDIFFERENT * abs(lowest))
@@ -115,7 +117,7 @@ def equally_good(values: Array, objective: Objective) -> NDArray[np.intp]:
 def losses(reference: Array, objective: Objective) -> Array:
     """Relative loss (n) of each design by the reference: 0.02 if it is 2 % worse than the best.
 
-    For deflections the ratio to the smallest, less 1. For frequencies 1 less the ratio to the
+    For deflections, the ratio to the smallest minus 1. For frequencies, 1 minus the ratio to the
     largest.
     """
     if objective == "deflection":
@@ -133,7 +135,10 @@ def spearman(first: Array, second: Array) -> float:
 
 
 def _ranks(values: Array) -> Array:
-    """Ranks from 0. Values within `INDIFFERENT` of the next smaller one share their mean rank."""
+    """Ranks (n) from 0.
+
+    Values within `INDIFFERENT` of the next smaller one share their mean rank.
+    """
     order = np.argsort(values, kind="stable")
     ascending, ties = values[order], np.zeros(len(values), dtype=int)
     ties[order[1:]] = np.cumsum(np.diff(ascending) > INDIFFERENT * np.abs(ascending[1:]))

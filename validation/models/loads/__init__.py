@@ -1,4 +1,5 @@
-"""Loads of a mechanism on each of its models, on the masses of the bodies.
+"""Loads of a robot file on each model of a mechanism.
 
-In: a mechanism with loads, and models of its bodies. Out: displacements of the tool, and stability.
+Input: a mechanism with loads and models of its bodies. Output: displacements of the tool under each
+load, and buckling factors.
 """

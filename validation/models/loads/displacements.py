@@ -1,8 +1,9 @@
-"""Displacements of the tool by the loads of the robot file, for every model of a mechanism.
+"""Displacements of the tool under the loads of the robot file, by any model.
 
-Models with mass use their own. In models without mass, legs have the mass of their beams, or that
-of the file if they are known by their 6×6, and parts have their own mass. Rigid bodies carry it by
-static equivalence.
+Input: postures of a mechanism with loads, and a model. Output: twists of the loaded point (p
+postures × l loads × 6, m and rad, base axes). Rule: weight and inertia act on the masses of the
+model. A model without mass takes those of beams for legs, those of the file for legs known by their
+6×6, and the parts' own masses; a rigid body carries these by static equivalence.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -36,14 +37,14 @@ from validation.models.robot_models import (
     static_bodies,
 )
 
-# Masses (6m×6m, SI, body axes) of bodies on the twists of their interfaces.
+# Mass matrix (6m×6m, SI, body axes) of each body, on the twists of its m interfaces.
 BodyMasses: TypeAlias = Mapping[str, Array]
 
 
 def displacements(
     model: ModelName, postures: Sequence[Posture], options: ModelOptions = DEFAULT_OPTIONS
 ) -> Array:
-    """Displacements (p×l×6, m and rad, base axes) of the loaded point under each of the loads.
+    """Displacements (p×l×6, m and rad, base axes) of the loaded point under each load.
 
     NaN if the mechanism cannot move as a load requires. Raises as `answers` does.
     """
@@ -63,7 +64,10 @@ def displacements(
 
 
 def displacements_of(bodies: Mapping[str, BodyModel], postures: Sequence[Posture]) -> Array:
-    """Displacements (p×l×6) of a mechanism whose `bodies` have these models, with their masses."""
+    """Displacements (p×l×6) of a mechanism assembled from models of its bodies.
+
+    Loads act on the masses of these models.
+    """
     mechanism = postures[0].mechanism
     masses = {name: _interface_mass(body) for name, body in bodies.items()}
     return displacements_by(_assembled(assembly(mechanism, bodies)), postures, masses)
@@ -74,7 +78,7 @@ def _assembled(prepared: Assembly) -> Callable[[Posture, list[Loading]], Array]:
 
 
 def by_chains(springs: Mapping[str, Array]) -> Callable[[Posture, list[Loading]], Array]:
-    """Solver for displacements of the tool by serial chains with tip compliances `springs`."""
+    """Function that solves for the tool's displacements by serial chains with tip compliances."""
     return lambda at, loads: serial_chains.tool_displacements(at, springs, loads)
 
 
@@ -83,7 +87,10 @@ def displacements_by(
     postures: Sequence[Posture],
     masses: BodyMasses,
 ) -> Array:
-    """Displacements (p×l×6) by `solve` under the loads in each posture."""
+    """Displacements (p×l×6) of the tool under all loads in each posture, by `solve`.
+
+    NaN if the mechanism cannot move as a load requires.
+    """
     loads = postures[0].mechanism.loads
     displacements = np.full((len(postures), len(loads), 6), np.nan)
     for posture, by_load in zip(postures, displacements, strict=True):
@@ -104,10 +111,10 @@ def masses_of(
     masses: Masses = MASSES[0],
     parts: Mapping[str, BodyModel] | None = None,
 ) -> BodyMasses:
-    """Masses of legs as beams, of legs known by their 6×6 by distribution `masses`, and of parts.
+    """Masses of legs and CAD parts for models without mass: legs as beams, parts with their own.
 
-    `parts` are models of the parts, condensed ones if None. The result is empty if no load acts on
-    mass.
+    `masses` is the distribution in legs known by their 6×6. `parts` are models of the parts; if
+    None they are condensed. {} if no load acts on mass.
     """
     if not any(load.acts_on_mass for load in mechanism.loads):
         return {}
@@ -118,7 +125,7 @@ def masses_of(
 
 
 def _interface_mass(model: BodyModel) -> Array:
-    """Mass of a model on its interfaces. That of Craig and Bampton equals Guyan's there."""
+    """Mass matrix of a model on its interfaces. Craig and Bampton's equals Guyan's there."""
     ends = slice(6 * len(model.interfaces))
     return dense(model.mass)[ends, ends]
 
@@ -130,7 +137,7 @@ def _leg_mass(leg: ConstantLeg | GivenLeg, masses: Masses) -> Array:
 
 
 def load_masses(model: ModelName, mechanism: Mechanism, options: ModelOptions) -> BodyMasses:
-    """Masses on which loads act: those of the model, or by `masses_of` if it has no mass."""
+    """Masses on which loads act: those of the model, or of `masses_of` if the model has none."""
     if model == "simplified" or model in STATIC:
         return masses_of(mechanism)
     if not any(load.acts_on_mass for load in mechanism.loads):
@@ -142,6 +149,6 @@ def load_masses(model: ModelName, mechanism: Mechanism, options: ModelOptions) -
 
 
 def _segments(leg: ConstantLeg | SteppedLeg, options: ModelOptions) -> LegMatrices:
-    """Segments condensed on their ends with their mass, which springs in series do not have."""
+    """Segments condensed to the leg's ends with their mass, which springs in series do not have."""
     segments = leg_matrices("segments", leg, replace(options, release="condensed"))
     return static_superelement(held_leg(segments)).matrices

@@ -1,10 +1,11 @@
-"""Plausible insides of a leg known by its 6×6: its distributions of mass and of stiffness.
+"""Plausible distributions of mass and stiffness inside a leg that is known by its 6×6.
 
-Between its ends the leg has its own 6×6. Inside, it is a uniform beam with that 6×6, as soft and as
-stiff as such beams can be (`fem.beams.interior`). All distributions have the mass of the file, and
-its centre if the file has one. Only the lump has the inertia of the file, which no mass along a
-line has. A verdict that is equal for all distributions holds for any leg. If verdicts differ, more
-data are needed.
+Input: the 6×6 of a leg, its mass and, if given, centre of mass and inertia. Output: matrices of the
+leg with each plausible inside. Rule: between its ends the leg has exactly its 6×6. Inside it is a
+uniform beam with that 6×6, once as soft and once as stiff as such beams can be
+(`fem.beams.interior`). All distributions have the mass of the file, and its centre if one is given.
+Only the lump can have the inertia of the file, which no mass along a line has. A verdict that is
+the same for all distributions holds for any leg; if verdicts differ, more data are needed.
 """
 
 from collections.abc import Collection, Mapping
@@ -31,17 +32,17 @@ Masses: TypeAlias = Literal[
 ]
 MASSES: tuple[Masses, ...] = get_args(Masses)
 _ELEMENTS = 20
-# Centre of mass (share of the length) of a wedge, whose mass per length decreases to zero. It is
-# used if the file has no centre.
+# Centre of mass, as a fraction of the length, of a wedge whose mass per length decreases to zero.
+# Used if the file has no centre of mass.
 _CENTRES: Mapping[Masses, float] = {"mass near the roots": 1 / 3, "mass near the tips": 2 / 3}
-# Every stiffness inside lies between these, and every frequency of a robot with it.
+# Any stiffness inside lies between these two, and so do the frequencies of a robot with it.
 _EXTREMES: tuple[Interior, ...] = ("soft", "stiff")
-# Points of Gauss in every element: exact for the product of two cubics.
+# Gauss points in each element: exact for the product of two cubics.
 _POINTS = 4
 
 
 class Inside(NamedTuple):
-    """Distribution of the mass of legs known by their 6×6, and of the stiffness inside them."""
+    """Distribution of mass, and of stiffness, inside the legs that are known by their 6×6."""
 
     masses: Masses
     interior: Interior = "uniform"
@@ -51,9 +52,9 @@ class Inside(NamedTuple):
 
 
 def plausible_insides(legs: Collection[GivenLeg]) -> tuple[Inside | None, ...]:
-    """Mass along uniform legs, then every distribution of mass in the softest and stiffest beam.
+    """All plausible insides: uniform, then each mass distribution with soft and stiff interior.
 
-    Without legs known by their 6×6, only None: the inside is that of solids.
+    (None,) without legs known by their 6×6.
     """
     if not legs:
         return (None,)
@@ -63,17 +64,20 @@ def plausible_insides(legs: Collection[GivenLeg]) -> tuple[Inside | None, ...]:
 
 
 def plausible_masses(legs: Collection[GivenLeg]) -> tuple[Masses, ...]:
-    """Distributions by name, with wedges only if the mass centre of some leg is unknown."""
+    """Names of plausible mass distributions.
+
+    Wedges only if some leg's centre of mass is unknown.
+    """
     if all(leg.mass_centre is not None for leg in legs):
         return tuple(masses for masses in MASSES if masses not in _CENTRES)
     return MASSES
 
 
 def leg_with_inside(leg: GivenLeg, inside: Inside, highest: float) -> LegMatrices:
-    """The leg's own stiffness between its ends and a plausible inside, up to `highest` (Hz).
+    """Matrices of a leg with its 6×6 and a plausible inside, accurate up to `highest` (Hz).
 
-    Without `mass_centre` the lump lies in the middle, without `inertia` it is a point; of a leg
-    with `mass_centre` no wedge differs from the mass along it.
+    Without `mass_centre` the lump lies in the middle; without `inertia` it is a point. With
+    `mass_centre`, a wedge equals the mass along the leg.
     """
     return by_shapes(shapes_inside(leg, inside, highest, _ELEMENTS), leg, inside, _ELEMENTS)
 
@@ -86,7 +90,7 @@ def ends_mass(leg: GivenLeg, masses: Masses) -> Array:
 
 
 def shapes_inside(leg: GivenLeg, inside: Inside, highest: float, elements: int) -> Array:
-    """Shapes (n×r) of the inside of the leg: static ones by its ends, then modes with held ends."""
+    """Shapes (n×r) of the inside: static ones due to the ends, then modes with clamped ends."""
     beam = interior_beam(leg, inside.interior, elements)
     held_beam = held_leg(beam)
     if inside.masses == "mass in lumps":
@@ -96,9 +100,10 @@ def shapes_inside(leg: GivenLeg, inside: Inside, highest: float, elements: int) 
 
 
 def by_shapes(shapes: Array, leg: GivenLeg, inside: Inside, elements: int) -> LegMatrices:
-    """The leg in the given `shapes`: its own, or those of a leg with a slightly different 6×6.
+    """Matrices of a leg reduced to given shapes (n×r).
 
-    With the latter, matrices are accurate to first order.
+    `shapes` belong to this leg, or to one with a slightly different 6×6; matrices are then accurate
+    to first order.
     """
     beam = interior_beam(leg, inside.interior, elements)
     stiffness = shapes.T @ (beam.stiffness @ shapes)
@@ -135,14 +140,15 @@ def _mass(beam: LegMatrices, leg: GivenLeg, masses: Masses, elements: int) -> Sp
 
 
 def _line(leg: GivenLeg, masses: Masses, elements: int) -> tuple[Array, Array]:
-    """Stations (m, from the root) with the share of the mass at each, except for the lump."""
+    """Stations (m from the root) and the share of the leg's mass at each. Not for the lump."""
     centre = _CENTRES.get(masses, 0.5)
     if leg.mass_centre is not None:
         centre = leg.mass_centre / leg.length
     points, weights = np.polynomial.legendre.leggauss(_POINTS)
     starts = np.arange(elements)[:, None]
     positions = ((starts + 0.5 * (1.0 + points)) / elements).ravel()
-    # A power of the distance from the lighter end: its centre lies at (k + 1)/(k + 2).
+    # Mass per length is a power k of the distance from the lighter end: its centre lies at (k +
+    # 1)/(k + 2).
     farther = max(centre, 1.0 - centre)
     power = (2.0 * farther - 1.0) / (1.0 - farther)
     shares = np.tile(weights, elements) * (positions if centre >= 0.5 else 1.0 - positions) ** power

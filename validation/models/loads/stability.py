@@ -1,8 +1,9 @@
-"""Buckling factors and losses of stiffness of every model under the loads of the robot file.
+"""Buckling factors and loss of stiffness under the loads of the robot file, by any model.
 
-Each model has its own statics, that of its bodies on their interfaces. Between the interfaces, legs
-bend as beams in all models, and this determines their buckling and the effect of the force in them
-on their stiffness.
+Input: postures of a mechanism with loads, and a model. Output: a `Stability` for each posture and
+load, and notes in words. Rule: statics are those of the model, on the interfaces of its bodies.
+Between the interfaces, legs bend as beams in all models; this determines their buckling and the
+effect of the axial force on their stiffness.
 """
 
 from collections.abc import Iterator, Sequence
@@ -34,10 +35,10 @@ from validation.models.robot_models import (
     static_bodies,
 )
 
-# With ten elements the error of the buckling load of a leg is 2e-4 between clamped ends and less
-# with other ends. With 24 modes with held ends the error of the reduction is 1e-4.
+# Elements and modes of a leg. With ten elements the error of the buckling load is 2e-4 for clamped
+# ends and less for others; with 24 modes with clamped ends the error of the reduction is 1e-4.
 _ELEMENTS, _MODES = 10, 24
-# Relative loss of stiffness and change of displacement below which a load has no note.
+# Relative loss of stiffness, and change of displacement, below which a load gets no note.
 _NEGLIGIBLE = 1e-3
 
 
@@ -47,7 +48,7 @@ def stabilities(
     options: ModelOptions = DEFAULT_OPTIONS,
     count: int = 0,
 ) -> list[list[Stability | None]]:
-    """Stability in each posture under each load, with the lowest `count` frequencies.
+    """Stability in each posture under each load, with the lowest `count` frequencies under load.
 
     None if the mechanism cannot move as a load requires. Raises as `displacements` does.
     """
@@ -76,11 +77,11 @@ def stabilities(
 def prestressed_assembly(
     model: ModelName, postures: Sequence[Posture], options: ModelOptions
 ) -> tuple[Assembly, dict[str, Prestressed]]:
-    """Assembly for a model, and the geometric stiffness of the legs due to the forces in them."""
+    """Assembly of a model, and functions for the geometric stiffness of its loaded legs."""
     mechanism = postures[0].mechanism
     if model == "simplified":
         return assembly(on_drives_alone(mechanism), {}), {}
-    # The virtual joint method has the statics of links.
+    # The virtual joint method has the same statics as links.
     body_models = static_bodies("links" if model == "vjm" else model, mechanism, options)
     bodies = {name: filled(body) for name, body in body_models.items()}
     legs: dict[str, Prestressed] = {}
@@ -96,8 +97,8 @@ def _prestressed(leg: ConstantLeg, theory: Theory) -> PrestressedLeg:
     try:
         properties = leg.properties(theory)
     except ComputationError:
-        # If the formula of κ does not apply, solids have their end stiffness nonetheless: the beam
-        # between is without shear.
+        # If the formula for the shear factor κ does not apply, the end stiffness of the solid is
+        # still known: the beam between the ends has no shear deformation.
         properties = leg.properties("euler-bernoulli")
     return prestressed_leg(properties, leg.length, _ELEMENTS, _MODES)
 
@@ -107,9 +108,9 @@ def stability_notes(
     rows: Sequence[Sequence[Stability | None]],
     requirement: Requirement,
 ) -> tuple[str, ...]:
-    """A line for each load that reduces stiffness: posture nearest to buckling, and the loss.
+    """Notes for the report, one for each load that reduces stiffness: nearest buckling and loss.
 
-    `rows` has the stability in each posture under each load.
+    `rows` (postures × loads) is the result of `stabilities`.
     """
     loads = load_quantities([load.name for load in postures[0].mechanism.loads])
     return tuple(
