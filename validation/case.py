@@ -9,15 +9,18 @@ import sys
 import traceback
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from enum import Enum
 from math import hypot, isfinite
-from typing import Literal, TypeAlias
+from typing import Annotated, Literal, TypeAlias
+
+import msgspec
 
 from fem.calculix.run import CalculixMissing
 from lumped.errors import ComputationError, InputError
-from validation.context import PRESETS, About, Context, Preset
+from validation.context import About, Context, ScheduledTask
 from validation.published_statements import Claim
+from validation.record_fields import LISTING, RESULTS
 from validation.studies_and_figures import Study
 
 # A comparison of two models, of a model with its own refinement, or of all formulations of one leg.
@@ -48,8 +51,7 @@ class Relation(Enum):
                 return -difference
 
 
-@dataclass(frozen=True)
-class Absolute:
+class Absolute(msgspec.Struct, frozen=True, tag="absolute", tag_field="kind"):
     """Tolerance as an amount in the unit of the case."""
 
     amount: float
@@ -62,8 +64,7 @@ class Absolute:
         return self.amount
 
 
-@dataclass(frozen=True)
-class Relative:
+class Relative(msgspec.Struct, frozen=True, tag="relative", tag_field="kind"):
     """Tolerance as a fraction of the reference."""
 
     fraction: float
@@ -150,20 +151,20 @@ class Measurement:
     action or information that would decide the case if the uncertainty is too large.
     """
 
-    value: float
-    reference: float
-    value_uncertainty: float | None = None
-    reference_uncertainty: float | None = None
+    value: Annotated[float, RESULTS]
+    reference: Annotated[float, RESULTS]
+    value_uncertainty: Annotated[float | None, RESULTS] = None
+    reference_uncertainty: Annotated[float | None, RESULTS] = None
     judged_uncertainty: float | None = None
-    allowances: tuple[Allowance, ...] = ()
-    notes: tuple[str, ...] = ()
-    table: Mapping[str, tuple[float | str, ...]] = field(default_factory=dict)
+    allowances: Annotated[tuple[Allowance, ...], RESULTS] = ()
+    notes: Annotated[tuple[str, ...], RESULTS] = ()
+    table: Annotated[Mapping[str, tuple[float | str, ...]], RESULTS] = field(default_factory=dict)
     studies: tuple[Study, ...] = ()
-    pose: tuple[float, ...] = ()
-    elsewhere: tuple[Elsewhere, ...] = ()
-    shown: tuple[UnjudgedValue, ...] = ()
+    pose: Annotated[tuple[float, ...], RESULTS] = ()
+    elsewhere: Annotated[tuple[Elsewhere, ...], RESULTS] = ()
+    shown: Annotated[tuple[UnjudgedValue, ...], RESULTS] = ()
     claim: Claim | None = None
-    exact: bool = False
+    exact: Annotated[bool, RESULTS] = False
     decides: str = "refine the models"
 
     def __post_init__(self) -> None:
@@ -199,43 +200,52 @@ class Skip(Exception):  # noqa: N818  not an error: it has the reason why the ca
     """Raised by a case that cannot be run on this machine or for this robot, with the reason."""
 
 
-@dataclass(frozen=True)
-class Case:
-    """One comparison: the claim, its source, its tolerance, and the function that computes it.
+@dataclass(frozen=True, kw_only=True)
+class Declaration(ScheduledTask):
+    """A comparison without its numbers: the claim, its source and its tolerance.
 
     `id` is dotted, with parameters in brackets: "robot.beam-vjm.planar[x=0.4975]". `quantity` and
     `unit` name the value ("largest planar deflection", "µm"; "1" for ratios), `model` the model
     of the value ("segments", "solid"; "" if it is from no model). `subject` is the subject of the
     case: the run's robot, or one of its legs, whose name is `body`. `label` is the quantity in the
-    few words for which an axis has room. `section` is the heading under which the report shows the
-    case, `figure` the id of the figure that shows its result. `elements`: element count of each
-    leg. 0 if the model has no elements or the case is about several counts. Cases of one `group`
-    share expensive results and run in the same process, one after the other.
-    `effort` is the expected time in seconds, for the order of work and the time left.
+    few words for which an axis has room. `figure` is the id of the figure that shows its result.
+    `elements`: element count of each leg. 0 if the model has no elements or the case is about
+    several counts. `tolerance`: None if it is unknown, as in a results.json of a failed case.
+    """
+
+    quantity: Annotated[str, RESULTS, LISTING] = ""
+    unit: Annotated[str, RESULTS, LISTING] = ""
+    reference_kind: Annotated[ReferenceKind | Literal[""], RESULTS, LISTING] = ""
+    citation: Annotated[str, RESULTS, LISTING] = ""
+    tolerance: Tolerance | None = None
+    tolerance_reason: Annotated[str, RESULTS, LISTING] = ""
+    relation: Annotated[Relation, RESULTS, LISTING] = Relation.EQUAL
+    model: Annotated[str, RESULTS] = ""
+    subject: Annotated[About, RESULTS] = "robot"
+    figure: Annotated[str, RESULTS] = ""
+    label: str = ""
+    kind: Annotated[CaseKind, RESULTS] = "comparison"
+    body: str = ""
+    elements: int = 0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Case(Declaration):
+    """A declared comparison with the function that computes it.
+
     `compute` may raise ComputationError (the case has failed) or Skip.
     """
 
-    id: str
-    title: str
-    quantity: str
-    unit: str
-    reference_kind: ReferenceKind
-    citation: str
-    tolerance: Tolerance
-    tolerance_reason: str
     compute: Callable[[Context], Measurement]
-    relation: Relation = Relation.EQUAL
-    presets: tuple[Preset, ...] = PRESETS
-    section: str = ""
-    group: str = ""
+    tolerance: Tolerance
     effort: float = 0.1
-    model: str = ""
-    subject: About = "robot"
-    figure: str = ""
-    label: str = ""
-    kind: CaseKind = "comparison"
-    body: str = ""
-    elements: int = 0
+
+    @property
+    def declaration(self) -> Declaration:
+        """The case without its function."""
+        return Declaration(
+            **{entry.name: getattr(self, entry.name) for entry in fields(Declaration)}
+        )
 
     def measure(self, context: Context) -> Measurement:
         """Result of `compute` in the `context` of the run.

@@ -1,11 +1,12 @@
 """Context of a case: the robot, the preset, and results that earlier cases computed."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
-from typing import Any, Literal, ParamSpec, TypeAlias, TypeVar
+from dataclasses import KW_ONLY, dataclass, field
+from typing import Annotated, Any, Literal, ParamSpec, TypeAlias, TypeVar
 
 from lumped.memo import comparison_fingerprint
 from lumped.robot_file import RobotFile
+from validation.record_fields import LISTING, RESULTS
 
 Preset: TypeAlias = Literal["quick", "standard", "fine"]
 About: TypeAlias = Literal["robot", "leg"]
@@ -45,6 +46,24 @@ class Context:
             self._memo[key] = function(*args, **kwargs)
         value: T = self._memo[key]
         return value
+
+
+@dataclass(frozen=True)
+class ScheduledTask:
+    """A task of a run: a comparison, a figure or an assessment.
+
+    `section` is the heading under which the report shows the result. Tasks of one `group` share
+    expensive results and run in the same process, one after the other. `effort` is the expected
+    time in seconds, for the order of work and the time left.
+    """
+
+    id: Annotated[str, RESULTS, LISTING]
+    title: Annotated[str, RESULTS, LISTING]
+    _: KW_ONLY
+    presets: Annotated[tuple[Preset, ...], LISTING] = PRESETS
+    section: Annotated[str, LISTING] = ""
+    group: str = ""
+    effort: float = 1.0
 
 
 def memo_key(

@@ -283,9 +283,10 @@ def cross_validation(context: Context) -> CrossValidation:
     from validation.run.runner import execute  # noqa: PLC0415
 
     comparisons = [
-        Outcome(task, execute(task, context))
+        outcome
         for task in catalogue(context.robot_file)
         if isinstance(task, Case) and task.kind == "agreement" and context.preset in task.presets
+        if isinstance(outcome := execute(task, context), Outcome)
     ]
     studies = {}
     for body in subjects(context.robot_file.mechanism):

@@ -8,9 +8,10 @@ of the scene.
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Annotated, Any
 
-from validation.context import PRESETS, Context, Preset
+from validation.context import Context, ScheduledTask
+from validation.record_fields import RESULTS, Key, json_object
 
 # Sections of the report that cases and figures share.
 AGREEMENT = "All formulations on the same legs"
@@ -58,18 +59,24 @@ class Study:
     without limits.
     """
 
-    id: str
-    title: str
-    x_label: str
-    y_label: str
-    unit: str
-    x: tuple[float, ...]
-    series: Mapping[str, tuple[float, ...]]
-    formal_order: float | None = None
-    orders: Mapping[str, float] = field(default_factory=dict)
-    uncertainties: Mapping[str, float] = field(default_factory=dict)
-    limits: Mapping[str, float] = field(default_factory=dict)
-    notes: tuple[str, ...] = ()
+    id: Annotated[str, RESULTS]
+    title: Annotated[str, RESULTS]
+    x_label: Annotated[str, RESULTS]
+    y_label: Annotated[str, RESULTS]
+    unit: Annotated[str, RESULTS]
+    x: Annotated[tuple[float, ...], RESULTS]
+    series: Annotated[Mapping[str, tuple[float, ...]], RESULTS]
+    formal_order: Annotated[float | None, RESULTS] = None
+    orders: Annotated[Mapping[str, float], Key("results.json", "order")] = field(
+        default_factory=dict
+    )
+    uncertainties: Annotated[Mapping[str, float], Key("results.json", "uncertainty")] = field(
+        default_factory=dict
+    )
+    limits: Annotated[Mapping[str, float], Key("results.json", "limit")] = field(
+        default_factory=dict
+    )
+    notes: Annotated[tuple[str, ...], RESULTS] = ()
     family: str = ""
     family_title: str = ""
     variant: str = ""
@@ -130,28 +137,15 @@ class Figure:
 
 
 @dataclass(frozen=True)
-class PlannedFigure:
-    """A figure to be computed in a run, scheduled like a case (see `Case` for the fields)."""
+class PlannedFigure(ScheduledTask):
+    """A figure to be computed in a run."""
 
-    id: str
-    title: str
     draw: Callable[[Context], Figure]
-    presets: tuple[Preset, ...] = PRESETS
-    section: str = ""
-    group: str = ""
-    effort: float = 1.0
 
 
 def study_record(study: Study) -> dict[str, Any]:
     """Entry of the study in results.json. A number that is not finite is null there."""
-    names = ("id", "title", "x_label", "y_label", "unit", "x", "series", "formal_order")
-    return {
-        "kind": "convergence",
-        **{name: getattr(study, name) for name in (*names, "notes")},
-        "order": study.orders,
-        "uncertainty": study.uncertainties,
-        "limit": study.limits,
-    }
+    return {"kind": "convergence", **json_object(study, "results.json")}
 
 
 def _require_inert(svg: str, name: str) -> None:

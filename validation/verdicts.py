@@ -3,14 +3,15 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from math import inf
-from typing import Annotated, Generic, Literal, NamedTuple, TypeAlias, TypeVar, get_args
+from typing import Annotated, Generic, Literal, TypeAlias, TypeVar
 
 import msgspec
 from msgspec import UNSET, UnsetType
 
 from lumped.acceptance.quantities import ROTATIONS, Quantity
 from lumped.errors import InputError
-from validation.context import PRESETS, Context, Preset
+from validation.context import Context, ScheduledTask
+from validation.record_fields import COLUMN, Column
 
 Adequacy: TypeAlias = Literal["adequate", "inadequate", "undecided"]
 # Types of an entry's quantity and causes.
@@ -50,29 +51,6 @@ class Cause(CauseShare, frozen=True):
     """A cause within a run, with the computation of its amount."""
 
     source: str = ""
-
-
-class Column(NamedTuple):
-    """Marks a field of a record that is a column of tables.
-
-    The heading is the name of the field if it is "". `percent`: shares are written in per cent.
-    """
-
-    heading: str = ""
-    percent: bool = False
-
-
-COLUMN = Column()
-
-
-def columns_of(record: type[msgspec.Struct]) -> dict[str, Column]:
-    """Columns by the names of the fields, in their order, with their headings."""
-    return {
-        field.name: column._replace(heading=column.heading or field.name.replace("_", " "))
-        for field in msgspec.structs.fields(record)
-        for column in get_args(field.type)
-        if isinstance(column, Column)
-    }
 
 
 class EntryRecord(msgspec.Struct, Generic[Q, C], frozen=True, kw_only=True):
@@ -262,16 +240,10 @@ class Matrix:
 
 
 @dataclass(frozen=True)
-class Assessment:
-    """The matrix of a run's robot; fields as of `Case`. `compute` may raise Skip."""
+class Assessment(ScheduledTask):
+    """The matrix of a run's robot. `compute` may raise Skip."""
 
-    id: str
-    title: str
     compute: Callable[[Context], Matrix]
-    presets: tuple[Preset, ...] = PRESETS
-    section: str = ""
-    group: str = ""
-    effort: float = 1.0
 
 
 VERDICTS: tuple[Adequacy, ...] = ("adequate", "inadequate", "undecided")

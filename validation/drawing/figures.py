@@ -5,7 +5,7 @@ from collections.abc import Callable
 from functools import partial, wraps
 from typing import TypeAlias
 
-from validation.context import PRESETS, Context
+from validation.context import Context
 from validation.drawing.chart import Chart, chart_table
 from validation.drawing.scene import SceneGrid
 from validation.drawing.turnable import turnable
@@ -69,8 +69,16 @@ class FigureGroup:
             def drawn(context: Context) -> Figure:
                 return drawn_figure(draw(context), identifier, title, self._section)
 
-            options = (self._section, self._group, effort)
-            self._planned.append(PlannedFigure(identifier, title, drawn, PRESETS, *options))
+            self._planned.append(
+                PlannedFigure(
+                    identifier,
+                    title,
+                    drawn,
+                    section=self._section,
+                    group=self._group,
+                    effort=effort,
+                )
+            )
             return drawn
 
         return declare

@@ -8,9 +8,9 @@ import msgspec
 
 from validation.case import UnjudgedValue
 from validation.drawing.text import quantity_name
+from validation.record_fields import COLUMN, Column, columns_of
 from validation.run.outcome import Outcome, Verdict
 from validation.tables import Cell, ResultTable
-from validation.verdicts import COLUMN, Column, columns_of
 
 # Decimals of percentages: smaller parts are round-off.
 _DECIMALS = 6

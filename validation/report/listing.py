@@ -11,12 +11,8 @@ from lumped.text import counted
 from validation.case import Absolute, Case, Tolerance
 from validation.drawing.text import tolerance
 from validation.kinematics.listing import mobility_text
+from validation.record_fields import json_object
 from validation.run.outcome import Outcome, Task
-
-_FIELDS = (
-    *("id", "title", "section", "quantity", "unit", "reference_kind", "citation"),
-    *("tolerance_reason", "presets"),
-)
 
 
 def as_text(tasks: Sequence[Task]) -> str:
@@ -39,7 +35,7 @@ def as_json(tasks: Sequence[Task]) -> str:
     return json.dumps(
         [
             {
-                **{name: getattr(case, name) for name in _FIELDS},
+                **json_object(case, "cases --json"),
                 "relation": case.relation.value,
                 **_tolerance(case.tolerance),
             }

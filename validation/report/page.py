@@ -17,7 +17,7 @@ from validation.report.agreement import MARKS
 from validation.report.first_screen import FirstScreen, first_screen
 from validation.report.sections import Chapter, chapters_of
 from validation.run.outcome import Outcome, Verdict
-from validation.run.records import CaseRecord, studies_of
+from validation.run.records import studies_of
 from validation.run.results import Results
 from validation.studies_and_figures import PORTRAIT, Figure
 from validation.verdicts import Matrix
@@ -36,9 +36,9 @@ class Report:
         return self.results.outcomes
 
     @cached_property
-    def drifts(self) -> Mapping[str, CaseRecord]:
-        """Cases with a known drift from the baseline, by id."""
-        return {case.id: case for case in self.results.records if case.drift is not None}
+    def drifts(self) -> Mapping[str, Outcome]:
+        """Comparisons with a known drift from the baseline, by id."""
+        return {outcome.id: outcome for outcome in self.outcomes if outcome.drift is not None}
 
     @cached_property
     def first(self) -> FirstScreen | None:
@@ -163,7 +163,6 @@ def _templates() -> Environment:
         "share_text": text.share_text,
         "seconds": text.seconds,
         "anchor": text.anchor,
-        "function_name": text.function_name,
         "data_uri": text.data_uri,
         "base64": text.base64,
         "inline_svg": lambda figure: Markup(text.inline_svg(figure)),  # noqa: S704  our own plots

@@ -21,6 +21,7 @@ from validation.drawing.text import (
     percent,
     spread_text,
 )
+from validation.record_fields import columns_of
 from validation.report.words import (
     capital,
     force_text,
@@ -35,7 +36,6 @@ from validation.verdicts import (
     EntryRecord,
     Matrix,
     ModelNote,
-    columns_of,
 )
 
 # A term, and its text.

@@ -7,7 +7,7 @@ change is drift, never disagreement. The text consists of plain tables.
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from math import isfinite
+from math import isfinite, isnan
 from typing import Any, Literal
 
 import msgspec
@@ -15,8 +15,8 @@ import numpy as np
 
 from lumped.text import aligned, counted
 from validation.drawing.text import error_with_spread
-from validation.run.outcome import Verdict
-from validation.run.records import CaseRecord, RunRecord, StoredEntry
+from validation.run.outcome import Outcome, Verdict
+from validation.run.records import RunRecord, StoredEntry
 
 # Rounding differs between machines and library versions; far above it, far below any tolerance.
 _ROUNDING = 1e-9
@@ -283,33 +283,35 @@ def same_pose(first: tuple[float, ...], second: tuple[float, ...]) -> bool:
 
 
 def drift(
-    before: CaseRecord, after: CaseRecord, field: Literal["value", "reference"] = "value"
+    before: Outcome, after: Outcome, field: Literal["value", "reference"] = "value"
 ) -> Drifted | None:
     """Drift of a case's value or reference. None if one is unknown, or belongs to another pose.
 
     The allowed drift is the larger one of the known uncertainties of both runs, and at least a
     relative 1e-9. If the reference is zero, it is at least a thousandth of the tolerance.
     """
-    earlier, value = getattr(before, field), getattr(after, field)
-    comparable = earlier is not None and value is not None and isfinite(value)
-    if not comparable or not same_pose(before.pose, after.pose):
+    if before.measurement is None or after.measurement is None:
         return None
-    uncertainties = [
-        u for u in (before.numerical_uncertainty, after.numerical_uncertainty) if u is not None
-    ]
-    allowed = max([*uncertainties, _ROUNDING * max(abs(earlier), abs(value))])
-    if after.reference == 0.0 and after.tolerance is not None:
+    measurements = before.measurement, after.measurement
+    earlier, value = (getattr(measurement, field) for measurement in measurements)
+    poses = (measurement.pose for measurement in measurements)
+    if not (isfinite(earlier) and isfinite(value) and same_pose(*poses)):
+        return None
+    half_widths = [measurement.numerical_uncertainty for measurement in measurements]
+    known = [half_width for half_width in half_widths if half_width and not isnan(half_width)]
+    allowed = max([*known, _ROUNDING * max(abs(earlier), abs(value))])
+    if after.measurement.reference == 0.0:
         allowed = max(allowed, _TOLERANCE_SHARE * after.tolerance)
-    return Drifted(after.id, field, after.unit, earlier, value, value - earlier, allowed)
+    return Drifted(after.id, field, after.case.unit, earlier, value, value - earlier, allowed)
 
 
-def with_drift(record: CaseRecord, earlier: CaseRecord | None) -> CaseRecord:
-    """Record of a case with its drift from an earlier record, if that is known."""
-    change = drift(earlier, record) if earlier else None
+def with_drift(outcome: Outcome, earlier: Outcome | None) -> Outcome:
+    """Outcome with its drift from an earlier one, if that is known."""
+    change = drift(earlier, outcome) if earlier else None
     if change is None:
-        return record
+        return outcome
     return msgspec.structs.replace(
-        record,
+        outcome,
         earlier=change.before,
         drift=change.drift,
         drift_allowed=change.allowed,
@@ -323,7 +325,7 @@ def _different_robots(before: RunRecord, after: RunRecord) -> tuple[str, ...]:
     return tuple(map(str, names)) if all(names) and names[0] != names[1] else ()
 
 
-def _drifts(before: CaseRecord, after: CaseRecord) -> Iterator[Drifted]:
+def _drifts(before: Outcome, after: Outcome) -> Iterator[Drifted]:
     drifts = (drift(before, after, field) for field in ("value", "reference"))
     return (change for change in drifts if change is not None and change.beyond)
 

@@ -5,14 +5,15 @@ comparison is undecided and does not count as agreement.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from math import isfinite, nan
-from typing import Any, Generic, Literal, TypeAlias, TypeVar
+from typing import Annotated, Any, Generic, Literal, TypeAlias, TypeVar
 
 import msgspec
 import numpy as np
 
-from validation.case import Case, Measurement, Relation
+from validation.case import Case, Declaration, Measurement, Relation
+from validation.drawing.text import function_name
+from validation.record_fields import RESULTS
 from validation.studies_and_figures import Figure, PlannedFigure
 from validation.verdicts import Assessment, Matrix
 
@@ -32,60 +33,58 @@ class Result(msgspec.Struct, Generic[V, F], frozen=True):
     measurement, figure or matrix. It is None if there is none, with the reason in `message`.
     """
 
-    id: str
-    verdict: V
-    seconds: float
-    message: str = ""
+    id: Annotated[str, RESULTS]
+    verdict: Annotated[V, RESULTS]
+    # Time of the computation (s).
+    seconds: Annotated[float, RESULTS]
+    message: Annotated[str, RESULTS] = ""
     found: F | None = None
 
 
 AnyResult: TypeAlias = Result[Any, Any]
 
 
-@dataclass(frozen=True)
-class Outcome:
-    """A case with its result."""
+class Outcome(Result[Verdict, Measurement], frozen=True, kw_only=True):
+    """A comparison: what was declared, measured and decided.
 
-    case: Case
-    result: Result[Verdict, Measurement]
+    Workers, results.jsonl, results.json, `compare`, the API and the page use this class. The fields
+    are listed here, in `Declaration` and in `Measurement` only. In results.json, an object of
+    "cases" has the marked fields of all three beside each other. Numbers are in the unit of the
+    case; one that is not finite is null in JSON.
+    """
 
-    @property
-    def verdict(self) -> Verdict:
-        """Verdict on the measurement, or "failed" or "skipped"."""
-        return self.result.verdict
-
-    @property
-    def seconds(self) -> float:
-        """Time of the computation (s)."""
-        return self.result.seconds
+    case: Declaration
+    # Function that computed the measurement.
+    computed_by: str = ""
+    # Value of the baseline, value − earlier, and the largest size of this that is no drift. None
+    # without a baseline, and if the baseline has no value in this pose.
+    earlier: Annotated[float | None, RESULTS] = None
+    drift: Annotated[float | None, RESULTS] = None
+    drift_allowed: Annotated[float | None, RESULTS] = None
+    drifted: Annotated[bool | None, RESULTS] = None
 
     @property
     def measurement(self) -> Measurement | None:
         """Measurement of the case. None if it failed or was skipped."""
-        return self.result.found
-
-    @property
-    def message(self) -> str:
-        """Reason that the case failed, was skipped, or is undecided."""
-        return self.result.message
+        return self.found
 
     @property
     def tolerance(self) -> float:
         """Tolerance in the unit of the case. NaN without a measurement."""
-        if self.measurement is None:
+        if self.found is None or self.case.tolerance is None:
             return nan
-        return self.case.tolerance.at(self.measurement.reference)
+        return self.case.tolerance.at(self.found.reference)
 
     @property
     def share(self) -> float:
         """Unexplained error on the wrong side over tolerance, the largest: above 1 it disagrees."""
-        if self.measurement is None:
+        tolerance, relation = self.case.tolerance, self.case.relation
+        if self.found is None or tolerance is None:
             return nan
-        main_share = self.case.relation.excess(self.measurement.unexplained) / self.tolerance
+        main_share = relation.excess(self.found.unexplained) / self.tolerance
         further = (
-            self.case.relation.excess(pose_value.difference)
-            / self.case.tolerance.at(pose_value.reference)
-            for pose_value in self.measurement.elsewhere
+            relation.excess(pose_value.difference) / tolerance.at(pose_value.reference)
+            for pose_value in self.found.elsewhere
         )
         return max([main_share, *further])
 
@@ -135,7 +134,26 @@ def judge(case: Case, measurement: Measurement, seconds: float) -> Outcome:
                 f"against {pose_value.reference:.6g} {case.unit}, "
                 f"tolerance {tolerance_there:.3g} {case.unit}"
             )
-    return Outcome(case, Result(case.id, worst, seconds, message, measurement))
+    return outcome_of(case, worst, seconds, message, measurement)
+
+
+def outcome_of(
+    case: Case,
+    reached: Verdict,
+    seconds: float,
+    message: str,
+    measurement: Measurement | None = None,
+) -> Outcome:
+    """Outcome of a case with the verdict that was reached."""
+    return Outcome(
+        case.id,
+        reached,
+        seconds,
+        message,
+        measurement,
+        case=case.declaration,
+        computed_by=function_name(case.compute),
+    )
 
 
 _SEVERITY: Mapping[Verdict, int] = {"agree": 0, "undecided": 1, "disagree": 2}
@@ -151,7 +169,7 @@ def from_plain(task: Task, record: Mapping[str, Any]) -> AnyResult:
     """Result of `task` from its record. Raises msgspec.ValidationError for an invalid record."""
     match task:
         case Case():
-            return msgspec.convert(record, Result[Verdict, Measurement])
+            return msgspec.convert(record, Outcome)
         case PlannedFigure():
             return msgspec.convert(record, Result[Completion, Figure])
         case Assessment():
@@ -168,9 +186,10 @@ def valid_result(task: Task, record: Mapping[str, Any]) -> AnyResult | None:
         result = from_plain(task, record)
         if (result.found is None) is not (result.verdict == "skipped"):
             return None
-        if isinstance(task, Case) and result.found is not None:
+        if isinstance(task, Case) and isinstance(result, Outcome) and result.found is not None:
             outcome = judge(task, result.found, result.seconds)
-            return result if outcome.verdict == result.verdict else None
+            if (outcome.verdict, outcome.case) != (result.verdict, result.case):
+                return None
     except (msgspec.ValidationError, ValueError):
         return None
     return result

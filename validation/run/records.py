@@ -1,18 +1,20 @@
 """results.json: records that a run writes, and that later runs and other programs read."""
 
 from collections.abc import Mapping, Sequence
+from math import nan
 from pathlib import Path
 from typing import Any, TypeAlias
 
 import msgspec
 from msgspec import UNSET, UnsetType
-from msgspec.structs import replace
+from msgspec.structs import asdict, replace
 
 from lumped.errors import InputError
 from lumped.files import read_ordinary
-from validation.case import Relation
+from validation.case import Measurement
 from validation.published_statements import Claim, claim_records, merged_claims
-from validation.run.outcome import Outcome, Verdict
+from validation.record_fields import json_object
+from validation.run.outcome import Outcome
 from validation.studies_and_figures import Figure, Study, study_record
 from validation.verdicts import CauseShare, EntryRecord, Matrix
 
@@ -25,87 +27,33 @@ StoredEntry: TypeAlias = EntryRecord[str, CauseShare]
 _LARGEST_NUMBER = 1e150
 
 
-class CaseRecord(msgspec.Struct, frozen=True, kw_only=True):
-    """A comparison: an object of "cases" in results.json.
-
-    The only place that lists these fields. Numbers are in `unit`; one that is not finite is null in
-    JSON, and null is read as None. The numbers of a comparison that was skipped or failed are None.
-    The fields up to `tolerance_reason` are those of `Case`, where they are described, those up to
-    `shown` of `Measurement`; then come the outcome and the drift from the baseline.
-    """
-
-    id: str
-    title: str = ""
-    quantity: str = ""
-    model: str = ""
-    subject: str = "robot"
-    kind: str = "comparison"
-    figure: str = ""
-    unit: str = "1"
-    reference_kind: str = ""
-    citation: str = ""
-    relation: Relation = Relation.EQUAL
-    tolerance_reason: str = ""
-    value: float | None = None
-    reference: float | None = None
-    # value − reference, and the part of it that no allowance explains.
-    error: float | None = None
-    unexplained: float | None = None
-    exact: bool | None = None
-    numerical_uncertainty: float | None = None
-    value_uncertainty: float | None = None
-    reference_uncertainty: float | None = None
-    # `Allowance` as plain data.
-    allowances: tuple[Any, ...] = ()
-    notes: tuple[str, ...] = ()
-    table: Mapping[str, tuple[float | str | None, ...]] = {}
-    pose: tuple[float, ...] = ()
-    # `Elsewhere` and `UnjudgedValue` as plain data.
-    elsewhere: tuple[Any, ...] = ()
-    shown: tuple[Any, ...] = ()
-    # Largest accepted size of the unexplained difference.
-    tolerance: float | None = None
-    verdict: Verdict
-    # Time of the computation (s).
-    seconds: float = 0.0
-    # Reason of a verdict that the numbers do not give.
-    message: str = ""
-    # Value of the baseline, value − earlier, and the largest size of this that is no drift. None
-    # without a baseline, and if the baseline has no value in this pose.
-    earlier: float | None = None
-    drift: float | None = None
-    drift_allowed: float | None = None
-    drifted: bool | None = None
-
-
 class RunRecord(msgspec.Struct, frozen=True, kw_only=True):
     """The whole file: `run` is the header, `cases` the results in the order of the catalogue."""
 
     schema: int = 1
     run: Mapping[str, Any] = {}
-    cases: tuple[CaseRecord, ...]
+    cases: tuple[Outcome, ...]
     adequacy: tuple[StoredEntry, ...] = ()
     adequacy_of_parts: tuple[StoredEntry, ...] = ()
     statements: tuple[Any, ...] = ()
     studies: tuple[Any, ...] = ()
 
     @property
-    def by_id(self) -> dict[str, CaseRecord]:
+    def by_id(self) -> dict[str, Outcome]:
         """The cases by id."""
         return {case.id: case for case in self.cases}
 
 
 def run_record(
     header: Mapping[str, Any],
-    cases: Sequence[CaseRecord],
     outcomes: Sequence[Outcome],
     matrices: Sequence[Matrix],
     figures: Sequence[Figure] = (),
 ) -> RunRecord:
-    """Record of a run: its cases, matrices, statements and studies."""
+    """Record of a run: its comparisons, matrices, statements and studies."""
     return RunRecord(
         run=header,
-        cases=tuple(cases),
+        cases=tuple(outcomes),
         adequacy=tuple(record for matrix in matrices for record in stored_entries(matrix)),
         adequacy_of_parts=tuple(
             record
@@ -121,17 +69,62 @@ def run_record(
     )
 
 
-def case_record(outcome: Outcome) -> CaseRecord:
-    """A case with its measurement and outcome: each field from the last of them that has it."""
-    fields = {
-        name: getattr(source, name)
-        for source in (outcome.case, outcome.measurement, outcome)
-        for name in CaseRecord.__struct_fields__
-        if hasattr(source, name)
+def run_json(run: RunRecord) -> str:
+    """The run as the text of results.json."""
+    contents = asdict(run) | {"cases": [_case_object(outcome) for outcome in run.cases]}
+    # Written after every case, for which Python's own encoder would be too slow.
+    return msgspec.json.format(msgspec.json.encode(contents), indent=1).decode() + "\n"
+
+
+def _case_object(outcome: Outcome) -> dict[str, Any]:
+    """Object of "cases": the fields of declaration, measurement and outcome beside each other.
+
+    Without a measurement its keys are null, or empty.
+    """
+    found = outcome.measurement
+    numbers = json_object(found or Measurement(nan, nan, exact=True), "results.json")
+    if found is None:
+        numbers = {key: value if value in ((), {}) else None for key, value in numbers.items()}
+    return {
+        **json_object(outcome.case, "results.json"),
+        **numbers,
+        **json_object(outcome, "results.json"),
+        "error": found and found.difference,
+        "unexplained": found and found.unexplained,
+        "numerical_uncertainty": found and found.numerical_uncertainty,
+        "tolerance": outcome.tolerance,
     }
-    if outcome.measurement is not None:
-        fields["error"] = outcome.measurement.difference
-    return CaseRecord(**fields)
+
+
+def _outcome_data(case_object: Mapping[str, Any]) -> dict[str, Any]:
+    """Plain data of an `Outcome` from an object of "cases", the inverse of `_case_object`.
+
+    The tolerance is known as an amount. A null is an unknown number, or one that is not finite.
+    """
+    known = {key: _nan_for_null(value) for key, value in case_object.items() if value is not None}
+    tolerance = known.get("tolerance")
+    rule = {"kind": "absolute", "amount": tolerance} if tolerance is not None else None
+    half_width = known.get("numerical_uncertainty", None if known.get("exact", True) else nan)
+    numbers = {"judged_uncertainty": half_width, "exact": half_width is None}
+    is_measured = known.get("verdict") not in ("failed", "skipped")
+    return {
+        "seconds": 0.0,
+        **known,
+        "case": {"title": "", **known, "tolerance": rule},
+        "found": {"value": nan, "reference": nan, **known, **numbers} if is_measured else None,
+    }
+
+
+def _nan_for_null(data: Any) -> Any:
+    """Plain data with NaN for every null."""
+    match data:
+        case None:
+            return nan
+        case dict():
+            return {key: _nan_for_null(value) for key, value in data.items()}
+        case list():
+            return [_nan_for_null(value) for value in data]
+    return data
 
 
 def stored_entries(matrix: Matrix, part: str | UnsetType = UNSET) -> list[StoredEntry]:
@@ -174,8 +167,10 @@ def load_run(path: Path) -> RunRecord:
 def parse_run(content: bytes | str, source: str) -> RunRecord:
     """The run from the text of a results.json; `source` names it in messages."""
     try:
-        run = msgspec.json.decode(content, type=RunRecord)
-        largest = _largest(msgspec.to_builtins((run.cases, run.adequacy, run.adequacy_of_parts)))
+        data = msgspec.json.decode(content, type=dict[str, Any])
+        cases = msgspec.convert(data.get("cases"), tuple[dict[str, Any], ...])
+        run = msgspec.convert(data | {"cases": tuple(map(_outcome_data, cases))}, RunRecord)
+        largest = _largest([cases, data.get("adequacy"), data.get("adequacy_of_parts")])
     except (msgspec.MsgspecError, RecursionError, UnicodeDecodeError) as error:
         raise InputError(f"{source}: not a {_FILE} of flexproof: {error}") from error
     if largest > _LARGEST_NUMBER:

@@ -9,7 +9,6 @@ from typing import Any
 import msgspec
 
 from lumped.text import counted
-from validation.case import Case
 from validation.run.compare import RunComparison, compare, with_drift
 from validation.run.outcome import (
     AnyResult,
@@ -20,9 +19,9 @@ from validation.run.outcome import (
     from_plain,
     valid_result,
 )
-from validation.run.records import CaseRecord, RunRecord, case_record, parse_run, run_record
+from validation.run.records import RunRecord, parse_run, run_json, run_record
 from validation.studies_and_figures import Figure, PlannedFigure
-from validation.verdicts import ADEQUACY, MEASURED, Matrix
+from validation.verdicts import ADEQUACY, MEASURED, Assessment, Matrix
 
 _NOT_AGREEING: tuple[Verdict, ...] = ("disagree", "undecided", "failed", "skipped")
 _REFERENCE_TEXTS = {ADEQUACY: "by finite elements", MEASURED: "against measured values"}
@@ -102,16 +101,14 @@ def standing_of(
     strict: bool = False,
 ) -> Standing:
     """Verdict on the tasks, of which `done` has results by id."""
+    results = [done[task.id] for task in tasks if task.id in done]
     failed = [task for task in tasks if task.id in done and done[task.id].verdict == "failed"]
     matrices = [result.found for result in done.values() if isinstance(result.found, Matrix)]
     figures = sum(isinstance(task, PlannedFigure) for task in failed)
-    cases = sum(isinstance(task, Case) for task in failed)
     return Standing(
-        comparisons=Counter(
-            done[task.id].verdict for task in tasks if isinstance(task, Case) and task.id in done
-        ),
+        comparisons=Counter(result.verdict for result in results if isinstance(result, Outcome)),
         figures=figures,
-        assessments=len(failed) - figures - cases,
+        assessments=sum(isinstance(task, Assessment) for task in failed),
         unfinished=len(tasks) - len(done),
         faults=tuple(dict.fromkeys(fault for matrix in matrices for fault in matrix.all_faults)),
         refused=refused,
@@ -150,11 +147,13 @@ class Results:
 
     @property
     def outcomes(self) -> list[Outcome]:
-        """The outcomes in the order of the catalogue."""
+        """The outcomes in the order of the catalogue, with the drift from the baseline."""
+        earlier = self.baseline.by_id if self.baseline else {}
+        results = (self.done[task.id] for task in self.tasks if task.id in self.done)
         return [
-            Outcome(task, self.done[task.id])
-            for task in self.tasks
-            if isinstance(task, Case) and task.id in self.done
+            with_drift(result, earlier.get(result.id))
+            for result in results
+            if isinstance(result, Outcome)
         ]
 
     @property
@@ -198,12 +197,6 @@ class Results:
     def _matrix(self, name: str) -> Matrix | None:
         content = self.done[name].found if name in self.done else None
         return content if isinstance(content, Matrix) else None
-
-    @property
-    def records(self) -> list[CaseRecord]:
-        """Outcomes with the drift of their values from the baseline."""
-        earlier = self.baseline.by_id if self.baseline else {}
-        return [with_drift(case_record(o), earlier.get(o.case.id)) for o in self.outcomes]
 
     @property
     def no_longer_compared(self) -> dict[str, str]:
@@ -255,9 +248,5 @@ class Results:
 
     def as_json(self) -> str:
         """The text of results.json."""
-        # Written after every case, for which Python's own encoder would be too slow.
-        return msgspec.json.format(msgspec.json.encode(self._record()), indent=1).decode() + "\n"
-
-    def _record(self) -> RunRecord:
         header = dict(self.header) | {"unfinished": self.unfinished}
-        return run_record(header, self.records, self.outcomes, self.matrices, self.figures)
+        return run_json(run_record(header, self.outcomes, self.matrices, self.figures))

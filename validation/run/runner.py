@@ -15,7 +15,7 @@ from functools import partial
 from pathlib import Path
 from time import perf_counter
 from types import FrameType
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from lumped.errors import InputError
 from lumped.text import did_you_mean
@@ -23,7 +23,15 @@ from validation.case import OUT_OF_MEMORY, Case, Skip, failure_reason
 from validation.context import Context, Preset
 from validation.drawing.text import function_name
 from validation.run.executor import OutOfMemoryCrash, on_cores
-from validation.run.outcome import AnyResult, Record, Result, Task, judge, plain
+from validation.run.outcome import (
+    AnyResult,
+    Record,
+    Result,
+    Task,
+    judge,
+    outcome_of,
+    plain,
+)
 from validation.studies_and_figures import PlannedFigure
 from validation.verdicts import Assessment
 
@@ -92,16 +100,25 @@ def run(
         ) as answers,
     ):
         for name, answer in answers:
-            record = _failed(name, answer) if isinstance(answer, Exception) else answer
+            record = _failed(by_id[name], answer) if isinstance(answer, Exception) else answer
             keep(record)
             progress.finished(by_id[name], record)
 
 
-def _failed(name: str, error: Exception) -> Record:
+def _failed(task: Task, error: Exception) -> Record:
     """Record of a task whose process ended unexpectedly."""
     out_of_memory = isinstance(error, OutOfMemoryCrash)
     advice = f"; {OUT_OF_MEMORY}" if out_of_memory else " (log.txt may say more)"
-    return plain(Result(name, "failed", 0.0, f"{error}{advice}"))
+    return plain(_without_numbers(task, "failed", 0.0, f"{error}{advice}"))
+
+
+def _without_numbers(
+    task: Task, reached: Literal["failed", "skipped"], seconds: float, message: str
+) -> AnyResult:
+    """Result of a task that has no content, with the reason."""
+    if isinstance(task, Case):
+        return outcome_of(task, reached, seconds, message)
+    return Result(task.id, reached, seconds, message)
 
 
 def _groups(tasks: Sequence[Task]) -> list[list[str]]:
@@ -165,7 +182,7 @@ def execute(task: Task, context: Context) -> AnyResult:
         match task:
             case Case():
                 measurement = task.measure(context)
-                return judge(task, measurement, perf_counter() - start).result
+                return judge(task, measurement, perf_counter() - start)
             case PlannedFigure():
                 figure = task.draw(context)
                 named_figure = replace(figure, computed_by=(function_name(task.draw),))
@@ -176,6 +193,7 @@ def execute(task: Task, context: Context) -> AnyResult:
                 matrix = task.compute(context)
                 return Result(task.id, "made", perf_counter() - start, found=matrix)
     except Skip as reason:
-        return Result(task.id, "skipped", perf_counter() - start, str(reason))
+        return _without_numbers(task, "skipped", perf_counter() - start, str(reason))
     except Exception as error:  # noqa: BLE001  whatever happens in a task is its verdict
-        return Result(task.id, "failed", perf_counter() - start, failure_reason(task.id, error))
+        message = failure_reason(task.id, error)
+        return _without_numbers(task, "failed", perf_counter() - start, message)

@@ -15,7 +15,7 @@ from one_arm import LOADS, ONE_ARM
 from sound_biglide import SOUND
 
 import lumped.robots
-from validation.run.records import CaseRecord, RunRecord, StoredEntry
+from validation.run.records import StoredEntry
 
 _BUILT_IN = ("five-bar", "3-rrr", "delta", "orthoglide", "hexapod")
 _FOLDER = Path(lumped.robots.__file__).parent
@@ -180,11 +180,12 @@ def _measured(rng):
 
 
 _AGREED = {"verdict": "agree", "value": 1.0, "reference": 1.0, "tolerance": 0.1}
-_RUN = RunRecord(
-    run={"robot": "r", "preset": "quick", "robot_tables": {"a": [1.0, 2.0]}},
-    cases=tuple(CaseRecord(id=name, **_AGREED) for name in ("one", "two", "three")),
-    adequacy=(StoredEntry(model="beam", quantity="x", verdict="adequate", poses=((0.1,),)),),
-)
+_RUN = {
+    "schema": 1,
+    "run": {"robot": "r", "preset": "quick", "robot_tables": {"a": [1.0, 2.0]}},
+    "cases": [{"id": name, **_AGREED} for name in ("one", "two", "three")],
+    "adequacy": [StoredEntry(model="beam", quantity="x", verdict="adequate", poses=((0.1,),))],
+}
 
 
 def _results(rng):

@@ -4,8 +4,10 @@ Its matrix is like that of a robot whose legs are given by a 6×6.
 """
 
 import base64
+from dataclasses import replace
 from functools import cache
 
+import msgspec
 import numpy as np
 import toy_catalogue
 
@@ -14,7 +16,7 @@ from lumped.audit import Finding
 from validation.case import Absolute, Allowance, Measurement, Relation, Relative
 from validation.report.figures.studies import family_of, study_figure
 from validation.report.page import Report
-from validation.run.outcome import Outcome, Result, judge
+from validation.run.outcome import Result, judge, outcome_of
 from validation.run.results import Results
 from validation.studies_and_figures import Figure, PlannedFigure, Study
 from validation.verdicts import (
@@ -176,8 +178,13 @@ def measured(identifier, value, reference, *spreads, exact=True, **own):
     return judge(case(identifier, **own), found, 0.1)
 
 
+def redeclared(outcome, **own):
+    """The outcome with other fields of its case."""
+    return msgspec.structs.replace(outcome, case=replace(outcome.case, **own))
+
+
 def unmeasured(identifier, verdict, message):
-    return Outcome(case(identifier), Result(identifier, verdict, 0.2, message))
+    return outcome_of(case(identifier), verdict, 0.2, message)
 
 
 def sample_outcomes():
@@ -233,7 +240,7 @@ def sample_report(
     figures = (drawn(), FIG_5) if figures is None else figures
     made = {figure.id: figure for figure in figures} | {ADEQUACY: matrix, MEASURED: measured}
     lost = dict.fromkeys(missing, "no OpenGL") | (unjudged or {})
-    results = [outcome.result for outcome in outcomes]
+    results = list(outcomes)
     results += [Result(name, "made", 0.1, found=one) for name, one in made.items() if one]
     results += [Result(name, "failed", 0.1, why) for name, why in lost.items()]
     done = {result.id: result for result in results}

@@ -1,18 +1,27 @@
 """Cases: how they are declared, when they agree, and that every one is able to fail."""
 
+import json
 from dataclasses import replace
 from math import hypot, inf, isnan, nan
 
 import numpy as np
 import pytest
 import toy_catalogue
-from msgspec.json import encode
+from msgspec import to_builtins
 from perturbed import perturbed
 
-from validation.case import Absolute, Allowance, Elsewhere, Measurement, Relation, Relative
+from validation.case import (
+    Absolute,
+    Allowance,
+    Elsewhere,
+    Measurement,
+    Relation,
+    Relative,
+    UnjudgedValue,
+)
 from validation.case_group import CaseGroup, numbered
-from validation.run.outcome import judge
-from validation.run.records import case_record, parse_run, run_record
+from validation.run.outcome import from_plain, judge, outcome_of
+from validation.run.records import parse_run, run_json, run_record
 
 # Keys that interface.md fixes for an entry of "cases" in results.json.
 INTERFACE = {
@@ -94,27 +103,79 @@ def test_verdicts_of_random_measurements_follow_rule():
         assert outcome.verdict == wanted
         assert outcome.share == pytest.approx(wrong / limit, abs=1e-9)
         assert wanted != "agree" or perturbed(outcome, 4.5) == "disagree"
-        record = case_record(outcome)
-        assert (record.value, record.reference) == (measured.value, reference)
-        assert record.error == pytest.approx(sum(parts) + left)
-        assert record.unexplained == pytest.approx(left, abs=1e-12)
-        assert record.value_uncertainty == (own if number % 5 else None)
-        assert record.reference_uncertainty == other
-        assert record.numerical_uncertainty == pytest.approx(spread)
-        assert record.tolerance == pytest.approx(limit)
-        assert not record.exact
+        (record,) = written(outcome)["cases"]
+        assert (record["value"], record["reference"]) == (measured.value, reference)
+        assert record["error"] == pytest.approx(sum(parts) + left)
+        assert record["unexplained"] == pytest.approx(left, abs=1e-12)
+        assert record["value_uncertainty"] == (own if number % 5 else None)
+        assert record["reference_uncertainty"] == other
+        assert record["numerical_uncertainty"] == pytest.approx(spread)
+        assert record["tolerance"] == pytest.approx(limit)
+        assert not record["exact"]
+
+
+def written(*outcomes):
+    """The content of results.json."""
+    return json.loads(run_json(run_record({}, outcomes, ())))
 
 
 def test_record_has_only_finite_numbers():
     measurement = Measurement(nan, 10.0, inf, table={"x": (nan, 1.0), "name": ("a", "b")})
-    other = replace(EQUAL, id="toy.other")
-    judged = judge(EQUAL, measurement, 0.0), judge(other, exact(1.0), 0.0)
-    records = list(map(case_record, judged))
-    unknown, known = parse_run(encode(run_record({}, records, (), ())), "test").cases
-    assert set(unknown.__struct_fields__) >= INTERFACE
-    assert unknown.table == {"x": (None, 1.0), "name": ("a", "b")}
-    assert (unknown.value, unknown.error, unknown.numerical_uncertainty) == (None, None, None)
-    assert (known.exact, known.numerical_uncertainty) == (True, None)
+    other, lost = replace(EQUAL, id="toy.other"), replace(EQUAL, id="toy.lost")
+    outcomes = (
+        judge(EQUAL, measurement, 0.0),
+        judge(other, exact(1.0), 0.0),
+        outcome_of(lost, "failed", 0.0, "no licence"),
+    )
+    unknown, known, failed = written(*outcomes)["cases"]
+    assert set(unknown) == set(known) == set(failed) >= INTERFACE
+    assert unknown["table"] == {"x": [None, 1.0], "name": ["a", "b"]}
+    numbers = ("value", "error", "numerical_uncertainty")
+    assert [unknown[name] for name in numbers] == [None, None, None]
+    assert (known["exact"], known["numerical_uncertainty"]) == (True, None)
+    numbers = (*numbers, "reference", "unexplained", "exact", "tolerance", "value_uncertainty")
+    assert {failed[name] for name in numbers} == {None}
+    assert (failed["table"], failed["allowances"], failed["message"]) == ({}, [], "no licence")
+
+
+def test_comparison_is_read_back_as_written():
+    """All that results.json has; a tolerance is an amount there, an infinite half-width unknown."""
+    allowed = replace(EQUAL, tolerance=Relative(0.05), model="beam", relation=Relation.AT_MOST)
+    there = Elsewhere("x = 0.2 m", 1.1, 1.0, 0.01)
+    measurement = Measurement(
+        *(1.1, 1.0, 0.01, 0.02),
+        allowances=(Allowance("shear", 0.06, "Timoshenko"),),
+        notes=("a note",),
+        table={"x": (nan, 1.0)},
+        pose=(0.3,),
+        elsewhere=(there,),
+        shown=(UnjudgedValue("beam", "f1", "Hz", 2.0, 1.0),),
+    )
+    outcomes = (
+        judge(allowed, measurement, 2.5),
+        judge(replace(EQUAL, id="toy.wide"), Measurement(1.0, 1.0, inf), 0.0),
+        outcome_of(replace(EQUAL, id="toy.lost"), "skipped", 0.0, "no licence"),
+    )
+    read_back = parse_run(run_json(run_record({}, outcomes, ())), "test").cases
+    assert read_back[0].tolerance == pytest.approx(0.05)
+    assert isnan(read_back[1].measurement.numerical_uncertainty)
+    assert read_back[2].measurement is None
+    again = written(*read_back)["cases"]
+    assert again == written(*outcomes)["cases"]
+    # What a worker sends has everything.
+    assert from_plain(allowed, to_builtins(outcomes[0])).case == allowed.declaration
+
+
+@pytest.mark.parametrize("exact_as_written", [{}, {"exact": None}, {"exact": True}])
+def test_file_of_an_earlier_version_is_read(exact_as_written):
+    """Only id and verdict are required; a null is no number."""
+    numbers = {"value": 1.0, "reference": None, "numerical_uncertainty": None, "pose": []}
+    case = {"id": "old", "verdict": "disagree", **numbers, **exact_as_written}
+    content = json.dumps({"cases": [case, {"id": "bare", "verdict": "agree"}]})
+    old, bare = parse_run(content, "test").cases
+    assert (old.measurement.value, isnan(old.measurement.reference)) == (1.0, True)
+    assert old.measurement.numerical_uncertainty is None
+    assert isnan(bare.measurement.value)
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,5 @@
 """Agreement and convergence as items of pytest: names, verdicts, messages, one study per robot."""
 
-from dataclasses import replace
 from importlib.metadata import entry_points
 
 import pytest
@@ -13,7 +12,6 @@ from validation import api, pytest_plugin
 from validation.case import Allowance, Relative, Skip
 from validation.comparisons import convergence_cases
 from validation.comparisons.checks import agreement_text, checks, convergence_check
-from validation.run.outcome import judge
 
 pytest_plugins = ["pytester"]
 # An environment set up before the plugin was there knows it by its module alone.
@@ -102,10 +100,9 @@ def test_missing_comparison_is_skipped_with_its_reason(pytester):
 def test_agreement_text_has_every_number():
     """1.5 % off, 1.45 % of it explained: 0.05 % is left, of 0.1 %."""
     allowances = (Allowance("held end faces", 2.9),)
-    outcome = measured("beam", 203.0, 200.0, 0.02, exact=False, allowances=allowances)
     own = {"model": "beam", "label": "φx", "body": "leg1", "unit": "Hz"}
-    case = replace(outcome.case, **own, tolerance=Relative(0.001))
-    text = agreement_text(judge(case, outcome.measurement, 0.0))
+    own |= {"allowances": allowances, "tolerance": Relative(0.001)}
+    text = agreement_text(measured("beam", 203.0, 200.0, 0.02, exact=False, **own))
     assert text.splitlines()[0] == "leg1, phi_x by beam and by the solid: agree"
     for line in (
         "value        203 Hz",

@@ -9,7 +9,7 @@ from validation import api
 from validation.case import Allowance, Case, Measurement, Relative
 from validation.comparisons.requested import convergence
 from validation.cross_validation import CrossValidation
-from validation.run.outcome import Outcome, Result, judge
+from validation.run.outcome import judge, outcome_of
 
 ARM = """\
 schema = 2
@@ -54,7 +54,7 @@ def outcome(body, model, label, measurement, tolerance=0.01):
         body=body,
     )
     if measurement is None:
-        return Outcome(case, Result(case.id, "skipped", 0.0, "too large"))
+        return outcome_of(case, "skipped", 0.0, "too large")
     return judge(case, measurement, 0.0)
 
 

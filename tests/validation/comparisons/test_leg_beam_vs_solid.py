@@ -5,7 +5,7 @@ from functools import partialmethod
 
 import pytest
 from one_arm import ONE_ARM
-from report_sample import measured
+from report_sample import measured, redeclared
 from sound_biglide import SOUND
 from written_robot import robot_of
 
@@ -193,11 +193,12 @@ def test_free_ends_of_the_file_hold_nothing(tmp_path):
 
 
 def agreeing(model, label, value, reference, *allowances, body="leg1", **more):
-    outcome = measured(
-        f"{body}.{model}.{label}", value, reference, exact=True, allowances=allowances, **more
-    )
-    case = replace(
-        outcome.case,
+    return measured(
+        f"{body}.{model}.{label}",
+        value,
+        reference,
+        exact=True,
+        allowances=allowances,
         kind="agreement",
         model=model,
         label=label,
@@ -205,8 +206,8 @@ def agreeing(model, label, value, reference, *allowances, body="leg1", **more):
         unit="m/N",
         elements=0 if model == "vjm" else 20,
         tolerance=Relative(0.001),
+        **more,
     )
-    return judge(case, outcome.measurement, 0.0)
 
 
 def test_table_has_values_and_unexplained_differences():
@@ -252,9 +253,7 @@ def test_convergence_sentence_states_the_largest_error():
     outcomes = [
         measured(f"c{value}", value, 0.01, tolerance=Relative(0.5)) for value in (0.002, 0.007)
     ]
-    told = [
-        replace(one, case=replace(one.case, kind="convergence", elements=20)) for one in outcomes
-    ]
+    told = [redeclared(one, kind="convergence", elements=20) for one in outcomes]
     assert convergence_sentence(told) == "20 elements: at most 0.7\N{NO-BREAK SPACE}%."
     assert convergence_sentence(outcomes) == ""
 

@@ -223,7 +223,7 @@ def test_maps_are_planned_for_grids_only(five_bar):
     assert "mechanism.maps" not in {task.id for task in catalogue(load_robot("five-bar"))}
     record = plain(Result("mechanism.maps", "made", 1.0, found=figure))
     restored = from_plain(planned["mechanism.maps"], record).found
-    assert run_record({}, (), (), (), [restored]).studies == figure.studies
+    assert run_record({}, (), (), [restored]).studies == figure.studies
 
 
 def test_star_is_in_slice_nearest_to_worst_posture():

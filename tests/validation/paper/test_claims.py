@@ -151,7 +151,7 @@ def test_statement_values_match_table_and_can_disagree(outcomes):
 
 
 def test_results_and_report_have_all_statements(outcomes, claims):
-    records = run_record({}, (), outcomes, ()).statements
+    records = run_record({}, outcomes, ()).statements
     assert [record["statement"] for record in records] == list(claims)
     assert {"as_printed", "as_corrected"} <= set(records[0]["curves"][0])
     table = StatementTable(tuple(claims.values()))

@@ -8,12 +8,11 @@ import csv
 import io
 import re
 from base64 import b64decode
-from dataclasses import replace
 
 import msgspec
 import numpy as np
 import pytest
-from report_sample import measured, sample_report, unmeasured
+from report_sample import measured, redeclared, sample_report, unmeasured
 
 from validation.case import Allowance, Relative
 from validation.report.agreement import (
@@ -23,7 +22,6 @@ from validation.report.agreement import (
 )
 from validation.report.agreement_parts import agreement_rows
 from validation.report.page import render
-from validation.run.outcome import judge
 from validation.studies_and_figures import AGREEMENT
 
 MODELS = {"vjm": "VJM", "links": "Links", "segments": "Segments (20)", "beam": "Beam FE (20)"}
@@ -54,7 +52,7 @@ def drawn_outcomes(seed):
                 if draw.random() < 0.2:
                     verdict = str(draw.choice(["skipped", "failed"]))
                     lost = unmeasured(identifier, verdict, f"reason {draw.integers(2)}")
-                    outcomes.append(replace(lost, case=replace(lost.case, **own)))
+                    outcomes.append(redeclared(lost, **own))
                     continue
                 # The sum of all amounts is what value and reference differ by.
                 parts = reference * draw.normal(size=len(CAUSES)) * draw.choice([1e-6, 0.02])
@@ -70,8 +68,9 @@ def drawn_outcomes(seed):
                         Allowance(cause, float(part))
                         for cause, part in zip(CAUSES, parts, strict=True)
                     ),
+                    **own,
                 )
-                outcomes.append(judge(replace(outcome.case, **own), outcome.measurement, 0.0))
+                outcomes.append(outcome)
     return outcomes
 
 
@@ -232,9 +231,7 @@ def test_csv_of_comparisons_equals_their_outcomes(outcomes):
 
 
 def test_page_and_run_folder_have_csv_of_comparisons():
-    outcomes = [
-        replace(one, case=replace(one.case, section=AGREEMENT, group="bodies")) for one in DRAWN[0]
-    ]
+    outcomes = [redeclared(one, section=AGREEMENT, group="bodies") for one in DRAWN[0]]
     report = sample_report(outcomes=outcomes)
     markup = render(report)
     encoded = re.search(r'download="cross-validation\.csv" href="data:[^,]*base64,([^"]+)"', markup)
@@ -339,12 +336,11 @@ def test_sentence_counts_decided_comparisons(outcomes):
 
 @pytest.mark.parametrize("verdict", ["undecided", "failed"])
 def test_all_agree_only_if_all_are_decided(verdict):
-    good = measured("good", 1.0001, 1.0)
-    case = replace(good.case, kind="agreement", model="beam", tolerance=Relative(TOLERANCE))
-    good = judge(case, good.measurement, 0.0)
+    own = {"kind": "agreement", "model": "beam", "tolerance": Relative(TOLERANCE)}
+    good = measured("good", 1.0001, 1.0, **own)
     start = "Beam FE agree with solid FE of the same legs within 0.01"
     assert agreement_sentence([good]).startswith(start)
-    other = replace(good, result=msgspec.structs.replace(good.result, verdict=verdict))
+    other = msgspec.structs.replace(good, verdict=verdict)
     sentence = agreement_sentence([good, other])
     assert sentence.endswith(f"; of the other comparisons 1 {verdict}.")
     assert agreement_sentence([other]) == (
@@ -356,7 +352,7 @@ def test_all_agree_only_if_all_are_decided(verdict):
 def test_convergence_sentence_is_of_the_stated_count():
     errors = {15: (0.002, 0.007), 0: (0.4,)}
     outcomes = [
-        replace(one, case=replace(one.case, kind="convergence", elements=elements))
+        redeclared(one, kind="convergence", elements=elements)
         for elements, values in errors.items()
         for one in (measured(f"{elements}.{value}", value, 0.01) for value in values)
     ]

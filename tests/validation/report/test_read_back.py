@@ -403,7 +403,7 @@ def test_lines_sum_and_junit_say_the_verdicts():
     outcomes.append(unmeasured("left out", "skipped", "nothing to compare"))
     outcomes.append(measured("open", 2.1, 2.0, 0.3, exact=False, **own))
     assert outcomes[-1].verdict == "undecided"
-    results = {one.case.id: one.result for one in outcomes}
+    results = {one.id: one for one in outcomes}
     standing = standing_of([one.case for one in outcomes], results)
     assert standing.sentence == (
         "3 of 9 comparisons agree, 4 disagree, 1 undecided, 1 failed, 1 skipped."

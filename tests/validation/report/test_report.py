@@ -16,6 +16,7 @@ from report_sample import (
     drawn,
     measured,
     never,
+    redeclared,
     sample_outcomes,
     sample_report,
     unmeasured,
@@ -288,9 +289,7 @@ def test_cross_validation_leads_the_page_unfolded():
 def test_section_of_skipped_comparisons_has_reasons():
     """Each reason once, with the bodies that it is about; none if anything was compared."""
     skipped = tuple(
-        replace(one, case=replace(one.case, body=name))
-        for name in ("rod", "crank")
-        for one in [unmeasured(name, "skipped", "too large")]
+        redeclared(unmeasured(name, "skipped", "too large"), body=name) for name in ("rod", "crank")
     )
     section = PageSection("Convergence with mesh", skipped, (), plotted=False)
     assert section.skipped == ("rod, crank: too large",)

@@ -1,20 +1,34 @@
 """Two runs side by side, references apart from earlier values. The numbers are made up."""
 
+import dataclasses
 import json
 import re
 from itertools import permutations
 
 import numpy as np
 import pytest
-from msgspec.json import encode
 from msgspec.structs import replace
 
 from lumped.errors import InputError
+from validation.case import Absolute, Declaration, Measurement
 from validation.run.compare import as_dict, as_text, compare, drift, with_drift
-from validation.run.records import CaseRecord, RunRecord, StoredEntry, load_run
+from validation.run.outcome import Outcome
+from validation.run.records import RunRecord, StoredEntry, load_run, run_json
 
 CASE = {"id": "steady", "verdict": "agree"}
-STEADY = CaseRecord(**CASE, value=1.0, reference=1.0, tolerance=0.1, seconds=1.0)
+STEADY = Outcome(
+    **CASE,
+    seconds=1.0,
+    found=Measurement(1.0, 1.0, exact=True),
+    case=Declaration(id="steady", title="", tolerance=Absolute(0.1)),
+)
+
+
+def moved(half_width=None, **numbers):
+    """The steady case with these numbers of a measurement."""
+    exact = half_width is None
+    own = {"value": 1.0, "reference": 1.0, "judged_uncertainty": half_width, "exact": exact}
+    return replace(STEADY, found=Measurement(**own | numbers))
 
 
 def run_of(*cases, adequacy=(), **header):
@@ -24,7 +38,7 @@ def run_of(*cases, adequacy=(), **header):
 @pytest.fixture
 def saved(tmp_path):
     def save(name, *cases, **more):
-        (tmp_path / name).write_bytes(encode(run_of(*cases, **more)))
+        (tmp_path / name).write_text(run_json(run_of(*cases, **more)))
         return tmp_path / name
 
     return save
@@ -62,9 +76,10 @@ def test_changes_of_verdicts_and_cases_are_listed():
     ],
 )
 def test_drift_is_what_exceeds_the_uncertainty(values, uncertainties, beyond):
-    known = {} if values[0] == 1.0 else {"reference": 0.0, "tolerance": 1e-9}
+    known = {} if values[0] == 1.0 else {"reference": 0.0}
+    case = Declaration(id="steady", title="", tolerance=Absolute(1e-9 if known else 0.1))
     before, after = (
-        replace(STEADY, value=value, numerical_uncertainty=uncertainty, **known)
+        replace(moved(uncertainty, value=value, **known), case=case)
         for value, uncertainty in zip(values, uncertainties, strict=True)
     )
     assert drift(before, after).beyond is beyond
@@ -73,7 +88,7 @@ def test_drift_is_what_exceeds_the_uncertainty(values, uncertainties, beyond):
     # Where the reference is zero, a thousandth of the tolerance is rounding.
     rounding = 1e-12 if known else 1e-9 * max(values)
     allowed = max([rounding, *(one for one in uncertainties if one is not None)])
-    assert (written.value, written.earlier) == values[::-1]
+    assert (written.measurement.value, written.earlier) == values[::-1]
     assert written.drift == values[1] - values[0]
     assert written.drift_allowed == pytest.approx(allowed)
     assert written.drifted is beyond
@@ -82,9 +97,9 @@ def test_drift_is_what_exceeds_the_uncertainty(values, uncertainties, beyond):
 
 def test_text_and_json_have_exactly_the_changes():
     before = run_of(STEADY, replace(STEADY, id="worse"), replace(STEADY, id="gone"))
-    moved = replace(STEADY, value=1.25, numerical_uncertainty=0.02, seconds=3.5, unit="Hz")
+    case = dataclasses.replace(STEADY.case, unit="Hz")
     after = run_of(
-        replace(moved, reference=0.5),
+        replace(moved(0.02, value=1.25, reference=0.5), case=case, seconds=3.5),
         replace(STEADY, id="worse", verdict="disagree"),
         replace(STEADY, id="came"),
         preset="fine",
@@ -111,7 +126,7 @@ def test_text_and_json_have_exactly_the_changes():
 def test_compare_ends_with_1_when_a_verdict_worsened(tmp_path, saved, command):
     (tmp_path / "bad").mkdir()
     good = saved("good.json", STEADY)
-    saved("bad/results.json", replace(STEADY, verdict="failed", value=None))
+    saved("bad/results.json", replace(STEADY, verdict="failed", found=None))
     command.told("compare", good, good)
     said = command.told("compare", good, tmp_path / "bad", code=1)
     assert "agree   failed  steady" in said
@@ -229,7 +244,7 @@ def test_variants_differ_in_input_without_drift():
         adequacy=(judged("x", "adequate", 1.0, 2.0, 3.0), judged("y", "adequate", 1.0)),
     )
     thin = run_of(
-        replace(STEADY, value=2.0),
+        moved(value=2.0),
         robot_tables=tables[1],
         adequacy=(judged("x", "inadequate", 1.5, None, 4.0), judged("f1", "adequate")),
     )
@@ -257,15 +272,15 @@ def test_variants_differ_in_input_without_drift():
 
 
 def test_values_of_two_postures_are_not_compared():
-    at_start = replace(STEADY, pose=(0.21,))
-    here, there = (replace(STEADY, value=2.0, pose=(x,)) for x in (0.21, 0.6))
+    at_start = moved(pose=(0.21,))
+    here, there = (moved(value=2.0, pose=(x,)) for x in (0.21, 0.6))
     assert drift(at_start, here).beyond
     assert drift(at_start, there) is None
 
 
 def test_different_robots_are_neither_better_nor_worse(saved, tmp_path, command):
     """Cases of one name in runs of two robots have nothing to do with each other."""
-    wrong = replace(STEADY, verdict="disagree", value=9.0)
+    wrong = replace(moved(value=9.0), verdict="disagree")
     first = saved("first.json", wrong, robot="five-bar", robot_tables={"a": 1})
     second = saved("second.json", STEADY, robot="delta", robot_tables={"b": 1})
     for pair in ((first, second), (second, first)):

@@ -17,7 +17,7 @@ from validation.console import progress as telling
 from validation.report.listing import junit_xml
 from validation.run import progress, runner
 from validation.run.folder import open_folder
-from validation.run.outcome import Outcome, Result
+from validation.run.outcome import outcome_of
 from validation.validate import Request, validate
 
 
@@ -131,7 +131,7 @@ def test_patterns_take_brackets_literally(robot_file):
 
 def test_control_characters_in_messages_give_valid_xml():
     case = toys.case("toy.escape", toys.agrees)
-    text = junit_xml([Outcome(case, Result(case.id, "failed", 0.0, "\x1b[31mred\x00 <&>"))], "toys")
+    text = junit_xml([outcome_of(case, "failed", 0.0, "\x1b[31mred\x00 <&>")], "toys")
     error = ET.fromstring(text).find("testsuite/testcase/error")  # noqa: S314  our own
     assert error.get("message") == "?[31mred? <&>"
 

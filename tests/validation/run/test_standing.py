@@ -7,8 +7,9 @@ import pytest
 from report_sample import HEADER, entry, never, sample_matrix, sample_report
 from toy_catalogue import case
 
+from validation.case import Case
 from validation.report.summary import adequacy, verdicts
-from validation.run.outcome import Result
+from validation.run.outcome import Result, outcome_of
 from validation.run.results import Results, standing_of
 from validation.studies_and_figures import PlannedFigure
 from validation.verdicts import ADEQUACY, MEASURED, Assessment
@@ -18,10 +19,17 @@ MODELS = Assessment(ADEQUACY, "", never)
 CASES = [case(f"toy[{k}]", never) for k in range(3)]
 
 
+def result(task, verdict, message=""):
+    """The result of a task without content."""
+    if isinstance(task, Case):
+        return outcome_of(task, verdict, 0.1, message)
+    return Result(task.id, verdict, 0.1, message)
+
+
 def results(tasks, *verdicts, **fields):
     """The results of tasks that have these verdicts; without one a task is not computed."""
     done = {
-        task.id: Result(task.id, verdict, 0.1, "why")
+        task.id: result(task, verdict, "why")
         for task, verdict in zip(tasks, verdicts, strict=False)
     }
     return Results(HEADER, tasks, done=done, **fields)
@@ -81,9 +89,7 @@ def test_model_that_ends_with_an_error_is_a_failure():
 def test_no_run_that_fails_says_that_all_is_well():
     kinds = [CASES[0], CASES[1], FIGURE, MODELS]
     for said in product(["agree", "skipped", "failed", None], repeat=len(kinds)):
-        done = {
-            task.id: Result(task.id, one, 0.1) for task, one in zip(kinds, said, strict=True) if one
-        }
+        done = {task.id: result(task, one) for task, one in zip(kinds, said, strict=True) if one}
         standing = standing_of(kinds, done)
         troubled = "failed" in said or None in said
         assert (standing.exit_code == 3) is troubled
@@ -97,7 +103,7 @@ def test_failures_of_one_reason_share_a_line():
     lines = [line for line in verdicts(found) if line.startswith("failed")]
     assert lines == ["failed    toy[0] and 1 more: why"]
     # Another reason or verdict has a line of its own.
-    other = found.done | {CASES[2].id: Result(CASES[2].id, "failed", 0.1, "another reason")}
+    other = found.done | {CASES[2].id: result(CASES[2], "failed", "another reason")}
     lines = verdicts(replace(found, done=other))
     assert lines[:2] == ["failed    toy[0]: why", "failed    toy[2]: another reason"]
 

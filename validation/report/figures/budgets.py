@@ -14,7 +14,6 @@ import numpy as np
 from validation.case import Measurement
 from validation.drawing.chart import Bars, Chart, Panel, Series, around_zero
 from validation.drawing.figures import drawn_figure
-from validation.drawing.text import function_name
 from validation.run.outcome import Outcome
 from validation.studies_and_figures import Figure
 
@@ -36,7 +35,7 @@ def budget_figure(
     ]
     if not budgeted:
         return None
-    makers = tuple(dict.fromkeys(function_name(outcome.case.compute) for outcome, _ in budgeted))
+    makers = tuple(dict.fromkeys(outcome.computed_by for outcome, _ in budgeted))
     return drawn_figure(budget_curves(budgeted), identifier, title, section, makers)
 
 

@@ -9,7 +9,6 @@ import numpy as np
 from lumped.arrays import Array
 from validation.drawing.chart import Chart, Column, Panel, Series, refined
 from validation.drawing.figures import drawn_figure
-from validation.drawing.text import function_name
 from validation.report.figures.meshes import mesh_curves
 from validation.run.outcome import Outcome
 from validation.studies_and_figures import Figure, Study
@@ -74,7 +73,7 @@ def families(outcomes: Sequence[Outcome]) -> tuple[Family, ...]:
         for study in outcome.measurement.studies if outcome.measurement else ():
             key = study.family or study.id
             studies_by_key.setdefault(key, {})[study.id] = study
-            makers.setdefault(key, []).append(function_name(outcome.case.compute))
+            makers.setdefault(key, []).append(outcome.computed_by)
     return tuple(
         replace(family_of(members.values()), computed_by=tuple(dict.fromkeys(makers[key])))
         for key, members in studies_by_key.items()
