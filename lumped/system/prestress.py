@@ -24,22 +24,16 @@ from collections.abc import Mapping
 from typing import Protocol
 
 import numpy as np
-from scipy.linalg import null_space
 
 from lumped.arrays import Array
-from lumped.mechanism.free_twists import (
-    free_twists,
-    interface_position,
-    rotation_since_reference,
-)
+from lumped.mechanism.free_twists import free_twists, interface_position
 from lumped.mechanism.joint import Joint
 from lumped.mechanism.load import Loading
 from lumped.mechanism.mechanism import GROUND
-from lumped.screws import shift, skew, turn
+from lumped.screws import shift, skew
 from lumped.system.assembly import System
-from lumped.system.joint_motion import Portion, elastic_directions
-from lumped.system.loads import work_on
-from lumped.system.solution import Solved, idle_accelerations, without_idle
+from lumped.system.reactions import internal_forces
+from lumped.system.solution import Solved
 
 
 class Prestressed(Protocol):
@@ -69,41 +63,19 @@ def geometric_stiffness(
     geometric stiffness.
     """
     system = solution.system
-    work = work_on(system, load)[:, None]
-    displacements = solution.displacements(without_idle(solution, work))[:, 0]
-    idle_acceleration = idle_accelerations(solution, work)[:, 0]
+    forces = internal_forces(solution, load)
     total = np.zeros((system.size, system.size))
     outer = total[: system.outer, : system.outer]
-    # Wrenches of the joints on the nodes: elastic and inertia forces of the bodies minus the load.
-    node_wrenches = np.zeros((len(system.motions.places), 6))
-    for name, model in system.models.items():
-        body_displacements, inside, ends = (
-            system.body_unknowns(name, displacements),
-            system.inside[name],
-            system.ends[name],
-        )
+    for name, body_forces in forces.bodies.items():
+        inside, ends = system.inside[name], system.ends[name]
         count = len(ends)
-        forces = (model.stiffness @ body_displacements)[:count]
-        # The inertia of the bodies balances a load along an idle motion.
-        inertia = (model.mass @ system.body_unknowns(name, idle_acceleration))[:count]
-        frame = system.posture.frames[name]
-        for point, wrench in zip(
-            system.posture.mechanism.bodies[name].interfaces,
-            (forces + inertia).reshape(-1, 6),
-            strict=True,
-        ):
-            node_wrenches[system.motions.structure.node(name, point)] += (
-                turn(frame.rotation) @ wrench
-            )
         if name not in bodies:
             interfaces = system.posture.mechanism.bodies[name].interfaces.values()
             positions = np.array([interface.position for interface in interfaces])
-            outer += _rotating_body(ends, positions, forces)
+            outer += _rotating_body(ends, positions, body_forces.elastic)
             continue
         spins = _spins(ends @ solution.motions[: system.outer])
-        body_stiffness = bodies[name](
-            forces, _distributed_load(system, name, load) - inertia, spins=spins
-        )
+        body_stiffness = bodies[name](body_forces.elastic, body_forces.distributed, spins=spins)
         outer += ends.T @ body_stiffness[:count, :count] @ ends
         total[: system.outer, inside] += ends.T @ body_stiffness[:count, count:]
         total[inside, inside] += body_stiffness[count:, count:]
@@ -111,10 +83,8 @@ def geometric_stiffness(
         node = system.motions.structure.node(applied.body, applied.point)
         if applied.body != GROUND:
             outer += _at_arm(system, node, applied.position, applied.wrench)
-            arm = applied.position - system.motions.places[node]
-            node_wrenches[node] -= shift(arm).T @ applied.wrench
-    for joint, wrench in _joint_wrenches(system, node_wrenches, displacements, load):
-        outer += _joint_stiffness(system, joint, wrench)
+    for transmitted in forces.joints:
+        outer += _joint_stiffness(system, transmitted.joint, transmitted.wrench)
     total[system.outer :, : system.outer] = total[: system.outer, system.outer :].T
     return _without_idle_parts(solution, 0.5 * (total + total.T))
 
@@ -144,16 +114,6 @@ def _without_idle_parts(solution: Solved, geometric: Array) -> Array:
     projection = np.eye(len(idle))
     projection[:, :outer] -= idle @ part
     return np.asarray(projection.T @ geometric @ projection)
-
-
-def _distributed_load(system: System, body: str, load: Loading) -> Array:
-    """Gravity and inertia forces on a body, at its interfaces (6m, body axes)."""
-    points = list(system.posture.mechanism.bodies[body].interfaces)
-    wrenches = np.zeros((len(points), 6))
-    for applied in load.body_wrenches:
-        if applied.body == body:
-            wrenches[points.index(applied.point)] += applied.wrench
-    return (wrenches @ turn(system.posture.frames[body].rotation)).ravel()
 
 
 def _arm_hessian(force: Array, arm: Array) -> Array:
@@ -197,79 +157,6 @@ def _rotating_body(ends: Array, positions: Array, forces: Array) -> Array:
             - mean_rotation.T @ _arm_hessian(wrench[:3], arm) @ mean_rotation
         )
     return total
-
-
-def _joint_wrenches(
-    system: System, node_wrenches: Array, displacements: Array, load: Loading
-) -> list[tuple[Joint, Array]]:
-    """Wrenches (6, base axes) of all joints on their second bodies, at their first interfaces.
-
-    They add up to `node_wrenches` (N×6) on the nodes and do no work on passive free twists. In
-    loops of rigid bodies they are not unique. There the wrenches of elastic joints follow from
-    their strain under `displacements` (n unknowns), and those of rigid joints are the smallest
-    possible ones.
-    """
-    motions = system.motions
-    joints = motions.structure.mechanism.joints
-    length = motions.structure.length
-    unit = np.array([1.0] * 3 + [1.0 / length] * 3)
-    rows = np.zeros((len(node_wrenches), 6, len(joints), 6))
-    passive = []
-    for number, joint in enumerate(joints):
-        position = interface_position(system.posture, joint.first)
-        for side, sign in ((joint.first, -1.0), (joint.second, 1.0)):
-            if side.body != GROUND:
-                node = motions.structure.node(side.body, side.point)
-                arm = shift(position - motions.places[node]).T
-                rows[node, :, number] += sign * unit[:, None] * arm / unit
-        free = free_twists(system.posture, joint)[:, int(joint.drive is not None) :]
-        rows_of_joint = np.zeros((free.shape[1], len(joints), 6))
-        rows_of_joint[:, number] = free.T / unit
-        passive.append(rows_of_joint / np.linalg.norm(rows_of_joint, axis=(1, 2), keepdims=True))
-    size = 6 * len(joints)
-    known_wrenches = (node_wrenches * unit).ravel()
-    conditions = np.vstack([rows.reshape(-1, size), np.vstack(passive).reshape(-1, size)])
-    right_side = np.concatenate([known_wrenches, np.zeros(len(conditions) - len(known_wrenches))])
-    joint_wrenches = np.linalg.lstsq(conditions, right_side)[0]
-    null_basis = null_space(conditions, rcond=_DEPENDENT)
-    if null_basis.size:
-        rows, right_side = _spring_wrenches(system, displacements, load, unit)
-        missing = right_side - rows @ joint_wrenches
-        joint_wrenches += null_basis @ np.linalg.lstsq(rows @ null_basis, missing)[0]
-    return list(zip(joints, joint_wrenches.reshape(-1, 6) / unit, strict=True))
-
-
-def _spring_wrenches(
-    system: System, displacements: Array, load: Loading, unit: Array
-) -> tuple[Array, Array]:
-    """Equations for the wrenches of elastic joints: matrix (e×6j) and right-hand side (e).
-
-    The matrix selects components of the wrenches of all j joints, multiplied by `unit` (6).
-    Wrenches under which a joint is rigid do not follow from its strain.
-    """
-    joints = system.motions.structure.mechanism.joints
-    rows, values = [np.zeros((0, len(joints), 6))], [np.zeros(0)]
-    for number, joint in enumerate(joints):
-        directions, rotor = np.zeros((0, 6)), load.rotor_forces.get(joint.name, 0.0)
-        if joint.compliance is not None and not rotor:
-            first, second = (
-                rotation_since_reference(system.posture, side.body)
-                for side in (joint.first, joint.second)
-            )
-            wrenches = turn(first) @ system.wrenches(joint, displacements[:, None])[:, 0]
-            elastic = elastic_directions(joint, first, second)[0].T
-            values.append(-elastic @ wrenches)
-            directions = elastic / unit
-        elif joint.compliance is None and joint.drive is not None and joint.drive.stiffness:
-            directions = free_twists(system.posture, joint)[:, :1].T / unit
-            strain = (
-                system.motions.springs[Portion(joint.name, "drive")] @ displacements[: system.outer]
-            )
-            values.append(rotor - np.sqrt(joint.drive.stiffness) * strain)
-        rows_of_joint = np.zeros((len(directions), len(joints), 6))
-        rows_of_joint[:, number] = directions
-        rows.append(rows_of_joint)
-    return np.vstack(rows).reshape(-1, 6 * len(joints)), np.concatenate(values)
 
 
 def _joint_stiffness(system: System, joint: Joint, wrench: Array) -> Array:

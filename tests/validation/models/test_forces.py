@@ -1,0 +1,325 @@
+"""Reactions of joints and forces of drives: statics by hand, equilibrium and virtual work."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from random_mechanisms import random_posture
+from written_robot import described
+
+from lumped.mechanism.body import Rigid
+from lumped.mechanism.free_twists import free_twists, interface_position
+from lumped.mechanism.joint import Side
+from lumped.mechanism.kinematics.accelerations import accelerations
+from lumped.mechanism.kinematics.postures import posture, reference_posture
+from lumped.mechanism.load import Load
+from lumped.mechanism.mechanism import GROUND
+from lumped.robot_file import load_robot
+from lumped.system.reactions import joint_axes
+from validation.models.loads.forces import load_forces
+from validation.models.options import ModelOptions
+
+E, RHO, L, B, H = 2.0e11, 7800.0, 2.0, 0.05, 0.1
+Q = RHO * B * H * 9.81
+STEEL = f"{{ E = {E}, nu = 0.0, rho = {RHO} }}"
+BAR = f'section = {{ shape = "rectangle", width = {B}, height = {H} }}, material = {STEEL}'
+CANTILEVER = f"""
+schema = 2
+name = "cantilever"
+points = {{ A = [0.0, 0.0, 0.0], P = [{L}, 0.0, 0.0] }}
+bodies.bar = {{ from = "A", to = "P", {BAR} }}
+joints.clamp = {{ type = "fixed", between = ["ground", "bar"], at = "A" }}
+tool = {{ body = "bar", point = "P", moves = [] }}
+"""
+# A beam of two equal halves; RIGHT is its right support.
+BEAM = f"""
+schema = 2
+name = "beam"
+points = {{ A = [0.0, 0.0, 0.0], M = [{L / 2}, 0.0, 0.0], B = [{L}, 0.0, 0.0] }}
+bodies.left = {{ from = "A", to = "M", {BAR} }}
+bodies.right = {{ from = "M", to = "B", {BAR} }}
+joints.weld = {{ type = "fixed", between = ["left", "right"], at = "M" }}
+joints.a = {{ type = "LEFT", between = ["ground", "left"], at = "A" }}
+joints.b = {{ type = "RIGHT", between = ["ground", "right"], at = "B" }}
+tool = {{ body = "left", point = "M", moves = [] }}
+"""
+# Two pinned bars, from (0, 0) and (4, 0) to their common pin at (4, 3): lengths 5 and 3.
+TRIANGLE = f"""
+schema = 2
+name = "triangle"
+points = {{ A = [0.0, 0.0, 0.0], B = [4.0, 0.0, 0.0], P = [4.0, 3.0, 0.0] }}
+bodies.long = {{ from = "A", to = "P", {BAR} }}
+bodies.short = {{ from = "B", to = "P", {BAR} }}
+joints.a = {{ type = "revolute", between = ["ground", "long"], at = "A", axis = [0, 0, 1] }}
+joints.b = {{ type = "revolute", between = ["ground", "short"], at = "B", axis = [0, 0, 1] }}
+joints.p = {{ type = "revolute", between = ["long", "short"], at = "P", axis = [0, 0, 1] }}
+tool = {{ body = "long", point = "P", moves = [] }}
+"""
+# A carriage on two slides along x, each with a drive of its own, one behind a bar.
+SHARED = f"""
+schema = 2
+name = "shared"
+points = {{ A = [0.0, 0.0, 0.0], B = [{L}, 0.0, 0.0] }}
+bodies.carriage = {{ points = ["B"] }}
+bodies.foot = {{ points = ["A"] }}
+bodies.bar = {{ from = "A", to = "B", {BAR} }}
+joints.weld = {{ type = "fixed", between = ["bar", "carriage"], at = "B" }}
+joints.seat = {{ type = "fixed", between = ["foot", "bar"], at = "A" }}
+[joints.far]
+type = "prismatic"
+between = ["ground", "foot"]
+at = "A"
+axis = [1, 0, 0]
+drive = {{ stiffness = 3.0e8 }}
+[joints.near]
+type = "prismatic"
+between = ["ground", "carriage"]
+at = "B"
+axis = [1, 0, 0]
+drive = {{ stiffness = 1.0e8 }}
+[tool]
+body = "carriage"
+point = "B"
+moves = ["x"]
+"""
+ROBOTS = ("ifw", "five-bar", "3-rrr", "delta", "orthoglide", "hexapod")
+GRAVITY = np.array([1.0, 2.0, -9.81])
+WEIGHT = {"gravity": np.array([0.0, 0.0, -9.81])}
+
+
+def under(mechanism, *, model="beam", pose=(), **load):
+    """The posture, and the reactions by joint, under one load at the loaded point."""
+    tool = mechanism.tool
+    robot = replace(mechanism, loads=(Load("load", tool.body, tool.point, **load),))
+    at = posture(robot, np.array(pose)) if len(pose) else reference_posture(robot)
+    ((forces,),) = load_forces(model, [at])
+    return at, {one.joint: one for one in forces.reactions}
+
+
+@pytest.mark.parametrize("model", ["vjm", "links", "segments", "beam", "solid"])
+def test_cantilever_reaction_balances_tip_force_and_weight(model):
+    """R = P + qL, M = PL + qL²/2, and the torque of the tip as it is."""
+    wrench = np.array([5.0, 7.0, -11.0, 13.0, 0.0, 0.0])
+    _, reactions = under(described(CANTILEVER), model=model, wrench=wrench, **WEIGHT)
+    weight = Q * L
+    due = [-5.0, -7.0, 11.0 + weight, -13.0, -11.0 * L - weight * L / 2.0, -7.0 * L]
+    found = reactions["clamp"]
+    # Masses of solids are integrated on meshes of straight cells: exact for rectangles.
+    np.testing.assert_allclose(found.wrench, due, rtol=1e-9, atol=1e-9 * weight * L)
+    assert (found.half_width <= 1e-9 * weight * L).all()
+    assert found.drive is None
+
+
+@pytest.mark.parametrize("model", ["links", "beam"])
+def test_clamped_beam_carries_weight_by_equal_moments(model):
+    """R = qL/2 and M = qL²/12 at both ends, with and without shear deformation (symmetry)."""
+    beam = described(BEAM.replace("LEFT", "fixed").replace("RIGHT", "fixed"))
+    _, reactions = under(beam, model=model, **WEIGHT)
+    shear, moment = Q * L / 2.0, Q * L**2 / 12.0
+    for joint, sign in (("a", -1.0), ("b", 1.0)):
+        due = [0.0, 0.0, shear, 0.0, sign * moment, 0.0]
+        np.testing.assert_allclose(reactions[joint].wrench, due, atol=1e-9 * moment)
+
+
+def test_propped_beam_reaction_is_three_eighths():
+    """R_B = 3qL/8 of Euler and Bernoulli's beam, by equal deflections qL⁴/8EI = RL³/3EI."""
+    text = BEAM.replace('"RIGHT"', '"spherical"').replace("LEFT", "fixed")
+    robot = described(text)
+    robot = replace(robot, loads=(Load("weight", "left", "M", **WEIGHT),))
+    euler = ModelOptions(theory="euler-bernoulli")
+    ((forces,),) = load_forces("links", [reference_posture(robot)], euler)
+    found = {one.joint: one.wrench for one in forces.reactions}
+    np.testing.assert_allclose(found["b"][2], 3.0 * Q * L / 8.0, rtol=1e-9)
+    np.testing.assert_allclose(found["b"][3:], 0.0, atol=1e-9 * Q * L)
+    np.testing.assert_allclose(found["a"][2], 5.0 * Q * L / 8.0, rtol=1e-9)
+    np.testing.assert_allclose(found["a"][4], -Q * L**2 / 8.0, rtol=1e-9)
+
+
+def test_triangle_bars_carry_forces_of_joint_equilibrium():
+    """At the pin, 4/5 N₁ = F_x and 3/5 N₁ + N₂ = F_y: N₁ = 5/4 F_x, N₂ = F_y − 3/4 F_x."""
+    force = np.array([120.0, -50.0, 0.0, 0.0, 0.0, 0.0])
+    at, reactions = under(described(TRIANGLE), wrench=force)
+    tension, column = 1.25 * 120.0, -50.0 - 0.75 * 120.0
+    # The ground pulls each bar backwards; the axis of the pin is z.
+    for joint, due in (("a", [-0.8 * tension, -0.6 * tension]), ("b", [0.0, -column])):
+        found = in_base_axes(at, at.mechanism.joints, reactions[joint])
+        np.testing.assert_allclose(found, [*due, 0.0, 0.0, 0.0, 0.0], atol=1e-7)
+    # The long bar's end carries the force of the tool too: the pin takes the column's force alone.
+    found = in_base_axes(at, at.mechanism.joints, reactions["p"])
+    np.testing.assert_allclose(found[:2], [0.0, column], atol=1e-7)
+
+
+def test_drives_in_parallel_share_force_by_stiffness():
+    """1/k = L/EA + 1/3e8 behind the bar beside 1e8: shares of F are k and 1e8 over both."""
+    through_bar = 1.0 / (L / (E * B * H) + 1.0 / 3.0e8)
+    share = through_bar / (through_bar + 1.0e8)
+    force = np.array([1000.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+    _, reactions = under(described(SHARED), wrench=force)
+    assert reactions["far"].drive == pytest.approx(-1000.0 * share, rel=1e-9)
+    assert reactions["near"].drive == pytest.approx(-1000.0 * (1.0 - share), rel=1e-9)
+    # The drive acts along the joint's axis x, and the slide carries nothing else.
+    along = np.array([-1000.0 * share, 0.0, 0.0, 0.0, 0.0, 0.0])
+    np.testing.assert_allclose(reactions["far"].wrench, along, atol=1e-7)
+
+
+def in_base_axes(at, joints, reaction):
+    """Wrench (6) of a joint on its second body in base axes."""
+    (joint,) = (one for one in joints if one.name == reaction.joint)
+    return (joint_axes(at, joint) @ reaction.wrench.reshape(2, 3).T).T.ravel()
+
+
+def equilibrium(at, reactions, load, *, uniform=True):
+    """Largest resultant (N, N and moments over size) on a body, and largest force.
+
+    Legs known by their 6×6 are `uniform`, as models of equivalent legs have them, or have their
+    own mass centres.
+    """
+    mechanism, tool = at.mechanism, at.mechanism.tool
+    motions = accelerations(at, load.speed, load.acceleration) if load.moves_tool else {}
+    unit = np.array([1.0] * 3 + [1.0 / mechanism.size] * 3)
+    resultants = {name: np.zeros(6) for name in mechanism.bodies}
+    largest = 0.0
+
+    def act(body, wrench, position):
+        moment = wrench[3:] + np.cross(position, wrench[:3])
+        resultants[body] += unit * np.append(wrench[:3], moment)
+
+    for joint in mechanism.joints:
+        wrench = in_base_axes(at, [joint], reactions[joint.name])
+        largest = max(largest, np.abs(unit * wrench).max())
+        position = interface_position(at, joint.first)
+        act(joint.second.body, wrench, position)
+        act(joint.first.body, -wrench, position)
+        # No work on passive motions.
+        passive = free_twists(at, joint)[:, int(joint.drive is not None) :]
+        assert (np.abs(passive.T @ wrench) <= 1e-8 * (1.0 + np.abs(wrench).max())).all()
+    for name, body in mechanism.bodies.items():
+        frame, shape = at.frames[name], body.shape
+        if name == GROUND or not getattr(shape, "mass", 0.0):
+            continue
+        centre = leg_centre(shape, uniform=uniform)
+        arm = frame.rotation @ centre
+        force, moment = shape.mass * load.gravity, np.zeros(3)
+        if name in motions:
+            force = force - shape.mass * motions[name].acceleration_at(arm)
+            turned = frame.rotation @ leg_inertia(shape) @ frame.rotation.T
+            moment = -turned @ motions[name].angular_acceleration
+            spin = motions[name].angular_velocity
+            moment -= np.cross(spin, turned @ spin)
+        act(name, np.append(force, moment), frame.position + arm)
+    position = interface_position(at, Side(tool.body, tool.point))
+    force = tool.mass * load.gravity
+    if motions:
+        arm = position - at.frames[tool.body].position
+        force = force - tool.mass * motions[tool.body].acceleration_at(arm)
+    act(tool.body, load.wrench + np.append(force, np.zeros(3)), position)
+    del resultants[GROUND]
+    return max(np.abs(one).max() for one in resultants.values()), largest
+
+
+def leg_centre(shape, *, uniform):
+    if isinstance(shape, Rigid):
+        return shape.centre
+    given = None if uniform else getattr(shape, "mass_centre", None)
+    return np.array([given or shape.length / 2.0, 0.0, 0.0])
+
+
+def leg_inertia(shape):
+    """Inertia about the centre, body axes: of a prism a line with the inertia of its sections."""
+    if isinstance(shape, Rigid):
+        return shape.inertia
+    beam = shape.timoshenko
+    line = shape.mass * shape.length**2 / 12.0
+    iy, iz = beam.rho_Iy * shape.length, beam.rho_Iz * shape.length
+    return np.diag([beam.rho_J * shape.length, line + iy, line + iz])
+
+
+@pytest.mark.parametrize("robot", ROBOTS)
+@pytest.mark.parametrize("model", ["vjm", "links", "segments", "beam"])
+def test_every_body_of_built_in_robots_is_in_equilibrium(robot, model):
+    """Joints, tool and weight sum to zero: masses at their centres, as Newton has them."""
+    mechanism = load_robot(robot).mechanism
+    wrench = np.array([100.0, 50.0, -30.0, 1.0, 2.0, 3.0])
+    at, reactions = under(mechanism, model=model, wrench=wrench, gravity=GRAVITY)
+    uniform = model not in ("vjm", "links")
+    resultant, largest = equilibrium(at, reactions, at.mechanism.loads[0], uniform=uniform)
+    assert resultant <= 1e-9 * largest
+    half_width = max(one.half_width[0] for one in reactions.values())
+    assert half_width <= 1e-9 * largest
+
+
+@pytest.mark.parametrize("robot", ["five-bar", "3-rrr", "delta", "hexapod"])
+def test_every_body_of_moving_robots_is_in_equilibrium(robot):
+    """Newton's and Euler's equations, with the accelerations of rigid bodies."""
+    mechanism = load_robot(robot).mechanism
+    motion = {"acceleration": np.array([5.0, 0.0, 0.0]), "speed": np.array([0.5, 0.0, 0.0])}
+    at, reactions = under(mechanism, gravity=GRAVITY, **motion)
+    resultant, largest = equilibrium(at, reactions, at.mechanism.loads[0])
+    # Velocities' part of accelerations is a difference quotient, 1e-10 of itself.
+    assert resultant <= 1e-8 * largest
+
+
+# Random mechanisms whose drives hold the tool and that have no idle motions.
+SEEDS = (2, 3, 5, 16, 17, 20, 26, 29, 31, 32, 45, 46, 51, 52, 55, 58, 59, 66, 71, 72)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_bodies_of_random_mechanism_are_in_equilibrium(seed):
+    at = random_posture(seed)
+    tool = at.mechanism.tool
+    load = Load("load", tool.body, tool.point, np.array([7.0, 5.0, -3.0, 1.0, 2.0, 3.0]), GRAVITY)
+    at = replace(at, mechanism=replace(at.mechanism, loads=(load,)))
+    ((forces,),) = load_forces("beam", [at])
+    reactions = {one.joint: one for one in forces.reactions}
+    assert not any(np.isnan(one.wrench).any() for one in forces.reactions)
+    resultant, largest = equilibrium(at, reactions, load)
+    assert resultant <= 1e-9 * largest
+
+
+@pytest.mark.parametrize(("robot", "pose"), [("five-bar", (0.05, 0.5)), ("3-rrr", ())])
+def test_drive_forces_do_the_work_of_the_load(robot, pose):
+    """Σ τ δq + F δx = 0 on the closed loops (virtual work), by a difference of postures."""
+    mechanism = load_robot(robot).mechanism
+    force = np.array([100.0, -60.0, 0.0, 0.0, 0.0, 0.0])
+    at, reactions = under(mechanism, pose=pose, wrench=force)
+    step = 1e-5
+    for number, move in enumerate(mechanism.tool.moves):
+        component = ("x", "y", "z", "phi_x", "phi_y", "phi_z").index(move)
+        moved = np.array(at.pose)
+        moved[number] += step
+        back = 2.0 * np.array(at.pose) - moved
+        after, before = posture(at.mechanism, moved), posture(at.mechanism, back)
+        work = sum(
+            one.drive * float((after.coordinates[name] - before.coordinates[name])[0])
+            for name, one in reactions.items()
+            if one.drive is not None
+        )
+        # Central differences err by the square of the step.
+        assert work / (2.0 * step) == pytest.approx(-force[component], rel=1e-6, abs=1e-6)
+
+
+def test_wrenches_of_rigid_loop_are_open_across_its_plane():
+    """Rigid bodies leave the three wrenches across a planar loop open, elastic ones none."""
+    mechanism = load_robot("five-bar").mechanism
+    wrench = np.array([100.0, -60.0, 0.0, 0.0, 0.0, 0.0])
+    _, rigid = under(mechanism, model="simplified", wrench=wrench)
+    _, elastic = under(mechanism, model="links", wrench=wrench)
+    for name, reaction in rigid.items():
+        in_plane = [1, 2, 3]
+        assert np.isnan(reaction.wrench[[0, 4, 5]]).any()
+        np.testing.assert_allclose(
+            reaction.wrench[in_plane], elastic[name].wrench[in_plane], atol=1e-7
+        )
+        assert not np.isnan(elastic[name].wrench).any()
+        assert (reaction.drive is None) == (elastic[name].drive is None)
+
+
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_joint_axes_are_a_rotation_with_x_along_axis(robot):
+    at = reference_posture(load_robot(robot).mechanism)
+    for joint in at.mechanism.joints:
+        axes = joint_axes(at, joint)
+        np.testing.assert_allclose(axes.T @ axes, np.eye(3), atol=1e-12)
+        assert np.linalg.det(axes) == pytest.approx(1.0)
+        if len(joint.axes) == 1:
+            np.testing.assert_allclose(axes[:, 0], joint.axes[0], atol=1e-9)

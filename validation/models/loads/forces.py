@@ -1,0 +1,61 @@
+"""Forces in the joints and bodies of a mechanism under the loads of its file, by every model."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from lumped.errors import ComputationError
+from lumped.mechanism.load import Loading
+from lumped.mechanism.mechanism import Posture
+from lumped.system.assembly import Assembly, assembly
+from lumped.system.loads import loading
+from lumped.system.reactions import InternalForces, Reaction, internal_forces, reaction
+from lumped.system.solution import Solved, solved
+from validation.models.loads.displacements import load_masses
+from validation.models.options import DEFAULT_OPTIONS, ModelName, ModelOptions
+from validation.models.robot_models import on_drives_alone, released, static_bodies
+
+
+@dataclass(frozen=True, eq=False)
+class LoadForces:
+    """Forces under one load in one posture: `reactions` of all joints in the order of the file."""
+
+    reactions: tuple[Reaction, ...]
+
+
+def load_forces(
+    model: ModelName, postures: Sequence[Posture], options: ModelOptions = DEFAULT_OPTIONS
+) -> list[list[LoadForces | None]]:
+    """Forces in each posture under each load.
+
+    None if the mechanism cannot move as a load requires. Raises as `displacements` does.
+    """
+    mechanism = postures[0].mechanism
+    masses = load_masses(model, mechanism, options)
+    prepared = _assembly(model, postures, options)
+    rows: list[list[LoadForces | None]] = []
+    for posture in postures:
+        solution = solved(prepared.at(posture))
+        row: list[LoadForces | None] = []
+        for load in mechanism.loads:
+            try:
+                acting = loading(posture, load, masses)
+            except ComputationError:
+                row.append(None)
+                continue
+            row.append(_load_forces(solution, acting, internal_forces(solution, acting)))
+        rows.append(row)
+    return rows
+
+
+def _assembly(model: ModelName, postures: Sequence[Posture], options: ModelOptions) -> Assembly:
+    mechanism = postures[0].mechanism
+    if model == "simplified":
+        return assembly(on_drives_alone(mechanism), {})
+    # The virtual joint method has the statics of links.
+    bodies = static_bodies("links" if model == "vjm" else model, mechanism, options)
+    return assembly(released(postures, options)[0].mechanism, bodies)
+
+
+def _load_forces(solution: Solved, load: Loading, forces: InternalForces) -> LoadForces:
+    posture = solution.system.posture
+    return LoadForces(tuple(reaction(posture, joint, load) for joint in forces.joints))
