@@ -17,8 +17,9 @@ from lumped.arrays import SparseMatrix
 from lumped.errors import ComputationError, Remark
 from lumped.solver_request import Solver, requested_solver
 
-# Unknowns from which the card gains: its start takes 0.65 s (H200). By rslab on 16 cores, ordering,
-# two factors and 14 solutions of 134k unknowns take 4.3 s, about one second of 50k.
+# Unknowns from which the card (H200) gains, beside rslab on 16 cores. Its start takes 0.7 to 1.0 s.
+# Statics with modes then gain from 20k to 30k (rslab 1.3 and 2.4 s, cuDSS 0.65 and 0.9 s), statics
+# alone from about 50k: ordering, factor and loads of 134k take rslab 3.9 s, cuDSS 1.9 s.
 GAIN_FROM = 50_000
 # Bytes per unknown that every solid takes on a card: legs of tetrahedra take 9 to 22 thousand, and
 # their triangle alone 500.
