@@ -19,7 +19,7 @@ from weakref import finalize
 import numpy as np
 from numpy.typing import NDArray
 
-from fem.extras import EXTRAS
+from fem.extras import missing_message
 from fem.machine import threads
 from fem.solvers.backends.accuracy import is_accurate
 from fem.solvers.backends.protocol import DeviceError
@@ -45,19 +45,32 @@ class Device:
 
 
 @cache
-def device() -> Device | None:
-    """The graphics card that CUDA computes on; None without one or without the extra `gpu`."""
-    if not EXTRAS["gpu"].installed:
-        return None
+def _device_or_reason() -> Device | str:
+    """The graphics card that CUDA computes on, or the reason why there is none."""
+    if message := missing_message("gpu"):
+        return message
     try:
         import cupy  # noqa: PLC0415  takes a second, and small matrices do not need it
 
         if not cupy.cuda.runtime.getDeviceCount():
-            return None
+            return "CUDA finds no graphics card"
         properties = cupy.cuda.runtime.getDeviceProperties(cupy.cuda.runtime.getDevice())
-    except Exception:  # noqa: BLE001  drivers fail in many ways: then there is no device
-        return None
+    except Exception as error:  # noqa: BLE001  drivers fail in many ways
+        reason = " ".join(str(error).split()) or type(error).__name__
+        return f"CUDA finds no graphics card ({reason})"
     return Device(properties["name"].decode(), int(properties["totalGlobalMem"]))
+
+
+def device() -> Device | None:
+    """The graphics card that CUDA computes on; None without one or without the extra `gpu`."""
+    found = _device_or_reason()
+    return found if isinstance(found, Device) else None
+
+
+def device_fault() -> str:
+    """The reason why no graphics card can be used: packages, driver or card. "" if one can."""
+    found = _device_or_reason()
+    return found if isinstance(found, str) else ""
 
 
 def title() -> str:

@@ -5,7 +5,6 @@ Commands import it for their help: libraries of numbers are imported only if the
 
 import os
 
-from fem.extras import missing_message
 from lumped.errors import InputError
 from lumped.solver_request import (
     RANKS_VARIABLE,
@@ -49,9 +48,7 @@ def require_usable(request: Solver) -> None:
             raise InputError(f"solver rslab: cannot be loaded ({reason}); {REINSTALL}")
     if request is not Solver.CUDSS:
         return
-    if message := missing_message("gpu"):
-        raise InputError(f"solver cudss: {message}")
     from fem.solvers.backends import cudss  # noqa: PLC0415
 
-    if cudss.device() is None:
-        raise InputError("solver cudss: CUDA finds no graphics card; must be auto, rslab or petsc")
+    if reason := cudss.device_fault():
+        raise InputError(f"solver cudss: {reason}; must be auto, rslab or petsc")

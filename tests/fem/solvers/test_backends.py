@@ -23,6 +23,7 @@ from fem.solvers.backends.choice import (
 )
 from fem.solvers.backends.cudss import Device
 from fem.solvers.backends.protocol import HOST
+from fem.solvers.backends.request import require_usable
 from fem.solvers.backends.rslab import RslabOrdering
 from fem.solvers.certificate import count_below, pencil
 from fem.solvers.factor import Inertia, NotPositiveDefiniteError, analyse
@@ -240,8 +241,10 @@ def test_cudss_without_card_is_refused(monkeypatch, matrices):
     with pytest.raises(InputError, match=r"solver cudss: needs cupy and nvmath, not installed"):
         analyse(matrices[0])
     insert_card(monkeypatch)
-    monkeypatch.setattr("fem.solvers.backends.cudss.device", lambda: None)
-    with pytest.raises(InputError, match="CUDA finds no graphics card"):
+    import cupy  # noqa: PLC0415  the fake one
+
+    monkeypatch.setattr(cupy.cuda.runtime, "getDeviceCount", lambda: 0)
+    with pytest.raises(InputError, match=r"CUDA finds no graphics card; must be auto"):
         analyse(matrices[0])
 
 
@@ -256,6 +259,8 @@ def test_driver_that_fails_is_no_card(monkeypatch):
     assert cudss.device() is None
     monkeypatch.setenv(VARIABLE, "auto")
     assert solver_name().startswith("rslab")
+    with pytest.raises(InputError, match=r"\(no CUDA-capable device is detected\)"):
+        require_usable(Solver.CUDSS)
 
 
 def test_name_tells_libraries_and_card(monkeypatch):

@@ -285,5 +285,5 @@ def insert_card(monkeypatch):
 
 def forget_card():
     """Forget the card that was looked for, and the library's context on it."""
-    for remembered in (cudss.device, cudss._handle):
+    for remembered in (cudss._device_or_reason, cudss._handle):
         remembered.cache_clear()
