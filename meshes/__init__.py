@@ -1,1 +1,1 @@
-"""Meshes of cross-sections and of legs: gmsh in, numpy arrays out."""
+"""Meshes of cross-sections, prismatic legs and CAD parts, made by gmsh, as numpy arrays."""

@@ -1,10 +1,11 @@
-"""Element kinds of sections and solids: nodes, and node orders of other programs.
+"""Types of finite elements for sections and solids: node coordinates, node order in other programs.
 
-Reference cells are the unit square, unit cube and unit simplex. Quadrilaterals and simplices are
-numbered as in scikit-fem: corners counter-clockwise, then edge midpoints, then the centre. A
-hexahedron is the product of a quadrilateral and a line: the quadrilateral's nodes at ζ = 0, (½,) 1.
-The hexahedron of 20 nodes is no such product; it has its corners, then the midpoints of its edges.
-An extruded leg has ξ, η in the section (y, z) and ζ along x, which is right-handed.
+Reference cells are the unit square, the unit cube and the unit simplices. Quadrilaterals and
+simplices are numbered as in scikit-fem: corners counter-clockwise, then edge midpoints, then the
+centre. The hexahedron of 27 nodes is the product of a quadrilateral and a line: nodes of the
+quadrilateral at ζ = 0, ½, 1. The hexahedron of 20 nodes is numbered as corners, then edge
+midpoints. In an extruded leg, ξ and η lie in the section (y, z) and ζ along x, which is
+right-handed.
 """
 
 from dataclasses import dataclass
@@ -22,12 +23,12 @@ ElementName: TypeAlias = SectionElement | SolidElement
 
 @dataclass(frozen=True, eq=False)
 class ElementKind:
-    """One kind of element.
+    """One type of finite element.
 
-    `nodes` (k×d) are the reference coordinates in our node order, `corner_nodes` the local
-    numbers of the cell's vertices. `vtk_order` lists our local numbers in VTK's order, so that
-    `cells[:, vtk_order]` is VTK's connectivity. `abaqus` is the name in Abaqus and CalculiX, which
-    have our node order; None if they have no such element.
+    `nodes` (k×d) are the reference coordinates of its k nodes, `corner_nodes` the local numbers of
+    the vertices. `vtk_order` contains local node numbers in the order of VTK, so that `cells[:,
+    vtk_order]` is VTK's connectivity. `abaqus` is the name of the element in Abaqus and CalculiX,
+    which use the node order of this module. None if they do not have this element.
     """
 
     name: ElementName
@@ -40,7 +41,7 @@ class ElementKind:
 
     @property
     def dimension(self) -> int:
-        """2 for sections, 3 for solids."""
+        """2 for elements of sections, 3 for solids."""
         return int(self.nodes.shape[1])
 
     @property
@@ -49,8 +50,8 @@ class ElementKind:
         return int(self.nodes.shape[0])
 
 
-# Corners at the ends of the edges of triangles (3 corners) and tetrahedra (4), in the order of the
-# edge midpoints, which follow the corners.
+# Corners at the ends of each edge of a triangle (3 corners) and a tetrahedron (4), in the order in
+# which the edge midpoints are numbered.
 SIMPLEX_EDGES = {
     3: np.array([(0, 1), (1, 2), (0, 2)]),
     4: np.array([(0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3)]),

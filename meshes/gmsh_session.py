@@ -1,4 +1,4 @@
-"""Access to gmsh, which has one global state, and conversion of its tags to arrays.
+"""Access to gmsh, which has one global state, and conversion of gmsh's tags to arrays.
 
 Sessions print nothing, are repeatable and are always closed.
 """
@@ -24,14 +24,14 @@ _OPTIONS = {
     "Mesh.RandomFactor": 1e-9,
     "Mesh.Algorithm": 6,  # frontal Delaunay
     "Mesh.Algorithm3D": 1,  # Delaunay
-    # Removes slivers of Delaunay's algorithm, which curved sides would fold.
+    # Removes the flat tetrahedra of Delaunay's algorithm, which curved edges would fold.
     "Mesh.OptimizeNetgen": 1,
     "Mesh.MeshSizeFromPoints": 0,
     "Mesh.SecondOrderIncomplete": 0,
     "Mesh.SecondOrderLinear": 0,
 }
 
-# Debian packages of the libraries that gmsh links to; their dependencies bring the others.
+# Debian packages of the libraries that gmsh links to. Their dependencies include all others.
 DEBIAN_PACKAGES = ("libgl1", "libglu1-mesa", "libxcursor1", "libxft2", "libxinerama1", "libgomp1")
 
 _GMSH_TYPE: dict[ElementName, int] = {
@@ -50,10 +50,11 @@ _LOCK = RLock()
 
 @contextmanager
 def gmsh_model(part: str) -> Iterator[ModuleType]:
-    """Open a new, empty gmsh model and yield the gmsh module.
+    """Context with a new, empty gmsh model. It provides the module gmsh.
 
-    Works in any thread, one model at a time. Models may be nested: at the end the inner model is
-    removed and the outer one is current again. Raises ComputationError with `part` if gmsh fails.
+    It works in any thread, one model at a time. Models may be nested: at the end the inner model is
+    removed and the outer one becomes current again. Raises ComputationError, with `part` in its
+    message, if gmsh fails.
     """
     try:
         import gmsh  # noqa: PLC0415  slow to load, and most answers need no mesh
@@ -83,7 +84,7 @@ def gmsh_model(part: str) -> Iterator[ModuleType]:
             gmsh.model.add(part)
             yield gmsh
         except Exception as error:
-            # gmsh raises bare Exceptions; anything more specific is not gmsh's.
+            # gmsh raises plain Exception. More specific errors come from elsewhere.
             if type(error) is not Exception:
                 raise
             raise ComputationError(f"gmsh failed: {error}", part=part) from error
@@ -97,8 +98,8 @@ def gmsh_model(part: str) -> Iterator[ModuleType]:
 
 def _restore_ignored_signals() -> None:
     # gmsh resets these signals to their default action. Writing to a process that has just ended
-    # would then end this process without a message, and so would a hang-up ignored by nohup.
-    # Python's own setter works only in the main thread.
+    # would then end this process without a message, and so would a hang-up in spite of nohup. The
+    # C function is called because Python's `signal.signal` works in the main thread only.
     for name in ("SIGPIPE", "SIGHUP"):
         number = getattr(signal, name, None)
         if number is not None and signal.getsignal(number) is signal.SIG_IGN:
@@ -106,7 +107,7 @@ def _restore_ignored_signals() -> None:
 
 
 def connectivity(gmsh: ModuleType, element: ElementName, entity: int = -1) -> IntArray:
-    """Node tags (M×k) of all elements of one kind, of one `entity` or of the whole model."""
+    """Node tags (M×k) of all elements of one type in the whole model, or in one `entity`."""
     kind = _GMSH_TYPE[element]
     _, tags = gmsh.model.mesh.getElementsByType(kind, entity)
     _, _, _, count, _, _ = gmsh.model.mesh.getElementProperties(kind)
@@ -115,9 +116,9 @@ def connectivity(gmsh: ModuleType, element: ElementName, entity: int = -1) -> In
 
 
 def numbered(gmsh: ModuleType, cells: IntArray) -> tuple[IntArray, Array]:
-    """Node tags in `cells`, ascending, and their coordinates (N×3).
+    """Node tags in `cells`, ascending, and the coordinates (N×3) of these nodes.
 
-    The position of a tag in the first array is the node's number in the second.
+    The index of a tag in the first array is the row of its node in the second.
     """
     tags, coordinates, _ = gmsh.model.mesh.getNodes()
     order = np.argsort(tags)

@@ -1,7 +1,7 @@
-"""Solid meshes of constant section, with their end faces.
+"""Solid meshes of prismatic legs, with their end faces.
 
-Hexahedra are the extruded mesh of the section, the product of section and line. Unstructured
-tetrahedra, meshed by gmsh inside the outline of a rectangle, are the second family.
+Hexahedra are obtained by extruding the mesh of the section along the leg. For rectangular sections
+there are also unstructured tetrahedra, meshed by gmsh.
 """
 
 from types import ModuleType
@@ -19,17 +19,18 @@ from meshes.solid_mesh import EndFace, SolidMesh
 
 
 def stations(length: float, count: int) -> Array:
-    """Boundaries (count+1, in m) of `count` ≥ 1 equal slices between x = 0 and `length`."""
+    """Boundaries (count+1 values, m) of `count` ≥ 1 equal slices between x = 0 and x = `length`."""
     if count < 1:
         raise InputError(f"slices = {count}: must be at least 1")
     return length * np.linspace(0.0, 1.0, count + 1)
 
 
 def extrude(section: SectionMesh, boundaries: Array) -> SolidMesh:
-    """Solid of hex27 between slice `boundaries` (S+1, x in m, ascending, from 0 at the root).
+    """Mesh of hex27 from a section mesh, with slices between the x coordinates `boundaries`.
 
-    Node p·N + n is node n of the section (quad9) in plane p. A further plane lies in the middle of
-    each slice.
+    `boundaries` (S+1 values, m) are ascending, from 0 at the root. Node p·N + n is node n of the
+    section (quad9, N nodes) in plane p. There is a plane at each boundary and in the middle of each
+    slice.
     """
     slices = len(boundaries) - 1
     x = np.empty(2 * slices + 1)
@@ -51,10 +52,10 @@ def extrude(section: SectionMesh, boundaries: Array) -> SolidMesh:
 
 
 def hexahedra(section: Section, length: float, divisions: Divisions, slices: int) -> SolidMesh:
-    """Leg of `length` (m) meshed with hex27 in `slices`, `divisions` as in `section_blocks`.
+    """Leg of `length` (m), meshed with hex27 in the given number of slices.
 
-    Raises InputError for impossible requests, ComputationError if gmsh fails or elements are too
-    distorted.
+    `divisions` are explained in `section_blocks`. Raises InputError for impossible requests,
+    ComputationError if gmsh fails or elements are too distorted.
     """
     require_leg(section, length, divisions)
     mesh = extrude(section_mesh(section, divisions), stations(length, slices))
@@ -63,7 +64,7 @@ def hexahedra(section: Section, length: float, divisions: Divisions, slices: int
 
 
 def tetrahedra(section: Section, length: float, divisions: int) -> SolidMesh:
-    """Leg of `length` (m) meshed with tet10, `divisions` of them across the smaller side.
+    """Leg of `length` (m), meshed with tet10, with `divisions` elements across the smaller side.
 
     Raises InputError for impossible requests and for sections other than solid rectangles,
     ComputationError if gmsh fails or elements are too distorted.
@@ -83,7 +84,8 @@ def tetrahedra(section: Section, length: float, divisions: int) -> SolidMesh:
             np.searchsorted(tags, connectivity(gmsh, "tri6", face))
             for face in (root_face, tip_face)
         )
-    # The kernel's planes are exact only to rounding, but faces are selected by equality.
+    # Positions from the kernel have round-off errors, but nodes of the end faces are compared
+    # exactly.
     nodes[root, 0], nodes[tip, 0] = 0.0, length
     mesh = SolidMesh(
         nodes=nodes,
@@ -98,7 +100,7 @@ def tetrahedra(section: Section, length: float, divisions: int) -> SolidMesh:
 
 
 def _add_leg(gmsh: ModuleType, section: Rectangle, length: float) -> tuple[int, int]:
-    """Add the extruded outline and return its surfaces at x = 0 and x = length."""
+    """Add the extruded rectangle to the model. Return its surfaces at x = 0 and at x = `length`."""
     occ = gmsh.model.occ
     y, z = section.width / 2.0, section.height / 2.0
     points = [occ.addPoint(0.0, *corner) for corner in ((-y, -z), (y, -z), (y, z), (-y, z))]

@@ -1,7 +1,7 @@
 """Computation in another process: a fresh interpreter that evaluates one call after the other.
 
-Calls are functions and their arguments; their values, or the errors that they raise, are returned.
-Libraries that crash or run out of memory end only that process, and the calling script is not run
+A call is a function with its arguments. Its value is returned, or the error that it raises. If a
+library crashes or runs out of memory, only that process ends. The script of the user is not run
 again in it. Ctrl-C and hang-ups do not reach it: the calling process decides how to proceed. The
 process ends when the calling process ends, for whatever reason.
 """
@@ -31,36 +31,36 @@ from lumped.errors import ComputationError, InputError, Remark, remarks_to
 from lumped.posix import resource
 
 T = TypeVar("T")
-# Longest wait (s), because a Ctrl-C just before a wait does not interrupt it.
+# Longest time (s) of one wait, because a Ctrl-C just before a wait does not interrupt it.
 _HEARTBEAT = 0.5
-# Limit of the address space (bytes): sufficient to mesh about three million unknowns.
+# Limit on the address space (bytes): sufficient for meshes of about three million unknowns.
 _MEMORY = 8_000_000_000
-# Likely reason why a signal ended a process.
+# Likely reason why a process was ended by a signal.
 _REASONS = {"SIGKILL": ", probably for want of memory", "SIGXCPU": ", its time was up"}
 # The child inherits one end of a pipe, which works differently on Windows.
 _POSIX = os.name == "posix"
 
 
 class Crashed(ComputationError):  # noqa: N818  names the event, as messages do
-    """The process ended without an answer."""
+    """Error: the process ended without an answer, or did not answer in time."""
 
 
 @dataclass(frozen=True)
 class _Raised:
-    """An error instead of a value."""
+    """An error that was raised instead of returning a value."""
 
     error: Exception
 
 
 class _Answer(NamedTuple):
-    """A value or an error, and the remarks made during the computation."""
+    """The value of a call or its error, and the remarks made during the computation."""
 
     value: object
     remarks: list[Remark]
 
 
 class _Question(NamedTuple):
-    """A call for the other process; a `persistent` value remains there."""
+    """A call to be evaluated. If it is `persistent`, its value is kept in the other process."""
 
     function: Callable[..., object]
     arguments: tuple[object, ...]
@@ -68,9 +68,10 @@ class _Question(NamedTuple):
 
 
 class Process:
-    """An interpreter that computes for this process, with the same search path for modules.
+    """An interpreter in another process, with the same search path for modules as this one.
 
-    Output of its libraries is appended to the file `output`. `environment` are changed variables.
+    The output of libraries is appended to the file `output`. `environment` contains environment
+    variables to be changed.
     """
 
     def __init__(
@@ -96,11 +97,14 @@ class Process:
             )
 
     def ask(self, function: Callable[..., object], *arguments: object) -> None:
-        """Request the value of `function(*arguments)`, a function at the top of a module."""
+        """Request the value of `function(*arguments)`.
+
+        The function must be at the top level of a module.
+        """
         self._send(_Question(function, arguments))
 
     def begin(self, function: Callable[..., object], *arguments: object) -> None:
-        """Request a value that remains there as the first argument of all later functions.
+        """Request a value that is kept in the process, as first argument of all later calls.
 
         The answer is None.
         """
@@ -115,10 +119,10 @@ class Process:
             return
 
     def answer(self, patience: float = inf) -> Any:
-        """Value of the first call without an answer; waits `patience` (s) for it.
+        """Value of the earliest call not yet answered, for which it waits up to `patience` (s).
 
-        Repeats its remarks in this process. Raises its InputError or ComputationError, to which
-        any other error is converted, and Crashed.
+        Remarks of the call are repeated in this process. Raises the InputError or ComputationError
+        of the call, ComputationError for any other error of the call, and Crashed.
         """
         begun = monotonic()
         try:
@@ -149,9 +153,10 @@ class Process:
 
 
 def in_own_process(function: Callable[..., T], *arguments: object, patience: float = inf) -> T:
-    """Value of `function(*arguments)`, a function at the top of a module, in a fresh interpreter.
+    """Value of `function(*arguments)`, evaluated in a fresh interpreter.
 
-    Raises the errors of `Process.answer`. Output of the libraries is discarded.
+    The function must be at the top level of a module. Output of libraries is discarded. Raises the
+    errors of `Process.answer`.
     """
     process = Process()
     try:
@@ -163,9 +168,10 @@ def in_own_process(function: Callable[..., T], *arguments: object, patience: flo
 
 
 def within_limits(seconds: float, function: Callable[..., T], *arguments: object) -> T:
-    """Value of a function of foreign data, as `in_own_process`, within CPU `seconds` and 8 GB.
+    """Value of `function(*arguments)` in a fresh interpreter, with limits on CPU time and memory.
 
-    Raises Crashed also if the limits are exceeded.
+    The limits are `seconds` of CPU time and 8 GB. For functions that read files of other programs.
+    Raises the errors of `in_own_process`, and Crashed if a limit is exceeded.
     """
     value: T = in_own_process(_limited, seconds, function, *arguments)
     return value
@@ -181,7 +187,7 @@ def _limited(seconds: float, function: Callable[..., T], *arguments: object) -> 
 
 
 def _limit_resources(resource: ModuleType, seconds: float) -> None:
-    # Address space in use by the libraries, which grows with the number of cores.
+    # Address space that the libraries use already. It grows with the number of cores.
     statm = Path("/proc/self/statm")
     used = int(statm.read_text().split()[0]) * resource.getpagesize() if statm.exists() else 0
     _limit(resource, resource.RLIMIT_AS, used + _MEMORY)
@@ -199,7 +205,7 @@ def _limit(resource: ModuleType, kind: int, limit: int) -> None:
 
 
 def serve(descriptor: int) -> None:
-    """Answer the calls from a connection until it ends."""
+    """Answer the calls from a connection until it is closed."""
     faulthandler.enable()
     connection = Connection(descriptor)
     questions: SimpleQueue[bytes] = SimpleQueue()
@@ -210,7 +216,7 @@ def serve(descriptor: int) -> None:
 
 
 def _answered(content: bytes, persistent: list[object]) -> bytes:
-    """The pickled answer to a question; a persistent value is appended to `persistent`."""
+    """Pickled answer to a pickled call. A persistent value is appended to `persistent`."""
     remarks: list[Remark] = []
     try:
         question: _Question = pickle.loads(content)  # noqa: S301  from the parent process
@@ -231,7 +237,7 @@ def _answered(content: bytes, persistent: list[object]) -> bytes:
 
 
 def _receive(connection: Connection, questions: SimpleQueue[bytes]) -> None:
-    """Queue calls, and end this process when the calling process is gone."""
+    """Queue the calls from a connection. End this process when the calling process is gone."""
     try:
         while True:
             questions.put(connection.recv_bytes())

@@ -1,9 +1,9 @@
-"""Element quality of section and solid meshes, and bounds beyond which a mesh is refused.
+"""Quality of the elements of section and solid meshes, with limits beyond which a mesh is refused.
 
 Scaled Jacobian: determinant of the unit vectors along the sides that meet in a point, 1 for a
-square, a cube and the regular simplices, at most 0 for an inverted cell (Knupp, SIAM J. Sci.
-Comput. 23 (2001) 193); here the minimum over an element's nodes and quadrature points, so that
-curved sides count. Aspect ratio: longest over shortest distance between neighbouring vertices.
+square, a cube and regular simplices, at most 0 for an inverted cell (Knupp, SIAM J. Sci. Comput. 23
+(2001) 193). The minimum over the nodes and quadrature points of an element is used, so that curved
+sides are taken into account. Aspect ratio: longest over shortest distance of neighbouring vertices.
 """
 
 from math import sqrt
@@ -17,16 +17,15 @@ from meshes.section.section_mesh import SectionMesh
 from meshes.shape_functions import gradients, quadrature
 from meshes.solid_mesh import VolumeMesh
 
-# Interpolation errors grow with the inverse of the scaled Jacobian: at 0.05 the error of a cell is
-# twenty times that of a square one, long before the matrices become ill-conditioned.
+# Smallest scaled Jacobian. Interpolation errors grow with its inverse: at 0.05 the error of a cell
+# is twenty times that of a square cell, long before the matrices become ill-conditioned.
 LEAST_SCALED_JACOBIAN = 0.05
-# Slender cells are accurate if the solution varies slowly along them. Beyond 100 the stiffness
-# ratios, which grow with the square, cost four digits of the factorisation.
+# Largest aspect ratio. Slender cells are accurate if the solution varies slowly along them. Beyond
+# 100 the ratio of stiffnesses, which grows with the square, costs four digits of the factorisation.
 LARGEST_ASPECT = 100.0
 
 _CELLS_AT_ONCE = 20_000
-# Sides that meet in each corner, as combinations of the reference directions; and the factor that
-# makes the regular cell 1.
+# Sides that meet in each corner of a simplex, as combinations of the reference directions.
 _TRIANGLE_CORNERS = np.array([[[1, 0], [0, 1]], [[-1, 1], [-1, 0]], [[0, -1], [1, -1]]], float)
 _TETRAHEDRON_CORNERS = np.array(
     [
@@ -40,7 +39,7 @@ _TETRAHEDRON_CORNERS = np.array(
 
 
 def quality(mesh: SectionMesh | VolumeMesh) -> tuple[Array, Array]:
-    """Scaled Jacobian (M) and aspect ratio (M) of every element."""
+    """Scaled Jacobian (M) and aspect ratio (M) of each of the M elements."""
     points, _ = quadrature(mesh.element, 2 * ELEMENTS[mesh.element].order)
     samples = np.hstack([ELEMENTS[mesh.element].nodes.T, points])
     slopes = gradients(mesh.element, samples)
@@ -55,7 +54,7 @@ def quality(mesh: SectionMesh | VolumeMesh) -> tuple[Array, Array]:
 
 
 def check(mesh: SectionMesh | VolumeMesh, part: str) -> None:
-    """Raise ComputationError with `part` if a mesh violates a bound on quality."""
+    """Raise ComputationError if elements are too distorted. Its message contains `part`."""
     jacobians, aspects = quality(mesh)
     worst, longest = jacobians.min(), aspects.max()
     if worst < LEAST_SCALED_JACOBIAN:
@@ -74,7 +73,11 @@ def check(mesh: SectionMesh | VolumeMesh, part: str) -> None:
 
 
 def _scaled_jacobian(element: ElementName, corners: Array, slopes: Array) -> Array:
-    """Smallest scaled Jacobian (M) of elements with nodes `corners` (M×k×d); `slopes` (k×d×Q)."""
+    """Smallest scaled Jacobian (M) of each element.
+
+    `corners` (M×k×d, m) are the nodes of the elements, `slopes` (k×d×Q) the gradients of the shape
+    functions at Q points.
+    """
     count, dimension, points = slopes.shape
     jacobian = np.swapaxes(corners, 1, 2) @ slopes.reshape(count, dimension * points)
     jacobian = jacobian.reshape(-1, dimension, dimension, points)
@@ -98,7 +101,8 @@ def _aspect(element: ElementName, nodes: Array) -> Array:
     vertices = list(kind.corner_nodes)
     reference = kind.nodes[vertices]
     steps = np.abs(reference[:, None] - reference[None]).sum(axis=2)
-    # In a simplex all vertices are neighbours; in squares and cubes those one step apart.
+    # In a simplex all vertices are neighbours. In squares and cubes, neighbours differ in one
+    # reference coordinate.
     reach = 2 if element.startswith("t") else 1
     first, second = np.nonzero(np.triu((steps > 0) & (steps <= reach)))
     corners = nodes[:, vertices]

@@ -1,4 +1,7 @@
-"""Scalar shape functions of the element kinds, taken from scikit-fem, in our node order."""
+"""Scalar shape functions of all types of elements.
+
+They are taken from scikit-fem and returned in the node order of `meshes.elements`.
+"""
 
 import numpy as np
 from skfem import (
@@ -33,27 +36,28 @@ _SKFEM = {
 
 
 def _skfem_numbers(element: ElementName) -> list[int]:
-    """Number in scikit-fem of each of our local nodes, matched by their coordinates."""
+    """Number in scikit-fem of each local node, found by comparing coordinates."""
     theirs = np.asarray(_SKFEM[element].doflocs)
     return [int(np.argmin(np.abs(theirs - node).sum(axis=1))) for node in ELEMENTS[element].nodes]
 
 
 def values(element: ElementName, points: Array) -> Array:
-    """Shape functions (k×Q) at reference `points` (d×Q), in our node order."""
+    """Values of the k shape functions (k×Q) at reference coordinates `points` (d×Q)."""
     skfem = _SKFEM[element]
     return np.array([skfem.lbasis(points, i)[0] for i in _skfem_numbers(element)])
 
 
 def gradients(element: ElementName, points: Array) -> Array:
-    """Reference gradients ∂N/∂ξ (k×d×Q) at reference `points` (d×Q), in our node order."""
+    """Gradients ∂N/∂ξ (k×d×Q) of the k shape functions at reference coordinates `points` (d×Q)."""
     skfem = _SKFEM[element]
     return np.array([skfem.lbasis(points, i)[1] for i in _skfem_numbers(element)])
 
 
 def quadrature(element: ElementName, degree: int) -> tuple[Array, Array]:
-    """Points (d×Q) and weights (Q) on the reference cell, exact for polynomials of `degree`.
+    """Points (d×Q) and weights (Q) of a quadrature on the reference cell, exact up to `degree`.
 
-    The degree is the total degree on simplices, and that of each coordinate on squares and cubes.
+    The degree is the total degree of a polynomial on simplices, and the degree in each coordinate
+    on squares and cubes.
     """
     points, weights = get_quadrature(_SKFEM[element].refdom, degree)
     return np.asarray(points), np.asarray(weights)

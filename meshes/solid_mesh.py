@@ -1,4 +1,4 @@
-"""Meshes of solids, and of legs with two end faces, which are meshes of the section."""
+"""Meshes of solids, and of prismatic legs with two end faces."""
 
 from dataclasses import dataclass
 
@@ -9,7 +9,10 @@ from meshes.section.section_mesh import SectionMesh
 
 @dataclass(frozen=True, eq=False)
 class EndFace:
-    """End of a leg: its `nodes` (n) in the solid, its `mesh` with nodes in the same order."""
+    """End face of a leg: its `nodes` (n node numbers of the solid), and a plane `mesh` of the face.
+
+    The nodes of the plane mesh are in the same order.
+    """
 
     nodes: IntArray
     mesh: SectionMesh
@@ -17,7 +20,7 @@ class EndFace:
 
 @dataclass(frozen=True, eq=False)
 class VolumeMesh:
-    """Mesh of a solid: `nodes` (N×3, m), `cells` (M×k) node numbers, right-handed.
+    """Mesh of a solid: `nodes` (N×3, m), and node numbers of the `cells` (M×k), right-handed.
 
     The nodes of a cell are in the order of `meshes.elements`.
     """
@@ -29,10 +32,11 @@ class VolumeMesh:
 
 @dataclass(frozen=True, eq=False)
 class SolidMesh(VolumeMesh):
-    """Mesh of a prismatic leg in leg axes, section centroids on the x axis.
+    """Mesh of a prismatic leg in leg axes. The centroids of its sections lie on the x axis.
 
-    `root` and `tip` are the faces exactly at x = 0 and x = L. An extruded mesh of `slices` slices
-    numbers nodes and cells slice by slice from the root; `slices` is None for any other mesh.
+    `root` and `tip` are the end faces at exactly x = 0 and x = L. In an extruded mesh, nodes and
+    cells are numbered slice by slice from the root, and `slices` is the number of slices. None for
+    other meshes.
     """
 
     root: EndFace
@@ -41,5 +45,5 @@ class SolidMesh(VolumeMesh):
 
     @property
     def length(self) -> float:
-        """Distance from root to tip (m)."""
+        """Distance (m) from root to tip."""
         return float(self.nodes[self.tip.nodes[0], 0])

@@ -1,4 +1,5 @@
 """Parts from CAD files and meshes: faces, interfaces, and a sequence of refined meshes.
 
-In: STEP, BREP and mesh files. Out: faces for selection, and volume meshes with these faces.
+Input: STEP, BREP and mesh files. Output: faces from which interfaces are selected, and volume
+meshes with these faces.
 """

@@ -1,4 +1,4 @@
-"""Boundary of a volume mesh: outward facets, and smooth faces composed of them."""
+"""Boundary of a volume mesh: outward facets, and the smooth faces that they form."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -20,7 +20,8 @@ FACET: dict[SolidElement, SectionElement] = {
     "hex20": "quad8",
     "hex27": "quad9",
 }
-# Corners of the facets, counter-clockwise seen from outside, as indices into `corner_nodes`.
+# Corners of the facets of a cell, counter-clockwise seen from outside, as indices into
+# `corner_nodes`.
 _TETRAHEDRON = ((0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2))
 _HEXAHEDRON = (
     (0, 3, 2, 1),
@@ -30,40 +31,43 @@ _HEXAHEDRON = (
     (2, 3, 7, 6),
     (3, 0, 4, 7),
 )
-# Angle (rad) above which adjacent facets belong to different faces. A circle of twelve sides turns
-# by 30 degrees from side to side, intended edges of parts by more.
+# Angle (rad) above which adjacent facets belong to different faces. It is 30 degrees between the
+# sides of a circle approximated by twelve sides, and more at intended edges of parts.
 CREASE = np.radians(40.0)
 
 
 @dataclass(frozen=True, eq=False)
 class Facets:
-    """Pieces of a surface: `cells` (F×k) node numbers of the `element`, normals outward."""
+    """Facets of a surface, with outward normals.
+
+    `cells` (F×k) are their node numbers, `element` the type of plane element.
+    """
 
     cells: IntArray
     element: SectionElement
 
     @property
     def nodes(self) -> IntArray:
-        """Nodes of the pieces, ascending."""
+        """Nodes of the facets, ascending."""
         return np.unique(self.cells)
 
     @property
     def corners(self) -> IntArray:
-        """Corner nodes of each piece (F×3 or F×4)."""
+        """Corner nodes of each facet (F×3 or F×4)."""
         return self.cells[:, : len(ELEMENTS[self.element].corner_nodes)]
 
     def at(self, rows: IntArray) -> "Facets":
-        """Facets of selected `rows`."""
+        """Facets in the selected `rows`."""
         return Facets(self.cells[rows], self.element)
 
 
 @dataclass(frozen=True, eq=False)
 class PartMesh(VolumeMesh):
-    """Mesh of a part in the file's axes (m).
+    """Mesh of a part in the axes of its file (m).
 
-    `faces`: outward facets by the number of their face. `names` of faces, if any. `empty_sets`:
-    sets of the file without a complete facet. `straightened`: number of elements whose edges were
-    straightened because they had folded.
+    `faces` contains the outward facets of each face, by face number, `names` the names of faces, if
+    any. `empty_sets` are node sets of the file that do not contain a complete facet. `straightened`
+    is the number of elements whose edges were made straight because the elements were folded.
     """
 
     faces: Mapping[int, Facets]
@@ -73,17 +77,17 @@ class PartMesh(VolumeMesh):
 
     @property
     def unknowns(self) -> int:
-        """Number of displacements of its nodes."""
+        """Number of displacement unknowns: three per node."""
         return 3 * len(self.nodes)
 
 
 @memo(8)
 def _local_facets(element: SolidElement) -> IntArray:
-    """Local nodes (facets × nodes) of a cell's facets, in the order of their own element."""
+    """Local nodes (facets × nodes) of each facet of a cell, in the order of the facets' element."""
     kind, flat = ELEMENTS[element], ELEMENTS[FACET[element]]
     corners = _TETRAHEDRON if element.startswith("tet") else _HEXAHEDRON
     linear: SectionElement = "tri3" if element.startswith("tet") else "quad4"
-    # A facet's own nodes, mapped by its corners alone, are nodes of the cell.
+    # Nodes of the facet element, mapped linearly from its corners, coincide with nodes of the cell.
     weights = values(linear, flat.nodes.T)
     vertices = kind.nodes[list(kind.corner_nodes)]
     positions = np.array([weights.T @ vertices[list(facet)] for facet in corners])
@@ -92,14 +96,14 @@ def _local_facets(element: SolidElement) -> IntArray:
 
 
 def facets_of_cells(mesh: VolumeMesh) -> tuple[Facets, IntArray]:
-    """All facets of all cells, outward, and the cell of each."""
+    """All facets of all cells, with outward normals, and the index of the cell of each."""
     local = _local_facets(mesh.element)
     cells = mesh.cells[:, local].reshape(-1, local.shape[1])
     return Facets(cells, FACET[mesh.element]), np.repeat(np.arange(len(mesh.cells)), len(local))
 
 
 def boundary(mesh: VolumeMesh) -> Facets:
-    """Facets that belong to a single cell."""
+    """Facets of the boundary: those that belong to a single cell."""
     facets, _ = facets_of_cells(mesh)
     corners = np.sort(facets.corners, axis=1)
     _, first, counts = np.unique(corners, axis=0, return_index=True, return_counts=True)
@@ -107,7 +111,7 @@ def boundary(mesh: VolumeMesh) -> Facets:
 
 
 def area_vectors(nodes: Array, facets: Facets) -> Array:
-    """Normal times area (F×3, m²) of each piece, measured at its centre."""
+    """Normal vector times area (F×3, m²) of each facet, evaluated at its centre."""
     flat = ELEMENTS[facets.element]
     corners = flat.nodes[list(flat.corner_nodes)]
     slopes = gradients(facets.element, corners.mean(axis=0)[:, None])[:, :, 0]
@@ -117,9 +121,10 @@ def area_vectors(nodes: Array, facets: Facets) -> Array:
 
 
 def smooth_faces(nodes: Array, facets: Facets) -> list[IntArray]:
-    """Rows of `facets` of each smooth face: pieces connected by edges that are no crease.
+    """Rows of `facets` that form each smooth face.
 
-    Faces are in the order of their first piece.
+    Facets of one face are connected by edges at which the normal changes by less than CREASE. Faces
+    are in the order of their first facets.
     """
     normals = area_vectors(nodes, facets)
     normals = normals / np.linalg.norm(normals, axis=1)[:, None]

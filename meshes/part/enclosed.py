@@ -1,4 +1,8 @@
-"""Volume, centre and moments of a solid, and areas of its faces, by integrals over its surface."""
+"""Volume, centre and moments of a solid, and areas of its faces, by integrals over its surface.
+
+"Kernel" is the geometry kernel of the CAD system in gmsh (OpenCASCADE), whose integrals are
+checked.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,23 +14,25 @@ from lumped.arrays import Array
 from meshes.part.boundary import Facets
 from meshes.shape_functions import gradients, quadrature, values
 
-# Ratio of the triangle sizes of two surface meshes, coarse over fine, and the ratio of the
-# integrals' error to their difference: quadratic triangles have errors of fourth order in size.
+# Ratio of the triangle sizes of two surface meshes, coarse to fine, and ratio of the error of the
+# fine integral to the difference of both: errors of quadratic triangles are of fourth order in
+# size.
 COARSENESS = 4.0
 _ERROR = 1.0 / (COARSENESS**4 - 1.0)
-# Factor on this error, because meshes are not nested; measured on cylinders and lofts.
+# Factor on this error, because the meshes are not nested. Observed on cylinders and lofts.
 _SAFETY = 4.0
-# Relative error of the kernel's integrals over elementary faces.
+# Relative error of the kernel's integrals over planes, cylinders, cones, spheres and tori.
 ROUNDING = 1e-6
-# Degree of second moments over quadratic triangles: nodes cubed, times the normal.
+# Degree of the integrand of second moments over quadratic triangles: position cubed times normal.
 _DEGREE = 8
 
 
 @dataclass(frozen=True, eq=False)
 class VolumeProperties:
-    """Properties at density 1: `volume` (m³), `centre` (3, m), `inertia` about it (3×3, m⁵).
+    """Volume properties of a solid: `volume` (m³), `centre` (3, m), `inertia` (3×3, m⁵).
 
-    `error` (m³): bound on the error of the volume from two surface meshes; zero if it is exact.
+    The inertia is that for density 1 about the centre. `error` (m³) is the half-width of the
+    volume's uncertainty from two surface meshes. Zero if the volume is exact.
     """
 
     volume: float
@@ -42,7 +48,10 @@ def _tri6() -> tuple[Array, Array, Array]:
 
 
 def _integrated(nodes: Array, facets: Facets) -> tuple[Array, Array]:
-    """Points (F×Q×3, m) of quadratic triangles and normals times weights (F×Q×3, m²) there."""
+    """Quadrature points (F×Q×3, m) of quadratic triangles, and weighted normals there.
+
+    The normals (F×Q×3, m²) are multiplied by the quadrature weights.
+    """
     shapes, slopes, weights = _tri6()
     corners = nodes[facets.cells]
     points = np.einsum("fki,kq->fqi", corners, shapes)
@@ -52,9 +61,10 @@ def _integrated(nodes: Array, facets: Facets) -> tuple[Array, Array]:
 
 
 def enclosed(nodes: Array, faces: Sequence[Facets]) -> VolumeProperties:
-    """Properties of the solid inside closed `faces` of quadratic triangles, by Gauss's theorem.
+    """Volume properties of the solid enclosed by `faces` of quadratic triangles.
 
-    Normals outward. ∫ x_i x_j dV = ∫ x_i x_j (x · n) dA / 5, and likewise for lower moments.
+    By Gauss's theorem, ∫ x_i x_j dV = ∫ x_i x_j (x · n) dA / 5 with the outward normal n, and
+    similarly for lower moments.
     """
     middle = 0.5 * (nodes.min(axis=0) + nodes.max(axis=0))
     volume, first_moments, second_moments = 0.0, np.zeros(3), np.zeros((3, 3))
@@ -71,17 +81,20 @@ def enclosed(nodes: Array, faces: Sequence[Facets]) -> VolumeProperties:
 
 
 def extrapolated(coarse: Array, fine: Array) -> Array:
-    """Limit of integrals over `coarse` and `fine` triangles with size ratio COARSENESS."""
+    """Limit of an integral over triangles of decreasing size, from a coarse and a fine mesh.
+
+    The ratio of their sizes is COARSENESS.
+    """
     return fine + _ERROR * (fine - coarse)
 
 
 def half_width(coarse: float, fine: float) -> float:
-    """Half-width of the uncertainty of the limit of two such integrals."""
+    """Half-width of the uncertainty of the extrapolated limit of two integrals."""
     return _SAFETY * _ERROR * abs(fine - coarse)
 
 
 def is_limit(kernel: float, coarse: float, fine: float) -> bool:
-    """True if an integral of the CAD kernel is the limit of those over two surface meshes."""
+    """True if an integral of the CAD kernel agrees with the limit over two surface meshes."""
     limit = fine + _ERROR * (fine - coarse)
     return abs(kernel - limit) <= half_width(coarse, fine) + ROUNDING * abs(kernel)
 
@@ -89,7 +102,10 @@ def is_limit(kernel: float, coarse: float, fine: float) -> bool:
 def corrected(
     kernel: VolumeProperties, coarse: VolumeProperties, fine: VolumeProperties
 ) -> VolumeProperties:
-    """The kernel's integrals if its volume is the limit of two meshes, else the limit of these."""
+    """Volume properties of the CAD kernel if its volume agrees with two surface meshes.
+
+    Otherwise the limit of the integrals over these meshes.
+    """
     if is_limit(kernel.volume, coarse.volume, fine.volume):
         return kernel
     return VolumeProperties(
@@ -102,14 +118,14 @@ def corrected(
 
 @dataclass(frozen=True, eq=False)
 class FaceArea:
-    """Area (m²) of a face and its `centre` (3, m)."""
+    """Area (m²) of a face, and the centre (3, m) of the area."""
 
     area: float
     centre: Array
 
 
 def face_area(nodes: Array, facets: Facets) -> FaceArea:
-    """Area and centre of a face of quadratic triangles."""
+    """Area and centre of a face that consists of quadratic triangles."""
     points, normals = _integrated(nodes, facets)
     areas = np.linalg.norm(normals, axis=2)
     area = float(areas.sum())
@@ -117,7 +133,10 @@ def face_area(nodes: Array, facets: Facets) -> FaceArea:
 
 
 def corrected_area(kernel: FaceArea, coarse: FaceArea, fine: FaceArea) -> FaceArea:
-    """The kernel's area and centre if its area is the limit of two meshes, else that limit."""
+    """Area and centre from the CAD kernel if the area agrees with two surface meshes.
+
+    Otherwise the limit of the integrals over these meshes.
+    """
     if is_limit(kernel.area, coarse.area, fine.area):
         return kernel
     return FaceArea(

@@ -1,7 +1,7 @@
-"""Faces of a part and their kinds, recognised by fitting planes and cylinders.
+"""Faces of a part, and their types: plane, bore, boss or other.
 
-The kinds are fitted and not read from the file, because exporters write cylinders as splines, and
-a mesh has no kinds.
+The types are recognised by fitting planes and cylinders. They are not read from the file, because
+exporters write cylinders as splines, and a mesh file has no types.
 """
 
 from dataclasses import dataclass
@@ -18,17 +18,18 @@ Kind: TypeAlias = Literal["plane", "bore", "boss", "other"]
 # relative to its radius. Meshes are written with seven digits, some with six.
 _FLAT, _ROUND = 1e-5, 1e-4
 # Largest component of facet normals along the axis of a cylinder at the start of the fit. Normals
-# of a cylinder lie across its axis, those of its facets nearly so.
+# of a cylinder are perpendicular to its axis, those of facets almost.
 _ACROSS = 0.3
 
 
 @dataclass(frozen=True, eq=False)
 class Face:
-    """A face of a part, lengths in m, the file's axes.
+    """A face of a part. Lengths in m, axes of the file.
 
-    `centre` (3) of its area. The `direction` of a plane is its outward normal, that of a bore or a
-    boss (a cylinder seen from inside or outside) its axis. `on_axis` is the middle of the axis.
-    `name` in the file, or "". `facets`: its pieces, on the surface's nodes.
+    `centre` (3) is that of the area. For a plane, `direction` is the outward normal. For a bore or
+    a boss (a cylinder seen from inside or outside), `direction` is the axis, `on_axis` the point in
+    the middle of the axis, and `radius` the radius. `name` is the name in the file, or "". `facets`
+    are the facets of the face on the nodes of the surface.
     """
 
     number: int
@@ -43,12 +44,12 @@ class Face:
 
 
 def face_of(number: int, nodes: Array, facets: Facets, name: str = "") -> Face:
-    """Face composed of `facets` (on `nodes`, N×3, m), with its kind."""
+    """Face that consists of `facets` on `nodes` (N×3, m), with its type."""
     vectors = area_vectors(nodes, facets)
     areas = np.linalg.norm(vectors, axis=1)
     area = float(areas.sum())
     centre = areas @ nodes[facets.cells].mean(axis=1) / area
-    # Corners lie on the true surface even if an exporter wrote straight edges.
+    # Corner nodes lie on the true surface, even if the mesh file has straight edges.
     points = nodes[np.unique(facets.corners)]
     mean = vectors.sum(axis=0)
     normal = mean / max(float(np.linalg.norm(mean)), np.finfo(float).tiny)
@@ -68,16 +69,17 @@ def face_of(number: int, nodes: Array, facets: Facets, name: str = "") -> Face:
 
 
 def _plain(direction: Array) -> Array:
-    """Direction without round-off that would be printed as -0 or 1e-17."""
+    """Direction in which round-off, which would be printed as -0 or 1e-17, is replaced by zero."""
     return np.asarray(np.where(np.abs(direction) < 1e-9, 0.0, direction))
 
 
 def _cylinder(points: Array, vectors: Array, areas: Array) -> tuple[Array, Array, float] | None:
-    """Axis (3), a point on it (3) and radius of the cylinder through `points`, or None.
+    """Axis (3), a point on it (3, m) and radius (m) of the cylinder through `points`.
 
-    The normals lie across the axis, which is the direction of their smallest scatter. The points
-    are then fitted by a circle about it (Kåsa's linear fit, exact for points on a circle), and axis
-    and circle are improved together by Gauss–Newton iterations.
+    None if they do not lie on a cylinder. The normals are perpendicular to the axis, which is
+    therefore the direction of their smallest scatter. A circle about the axis is fitted to the
+    points (Kåsa's linear fit, exact for points on a circle). Axis and circle are then improved
+    together by Gauss–Newton iterations.
     """
     normals = vectors / areas[:, None]
     eigenvalues, directions = np.linalg.eigh((normals * areas[:, None]).T @ normals / areas.sum())
@@ -97,7 +99,7 @@ def _cylinder(points: Array, vectors: Array, areas: Array) -> tuple[Array, Array
         if radius == 0.0 or distance.min() == 0.0:
             return None
         deviation = distance - radius
-        # A tilt of the axis moves a point at height h across it by h times the tilt.
+        # A tilt of the axis changes the distance of a point at height h by h times the tilt.
         unit = flat / distance[:, None]
         height = (points - centre) @ axis
         slopes = np.column_stack([height[:, None] * unit, unit, np.ones(len(unit))])

@@ -1,11 +1,13 @@
-"""Anisotropic refinement of tetrahedra at sharp re-entrant edges: shorter across the edge only.
+"""Refinement of tetrahedra at sharp re-entrant edges, in the direction away from the edge only.
 
-If material fills more than half of the space about an edge, stresses grow without bound towards it:
-at a right angle the warping function of torsion varies as r^(2/3), so that the energy error of
-elements of size h is of order h^(4/3) for any element order (Grisvard, Elliptic Problems in
-Nonsmooth Domains, §2.4). Isotropic refinement would need many elements. Instead every side that
-leaves such an edge is cut (anisotropic grading: Apel, Anisotropic Finite Elements, ch. 4). The
-shape does not change, and the new mesh contains all displacements of the old one.
+If material fills more than half of the space about an edge, stresses grow without bound towards the
+edge: at a right angle the warping function of torsion varies as r^(2/3), so that the energy error
+of elements of size h is of order h^(4/3) for any element order (Grisvard, Elliptic Problems in
+Nonsmooth Domains, §2.4). Uniform refinement would need many elements. Instead each element side
+that leaves such an edge is cut (anisotropic grading: Apel, Anisotropic Finite Elements, ch. 4). The
+shape of the part does not change, and the new mesh can represent all displacements of the old one.
+
+A *simplex* is a tetrahedron, or a triangle of the boundary. It is cut into *pieces*.
 """
 
 from collections.abc import Iterator, Sequence
@@ -19,20 +21,20 @@ from meshes.part.boundary import CREASE, Facets, PartMesh, boundary
 from meshes.part.straighten import are_folded
 from meshes.shape_functions import gradients, values
 
-# Position of the cut as a share of the side from the edge. Measured on a box tube and on a leg with
-# lugs at equal numbers of unknowns: one cut there has a smaller error than no cut (a third) and
-# than two cuts.
+# Distance of the cut from the edge, as a fraction of the side's length. At equal numbers of
+# unknowns a box tube and a leg with lugs have a third of the error without cuts, and less than with
+# two cuts.
 _CUT = 0.25
-# Number of bits of a node number in the number of a side, which combines its two ends.
+# Number of bits of a node number. The number of a side combines the numbers of its two ends.
 _BITS = 31
-# A corner of a piece: (i, i) is corner i of the whole simplex, (i, j) the cut of its side i to j.
+# A corner of a piece: (i, i) is corner i of the simplex, (i, j) the cut on the side from i to j.
 _Corner = tuple[int, int]
 
 
 def inner_edges(mesh: PartMesh) -> IntArray:
-    """Corner nodes on the sharp re-entrant edges between faces of tetrahedra, ascending.
+    """Corner nodes on the sharp re-entrant edges between faces of a mesh of tetrahedra, ascending.
 
-    An edge is sharp if the normal changes there. The normal of a rounding changes gradually.
+    An edge is sharp if the normal changes abruptly there. On a fillet the normal changes gradually.
     """
     facets = boundary(mesh)
     corners, order = facets.corners, np.array([(0, 1), (1, 2), (2, 0)])
@@ -53,7 +55,7 @@ def inner_edges(mesh: PartMesh) -> IntArray:
 
 
 def _face_of(corners: IntArray, mesh: PartMesh) -> IntArray:
-    """Face number of each facet of the boundary (F×3)."""
+    """Face number of each triangle of the boundary (`corners`, F×3)."""
     face_corners = np.vstack([facets.corners for facets in mesh.faces.values()])
     numbers = np.repeat(list(mesh.faces), [len(f.cells) for f in mesh.faces.values()])
     order, order_of_corners = (np.lexsort(np.sort(c, axis=1).T) for c in (face_corners, corners))
@@ -63,7 +65,10 @@ def _face_of(corners: IntArray, mesh: PartMesh) -> IntArray:
 
 
 def second_order_unknowns(mesh: PartMesh, *, cut: bool) -> int:
-    """Number of displacements of the second-order mesh of a mesh of tet4, `cut` or not."""
+    """Number of displacement unknowns of a mesh of tet4 after its conversion to second order.
+
+    If `cut` is True, elements at re-entrant edges are cut first.
+    """
     cells = mesh.cells
     if cut:
         _, cells = _renumbered(_cut(cells, inner_edges(mesh)).corners)
@@ -71,10 +76,10 @@ def second_order_unknowns(mesh: PartMesh, *, cut: bool) -> int:
 
 
 def cut_at_inner_edges(mesh: PartMesh) -> PartMesh:
-    """Mesh of tet10 with cuts of all sides that leave a re-entrant edge.
+    """Mesh of tet10 in which all element sides that leave a re-entrant edge are cut.
 
-    Unchanged if there is no such edge. Nodes of the edge at which a piece of a curved element would
-    be folded are excluded.
+    The mesh is unchanged if there is no such edge. Nodes of the edge at which a piece of a curved
+    element would be folded are excluded.
     """
     edges = inner_edges(mesh)
     while edges.size:
@@ -88,7 +93,7 @@ def cut_at_inner_edges(mesh: PartMesh) -> PartMesh:
 
 
 def _renewed(mesh: PartMesh, edges: IntArray, cut: "_Cut", positions: Array) -> PartMesh:
-    """Mesh of all pieces, whose nodes (P×10×3) are at `positions`."""
+    """Mesh of all pieces, whose nodes have the given `positions` (P×10×3, m)."""
     corner_numbers, corners = _renumbered(cut.corners)
     sides, middles = np.unique(_middles(corners), return_inverse=True)
     cells = np.hstack([corners, len(corner_numbers) + middles.reshape(-1, 6)])
@@ -106,10 +111,11 @@ def _renewed(mesh: PartMesh, edges: IntArray, cut: "_Cut", positions: Array) -> 
 
 @dataclass(frozen=True, eq=False)
 class _Cut:
-    """Pieces of cut simplices.
+    """P pieces of cut simplices.
 
-    `owner` (P) is the whole simplex, `corners` (P×k) are numbered as sides of wholes, `shares`
-    (P×k×k) are the barycentric coordinates of each corner in the whole.
+    `owner` (P) is the index of the simplex from which a piece is cut. `corners` (P×k) are numbers
+    of sides of the simplices. `shares` (P×k×k) are the barycentric coordinates of the corners in
+    the simplex.
     """
 
     owner: IntArray
@@ -117,7 +123,7 @@ class _Cut:
     shares: Array
 
     def positions(self, mesh: PartMesh) -> Array:
-        """Positions of the pieces' nodes (P×10×3) in the curved wholes."""
+        """Positions (P×10×3, m) of the nodes of the pieces in the curved tetrahedra."""
         middles = self.shares[:, SIMPLEX_EDGES[4]].mean(axis=2)
         shares = np.concatenate([self.shares, middles], axis=1)
         shapes = values("tet10", shares[:, :, 1:].reshape(-1, 3).T).reshape(10, len(shares), -1)
@@ -130,19 +136,22 @@ def _side(start: IntArray, end: IntArray) -> IntArray:
 
 
 def _renumbered(corners: IntArray) -> tuple[IntArray, IntArray]:
-    """Distinct corners, ascending, and the number of each corner among them."""
+    """Distinct corner numbers, ascending, and the index of each corner among them."""
     distinct, numbers = np.unique(corners, return_inverse=True)
     return distinct, numbers.reshape(corners.shape)
 
 
 def _middles(corners: IntArray) -> IntArray:
-    """Numbers (P·s) of the sides of triangles or tetrahedra, each from its lower end."""
+    """Numbers of all sides of triangles or tetrahedra, from the lower to the higher node number."""
     ends = np.sort(corners[:, SIMPLEX_EDGES[corners.shape[1]]].reshape(-1, 2), axis=1)
     return _side(ends[:, 0], ends[:, 1])
 
 
 def _cut(cells: IntArray, edges: IntArray) -> _Cut:
-    """Cut of simplices (M×k) between their nodes on `edges` and the others."""
+    """Pieces of simplices, cut between their nodes on `edges` and their other nodes.
+
+    `cells` (M×k) are the node numbers of the simplices.
+    """
     size = cells.shape[1]
     on, order = np.isin(cells, edges), np.argsort(cells, axis=1)
     kinds, kind_of_cell = np.unique(np.hstack([on, order]), axis=0, return_inverse=True)
@@ -156,7 +165,7 @@ def _cut(cells: IntArray, edges: IntArray) -> _Cut:
             corners_of_whole[i],
             (1.0 - _CUT) * corners_of_whole[i] + _CUT * corners_of_whole[j],
         )
-        # Pieces have the orientation of the whole.
+        # Pieces must have the orientation of the simplex.
         left_handed = np.linalg.det(share) < 0.0
         for array in (i, j, share):
             array[left_handed, :2] = array[left_handed, 1::-1]
@@ -166,10 +175,10 @@ def _cut(cells: IntArray, edges: IntArray) -> _Cut:
 
 
 def _pieces(on: Array, order: IntArray) -> IntArray:
-    """Corners (P×k×2) of the pieces of a simplex with some corners `on` the edge.
+    """Corners (P×k×2) of the pieces of a simplex, of whose corners some lie `on` the edge.
 
-    `order` of the corners' numbers: diagonals start at the lower number, consistently in both
-    neighbours.
+    `order` contains the corners in ascending order of their node numbers: diagonals start at the
+    lower number, so that they agree in both neighbours.
     """
     inner = [int(i) for i in order if on[i]]
     outer = [int(i) for i in order if not on[i]]
@@ -187,6 +196,6 @@ def _pieces(on: Array, order: IntArray) -> IntArray:
 
 
 def _prism(foot: Sequence[_Corner], head: Sequence[_Corner]) -> Iterator[list[_Corner]]:
-    """Simplices between `foot` and `head`, with diagonals from the foot to later corners."""
+    """Simplices between the faces `foot` and `head` of a prism, with diagonals to later corners."""
     for i in range(len(foot)):
         yield [*foot[: i + 1], *head[i:]]

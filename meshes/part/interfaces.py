@@ -1,4 +1,4 @@
-"""Interfaces of a part: faces, reference point and coupling from their specification."""
+"""Interfaces of a part: the faces, the reference point and the coupling of each."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -25,18 +25,20 @@ WHY_RIGID = (
     "part; that is the bound from above, and the distance to the averaged interface, the bound "
     "from below, is part of the uncertainty"
 )
-# Relative tolerances of radii and positions copied from drawings; a specified one overrides them.
+# Tolerances, relative to the radius, of radii and positions copied from drawings. A tolerance in
+# the robot file overrides them.
 _RADIUS, _PLACE = 1e-3, 1e-3
-# Cosine of the angle up to which two directions count as equal: half a degree.
+# Cosine of the angle up to which two directions count as parallel: half a degree.
 _SAME_DIRECTION = float(np.cos(np.radians(0.5)))
 
 
 @dataclass(frozen=True, eq=False)
 class Interface:
-    """Interface of a part: `faces` for a joint, and its reference `point` (3, m, file axes).
+    """Interface of a part: the `faces` to which a joint is attached, and its reference point.
 
-    `axis` (unit vector) of the cylinder that the faces form, through `on_axis` (3, m); both None
-    where they form none. `by_default`: whether the robot file specifies no coupling.
+    `point` (3, m, file axes) is the reference point. If the faces form a cylinder, `axis` is the
+    unit vector of its axis and `on_axis` (3, m) a point on it; otherwise both are None. `area` (m²)
+    is that of the faces. `by_default` is True if the robot file does not specify the coupling.
     """
 
     name: str
@@ -50,7 +52,7 @@ class Interface:
 
     @property
     def reason(self) -> str:
-        """Reason for the coupling."""
+        """Reason for the coupling, for the report."""
         return WHY_RIGID if self.by_default else "as specified"
 
 
@@ -59,11 +61,11 @@ def find_interfaces(
     specified: Mapping[str, PartInterface],
     points: Mapping[str, Array] | None = None,
 ) -> tuple[Interface, ...]:
-    """Interfaces of a part as `specified`, in their order.
+    """Interfaces of a part as specified in the robot file, in the same order.
 
-    `points` (m, file axes) are the reference points by name. A missing point lies in the middle of
-    a cylinder's axis, otherwise in the centre of the faces' area. Raises InputError with all faults
-    at once, each with the nearest face that might be meant.
+    `points` (m, file axes) are the reference points by name. A missing point is placed in the
+    middle of the axis of a cylinder, otherwise in the centre of the faces' area. Raises InputError
+    with all faults at once, each with the nearest face that might be meant.
     """
     interfaces, faults = [], []
     for name, interface in specified.items():
@@ -234,7 +236,7 @@ def _point_text(point: Array) -> str:
 
 
 def _shared(part: PartFile, interfaces: Sequence[Interface]) -> list[str]:
-    """Faults of pairs of interfaces with common faces, or common edges between their faces."""
+    """Faults of pairs of interfaces that have common faces, or whose faces have common edges."""
     nodes = {
         interface.name: set().union(
             *(part.face(number).facets.nodes.tolist() for number in interface.faces)

@@ -1,4 +1,4 @@
-"""Cross-sections of a part's mesh with a plane: outlines, and meshes inside them."""
+"""Plane cross-sections of the mesh of a part: outlines, and meshes inside the outlines."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ from meshes.part.boundary import Facets
 from meshes.processes import Crashed, within_limits
 from meshes.section.section_mesh import SectionMesh, counter_clockwise
 
-# Triangles of a facet's corners and middles: curved facets are cut as four flat ones.
+# Flat triangles that replace a facet, by local node numbers. A curved facet is replaced by four.
 _PIECES = {
     "tri3": ((0, 1, 2),),
     "tri6": ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5)),
@@ -22,44 +22,49 @@ _PIECES = {
 }
 # Relative distance of a corner from the line of its neighbours below which it is removed.
 _STRAIGHT = 2e-4
-# Distance from a plane, relative to the part's length, of nodes that count as lying in it.
+# Distance from a plane, relative to the part's length, below which a node lies in the plane.
 _IN_PLANE = 1e-9
-# Edge of the triangles relative to the wall thickness: twice the area over the length of outlines.
+# Edge length of triangles relative to the wall thickness, which is twice the area divided by the
+# length of the outlines.
 _EDGE = 0.7
 # Limit on the CPU time (s) for the meshes of all sections of a part.
 _SECONDS = 120.0
 
 
 class NotPrismaticError(InputError):
-    """A part has a section that no prism has."""
+    """Error: a part has a section that no prismatic leg has."""
 
 
 @dataclass(frozen=True, eq=False)
 class Slice:
-    """One piece of a section: its outer outline and its holes (n×2 each, m, in the plane)."""
+    """One connected piece of a section: outer outline and holes (n×2 each, m, in the plane)."""
 
     outer: Array
     holes: tuple[Array, ...]
 
     @property
     def area(self) -> float:
-        """Area (m²) inside the outline without the holes."""
+        """Area (m²) inside the outline, without the holes."""
         return _moments(self.outer)[0] - sum(_moments(hole)[0] for hole in self.holes)
 
     @property
     def centroid(self) -> Array:
-        """Centroid (2, m) of the area."""
+        """Centroid (2, m) of the area without the holes."""
         first = _moments(self.outer)[1] - sum(_moments(hole)[1] for hole in self.holes)
         return np.asarray(first / self.area)
 
     @property
     def size(self) -> float:
-        """Larger side of the outline (m)."""
+        """Larger side (m) of the bounding box of the outline."""
         return float(np.ptp(self.outer, axis=0).max())
 
     @property
     def measures(self) -> Array:
-        """Area and area inside the outline (m²), smaller and larger second moment (m⁴)."""
+        """Four numbers that identify the section: two areas (m²) and two principal moments (m⁴).
+
+        These are the area without and with the holes, the smaller and the larger second moment of
+        area.
+        """
         centre = self.centroid
         holes = sum(_moments(hole - centre)[2] for hole in self.holes)
         second = np.linalg.eigvalsh(_moments(self.outer - centre)[2] - holes)
@@ -67,11 +72,11 @@ class Slice:
 
 
 def slices_of(nodes: Array, facets: Facets, origin: Array, axes: Array) -> list[Slice]:
-    """Pieces of a section, the one nearest to `origin` (3, m) first.
+    """Pieces of the section of a part with a plane. The first is the nearest to `origin`.
 
-    The plane passes through `origin` across the first column of `axes` (3×3); outlines are in the
-    other two axes. `facets`: the boundary on `nodes`. Raises NotPrismaticError if the plane misses
-    the part.
+    The plane passes through `origin` (3, m), and its normal is the first column of `axes` (3×3).
+    The outlines are in the other two axes. `facets` is the boundary of the part on `nodes`. Raises
+    NotPrismaticError if the plane does not cut the part.
     """
     from matplotlib.path import Path as Outline  # noqa: PLC0415  slow to import, and makes folders
 
@@ -100,7 +105,7 @@ def slices_of(nodes: Array, facets: Facets, origin: Array, axes: Array) -> list[
 
 
 def slice_meshes(pieces: Sequence[Slice]) -> list[SectionMesh]:
-    """Second-order triangles inside the outlines. Raises InputError if gmsh crashes."""
+    """Meshes of second-order triangles inside the outlines. Raises InputError if gmsh crashes."""
     try:
         return within_limits(_SECONDS, _slice_meshes, pieces)
     except Crashed as crash:
@@ -136,10 +141,10 @@ def _slice_mesh(piece: Slice) -> SectionMesh:
 
 
 def _loops(nodes: Array, facets: Facets, origin: Array, axes: Array) -> list[Array]:
-    """Closed polygons (n×2) in which the plane cuts the boundary."""
+    """Closed polygons (n×2, m) in which the plane cuts the boundary of the part."""
     local = (nodes - origin) @ axes
     height = local[:, 0].copy()
-    # Nodes in the plane count as above it, so that a whole face in the plane is on one side.
+    # Nodes in the plane count as above it, so that a face in the plane lies on one side of it.
     height[np.abs(height) < _IN_PLANE * np.ptp(height)] = np.finfo(float).tiny
     triangles = np.vstack([facets.cells[:, list(piece)] for piece in _PIECES[facets.element]])
     above = height[triangles] > 0.0
@@ -171,9 +176,9 @@ def _loops(nodes: Array, facets: Facets, origin: Array, axes: Array) -> list[Arr
 
 
 def _simplified(loop: Array) -> Array:
-    """Polygon without corners on the line of their neighbours or coincident with them."""
+    """Polygon without corners that coincide with a neighbour or lie on a straight line."""
     limit = _STRAIGHT * float(np.ptp(loop, axis=0).max())
-    # The farthest point is certainly a corner.
+    # The point farthest from the mean is certainly a corner.
     first = int(np.argmax(np.linalg.norm(loop - loop.mean(axis=0), axis=1)))
     loop = np.roll(loop, -first, axis=0)
     corners = [loop[0]]
@@ -191,7 +196,7 @@ def _simplified(loop: Array) -> Array:
 
 
 def _moments(loop: Array) -> tuple[float, Array, Array]:
-    """Moments ∫dA, ∫s dA (2), ∫s sᵀ dA (2×2), s from the origin, of a polygon."""
+    """Moments ∫dA, ∫s dA (2) and ∫s sᵀ dA (2×2) of a polygon, with s from the origin."""
     following = np.roll(loop, -1, axis=0)
     cross = loop[:, 0] * following[:, 1] - following[:, 0] * loop[:, 1]
     cross = cross * np.sign(cross.sum())

@@ -1,4 +1,4 @@
-"""Sample nodes distributed over a part, with the volume nearest to each."""
+"""Sample nodes distributed over a part, each with the volume of the elements nearest to it."""
 
 import numpy as np
 import scipy
@@ -8,15 +8,16 @@ from meshes.elements import ELEMENTS
 from meshes.shape_functions import gradients
 from meshes.solid_mesh import VolumeMesh
 
-# Number of samples, sufficient for three half waves along a leg and the corners of its sections.
+# Number of sample nodes: sufficient for three half waves along a leg and the corners of its
+# sections.
 _COUNT = 60
 
 
 def spread_over(mesh: VolumeMesh) -> tuple[IntArray, Array]:
-    """Corner nodes (rows) as far from each other as possible, and the volume (m³) nearest to each.
+    """Corner nodes as far apart as possible, and the volume (m³) of the cells nearest to each.
 
-    Greedy selection of the node farthest from those before (Gonzalez, Theor. Comput. Sci. 38 (1985)
-    293). A cell counts as a whole at its centre.
+    The node farthest from those already selected is added repeatedly (Gonzalez, Theor. Comput. Sci.
+    38 (1985) 293). The position of a cell is its centre.
     """
     corners = mesh.cells[:, list(ELEMENTS[mesh.element].corner_nodes)]
     candidates = np.unique(corners)
@@ -36,7 +37,7 @@ def spread_over(mesh: VolumeMesh) -> tuple[IntArray, Array]:
 
 
 def cell_volumes(mesh: VolumeMesh) -> Array:
-    """Volume (M, m³) of each cell by its Jacobian at the centre."""
+    """Volume (M, m³) of each cell, from the Jacobian at its centre."""
     kind = ELEMENTS[mesh.element]
     corners = kind.nodes[list(kind.corner_nodes)]
     slopes = gradients(mesh.element, corners.mean(axis=0)[:, None])[:, :, 0]

@@ -1,9 +1,9 @@
 """Straightening of folded second-order tetrahedra, of as few as possible.
 
-Two facets of an element on one smooth face, or on tangent faces, lie in one plane at the ends of
-the edge between them: the Jacobian vanishes there and nowhere else. Such an element integrates
-accurately, and straight edges would cut off the rounding. Folding is therefore decided at the
-quadrature points.
+If two facets of an element lie on one smooth face, or on tangent faces, they are in one plane at
+the ends of their common edge, and the Jacobian vanishes there. Such an element integrates
+accurately nevertheless, and straight edges would cut off a fillet. Only elements that are folded at
+quadrature points are therefore straightened.
 """
 
 import numpy as np
@@ -15,20 +15,21 @@ from lumped.text import counted
 from meshes.elements import SIMPLEX_EDGES
 from meshes.shape_functions import gradients, quadrature
 
-# Ratio of smallest to largest Jacobian below which a cell is folded or its stiffness inaccurate.
+# Ratio of smallest to largest Jacobian below which a cell is folded or has an inaccurate stiffness.
 _FOLDED = 0.03
-# Ratio of volume to cube of the longest edge below which a cell is flat within rounding.
+# Ratio of the volume to the cube of the longest edge below which a cell is flat within round-off.
 _FLAT = 1e-8
-# Degree of the points that integrate the mass of a curved element exactly.
+# Degree of the quadrature that integrates the mass of a curved element exactly.
 _DEGREE = 7
 _ROUNDS = 10
 
 
 def straightened(nodes: Array, cells: IntArray) -> tuple[Array, int]:
-    """Nodes (N×3) with edge middles of folded tet10 `cells` moved half way; number of these cells.
+    """Nodes (N×3, m) after straightening of folded tet10 `cells`, and the number of these cells.
 
-    Neighbours that share the edges may fold in consequence and are straightened, too. Raises
-    ComputationError if a cell is inverted or flat with straight edges.
+    Midside nodes are moved half way between the corners. Neighbours that share these edges may
+    become folded and are straightened, too. Raises ComputationError if a cell is inverted or flat
+    although its edges are straight.
     """
     straight = np.zeros(len(cells), dtype=bool)
     for _ in range(_ROUNDS):
@@ -57,7 +58,7 @@ def straightened(nodes: Array, cells: IntArray) -> tuple[Array, int]:
 
 
 def are_folded(positions: Array) -> NDArray[np.bool_]:
-    """Flags (M) of tet10 with nodes at `positions` (M×10×3) that are folded or nearly so."""
+    """True for each tet10 with nodes at `positions` (M×10×3, m) that is folded or nearly folded."""
     return np.asarray(_evenness(positions) < _FOLDED)
 
 
@@ -71,7 +72,7 @@ def _evenness(positions: Array) -> Array:
 
 
 def _fullness(nodes: Array, cells: IntArray) -> Array:
-    """Ratio (M) of each cell's volume between its corners to the cube of its longest edge."""
+    """Ratio (M) of the volume of each cell, with straight edges, to its longest edge cubed."""
     first, second = SIMPLEX_EDGES[4].T
     longest = np.linalg.norm(nodes[cells[:, first]] - nodes[cells[:, second]], axis=2).max(axis=1)
     sides = nodes[cells[:, 1:4]] - nodes[cells[:, :1]]

@@ -1,7 +1,7 @@
-"""Second-order tetrahedra in a CAD part, graded to curvature, interfaces and inner edges.
+"""Meshes of second-order tetrahedra in a CAD part, graded to curvature, interfaces and inner edges.
 
-The meshes of a ladder are similar: sizes, sides of a circle and the grading near interfaces shrink
-together from mesh to mesh, so that three meshes define an order of convergence.
+The three meshes of a refinement are similar: element sizes, sides per circle and the grading near
+interfaces decrease together, so that an order of convergence can be determined.
 """
 
 from collections.abc import Callable, Sequence
@@ -26,33 +26,36 @@ from meshes.part.straighten import straightened
 from meshes.processes import Crashed, within_limits
 from meshes.shape_functions import gradients, quadrature
 
-# Ratio of the element sizes of successive meshes of a ladder; three meshes span a factor of two.
+# Ratio of the element sizes of successive meshes of a refinement. Three meshes span a factor of
+# two.
 RATIO = sqrt(2.0)
-# Sides of a full circle on the coarsest mesh; curved tetrahedra on longer arcs would be folded.
+# Number of sides per full circle on the coarsest mesh. Curved tetrahedra on longer arcs would fold.
 _SIDES = 12.0
-# Ratio of element sizes at an interface and away from it, and the distance, in elements, over which
-# sizes grow. Edges of rigid interfaces are singular.
+# Ratio of element sizes at an interface to those away from it, and the distance in element sizes
+# over which sizes grow. Stresses are singular at the edges of rigid interfaces.
 _AT_INTERFACES, _REACH = 0.6, 4.0
-# Start value and lower bound of the exponent with which unknowns grow with 1/h at constant sides of
-# circles: 3 in massive parts, 2 in walls, less if fillets and bores dominate the mesh.
+# Initial value and lower limit of the exponent with which the number of unknowns grows with 1/h: 3
+# in massive parts, 2 in walls, less if fillets and bores dominate the mesh.
 _POWER, _LEAST_POWER = 2.5, 1.0
 _ATTEMPTS = 8
-# Accepted range of actual to requested unknowns. With elements much longer than the wall thickness
-# the number hardly depends on their size, so that too few unknowns would mean far too coarse ones.
+# Accepted range of the ratio of actual to requested unknowns. If elements are much longer than the
+# wall thickness, the number hardly depends on their size, so that slightly fewer unknowns would
+# mean far too coarse elements.
 _LEAST_SHARE, _MOST_SHARE = 0.95, 1.25
 # Number of unknowns from which elements at re-entrant edges are cut. With fewer unknowns, too few
-# remain elsewhere: at 6000 to 15 000 a fifth of the stated half-widths of random box tubes failed.
+# remain elsewhere: at 6000 to 15 000, a fifth of the half-widths of random box tubes were too
+# small.
 _CUT_FROM = 50_000
-# Number of size reductions for a surface whose facets intersect.
+# Largest number of reductions of the element size for a surface whose facets intersect.
 _RETRIES = 8
-# gmsh's numbers of its algorithms.
+# Numbers of meshing algorithms in gmsh.
 _DELAUNAY, _FRONTAL = 1, 4
-# Size factor, passes of Netgen's optimiser and algorithm of successive attempts. The optimiser
-# takes as long as the mesh and reduces the error by a quarter. With elements as coarse as the wall
-# thickness it may end its process (gmsh 4.15), and a flat element may remain at a wall; another
-# size gives another mesh. With elements several times as long, Delaunay's criterion leaves some
-# with four corners on one flat face at any size. The advancing front, with up to a quarter more
-# elements, leaves none.
+# Factor on the size, passes of Netgen's optimiser, and algorithm of successive attempts. The
+# optimiser takes as long as the mesh and reduces the error by a quarter. If elements are as coarse
+# as the wall thickness, it may crash (gmsh 4.15), or leave a flat element at a wall; a slightly
+# different size gives another mesh. If elements are several times as long, Delaunay's algorithm
+# creates elements with four corners on one flat face at any size. The advancing front creates none,
+# but up to a quarter more elements.
 _ATTEMPTED_SETTINGS = (
     (1.0, 1, _DELAUNAY),
     (0.97, 1, _DELAUNAY),
@@ -65,21 +68,22 @@ _ATTEMPTED_SETTINGS = (
     (0.9, 1, _FRONTAL),
     (0.9, 0, _FRONTAL),
 )
-# Smallest element relative to the full size; otherwise long fillets would dominate the mesh.
+# Smallest element relative to the full size. Otherwise long fillets would dominate the mesh.
 _SHORTEST = 0.2
-# Limit on the CPU time (s) of a mesh, and of the search for the sizes of a ladder. No further mesh
-# is attempted after so much time.
+# Limit on the CPU time (s) of a mesh, and of the search for the element sizes of a refinement. No
+# further mesh is attempted after this time.
 _SECONDS = 600.0
-# Degree of the Jacobian of a curved tetrahedron.
+# Polynomial degree of the Jacobian of a curved tetrahedron.
 _DEGREE = 3
 
 
 @dataclass(frozen=True)
 class Grading:
-    """Element size `size` (m) away from curvature and interfaces, `sides` of a full circle.
+    """Element sizes of a mesh.
 
-    `sides` is zero if sizes do not follow the curvature.
-    `cut`: elements at re-entrant edges are refined across these.
+    `size` (m) applies away from curvature and interfaces. `sides` is the number of element sides
+    per full circle; zero if sizes do not follow the curvature. If `cut` is True, elements at
+    re-entrant edges are refined across these edges.
     """
 
     size: float
@@ -92,11 +96,10 @@ class Grading:
 
 
 def volume_mesh(part: PartFile, interfaces: Sequence[Interface], grading: Grading) -> PartMesh:
-    """Mesh a part with second-order tetrahedra, whose curved edges lie on the true surface.
+    """Mesh of a part with second-order tetrahedra, whose curved edges lie on the true surface.
 
-    If gmsh fails at that size, slightly smaller sizes are attempted. Raises InputError if the
-    surface cannot be meshed, if gmsh crashes or if the part is a mesh, ComputationError if no size
-    succeeds.
+    If gmsh fails, slightly smaller sizes are attempted. Raises InputError if the surface cannot be
+    meshed, if gmsh crashes or if the part is a mesh already, ComputationError if no size succeeds.
     """
     if part.mesh is not None:
         raise InputError(f"{part.path}: is a mesh already; it cannot be meshed anew")
@@ -107,11 +110,11 @@ def volume_mesh(part: PartFile, interfaces: Sequence[Interface], grading: Gradin
         attempt = replace(grading, size=share * grading.size)
         try:
             return within_limits(_SECONDS, _meshed, part, interfaces, attempt, netgen, algorithm)
-        # Delaunay's algorithm may fail to recover a surface that others can fill.
+        # Delaunay's algorithm may fail on a surface that other algorithms can fill.
         except InputError as error:
             surface_error = surface_error or error
         except ComputationError as error:
-            # A fault of the mesh is more informative than the end of the process.
+            # A fault of the mesh is more informative than a crash of the process.
             mesh_error = (
                 error if mesh_error is None or not isinstance(error, Crashed) else mesh_error
             )
@@ -143,47 +146,49 @@ def _meshed(
             gmsh.model.mesh.setOrder(2)
         mesh = _current_mesh(gmsh, model.faces(), "tet10", "tri6")
         _require_filled(mesh, part)
-    # gmsh's own optimisers of curved elements are not used, because they may end the process if
-    # they fail (std::runtime_error in 4.15).
+    # The optimisers of gmsh for curved elements are not used, because they crash if they fail
+    # (std::runtime_error in 4.15).
     positions, count = straightened(mesh.nodes, mesh.cells)
     mesh = replace(mesh, nodes=positions, straightened=count)
     return cut_at_inner_edges(mesh) if grading.cut else mesh
 
 
-def ladder(part: PartFile, interfaces: Sequence[Interface], unknowns: int) -> tuple[Grading, ...]:
-    """Three gradings, coarse to fine, of which the finest has about as many `unknowns`.
+def refined_gradings(
+    part: PartFile, interfaces: Sequence[Interface], unknowns: int
+) -> tuple[Grading, ...]:
+    """Gradings of three meshes, coarse to fine.
 
-    The size is found by meshes of the finest grading with straight edges, which are fast, starting
-    from large elements, with secants of the logarithms. If facets of thin round walls intersect
-    because they are too coarse, all three gradings are finer. A part that cannot be meshed with
-    sizes from its curvature is meshed without. Raises InputError under the conditions of
-    `volume_mesh`.
+    The finest has about the given number of `unknowns`. The element size is found with meshes of
+    the finest grading with straight edges, which are fast, starting from large elements, by the
+    secant method on logarithms. If facets of thin round walls intersect because they are too
+    coarse, all three gradings are made finer. A part that cannot be meshed with sizes that follow
+    its curvature is meshed without. Raises InputError as `volume_mesh` does.
     """
     if part.exact is None:
         raise InputError(f"{part.path}: is a mesh already; it cannot be meshed anew")
     if not part.by_curvature:
-        return _limited_ladder(part, interfaces, unknowns, 0.0)
+        return _limited_gradings(part, interfaces, unknowns, 0.0)
     try:
-        return _limited_ladder(part, interfaces, unknowns, _SIDES)
+        return _limited_gradings(part, interfaces, unknowns, _SIDES)
     except InputError as failed:
         try:
-            return _limited_ladder(part, interfaces, unknowns, 0.0)
+            return _limited_gradings(part, interfaces, unknowns, 0.0)
         except InputError:
             raise failed from None
 
 
-def _limited_ladder(
+def _limited_gradings(
     part: PartFile, interfaces: Sequence[Interface], unknowns: int, sides: float
 ) -> tuple[Grading, ...]:
     try:
-        return within_limits(_SECONDS, _ladder, part, interfaces, unknowns, sides)
+        return within_limits(_SECONDS, _find_gradings, part, interfaces, unknowns, sides)
     except Crashed as crash:
         raise InputError(
             f"{part.path}: gmsh fails to mesh it ({crash}); ask for another number of unknowns"
         ) from crash
 
 
-def _ladder(
+def _find_gradings(
     part: PartFile, interfaces: Sequence[Interface], unknowns: int, sides: float
 ) -> tuple[Grading, ...]:
     largest = max(part.extent) / 2.0
@@ -195,7 +200,7 @@ def _ladder(
     def count(grading: Grading) -> int:
         # After a failed mesh, a model cannot be meshed again.
         with cad_model(part.path, part.unit) as model:
-            # The mesh is only counted; an optimised one differs by a thousandth of the unknowns.
+            # Only the number of unknowns is needed. Optimising would change it by a thousandth.
             _optimise(model.gmsh, 0, 0)
             _set_sizes(model, interfaces, grading)
             with locating_mesh_failures(part.path, model):
@@ -228,7 +233,7 @@ def _ladder(
 
 
 def _optimise(gmsh: ModuleType, own: int, netgen: int) -> None:
-    """Set the number of passes of gmsh's own optimiser and of Netgen's."""
+    """Set the number of passes of gmsh's optimiser (`own`) and of Netgen's optimiser."""
     gmsh.option.setNumber("Mesh.Optimize", own)
     gmsh.option.setNumber("Mesh.OptimizeNetgen", netgen)
 
@@ -274,12 +279,12 @@ def _current_mesh(
 
 
 def _require_filled(mesh: PartMesh, part: PartFile) -> None:
-    """Raise InputError if the volume of tet10 with middles on the surface differs from the part's.
+    """Raise InputError if the volume of a mesh of tet10 differs from that of the part.
 
-    The part's volume is integrated over its faces, each with its own outline and orientation;
-    tetrahedra fill the space between the faces. An allowed difference is the volume between the
-    mesh's curved facets and the flat ones of their corners, since curved facets are closer to the
-    surface, plus the gap along the whole surface.
+    The volume of the part is an integral over its faces, each with its own outline and orientation.
+    The tetrahedra fill the space between the faces. The allowed difference is the volume between
+    the curved facets of the mesh and the flat ones through their corners (curved facets are closer
+    to the surface), plus the gap times the area.
     """
     if part.exact is None:
         return
@@ -293,7 +298,7 @@ def _require_filled(mesh: PartMesh, part: PartFile) -> None:
         positions = mesh.nodes[facets.cells]
         rises = positions[:, 3:] - positions[:, SIMPLEX_EDGES[3]].mean(axis=2)
         vectors = area_vectors(mesh.nodes, Facets(facets.corners, "tri3"))
-        # The shape function of a middle integrates to a third of the area.
+        # The integral of the shape function of an edge midpoint is a third of the area.
         between += float(np.abs(np.einsum("fmi,fi->fm", rises, vectors)).sum()) / 3.0
     allowed = between + part.exact.error + (part.unknown_share + ROUNDING) * volume
     if not abs(filled - volume) <= allowed:

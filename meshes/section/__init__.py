@@ -1,4 +1,4 @@
 """Meshes of cross-sections.
 
-In: shapes and divisions. Out: plane meshes with the symmetry of the shape.
+Input: shapes and numbers of divisions. Output: plane meshes with the symmetry of the shape.
 """

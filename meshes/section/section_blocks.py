@@ -1,17 +1,17 @@
-"""Division of each section shape into four-sided blocks for a structured mesh.
+"""Division of section shapes into four-sided blocks for a structured mesh.
 
-The meaning of `divisions`, the number of elements across the smaller side of the section's
-bounding box:
+`divisions` is the number of elements across the smaller side of the section's bounding box:
 
-- rectangle: that number across the smaller side, along the larger as many as makes them nearly
-  square, of strips fewer (`side_ratio`); or two numbers, along y and along z;
-- circle: across a diameter, at least three (a curved core and a ring of four blocks around it);
-- walls (hollow rectangle, tube, I, channel, angle, tee, and polygons whose edges all run along y or
-  z): one element across the thickness per four divisions, as many
-  more as a thick wall needs (`_across`); along the wall, elements of the size of smaller
-  side / divisions, but never longer than `WALL_ASPECT` times their thickness.
+- rectangle: this number across the smaller side, and along the larger side as many as make the
+  elements nearly square, or fewer in a narrow strip (`side_ratio`); or two numbers, along y and z;
+- circle: this number, but at least three, across a diameter (a core with curved sides, and a ring
+  of four blocks around it);
+- walls (hollow rectangle, tube, I, channel, angle, tee, and polygons all of whose edges are
+  parallel to y or z): one element across the thickness per four divisions, and more in a thick wall
+  (`_across`); along the wall, elements of the length smaller side / divisions, but not longer than
+  `WALL_ASPECT` times their thickness.
 
-So divisions of 4, 8, 16, … are uniform refinements of each other, for every shape. Polygons with
+So divisions of 4, 8, 16, … are uniform refinements of each other for every shape. Polygons with
 other edges have no blocks (`meshes.section.section_mesh`).
 """
 
@@ -39,17 +39,18 @@ from lumped.sections import (
 Divisions: TypeAlias = int | tuple[int, int]
 Edge: TypeAlias = tuple[int, int]
 
-# Stresses vary along a wall over lengths of the section's size, not of the wall's thickness.
+# Largest aspect ratio of elements in a wall. Along a wall, stresses vary over lengths of the order
+# of the section's size, not of the wall's thickness.
 WALL_ASPECT = 8.0
-# The core of a circle: share of the diameter that it covers along the axes, and the half opening
-# of its bulged sides, chosen so that three blocks meet at 120° each.
+# Core of a circle: its width along the axes as a fraction of the diameter, and the half opening
+# angle of its curved sides, chosen so that three blocks meet at 120° each.
 _CORE_SHARE = 0.5
 _CORE_BULGE = radians(15.0)
-# Prevents round-off in ratios such as 0.3 / 0.1 from adding an element.
+# Tolerance that prevents round-off in ratios such as 0.3 / 0.1 from adding an element.
 _ROUND_OFF = 1e-9
-# Divisions of the coarsest mesh of a polygon without blocks: fewer give the same mesh.
+# Divisions of the coarsest mesh of a polygon without blocks. Fewer divisions give the same mesh.
 _COARSEST = 4
-# Share of a section's size: edges closer to each other than this lie on one line of blocks.
+# Edges that are closer than this fraction of the section's size lie on one line of blocks.
 _SAME_LINE = 1e-9
 
 
@@ -57,9 +58,10 @@ _SAME_LINE = 1e-9
 class Blocks:
     """Four-sided blocks that fill a section.
 
-    `points` (P×2, y and z in m); `corners`: four point numbers per block, counter-clockwise;
-    `counts`: elements along each edge; `arc_centres`: for the edges that are circular arcs.
-    An edge is a pair of point numbers and appears in one direction only.
+    `points` (P×2) are coordinates y and z in m. `corners` contains four point numbers for each
+    block, counter-clockwise. An edge is a pair of point numbers, in one direction only. `counts` is
+    the number of elements along each edge, `arc_centres` (y and z, m) the centre of each edge that
+    is a circular arc.
     """
 
     points: Array
@@ -69,7 +71,7 @@ class Blocks:
 
 
 def section_blocks(section: Section, divisions: Divisions) -> Blocks:
-    """The blocks of a sound `section`; raises InputError if the divisions do not suit it."""
+    """Blocks of a valid section. Raises InputError if `divisions` do not suit it."""
     match section, divisions:
         case Rectangle() as rectangle, _:
             return _rectangle(rectangle, divisions)
@@ -87,23 +89,24 @@ def section_blocks(section: Section, divisions: Divisions) -> Blocks:
 
 
 def has_blocks(section: OutlinedSection) -> bool:
-    """True if all edges of an outline and its holes run along y or along z."""
+    """True if all edges of an outline and of its holes are parallel to y or to z."""
     gap = _SAME_LINE * max(section.extent)
     ways = [np.abs(np.roll(loop, -1, axis=0) - loop) for loop in section.loops]
     return bool((np.vstack(ways).min(axis=1) <= gap).all())
 
 
 def refinements(divisions: Divisions) -> int:
-    """Number of times that each element of a polygon's coarsest mesh is cut into four."""
+    """Number of times that each element of the coarsest mesh of a polygon is divided into four."""
     count = min(divisions) if isinstance(divisions, tuple) else divisions
     return max(0, ceil(log2(count / _COARSEST)))
 
 
 def side_ratio(section: Section) -> float:
-    """Ratio of a section's larger to its smaller side in elements.
+    """Ratio of the numbers of elements along the larger and along the smaller side of a section.
 
-    A strip bends as a plate does, over lengths of its width: if it is wider than `WALL_ASPECT`
-    times its thickness, its elements are stretched along both of its long directions.
+    A strip bends like a plate, over lengths of the order of its width. If it is wider than
+    `WALL_ASPECT` times its thickness, its elements are therefore stretched along both of its long
+    directions.
     """
     smaller, larger = sorted(section.extent)
     ratio = larger / smaller
@@ -111,7 +114,7 @@ def side_ratio(section: Section) -> float:
 
 
 def element_length(section: Section, divisions: int) -> float:
-    """Length (m) along a leg of elements that are `divisions` across its section's smaller side."""
+    """Length (m) along the leg of solid elements, `divisions` of which span the smaller side."""
     smaller, larger = sorted(section.extent)
     if not isinstance(section, Rectangle) or larger <= WALL_ASPECT * smaller:
         return smaller / divisions
@@ -119,9 +122,9 @@ def element_length(section: Section, divisions: int) -> float:
 
 
 def element_count(section: Section, divisions: Divisions) -> int:
-    """Elements of a section's mesh; raises InputError as `section_blocks` does.
+    """Number of elements in the mesh of a section. Raises InputError as `section_blocks` does.
 
-    For a polygon without blocks it is an estimate: squares that fill its area.
+    For a polygon without blocks this is an estimate: the number of squares that fill its area.
     """
     if isinstance(section, OutlinedSection) and not has_blocks(section):
         size = min(section.extent) / (_COARSEST * 2 ** refinements(divisions))
@@ -131,7 +134,7 @@ def element_count(section: Section, divisions: Divisions) -> int:
 
 
 def sides_of(blocks: Blocks, corners: tuple[int, int, int, int]) -> tuple[int, int]:
-    """Elements along both pairs of sides of a block."""
+    """Numbers of elements along the first and the second side of a block."""
     a, b, c, _ = corners
     across, along = (
         blocks.counts.get(edge) or blocks.counts[edge[::-1]] for edge in ((a, b), (b, c))
@@ -140,12 +143,18 @@ def sides_of(blocks: Blocks, corners: tuple[int, int, int, int]) -> tuple[int, i
 
 
 def _across(thickness: float, side: float, divisions: int) -> int:
-    """Elements across a wall of a section with the smaller side `side`."""
+    """Number of elements across a wall of the given thickness.
+
+    `side` is the section's smaller side.
+    """
     return ceil(divisions / 4) * _fitting(thickness, side / 4.0)
 
 
 def _along(length: float, thickness: float, side: float, divisions: int) -> int:
-    """Elements along a wall: those of four divisions times divisions / 4, bounded in aspect."""
+    """Number of elements along a wall: that for four divisions times divisions / 4.
+
+    It is increased if the aspect ratio would exceed `WALL_ASPECT`.
+    """
     longest = WALL_ASPECT * thickness / _across(thickness, side, 4)
     of_four = _fitting(length, min(side / 4.0, longest))
     bounded = _fitting(length, WALL_ASPECT * thickness / _across(thickness, side, divisions))
@@ -200,7 +209,7 @@ def _i_section(section: ISection, divisions: int) -> Blocks:
 
 
 def _rectilinear(section: OutlinedSection, divisions: int) -> Blocks:
-    """Blocks between the lines of all edges that lie within the section."""
+    """Blocks within a section, bounded by the lines through all of its edges."""
     loops = section.centred_loops
     lines = [_lines(np.concatenate([loop[:, axis] for loop in loops]), section) for axis in (0, 1)]
     ys, zs = lines
@@ -226,16 +235,18 @@ def _lines(coordinates: Array, section: OutlinedSection) -> Array:
 def _strip_counts(
     widths: Array, across: Array, filled: Array, side: float, divisions: int
 ) -> list[int]:
-    """Elements along each of the strips of `widths`, cut by strips `across` into `filled` blocks.
+    """Number of elements across each strip of a section. The strips have the given `widths`.
 
-    A strip is a wall's thickness, or a length along the thinnest wall that crosses it.
+    Strips `across` divide them into blocks, which lie in the section if `filled` is True. The width
+    of a strip is the thickness of a wall, or a length along the thinnest wall that crosses the
+    strip.
     """
     counts = []
     for width, blocks in zip(widths.tolist(), filled, strict=True):
         edges = np.flatnonzero(np.diff(np.concatenate([[False], blocks, [False]]).astype(int)))
         runs = [float(across[a:b].sum()) for a, b in edges.reshape(-1, 2)]
         thinnest = min(runs)
-        # A wall that is thinner along the strip than across it.
+        # The strip is a wall if it is thinner than all runs of blocks along it.
         if width <= thinnest:
             counts.append(_across(width, side, divisions))
         else:
@@ -244,7 +255,7 @@ def _strip_counts(
 
 
 def _mirrored(*sizes: float) -> list[float]:
-    """Coordinates of the sides of concentric strips, the widest first."""
+    """Coordinates of the sides of concentric strips with the given sizes, the widest first."""
     return [-size / 2.0 for size in sizes] + [size / 2.0 for size in reversed(sizes)]
 
 
@@ -255,7 +266,10 @@ def _grid(
     counts_z: list[int],
     filled: Sequence[Sequence[bool]],
 ) -> Blocks:
-    """Rectangular blocks between lines `ys` and `zs`, for true cells of `filled` (rows along z)."""
+    """Rectangular blocks between lines at `ys` and `zs` (m), where `filled` is True (rows along z).
+
+    `counts_y` and `counts_z` are numbers of elements between the lines.
+    """
     numbers: dict[tuple[int, int], int] = {}
     counts: dict[Edge, int] = {}
     corners = []
@@ -296,7 +310,8 @@ def _circle(section: Circle, divisions: int) -> Blocks:
 def _tube(section: Tube, divisions: int) -> Blocks:
     across = _across(section.thickness, section.diameter, divisions)
     arc = pi / 4.0 * (section.diameter - section.thickness)
-    # Two elements per quarter at least: a parabola is no good arc over 90°.
+    # At least two elements per quarter, because a parabola is a poor approximation of an arc of
+    # 90°.
     quarter = max(2, _along(arc, section.thickness, section.diameter, divisions))
     axes = np.array([(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)])
     points = np.vstack([axes * section.diameter / 2.0, axes * section.inner_diameter / 2.0])

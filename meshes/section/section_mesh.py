@@ -1,7 +1,8 @@
-"""Finite-element meshes of cross-sections, made by gmsh.
+"""Finite element meshes of cross-sections, made by gmsh.
 
-Nine-node quadrilaterals, structured in blocks; polygons with edges in other directions than y and z
-are filled with quadrilaterals that are as large as the walls are thick. The centroid is the origin.
+The elements are nine-node quadrilaterals, structured in blocks. Polygons with edges that are not
+parallel to y or z are filled with unstructured quadrilaterals as large as the walls are thick. The
+centroid is the origin.
 """
 
 from dataclasses import dataclass
@@ -27,9 +28,10 @@ from meshes.section.section_blocks import (
 
 @dataclass(frozen=True, eq=False)
 class SectionMesh:
-    """Mesh of a section in the leg's y–z plane, cells counter-clockwise seen from +x.
+    """Mesh of a section in the y–z plane of the leg. Cells are counter-clockwise seen from +x.
 
-    `nodes` (N×2) are y and z in m, `cells` (M×k) their numbers in the order of `meshes.elements`.
+    `nodes` (N×2) are y and z in m. `cells` (M×k) are node numbers in the order of
+    `meshes.elements`.
     """
 
     nodes: Array
@@ -37,13 +39,13 @@ class SectionMesh:
     element: SectionElement
 
 
-# Studies of one leg use the same few meshes repeatedly.
+# Memoised, because studies of one leg use the same few meshes repeatedly.
 @memo(64)
 def section_mesh(section: Section, divisions: Divisions) -> SectionMesh:
-    """Mesh of `section`, `divisions` elements across its smaller side (see `section_blocks`).
+    """Mesh of a section with `divisions` elements across its smaller side (see `section_blocks`).
 
-    Curved sides are met exactly by all nodes. Raises InputError if the section is impossible or
-    the divisions do not suit it, ComputationError if gmsh fails.
+    All nodes on curved sides lie exactly on the curve. Raises InputError if the section is
+    impossible or the divisions do not suit it, ComputationError if gmsh fails.
     """
     require_section(section, divisions)
     part = f"section mesh ({section.shape})"
@@ -65,7 +67,7 @@ def section_mesh(section: Section, divisions: Divisions) -> SectionMesh:
 
 
 def _add_blocks(gmsh: ModuleType, blocks: Blocks) -> None:
-    """The blocks as transfinite, recombined surfaces in the plane x = 0."""
+    """Add the blocks to the gmsh model as surfaces with structured quadrilaterals, in x = 0."""
     geo = gmsh.model.geo
     points = [geo.addPoint(0.0, y, z) for y, z in blocks.points]
     curves: dict[tuple[int, int], int] = {}
@@ -87,9 +89,10 @@ def _add_blocks(gmsh: ModuleType, blocks: Blocks) -> None:
 
 
 def _fill(gmsh: ModuleType, section: OutlinedSection, refinements: int) -> None:
-    """Fill a polygon with quadrilaterals, each cut into four `refinements` times.
+    """Mesh a polygon with quadrilaterals, each divided into four `refinements` times.
 
-    Triangles and pairs of them are cut into quadrilaterals of half their size.
+    gmsh first fills it with triangles and pairs of triangles of twice the size, which are divided
+    into quadrilaterals.
     """
     geo = gmsh.model.geo
     curves = []
@@ -111,9 +114,10 @@ def _fill(gmsh: ModuleType, section: OutlinedSection, refinements: int) -> None:
 
 
 def _corner_sizes(section: OutlinedSection) -> list[Array]:
-    """Size of the elements (m) at each corner: the distance to the nearest other edge.
+    """Element size (m) at each corner: the distance to the nearest edge that is not adjacent.
 
-    This is the wall's thickness at the corner; a quarter of the section's smaller side at most.
+    This is the wall thickness at the corner. It is limited to a quarter of the section's smaller
+    side.
     """
     largest = 0.25 * min(section.extent)
     sizes = []
@@ -132,7 +136,8 @@ def _corner_sizes(section: OutlinedSection) -> list[Array]:
     return sizes
 
 
-# Sizes from the corners; triangles paired into quadrilaterals and all cut into four-sided cells.
+# Options of gmsh: sizes from the corners; pairs of triangles recombined into quadrilaterals, and
+# all cells divided into quadrilaterals.
 _QUADRILATERALS = {
     "Mesh.MeshSizeFromPoints": 1,
     "Mesh.MeshSizeExtendFromBoundary": 1,
@@ -148,7 +153,7 @@ _REVERSED: dict[SectionElement, list[int]] = {
 
 
 def counter_clockwise(nodes: Array, cells: IntArray, element: SectionElement) -> IntArray:
-    """The cells (M×k) with those reversed that run clockwise about +x; `nodes` (N×2) in y, z."""
+    """Cells (M×k), reversed if they run clockwise about +x. `nodes` (N×2) are y and z."""
     origin, first, last = (
         nodes[cells[:, i]] for i in (0, 1, len(ELEMENTS[element].corner_nodes) - 1)
     )
@@ -158,11 +163,11 @@ def counter_clockwise(nodes: Array, cells: IntArray, element: SectionElement) ->
 
 
 def symmetrised(nodes: Array, part: str) -> Array:
-    """Nodes (N×2) moved to the mean of their positions and those of their mirror images.
+    """Nodes (N×2, m), averaged with the mirror images of their partners about both axes.
 
-    Gmsh spaces points on arcs to about 1e-9 of their length; a section symmetric to rounding has
-    products of inertia and couplings that vanish to rounding. Raises ComputationError naming
-    `part` if a node has no mirror image within 1e-6 of the section's size.
+    gmsh positions points on arcs with errors of about 1e-9 of their length. After averaging,
+    products of inertia and couplings vanish to round-off. Raises ComputationError, with `part` in
+    its message, if a node has no mirror image within 1e-6 of the section's size.
     """
     tolerance = 1e-6 * float(np.ptp(nodes, axis=0).max())
     for mirror in ([-1.0, 1.0], [1.0, -1.0]):
@@ -175,9 +180,9 @@ def symmetrised(nodes: Array, part: str) -> Array:
 
 
 def require_section(section: Section, divisions: Divisions) -> None:
-    """Raise InputError with every fault of a section's shape and of its divisions.
+    """Raise InputError with all faults of the shape of a section and of its divisions.
 
-    A section given by its constants has no shape.
+    A section given by its constants has no shape and is refused.
     """
     if not section.has_outline:
         raise InputError(
@@ -190,10 +195,10 @@ def require_section(section: Section, divisions: Divisions) -> None:
 
 
 def require_leg(section: Section, length: float, divisions: Divisions) -> None:
-    """Raise InputError with every fault of a prismatic leg of `length` (m).
+    """Raise InputError with all faults of a prismatic leg of `length` (m).
 
-    A body shorter than the larger side of its section is no leg: its two ends lie within the
-    distance over which Saint-Venant's principle lets end effects decay.
+    A body shorter than the larger side of its section is not a leg: end effects, which decay over
+    such a length by Saint-Venant's principle, would overlap.
     """
     require_section(section, divisions)
     if not length > 0.0:

@@ -18,7 +18,7 @@ from meshes.part.faces import Face
 from meshes.part.interfaces import Interface
 from meshes.part.reading.given_mesh import MESHES
 from meshes.part.reading.read import PartFile, read_part, require_file
-from meshes.part.volume import Grading, ladder, volume_mesh
+from meshes.part.volume import Grading, refined_gradings, volume_mesh
 from validation.run.cache import CacheEntry, key_of, require_shape
 from validation.run.sources import program
 
@@ -121,7 +121,11 @@ def _gradings_entry(
 ) -> CacheEntry[tuple[Grading, ...]]:
     return CacheEntry(
         _mesh_key(part, interfaces, "ladder", unknowns),
-        lambda: {"steps": [(g.size, g.sides, g.cut) for g in ladder(part, interfaces, unknowns)]},
+        lambda: {
+            "steps": [
+                (g.size, g.sides, g.cut) for g in refined_gradings(part, interfaces, unknowns)
+            ]
+        },
         _gradings_from_arrays,
     )
 

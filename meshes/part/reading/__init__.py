@@ -1,4 +1,4 @@
-"""Files of parts: CAD through gmsh's kernel, volume meshes through meshio, units of length.
+"""Files of parts: CAD files through gmsh's kernel, mesh files through meshio, units of length.
 
-In: a path. Out: faces in metres, and a mesh if the file contains one.
+Input: a path. Output: faces in metres, and a mesh if the file contains one.
 """

@@ -1,7 +1,7 @@
-"""CAD files in gmsh's OpenCASCADE kernel: one valid solid in metres, or an error with the reason.
+"""CAD files, read with gmsh's OpenCASCADE kernel: one valid solid in metres, or an error.
 
 STEP files contain their unit; BREP files have none. The kernel converts to metres before it creates
-the shape, because later scaling would convert cylinders to splines.
+the shape, because scaling the shape would convert cylinders to splines.
 """
 
 from collections.abc import Iterator, Sequence
@@ -23,27 +23,28 @@ from meshes.part.reading.units import chosen_unit, describe, require_plausible, 
 
 STEP, BREP = (".step", ".stp"), (".brep", ".brp")
 
-# Smallest edge, relative to the part's size, that a mesh can follow; shorter ones are remnants of
-# modelling. Smallest thickness of a solid, likewise.
+# Length of the shortest edge, relative to the part's size, that can be meshed. Shorter edges are
+# remnants of modelling. Smallest thickness of a solid, relative to the part's size.
 _TINY_EDGE, _FLAT = 1e-5, 1e-6
-# Largest relative uncertainty of the volume due to gaps. Exact files have 1e-6; modelling
+# Largest relative uncertainty of the volume due to gaps. Exact files have 1e-6. Modelling
 # tolerances of 0.01 mm cause 1e-3 in a part 2 cm thick. Smaller uncertainties are reported.
 _TORN = 0.01
-# gmsh's names of surfaces and curves over which the kernel integrates exactly. "Unknown" is the
-# edge of a pole.
+# Names in gmsh of the surfaces and curves over which the kernel integrates exactly. "Unknown" is
+# the degenerate edge at the pole of a sphere or the tip of a cone.
 _SURFACES = frozenset({"Plane", "Cylinder", "Cone", "Sphere", "Torus"})
 _CURVES = frozenset({"Line", "Circle", "Ellipse", "Unknown"})
-# Number of points along an edge, ends included.
+# Number of points along an edge, ends included, at which gaps are measured.
 _POINTS = 9
-# Margin (m) that the kernel adds to a shape on each side of its box.
+# Margin (m) that the kernel adds on each side of the bounding box of a shape.
 _GAP = 1e-7
 
 
 @dataclass(frozen=True, eq=False)
 class CadModel:
-    """The solid `tag` of the current gmsh model; `unit` of its file, `extent` (3, m).
+    """The solid with the number `tag` in the current gmsh model.
 
-    `gap` (m): largest distance between its faces, edges and corners that should coincide.
+    `unit` is the length unit of its file, `extent` (3, m) its size. `gap` (m) is the largest
+    distance between faces, edges and corners of the solid that should coincide.
     """
 
     gmsh: ModuleType
@@ -53,29 +54,29 @@ class CadModel:
     gap: float
 
     def faces(self) -> list[int]:
-        """Numbers of its faces in gmsh and in this program."""
+        """Numbers of the faces of the solid, in gmsh and in this program."""
         return sorted(
             tag for _, tag in self.gmsh.model.getBoundary([(3, self.tag)], oriented=False)
         )
 
     def names(self) -> dict[int, str]:
-        """Names of its faces by number, if the file has any."""
+        """Names of faces by face number, if the file contains names."""
         entity_names = ((tag, self.gmsh.model.getEntityName(2, tag)) for tag in self.faces())
         return {tag: name.rsplit("/", 1)[-1] for tag, name in entity_names if name}
 
     @property
     def unknown_share(self) -> float:
-        """Relative uncertainty of the volume: area times gap over volume."""
+        """Relative uncertainty of the volume due to gaps: area times gap divided by volume."""
         occ = self.gmsh.model.occ
         area = sum(float(occ.getMass(2, tag)) for tag in self.faces())
         return self.gap * area / abs(float(occ.getMass(3, self.tag)))
 
     @property
     def is_elementary(self) -> bool:
-        """True if all faces are planes, cylinders, cones, spheres or tori, with edges alike.
+        """True if all faces are planes, cylinders, cones, spheres or tori with elementary edges.
 
-        Over these the kernel's integrals are exact. Over rational splines they are not: a cylinder
-        written as a spline has a volume 0.9 % too large.
+        Integrals of the kernel over such faces are exact. Over rational splines they are not: the
+        volume of a cylinder written as a spline is 0.9 % too large.
         """
         kinds = self.gmsh.model.getType
         faces = [(2, tag) for tag in self.faces()]
@@ -85,12 +86,12 @@ class CadModel:
         )
 
     def area(self, face: int) -> FaceArea:
-        """The kernel's area of a face."""
+        """Area and centre of a face, integrated by the kernel."""
         occ = self.gmsh.model.occ
         return FaceArea(float(occ.getMass(2, face)), np.array(occ.getCenterOfMass(2, face)))
 
     def properties(self) -> VolumeProperties:
-        """Volume properties from the kernel's integrals."""
+        """Volume properties of the solid, integrated by the kernel."""
         occ = self.gmsh.model.occ
         inertia = np.array(occ.getMatrixOfInertia(3, self.tag)).reshape(3, 3)
         centre = np.array(occ.getCenterOfMass(3, self.tag))
@@ -98,15 +99,16 @@ class CadModel:
 
 
 class NotMeshedError(InputError):
-    """A shape that is a solid to the kernel but cannot be meshed by gmsh."""
+    """Error: the kernel reads a shape as a solid, but gmsh cannot mesh it."""
 
 
 @contextmanager
 def cad_model(path: Path, unit: str | None = None) -> Iterator[CadModel]:
-    """Open a CAD file with a single solid and yield its model.
+    """Context with the model of a CAD file that contains a single solid.
 
-    `unit` of a BREP file; metres if None. Raises InputError if the file cannot be read, contains no
-    solid or several, or a solid that cannot be meshed (open, torn, flat, with tiny edges).
+    `unit` is that of a BREP file; None stands for metres. Raises InputError if the file cannot be
+    read, contains no solid or several, or a solid that cannot be meshed (open, torn, flat, with
+    tiny edges).
     """
     length_unit = _unit(path, unit)
     with gmsh_model(str(path)) as gmsh:
@@ -151,21 +153,21 @@ def _import(gmsh: ModuleType, path: Path, unit: str) -> None:
 
 
 def _box(gmsh: ModuleType, solid: int) -> Array:
-    """Lower and upper corner (2×3, m) of the box around a solid.
+    """Lower and upper corner (2×3, m) of the bounding box of a solid.
 
-    The kernel's boxes contain all control points of splines, which lie off the surface. For spline
-    faces the box of the kernel's triangles is used instead.
+    The kernel's boxes include all control points of splines, which do not lie on the surface. For
+    spline faces the box of the kernel's triangulation is used instead.
     """
     return _box_of_faces(gmsh, gmsh.model.getBoundary([(3, solid)], oriented=False))
 
 
 def _box_of_faces(gmsh: ModuleType, faces: Sequence[tuple[int, int]]) -> Array:
-    """Lower and upper corner (2×3, m) of the box around faces."""
+    """Lower and upper corner (2×3, m) of the bounding box of faces."""
     lower, upper = [], []
     edges = gmsh.model.getBoundary(faces, combined=False, oriented=False)
     for dimension, tag in {*faces, *edges}:
         kind = gmsh.model.getType(dimension, tag).lower()
-        # gmsh does not scale the box of a pole, an edge without a curve.
+        # gmsh does not scale the box of a degenerate edge at a pole.
         if dimension == 1 and kind == "unknown":
             continue
         spline = dimension == 2 and "spline" in kind
@@ -182,8 +184,8 @@ def _largest_gap(gmsh: ModuleType, solid: int) -> tuple[float, Array]:
     """Largest gap (m) of a solid of the current model, and its position (3, m).
 
     Edges in space are compared with the same edges on the surfaces of their faces, and corners with
-    the ends of their edges. The kernel ignores such gaps: a shape is closed if its faces, edges and
-    corners refer to each other, whatever their positions.
+    the ends of their edges. The kernel ignores such gaps: it considers a shape closed if its faces,
+    edges and corners refer to each other, regardless of their positions.
     """
     model = gmsh.model
     worst, position = 0.0, np.zeros(3)
@@ -208,9 +210,10 @@ def _largest_gap(gmsh: ModuleType, solid: int) -> tuple[float, Array]:
 
 
 def _require_cavities_inside(model: CadModel, path: Path) -> None:
-    """Raise InputError if a cavity sticks out of the solid, by the boxes around its shells.
+    """Raise InputError if a cavity is not within the solid.
 
-    The kernel accepts any closed shell as a cavity, whatever its position.
+    The bounding boxes of shells are compared. The kernel accepts any closed shell as a cavity,
+    regardless of its position.
     """
     _, shells = model.gmsh.model.occ.getSurfaceLoops(model.tag)
     if len(shells) == 1:
@@ -239,7 +242,7 @@ def _require_all_points(model: CadModel, path: Path, box: Array) -> None:
 
 
 def _require_all_faces(model: CadModel, path: Path) -> None:
-    """Raise InputError if faces bound no solid, such as those of an open cavity."""
+    """Raise InputError if some faces do not bound the solid, such as those of an open cavity."""
     listed, bounding = count_faces(path.read_bytes()), len(model.faces())
     if bounding < listed:
         lost = f"{listed - bounding} of its {counted(listed, 'face')}"
@@ -272,7 +275,7 @@ def _one_solid(gmsh: ModuleType, path: Path) -> int:
 
 
 def _opening(gmsh: ModuleType) -> str:
-    """Location of an open edge of a shell, which belongs to a single face. "" if there is none."""
+    """Position, as text, of an open edge of a shell, which belongs to a single face. "" if none."""
     for _, tag in gmsh.model.getEntities(1):
         faces, _ = gmsh.model.getAdjacencies(1, tag)
         if len(faces) == 1:
@@ -303,7 +306,7 @@ def _require_sound(model: CadModel, path: Path, position: Array) -> None:
     for _, tag in gmsh.model.getEntities(1):
         length = gmsh.model.occ.getMass(1, tag)
         ends = gmsh.model.getBoundary([(1, tag)], combined=False, oriented=False)
-        # A seam or the tip of a cone has two equal ends, or none.
+        # A seam, and the degenerate edge at the tip of a cone, have two equal ends or none.
         if length < _TINY_EDGE * size and len({end for _, end in ends}) == 2:
             raise InputError(
                 f"{path}: edge {tag} at {_centre_text(gmsh, 1, tag)} is {length:.2g} m long, no "
@@ -313,9 +316,9 @@ def _require_sound(model: CadModel, path: Path, position: Array) -> None:
 
 @contextmanager
 def locating_mesh_failures(path: Path, model: CadModel) -> Iterator[None]:
-    """Convert gmsh's failure to mesh a shape to an error with the location of the fault.
+    """Context that converts an error of gmsh during meshing to one with the position of the fault.
 
-    A solid can intersect itself; gmsh then cannot recover a face.
+    A solid that intersects itself cannot be meshed, because gmsh fails to recover a face.
     """
     try:
         yield

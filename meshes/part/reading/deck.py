@@ -1,7 +1,7 @@
 """Nodes, elements and node sets of an Abaqus or CalculiX input deck (.inp).
 
 The syntax is that of CalculiX: blanks and case are not significant, lines that begin with ** are
-comments, omitted coordinates are zero, GENERATE has the step 1 without a third value, elements
+comments, omitted coordinates are zero, GENERATE without a third value has the increment 1, elements
 continue over lines until they have all their nodes, and a repeated set is extended. As in Abaqus,
 keyword lines may continue after a comma, and parts and instances number their own nodes. *INCLUDE
 inserts the lines of another file in the folder of the deck or below it.
@@ -19,14 +19,14 @@ from lumped.errors import InputError
 from lumped.robot_file.included import DeckLine, deck_lines
 from lumped.text import shown
 
-# Keywords that create or move nodes and elements and are not supported, and the only supported
-# system of coordinates in options of *NODE and *ELEMENT.
+# Keywords that create or move nodes and elements and are not supported. The only supported system
+# of coordinates in the options of *NODE and *ELEMENT.
 _UNSUPPORTED = frozenset({"NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYSTEM"})
 _CARTESIAN = "R"
 # Options without a value that may occur alone on a continued keyword line.
 _FLAGS = frozenset({"GENERATE", "INTERNAL", "UNSORTED"})
-# Solids for stress and for heat: the number is that of their nodes, letters are formulations. Those
-# with 6 and 15 nodes are wedges.
+# Names of solid elements for stress and heat: the digits are the number of nodes, the letters that
+# follow are formulations. Elements with 6 and 15 nodes are wedges.
 _SOLID = re.compile(r"D?C3D(\d+)[A-Z]*")
 _KIND = {
     4: "tetra",
@@ -36,26 +36,26 @@ _KIND = {
     15: "wedge15",
     20: "hexahedron20",
 }
-# Elements that are no solid: shells, membranes, plane ones, beams, trusses, rigid surfaces,
-# springs, dampers, masses, gaps and connections.
+# Names of other elements: shells, membranes, plane elements, beams, trusses, rigid surfaces,
+# springs, dampers, masses, gaps and connectors.
 _NO_SOLID = re.compile(
     r"(?:S\d|DS\d|STRI|SAX|SFM|M3D|CPS|CPE|CAX|DC2D|DCAX|R2D|R3D|RAX|RB\d|B\d\d|T\dD|PIPE|ELBOW"
     r"|FRAME|D$|D\d|SPRING|DASHPOT|MASS|ROTARYI|GAP|DCOUP|CONN|JOINTC|HEATCAP)"
 )
 # Text of the number of a node or an element.
 _WHOLE = re.compile(r"\+?\d{1,18}", re.ASCII)
-# A number as Fortran writes it: 1.5D+3, or 1.5+3.
+# A number in a notation of Fortran: 1.5D+3, or 1.5+3.
 _FORTRAN = re.compile(r"([+-]?\d*\.?\d*)[DQdq]?([+-]?\d+)")
 
-# Numbers of nodes or elements.
+# Numbers of nodes or elements in a set.
 Members: TypeAlias = list[int | range]
 
 
 @dataclass(frozen=True)
 class _Card:
-    """A keyword with its options and the data lines below it, each with its fields.
+    """A keyword of a deck with its options and the data lines below it, split into fields.
 
-    Keyword and names of options in capitals without blanks, values as written.
+    Keyword and option names are in capitals without blanks, values as in the file.
     """
 
     line: DeckLine
@@ -66,9 +66,10 @@ class _Card:
 
 @dataclass
 class _Scope:
-    """Nodes, elements and sets of a part, of an instance, of the assembly or of the deck itself.
+    """Nodes, elements and sets of a part, an instance, the assembly, or of the deck itself.
 
-    `nodes`: rows of the points by number; `elements`: nodes by number; sets by name in capitals.
+    `nodes` contains the row of each node among the points of the deck, by node number, `elements`
+    the node numbers of each element, by element number. Sets are keyed by their name in capitals.
     """
 
     nodes: dict[int, int] = field(default_factory=dict)
@@ -79,9 +80,10 @@ class _Scope:
 
 @dataclass
 class _Deck:
-    """Content of a deck during reading.
+    """Content of a deck while it is read.
 
-    `blocks`: solid elements by kind, each with its scope and nodes; `titles` of the sets of nodes.
+    `blocks` contains the scope and the nodes of each solid element, by type of element. `titles`
+    are the names of node sets as typed.
     """
 
     path: Path
@@ -97,7 +99,7 @@ class _Deck:
 
 
 def read_deck(path: Path) -> Any:
-    """Mesh (meshio) of a deck: its points, solid elements and sets of nodes.
+    """Mesh of a deck as a meshio object: points, solid elements and node sets.
 
     Raises InputError with the line of a faulty or unsupported entry.
     """
@@ -157,9 +159,9 @@ def _options(fields: Iterable[str]) -> dict[str, str]:
 
 
 def _require_supported(card: _Card) -> None:
-    """Raise InputError for an unsupported card that would change the mesh.
+    """Raise InputError for a card that would change the mesh and is not supported.
 
-    Materials, steps and all other cards that do not affect nodes and elements are ignored.
+    Materials, steps and other cards that do not affect nodes and elements are ignored.
     """
     wrong = [f"*{card.keyword}"] if card.keyword in _UNSUPPORTED else []
     if card.keyword in ("NODE", "ELEMENT"):
@@ -236,9 +238,10 @@ def _read_elements(deck: _Deck, card: _Card) -> None:
 
 
 def _solid_kind(card: _Card) -> tuple[str, int]:
-    """Kind of a block of elements for meshio, and their number of nodes; "" if they are no solid.
+    """Type of the elements below a card in meshio, and their number of nodes.
 
-    Raises InputError for unknown elements that might be solid.
+    The type is "" if the elements are not solid. Raises InputError for unknown elements that might
+    be solid.
     """
     name = card.options.get("TYPE", "")
     solid = _SOLID.fullmatch(name.upper())
@@ -280,7 +283,7 @@ def _read_set(deck: _Deck, card: _Card) -> None:
 
 
 def _generated(line: DeckLine, words: list[str]) -> range:
-    """Numbers from the first to the second value in steps of the third one, 1 if it is omitted."""
+    """Numbers from the first to the second value, with the third value as increment (default 1)."""
     first, *rest = (_whole(line, text) for text in words)
     last, step = (*rest, 1)[:2] if rest else (first, 1)
     if step < 1:
@@ -291,9 +294,9 @@ def _generated(line: DeckLine, words: list[str]) -> range:
 def _members(
     deck: _Deck, keyword: str, line: DeckLine, text: str, scope: _Scope | None
 ) -> tuple[_Scope | None, Members]:
-    """Members from one value of a set: a number, or the name of an earlier set.
+    """Scope and members that one value of a set adds: a number, or the members of an earlier set.
 
-    Either may follow the name of an instance and a point, in which case the scope is that of the
+    Both may be preceded by the name of an instance and a point. The scope is then that of the
     instance.
     """
     name = text.strip('"')
@@ -317,9 +320,9 @@ def _instance(deck: _Deck, line: DeckLine, name: str) -> _Scope:
 
 
 def _point_sets(deck: _Deck) -> dict[str, np.ndarray[Any, Any]]:
-    """Rows of the points of each set of nodes, by its title.
+    """Indices of the points in each node set, by the name of the set as typed.
 
-    Numbers without a node are ignored; CalculiX issues a warning and continues.
+    Numbers without a node are ignored, for which CalculiX issues a warning.
     """
     rows: dict[str, list[int]] = {}
     for scope in {id(scope): scope for scope in deck.scopes.values()}.values():
@@ -332,7 +335,7 @@ def _point_sets(deck: _Deck) -> dict[str, np.ndarray[Any, Any]]:
 
 
 def _present(members: Members, numbers: dict[int, Any]) -> list[int]:
-    """The `members` that are among the `numbers`."""
+    """Members of a set that exist among the `numbers`."""
     present: list[int] = []
     for member in members:
         if isinstance(member, int):
@@ -359,7 +362,7 @@ def _whole(line: DeckLine, text: str) -> int:
 
 
 def _real(line: DeckLine, text: str) -> float:
-    """A coordinate; zero if it is omitted."""
+    """A coordinate from its text. Zero if it is omitted."""
     if not text:
         return 0.0
     try:

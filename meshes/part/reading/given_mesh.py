@@ -1,7 +1,7 @@
 """Volume meshes from other programs: gmsh and VTK by meshio, Abaqus and CalculiX by `deck`.
 
-Faces are the smooth patches of the boundary, split where the file names parts of them: groups of
-surface elements, and sets of nodes.
+Faces are the smooth patches of the boundary. They are divided where the file defines groups of
+surface elements or node sets on them.
 """
 
 import re
@@ -26,18 +26,18 @@ from meshes.part.reading.vtu_sizes import inflated_size, inflating
 from meshes.quality import quality
 from meshes.solid_mesh import VolumeMesh
 
-# Formats are specified, because other programs use these suffixes, too.
+# Formats of meshio by suffix. They are specified because other programs use these suffixes, too.
 _FORMAT = {".msh": "gmsh", ".vtu": "vtu"}
 MESHES = (".msh", DECK, ".vtu")
 # Largest size (bytes) of a file, and of its unpacked arrays.
 LARGEST = LARGEST_DECK
-# Largest number of characters of the reason why a file cannot be read.
+# Largest number of characters in the reason why a file cannot be read.
 _LONGEST = 160
 _NO_NUMBER = re.compile(r"\b(?:int|float)\b.*?: (['\"].*)")
-# A name, and flags of the boundary's facets in the group.
+# Name of a group, and one flag per facet of the boundary: True if the facet belongs to the group.
 Group: TypeAlias = tuple[str, NDArray[np.bool_]]
 
-# meshio numbers nodes as VTK does, whatever the format.
+# Types of elements by their names in meshio, which numbers nodes as VTK does for all formats.
 _ELEMENT: dict[str, SolidElement] = {
     "tetra": "tet4",
     "tetra10": "tet10",
@@ -46,14 +46,15 @@ _ELEMENT: dict[str, SolidElement] = {
     "hexahedron27": "hex27",
 }
 _FLAT_CELLS = ("vertex", "line", "triangle", "quad")
-# Relative distance below which two nodes are one node written twice: a gap in the part.
+# Distance, relative to the part's size, below which two nodes count as one. The mesh is torn there.
 _SAME_PLACE = 1e-9
 
 
 def read_mesh(path: Path, unit: str | None = None) -> tuple[PartMesh, str]:
-    """Mesh of a part (m), and the unit of length of the file: `unit`, or metres if it is None.
+    """Mesh of a part (m) from a mesh file, and the unit of length of the file.
 
-    Raises InputError if the file is not a mesh of one solid with supported elements.
+    The unit is `unit`, or metres if it is None. Raises InputError if the file is not a mesh of one
+    solid with supported elements.
     """
     source, length_unit = str(path), chosen_unit(None, unit, str(path))
     size = inflated_size(path.read_bytes()) if path.suffix.lower() == ".vtu" else 0
@@ -164,7 +165,7 @@ def _require_one_solid(mesh: VolumeMesh, source: str) -> None:
 
 
 def _pieces(mesh: VolumeMesh) -> int:
-    """Number of pieces of the mesh that are connected by sides of elements."""
+    """Number of separate pieces of the mesh. Within a piece, elements are connected by facets."""
     sides, owner = facets_of_cells(mesh)
     _, side = np.unique(np.sort(sides.corners, axis=1), axis=0, return_inverse=True)
     count, size = len(mesh.cells), len(mesh.cells) + len(owner)
@@ -177,7 +178,7 @@ def _pieces(mesh: VolumeMesh) -> int:
 def _named(
     mesh: VolumeMesh, facets: Facets, groups: list[Group]
 ) -> tuple[dict[int, Facets], dict[int, str]]:
-    """Smooth faces, split at the ends of the file's groups, and the groups' names."""
+    """Smooth faces of the boundary, divided by the groups of the file, with group names."""
     label = np.zeros(len(facets.cells), dtype=np.int64)
     for number, rows in enumerate(smooth_faces(mesh.nodes, facets)):
         label[rows] = number
@@ -197,7 +198,10 @@ def _named(
 
 
 def _groups(raw: Any, facets: Facets, new_numbers: IntArray) -> list[Group]:
-    """Names and facets of physical groups of surface elements and of sets of nodes."""
+    """Facets of the boundary in each group of a mesh file.
+
+    Groups are physical groups of surface elements, and node sets.
+    """
     corners = np.sort(facets.corners, axis=1)
     rows = {tuple(row): i for i, row in enumerate(corners.tolist())}
     groups: list[Group] = []

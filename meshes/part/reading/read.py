@@ -1,4 +1,4 @@
-"""A part with its file, unit, size and faces for selection, for any file format."""
+"""A part read from a CAD or mesh file: unit, size, and faces from which interfaces are selected."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -27,24 +27,25 @@ from meshes.part.reading.surface import corrected_integrals, surface_integrals, 
 from meshes.part.reading.units import describe
 from meshes.processes import Crashed, within_limits
 
-# Sides of a full circle of the surface mesh on which faces are recognised.
+# Number of sides per full circle of the surface mesh on which faces are recognised.
 _SIDES = 24.0
 # Relative uncertainty of the volume below which gaps are only round-off.
 _EXACT = 1e-9
-# Limit on the CPU time (s) of reading, and its increase per MB; plates with many bores need 17
-# s/MB.
+# Limit on the CPU time (s) for reading a file, and its increase per MB. Plates with many bores need
+# 17 s/MB.
 _SECONDS, _SECONDS_PER_MB = 60.0, 300.0
 
 
 @dataclass(frozen=True, eq=False)
 class PartFile:
-    """A part read from `path`, in metres and the file's axes.
+    """A part read from the file `path`, in metres and in the axes of the file.
 
-    `unit` of the file, `extent` (3, m); `surface` nodes (N×3, m) and the `faces` on them. `exact`:
-    volume properties of the shape; None for a mesh. `mesh`: mesh of a mesh file; None for a CAD
-    file. `gap` (m): largest distance between faces, edges and corners that should coincide;
-    `unknown_share`: bound on the relative uncertainty of the volume due to the gap. `by_curvature`:
-    element sizes follow the curvature; False if gmsh cannot mesh the part with such sizes.
+    `unit` is the length unit of the file, `extent` (3, m) the size of the part. `surface` (N×3, m)
+    are the nodes of the `faces`. `exact` are volume properties of the shape; None for a mesh file.
+    `mesh` is the mesh of a mesh file; None for a CAD file. `gap` (m) is the largest distance
+    between faces, edges and corners that should coincide, `unknown_share` the relative uncertainty
+    of the volume due to the gap. `by_curvature` is False if gmsh cannot mesh the part with element
+    sizes that follow the curvature.
     """
 
     path: Path
@@ -60,7 +61,7 @@ class PartFile:
 
     @property
     def size(self) -> str:
-        """Unit, size and bridged gaps as text: "read in mm: 905 × 170 × 210 mm"."""
+        """Text of unit, size and bridged gaps, such as "read in mm: 905 × 170 × 210 mm"."""
         text = f"read in {self.unit}: {describe(self.extent, self.unit)}"
         if not self.by_curvature:
             text += ", meshed without sizes from curvature"
@@ -70,14 +71,14 @@ class PartFile:
         return f"{text}, gaps of up to {gap} bridged (volume to {100.0 * self.unknown_share:.1g} %)"
 
     def face(self, number: int) -> Face:
-        """Face of a number."""
+        """Face with the given number."""
         return next(face for face in self.faces if face.number == number)
 
 
 def require_file(path: Path) -> int:
-    """Size (bytes) of a part's file.
+    """Size (bytes) of the file of a part.
 
-    Raises InputError if there is no file, or one of an unsupported kind or size.
+    Raises InputError if the file does not exist, has an unsupported suffix, or is too large.
     """
     kinds = (*STEP, *BREP, *MESHES)
     if path.suffix.lower() not in kinds:
@@ -100,10 +101,11 @@ def require_file(path: Path) -> int:
 
 
 def read_part(path: Path, unit: str | None = None) -> PartFile:
-    """Read a part from a STEP, BREP or mesh file; `unit` of length for a file without one.
+    """Part from a STEP, BREP or mesh file. `unit` is the length unit for a file without one.
 
-    A surface that cannot be meshed with sizes from its curvature is meshed without. Raises
-    InputError with the file and the location of the fault if it is no valid solid.
+    A surface that cannot be meshed with element sizes that follow the curvature is meshed without.
+    Raises InputError, with file and position of the fault, if the file does not contain a valid
+    solid.
     """
     size = require_file(path)
     if path.suffix.lower() == DECK:
@@ -166,10 +168,10 @@ def _read_cad(path: Path, unit: str | None, sides: float) -> PartFile:
 
 
 def _require_outward(path: Path, triangles: Mapping[int, IntArray]) -> None:
-    """Raise InputError if a face points inwards, since the kernel subtracts the volume under it.
+    """Raise InputError if a face points inwards: the kernel would subtract the volume under it.
 
-    `triangles` (F×3, tags of nodes) by face, with the orientation of their face. Neighbours have
-    opposite directions along the edge between them.
+    `triangles` (F×3 node tags, by face) have the orientation of their face. If two neighbouring
+    faces are oriented consistently, the edge between them runs in opposite directions in the two.
     """
     faces = np.repeat(list(triangles), [3 * len(cells) for cells in triangles.values()])
     edges = np.concatenate(list(triangles.values()))[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
@@ -177,7 +179,8 @@ def _require_outward(path: Path, triangles: Mapping[int, IntArray]) -> None:
     least, largest = np.full(len(counts), faces.max()), np.zeros(len(counts), dtype=np.int64)
     np.minimum.at(least, edge_numbers.ravel(), faces)
     np.maximum.at(largest, edge_numbers.ravel(), faces)
-    # Triangles of one face with equal directions overlap, for example at the tip of a cone.
+    # An edge that runs in the same direction in two triangles of one face shows that these overlap,
+    # for example at the tip of a cone.
     wrong_faces = faces[
         (counts > 1)[edge_numbers.ravel()] & (least < largest)[edge_numbers.ravel()]
     ]

@@ -1,15 +1,16 @@
-"""Checks of the text of a STEP file (ISO 10303-21) before the CAD kernel reads it.
+"""Checks on the text of a STEP file (ISO 10303-21) before the CAD kernel reads it.
 
-The kernel ignores text that it cannot interpret, or never returns from it.
+The kernel ignores text that it cannot interpret, or does not return.
 """
 
 import re
 
 from lumped.errors import InputError
 
-# Texts and comments, which may contain anything.
+# Texts in quotes and comments, which may contain any characters.
 _TEXT_OR_COMMENT = re.compile(rb"('(?:[^']|'')*')|/\*.*?\*/", re.DOTALL)
-# Allowed between them: references, enumerated values, numbers, and words before a bracket.
+# Allowed outside of texts and comments: references, enumeration values, numbers, words before a
+# bracket.
 _VALID = re.compile(
     rb"(?:[\s(),;=$*]|''|\"[0-9A-F]*\"|#\d+|\.[A-Z]\w*\.|!?[A-Z]\w*(?=\s*\()"
     rb"|[+-]?\d+(?:\.\d*)?(?:E[+-]?\d+)?(?=[\s,)])|ENDSEC|DATA|END-ISO-10303-21)*+",
@@ -22,7 +23,7 @@ _FACE = re.compile(rb"=\s*(?:ADVANCED_FACE|FACE_SURFACE)\s*\(", re.IGNORECASE)
 
 
 def require_whole(content: bytes, source: str) -> None:
-    """Raise InputError if a file is no STEP file, is incomplete, or contains invalid text."""
+    """Raise InputError if a file is not a STEP file, is incomplete, or contains invalid text."""
     if not content.lstrip().startswith(b"ISO-10303-21"):
         raise InputError(f"{source}: is not a STEP file; it must begin with ISO-10303-21")
     if b"END-ISO-10303-21" not in content:
@@ -44,13 +45,13 @@ def require_whole(content: bytes, source: str) -> None:
 
 
 def entities(content: bytes) -> dict[str, str]:
-    """Entities of the file by their number, without texts and comments."""
+    """Entities of a STEP file by their number, without texts and comments."""
     text = _without_texts(content).decode("latin-1")
     return dict(_ENTITY.findall(text))
 
 
 def count_faces(content: bytes) -> int:
-    """Number of faces in the file."""
+    """Number of faces in a STEP file."""
     return len(_FACE.findall(_without_texts(content)))
 
 

@@ -1,4 +1,4 @@
-"""Triangles on the faces of a CAD model, and integrals over quadratic ones."""
+"""Triangles on the faces of a CAD model, and integrals over quadratic triangles."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -21,24 +21,28 @@ from meshes.part.enclosed import (
 )
 from meshes.part.reading.cad import CadModel, NotMeshedError, locating_mesh_failures
 
-# gmsh's type of a piece of a curve.
+# Number in gmsh of the element type for a piece of a curve.
 _LINE = 1
-# Largest distance of an edge's middle from that of its chord, relative to the chord: 0.13 on arcs
-# of 60°.
+# Largest distance between the middles of an edge and of its chord, relative to the chord. It is
+# 0.13 on arcs of 60°.
 _NEAR = 0.3
-# Number of points along a curve for the search of its extremes.
+# Number of points along a curve at which its extreme coordinates are searched.
 _SAMPLES = 201
 _NOWHERE = np.full(3, np.nan)
 # Number of elements along the part in the surface mesh on which faces are recognised.
 _PIECES = 25.0
-# Shortest edge relative to the part's size. At the tip of a cone the curvature is unbounded, and so
-# would be the number of triangles.
+# Shortest element edge relative to the part's size. At the tip of a cone the curvature is
+# unbounded, and so would be the number of triangles.
 _SHORTEST = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
 class SurfaceIntegrals:
-    """Integrals over a surface: solid inside, areas of the faces by number, and `extent` (3, m)."""
+    """Integrals over the surface of a solid.
+
+    `inside` are volume properties of the solid, `areas` the areas of the faces by face number.
+    `extent` (3, m) is the size of the bounding box.
+    """
 
     inside: VolumeProperties
     areas: dict[int, FaceArea]
@@ -48,12 +52,11 @@ class SurfaceIntegrals:
 def triangulate(
     path: Path, model: CadModel, sides: float, coarseness: float = 1.0
 ) -> dict[int, IntArray]:
-    """Mesh the surface with linear triangles (F×3, tags of nodes) by face, oriented like the face.
+    """Triangles of a mesh of the surface (F×3 node tags), by face, oriented like the face.
 
-    `sides` of a full circle; zero if sizes do not follow the curvature. `coarseness`: factor on
-    all sizes.
-
-    Raises NotMeshedError with the location of a fault of the surface.
+    `sides` is the number of element sides per full circle. Zero if element sizes do not follow the
+    curvature. `coarseness` is a factor on all element sizes. Raises NotMeshedError, with the
+    position of the fault, if the surface cannot be meshed.
     """
     gmsh = model.gmsh
     gmsh.model.mesh.clear()
@@ -73,7 +76,10 @@ def triangulate(
 
 
 def surface_integrals(model: CadModel, triangles: Mapping[int, IntArray]) -> SurfaceIntegrals:
-    """Integrals over the `triangles` of the model with middles of their edges on its surface."""
+    """Integrals over quadratic triangles with corners at the nodes of `triangles`.
+
+    The edge midpoints lie on the surface of the model.
+    """
     gmsh = model.gmsh
     tags, corners = numbered(gmsh, np.concatenate(list(triangles.values())))
     middles = _middles_on_curves(gmsh)
@@ -99,7 +105,7 @@ def surface_integrals(model: CadModel, triangles: Mapping[int, IntArray]) -> Sur
 
 
 def _middles_on_curves(gmsh: ModuleType) -> dict[tuple[int, int], Array]:
-    """Points (3, m) half way along each piece of a curve, by the tags of its ends."""
+    """Points (3, m) half way along each piece of a curve, by the node tags of its two ends."""
     middles: dict[tuple[int, int], Array] = {}
     for _, curve in gmsh.model.getEntities(1):
         _, ends = gmsh.model.mesh.getElementsByType(_LINE, curve)
@@ -123,7 +129,7 @@ def _middles_on_curves(gmsh: ModuleType) -> dict[tuple[int, int], Array]:
 
 
 def _middles_inside(gmsh: ModuleType, face: int, edges: IntArray) -> Array:
-    """Points (E×3, m) of a face half way between the nodes of `edges` (E×2, tags)."""
+    """Points (E×3, m) on a face half way between the nodes of `edges` (E×2 node tags)."""
     tags, coordinates, parameters = gmsh.model.mesh.getNodes(
         2, face, includeBoundary=True, returnParametricCoord=True
     )
@@ -147,7 +153,7 @@ def _middles_inside(gmsh: ModuleType, face: int, edges: IntArray) -> Array:
 def _curve_extremes(gmsh: ModuleType) -> Array:
     """Largest and smallest coordinates (2×3, m) of the curves of the model.
 
-    Computed with a parabola through the extreme one of many points and its neighbours.
+    Each is the vertex of a parabola through the extreme one of many points and its two neighbours.
     """
     extremes = []
     for _, curve in gmsh.model.getEntities(1):
@@ -171,12 +177,11 @@ def _curve_extremes(gmsh: ModuleType) -> Array:
 def corrected_integrals(
     model: CadModel, triangles: Mapping[int, IntArray], coarse: SurfaceIntegrals | None
 ) -> SurfaceIntegrals:
-    """The kernel's integrals, corrected if integrals over two meshes do not confirm them.
+    """Integrals of the kernel, replaced by those over surface meshes if these do not confirm them.
 
-    The extent is then that of the mesh, because the kernel's boxes around splines are larger.
-
-    `coarse`: those over triangles larger by COARSENESS than the `triangles`. None if the kernel's
-    integrals are exact.
+    `coarse` are integrals over triangles larger than `triangles` by the factor COARSENESS. None if
+    the integrals of the kernel are exact. The extent is that of the mesh unless `coarse` is None,
+    because the kernel's boxes of splines are too large.
     """
     areas = {tag: model.area(tag) for tag in model.faces()}
     kernel = SurfaceIntegrals(model.properties(), areas, np.array(model.extent))

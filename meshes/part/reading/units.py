@@ -1,4 +1,4 @@
-"""Units of length of a part's file, in the file or specified for it."""
+"""Unit of length of the file of a part, from the file or from the robot file."""
 
 import re
 from collections.abc import Iterable
@@ -9,8 +9,8 @@ from lumped.mechanism.body import METRES
 from meshes.part.reading.step_text import entities
 
 _CONTEXT = re.compile(r"GLOBAL_UNIT_ASSIGNED_CONTEXT\s*\(\s*\((.*?)\)\s*\)", re.DOTALL)
-# Representations of shapes, those of solids first. Views, dimensions and notes have other contexts,
-# whose units are not those of the shapes.
+# Entities for the representation of a shape, those of solids first. Views, dimensions and notes
+# have other contexts, whose units are not those of the shapes.
 _SHAPES = (
     re.compile(r"\w*BREP_SHAPE_REPRESENTATION\s*\("),
     re.compile(r"\bSHAPE_REPRESENTATION\s*\(|_SHAPE_REPRESENTATION\s*\("),
@@ -35,16 +35,16 @@ _MEASURE = re.compile(r"LENGTH_MEASURE\s*\(\s*([-+.\dE]+)\s*\)\s*,\s*#(\d+)", re
 _SAME_UNIT = 1e-6
 # Largest depth of nested conversions.
 _CONVERSIONS = 4
-# Larger than any leg in metres; a leg of 10 cm in millimetres has the size 100.
+# Largest size (m) of a part. A leg of 10 cm typed in millimetres and read in metres has 100 m.
 _LARGEST = 50.0
-# Smaller than any leg.
+# Smallest size (m) of a part.
 _SMALLEST = 1e-3
 
 
 def step_unit(content: bytes, source: str) -> str:
     """Unit of length of the shapes in a STEP file (ISO 10303-21).
 
-    Raises InputError if there is none, if there are several, or if it is unknown here.
+    Raises InputError if there is none, if there are several, or if the unit is not supported.
     """
     by_number = entities(content)
     units = {
@@ -64,7 +64,7 @@ def step_unit(content: bytes, source: str) -> str:
 
 
 def _contexts(by_number: dict[str, str]) -> Iterable[str]:
-    """Lists of units of the contexts of solids, otherwise of shapes, otherwise of any entity."""
+    """Lists of units in the contexts of solids, otherwise of shapes, otherwise of any entity."""
     for shape in _SHAPES:
         contexts = [
             match[1]
@@ -80,7 +80,7 @@ def _contexts(by_number: dict[str, str]) -> Iterable[str]:
 
 
 def _unit_of(entity: str, by_number: dict[str, str], source: str) -> str:
-    """Name of a unit by its size, because names of units in files are arbitrary."""
+    """Name of a unit, from its size in metres: names of units in STEP files are arbitrary."""
     metres = _metres(entity, by_number, _CONVERSIONS)
     for name, size in METRES.items():
         if metres and isclose(metres, size, rel_tol=_SAME_UNIT):
@@ -92,7 +92,10 @@ def _unit_of(entity: str, by_number: dict[str, str], source: str) -> str:
 
 
 def _metres(entity: str, by_number: dict[str, str], conversions: int) -> float | None:
-    """Size (m) of a unit of length, in SI or a multiple of another unit. None if it is missing."""
+    """Size (m) of a unit of length, which is an SI unit or a multiple of another unit.
+
+    None if the file does not define it.
+    """
     if si := _SI.search(entity):
         return _PREFIX.get((si[1] or "").upper())
     conversion = _CONVERSION.search(entity)
@@ -107,7 +110,7 @@ def _metres(entity: str, by_number: dict[str, str], conversions: int) -> float |
 
 
 def chosen_unit(file_unit: str | None, specified: str | None, source: str) -> str:
-    """Unit of length of the file, otherwise the `specified` one, otherwise metres.
+    """Unit of length in the file, otherwise the `specified` one, otherwise metres.
 
     Raises InputError if both units exist and differ.
     """
@@ -119,9 +122,10 @@ def chosen_unit(file_unit: str | None, specified: str | None, source: str) -> st
 def require_plausible(
     extent: list[float], unit: str, source: str, *, unit_in_file: bool = False
 ) -> None:
-    """Raise InputError if the `extent` (3, m) of a part read in `unit` is impossible for a robot.
+    """Raise InputError if a part with the `extent` (3, m) cannot be part of a robot.
 
-    `unit_in_file`: the file contains its unit, so no other one can be specified.
+    `unit` is the unit in which the file was read. `unit_in_file` is True if the file contains the
+    unit, so that no other one can be specified.
     """
     if not _SMALLEST <= max(extent) <= _LARGEST:
         is_millimetres = unit == "m" and not unit_in_file and max(extent) > _LARGEST
@@ -132,6 +136,6 @@ def require_plausible(
 
 
 def describe(extent: list[float], unit: str) -> str:
-    """Text of the `extent` (3, m) in `unit`: 905 × 170 × 210 mm."""
+    """Text of the `extent` (3, m) in `unit`, such as "905 × 170 × 210 mm"."""
     sides = " × ".join(f"{side / METRES[unit]:.6g}" for side in extent)
     return f"{sides} {unit}"

@@ -1,4 +1,4 @@
-"""Uncompressed size of the arrays of a .vtu file: read beforehand, and enforced while inflating.
+"""Uncompressed size of the arrays in a .vtu file: read in advance, and enforced when inflating.
 
 Each array begins with integers: number of blocks, bytes of a block, bytes of the last block if it
 is smaller, and compressed bytes of each block (VTK file formats, "XML file formats").
@@ -24,7 +24,10 @@ _COUNTS = 3
 
 
 def inflated_size(content: bytes) -> int:
-    """Uncompressed bytes of all arrays of a .vtu file from their headers. 0 if there are none."""
+    """Uncompressed size (bytes) of all arrays of a .vtu file, from their headers.
+
+    0 without arrays.
+    """
     root = _ROOT.search(content)
     if root is None or b"compressor" not in root.group():
         return 0
@@ -33,7 +36,7 @@ def inflated_size(content: bytes) -> int:
     total = 0
     for start, is_raw in _arrays(content):
         size = _COUNTS * integer_type.itemsize
-        # A multiple of three bytes, each with four characters in base64.
+        # The size is a multiple of three bytes. Base64 uses four characters for three bytes.
         head = content[start : start + (size if is_raw else size // 3 * 4)]
         try:
             head = head if is_raw else b64decode(head)
@@ -46,7 +49,7 @@ def inflated_size(content: bytes) -> int:
 
 
 def _arrays(content: bytes) -> Iterator[tuple[int, bool]]:
-    """Yield the start of each array, and True if its bytes are raw."""
+    """Yield the start of each array, and True if the array is not encoded in base64."""
     appended = _APPENDED.search(content)
     for array in _ARRAY.finditer(content, 0, appended.start() if appended else len(content)):
         offset = _OFFSET.search(array.group(1))
@@ -58,9 +61,9 @@ def _arrays(content: bytes) -> Iterator[tuple[int, bool]]:
 
 @contextmanager
 def inflating(limit: int) -> Iterator[None]:
-    """Limit the bytes that meshio inflates of one file in this context.
+    """Context in which meshio inflates at most `limit` bytes of one file.
 
-    meshio raises its ReadError if the file contains more.
+    If the file contains more, meshio raises its ReadError.
     """
     from meshio.vtu import _vtu as reader  # noqa: PLC0415  slow to import, and rarely needed
 
@@ -75,7 +78,7 @@ def inflating(limit: int) -> Iterator[None]:
 
 @dataclass
 class _Bounded:
-    """Replacement of a decompression library with a limit `remaining` (bytes) on all blocks."""
+    """Replacement of a decompression library with a limit `remaining` (bytes) for all blocks."""
 
     begin: Callable[[], Any]
     remaining: int

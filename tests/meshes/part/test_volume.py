@@ -64,7 +64,7 @@ def test_unmeshable_part_is_reported(bar, monkeypatch, error, kind):
         volume_mesh(*bar, Grading(0.02))
     if isinstance(error, Crashed):
         with pytest.raises(kind, match=rf"box.step: gmsh fails to mesh .* \({error}\); ask for"):
-            volume.ladder(*bar, 20_000)
+            volume.refined_gradings(*bar, 20_000)
 
 
 def test_size_search_continues_after_crossed_surface(tmp_path):
@@ -74,7 +74,7 @@ def test_size_search_continues_after_crossed_surface(tmp_path):
         occ.cut([(3, outer)], [(3, inner)])
 
     part = read_part(written(tmp_path / "tube.step", tube))
-    found = volume_mesh(part, (), volume.ladder(part, (), 8_000)[0])
+    found = volume_mesh(part, (), volume.refined_gradings(part, (), 8_000)[0])
     assert found.unknowns == pytest.approx(8_000, rel=0.35)
 
 

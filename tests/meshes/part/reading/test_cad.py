@@ -15,7 +15,7 @@ from meshes.part.reading import read
 from meshes.part.reading.cad import NotMeshedError
 from meshes.part.reading.read import read_part
 from meshes.part.spread import cell_volumes
-from meshes.part.volume import Grading, ladder, volume_mesh
+from meshes.part.volume import Grading, refined_gradings, volume_mesh
 
 pytestmark = pytest.mark.usefixtures("in_this_process")
 
@@ -139,7 +139,7 @@ def test_surface_is_meshed_without_failing_curvature(box_step, monkeypatch):
     monkeypatch.setattr(read, "triangulate", failing)
     part = read_part(box_step)
     assert part.size == "read in mm: 100 × 20 × 30 mm, meshed without sizes from curvature"
-    assert {step.sides for step in ladder(part, (), 2000)} == {0.0}
+    assert {step.sides for step in refined_gradings(part, (), 2000)} == {0.0}
 
 
 def test_part_failing_by_curvature_is_meshed_without(box_step, monkeypatch):
@@ -152,7 +152,7 @@ def test_part_failing_by_curvature_is_meshed_without(box_step, monkeypatch):
 
     part = read_part(box_step)
     monkeypatch.setattr(volume, "_ladder", failing)
-    steps = ladder(part, (), 2000)
+    steps = refined_gradings(part, (), 2000)
     assert {step.sides for step in steps} == {0.0}
     assert volume_mesh(part, (), steps[-1]).unknowns == pytest.approx(2000, rel=0.5)
 
