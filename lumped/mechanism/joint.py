@@ -56,13 +56,15 @@ class Drive:
     `simplified` is the stiffness in the simplified model (rigid bodies on elastic drives) if it
     represents more than the drive; otherwise None. `loss` is the loss factor of both stiffnesses.
     `inertia` (kg or kg m²) is the inertia of the rotor times the ratio squared. It moves with the
-    elastic deflection of the drive.
+    elastic deflection of the drive. `damping` (N s/m or N m s/rad) is that of a viscous dashpot
+    parallel to the stiffness.
     """
 
     stiffness: float | None = None
     simplified: float | None = None
     loss: float = 0.0
     inertia: float = 0.0
+    damping: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,8 +76,10 @@ class Joint:
     first fixed in the first body, the second in the second), none for fixed and spherical joints.
     The interfaces may be apart along the axis of a prismatic or cylindrical joint. `compliance`
     (6×6, SI, base axes of the reference posture, fixed to the first body) acts in series with the
-    free twists and has the loss factor `loss`. None if rigid. Raises InputError if the axes violate
-    these conditions.
+    free twists and has the loss factor `loss`. It is zero in directions in which the joint is
+    rigid; None if the joint is rigid in all. `damping` (6×6, N s/m and N m s/rad, in the same axes)
+    is the matrix of viscous dashpots between the two bodies, parallel to all else in the joint;
+    None without dashpots. Raises InputError if the axes violate these conditions.
     """
 
     name: str
@@ -86,6 +90,7 @@ class Joint:
     drive: Drive | None = None
     compliance: Array | None = None
     loss: float = 0.0
+    damping: Array | None = None
 
     def __post_init__(self) -> None:
         if faults := self._faults():
@@ -105,6 +110,7 @@ class Joint:
         ]
         if not faults and count > 1 and np.linalg.norm(np.cross(*self.axes)) < SMALLEST_SINE:
             faults.append("axes are parallel: the joint would turn about one alone")
-        if self.compliance is not None and np.shape(self.compliance) != (6, 6):
-            faults.append("compliance must be 6×6")
+        for name, matrix in (("compliance", self.compliance), ("damping", self.damping)):
+            if matrix is not None and np.shape(matrix) != (6, 6):
+                faults.append(f"{name} must be 6×6")
         return faults

@@ -90,9 +90,16 @@ class Mechanism:
     @property
     def is_damped(self) -> bool:
         """True if a mode, a body, a joint or a drive dissipates energy."""
-        drives = (joint.drive.loss for joint in self.joints if joint.drive)
-        joints = (joint.loss for joint in self.joints)
-        return any((self.damping, *drives, *joints, *(b.loss for b in self.bodies.values())))
+        drives = [joint.drive for joint in self.joints if joint.drive]
+        losses = [*(joint.loss for joint in self.joints), *(drive.loss for drive in drives)]
+        losses += [body.loss for body in self.bodies.values()]
+        return self.damping > 0.0 or any(losses) or self.has_dashpots
+
+    @property
+    def has_dashpots(self) -> bool:
+        """True if a joint or a drive has a viscous dashpot."""
+        in_drives = any(joint.drive.damping for joint in self.joints if joint.drive)
+        return in_drives or any(joint.damping is not None for joint in self.joints)
 
     @property
     def judged_responses(self) -> tuple[str, ...]:

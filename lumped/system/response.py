@@ -12,7 +12,8 @@ forces. With A = T V, S = VᵀK*V and C = VᵀMV,
 with the complex modes 1/μ = ω_r² (1 + iη_r). A modal damping ratio ζ adds 2iζωω_r to 1/μ − ω², so
 that the denominator is 1 − ω²μ + 2iζωω_rμ. For one mass on a spring this is k(1 + iη) − mω² +
 2iζω√(km). The loss factor of a drive in series with the compliance of its joint is exact to first
-order.
+order. Viscous dashpots with the matrix D add iωD to K*; the terms of the sum are then those of
+`lumped.dense.poles`.
 """
 
 from dataclasses import dataclass, replace
@@ -23,9 +24,13 @@ import scipy
 
 from lumped.arrays import Array, ComplexArray
 from lumped.dense.modes import Modes
+from lumped.dense.poles import Terms, partial_fractions
+from lumped.errors import ComputationError
 from lumped.mechanism.load import Excitation
+from lumped.screws import turn
 from lumped.system.assembly import System
 from lumped.system.joint_motion import Portion
+from lumped.system.motions import frames_of
 from lumped.system.solution import Solved, modes_with_mass, with_idle, without_idle
 
 # Ratio of the cut-off frequency of the real modes to the highest requested frequency. Modes above
@@ -40,6 +45,8 @@ _ROUNDING = 1e-12
 _DEPENDENT = 1e-10
 # Loss factor below which a mode counts as undamped.
 _SMALLEST_LOSS = 1e-9
+# Relative change of dashpots that damp a motion critically, where terms of second order degenerate.
+_OFF_CRITICAL = 1e-6
 # Number of frequencies at which the peak is searched, in addition to those of the modes.
 _PEAK_SAMPLES = 100
 
@@ -51,11 +58,15 @@ class DampedModes:
     `inverses` (r) are μ (s²), the inverse squares of the complex natural frequencies. `residues`
     (r×…) are the contributions g of the modes to the static compliance (6×6, SI, base axes, or its
     component in one direction). `ratio` is the damping ratio, one for all modes or one for each.
+    Viscous dashpots add iωκ to the denominators, with the `rates` κ (r, s), and iωh to the
+    contributions, with the `rate_residues` h (like `residues`).
     """
 
     inverses: ComplexArray
     residues: ComplexArray
     ratio: float | Array
+    rates: ComplexArray
+    rate_residues: ComplexArray
 
     @cached_property
     def frequencies(self) -> Array:
@@ -73,15 +84,28 @@ class DampedModes:
         of_parts = np.divide(
             -self.inverses.imag, self.inverses.real, out=np.zeros(len(finite)), where=finite
         )
-        return np.asarray(of_parts + 2.0 * self.ratio)
+        natural = 2.0 * np.pi * np.where(finite, self.frequencies, 0.0)
+        return np.asarray(of_parts + self.rates.real * natural + 2.0 * self.ratio)
 
     def along(self, direction: Array) -> "DampedModes":
         """Modes for displacement and force along `direction` (3, a unit vector, base axes)."""
-        blocks = self.residues[:, :3, :3]
-        residues = np.einsum("i,rij,j->r", direction, blocks, direction)
-        # If the tool does not deflect along the direction, the residues are round-off.
-        is_elastic = np.abs(residues).sum() > _ROUNDING * np.abs(blocks).sum()
-        return replace(self, residues=residues * is_elastic)
+        return self.between(slice(3), direction, slice(3), direction)
+
+    def between(self, moved: slice, direction: Array, loaded: slice, force: Array) -> "DampedModes":
+        """Modes for the displacement along `direction` under a force along `force` (unit vectors).
+
+        `moved` and `loaded` are the rows of the translations of the two points among the outputs.
+        """
+        residues, rate_residues = (
+            np.einsum("i,rij,j->r", direction, terms[:, moved, loaded], force)
+            for terms in (self.residues, self.rate_residues)
+        )
+        # If the point does not deflect along the direction, the residues are round-off.
+        sizes = [np.abs(self.residues[:, rows, rows]).sum() for rows in (moved, loaded)]
+        is_elastic = np.abs(residues).sum() > _ROUNDING * np.sqrt(np.prod(sizes))
+        return replace(
+            self, residues=residues * is_elastic, rate_residues=rate_residues * is_elastic
+        )
 
     def receptance(self, frequencies: Array) -> ComplexArray:
         """Receptance (displacement per force, n×…, SI) at n `frequencies` (Hz)."""
@@ -89,7 +113,9 @@ class DampedModes:
         natural = 2.0 * np.pi * np.where(np.isfinite(self.frequencies), self.frequencies, 0.0)
         denominator = 1.0 - speeds**2 * self.inverses
         denominator = denominator + 2j * self.ratio * speeds * natural * self.inverses
-        return np.asarray(np.tensordot(1.0 / denominator, self.residues, axes=1))
+        denominator = denominator + 1j * speeds * self.rates
+        rate_responses = np.tensordot(1j * speeds / denominator, self.rate_residues, axes=1)
+        return np.asarray(np.tensordot(1.0 / denominator, self.residues, axes=1) + rate_responses)
 
     def size(self, frequency: float) -> float:
         """Magnitude (m/N) of the receptance along a direction at `frequency` (Hz)."""
@@ -102,7 +128,8 @@ class DampedModes:
         The magnitude is infinite if a contributing mode is undamped. The result is (0, NaN) if the
         tool is rigid.
         """
-        sizes = np.abs(self.residues)
+        natural = 2.0 * np.pi * np.where(np.isfinite(self.frequencies), self.frequencies, 0.0)
+        sizes = np.abs(self.residues) + natural * np.abs(self.rate_residues)
         if not sizes.any():
             return 0.0, np.nan
         inside = (self.frequencies >= first) & (self.frequencies <= last)
@@ -156,50 +183,132 @@ def _response(modes: DampedModes, excitation: Excitation) -> ToolResponse:
     return ToolResponse(excitation, modes.receptance(excitation.frequencies), judged)
 
 
-def modal_losses(solution: Solved, modes: Modes) -> Array:
-    """Loss factors (m values) of real modes to first order, from their strain energies.
+def modal_damping(solution: Solved, modes: Modes) -> Array:
+    """Viscous damping matrix (m×m, 1/s) of m real modes, which are normalised to unit mass.
 
-    They include twice the modal damping ratio.
+    Dashpots couple the modes. Loss factors are those of each mode by itself, to first order, at its
+    own frequency; the modal damping ratio adds to them.
     """
-    system = solution.system
+    system, speeds = solution.system, 2.0 * np.pi * modes.frequencies
     dissipation = np.sum(modes.shapes * _dissipative_forces(system, modes.shapes), axis=0)
     ratio = system.motions.structure.mechanism.damping
-    return np.asarray(dissipation / (2.0 * np.pi * modes.frequencies) ** 2 + 2.0 * ratio)
+    strains = _dashpot_rows(system) @ modes.shapes[: system.outer]
+    return np.asarray(np.diag(dissipation / speeds + 2.0 * ratio * speeds) + strains.T @ strains)
 
 
 def damped_modes(solution: Solved, highest: float, outputs: Array | None = None) -> DampedModes:
     """Complex modes of a mechanism in one posture, accurate up to the frequency `highest` (Hz).
 
     The residues are those of the motions `outputs` (k×n, one row of factors on the unknowns for
-    each motion). By default these are the twist of the tool.
+    each motion). By default these are the twist of the tool. Modes come first, in ascending order
+    of their frequencies, then motions that do not oscillate.
     """
     system = solution.system
     outputs = system.tool if outputs is None else outputs
-    motions = _response_basis(solution, _CUT_OFF_RATIO * highest, outputs.T)
+    dashpots = _dashpot_rows(system)
+    motions = _response_basis(solution, _CUT_OFF_RATIO * highest, outputs.T, dashpots)
+    damped_idle = _damped_idle_motions(solution, dashpots)
+    motions = np.hstack([motions, damped_idle])
     output_motions = outputs @ motions
     dissipation = _dissipative_forces(system, motions)
     elastic = motions.T @ (system.stiffness @ motions) + 1j * (motions.T @ dissipation)
     inertia = motions.T @ (system.mass @ motions)
-    inverses, shapes = np.linalg.eig(np.linalg.solve(elastic, inertia))
-    participations = np.linalg.solve(shapes, np.linalg.solve(elastic, output_motions.T))
-    residues = np.einsum("ir,rj->rij", output_motions @ shapes, participations)
-    order = np.argsort(-np.abs(inverses), kind="stable")
+    if len(dashpots):
+        strains = dashpots @ motions[: system.outer]
+        shift = 2.0 * np.pi * highest if damped_idle.shape[1] else 0.0
+        terms = _viscous_terms(elastic, strains.T @ strains, inertia, output_motions, shift)
+    else:
+        terms = _hysteretic_terms(elastic, inertia, output_motions)
+    order = np.argsort(-np.abs(terms.inverses), kind="stable")
     ratio = system.motions.structure.mechanism.damping
-    return DampedModes(inverses[order], residues[order], ratio)
+    return DampedModes(
+        terms.inverses[order],
+        terms.residues[order],
+        ratio,
+        terms.rates[order],
+        terms.rate_residues[order],
+    )
 
 
-def _response_basis(solution: Solved, highest: float, loads: Array) -> Array:
+def _hysteretic_terms(elastic: ComplexArray, inertia: Array, outputs: Array) -> Terms:
+    """Terms without dashpots: eigenvalues and eigenvectors of S⁻¹C."""
+    inverses, shapes = np.linalg.eig(np.linalg.solve(elastic, inertia))
+    participations = np.linalg.solve(shapes, np.linalg.solve(elastic, outputs.T))
+    residues = np.einsum("ir,rj->rij", outputs @ shapes, participations)
+    return Terms(inverses, np.zeros_like(inverses), residues, np.zeros_like(residues))
+
+
+def _viscous_terms(
+    elastic: ComplexArray, viscous: Array, inertia: Array, outputs: Array, shift: float
+) -> Terms:
+    """Terms with dashpots. A critically damped motion has slightly stronger dashpots."""
+    for change in (0.0, _OFF_CRITICAL):
+        terms = partial_fractions(elastic, (1.0 + change) * viscous, inertia, outputs, shift)
+        if terms is not None:
+            return terms
+    raise ComputationError(
+        "dashpots: several motions are damped critically; must be changed by 1 %"
+    )
+
+
+def _dashpot_rows(system: System) -> Array:
+    """Rows R (k×outer) of all dashpots, whose dissipated power is |R ẏ|² (W)."""
+    mechanism = system.motions.structure.mechanism
+    frames = frames_of([system.posture])
+    rows = [np.zeros((0, system.outer))]
+    for joint in mechanism.joints:
+        drive = joint.drive
+        if drive is not None and drive.damping and drive.stiffness is not None:
+            springs = system.motions.springs[Portion(joint.name, "drive")]
+            rows.append(np.sqrt(drive.damping / drive.stiffness) * springs)
+        if joint.damping is not None:
+            position = frames.interface(joint.first.body, joint.first.point)[0]
+            first, second = (
+                system.motions.at(side.body, side.point, position)
+                for side in (joint.first, joint.second)
+            )
+            axes = turn(frames.since_reference(joint.first.body)[0])
+            values, directions = np.linalg.eigh(joint.damping)
+            damped = values > _ROUNDING * values[-1]
+            root = np.sqrt(values[damped])[:, None] * (axes @ directions[:, damped]).T
+            rows.append(root @ (second - first))
+    return np.vstack(rows)
+
+
+def _damped_idle_motions(solution: Solved, dashpots: Array) -> Array:
+    """Idle motions (n×k), of unit kinetic energy, if a dashpot resists them. Otherwise none."""
+    motions = solution.motions
+    if not solution.idle or not len(dashpots):
+        return motions[:, :0]
+    outer = solution.system.outer
+    viscous = np.square(dashpots @ motions[:outer]).sum(axis=0)
+    sizes = np.square(dashpots).sum() * np.square(motions[:outer]).sum(axis=0)
+    if not (viscous > _ROUNDING * sizes).any():
+        return motions[:, :0]
+    mass = motions.T @ (solution.system.mass @ motions)
+    values, combinations = np.linalg.eigh(mass)
+    with_mass = values > _ROUNDING * values[-1]
+    return np.asarray(motions @ (combinations[:, with_mass] / np.sqrt(values[with_mass])))
+
+
+def _response_basis(solution: Solved, highest: float, loads: Array, dashpots: Array) -> Array:
     """Basis (n×r) for responses to `loads` (n×m) up to the frequency `highest` (Hz).
 
     The basis contains the real modes up to that frequency, the residual static responses to the
     loads, and those to the dissipative forces in all these motions. The latter make the error of
-    second order in the loss factors.
+    second order in the loss factors. The forces of `dashpots` (k×outer) may be large; they are
+    added one by one.
     """
     real_modes = _modes_up_to(solution, highest)
     motions = real_modes.shapes / (2.0 * np.pi * real_modes.frequencies)
     motions = _with_residual_responses(solution, motions, without_idle(solution, loads))
     dissipation = _dissipative_forces(solution.system, motions)
-    return _with_residual_responses(solution, motions, dissipation)
+    motions = _with_residual_responses(solution, motions, dissipation)
+    if not len(dashpots):
+        return motions
+    forces = np.zeros((solution.system.size, len(dashpots)))
+    forces[: solution.system.outer] = dashpots.T
+    return _with_residual_responses(solution, motions, without_idle(solution, forces))
 
 
 def _with_residual_responses(solution: Solved, motions: Array, loads: Array) -> Array:

@@ -6,7 +6,7 @@ from io import BytesIO, StringIO
 import numpy as np
 
 from lumped.arrays import Array
-from lumped.system.response import modal_losses
+from lumped.system.response import modal_damping
 from lumped.text import counted, visible
 from validation.export.reduced import TWIST, Reduced, ReducedRobot
 
@@ -138,13 +138,13 @@ def as_statespace(robot: ReducedRobot, kind: str) -> bytes:
 
     States: modal amplitudes q (kg^½ m) and their rates. Inputs: forces of the elastic drives along
     their axes, then the wrench at the tool. Outputs: the tool's twist. The damping of each mode is
-    its loss at its own frequency. D is the static compliance of all modes that are left out, so
-    that the static response is exact.
+    its loss at its own frequency; dashpots couple the modes. D is the static compliance of all
+    modes that are left out, so that the static response is exact.
     """
     reduced, solution, modes = robot.matrices, robot.solution, robot.modes
     angular_frequencies = 2.0 * np.pi * modes.frequencies
     squared = angular_frequencies**2
-    damping = modal_losses(solution, modes) * angular_frequencies
+    damping = modal_damping(solution, modes)
     count, tool = len(squared), reduced.ports["tool"]
     drives = {name: rows for name, rows in reduced.ports.items() if name != "tool"}
     inputs = np.vstack([*drives.values(), tool])
@@ -152,7 +152,7 @@ def as_statespace(robot: ReducedRobot, kind: str) -> bytes:
     static = solution.displacements(tool.T).T @ inputs.T
     zeros = np.zeros((count, count))
     arrays = {
-        "A": np.block([[zeros, np.eye(count)], [-np.diag(squared), -np.diag(damping)]]),
+        "A": np.block([[zeros, np.eye(count)], [-np.diag(squared), -damping]]),
         "B": np.vstack([np.zeros_like(input_shapes.T), input_shapes.T]),
         "C": np.hstack([output_shapes, np.zeros_like(output_shapes)]),
         "D": static - output_shapes / squared @ input_shapes.T,

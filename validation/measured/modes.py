@@ -222,7 +222,14 @@ def _responses(
                 ratios[partner.number - 1] = ratio
         damped = replace(damped, ratio=ratios)
     output_rows = range(0, len(outputs), 2)
-    return [replace(damped, residues=damped.residues[:, row, row + 1]) for row in output_rows]
+    return [
+        replace(
+            damped,
+            residues=damped.residues[:, row, row + 1],
+            rate_residues=damped.rate_residues[:, row, row + 1],
+        )
+        for row in output_rows
+    ]
 
 
 def _modes(

@@ -244,7 +244,9 @@ def _damped(modes: PostureModes) -> dict[str, Any]:
     count = len(modes.modes.frequencies)
     if not count or not modes.posture.mechanism.is_damped:
         return {}
-    complex_modes = modes.damped.frequencies[:count], modes.damped.losses[:count]
+    # Dashpots may leave fewer motions that oscillate.
+    oscillating = np.flatnonzero(np.isfinite(modes.damped.frequencies))[:count]
+    complex_modes = modes.damped.frequencies[oscillating], modes.damped.losses[oscillating]
     return {"responses": modes.responses, "damped": complex_modes}
 
 

@@ -112,21 +112,26 @@ def _joint(description: Draft, name: str) -> Joint:
     if drive is not None:
         stiffness = None if drive["stiffness"] == "rigid" else drive["stiffness"]
         inertia = (drive["inertia"] or 0.0) * (drive["ratio"] or 1.0) ** 2
-        drive = Drive(stiffness, drive["simplified"], drive["loss"], inertia)
+        drive = Drive(stiffness, drive["simplified"], drive["loss"], inertia, drive["damping"])
     unit = axes / np.linalg.norm(axes, axis=1)[:, None]
-    compliance = table["compliance"] if table["stiffness"] is None else _compliance(table, unit)
-    return Joint(name, table["type"], first, second, unit, drive, compliance, table["loss"])
+    kind, up = table["type"], None if table["up"] is None else np.array(table["up"])
+    own_axes = joint_axes(kind, unit, up)
+    compliance, damping = table["compliance"], None
+    if table["stiffness"] is not None:
+        compliance = joint_matrix(kind, own_axes, _compliances(table["stiffness"]))
+    if table["damping"] is not None:
+        damping = joint_matrix(kind, own_axes, _present(table["damping"]))
+    return Joint(name, kind, first, second, unit, drive, compliance, table["loss"], damping)
 
 
-def _compliance(table: Entry, axes: Array) -> Array | None:
-    """Compliance (6×6) of stiffnesses along a joint's directions. None if all are rigid."""
-    up = None if table["up"] is None else np.array(table["up"])
-    compliances = {
-        name: 0.0 if stiffness == "rigid" else 1.0 / stiffness
-        for name, stiffness in table["stiffness"].items()
-        if stiffness is not None
-    }
-    return joint_matrix(table["type"], joint_axes(table["type"], axes, up), compliances)
+def _compliances(stiffnesses: Entry) -> dict[str, float]:
+    """Compliance along each direction of a joint. Zero if rigid."""
+    present = _present(stiffnesses)
+    return {name: 0.0 if value == "rigid" else 1.0 / value for name, value in present.items()}
+
+
+def _present(table: Entry) -> Entry:
+    return {name: value for name, value in table.items() if value is not None}
 
 
 def _poses(path: Entry) -> Array:

@@ -200,7 +200,7 @@ def joint_faults(joint: Entry) -> Iterator[str]:
             "it belongs"
         )
     yield from _direction_faults(joint)
-    yield from _rotor_faults(joint["drive"] or {}, f"{key}.drive")
+    yield from _drive_faults(joint["drive"] or {}, f"{key}.drive")
     if joint["repeated_point"]:
         yield f"{key}.at = {list(points)}: must be two different points, or one name"
     elif not isinstance(points, str) and kind not in _EXTENDED:
@@ -235,27 +235,52 @@ def joint_faults(joint: Entry) -> Iterator[str]:
 
 
 def _direction_faults(joint: Entry) -> Iterator[str]:
-    """Faults of stiffnesses along directions of a joint, and of `up`, on which they depend."""
-    key, kind, up = joint["key"], joint["type"], joint["up"]
-    stiffness = joint["stiffness"]
+    """Faults of numbers along directions of a joint, and of `up`, on which they depend."""
+    key, kind, stiffness, damping = (joint[k] for k in ("key", "type", "stiffness", "damping"))
+    directions = DIRECTIONS[kind]
+    held = [name for name, direction in directions.items() if not direction.free]
     if stiffness is not None:
         if joint["compliance"] is not None:
             yield f"{key}.stiffness: must be left out beside {key}.compliance, which replaces it"
-        held = [name for name, direction in DIRECTIONS[kind].items() if not direction.free]
-        for name in _present_keys(stiffness, *stiffness):
-            if name not in held:
-                yield (
-                    f"{key}.stiffness.{name}: does not belong to a {kind} joint; its directions "
-                    f"are {', '.join(held)}"
-                )
+        yield from _strange_directions(stiffness, held, f"{key}.stiffness", kind)
         for name in held:
             if stiffness[name] is None:
-                unit = "N m/rad" if DIRECTIONS[kind][name].turns else "N/m"
+                unit = "N m/rad" if directions[name].turns else "N/m"
                 yield f'{key}.stiffness.{name}: missing; must be a number in {unit}, or "rigid"'
+    if damping is not None:
+        yield from _strange_directions(damping, list(directions), f"{key}.damping", kind)
+        for name in _present_keys(damping, *held) if joint["compliance"] is None else ():
+            if stiffness is None or stiffness[name] == "rigid":
+                yield (
+                    f"{key}.damping.{name}: the joint is rigid there, a dashpot has no effect; "
+                    "must be left out, or the direction be given a stiffness"
+                )
+    yield from _up_faults(joint)
+
+
+def _strange_directions(
+    numbers: Entry, directions: Sequence[str], key: str, kind: str
+) -> Iterator[str]:
+    """Faults of numbers along directions that a kind of joint does not have."""
+    present_keys = _present_keys(numbers, *numbers)
+    if not present_keys:
+        yield f"{key}: has no number; must have one of {', '.join(directions)}"
+    for name in present_keys:
+        if name not in directions:
+            yield (
+                f"{key}.{name}: does not belong to a {kind} joint; its directions are "
+                f"{', '.join(directions)}"
+            )
+
+
+def _up_faults(joint: Entry) -> Iterator[str]:
+    """Faults of the direction `up` of a joint."""
+    key, kind, up = joint["key"], joint["type"], joint["up"]
+    numbers = {name: joint[name] for name in ("stiffness", "damping") if joint[name] is not None}
     unequal = [
-        pair
-        for pair in NEED_UP.get(kind, ())
-        if stiffness is not None and stiffness[pair[0]] != stiffness[pair[1]]
+        (first, second)
+        for first, second in NEED_UP.get(kind, ())
+        if any(table[first] != table[second] for table in numbers.values())
     ]
     if up is None:
         for first, second in unequal[:1]:
@@ -268,16 +293,19 @@ def _direction_faults(joint: Entry) -> Iterator[str]:
     axis = joint["vector"] if joint["vector"] is not None else [*joint["directions"], None][0]
     if kind not in NEED_UP:
         yield f"{key}.up: does not belong to a {kind} joint, which is equal all around its axis"
-    elif stiffness is None:
-        yield f"{key}.up: must be left out without {key}.stiffness, whose directions it gives"
+    elif not numbers:
+        yield (
+            f"{key}.up: must be left out without {key}.stiffness or {key}.damping, whose "
+            "directions it gives"
+        )
     elif np.linalg.norm(up) < NO_DIRECTION:
         yield f"{key}.up = {list(up)}: must not be zero, it is a direction"
     elif kind == "prismatic" and axis is not None and _parallel(up, axis, _ALONG_LEG):
         yield f"{key}.up = {list(up)}: must be a direction that does not lie along the slide"
 
 
-def _rotor_faults(drive: Entry, key: str) -> Iterator[str]:
-    """Faults of keys of a rotor that have no effect."""
+def _drive_faults(drive: Entry, key: str) -> Iterator[str]:
+    """Faults of keys of a drive that have no effect."""
     if drive.get("ratio") is not None and drive["inertia"] is None:
         yield f"{key}.ratio: must be left out without `inertia`, which it multiplies"
     rigid = drive.get("stiffness") == "rigid" and drive["simplified"] is None
@@ -285,6 +313,11 @@ def _rotor_faults(drive: Entry, key: str) -> Iterator[str]:
         yield (
             f"{key}.inertia: the rotor of a rigid drive stands still; "
             "must be left out, or the drive be given a stiffness"
+        )
+    if rigid and drive["damping"]:
+        yield (
+            f"{key}.damping: a rigid drive does not move; must be left out, or the drive be given "
+            "a stiffness"
         )
 
 

@@ -272,10 +272,13 @@ class _Axes(Several):
 
 _TWO_NAMES = Either(_POINT_NAME, Several(_POINT_NAME, 2))
 _SERIES = "compliance in series; base axes of the reference posture, turning with the first body"
+# 1e9 N s/m: holds a tonne to a micrometre per second.
+_DRIVE_DASHPOT = Number("N s/m or N m s/rad", above=0.0, most=1e9, slip=1e-12)
 _DRIVE = TableRule(
     needed("stiffness", Either(_STIFFNESS, OneOf(("rigid",))), "stiffness in every model"),
     Key("simplified", _STIFFNESS, "stiffness in the simplified model, if different"),
     Key("loss", _LOSS, "loss factor of the stiffness", default=0.0),
+    Key("damping", _DRIVE_DASHPOT, "viscous dashpot parallel to the stiffness", default=0.0),
     Key("inertia", _ROTOR, "inertia of the rotor; a linear motor has kg"),
     Key("ratio", _RATIO, "gear ratio: rotor turns per joint turn, or rad per m; default 1"),
 )
@@ -308,6 +311,14 @@ _JOINT_STIFFNESS = _along_directions(
     ),
     free=False,
 )
+_JOINT_DAMPING = _along_directions(
+    (
+        Number("N s/m", above=0.0, most=1e9, slip=1e-12),
+        Number("N m s/rad", above=0.0, most=1e9, slip=1e-12),
+    ),
+    free=True,
+)
+_DASHPOTS = "viscous dashpots along directions of the joint, free ones included"
 _CATALOGUE = "instead of `compliance`: stiffness along directions of the joint, each required"
 _JOINT_UP = "direction of a slide's normal; of the axis of a fixed or spherical joint"
 JOINT = TableRule(
@@ -323,6 +334,7 @@ JOINT = TableRule(
     Key("drive", _DRIVE, "drive of a revolute or prismatic joint; default: passive"),
     Key("compliance", _COMPLIANCE, _SERIES),
     Key("stiffness", _JOINT_STIFFNESS, _CATALOGUE),
+    Key("damping", _JOINT_DAMPING, _DASHPOTS),
     Key("up", _DIRECTION, _JOINT_UP),
     Key("loss", _LOSS, "loss factor of the compliance or stiffness", default=0.0),
     _COPIES,
