@@ -123,7 +123,7 @@ def response_faults(read: Sequence[Mapping[str, Any]], robot: Mechanism) -> Iter
     if read and not robot.is_damped:
         yield (
             "responses: nothing damps them, their peaks have no bound; must have [damping] ratio, "
-            "or loss or damping of a joint or a drive, or loss of a material"
+            "or loss of a material, a joint or a drive, or damping of a joint or a drive"
         )
 
 
