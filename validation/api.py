@@ -296,7 +296,7 @@ class Adequacy:
 
         Examples
         --------
-        >>> judged.sentence.startswith("For your limits use")
+        >>> judged.sentence.startswith("Within the accepted errors, use")
         True
         """
         return sentence(self.matrix, self.requirement.rely)

@@ -62,7 +62,7 @@ LEGS = {
     "841k": (1.0, 0.0765, 0.12, 13),
 }
 # How the sentence on the models begins.
-SENTENCES = ("You rely", "For your limits", "No model")
+SENTENCES = ("You rely", "Within the accepted errors", "No model", "No verdict")
 Figures = dict[str, float]
 
 

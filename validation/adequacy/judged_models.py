@@ -51,8 +51,8 @@ JUDGED: Mapping[str, JudgedModel] = {
 }
 # Models with rigid legs or with the legs of the robot file. All others use equivalent prisms.
 LEGS_AS_GIVEN = ("simplified", "vjm", "links")
-_STATIC = "a static model: without masses it has no frequencies"
-_RIGID = "its bodies and joints are rigid, and no drive lets the tool move this way"
+_STATIC = "static model without mass, so it has no frequencies"
+_RIGID = "all bodies and joints are rigid, and no drive is elastic in this direction"
 
 
 def judged_models(mechanism: Mechanism) -> dict[str, JudgedModel]:

@@ -28,11 +28,11 @@ from validation.references.robot_on_path import NOMINAL
 from validation.verdicts import Adequacy, Cause, Entry, Matrix, ModelNote, worst_of
 
 REST = "rest, not attributed"
-_NO_MASS = "neither its rigid bodies nor its tool have mass: it has no frequencies"
+_NO_MASS = "neither a rigid body nor the tool has mass, so there are no frequencies"
 _DECIDED_BY: Mapping[str, str] = {
-    Source.DIGITS: "give the 6×6 in the robot file with more digits",
+    Source.DIGITS: "specify the 6×6 in the robot file with more digits",
     Source.LINEARITY: SAY_LINEAR,
-    Source.PAIRING: "shapes of close modes mix and do not decide which mode of the model is which",
+    Source.PAIRING: "mode shapes of nearly equal frequency mix, so that their pairing is ambiguous",
 }
 _UNDECIDED_SHAPES = "several modes of the reference have the shape of one mode"
 # First number: smallest share of an error that is listed as a cause. Second number: a step counts
@@ -286,7 +286,11 @@ def _reason(
         without = [
             interpretation.name for interpretation in compress(reference.interpretations, unknown)
         ]
-        lacking = "nothing damps it" if harmonic else "there are fewer modes than are judged"
+        lacking = (
+            "the response is undamped"
+            if harmonic
+            else "the robot has fewer modes than are compared"
+        )
         texts.append(f"with {', '.join(without)} {lacking}")
     decides = _deciding_information(errors, reference, pose, limits)
     if texts or errors.missing[:, pose].any():
@@ -309,21 +313,21 @@ def _reason(
 def _reason_without_number(errors: Errors, quantity: Quantity, pose: int) -> str:
     """Text, to follow the model's name, on why the model has no number to compare."""
     if quantity.static:
-        return "is elastic where the reference is rigid"
+        return "is elastic in a direction in which the reference is rigid"
     if quantity.harmonic:
-        return "has no peak there, or one without bound that nothing damps"
+        return "has no peak in this frequency range, or an undamped peak without bound"
     if quantity == ORDER or errors.pairing is None:
         return "has too few modes"
     pairing = errors.pairing
     share, likeness = (
         float(values[:, pose].max()) for values in (pairing.rigid_share, pairing.likeness)
     )
-    lacking = f"energy-weighed MAC at most {likeness:.2f} with each of its modes"
+    lacking = f"energy-weighted MAC of at most {likeness:.2f} with each of its modes"
     if pairing.local[:, pose].all():
         return (
-            "does not have this mode, a local one of a leg's section: "
-            f"{100.0 * share:.2g} % of its kinetic energy is motion of whole cross-sections and "
-            f"bodies; {lacking}"
+            "lacks this mode, which is local to the section of a leg: rigid motion of "
+            f"cross-sections and bodies has {100.0 * share:.2g} % of its kinetic energy; "
+            f"{lacking}"
         )
     return f"has no mode of this shape: {lacking}"
 
@@ -348,7 +352,7 @@ def _misplaced_modes(errors: Errors, reference: Reference, pose: int) -> list[st
         reference.interpretations, errors.numbers[:, pose], strict=True
     ):
         misplaced = [
-            f"f{k + 1} is " + (f"the model's f{number + 1}" if number >= 0 else "missing")
+            f"f{k + 1} is " + (f"f{number + 1} of the model" if number >= 0 else "missing")
             for k, number in enumerate(numbers)
             if number != k
         ]
@@ -360,7 +364,11 @@ def _misplaced_modes(errors: Errors, reference: Reference, pose: int) -> list[st
         for misplaced, names in names_by_text.items()
         if misplaced
     ]
-    return [*texts, "otherwise every mode is in its place"] if "" in names_by_text else texts
+    return (
+        [*texts, "with the other assumptions all modes are in the same order"]
+        if "" in names_by_text
+        else texts
+    )
 
 
 def _interpretation_rows(errors: Errors, pose: int) -> IntArray:
@@ -460,14 +468,14 @@ def causes_of_error(
         interpretation.reading for interpretation in subject.reference(quantity).interpretations
     ]
     amounts: dict[str, float] = {}
-    sources: dict[str, str] = {REST: "the error minus the named causes"}
+    sources: dict[str, str] = {REST: "error minus the sum of the named causes"}
     previous = model
     for step in subject.steps(model, quantity):
         amount = _removed_error(model_errors, quantity, errors, (previous, step.model), position)
         if amount is None:
             reasons = (subject.responses.unsolved(step.model, r, quantity) for r in readings)
             if unsolved := next(filter(None, reasons), ""):
-                sources[REST] += f"; {step.cause} cannot be computed: {unsolved}"
+                sources[REST] += f"; effect of {step.cause} cannot be computed: {unsolved}"
             break
         amounts[step.cause] = amounts.get(step.cause, 0.0) + amount
         sources.setdefault(step.cause, step.source)

@@ -69,7 +69,7 @@ def compared_statics(robot: RobotOnPath) -> tuple[dict[str, Statics], dict[str, 
     }
     uncertainties = {}
     for interpretation in static_reference(responses).interpretations:
-        name = f"solid, {interpretation.name}" if robot.has_solids else "legs' own 6×6"
+        name = f"solid, {interpretation.name}" if robot.has_solids else "specified 6×6 of the legs"
         sources = (interpretation.budget.get(source) for source in (Source.MESHES, Source.DIGITS))
         half_widths = [
             half_width.displacements

@@ -452,12 +452,15 @@ def _deciding_inputs(
         )
         required = max(factor - 0.01, 0.0) * relative[key]
         return (
-            f"{key} known to a standard uncertainty of {100.0 * required:.2g} % (now "
-            f"{100.0 * relative[key]:.2g} %) would decide it"
+            "undecided because of uncertain inputs; reduce the standard uncertainty of "
+            f"{key} to {100.0 * required:.2g} % (now {100.0 * relative[key]:.2g} %)"
         )
     for count in range(2, len(keys) + 1):
         if lacking(dict.fromkeys(keys[:count], 0.0)) <= 0.0:
-            return f"better values of {' and '.join(keys[:count])} together would decide it"
+            return (
+                "undecided because of uncertain inputs; reduce the uncertainty of "
+                f"{' and '.join(keys[:count])} together"
+            )
     return ""
 
 

@@ -115,10 +115,10 @@ def finer_context(context: Context, factor: float) -> Context:
     robot_file = context.robot_file
     requested = robot_file.requirement.accuracy is not None
     if not requested and context.preset not in _REFINING[bool(robot_file.mechanism.parts)]:
-        raise InputError(f"preset {context.preset} refines meshes with --accuracy alone")
+        raise InputError(f"preset {context.preset} refines meshes only with --accuracy")
     larger = PRESETS[PRESETS.index(context.meshes) + 1 :]
     if not robot_file.mechanism.parts and not larger:
-        raise InputError("no preset has finer meshes of its bodies")
+        raise InputError("no preset has finer meshes of the bodies")
     mechanism = with_finer_parts(robot_file.mechanism, factor)
     finer = replace(
         context,
@@ -128,7 +128,8 @@ def finer_context(context: Context, factor: float) -> Context:
     unknowns, largest = _solid_unknowns(finer), LARGEST[context.preset]
     if not requested and unknowns > largest:
         raise InputError(
-            f"finer solids have {unknowns:.2g} unknowns, {context.preset} takes {largest}"
+            f"finer solids have {unknowns:.2g} unknowns; preset {context.preset} allows "
+            f"at most {largest}"
         )
     return finer
 
@@ -242,7 +243,7 @@ def leg_subject(context: Context, name: str, shape: Leg) -> Subject:
     subject = static_subject(leg, _without_modes(judged_models_of(leg, recipes).values()))
     if subject.statics.model is None:
         return subject
-    title = "the leg's own 6×6" if leg.given else "solid leg, root clamped"
+    title = "specified 6×6 of the leg" if leg.given else "solid leg with clamped root"
     return replace(subject, statics=replace(subject.statics, title=title))
 
 
@@ -272,7 +273,10 @@ def _notes(robot: RobotOnPath) -> list[str]:
         notes.append(f"{len(robot.postures)} of the {all_poses} poses of the path were computed")
     if idle := mobility(robot.postures[0]).idle:
         counted_mobilities = counted(idle, "idle mobility does", "idle mobilities do")
-        notes.append(f"{counted_mobilities} not move the tool; their zero frequencies are left out")
+        notes.append(
+            f"{counted_mobilities} not move the tool; the corresponding zero frequencies are "
+            "omitted"
+        )
     with suppress(*UNSOLVED):
         notes += reduction_note(robot.postures, robot.offered, robot.holding.first, robot.judged)
     return notes
@@ -296,7 +300,7 @@ def _assumption_notes(responses: Responses, dynamics: Reference) -> list[str]:
     notes = []
     if assumed := responses.robot.context.robot_file.supposed:
         notes.append(
-            f"Probabilities suppose that every modulus, length and stiffness of the file has a "
-            f"standard uncertainty of {100.0 * assumed:g} %"
+            "Probabilities assume that every modulus, length and stiffness of the robot "
+            f"file has a standard uncertainty of {100.0 * assumed:g} %"
         )
     return [*notes, *mass_notes(responses, dynamics)]

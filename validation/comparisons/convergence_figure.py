@@ -30,7 +30,7 @@ def element_convergence(context: Context) -> Chart:
     """Chart with a column for each of the first legs and for the robot, a row for each quantity."""
     bodies = subjects(context.robot_file.mechanism)
     if not bodies:
-        raise Skip("the robot has no legs that could be divided into elements")
+        raise Skip("the robot has no leg that can be divided into elements")
     legs, robot = bodies[:-1][:_MOST_LEGS], bodies[-1]
     studies = [study_of(context, body) for body in (*legs, robot)]
     drawn = [name for name in _ROWS if any(_has_errors(study, name) for study in studies)]
@@ -56,9 +56,14 @@ def _caption(studies: Sequence[ConvergenceStudy], undrawn_legs: int) -> list[str
         subjects.setdefault(study.reference, []).append(name)
     references = "; ".join(f"{', '.join(names)}: {text}" for text, names in subjects.items())
     sentences = [
-        f"Relative error over the number of elements per leg. Reference of {references}. "
-        f"At the end of each curve its observed order, at {elements} elements its error; "
-        "deflections that are exact for every count are not drawn.",
+        (
+            "Size of the relative error of each formulation over the number of elements per "
+            f"leg. Reference: {references}. At the end of each curve: its observed order. At "
+            f"{elements} elements: its error. Dashed: accepted error; dotted: the number of "
+            "elements for which it is accepted. A formulation is good enough if its curve is "
+            "below the dashed line from the dotted line on. Deflections that are exact for "
+            "every number of elements are not drawn."
+        ),
     ]
     if any(
         series.discretisation.theory == "euler-bernoulli"
@@ -66,12 +71,12 @@ def _caption(studies: Sequence[ConvergenceStudy], undrawn_legs: int) -> list[str
         for series in study.series
     ):
         sentences.append(
-            "Euler–Bernoulli elements are drawn if their errors differ visibly from those by "
-            "Timoshenko's theory."
+            "Euler–Bernoulli elements are drawn only if their errors differ visibly from "
+            "those of Timoshenko elements."
         )
     sentences.append(
-        f"Error of f1 with {elements} elements and, in brackets, the smallest counts for 1 %, "
-        "0.1 % and 0.01 %:"
+        f"Error of f1 with {elements} elements and, in brackets, the smallest numbers of "
+        "elements for errors below 1 %, 0.1 % and 0.01 %."
     )
     for study in studies:
         by_label = {
@@ -86,5 +91,5 @@ def _caption(studies: Sequence[ConvergenceStudy], undrawn_legs: int) -> list[str
         ]
         sentences.append(f"{study.subject or 'robot'}: {'; '.join(summaries)}.")
     if undrawn_legs:
-        sentences.append(f"{undrawn_legs} more legs are judged and not drawn.")
+        sentences.append(f"{undrawn_legs} more legs are compared but not drawn.")
     return sentences

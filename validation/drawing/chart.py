@@ -142,7 +142,10 @@ class Chart:
 
 def compared_with(against: str) -> str:
     """Sentence of a caption on panels of differences."""
-    return f"Lower panels: difference from {against} in percent."
+    return (
+        f"Lower panels: difference of each curve from the reference, “{against}”, in percent; "
+        "zero is exact agreement."
+    )
 
 
 def compared(panel: Panel, against: str) -> Panel:

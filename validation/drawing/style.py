@@ -54,7 +54,7 @@ LOOKS: Mapping[str, Look] = {
     # with the plausible mass distributions of legs known by a 6×6.
     "solid": Look(VERMILLION, "D"),
     "solid, free": Look(VERMILLION, "p", "--"),
-    "legs' own 6×6": Look(BLACK, "H"),
+    "specified 6×6 of the legs": Look(BLACK, "H"),
     "mass along the legs": Look(VERMILLION, "1", "-."),
     "mass along the legs, free": Look(VERMILLION, "2", "--"),
     "measured": Look(BLACK, "d", "none"),
@@ -62,8 +62,8 @@ LOOKS: Mapping[str, Look] = {
     "tetrahedra, held ends": Look(SKY, "^"),
     "tetrahedra, free ends": Look(SKY, "v", "--"),
     # Comparisons: the difference, and the uncertainty of its unexplained part.
-    "difference E": Look(BLACK, "D", "none"),
-    "numerical uncertainty of both sides": Look(BLACK, "o", "none"),
+    "difference": Look(BLACK, "D", "none"),
+    "numerical uncertainty of model and reference": Look(BLACK, "o", "none"),
     "slope": Look("#999999", ""),
     # Convergence with element count: the paper's layout, and the stated limits.
     "segments, literal layout": Look(VERMILLION, "h", "--"),
@@ -82,7 +82,7 @@ _LABELS = {
 # Fill colours of bars by label. Other labels have the first unused colours of `_OTHER_FILLS`.
 FILLS: Mapping[str, str] = {
     "drives": BLUE,
-    "give of joints": GREEN,
+    "joint compliance": GREEN,
     "bending y": VERMILLION,
     "bending z": ORANGE,
     "torsion": PURPLE,

@@ -162,14 +162,14 @@ def workspace_maps(context: Context) -> WorkspaceMaps:
     mechanism = replace(context.robot_file.mechanism, loads=())
     space = workspace(mechanism, _MAX_POSES[context.preset])
     if len(space.postures) < _FEWEST_POSTURES:
-        raise Skip("fewer than four postures of the grid can be reached")
+        raise Skip("fewer than four poses of the grid can be reached; a map needs at least four")
     maps: list[Map] = []
     for mapped in mapped_quantities(context, mechanism):
         values = grid_values(space, mapped.solve)
         if worst := worst_posture(space, values, mapped.solve, largest=mapped.largest):
             maps.append((mapped, values, worst))
     if not maps:
-        raise Skip("no posture of the grid can be solved")
+        raise Skip("the models have no solution at any pose of the grid")
     return WorkspaceMaps(space, tuple(maps))
 
 
@@ -219,19 +219,23 @@ def _title(mapped: MappedQuantity) -> str:
 def _caption(space: Workspace, maps: Sequence[Map]) -> str:
     mechanism, poses = space.mechanism, prod(space.shape)
     sentences = [
-        f"{capital(mapped.title)}: {mapped.description}. Its worst value is "
-        f"{number(worst.value, 4)} {mapped.unit} at {shown_pose(mechanism, worst.pose)}."
+        (
+            f"{capital(mapped.title)}: {mapped.description}. Worst value: "
+            f"{number(worst.value, 4)} {mapped.unit} at {shown_pose(mechanism, worst.pose)}."
+        )
         for mapped, _, worst in maps
     ]
     sentences.append(
-        "Dots: poses of the grid. Stars: worst postures found by a search, which may lie between "
-        "the dots. The search closes the loops and solves the model in each posture that it tries"
-        + (". Each star is in the slice nearest to it." if len(space.axes) > 2 else ".")
+        (
+            "Contours over the poses of the tool. Dots: computed poses of the grid. Stars: "
+            "worst poses, found by a search that also solves poses between the dots"
+        )
+        + (". A star is drawn in the slice nearest to its pose." if len(space.axes) > 2 else ".")
     )
     if poses < len(mechanism.poses):
-        sentences.append(f"{poses} of the {len(mechanism.poses)} poses of the grid are evaluated.")
+        sentences.append(f"{poses} of the {len(mechanism.poses)} poses of the grid are computed.")
     if blank := poses - int(np.isfinite(maps[0][1]).sum()):
-        sentences.append(f"Blank: {blank} of {poses} poses, out of reach or singular.")
+        sentences.append(f"Blank areas: {blank} of {poses} poses are out of reach or singular.")
     return " ".join(sentences)
 
 

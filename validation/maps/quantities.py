@@ -74,8 +74,8 @@ def mapped_quantities(context: Context, mechanism: Mechanism) -> list[MappedQuan
             "lowest stiffness",
             "N/µm",
             name,
-            f"smallest ratio of force to displacement of the tool over all directions of force, "
-            f"the inverse of the largest eigenvalue of the translational compliance, by {name}",
+            "smallest stiffness over all directions of force at the tool (inverse of the "
+            f"largest eigenvalue of the translational compliance), by {name}",
             partial(_lowest_stiffness, model),
         )
     ]
@@ -98,8 +98,9 @@ def mapped_quantities(context: Context, mechanism: Mechanism) -> list[MappedQuan
                 f"error of {name}",
                 "%",
                 name,
-                "largest relative error of the displacement over all directions of force, from "
-                "the reference under each reading that the robot file allows",
+                "relative error of the displacement, for the direction of force with the "
+                "largest error and for the least favourable end conditions that the "
+                "robot file allows",
                 partial(_error, model, references),
                 largest=True,
             )

@@ -50,7 +50,10 @@ _LOADS = {
     "along_z": ("z", "along z"),
 }
 _FIRST, _BOTH = "first natural frequency (Hz)", "natural frequency (Hz)"
-_FAMILY_CAPTION = "Robots with legs α times as long; stroke and sections are unchanged."
+_FAMILY_CAPTION = (
+    "Family of robots with legs α times as long as those of the robot; stroke and sections "
+    "are unchanged."
+)
 stroke_figures = FigureGroup(STROKE, "paper.figures")
 family_figures = FigureGroup(FAMILY, "paper.figures")
 

@@ -87,11 +87,14 @@ def dynamic_reference(responses: Responses) -> Reference:
 def _reference_title(robot: RobotOnPath) -> str:
     """Title of the modal reference in reports."""
     if robot.given:
-        return "mechanism of the legs' own 6×6 and plausible insides"
+        return (
+            "robot with the specified 6×6 of its legs and plausible mass and stiffness "
+            "distributions"
+        )
     if robot.mechanism.parts:
         solid = " and solid legs" if robot.legs else ""
-        return f"mechanism of its parts as solids{solid}, reduced"
-    return "mechanism of solid legs, reduced to their ends"
+        return f"robot of solid parts{solid}, reduced"
+    return "robot of solid legs, reduced to their ends"
 
 
 def _reason_unmeshed(prisms: Sequence[ConstantLeg], preset: Preset) -> str:
@@ -129,8 +132,8 @@ def mass_notes(responses: Responses, reference: Reference) -> tuple[str, ...]:
         for k, (low, high) in enumerate(zip(lows, highs, strict=True))
     ]
     note = (
-        f"Plausible distributions of the legs' mass and stiffness give {', '.join(spans)} in the "
-        "middle of the path"
+        f"Plausible distributions of the legs' mass and stiffness give {', '.join(spans)} "
+        "at the middle pose of the path"
     )
     # Massless links do not bound these: rigid end faces make solids stiffer than the links, and CAD
     # parts are not links.
@@ -142,7 +145,7 @@ def mass_notes(responses: Responses, reference: Reference) -> tuple[str, ...]:
     bounds = [
         f"f{k + 1} {frequency:.4g} Hz" for k, frequency in enumerate(upper_bound.modes.frequencies)
     ]
-    return (f"{note}; no distribution gives more than massless legs: {', '.join(bounds)}",)
+    return (f"{note}; upper bounds, with massless legs: {', '.join(bounds)}",)
 
 
 def modal_steps(robot: RobotOnPath, judged: Mapping[str, Model]) -> Steps:
@@ -188,24 +191,24 @@ DYNAMIC_STEPS: Mapping[str, StepTexts] = {
     "twice as many": StepTexts(
         _DISCRETE,
         f"{2 * ELEMENTS} segments, then beam elements",
-        Remedy(f"take more segments: --elements {2 * ELEMENTS}", "--elements"),
+        Remedy(f"increase the number of segments: --elements {2 * ELEMENTS}", "--elements"),
     ),
-    "beams": StepTexts(_DISCRETE, "beam elements of the same constants", use("beam")),
+    "beams": StepTexts(_DISCRETE, "beam elements with the same section constants", use("beam")),
     **PART_STEPS,
     # Step from condensed parts with Guyan's mass to parts with interior modes.
     "modes inside": StepTexts(
-        "inertia inside the parts (Guyan's mass)",
-        "parts reduced by Craig and Bampton, the middle one of their meshes",
+        "internal inertia of the parts (Guyan's mass matrix)",
+        "parts reduced by Craig and Bampton on the medium mesh",
     ),
     # Steps from textbook section constants to computed ones, then to restrained warping if ends are
     # rigid.
     "own": StepTexts(
-        "textbook section constants",
+        "section constants by textbook formulas",
         "fem.sections.section_constants, beam elements",
     ),
     "warping": StepTexts(
-        "warping held at the ends, non-uniform torsion between them",
-        "beams with Reissner's torsion, the section's own Γ",
+        "restrained warping at the ends (non-uniform torsion)",
+        "beams with Reissner's torsion and the warping constant Γ of the section",
     ),
 }
 _TO_SOLIDS = ("own", "warping")

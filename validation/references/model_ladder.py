@@ -183,14 +183,14 @@ def _section_mesh(robot: RobotOnPath, reading: Reading) -> LegMesh:
 # Beams with computed section constants: first free to warp at their ends, then with warping
 # restrained at rigid ends.
 OWN = Model(
-    "own constants",
+    "constants from the section's mesh",
     statics=own_statics,
     modes=_own_modes,
     static_fields=("section_mesh",),
     modal_fields=("section_mesh",),
 )
 HELD = Model(
-    "warping held",
+    "restrained warping",
     statics=partial(_spring_statics, _held),
     modes=_held_modes,
     static_fields=("ends",),
@@ -208,10 +208,10 @@ SOLID = Model(
 )
 # Beams with computed section constants, stiffened by rigid end faces that hinder contraction.
 RESTRAINED = Model(
-    "contraction held", statics=partial(_spring_statics, _restrained), static_fields=("ends",)
+    "restrained contraction", statics=partial(_spring_statics, _restrained), static_fields=("ends",)
 )
 # Three models with one tip compliance per leg: the 6×6 of the file, only those of its entries that
 # a straight prismatic leg has, and that of the equivalent prism.
-GIVEN = Model("legs as given", statics=partial(_spring_statics, _given))
+GIVEN = Model("specified legs", statics=partial(_spring_statics, _given))
 STRAIGHT = Model("straight legs", statics=partial(_spring_statics, _straight))
 EQUIVALENT = Model("equivalent legs", statics=partial(_spring_statics, _equivalent))

@@ -20,7 +20,10 @@ from validation.references.robot_on_path import Factors, Reading
 from validation.verdicts import Coordinate
 
 # Remedy if a load changes the stiffness noticeably: models and references are linear.
-SAY_LINEAR = "needs large displacements: the load changes the stiffness, all models are linear"
+SAY_LINEAR = (
+    "needs a geometrically nonlinear model: the load changes the stiffness, and all models "
+    "here are linear"
+)
 
 
 class Source(StrEnum):
@@ -28,11 +31,11 @@ class Source(StrEnum):
 
     MESHES = "meshes"
     DIGITS = "digits of the file"
-    PAIRING = "modes whose shapes mix"
+    PAIRING = "modes with mixed shapes"
     # Distribution of mass and stiffness along legs that are known by their 6×6 only.
-    MASSES = "where the legs' mass lies"
-    INTERIOR = "how stiff the legs are between their ends"
-    LINEARITY = "stiffness that the load takes or adds"
+    MASSES = "mass distribution of the legs"
+    INTERIOR = "stiffness distribution of the legs"
+    LINEARITY = "geometric stiffness due to the load"
 
 
 @dataclass(frozen=True)
@@ -63,7 +66,7 @@ def use(model: str, how: str = "", option: str = "") -> Remedy:
 
 # The model "solid" of the command `solve` equals a reference made of solids.
 USE_SOLID = use("solid")
-TIMOSHENKO = Remedy("take Timoshenko's beams: --theory timoshenko", "--theory")
+TIMOSHENKO = Remedy("include shear deformation: --theory timoshenko", "--theory")
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,7 +142,7 @@ class Reference:
     decides: str = ""
     masses: str = ""
     interior: str = ""
-    finer: str = "needs a finer reference"
+    finer: str = "undecided because of the mesh uncertainty of the reference; refine its meshes"
     remedy: Remedy | None = None
     supposed: str = ""
     computed_by: tuple[str, ...] = ()
@@ -162,7 +165,7 @@ def no_reference(error: Exception | str) -> Reference:
 
 def finer_by(preset: str) -> str:
     """Instruction for a more accurate reference. `preset` is "--preset fine" or "no preset"."""
-    return f"needs a finer reference: {preset} computes one"
+    return f"undecided because of the mesh uncertainty of the reference; {preset} has a finer one"
 
 
 NOT_FINER = finer_by("no preset")

@@ -73,7 +73,7 @@ def solid_leg(context: Context, leg: ConstantLeg) -> TwoMeshes:
         takes = larger_preset(
             context.meshes, lambda preset: has_meshes(leg, most_unknowns(preset, leg))
         )
-        raise InputError(f"{error}; {takes} takes it") from error
+        raise InputError(f"{error}; {takes} allows it") from error
 
 
 def finer_statics(context: Context, legs: Iterable[Leg]) -> str:

@@ -38,18 +38,18 @@ _FEWEST = 8
 # Relative half-width of a number without an estimate of its uncertainty: all of it.
 UNKNOWN = 1.0
 # Parts have the same mesh sizes in all presets.
-FINER_PARTS = "needs finer meshes of the parts, such as --accuracy 0.002 makes"
+FINER_PARTS = "undecided because of the mesh uncertainty of the parts; refine with --accuracy 0.002"
 # Steps that remove the errors of parts modelled as equivalent legs, in order.
 PART_STEPS: Mapping[str, StepTexts] = {
     "stepped": StepTexts(
-        "one constant section instead of the part",
-        "ten prismatic pieces with the part's own sections, beam elements",
-        Remedy("step the parts: --parts stepped", "--parts"),
+        "part replaced by a leg of one constant section",
+        "ten prismatic beam pieces with the sections of the part",
+        Remedy("divide the parts into prismatic pieces: --parts stepped", "--parts"),
     ),
     "condensed": StepTexts(
-        "beam pieces instead of the part",
-        "the part condensed on its interfaces",
-        Remedy("condense the parts on their interfaces: --parts condensed", "--parts"),
+        "part replaced by prismatic beam pieces",
+        "part condensed to its interfaces",
+        Remedy("condense the parts to their interfaces: --parts condensed", "--parts"),
     ),
 }
 
@@ -107,9 +107,12 @@ def reduction_note(
         f"{name} {part.counted} below {part.cutoff:.4g} Hz" for name, part in parts.items()
     )
     return (
-        f"CAD parts keep all modes with fixed interfaces, by count: {counts}; higher ones lower "
-        f"the {counted(judged, 'lowest frequency', 'lowest frequencies')} by "
-        f"{percent(bounds.relative_width.max(), signed=False)} at most",
+        (
+            "Reduction of the CAD parts keeps all fixed-interface modes below a cut-off, "
+            f"confirmed by a mode count: {counts}; the omitted higher modes lower the "
+            f"{counted(judged, 'lowest frequency', 'lowest frequencies')} by "
+            f"{percent(bounds.relative_width.max(), signed=False)} at most"
+        ),
     )
 
 

@@ -44,8 +44,10 @@ MeshKind: TypeAlias = Literal["mesh", "section_mesh", "part_mesh"]
 # Largest number of computed poses. Of a longer path, evenly spaced poses are computed.
 MOST_POSES: Mapping[Preset, int] = {"quick": 9, "standard": 25, "fine": 81}
 HOLD: tuple[Ends, Ends] = ("rigid", "free")
-_SAY_PARTS = 'how faces are held: coupling = "rigid", "average" or "pin" in the interfaces of'
-_SAY_ENDS = 'how end faces are held: ends = "rigid" (bolted flat) or ends = "free" (to warp) in'
+_SAY_PARTS = (
+    'the coupling of the interfaces, coupling = "rigid", "average" or "pin" in the interfaces of'
+)
+_SAY_ENDS = 'the end condition, ends = "rigid" (bolted flat) or ends = "free" (free to warp), in'
 
 
 @dataclass(frozen=True)
@@ -268,10 +270,10 @@ def holding(mechanism: Mechanism, schema: int = 2) -> Holding:
     }
     specified = {**legs, **parts}
     unspecified = [
-        (name, question, f"say in the robot file {say} {_tables(bodies, schema)}")
+        (name, question, f"specify in the robot file {say} {_tables(bodies, schema)}")
         for name, question, say, bodies in (
-            ("ends", "how the ends are held", _SAY_ENDS, legs),
-            ("interfaces", "how the parts' interfaces are held", _SAY_PARTS, parts),
+            ("ends", "end conditions of the legs", _SAY_ENDS, legs),
+            ("interfaces", "coupling of the parts' interfaces", _SAY_PARTS, parts),
         )
         if not all(bodies.values())
     ]
@@ -305,14 +307,14 @@ def say_masses(legs: Mapping[str, GivenLeg], schema: int = 2) -> str:
     if missing := [
         f"{keys} in {_tables(bodies, schema)}" for keys, bodies in lacking.items() if keys
     ]:
-        return f"give the legs' mass distribution beside the 6×6: {', '.join(missing)}"
+        return f"specify the mass distribution of the legs beside the 6×6: {', '.join(missing)}"
     return say_interior(legs, schema)
 
 
 def say_interior(legs: Iterable[str], schema: int = 2) -> str:
     """Instruction that specifies the inside of legs known by their 6×6. "" without legs."""
     tables = _tables(dict.fromkeys(legs), schema)
-    return f"give the section or the solid in place of the 6×6 in {tables}" if tables else ""
+    return f"specify the section or the solid instead of the 6×6 in {tables}" if tables else ""
 
 
 def _tables(ends_by_body: Mapping[str, Ends | None], schema: int) -> str:

@@ -74,14 +74,14 @@ def _reference_title(robot: RobotOnPath) -> str:
     names = ", ".join(robot.given)
     if robot.mechanism.parts:
         solid = " and solid legs" if robot.prisms else ""
-        own = f", {names} by their own 6×6" if names else ""
-        return f"mechanism assembled from its parts as solids{solid}{own}"
+        own = f", {names} by their specified 6×6" if names else ""
+        return f"robot assembled from solid parts{solid}{own}"
     if not robot.legs:
-        return "mechanism of rigid bodies, assembled"
+        return "robot assembled from rigid bodies"
     if not robot.prisms:
-        return "mechanism assembled from the legs' own 6×6"
-    own = f" and {names} by their own 6×6" if names else ""
-    return f"mechanism assembled from solid legs{own}"
+        return "robot assembled from the specified 6×6 of its legs"
+    own = f" and {names} by their specified 6×6" if names else ""
+    return f"robot assembled from solid legs{own}"
 
 
 def static_steps(robot: RobotOnPath) -> Steps:
@@ -103,7 +103,7 @@ def static_steps(robot: RobotOnPath) -> Steps:
 STATIC_STEPS: Mapping[str, StepTexts] = {
     "drives": StepTexts(
         "elastic drives only, bodies and joints rigid",
-        "{by}the legs as given",
+        "{by}the specified legs",
         use("{climbs}"),
     ),
     "shear": StepTexts(
@@ -114,26 +114,26 @@ STATIC_STEPS: Mapping[str, StepTexts] = {
     # Steps from the equivalent prism to the 6×6 from which it was made, then the steps of CAD
     # parts,
     "diagonal": StepTexts(
-        "equivalent leg with another diagonal than the 6×6",
+        "equivalent leg, whose diagonal of the compliance differs from the 6×6",
         "{by}the straight leg's entries of the 6×6",
     ),
     "couplings": StepTexts(
-        "equivalent leg without the couplings of the 6×6",
-        "{by}the 6×6 as given",
-        use("{climbs}", " with the 6×6 as given: --legs given", "--legs"),
+        "equivalent leg, which lacks couplings of the 6×6",
+        "{by}the specified 6×6",
+        use("{climbs}", " with the specified 6×6: --legs given", "--legs"),
     ),
     **PART_STEPS,
     # and last those from textbook section constants to solids with rigid end faces.
     "own": StepTexts(
-        "textbook section constants",
+        "section constants by textbook formulas",
         "fem.sections.section_constants, tip of the cantilever",
     ),
     "warping": StepTexts(
-        "warping held at the ends",
-        "Reissner's torsion with held ends, the section's own Γ",
+        "restrained warping at the ends",
+        "Reissner's torsion with restrained ends and the warping constant Γ of the section",
     ),
     "contraction": StepTexts(
-        "contraction and shear warping held at the ends",
+        "restrained contraction and shear warping at the ends",
         "fem.couplings.end_effects, exact along the leg",
     ),
 }

@@ -136,8 +136,9 @@ def _parts_sentence(outcomes: Sequence[Outcome]) -> str:
     if not texts:
         return ""
     return (
-        f"Differences of CAD parts from their solid FE: {'; '.join(texts)}. The robot with these "
-        "parts is judged in the table of models below."
+        "Largest differences between simplified CAD parts and their solid FE: "
+        f"{'; '.join(texts)}. The verdicts on the robot with these parts are in the table "
+        '"Adequacy of the models".'
     )
 
 
@@ -158,11 +159,11 @@ def _judged_sentence(outcomes: Sequence[Outcome]) -> str:
         f"{counts[name]} {name}" for name in ("undecided", "failed") if counts[name]
     )
     if not counts["agree"] + counts["disagree"]:
-        reason = f"; of the comparisons {unsettled}" if unsettled else ""
+        reason = f"; comparisons without a verdict: {unsettled}" if unsettled else ""
         if not unsettled and any(map(_unjudged_values, outcomes)):
             return ""
-        return f"No formulation could be compared with solids of the same legs{reason}."
-    rest = f"; of the other comparisons {unsettled}" if unsettled else ""
+        return f"No formulation could be compared with solid FE of the same legs{reason}."
+    rest = f"; other comparisons: {unsettled}" if unsettled else ""
     agreeing = [outcome for outcome in comparisons if outcome.verdict == "agree"]
     decided = [outcome for outcome in comparisons if outcome.verdict in {"agree", "disagree"}]
     if counts["disagree"]:
@@ -235,7 +236,10 @@ def _allowances_sentence(agreeing: Sequence[Outcome]) -> str:
         f"{cause} (up to {_unsigned(amounts[cause][0])} in {amounts[cause][1]})" for cause in causes
     ]
     largest_difference = f"{_unsigned(abs(parts.difference))} ({_quantity_text(worst)})"
-    return f"Whole differences reach {largest_difference}. Explained by {listed(texts)}."
+    return (
+        f"Total differences reach {largest_difference}. Named causes, computed "
+        f"separately: {listed(texts)}."
+    )
 
 
 def _missing_sentence(comparisons: Sequence[Outcome]) -> str:

@@ -116,5 +116,5 @@ def _input_texts(matrix: Matrix, models: Collection[str]) -> tuple[str, ...]:
 
 def _heading(matrix: Matrix, part: Matrix) -> str:
     if part is matrix.formulation:
-        return "The robot with legs of constant section, against solids of the same legs"
+        return "Robot with legs of constant section, compared with solids of the same legs"
     return f"{capital(part.robot)} alone, root clamped"

@@ -71,7 +71,10 @@ class Report:
         """The comparisons in one sentence."""
         sentence, skipped_ids = self.results.standing.sentence, self.results.no_longer_compared
         if skipped_ids:
-            sentence += f" Agreed earlier and skipped now: {', '.join(skipped_ids)}."
+            sentence += (
+                " Comparisons that agreed in the baseline and are skipped in this run: "
+                f"{', '.join(skipped_ids)}."
+            )
         return sentence
 
     @property

@@ -34,7 +34,7 @@ def _grouped_by_reason(outcomes: Sequence[Outcome]) -> list[list[Outcome]]:
 def adequacy(gathered: Results) -> list[str]:
     """Lines on models relied on that are not adequate, and the verdict of the page."""
     refused, rely = ", ".join(gathered.standing.refused), gathered.rely
-    lines = [f"relied on but not adequate: {refused}"] if refused else []
+    lines = [f"models in `rely` that are not adequate: {refused}"] if refused else []
     lines += gathered.unjudged
     matrix, measured = gathered.matrix, gathered.measured
     lines += [f"{sentence(matrix, rely)} {supposition(matrix, rely)}".strip()] if matrix else []
@@ -64,7 +64,7 @@ def changes(gathered: Results) -> tuple[list[str], bool]:
     if gathered.baseline is None:
         return [], False
     lost = [
-        f"warning: {name} agreed in the baseline and is skipped now: {why}"
+        (f"warning: comparison {name} agreed in the baseline and is skipped in this run: {why}")
         for name, why in gathered.no_longer_compared.items()
     ]
     comparison = gathered.compared_with(gathered.baseline)

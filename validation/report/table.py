@@ -234,15 +234,15 @@ def entry_line(matrix: Matrix, entry: Entry) -> str:
             f"accepted {percent(entry.limit, signed=False)}"
         )
     if entry.along is not None:
-        direction = f" of a force along {force_text(entry)}" if entry.force else ""
-        parts.append(f"along the load{direction} {percent(entry.along)}")
+        direction = f" (force along {force_text(entry)})" if entry.force else ""
+        parts.append(f"component along the load{direction} {percent(entry.along)}")
     parts += [f"cause: {entry.causes[0].cause}"] if entry.causes else []
     if entry.remedy:
         remaining_error = entry.error_with_remedy
         suffix = (
             ""
             if remaining_error is None
-            else f" ({percent(remaining_error, signed=entry.signed)} left)"
+            else f" (remaining error {percent(remaining_error, signed=entry.signed)})"
         )
         parts.append(f"remedy: {entry.remedy}{suffix}")
     parts += [entry.reason] if entry.reason else []
@@ -276,16 +276,16 @@ def sheet_of(matrix: Matrix, note: ModelNote, entry: Entry) -> tuple[str, tuple[
 def _numbers(matrix: Matrix, entry: Entry) -> list[Line]:
     unit = entry.quantity.unit
     along = "" if entry.signed else ", along the load"
-    lines = [("Worst at", pose_text(matrix.coordinates, entry.pose))]
+    lines = [("Pose with the largest error", pose_text(matrix.coordinates, entry.pose))]
     if entry.force:
-        lines.append(("Worst force", f"along {force_text(entry)}"))
+        lines.append(("Force with the largest error", f"along {force_text(entry)}"))
     if entry.value is not None:
         lines.append(("Value", f"{number(entry.value, 6)} {unit}{along}"))
     if entry.expected is not None:
         lines.append(("Reference", f"{number(entry.expected, 6)} {unit}{along}"))
     lines.append(("Source", entry.reference))
     if entry.error is not None:
-        suffix = "" if entry.signed else " of the whole displacement"
+        suffix = "" if entry.signed else " of the displacement vector"
         accepted = f"{'± ' * entry.signed}{percent(entry.limit, signed=False)}"
         error = error_text(entry.error, signed=entry.signed)
         lines.append(("Error", f"{error}{suffix}, accepted {accepted}"))
@@ -295,16 +295,20 @@ def _numbers(matrix: Matrix, entry: Entry) -> list[Line]:
             low, high = (error_text(end, signed=entry.signed) for end in (entry.low, entry.high))
             lines.append(("Range of the error", f"from {low} to {high}"))
     if entry.mac is not None:
-        lines.append(("Likeness (MAC)", f"{entry.mac:.4f}"))
+        lines.append(("Shape correlation (MAC)", f"{entry.mac:.4f}"))
     if entry.along is not None:
-        lines.append(("Along the load", error_text(entry.along)))
+        lines.append(("Error of the component along the load", error_text(entry.along)))
     if entry.probability is not None:
         chance = percent(entry.probability, signed=False)
-        lines.append(("Within the limit", f"with a probability of {chance}"))
+        lines.append(("Probability that the error is within the limit", chance))
         shares = [
             f"{key} {percent(share, signed=False)}" for key, share in entry.input_shares.items()
         ]
-        lines += [("Shares of the inputs", ", ".join(shares))] if shares else []
+        lines += (
+            [("Shares of the uncertain inputs in the variance", ", ".join(shares))]
+            if shares
+            else []
+        )
     if entry.uncertainty is not None:
         parts = [
             f"{name} {percent(size, signed=False)}" for name, size in entry.uncertainties.items()
@@ -330,7 +334,9 @@ def _reasons(entry: Entry) -> list[Line]:
         lines.append(("Cause", f"{cause.cause}: {share} of the error{source}"))
     if entry.remedy:
         error = entry.error_with_remedy
-        suffix = "" if error is None else f": {error_text(error, signed=entry.signed)} left"
+        suffix = (
+            "" if error is None else f": remaining error {error_text(error, signed=entry.signed)}"
+        )
         lines.append(("Remedy", f"{entry.remedy}{suffix}"))
     if entry.computed_by:
         lines.append(("Computed by", ", ".join(entry.computed_by)))

@@ -13,7 +13,7 @@ from validation.verdicts import VERDICTS, Adequacy, Coordinate, Entry, Matrix
 
 _MODELS: Mapping[str, str] = {
     "simplified": "the simplified model",
-    "vjm": "VJM with the legs as given",
+    "vjm": "VJM with the specified legs",
     "vjm-equivalent": "VJM on equivalent legs",
     "beam": "beams",
     "segments-euler-bernoulli": "Euler–Bernoulli segments",
@@ -81,7 +81,7 @@ def sentence(matrix: Matrix, rely: Sequence[str] = ()) -> str:
     """Verdicts on the models of `rely` in words; without such, the adequate models."""
     relied = [model for model in rely if matrix.of_model(model)]
     text = _relied_text(matrix, relied) if relied else _recommendation(matrix)
-    return f"{text}." if text else "No model could be judged."
+    return f"{text}." if text else "No verdict on any model."
 
 
 def supposition(matrix: Matrix, rely: Sequence[str] = ()) -> str:
@@ -91,7 +91,7 @@ def supposition(matrix: Matrix, rely: Sequence[str] = ()) -> str:
     """
     entries = [e for model in rely for e in matrix.of_model(model)] or matrix.entries
     decided = any(e.verdict != "undecided" and not e.quantity.static for e in entries)
-    return f"Frequencies are judged {matrix.supposed}." if matrix.supposed and decided else ""
+    return f"Verdicts on frequencies hold {matrix.supposed}." if matrix.supposed and decided else ""
 
 
 def _relied_text(matrix: Matrix, models: Sequence[str]) -> str:
@@ -113,13 +113,13 @@ def _relied_text(matrix: Matrix, models: Sequence[str]) -> str:
         texts.append(f"{listed(names)}: {', '.join(parts)}")
     limits = sorted(entry.limit for model in models for entry in matrix.of_model(model))
     accepted = dict.fromkeys(percent(limit, signed=False) for limit in (limits[0], limits[-1]))
-    return f"You rely on {'; '.join(texts)}. You accept {' to '.join(accepted)}"
+    return f"You rely on {'; '.join(texts)}. Accepted error: {' to '.join(accepted)}"
 
 
 def _purpose_text(matrix: Matrix, quantities: Sequence[Quantity]) -> str:
     judged = {entry.quantity for entry in matrix.entries}
     everything = judged == {*quantities} and ORDER in judged
-    return "everything judged" if everything else quantities_text(matrix, quantities)
+    return "all quantities" if everything else quantities_text(matrix, quantities)
 
 
 def _largest_error_text(entries: Sequence[Entry]) -> str:
@@ -134,7 +134,7 @@ def _largest_error_text(entries: Sequence[Entry]) -> str:
         return ""
     largest = max(bound(entry) if adequate else abs(entry.error or 0.0) for entry in with_error)
     error = error_text(largest, signed=False)
-    return f" (off by {'at most' if adequate else 'up to'} {error})"
+    return f" (error {'at most' if adequate else 'up to'} {error})"
 
 
 def models_to_use(matrix: Matrix) -> list[tuple[str, set[Quantity]]]:
@@ -166,7 +166,7 @@ def _recommendation(matrix: Matrix) -> str:
         selection.append(("solid", refused))
         refused = set()
     texts = [f"{model} ({quantities_text(matrix, quantities)})" for model, quantities in selection]
-    parts = [f"for your limits use {', '.join(texts)}"] if texts else []
+    parts = [f"within the accepted errors, use {', '.join(texts)}"] if texts else []
     parts += [f"no model is adequate for {quantities_text(matrix, refused)}"] if refused else []
     parts += [f"undecided: {quantities_text(matrix, undecided)}"] if undecided else []
     return capital("; ".join(parts))

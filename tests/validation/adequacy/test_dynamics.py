@@ -129,7 +129,7 @@ def test_i_section_torsion_by_beams_is_inadequate():
     assert own / solid == pytest.approx(3.7, abs=0.05)
     assert entry.error == pytest.approx(own / solid - 1.0, abs=2.0 * entry.uncertainty)
     first = entry.causes[0]
-    assert first.cause == "warping held at the ends"
+    assert first.cause == "restrained warping at the ends"
     assert first.share == pytest.approx(1.0, abs=0.05)
     assert (entry.remedy, entry.error_with_remedy) == ("use solid", 0.0)
 
@@ -148,11 +148,11 @@ def test_torsion_verdict_depends_on_end_conditions():
     assert entry.error == pytest.approx(abs(entry.along), rel=1e-6)
     assert entry.low == 0.0 < entry.error < entry.uncertainty
     assert entry.high == pytest.approx(entry.error + entry.uncertainty, rel=1e-12)
-    assert [cause.cause for cause in entry.causes] == ["textbook section constants"]
+    assert [cause.cause for cause in entry.causes] == ["section constants by textbook formulas"]
     unsaid = alone(replace(FLANGED, ends=None))
     assert unsaid.verdict == "undecided"
     assert unsaid.reason.endswith("in [leg1]")
-    assert unsaid.uncertainties["how the ends are held"] > 1.0
+    assert unsaid.uncertainties["end conditions of the legs"] > 1.0
 
 
 @pytest.mark.exhaustive
@@ -198,12 +198,14 @@ def test_mass_lumps_decide_nine_modes_and_leave_tenth():
     # and f6, f7 and f9 have no partner among the beams with some insides of the legs either.
     assert [entry.error is None for entry in known[:5]] == [False, False, False, True, False]
     assert known[3].verdict == "undecided"
-    assert known[3].reason.startswith("give the legs' mass distribution")
+    assert known[3].reason.startswith("specify the mass distribution of the legs")
     assert not any("fewer modes" in entry.reason for entry in known)
     tenth = matrix.entry("beam", "f10")
     assert (tenth.verdict, tenth.error) == ("undecided", None)
     lumps = "with mass in lumps, soft inside, mass in lumps, stiff inside"
-    assert tenth.reason.startswith(f"{lumps} there are fewer modes than are judged; give the")
+    assert tenth.reason.startswith(
+        f"{lumps} the robot has fewer modes than are compared; specify the"
+    )
     assert matrix.entry("beam", "order").verdict != "adequate"
     (note,) = mass_notes(responses, truth)
     assert ", f10 " in note
@@ -297,7 +299,7 @@ def test_massless_legs_bound_robots_with_6x6_legs(*, mixed):
     known = {"": modes_by_model(robot, "beam", DEFAULT_OPTIONS)}
     (note,) = mass_notes(Responses(robot), reference("", known, supposed="plausible"))
     assert note.startswith("Plausible distributions of the legs' mass and stiffness give f1 ")
-    assert ("than massless legs" in note) is not mixed
+    assert ("with massless legs" in note) is not mixed
     if mixed:
         # The mesh of the one leg that is a solid leaves something open of the robot.
         (statics,) = static_reference(Responses(robot)).interpretations

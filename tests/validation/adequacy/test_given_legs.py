@@ -77,7 +77,7 @@ CAST = {
     "leg1": ConstantLeg(0.7885, ISection(0.1637, 0.2304, flange=0.0136, web=0.0137), IRON),
     "leg2": ConstantLeg(0.8048, ISection(0.1085, 0.0589, flange=0.0048, web=0.0074), IRON),
 }
-SECTION = "give the section or the solid in place of the 6×6 in [bodies.leg1], [bodies.leg2]"
+SECTION = "specify the section or the solid instead of the 6×6 in [bodies.leg1], [bodies.leg2]"
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,7 +166,7 @@ def test_torsion_of_i_section_legs_needs_their_section(flanged):
     entry = flanged[0].entry("beam-euler-bernoulli", "f5")
     assert entry.verdict == "undecided"
     assert entry.reason == SECTION
-    inside = entry.uncertainties["how stiff the legs are between their ends"]
+    inside = entry.uncertainties["stiffness distribution of the legs"]
     assert inside > 0.25 * (entry.high - entry.low)
 
 

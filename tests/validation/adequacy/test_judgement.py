@@ -66,8 +66,8 @@ def test_order_with_disagreeing_readings_is_undecided():
     assert order.uncertainties == {"meshes": pytest.approx(order.uncertainty)}
     assert (order.value, order.expected) == pytest.approx((202.0, 190.0))
     assert order.reason == (
-        "f2 is the model's f3, f3 is the model's f2 with ends 1; "
-        "otherwise every mode is in its place; "
+        "f2 is f3 of the model, f3 is f2 of the model with ends 1; "
+        "with the other assumptions all modes are in the same order; "
         "say how the ends are held"
     )
 
@@ -138,8 +138,8 @@ def test_local_mode_is_no_partner_and_has_its_energy():
     matrix = verdict_matrix(subject, Requirement(modes=3))
     local, true = (matrix.entry("model", quantity) for quantity in ("f2", "f3"))
     assert (local.verdict, local.error) == ("inadequate", None)
-    assert "a local one of a leg's section: 5 % of its kinetic energy" in local.reason
-    assert "energy-weighed MAC at most 0.05" in local.reason
+    assert "of cross-sections and bodies has 5 % of its kinetic energy" in local.reason
+    assert "energy-weighted MAC of at most 0.05" in local.reason
     assert true.error == pytest.approx(153.0 / 152.0 - 1.0)
     # The model's third frequency is another mode than the robot's third.
     assert matrix.entry("model", "order").error == pytest.approx(250.0 / 152.0 - 1.0)
@@ -228,7 +228,7 @@ def test_interval_covers_crossing_modes_of_readings(interior):
     highest = 112.0 / 110.0 * 1.01 - 1.0
     if interior:
         highest = 120.0 / 110.0 - 1.0 + 0.01 * 112.0 / 110.0
-        inside = second.uncertainties["how stiff the legs are between their ends"]
+        inside = second.uncertainties["stiffness distribution of the legs"]
         assert inside == pytest.approx(0.5 * (120.0 / 110.0 - 120.0 / 130.0))
     assert (second.low, second.high) == pytest.approx((0.99 * 120.0 / 130.0 - 1.0, highest))
 
@@ -408,7 +408,7 @@ def explained(entry, shares):
     sizes = [abs(one.share) for one in entry.causes]
     assert sizes == sorted(sizes, reverse=True)
     for one in entry.causes:
-        source = "the error minus" if one.cause == REST else f"from {one.cause}"
+        source = "error minus" if one.cause == REST else f"from {one.cause}"
         assert one.source.startswith(source)
 
 

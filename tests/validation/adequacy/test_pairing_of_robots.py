@@ -126,6 +126,6 @@ def test_local_modes_of_stubby_legs_take_no_partner(tmp_path):
         for quantity in ("f3", "f4", "f6"):
             local = matrix.entry(model, quantity)
             assert (local.verdict, local.error) == ("inadequate", None)
-            assert "a local one of a leg's section" in local.reason
+            assert "local to the section of a leg" in local.reason
         # The fifth mode of beams is 35 % above the robot's fifth.
         assert matrix.entry(model, "order").verdict == "inadequate"

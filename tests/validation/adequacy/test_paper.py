@@ -53,7 +53,10 @@ def test_6x6_legs_hold_and_constant_sections_distort(paper, quantity):
     for model in ("vjm-equivalent", "segments", "beam"):
         entry = paper.entry(model, quantity)
         assert entry.verdict == "inadequate"
-        assert entry.causes[0].cause == "equivalent leg with another diagonal than the 6×6"
+        assert (
+            entry.causes[0].cause
+            == "equivalent leg, whose diagonal of the compliance differs from the 6×6"
+        )
         assert 0.8 < entry.causes[0].share < 1.1
         assert sum(cause.share for cause in entry.causes) == pytest.approx(1.0, abs=0.02)
         assert "6×6" in entry.remedy
@@ -76,7 +79,7 @@ def test_equivalent_legs_hold_on_solids_of_same_legs(paper, model):
 def test_a_rigid_model_knows_no_motion_along_z(paper):
     entry = paper.entry("simplified", "z")
     assert (entry.verdict, entry.error, entry.along) == ("inadequate", 1.0, -1.0)
-    assert "no drive lets the tool move this way" in entry.reason
+    assert "no drive is elastic in this direction" in entry.reason
     assert entry.remedy == "use vjm"
 
 
@@ -102,9 +105,10 @@ def test_a_given_leg_is_its_own_reference(paper):
 def test_verdict_equal_for_all_masses_is_decided(paper, model):
     first = paper.entry(model, "f1")
     assert first.verdict == "inadequate"
-    assert first.uncertainties["where the legs' mass lies"] > 0.01
+    assert first.uncertainties["mass distribution of the legs"] > 0.01
     assert supposition(paper, [model]) == (
-        "Frequencies are judged for every plausible distribution of the legs' mass and stiffness."
+        "Verdicts on frequencies hold for every plausible distribution of the legs' mass and "
+        "stiffness."
     )
     for quantity in ("f1", "f2"):
         assert 5e-4 < paper.entry(model, quantity).uncertainties[DIGITS] < 3e-3
@@ -116,8 +120,8 @@ def test_undecided_entry_names_deciding_information(paper_subject):
     matrix = verdict_matrix(paper_subject, asked)
     first, y = matrix.entry("beam", "f1"), matrix.entry("vjm", "y")
     assert (first.verdict, y.verdict) == ("undecided", "undecided")
-    assert first.reason.startswith("give the section or the solid in place of the 6×6 in [leg1]")
-    assert y.reason == "give the 6×6 in the robot file with more digits"
+    assert first.reason.startswith("specify the section or the solid instead of the 6×6 in [leg1]")
+    assert y.reason == "specify the 6×6 in the robot file with more digits"
 
 
 def test_digits_affect_peaks_twice_as_frequencies(tmp_path):
@@ -162,8 +166,8 @@ def test_omitted_coupling_is_not_adequate():
         assert x.verdict == "inadequate"
         assert x.error == pytest.approx(0.148, abs=0.003)
         assert abs(x.along) < 0.002
-        assert x.causes[0].cause == "equivalent leg without the couplings of the 6×6"
-        assert x.remedy == "use vjm with the 6×6 as given: --legs given"
+        assert x.causes[0].cause == "equivalent leg, which lacks couplings of the 6×6"
+        assert x.remedy == "use vjm with the specified 6×6: --legs given"
         assert abs(x.error_with_remedy) < 1e-6
     assert matrix.verdict("vjm") == "adequate"
 

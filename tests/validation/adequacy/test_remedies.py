@@ -180,7 +180,7 @@ def test_an_accuracy_that_is_asked_for_is_reached(arm):
 def test_mesh_dependent_verdict_is_decided_by_finest(arm):
     entry = widest(by(arm, "standard"))
     finest = by(arm, "fine", 1e-6)
-    assert finest.notes[-1].endswith("; no preset has finer meshes of its bodies")
+    assert finest.notes[-1].endswith("; no preset has finer meshes of the bodies")
     best = finest.entry(entry.model, entry.quantity.name)
     # A limit that the meshes of this preset leave open, and those of the next one do not.
     size = abs(best.error) + best.uncertainty
@@ -194,11 +194,15 @@ def test_mesh_dependent_verdict_is_decided_by_finest(arm):
 @pytest.mark.parametrize(
     ("preset", "length", "refused"),
     [
-        ("quick", 0.2, "preset quick refines meshes with --accuracy alone"),
+        ("quick", 0.2, "preset quick refines meshes only with --accuracy"),
         ("standard", 0.2, ""),
         # 800 slices of 4 × 6 quadratic elements, (2·800 + 1)(2·4 + 1)(2·6 + 1) nodes.
-        ("standard", 8.0, "finer solids have 5.6e+05 unknowns, standard takes 200000"),
-        ("fine", 0.2, "no preset has finer meshes of its bodies"),
+        (
+            "standard",
+            8.0,
+            "finer solids have 5.6e+05 unknowns; preset standard allows at most 200000",
+        ),
+        ("fine", 0.2, "no preset has finer meshes of the bodies"),
     ],
 )
 def test_references_are_refined_by_their_size(tmp_path, preset, length, refused):
@@ -258,7 +262,7 @@ def test_run_option_refines_references(said):
         ((), ("inertia",), "inertia in [leg2]"),
         (("mass_centre", "inertia"), ("inertia",), "mass_centre and inertia in [leg1], inertia in"),
         # The built-in robot says both of both legs, and was told to do so.
-        ((), (), "the section or the solid in place of the 6×6 in [leg1], [leg2]"),
+        ((), (), "the section or the solid instead of the 6×6 in [leg1], [leg2]"),
     ],
 )
 def test_mass_remedy_names_missing_keys_of_file(leg1, leg2, said):

@@ -110,8 +110,11 @@ def test_half_width_too_narrow_is_noticed():
 def test_caption_names_the_command_for_missing_orders():
     """The quick preset has two meshes for f1, from which no order follows."""
     (family,) = families(outcomes())
-    command = "f1: fewer than 4 meshes in this preset, which show no order; flexproof converge "
-    assert command in mesh_curves(family.studies).caption
+    command = (
+        "f1: this preset has fewer than 4 meshes, too few to observe an order. To observe the "
+    )
+    caption = mesh_curves(family.studies).caption
+    assert command + "orders of f1 to f4: flexproof converge " in caption
     doubled = [one for one in family.studies if len(one.x) >= 4]
     assert doubled
     assert "flexproof converge" not in mesh_curves(doubled).caption

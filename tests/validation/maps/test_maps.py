@@ -141,7 +141,9 @@ def test_large_grid_of_three_directions_is_thinned(tmp_path, monkeypatch):
     stiffness = studies_by_id(figure)["map.stiffness"]
     assert np.shape(stiffness["values"]) == (2, 2, 2)
     np.testing.assert_allclose(stiffness["values"], 1e-6 * min(STIFFNESSES), rtol=1e-9)
-    assert "slice nearest to it. 8 of the 60 poses of the grid are evaluated." in figure.caption
+    assert (
+        "slice nearest to its pose. 8 of the 60 poses of the grid are computed." in figure.caption
+    )
     assert list(evenly(9, 4)) == [0, 3, 5, 8]
 
 
@@ -205,7 +207,7 @@ def test_poses_out_of_reach_are_blank_and_counted(five_bar, tmp_path, command):
     # Cranks of 0.32016 m and rods of 0.46098 m, feet at ±0.15.
     farthest = np.hypot(np.abs(x) + 0.15, y)
     np.testing.assert_array_equal(blank, farthest > 0.32016 + 0.46098)
-    assert "Blank: 2 of 9 poses, out of reach or singular." in figure.caption
+    assert "Blank areas: 2 of 9 poses are out of reach or singular." in figure.caption
     assert "7 of the 9 poses of its path" in command.told("check", context.robot_file.source)
     rows = list(csv.DictReader(io.StringIO(figure.data)))
     assert [row["posture"] for row in rows].count("grid") == 9

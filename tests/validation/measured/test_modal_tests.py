@@ -421,7 +421,7 @@ def test_a_run_shows_the_likeness_beside_the_verdict(tmp_path, command):
     assert all(one["mac"] > 0.999 for one in found if not one["quantity"].endswith("low"))
     assert max(abs(one["error"]) for one in found) < 0.02
     page = (out / "report.html").read_text("utf-8")
-    assert "Measured response, and responses of the models" in page
+    assert "Measured response and responses of the models" in page
     assert "MAC\u00a01.00" in page
     path.with_name("none.uff").write_bytes(path.read_bytes())
     robot_of(ROBOT.split("[hammer", maxsplit=1)[0], tmp_path)

@@ -68,7 +68,7 @@ def test_frequencies_without_reference_have_reason(context):
 
 
 def test_modes_without_partners_have_reason_in_figure(context):
-    with pytest.raises(Skip, match="no reference of the frequencies: leg1 as a solid"):
+    with pytest.raises(Skip, match="no reference for the frequencies: leg1 as a solid"):
         modes.pairs(context)
 
 
@@ -80,7 +80,7 @@ def test_export_is_refused_before_computation(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("thickness", "said"), [(2e-4, "preset fine takes it$"), (5e-5, "no preset takes it$")]
+    ("thickness", "said"), [(2e-4, "preset fine allows it$"), (5e-5, "no preset allows it$")]
 )
 def test_too_large_reference_names_sufficient_preset(thickness, said):
     foil = ConstantLeg(0.85, Tube(0.12, thickness), STEEL, name="leg 1")
@@ -95,5 +95,6 @@ def test_too_large_reference_names_sufficient_preset(thickness, said):
 def test_undecided_entry_names_finer_preset_if_any(preset, said):
     # 0.1 m by 0.06 m: 900 unknowns are six divisions, and so they are at standard; fine has more.
     leg = ConstantLeg(0.5, Rectangle(0.1, 0.06), STEEL)
-    due = f"needs a finer reference: {said} computes one"
+    uncertain = "undecided because of the mesh uncertainty of the reference"
+    due = f"{uncertain}; {said} has a finer one"
     assert finer_statics(Context(IFW, preset), [leg]) == due

@@ -63,45 +63,49 @@ ALIKE = matrix_of(*(entry(m, "x", 0.0) for m in ("vjm", "beam")))
 @pytest.mark.parametrize(
     ("rely", "matrix", "expected"),
     [
-        ("vjm", STATIC, "vjm: adequate for deflections and rotations (off by at most 1.1 %)"),
+        ("vjm", STATIC, "vjm: adequate for deflections and rotations (error at most 1.1 %)"),
         (
             "beam",
             MIXED,
-            "beam: adequate for x (off by at most 1.3 %), inadequate for z (off by up to "
+            "beam: adequate for x (error at most 1.3 %), inadequate for z (error up to "
             "12 %), undecided for f1",
         ),
         (
             "simplified beam segments",
             STRUTS,
-            "simplified: inadequate for everything judged (off by up to 44 %); beam and segments: "
-            "adequate for everything judged (off by at most 0.3 %)",
+            "simplified: inadequate for all quantities (error up to 44 %); beam and segments: "
+            "adequate for all quantities (error at most 0.3 %)",
         ),
         (
             "links segments",
             LOADED,
-            "links: adequate for deflections, rotations and loads (off by at most 1.1 %); "
-            "segments: adequate for everything judged (off by at most 1.1 %)",
+            "links: adequate for deflections, rotations and loads (error at most 1.1 %); "
+            "segments: adequate for all quantities (error at most 1.1 %)",
         ),
         (
             "vjm",
             SPREAD_OUT,
-            "vjm: adequate for x, y, z and the order of modes (off by at most 3.1 %), inadequate "
-            "for frequencies and φx (off by up to 20 %)",
+            "vjm: adequate for x, y, z and the order of modes (error at most 3.1 %), inadequate "
+            "for frequencies and φx (error up to 20 %)",
         ),
         # What is left open of what does not hold says nothing; a motion may be missing.
         ("links", matrix_of(entry("links", "z", verdict="inadequate")), "links: inadequate for z"),
-        ("", SEVERAL, "For your limits use beam (deflections, rotations and f1), solid (f2)."),
-        ("", ALIKE, "For your limits use vjm (x)."),
-        ("", MIXED, "For your limits use beam (x), solid (z); undecided: f1."),
+        (
+            "",
+            SEVERAL,
+            "Within the accepted errors, use beam (deflections, rotations and f1), solid (f2).",
+        ),
+        ("", ALIKE, "Within the accepted errors, use vjm (x)."),
+        ("", MIXED, "Within the accepted errors, use beam (x), solid (z); undecided: f1."),
         # There is no solid of what was measured; whom nobody judged is not relied on.
         ("none", matrix_of(entry("beam", "x", 0.3, measured=True)), "No model is adequate for x."),
-        ("", matrix_of(), "No model could be judged."),
+        ("", matrix_of(), "No verdict on any model."),
     ],
 )
 def test_the_sentence_answers_what_was_asked(rely, matrix, expected):
     accepted = "3 % to 5 %" if matrix is LOADED else "5 %"
     if rely.split()[:1] == [expected.partition(":")[0]]:
-        expected = f"You rely on {expected}. You accept {accepted}."
+        expected = f"You rely on {expected}. Accepted error: {accepted}."
     assert plain(sentence(matrix, rely.split())) == expected
 
 
@@ -151,11 +155,11 @@ def test_unfit_models_are_folded_unless_named():
 
 def test_assumption_is_stated_for_decided_frequencies():
     assert plain(sentence(sample_matrix())) == (
-        "For your limits use vjm (deflections and rotations); undecided: frequencies."
+        "Within the accepted errors, use vjm (deflections and rotations); undecided: frequencies."
     )
     supposed = "for every plausible distribution of the legs' mass"
     decided = matrix_of(entry("beam", "f1", 0.3), supposed=supposed)
-    assert supposition(decided) == f"Frequencies are judged {supposed}."
+    assert supposition(decided) == f"Verdicts on frequencies hold {supposed}."
     assert not supposition(sample_matrix(supposed=supposed))
     # Those of the model relied on are open, whatever is decided of another.
     both = matrix_of(entry("beam", "f1", 0.3), entry("segments", "f1"), supposed=supposed)
@@ -269,12 +273,12 @@ def test_legs_and_measured_values_have_own_tables():
     assert all(markup.count(f'id="{link}"') == 1 for link in links)
     assert "measured: gauge" in markup
     assert markup.index('id="leg_1-matrix"') > markup.index(f'id="{anchor(LEGS)}"')
-    assert markup.index("against solids of the same legs</h3>") > markup.index('id="leg_1-matrix"')
+    assert markup.index("compared with solids of the same legs</h3>") > markup.index('id="leg_1-matrix"')
     assert "measured.values" in {figure.id for figure in report.shown}
     # By itself it is the answer.
     alone = render(sample_report(matrix=None, measured=report.results.measured, figures=()))
     assert alone.count('<table class="adequacy"') == 2
-    assert "For your limits use vjm (z)." in alone
+    assert "Within the accepted errors, use vjm (z)." in alone
     assert '<a href="#measured">' in alone
     assert f"<dd>{number(by_gauge[1].value, 6)} m</dd>" in alone
 
@@ -294,7 +298,10 @@ def test_matrix_has_uncertain_inputs_and_probabilities():
         *("leg1.material.E ±0.8 % (f1 by beams)", "platform.mass ±0.6 % (f1 by beams)")
     ]
     said = {word: plain(text) for word, text in cell.sheet}
-    assert said["Shares of the inputs"] == "leg1.material.E 64 %, platform.mass 36 %"
-    assert said["Within the limit"] == "with a probability of 97 %"
+    assert (
+        said["Shares of the uncertain inputs in the variance"]
+        == "leg1.material.E 64 %, platform.mass 36 %"
+    )
+    assert said["Probability that the error is within the limit"] == "97 %"
     (cell,) = table_of(matrix_of(replace(uncertain, probability=1.0))).cells
     assert "sure" not in cell.spread

@@ -342,11 +342,11 @@ def test_all_agree_only_if_all_are_decided(verdict):
     assert agreement_sentence([good]).startswith(start)
     other = msgspec.structs.replace(good, verdict=verdict)
     sentence = agreement_sentence([good, other])
-    assert sentence.endswith(f"; of the other comparisons 1 {verdict}.")
+    assert sentence.endswith(f"; other comparisons: 1 {verdict}.")
     assert agreement_sentence([other]) == (
-        "No formulation could be compared with solids of the same legs; of the other comparisons "
-        f"1 {verdict}."
-    ).replace("; of the other comparisons 1", "; of the comparisons 1")
+        "No formulation could be compared with solid FE of the same legs; "
+        f"comparisons without a verdict: 1 {verdict}."
+    )
 
 
 def test_convergence_sentence_is_of_the_stated_count():

@@ -137,7 +137,7 @@ def test_every_cell_and_its_sheet(matrix):
         # Read back in the test of the API's line.
         assert cell.hint == entry_line(matrix, entry)
         said = {word: text for word, text in cell.sheet if word != "Cause"}
-        assert matrix.poses[pose_of(matrix, said["Worst at"])] == entry.pose
+        assert matrix.poses[pose_of(matrix, said["Pose with the largest error"])] == entry.pose
         assert said["Source"] == entry.reference
         if entry.error is None:
             assert cell.text == ("none" if entry.verdict == "inadequate" else "open")
@@ -166,9 +166,11 @@ def test_every_cell_and_its_sheet(matrix):
             assert re.search(rf"^{NUMBER} {re.escape(unit)}(, along the load)?$", said[word])
             assert numbers(said[word])[0] == told(number, SIX)
         along = [] if entry.along is None else [told(entry.along)]
-        assert numbers(said.get("Along the load", "")) == along
+        assert numbers(said.get("Error of the component along the load", "")) == along
         if entry.quantity.name == "any_force":
-            assert numbers(said["Worst force"]) == pytest.approx(entry.force, rel=TWO, abs=0.006)
+            assert numbers(said["Force with the largest error"]) == pytest.approx(
+                entry.force, rel=TWO, abs=0.006
+            )
         causes = [text for word, text in cell.sheet if word == "Cause"]
         assert [(text.partition(":")[0], numbers(text)[0]) for text in causes] == [
             (one.cause, told(one.share)) for one in entry.causes
@@ -363,7 +365,7 @@ def test_the_record_and_the_line_of_the_api():
                 text, _, spread = said.partition(" ±")
                 assert_error_is_told(entry, text, spread)
                 assert matrix.poses[pose_of(matrix, line)] == entry.pose
-            along = re.search(rf"along the load(?: of a force along .*?\))? ({NUMBER} %)", line)
+            along = re.search(rf"along the load(?: \(force along .*?\)\))? ({NUMBER} %)", line)
             assert bool(along) is (entry.along is not None)
             if along:
                 assert numbers(along[1]) == [told(entry.along)]

@@ -79,7 +79,7 @@ def test_page_is_well_formed_and_self_contained(markup):
 def test_verdict_is_at_the_top_and_checks_follow(markup):
     banner = markup[markup.index('id="verdict"') : markup.index("</header>")]
     answer = re.search(r"<strong>([^<]*)</strong>", banner)[1]
-    assert answer.startswith("For your limits use vjm (deflections and rotations); ")
+    assert answer.startswith("Within the accepted errors, use vjm (deflections and rotations); ")
     told = "3 of 5 comparisons agree, 1 disagree, 1 failed, 1 skipped, 1 figure failed."
     assert told in banner
     # What does not agree is named where nobody overlooks it.
@@ -102,7 +102,7 @@ def test_the_page_says_why_there_is_no_matrix():
     page = render(sample_report(unjudged={MEASURED: "no such pose"}, unfinished=1))
     assert "No model was judged against measured values: no such pose." in page
     assert "No model was judged by" not in page
-    assert "<strong>For your limits use" in page
+    assert "<strong>Within the accepted errors, use" in page
 
 
 def test_the_worst_comparisons_of_a_section_come_first():

@@ -197,7 +197,7 @@ def test_equivalent_leg_of_tapered_arm_is_too_soft(crane, matrix):
     entry = matrix.entry("segments", "z")
     assert entry.verdict == "inadequate"
     assert entry.error > 0.1
-    assert entry.causes[0].cause == "one constant section instead of the part"
+    assert entry.causes[0].cause == "part replaced by a leg of one constant section"
     assert "--parts" in entry.remedy
     assert abs(entry.error_with_remedy) < abs(entry.error)
     # Its own sections, ten times along it, are nearer, on the other side: rigid up to the bores'
@@ -218,7 +218,7 @@ def test_condensed_part_is_solid_within_uncertainty(matrix):
             assert entry.error == entry.readings["interfaces averaged"] > 0.0
             assert entry.along < 0.0
             assert (entry.low, entry.high) == (0.0, entry.error + entry.uncertainty)
-            assert set(entry.uncertainties) == {"meshes", "how the parts' interfaces are held"}
+            assert set(entry.uncertainties) == {"meshes", "coupling of the parts' interfaces"}
     first = matrix.entry("segments-condensed", "f1")
     # Guyan's mass adds its own, little where most of the mass sits on the tool.
     assert abs(first.error) <= first.uncertainty + 5e-3
@@ -240,7 +240,7 @@ def test_report_has_kept_modes_and_reduction_error(crane):
     postures = path_postures(Context(crane, "quick"))
     (note,) = reduction_note(postures, 8, {"arm": "rigid"}, 4)
     (arm,) = solid_parts(postures, 8, {"arm": "rigid"}).values()
-    assert f"arm {arm.counted} below {arm.cutoff:.4g} Hz; higher ones lower" in note
+    assert f"arm {arm.counted} below {arm.cutoff:.4g} Hz; the omitted higher modes lower" in note
     # Reduced for eight frequencies, of the first four next to nothing is lost.
     assert note.endswith("frequencies by <\u00a01\u00a0×\u00a010⁻⁶\u00a0% at most")
 

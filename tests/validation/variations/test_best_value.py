@@ -191,7 +191,10 @@ def test_stored_and_sent_units_keep_all_digits(light_bar, tmp_path, monkeypatch)
 
 def test_robot_with_one_reading_uses_it_for_all():
     """The first robot, with legs known by their 6×6, has one reading; the second has two."""
-    names = np.array(["beam", "legs' own 6×6"]), np.array(["vjm", "beam", "solid, a", "solid, b"])
+    names = (
+        np.array(["beam", "specified 6×6 of the legs"]),
+        np.array(["vjm", "beam", "solid, a", "solid, b"]),
+    )
     extremes = np.array([2.0, 3.0]), np.array([7.0, 4.0, 5.0, 6.0])
     robots = [
         VariedModels(

@@ -36,10 +36,15 @@ def error_curves(matrix: Matrix) -> Chart | None:
         return None
     panels = [_panel(matrix, q, leftmost=not i % _COLUMNS) for i, q in enumerate(plotted)]
     return _chart(panels, matrix, _table(matrix)).captioned(
-        "Error of the whole displacement of the loaded point (never negative) and of frequencies; "
-        "bars: from the lowest to the highest error that the reference allows. Shaded: the "
-        "accepted error, beyond which the scale is logarithmic.",
-        title="Relative error of the models",
+        "Relative error of each model, (model − reference)/reference, at every pose of "
+        "the path. Deflections: distance between the two displacement vectors of the "
+        "loaded point, over the length of the reference's vector, hence never negative. "
+        "Frequencies: with sign. Bars: range of the error due to the uncertainty of the "
+        "reference and to data that the robot file leaves open. Shaded band: accepted "
+        "error. A model is adequate if its whole bar lies in the band, inadequate if the "
+        "whole bar lies outside, else undecided. The scale is linear in the band and "
+        "logarithmic beyond it.",
+        title="Relative error of each model against its reference",
     )
 
 
@@ -74,10 +79,12 @@ def measured_curves(matrix: Matrix) -> Chart | None:
         "95 % of numerics and inputs": [_model_uncertainty(e) for e in matrix.entries],
     }
     return _chart(panels, matrix, data).captioned(
-        "All values divided by the measured one. Black: measured, with its 95 % interval. Models: "
-        "with the 95 % interval of numerics and uncertain inputs; if there are several poses, "
-        "of the measurement, too.",
-        title="Measured values and predictions of the models",
+        "Prediction of each model divided by the measured value; 1 is exact agreement. "
+        "Black: the measurement with its 95 % interval. Bars of the models: 95 % "
+        "interval due to numerical error and uncertain inputs; with several poses, it "
+        "includes the uncertainty of the measurement. A model differs significantly from "
+        "the measurement if their intervals do not overlap.",
+        title="Measured values and predictions of each model",
     )
 
 

@@ -66,7 +66,7 @@ def budget_curves(budgeted: Sequence[tuple[Outcome, Measurement]]) -> Chart:
     ]
     panel = partial(Panel, names=names, levels=(0.0,), lying=True)
     differences = panel(
-        [Series("difference E", rows, share * difference)],
+        [Series("difference", rows, share * difference)],
         bars=[*bars, Bars("unexplained", share * unexplained)],
         x_label="value − reference\n(% of the reference)",
     )
@@ -74,7 +74,10 @@ def budget_curves(budgeted: Sequence[tuple[Outcome, Measurement]]) -> Chart:
     remainders = panel(
         [
             Series(
-                "numerical uncertainty of both sides", rows, of_tolerance * unexplained, bars=spread
+                "numerical uncertainty of model and reference",
+                rows,
+                of_tolerance * unexplained,
+                bars=spread,
             )
         ],
         bars=[Bars("unexplained", of_tolerance * unexplained)],
@@ -96,9 +99,12 @@ def budget_curves(budgeted: Sequence[tuple[Outcome, Measurement]]) -> Chart:
     }
     cases = {"case": [outcome.case.id for outcome, _ in budgeted]}
     return Chart([differences, remainders], "", 2, 0.0, cases | table).captioned(
-        "Left: the difference (diamond) and the named causes that explain it, each "
-        "computed separately. Right: the unexplained difference with the numerical uncertainty "
-        "of both sides; the shaded band is the tolerance.",
+        "One row for each comparison. Left: difference, model − reference, in percent of "
+        "the reference (diamond), split into the named causes, each computed separately, "
+        "and the unexplained rest. Right: the unexplained rest in percent of the "
+        "tolerance; its error bar is the numerical uncertainty of model and reference; "
+        "shaded band: the tolerance. A comparison agrees if its rest ends inside the "
+        "band.",
     )
 
 

@@ -40,12 +40,17 @@ from validation.variations.decision import MEANING, UNITS, Decision, choice
 _FORCE, _MOMENT = 1000.0, 100.0
 _OWN_LOADS = f"under {_FORCE:g} N along each axis or {_MOMENT:g} N m about it"
 _END_CONDITIONS = (
-    "End conditions of legs and interfaces of solids are those of the robot file; if it has none, "
-    "both limits are shown: rigid ends, and ends free to warp (legs) or averaged interfaces "
-    "(CAD parts)."
+    "End conditions of legs and interfaces of parts are those of the robot file. If the "
+    "file leaves them open, there are two curves for solids: rigid ends, and ends free "
+    "to warp (legs) or averaged interfaces (CAD parts)."
 )
-_ONE_SHAPE = "Frequencies in ascending order. Differences compare modes of the same shape."
-_OF_THE_POINT = "Motion of the loaded point along the force or about the moment"
+_ONE_SHAPE = (
+    "Natural frequencies of each model, in ascending order at each abscissa. Differences are "
+    "between modes of the same shape, even if their numbers differ."
+)
+_OF_THE_POINT = (
+    "Displacement of the loaded point along the force, or rotation about the moment, by each model"
+)
 _POSE = "pose"
 _TITLE = "Deflection over the path"
 _OBJECTIVES = {
@@ -173,8 +178,11 @@ def _decisions(context: Context, variation: Variation) -> Chart:
     panels = [objective_panel(varied.decision, x) for varied in objectives.values()]
     return Chart(panels, label, 2, 3.2, abscissa, few_ticks).captioned(
         *(_choices_sentence(varied, variation) for varied in objectives.values()),
-        "Each value of the parameter is judged over the whole path of its robot. A star marks the "
-        "best computed value of a curve; values between the computed ones were not searched.",
+        "Panels: largest deflection and smallest first frequency over the whole path, "
+        "for each value of the parameter. Star: best computed value of a curve; values "
+        "in between were not searched. A model is a good basis for the choice if its "
+        "star has the same abscissa as the star of the reference, or if its loss is "
+        "small.",
     )
 
 
@@ -199,13 +207,13 @@ def _choices_sentence(varied: VariedCurves, variation: Variation) -> str:
         equally_good = len(selection.equally_good)
         tie = f" (one of {equally_good} equally good values)" if equally_good > 1 else ""
         choices.append(
-            f"{model} {values[selection.design]:.6g}{tie} with a loss of "
-            f"{100.0 * selection.loss:.2g} %"
+            f"{model} {values[selection.design]:.6g}{tie}, loss {100.0 * selection.loss:.2g} %"
         )
     return (
-        f"By the {MEANING[decision.objective]}, the reference ({varied.compared.against}) chooses "
-        f"{values[best]:.6g} ({decision.reference[best]:.4g} {UNITS[decision.objective]}); "
-        f"{', '.join(choices)}."
+        f"By the {MEANING[decision.objective]}, the reference ({varied.compared.against}) "
+        f"is best at {values[best]:.6g} ({decision.reference[best]:.4g} "
+        f"{UNITS[decision.objective]}). Best values of the models, with the loss by the "
+        f"reference's own figure: {', '.join(choices)}."
     )
 
 

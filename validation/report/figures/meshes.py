@@ -40,10 +40,16 @@ def mesh_curves(studies: Sequence[Study]) -> Chart:
     chart = Chart(panels, studies[0].x_label, min(2, len(panels)), 2.0, table)
     limits = "; ".join(_limit(study) for study in studies if study.limits)
     return chart.captioned(
-        "Relative error over the unknowns of the mesh, from the extrapolated limit of the "
-        "hexahedra, and CPU time of mesh, factor and modes; bars: half-width of the finest value. "
-        "Ends held plane, or free to warp and contract. Deflections and torsion by doubling, with "
-        f"thin slices, so with more unknowns. Limits with their half-widths: {limits}.",
+        "Error panels: size of the relative error of one quantity, |value − "
+        "limit|/limit, over the number of unknowns of the mesh; the limit is "
+        "extrapolated from the hexahedral meshes. Bar: half-width of the uncertainty of "
+        "the finest value; it covers the limit if it is at least as large as the error. "
+        "Cost panel: CPU time for mesh, factorisation and modes. Held ends: end faces "
+        "kept plane and rigid. Free ends: end faces free to warp and contract. "
+        "Deflections and torsion are computed with thinner slices along the leg, hence "
+        "with more unknowns. On logarithmic scales a straight curve with the slope of "
+        "the formal order shows asymptotic convergence. Limits, half-widths and observed "
+        f"orders: {limits}.",
         *_without_order(studies),
     )
 
@@ -58,8 +64,11 @@ def _without_order(studies: Sequence[Study]) -> list[str]:
     if not panels_without_order:
         return []
     return [
-        f"{', '.join(panels_without_order)}: fewer than {GRIDS} meshes in this preset, which show "
-        "no order; flexproof converge ROBOT --body LEG --model solid shows the orders of f1 to f4."
+        (
+            f"{', '.join(panels_without_order)}: this preset has fewer than {GRIDS} meshes, "
+            "too few to observe an order. To observe the orders of f1 to f4: flexproof "
+            "converge ROBOT --body LEG --model solid."
+        )
     ]
 
 

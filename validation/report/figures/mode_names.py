@@ -28,7 +28,7 @@ IN_THE_PLANE = "in the plane"
 # Kinds of deformation of a leg about its axes y and z, or about both if its section couples them
 # (lumped.mechanism.body_model).
 _BENDING = ("bending y", "bending z", "bending")
-DRIVES, JOINTS, PARTS = "drives", "give of joints", "parts"
+DRIVES, JOINTS, PARTS = "drives", "joint compliance", "parts"
 # Stations along a leg, and corners about its centreline that have a section's second moments.
 _STATIONS = 12
 _CORNERS = np.array([[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]])

@@ -109,7 +109,7 @@ def pairs(context: Context) -> Chart:
     responses = Responses(robot)
     reference = dynamic_reference(responses)
     if reference.model is None:
-        raise Skip(f"there is no reference of the frequencies: {reference.decides}")
+        raise Skip(f"no reference for the frequencies: {reference.decides}")
     interpretation = reference.interpretations[0]
     reference_modes = responses.required_modes(reference.model, interpretation.reading)
     middle_modes = _middle_pose_modes(reference_modes)
@@ -140,10 +140,14 @@ def pairs(context: Context) -> Chart:
         }
     panels.append(Panel(changes, "difference (%)", levels=(0.0,), staggered=False))
     return Chart(panels, "mode of the reference", len(panels), 2.0, columns).captioned(
-        f"All in the middle of the path, compared with solids ({interpretation.name or 'solid'}). "
-        "All panels but the last: energy-weighted modal assurance criterion (MAC), black for equal "
-        "shapes; dark blocks of several cells are modes of nearly equal frequency, which may mix. "
-        "Last panel: differences of paired frequencies; modes without a partner are not shown.",
+        "Modes at the middle pose of the path; the reference has solid legs and parts "
+        f"({interpretation.name or 'solid'}). MAC panels: energy-weighted modal assurance "
+        "criterion of each mode of the reference (row) with each mode of the model "
+        "(column); black: 1, equal shapes; white: 0. A black diagonal means that the "
+        "model has the same modes in the same order. A dark block of several cells means "
+        "modes of nearly equal frequency, whose shapes may mix. Last panel: frequency "
+        "difference, model − reference, of paired modes in percent; modes without a "
+        "partner are not shown.",
     )
 
 
@@ -166,15 +170,17 @@ def energies(context: Context) -> Chart:
     """A stacked bar for each mode: by kind of deformation, and by drives, joints and bodies."""
     mechanism = context.robot_file.mechanism
     if not (known_legs(mechanism) or mechanism.parts):
-        raise Skip("all bodies are rigid: all strain energy is in the drives and joints")
+        raise Skip("every body is rigid, so that only drives and joints store strain energy")
     posture_modes = finite_elements(context, ENERGY_MODES)
     frequencies = posture_modes.modes.frequencies
     model = "model of parts as solids" if mechanism.parts else "beam model"
     kinds = (
-        "Bending y is deflection along a leg's own z axis, bending z along its y axis, both with "
-        "their shear."
+        (
+            "Bending y: deflection along the leg's own z axis. Bending z: deflection along "
+            "its y axis. Both include shear."
+        )
         if known_legs(mechanism)
-        else "Parts bend, twist and stretch at once."
+        else ("The strain energy of a CAD part is not divided into bending, torsion and tension.")
     )
     shares = {
         "(a) by kind of deformation": shares_by_kind(posture_modes.strain, mechanism),
@@ -200,10 +206,12 @@ def energies(context: Context) -> Chart:
     count = len(frequencies)
     first = f"The first {count} modes" if count > 1 else "The first mode"
     return Chart(panels, "mode", 1, 2.4, table).captioned(
-        f"{first} of the {model} in the middle of the path, "
-        f"{frequencies[0]:.4g} to {frequencies[-1]:.4g} Hz.",
+        "Share of each kind of deformation and of each body in the strain energy (%). "
+        f"{first} of the {model} at the middle pose of the path, {frequencies[0]:.4g} to "
+        f"{frequencies[-1]:.4g} Hz. A mode is governed by the stiffness of the component "
+        "with the largest share.",
         kinds,
-        "Bodies of the same shape are summed; the CSV lists each.",
+        "Bodies of equal shape are summed; the CSV file lists each body.",
     )
 
 

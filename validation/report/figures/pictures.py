@@ -52,8 +52,9 @@ def portrait(context: Context) -> SceneGrid:
     postures = path_postures(context)
     drawn_postures = [postures[0], postures[len(postures) // 2], postures[-1]]
     return SceneGrid(
-        "In the middle of its path; thin lines: first and last pose. Driven joints are orange, the "
-        "loaded point red.",
+        "The robot at the middle pose of its path; thin lines: first and last pose. "
+        "Orange: driven joints. Red: the loaded point of the tool, where forces act and "
+        "displacements are compared.",
         scenes=[scene(context.robot_file.mechanism, drawn_postures, named=False)],
         width=_HALF,
         turned=False,
@@ -90,10 +91,11 @@ def mode_shapes(context: Context) -> SceneGrid:
             columns |= _motion_columns(heading, system, unknowns / shape.largest)
     model, comparison = _model_texts(context)
     description = (
-        f"{model}, coloured by displacement; thin lines: at rest. Orange squares, and outlines in "
-        f"3-D: the same mode {comparison}."
+        f"{model}; colour: displacement relative to the largest one of the mode; thin "
+        "lines: robot at rest. Orange squares (in 3-D: orange outlines): the same mode "
+        f"{comparison}; the models agree where the squares lie on the coloured bodies."
     )
-    mixture = "Any mixture of modes of equal frequency is a mode, too."
+    mixture = "For modes of equal frequency, every linear combination is a mode, too."
     caption = " ".join((description, *map(names.sentence, range(count)), mixture))
     return SceneGrid(caption, scenes=scenes, columns=2, height=_HEIGHT, data=csv_of(columns))
 
@@ -126,13 +128,14 @@ def deformed(context: Context) -> SceneGrid:
         )
         scenes.append(panel)
         distance = np.linalg.norm(shape.tip) * _MICRO
-        motions.append(f"{number(distance, 4)} µm in all under the force along {name}")
+        motions.append(f"{number(distance, 4)} µm under the force along {name}")
         columns |= _motion_columns(f"force along {name} (µm)", beam.system, shape.unknowns * _MICRO)
     model, comparison = _model_texts(context)
     caption = (
-        f"{model}, displacements enlarged by the factors in the titles. The loaded point moves "
-        f"{', '.join(motions)}. Red arrow: the force; orange outlines in 3-D: "
-        f"the same {comparison}."
+        f"{model}; one panel for each force at the loaded point (red arrow). Colour: "
+        "displacement in µm, drawn enlarged by the factor in the title. The loaded point "
+        f"moves {', '.join(motions)}. Orange outlines in 3-D: the same load {comparison}; "
+        "the models agree where the outlines follow the coloured bodies."
     )
     return SceneGrid(caption, scenes=scenes, columns=3, height=_SMALL_HEIGHT, data=csv_of(columns))
 
@@ -141,7 +144,7 @@ def _compared_modes(context: Context) -> tuple[PostureModes, PostureModes]:
     """Modes by finite elements and by segments."""
     mechanism = context.robot_file.mechanism
     if not (legs_of(mechanism) or mechanism.parts):
-        raise Skip("all bodies are rigid: there are no shapes to be drawn")
+        raise Skip("every body is rigid, so that no deformed shape exists")
     return finite_elements(context, _MODES), segments(context, _MODES + _EXTRA_MODES)
 
 
@@ -151,7 +154,7 @@ def _model_texts(context: Context) -> tuple[str, str]:
     beams = " and other legs as beams" if legs_of(mechanism) else ""
     model = f"Parts as solids{beams}" if mechanism.parts else "Beam model"
     comparison = "with parts condensed on their interfaces" if mechanism.parts else "by segments"
-    return f"{model} in the middle of the path", comparison
+    return f"{model} at the middle pose of the path", comparison
 
 
 class _DisplacedRobot:

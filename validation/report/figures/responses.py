@@ -55,7 +55,7 @@ def measured_figures(robot_file: RobotFile) -> tuple[PlannedFigure, ...]:
     group = FigureGroup(PATH, "")
     if any(value.response is not None for value in robot_file.measured):
         group.figure(
-            MEASURED_RESPONSE, "Measured response, and responses of the models", effort=2.0
+            MEASURED_RESPONSE, "Measured response and responses of the models", effort=2.0
         )(_measured)
     return group()
 
@@ -65,7 +65,7 @@ def _measured(context: Context) -> Chart:
     value = next(value for value in robot_file.measured if value.response is not None)
     test, number = value.test, value.response
     if test is None or number is None:
-        raise Skip("no response was measured")
+        raise Skip("the modal test has no measured response")
     measured = test.responses[number]
     x = measured.frequencies[measured.frequencies <= _FREQUENCY_FACTOR * test.frequencies.max()]
     receptances = {"measured response": measured.receptance[: len(x)]}
@@ -75,8 +75,12 @@ def _measured(context: Context) -> Chart:
             receptances[name] = receptance
     pose = shown_pose(robot, np.array(test.pose))
     return _chart(x, receptances, round_angles).captioned(
-        f"Displacement of {measured.name}{pose and f', with the tool at {pose}'}; black: measured. "
-        f"Damping of the models: {'that of the robot file' if robot.is_damped else 'as measured'}.",
+        "Receptance of a modal test: magnitude (displacement per force, µm/N) and phase "
+        "over frequency. Displacement of "
+        f"{measured.name}{pose and f', with the tool at {pose}'}. Black: measured. "
+        "Damping of the models: "
+        f"{'that of the robot file' if robot.is_damped else 'the measured one'}. A good model "
+        "has its peaks at the measured frequencies, with the measured heights.",
     )
 
 
@@ -90,7 +94,7 @@ def _chart(
 
     `size_ranges`: smallest and largest size (2×n, µm/N) of some of them.
     """
-    size, phase, intervals = "size (µm/N)", "phase (°)", size_ranges or {}
+    size, phase, intervals = "magnitude (µm/N)", "phase (°)", size_ranges or {}
     sizes = [
         Series(name, x, 1e6 * np.abs(receptance), size, interval=intervals.get(name))
         for name, receptance in receptances.items()
@@ -137,9 +141,12 @@ def _response(context: Context, number: int) -> Chart:
     # Phases from 0 to −180°: no force takes energy from where it acts.
     shaded = {} if band is None else {_REFERENCE: band}
     return _chart(excitation.frequencies, receptances_by_model, degrees, shaded).captioned(
-        f"Displacement of the loaded point along a force of 1 N along ({force})"
-        f"{pose and f', with the tool at {pose}'}. Solid: {reference.title}; shaded: its "
-        "range over all its interpretations, with their uncertainty.",
+        "Receptance: magnitude (displacement per force, µm/N) and phase over frequency. "
+        "Displacement of the loaded point along a harmonic force of 1 N in the direction "
+        f"({force}){pose and f', with the tool at {pose}'}. Solid: {reference.title}. "
+        "Shaded: range of the reference over the data that the robot file leaves open, "
+        "with its uncertainty. A model agrees with the reference if its curve lies in "
+        "the shaded range.",
     )
 
 

@@ -129,11 +129,18 @@ def study_curves(family: Family) -> Chart:
     table: dict[str, Column] = {label: x.tolist()}
     table |= {f"{curve.label} ({curve.study.unit})": curve.values for curve in family.curves}
     sentences = [
-        "Left: deviation from the extrapolated or exact value. Right: its decay; observed orders "
-        "are in the legend."
+        (
+            "Convergence with mesh refinement. Left: deviation of each quantity from its "
+            "limit, exact or extrapolated, in percent. Right: size of the deviation on "
+            "logarithmic scales, with the slope of the formal order in grey. A curve "
+            "parallel to the grey line converges as theory predicts. Observed orders are in "
+            "the legend."
+        )
     ]
     if any(curve.uncertainty is not None for curve in family.curves):
-        sentences.append("The bar on the finest mesh is the numerical uncertainty there.")
+        sentences.append(
+            "Bar at the finest mesh: numerical uncertainty; it should reach zero deviation."
+        )
     return Chart(panels, label, 2, 2.2, table).captioned(*sentences, *family.notes)
 
 

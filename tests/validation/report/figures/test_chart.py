@@ -97,7 +97,7 @@ def test_legend_shows_all_entries_above_axes(names):
 
 def test_bars_stack_away_from_zero_in_rows():
     bars = [Bars("shear", np.array([1.0, -2.0])), Bars("unexplained", np.array([-3.0, -4.0]))]
-    point = Series("difference E", X[:2], np.array([-2.0, -6.0]), bars=np.array([0.1, 0.2]))
+    point = Series("difference", X[:2], np.array([-2.0, -6.0]), bars=np.array([0.1, 0.2]))
     more = {"names": ["upper", "lower\nin two lines"], "band": (-1.0, 1.0)}
     lying = Panel([point], bars=bars, lying=True, band_label="tolerance", **more)
     shares = [np.array([60.0, 3.0]), np.array([40.0, 97.0])]
@@ -120,7 +120,7 @@ def test_bars_stack_away_from_zero_in_rows():
     faces = {box.get_facecolor() for box in (*rows.patches[1:], *columns.patches)}
     assert len(faces) == 4
     legend = [text.get_text() for text in picture.legends[0].get_texts()]
-    assert set(legend) == {"shear", "unexplained", "difference E", "tolerance", "0", "1"}
+    assert set(legend) == {"shear", "unexplained", "difference", "tolerance", "0", "1"}
 
 
 def test_percent_axis_has_ticks_at_limit_and_beyond():

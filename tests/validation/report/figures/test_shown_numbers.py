@@ -78,7 +78,7 @@ def test_note_on_masses_uses_middle_pose(robot):
     robot.has_solids = True
     truth = reference("", {"wedge": vibration(1.0), "lump": vibration(0.9)}, supposed="plausible")
     (note,) = mass_notes(Responses(robot), truth)
-    assert "give f1 9 to 10 Hz, f2 18 to 20 Hz in the middle of the path" in note
+    assert "give f1 9 to 10 Hz, f2 18 to 20 Hz at the middle pose of the path" in note
 
 
 def test_varied_robot_uses_middle_pose(monkeypatch):
