@@ -273,7 +273,9 @@ def test_legs_and_measured_values_have_own_tables():
     assert all(markup.count(f'id="{link}"') == 1 for link in links)
     assert "measured: gauge" in markup
     assert markup.index('id="leg_1-matrix"') > markup.index(f'id="{anchor(LEGS)}"')
-    assert markup.index("compared with solids of the same legs</h3>") > markup.index('id="leg_1-matrix"')
+    assert markup.index("compared with solids of the same legs</h3>") > markup.index(
+        'id="leg_1-matrix"'
+    )
     assert "measured.values" in {figure.id for figure in report.shown}
     # By itself it is the answer.
     alone = render(sample_report(matrix=None, measured=report.results.measured, figures=()))
