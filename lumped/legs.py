@@ -1,18 +1,23 @@
-"""Legs of a robot, given by a section and a material, or by a compliance matrix and a mass.
+"""Legs of a robot, given by sections and a material, or by a compliance matrix and a mass.
 
 Leg axes: x runs from the root to the tip, z is as near to the robot's z axis as possible.
 """
 
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
+from itertools import pairwise
 from typing import Literal, TypeAlias
 
 import numpy as np
 
 from lumped.arrays import Array
+from lumped.centre_line import CentreLine
 from lumped.errors import ComputationError
+from lumped.line_sections import FIELDS, NODES, TOGETHER, LineSections
+from lumped.memo import memo
 from lumped.screws import move_compliance
-from lumped.sections import Section
+from lumped.sections import Section, fourth_moments
 
 Theory: TypeAlias = Literal["euler-bernoulli", "timoshenko"]
 Ends: TypeAlias = Literal["rigid", "free"]
@@ -249,6 +254,109 @@ class GivenLeg:
     inertia: Array | None = None
     mass_centre: float | None = None
     name: str = field(default="", compare=False)
+
+
+@dataclass(frozen=True)
+class Span:
+    """Part of a line from `start` to `end` (m along it), its sections varying linearly."""
+
+    start: float
+    end: float
+    first: Section
+    last: Section
+
+    def section(self, share: float) -> Section:
+        """Section at a share of the span: each of its sizes varies linearly."""
+        if self.first == self.last:
+            return self.first
+        sizes = {
+            entry.name: (1.0 - share) * getattr(self.first, entry.name)
+            + share * getattr(self.last, entry.name)
+            for entry in fields(self.first)
+        }
+        return type(self.first)(**sizes)
+
+
+@dataclass(frozen=True)
+class LineLeg:
+    """Leg along a centre line, with sections at stations and one material.
+
+    `stations`: positions (m along the line, ascending, the first at its start, the last at its end)
+    and the sections there. Sizes of sections vary linearly between two stations, which therefore
+    have the same shape; two stations at one position make a step. Centroids are on the line.
+    `ends` and `name`: see `ConstantLeg`.
+    """
+
+    line: CentreLine
+    stations: tuple[tuple[float, Section], ...]
+    material: Material
+    ends: Ends | None = None
+    name: str = field(default="", compare=False)
+
+    @property
+    def length(self) -> float:
+        """Distance from root to tip (m)."""
+        return self.line.chord
+
+    @cached_property
+    def spans(self) -> tuple[Span, ...]:
+        """Smooth parts of the leg: within one piece of the line, between two stations."""
+        slack = TOGETHER * self.line.length
+        spans = []
+        for (start, first), (end, last) in pairwise(self.stations):
+            if end - start <= slack:
+                continue
+            whole = Span(start, end, first, last)
+            inner = [x for x in self.line.ends.tolist() if start + slack < x < end - slack]
+            edges = [start, *inner, end]
+            for a, b in pairwise(edges):
+                sections = (whole.section((x - start) / (end - start)) for x in (a, b))
+                spans.append(Span(a, b, *sections))
+        return tuple(spans)
+
+    @property
+    def largest_extent(self) -> float:
+        """Largest side (m) of the boxes around its sections."""
+        return max(max(section.extent) for _, section in self.stations)
+
+    def section_at(self, position: float) -> Section:
+        """Section at a position (m along the line), the later one at a step."""
+        span = next((s for s in reversed(self.spans) if s.start <= position), self.spans[0])
+        return span.section(min(1.0, (position - span.start) / (span.end - span.start)))
+
+    @property
+    def mass(self) -> float:
+        """Mass (kg)."""
+        along = self.sections("euler-bernoulli")
+        origin = np.zeros((1, 3))
+        return float(along.masses(along.ends[[0, -1]], origin)[0, 0, 0])
+
+    def sections(self, theory: Theory) -> LineSections:
+        """Sections along the line in a beam theory; raises as `ConstantLeg.timoshenko` does."""
+        return _line_sections(self, theory)
+
+    def sections_by(self, beam: Callable[[ConstantLeg], BeamProperties]) -> LineSections:
+        """Sections along the line, `beam` the constants of a prism with the section at a point."""
+        values = []
+        for span in self.spans:
+            shares = [0.0] if span.first == span.last else NODES.tolist()
+            rows = []
+            for share in shares:
+                prism = ConstantLeg(
+                    span.end - span.start, span.section(share), self.material, self.ends, self.name
+                )
+                properties = beam(prism)
+                constants = [getattr(properties, name) for name in FIELDS]
+                fourth = fourth_moments(prism.section) or (0.0, 0.0, 0.0)
+                rows.append([*constants, *(self.material.E * moment for moment in fourth)])
+            values.append(np.broadcast_to(rows, (len(NODES), len(rows[0]))))
+        ends = np.array([self.spans[0].start, *(span.end for span in self.spans)])
+        return LineSections(self.line, ends, np.array(values, dtype=float))
+
+
+@memo(32)
+def _line_sections(leg: LineLeg, theory: Theory) -> LineSections:
+    return leg.sections_by(lambda prism: prism.properties(theory))
 
 
 Leg: TypeAlias = GivenLeg | ConstantLeg

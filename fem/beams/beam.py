@@ -56,7 +56,7 @@ from lumped.mechanism.body_model import LegMatrices
 # Exact for the product of two cubics, the highest degree in the mass.
 _INTEGRATION_ORDER = 6
 # Slack for stations at the very end of the leg, relative to its length.
-_ROUNDING = 1e-8
+ROUNDING = 1e-8
 # Round sections do not warp: below this share of G I_p warping has nothing to act against.
 _NO_WARPING = 1e-4
 
@@ -305,7 +305,7 @@ def _twists(
 ) -> SparseMatrix:
     """6m × `size`: the member's share of the section's twist at `stations` (m from the root)."""
     stations = np.atleast_1d(np.asarray(stations, dtype=float))
-    slack = _ROUNDING * length
+    slack = ROUNDING * length
     if not np.all((stations >= -slack) & (stations <= length + slack)):
         raise InputError(f"beam leg: a station lies outside the leg, 0 m to {length:g} m")
     elements = len(places)

@@ -11,6 +11,8 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from lumped.arrays import Array, SparseMatrix
+from lumped.centre_line import CentreLine
+from lumped.screws import shift
 
 ENDS = ("root", "tip")
 
@@ -47,25 +49,34 @@ class LegMatrices(BodyModel):
     """Stiffness and mass matrices of one unsupported leg, leg axes, SI units.
 
     The unknowns are the twist of the root (6), the twist of the tip (6) and internal ones. `length`
-    is in m. `centreline(stations)` is the sparse 6m × n matrix from the unknowns to the twists of
-    the sections at m `stations` (m from the root). Sections remain plane. `parts` splits the
-    stiffness into "tension", "torsion", "bending y" (deflection along z, EIy) and "bending z"
-    (deflection along y, EIz), each with its shear. If the section couples both bendings, they are
-    one part "bending".
+    from root to tip is in m. `line` is the centre line, None if it is the x axis.
+    `centreline(stations)` is the sparse 6m × n matrix from the unknowns to the twists of the
+    sections at m `stations` (m along the line). Sections remain plane. `parts` splits the stiffness
+    into "tension", "torsion", "bending y" (deflection along z, EIy) and "bending z" (deflection
+    along y, EIz), each with its shear. If the section couples both bendings, they are one part
+    "bending". The legs along a line have no parts.
     """
 
     interfaces: tuple[str, ...] = field(init=False, default=ENDS)
     displacements: Callable[[Array], SparseMatrix] = field(init=False)
     length: float = field(kw_only=True)
     centreline: Callable[[Array], SparseMatrix] = field(kw_only=True)
+    line: CentreLine | None = field(kw_only=True, default=None)
 
     def __post_init__(self) -> None:
-        displacements = partial(_section_displacements, self.centreline)
+        displacements = partial(_section_displacements, self.centreline, self.line)
         object.__setattr__(self, "displacements", displacements)
+
+    def centreline_points(self, stations: Array) -> Array:
+        """Points (m×3, leg axes) of the centre line at `stations` (m along it)."""
+        if self.line is None:
+            return np.asarray(np.multiply.outer(stations, [1.0, 0.0, 0.0]))
+        points, _ = self.line.frames(stations)
+        return points
 
 
 def _section_displacements(
-    centreline: Callable[[Array], SparseMatrix], points: Array
+    centreline: Callable[[Array], SparseMatrix], line: CentreLine | None, points: Array
 ) -> SparseMatrix:
     """3m × n matrix from the unknowns to the displacements of `points` (m×3, m, leg axes).
 
@@ -73,12 +84,14 @@ def _section_displacements(
     section, and the arm r from the section's centroid.
     """
     count = len(points)
-    arm = np.zeros((count, 3, 6))
-    arm[:, :, :3] = np.eye(3)
-    y, z = points[:, 1], points[:, 2]
-    arm[:, 0, 4], arm[:, 0, 5] = z, -y
-    arm[:, 1, 3], arm[:, 2, 3] = -z, y
+    if line is None:
+        stations = points[:, 0]
+        arms = points * np.array([0.0, 1.0, 1.0])
+    else:
+        stations = line.nearest(points)
+        arms = points - line.frames(stations)[0]
+    arm = shift(arms)[:, :3]
     rows = np.repeat(np.arange(3 * count), 6)
     columns = (6 * np.arange(count)[:, None, None] + np.arange(6)).repeat(3, axis=1).ravel()
     point_from_section = csr_array((arm.ravel(), (rows, columns)), shape=(3 * count, 6 * count))
-    return csr_array(point_from_section @ centreline(points[:, 0]))
+    return csr_array(point_from_section @ centreline(stations))

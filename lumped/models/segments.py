@@ -12,14 +12,16 @@ layouts of n equal elements:
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Literal, TypeAlias
+from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
 from scipy.sparse import coo_matrix, csr_matrix
 
 from lumped.arrays import Array, IntArray, SparseMatrix
+from lumped.centre_line import CentreLine
 from lumped.errors import InputError
 from lumped.legs import BeamProperties
+from lumped.line_sections import LineSections
 from lumped.mechanism.body_model import LegMatrices
 from lumped.screws import shift
 from lumped.system.joint_motion import printed_release
@@ -28,6 +30,7 @@ Layout: TypeAlias = Literal["half", "literal"]
 # Release of rotation in the robot's revolute joints: by condensation, or by eq. (25) as printed.
 Release: TypeAlias = Literal["condensed", "printed"]
 
+_ALONG = np.array([1.0, 0.0, 0.0])
 # Twist components of each kind of deformation, for a spring referred to the middle of its piece.
 KINDS = {"tension": (0,), "torsion": (3,), "bending y": (2, 4), "bending z": (1, 5)}
 
@@ -36,16 +39,24 @@ KINDS = {"tension": (0,), "torsion": (3,), "bending y": (2, 4), "bending z": (1,
 class SegmentChain:
     """Rigid elements and massless ends of a leg from root to tip, and springs between neighbours.
 
-    `places` (b values, m from the root) are the reference points of the b bodies, `springs_at`
-    (b−1, m from the root) those of the springs. `masses` (b×6×6) are mass matrices at the reference
-    points, `stiffnesses` (b−1×6×6) act on the relative twists at the springs. Leg axes, SI.
+    `points` (b×3, m from the root) are the reference points of the b bodies at `stations` (b, m
+    along the leg), `springs_at` (b−1×3) those of the springs. `masses` (b×6×6) are mass matrices at
+    the reference points, `stiffnesses` (b−1×6×6) act on the relative twists at the springs. Leg
+    axes, SI. `line` is the centre line, None if it is the x axis.
     """
 
     length: float
-    places: Array
+    stations: Array
+    points: Array
     masses: Array
     springs_at: Array
     stiffnesses: Array
+    line: CentreLine | None = None
+
+    @property
+    def tip(self) -> Array:
+        """Point (3, m) of the tip."""
+        return self.length * _ALONG
 
 
 def segment_chain(
@@ -55,26 +66,91 @@ def segment_chain(
 
     Raises InputError if the layout needs more elements ("half" 1, "literal" 2).
     """
+    layout_stations = _stations(length, elements, layout)
+    piece = length / elements
+    masses = np.tile(_element_mass(properties, piece), (elements, 1, 1))
+    pieces: Array = np.full(len(layout_stations.springs), piece, dtype=float)
+    if layout == "half":
+        pieces[[0, -1]] = piece / 2.0
+    centres, points, springs_at = (
+        np.multiply.outer(stations, _ALONG)
+        for stations in (
+            layout_stations.centres,
+            layout_stations.bodies,
+            layout_stations.springs,
+        )
+    )
+    return SegmentChain(
+        length=length,
+        stations=layout_stations.bodies,
+        points=points,
+        masses=_body_masses(masses, centres, points),
+        springs_at=springs_at,
+        stiffnesses=np.array([_spring(properties, part) for part in pieces]),
+    )
+
+
+def line_segment_chain(
+    sections: LineSections, elements: int, layout: Layout = "half"
+) -> SegmentChain:
+    """Chain of `elements` rigid elements, equally long along a leg's centre line.
+
+    Each spring has the flexibility of the line between the centres of its two elements, which makes
+    the half layout exact in statics for any taper, step, corner and arc. Raises InputError as
+    `segment_chain` does.
+    """
+    line = sections.line
+    layout_stations = _stations(line.length, elements, layout)
+    centres, points, springs_at = (
+        line.frames(stations)[0]
+        for stations in (
+            layout_stations.centres,
+            layout_stations.bodies,
+            layout_stations.springs,
+        )
+    )
+    edges = np.linspace(0.0, line.length, elements + 1)
+    stiffnesses = np.linalg.inv(sections.compliances(layout_stations.spring_ends, springs_at))
+    return SegmentChain(
+        length=line.chord,
+        stations=layout_stations.bodies,
+        points=points,
+        masses=_body_masses(sections.masses(edges, centres), centres, points),
+        springs_at=springs_at,
+        stiffnesses=0.5 * (stiffnesses + stiffnesses.swapaxes(1, 2)),
+        line=line,
+    )
+
+
+class _Stations(NamedTuple):
+    """Positions (m along a leg) of element centres, bodies and springs, and ends of the springs."""
+
+    centres: Array
+    bodies: Array
+    springs: Array
+    spring_ends: Array
+
+
+def _stations(length: float, elements: int, layout: Layout) -> _Stations:
     least = 1 if layout == "half" else 2
     if elements < least:
         raise InputError(f"elements = {elements}: the {layout} layout needs {least} or more")
     piece = length / elements
-    centres = (np.arange(elements) + 0.5) * piece
-    masses = np.tile(_element_mass(properties, piece), (elements, 1, 1))
-    pieces: Array = np.full(elements - 1, piece)
-    middles: Array = np.asarray(centres[:-1] + piece / 2.0, dtype=float)
+    centres: Array = np.asarray((np.arange(elements) + 0.5) * piece, dtype=float)
     if layout == "half":
-        places = np.array([0.0, *centres, length])
-        masses = np.pad(masses, ((1, 1), (0, 0), (0, 0)))
-        pieces = np.array([piece / 2.0, *pieces, piece / 2.0])
-        middles = np.array([piece / 4.0, *middles, length - piece / 4.0])
+        ends = bodies = np.array([0.0, *centres, length])
     else:
         # The end elements are referred to the ends of the leg, to which joints are attached.
-        places = np.array([0.0, *centres[1:-1], length])
-        levers = _shift_along_leg(centres - places)
-        masses = levers.swapaxes(1, 2) @ masses @ levers
-    springs = [_spring(properties, part) for part in pieces]
-    return SegmentChain(length, places, masses, middles, np.array(springs))
+        ends, bodies = centres, np.array([0.0, *centres[1:-1], length])
+    return _Stations(centres, bodies, 0.5 * (ends[1:] + ends[:-1]), ends)
+
+
+def _body_masses(masses: Array, centres: Array, points: Array) -> Array:
+    """Masses (b×6×6) at the bodies' points from those of the elements about their centres."""
+    if len(points) > len(centres):
+        return np.pad(masses, ((1, 1), (0, 0), (0, 0)))
+    levers = shift(centres - points)
+    return np.asarray(levers.swapaxes(1, 2) @ masses @ levers)
 
 
 def _spring(properties: BeamProperties, piece: float) -> Array:
@@ -104,11 +180,6 @@ def _element_mass(properties: BeamProperties, piece: float) -> Array:
     return inertia
 
 
-def _shift_along_leg(offsets: Array | float) -> Array:
-    """Matrix (…×6×6) that moves twists to points `offsets` (…, m) further along the leg."""
-    return shift(np.asarray(offsets)[..., None] * np.eye(3)[0])
-
-
 def with_printed_tip_joint(chain: SegmentChain) -> SegmentChain:
     """Chain with a revolute joint about z at the tip, released by eq. (25) as printed.
 
@@ -118,14 +189,14 @@ def with_printed_tip_joint(chain: SegmentChain) -> SegmentChain:
     printed = printed_release(_last_at_tip(chain))
     return replace(
         chain,
-        springs_at=np.append(chain.springs_at[:-1], chain.length),
+        springs_at=np.vstack([chain.springs_at[:-1], chain.tip]),
         stiffnesses=np.concatenate([chain.stiffnesses[:-1], printed[None]]),
     )
 
 
 def _last_at_tip(chain: SegmentChain) -> Array:
-    """6×6 stiffness of the last spring of a chain, referred to the tip."""
-    lever = _shift_along_leg(chain.springs_at[-1] - chain.length)
+    """Stiffness (6×6) of the last spring, referred to the tip."""
+    lever = shift(chain.springs_at[-1] - chain.tip)
     at_tip: Array = lever.T @ chain.stiffnesses[-1] @ lever
     return at_tip
 
@@ -135,22 +206,23 @@ def segment_leg(chain: SegmentChain) -> LegMatrices:
 
     Unknowns: root 6, tip 6, inner bodies.
     """
-    count = len(chain.places)
+    count = len(chain.points)
     # The order root, inner bodies, tip of the chain becomes root, tip, inner bodies.
     block = np.array([0, *range(2, count), 1])
     mass = _scatter(block[:, None], chain.masses, 6 * count)
     full = _spring_matrix(chain, block, tuple(range(6)))
     parts = {kind: _spring_matrix(chain, block, rows) for kind, rows in KINDS.items()}
-    # A joint released by eq. (25) as printed couples the kinds of deformation, as does a section
-    # without two axes of symmetry. The stiffness is then not split.
-    splits = not (chain.stiffnesses * (1.0 - np.eye(6))).any()
+    # A joint released by eq. (25) as printed couples the kinds of deformation, as do a taper and a
+    # section without two axes of symmetry. The stiffness is then not split.
+    splits = chain.line is None and not (chain.stiffnesses * (1.0 - np.eye(6))).any()
 
     def centreline(stations: Array) -> SparseMatrix:
-        return _interpolate(chain.places, block, np.asarray(stations, dtype=float))
+        return _interpolate(chain.stations, block, np.asarray(stations, dtype=float))
 
     return LegMatrices(
         model="segments",
         length=chain.length,
+        line=chain.line,
         stiffness=full,
         mass=mass,
         centreline=centreline,
@@ -166,18 +238,19 @@ def static_leg(chain: SegmentChain) -> LegMatrices:
     gives the same result with a round-off error of n³ · 1e-15, because the springs of a chain of n
     elements are n³ times as stiff as the leg.
     """
-    levers = _shift_along_leg(chain.length - chain.springs_at[:-1])
+    levers = shift(chain.tip - chain.springs_at[:-1])
     other_compliance = np.sum(
         levers @ np.linalg.inv(chain.stiffnesses[:-1]) @ levers.swapaxes(1, 2), axis=0
     )
     # The last spring may be released and then has no compliance, so its stiffness is used.
     at_tip = _last_at_tip(chain)
     tip = np.linalg.solve(np.eye(6) + at_tip @ other_compliance, at_tip)
-    deflection = np.hstack([-_shift_along_leg(chain.length), np.eye(6)])
-    ends = np.array([0.0, chain.length])
+    deflection = np.hstack([-shift(chain.tip), np.eye(6)])
+    ends = chain.stations[[0, -1]]
     return LegMatrices(
         model="segments",
         length=chain.length,
+        line=chain.line,
         stiffness=csr_matrix(deflection.T @ (0.5 * (tip + tip.T)) @ deflection),
         mass=csr_matrix((12, 12)),
         centreline=lambda stations: _interpolate(ends, np.array([0, 1]), np.asarray(stations)),
@@ -188,11 +261,11 @@ def _spring_matrix(chain: SegmentChain, block: IntArray, rows: Sequence[int]) ->
     """Stiffness Σ [C₂ C₁]ᵀ K [C₂ C₁] of eq. (21), from the components `rows` of the deflections."""
     components, count = list(rows), len(chain.springs_at)
     neighbours = np.column_stack([np.arange(count), np.arange(count) + 1])
-    levers = _shift_along_leg(chain.springs_at[:, None] - chain.places[neighbours])
+    levers = shift(chain.springs_at[:, None] - chain.points[neighbours])
     deflections = np.concatenate([-levers[:, 0], levers[:, 1]], axis=2)[:, components]
     stiffness = chain.stiffnesses[:, components][:, :, components]
     terms = deflections.swapaxes(1, 2) @ stiffness @ deflections
-    return _scatter(block[neighbours], terms, 6 * len(chain.places))
+    return _scatter(block[neighbours], terms, 6 * len(chain.points))
 
 
 def _scatter(blocks: IntArray, matrices: Array, size: int) -> SparseMatrix:

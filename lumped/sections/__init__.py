@@ -5,6 +5,7 @@ shear coefficients.
 """
 
 from lumped.sections.constants import SectionProperties
+from lumped.sections.fourth_moments import fourth_moments
 from lumped.sections.outlined import (
     Angle,
     Channel,
@@ -55,6 +56,7 @@ __all__ = [
     "Tee",
     "Tube",
     "distances_to_edges",
+    "fourth_moments",
     "is_inside",
     "rectangle_torsion_constant",
 ]

@@ -1,0 +1,134 @@
+"""Beam elements along a centre line: tapered, stepped, curved and bent legs.
+
+An element takes its stiffness from equilibrium (force method, `lumped.line_sections`). With twists
+referred to one point o, F the sections' flexibility and H(s) = ∫ F ds from the element's start, the
+displacement under loads at the ends alone is
+
+    t(s) = X(s) [t₁ + H(s) C⁻¹ (t₂ − t₁)],   C = H(end):
+
+exact at the nodes for every taper and arc, free of locking. Its consistent mass uses the same
+displacements, and six inner ones that vanish at both ends: linear strains of one kind each, with
+the part of the displacement above that closes them. Loads at the ends do no work on these, whose
+stiffness is therefore a block of its own, ∫ p² k ds − hᵀC⁻¹h with h = ∫ p b ds of the strain b p.
+Without them the strains inside an element, which inertia makes linear, would be constant in
+tension, torsion and shear, and frequencies of second order in its length. With them frequencies are
+of fourth order if sections and direction are smooth within each element. In prisms the element is
+that of `fem.beams.beam`.
+"""
+
+import numpy as np
+from scipy.sparse import coo_matrix, csr_matrix
+
+from fem.beams.beam import ROUNDING
+from lumped.arrays import Array, IntArray, SparseMatrix
+from lumped.errors import InputError
+from lumped.line_sections import LineSections, cumulative, gauss_points, interpolation
+from lumped.mechanism.body_model import LegMatrices
+from lumped.screws import shift
+
+
+def line_beam(sections: LineSections, elements: int) -> LegMatrices:
+    """Free leg along a line in about `elements` beam elements (`LineSections.edges`).
+
+    Unknowns: twist of the root, twist of the tip, twists of the inner nodes from root to tip, then
+    those inside the elements. Stations of its centreline are positions along the line.
+    """
+    if elements < 1:
+        raise InputError(f"beam leg: elements = {elements!r}: must be 1 or more")
+    edges = sections.edges(elements)
+    lengths = np.diff(edges)
+    nodes, _ = sections.line.frames(edges)
+    field = sections.along(edges)
+    points, weights = gauss_points()
+    origins = 0.5 * (nodes[1:] + nodes[:-1])[:, None]
+    to_origin = shift(origins - field.points)
+    flexibility = to_origin @ field.flexibility @ np.swapaxes(to_origin, -1, -2)
+    integral = 0.5 * lengths[:, None] * weights
+    compliance = np.einsum("eg,egij->eij", integral, flexibility)
+    inner = _inner_strains(field.rigid)
+    strains = points[:, None, None] * (to_origin @ field.strains)[..., inner]
+    closing = np.einsum("eg,egij->eij", integral, strains)
+    stiffness = np.zeros((len(lengths), 12 + len(inner), 12 + len(inner)))
+    ends = np.concatenate([-shift(origins[:, 0] - nodes[:-1]), shift(origins[:, 0] - nodes[1:])], 2)
+    relative = np.linalg.solve(compliance, ends)
+    closed = np.linalg.solve(compliance, closing)
+    stiffness[:, :12, :12] = np.swapaxes(ends, 1, 2) @ relative
+    moduli = field.stiffness[..., inner, :][..., inner]
+    own = np.einsum("eg,egij->eij", integral * points**2, moduli)
+    stiffness[:, 12:, 12:] = own - np.swapaxes(closing, 1, 2) @ closed
+
+    turned, bent = cumulative(flexibility, lengths), cumulative(strains, lengths)
+    start = np.zeros_like(ends)
+    start[..., :6] = shift(origins[:, 0] - nodes[:-1])
+    about_origin = np.concatenate(
+        [start[:, None] + turned @ relative[:, None], bent - turned @ closed[:, None]], axis=3
+    )
+    shapes = shift(field.points - origins) @ about_origin
+    mass = np.einsum("eg,egki,egkl,eglj->eij", integral, shapes, field.mass, shapes, optimize=True)
+    places, size = _places(len(lengths), len(inner))
+
+    def assembled(matrices: Array) -> SparseMatrix:
+        matrices = 0.5 * (matrices + np.swapaxes(matrices, 1, 2))
+        rows, columns = np.broadcast_arrays(places[:, :, None], places[:, None, :])
+        entries = (matrices.ravel(), (rows.ravel(), columns.ravel()))
+        return csr_matrix(coo_matrix(entries, shape=(size, size)))
+
+    def centreline(stations: Array) -> SparseMatrix:
+        return _twists(sections, edges, about_origin, origins[:, 0], places, size, stations)
+
+    return LegMatrices(
+        model="beam",
+        length=sections.line.chord,
+        line=sections.line,
+        stiffness=assembled(stiffness),
+        mass=assembled(mass),
+        centreline=centreline,
+    )
+
+
+def _inner_strains(rigid: tuple[bool, ...]) -> IntArray:
+    """Strains that are linear inside elements: all, or tension and torsion without shear.
+
+    Bending alone is of fourth order without them, as Hermite's element is.
+    """
+    if rigid[1] and rigid[2]:
+        return np.array([0, 3])
+    return np.flatnonzero(~np.array(rigid))
+
+
+def _places(elements: int, inner: int) -> tuple[IntArray, int]:
+    """Unknowns of the leg (elements×(12 + inner)) that each element has, and their number."""
+    ranks: IntArray = np.r_[0, 2 : elements + 1, 1]  # of the nodes from root to tip
+    nodal = 6 * ranks[:, None] + np.arange(6)
+    size = 6 * (elements + 1)
+    own = size + np.arange(elements * inner).reshape(elements, inner)
+    return np.hstack([nodal[:-1], nodal[1:], own]), size + own.size
+
+
+def _twists(
+    sections: LineSections,
+    edges: Array,
+    about_origin: Array,
+    origins: Array,
+    places: IntArray,
+    size: int,
+    stations: Array,
+) -> SparseMatrix:
+    """6m × `size`: twists of the sections at `stations` (m along the line).
+
+    Displacements between Gauss points are interpolated, with the nodes' own at both ends.
+    """
+    positions = np.atleast_1d(np.asarray(stations, dtype=float))
+    length, elements = edges[-1], len(edges) - 1
+    if not np.all((positions >= -ROUNDING * length) & (positions <= (1.0 + ROUNDING) * length)):
+        raise InputError(f"beam leg: a station lies outside the leg, 0 m to {length:g} m")
+    cells = np.clip(np.searchsorted(edges, positions, side="left") - 1, 0, elements - 1)
+    coordinates = 2.0 * (positions - edges[cells]) / np.diff(edges)[cells] - 1.0
+    weights = interpolation(np.clip(coordinates, -1.0, 1.0))
+    fields = np.einsum("ng,ngij->nij", weights, about_origin[cells])
+    line_points, _ = sections.line.frames(np.clip(positions, 0.0, length))
+    twists = shift(line_points - origins[cells]) @ fields
+    rows = 6 * np.arange(len(positions))[:, None, None] + np.arange(6)[:, None]
+    rows, columns = np.broadcast_arrays(rows, places[cells][:, None, :])
+    entries = (twists.ravel(), (rows.ravel(), columns.ravel()))
+    return csr_matrix(coo_matrix(entries, shape=(6 * len(positions), size)))

@@ -1,0 +1,195 @@
+"""Centre lines of legs: straight pieces and circular arcs from root to tip, in leg axes.
+
+A leg's x axis points from its root to its tip, and so its centre line starts at the origin and ends
+on the x axis. The axes of its sections follow the line: x along the tangent, z as close to one
+direction `up` as possible.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TypeAlias
+
+import numpy as np
+
+from lumped.arrays import Array, IntArray
+from lumped.screws import rotation_about
+
+Point: TypeAlias = tuple[float, float, float]
+
+# Share of a chord: a point of an arc that is as close to the chord makes it straight.
+_STRAIGHT = 1e-9
+# Sine of the angle below which the tangent is parallel to `up`.
+SMALLEST_SINE = 1e-3
+# Cosine of the largest angle between tangents of smooth pieces, 0.1°.
+_SMOOTH = np.cos(np.radians(0.1))
+# Number of points per piece at which a search for the nearest one starts, and Newton's steps.
+_SEARCHED, _STEPS = 33, 20
+
+
+@dataclass(frozen=True)
+class LinePiece:
+    """A piece from `start` to `end` (m): straight, or the arc through `through` in between."""
+
+    start: Point
+    end: Point
+    through: Point | None = None
+
+    @cached_property
+    def _rotation(self) -> tuple[Array, Array, float]:
+        """Centre (3, m), axis (unit vector) and angle (rad, up to 2π) of an arc.
+
+        The angle of a straight piece is zero.
+        """
+        if self.through is None:
+            return np.zeros(3), np.zeros(3), 0.0
+        start, through, end = map(np.array, (self.start, self.through, self.end))
+        a, b = through - start, end - start
+        normal = np.cross(a, b)
+        squared = float(normal @ normal)
+        if squared <= (_STRAIGHT * float(b @ b)) ** 2:
+            return np.zeros(3), np.zeros(3), 0.0
+        # Centre of the circle through three points.
+        to_centre = np.cross((a @ a) * b - (b @ b) * a, normal) / (2.0 * squared)
+        radial, last = -to_centre, b - to_centre
+        axis = normal / np.sqrt(squared)
+        angle = float(np.arctan2(axis @ np.cross(radial, last), radial @ last))
+        return start + to_centre, axis, angle % (2.0 * np.pi)
+
+    @cached_property
+    def length(self) -> float:
+        """Length along the piece (m)."""
+        centre, _, angle = self._rotation
+        radius = float(np.linalg.norm(np.array(self.start) - centre))
+        return angle * radius if angle else float(np.linalg.norm(self._chord))
+
+    @property
+    def radius(self) -> float:
+        """Radius (m) of an arc; infinite for a straight piece."""
+        angle = self._rotation[2]
+        return self.length / angle if angle else np.inf
+
+    @property
+    def _chord(self) -> Array:
+        return np.asarray(np.subtract(self.end, self.start))
+
+    def at(self, shares: Array) -> tuple[Array, Array]:
+        """Points (n×3, m) and unit tangents (n×3) at `shares` (n) of its length."""
+        start = np.array(self.start)
+        centre, axis, angle = self._rotation
+        if not angle:
+            tangent = self._chord / np.linalg.norm(self._chord)
+            points = start + shares[:, None] * self._chord
+            return points, np.broadcast_to(tangent, points.shape)
+        turned = rotation_about(angle * shares[:, None] * axis)
+        radial = turned @ (start - centre)
+        return centre + radial, np.cross(axis, radial) / np.linalg.norm(start - centre)
+
+    @cached_property
+    def turning(self) -> Array:
+        """Rotation vector of the tangent per length (3, rad/m): zero if the piece is straight."""
+        _, axis, angle = self._rotation
+        return axis * (angle / self.length)
+
+
+@dataclass(frozen=True)
+class CentreLine:
+    """Centre line of a leg (m, leg axes) and the direction `up` of its sections' z axes."""
+
+    pieces: tuple[LinePiece, ...]
+    up: Point
+
+    @cached_property
+    def ends(self) -> Array:
+        """Positions (p+1, m along the line) of the ends of the pieces."""
+        return np.concatenate([[0.0], np.cumsum([piece.length for piece in self.pieces])])
+
+    @property
+    def length(self) -> float:
+        """Length along the line (m)."""
+        return float(self.ends[-1])
+
+    @property
+    def is_straight(self) -> bool:
+        """True if the line is the x axis."""
+        return self.length <= self.chord * (1.0 + _STRAIGHT)
+
+    @property
+    def chord(self) -> float:
+        """Distance from root to tip (m)."""
+        first, last = np.array(self.pieces[0].start), np.array(self.pieces[-1].end)
+        return float(np.linalg.norm(last - first))
+
+    @cached_property
+    def corners(self) -> tuple[float, ...]:
+        """Positions (m along the line) at which its direction jumps."""
+        jumps = []
+        for first, second, position in zip(
+            self.pieces[:-1], self.pieces[1:], self.ends[1:-1], strict=True
+        ):
+            before, after = first.at(np.ones(1))[1][0], second.at(np.zeros(1))[1][0]
+            if float(before @ after) < _SMOOTH:
+                jumps.append(float(position))
+        return tuple(jumps)
+
+    @property
+    def smallest_radius(self) -> float:
+        """Radius of the tightest arc (m); infinite without arcs."""
+        return min(piece.radius for piece in self.pieces)
+
+    def piece_at(self, positions: Array) -> IntArray:
+        """Number (n) of the piece at `positions` (n, m along the line), the later one at its start.
+
+        The end of the line belongs to the last piece.
+        """
+        numbers = np.searchsorted(self.ends, positions, side="right") - 1
+        return np.clip(numbers, 0, len(self.pieces) - 1)
+
+    def frames(self, positions: Array, pieces: IntArray | None = None) -> tuple[Array, Array]:
+        """Points (n×3, m) and axes of the sections (n×3×3, columns) at positions along the line.
+
+        `pieces` (n): numbers of the pieces to which the positions belong; default: `piece_at`.
+        """
+        positions = np.asarray(positions, dtype=float)
+        numbers = self.piece_at(positions) if pieces is None else pieces
+        points, tangents = np.empty((len(positions), 3)), np.empty((len(positions), 3))
+        for number, piece in enumerate(self.pieces):
+            chosen = numbers == number
+            shares = (positions[chosen] - self.ends[number]) / piece.length
+            points[chosen], tangents[chosen] = piece.at(shares)
+        y = np.cross(np.array(self.up), tangents)
+        y /= np.linalg.norm(y, axis=1)[:, None]
+        return points, np.stack([tangents, y, np.cross(tangents, y)], axis=2)
+
+    def curvatures(self, axes: Array, pieces: IntArray) -> Array:
+        """Components (n×2, 1/m) of the change of the tangent per length along y and z of `axes`."""
+        turning = np.array([piece.turning for piece in self.pieces])[pieces]
+        change = np.cross(turning, axes[:, :, 0])
+        return np.asarray(np.einsum("ni,nij->nj", change, axes[:, :, 1:]))
+
+    @property
+    def smallest_sine(self) -> float:
+        """Smallest sine of the angle between `up` and the tangent."""
+        samples = np.concatenate(
+            [piece.at(np.linspace(0.0, 1.0, _SEARCHED))[1] for piece in self.pieces]
+        )
+        up = np.array(self.up) / np.linalg.norm(self.up)
+        return float(np.linalg.norm(np.cross(samples, up), axis=1).min())
+
+    def nearest(self, points: Array) -> Array:
+        """Positions (n, m along the line) nearest to `points` (n×3, m, leg axes)."""
+        shares = np.linspace(0.0, 1.0, _SEARCHED)
+        best, distances = np.zeros(len(points)), np.full(len(points), np.inf)
+        for piece, start in zip(self.pieces, self.ends, strict=False):
+            samples, _ = piece.at(shares)
+            share = shares[
+                np.argmin(np.linalg.norm(points[:, None] - samples[None], axis=2), axis=1)
+            ]
+            for _ in range(_STEPS):
+                foot, tangent = piece.at(share)
+                step = np.einsum("ij,ij->i", points - foot, tangent) / piece.length
+                share = np.clip(share + step, 0.0, 1.0)
+            distance = np.linalg.norm(points - piece.at(share)[0], axis=1)
+            closer = distance < distances - _STRAIGHT * self.length
+            best[closer] = start + share[closer] * piece.length
+            distances[closer] = distance[closer]
+        return best
